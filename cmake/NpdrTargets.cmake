@@ -1,0 +1,56 @@
+# One helper per kind of target, so that every target of a kind is built alike.
+include(GoogleTest OPTIONAL)
+
+# Flags that every target of the project shares.
+add_library(npdr_flags INTERFACE)
+target_compile_features(npdr_flags INTERFACE cxx_std_20)
+target_include_directories(npdr_flags INTERFACE ${PROJECT_SOURCE_DIR})
+# errno and floating-point traps are not used here; giving them up lets loops over lanes vectorise.
+# Nothing that changes the value of a result (such as -ffast-math) is allowed.
+target_compile_options(npdr_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
+  -fno-math-errno -fno-trapping-math)
+if(NPDR_NATIVE)
+  target_compile_options(npdr_flags INTERFACE -march=native -mprefer-vector-width=512)
+endif()
+if(NPDR_WERROR)
+  target_compile_options(npdr_flags INTERFACE -Werror)
+endif()
+if(NPDR_SANITIZE)
+  target_compile_options(npdr_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all
+                         -fno-omit-frame-pointer)
+  target_link_options(npdr_flags INTERFACE -fsanitize=address,undefined)
+endif()
+
+# npdr_library(<name> SOURCES <...> LINK <...>): one library per folder.
+function(npdr_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC npdr_flags ${ARG_LINK} PRIVATE ${ARG_PRIVATE_LINK})
+endfunction()
+
+# npdr_executable(<name> SOURCES <...> LINK <...>): a program that users call; installed.
+function(npdr_executable name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  install(TARGETS ${name} RUNTIME DESTINATION bin)
+endfunction()
+
+# npdr_test(<name> SOURCES <...> LINK <...>): a GoogleTest program; every TEST is a ctest of its own.
+function(npdr_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE NPDR_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                             NPDR_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  gtest_discover_tests(${name} TEST_PREFIX ${name}/ DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+endfunction()
+
+# npdr_bench(<name> SOURCES <...> LINK <...>): a Google Benchmark program; run by hand, never by ctest.
+function(npdr_bench name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} benchmark::benchmark_main)
+endfunction()

@@ -1,0 +1,63 @@
+#include "core/target.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "core/error.h"
+
+namespace npdr {
+namespace {
+
+void check_shape(const std::string& where, const std::string& what, const RowMatrix& values,
+                 Index rows, Index cols) {
+  if (values.rows() == rows && values.cols() == cols) return;
+  std::ostringstream message;
+  message << where << ": " << what << " has shape (" << values.rows() << ", " << values.cols()
+          << "), must be (" << rows << ", " << cols << ")";
+  throw InputError(message.str());
+}
+
+void check_finite(const std::string& where, const std::string& what, const RowMatrix& values,
+                  const std::vector<Channel>& channels) {
+  for (Index t = 0; t < values.rows(); ++t) {
+    for (Index c = 0; c < values.cols(); ++c) {
+      if (std::isfinite(values(t, c))) continue;
+      std::ostringstream message;
+      message << where << ": " << what << " of channel '"
+              << channels[static_cast<std::size_t>(c)].label << "' is " << values(t, c)
+              << " at step " << t << ", must be finite; repair or leave out this recording";
+      throw InputError(message.str());
+    }
+  }
+}
+
+}  // namespace
+
+void Target::check(const std::string& where) const {
+  if (!(dt > 0.0) || !std::isfinite(dt)) {
+    throw InputError(where + ": dt = " + std::to_string(dt) + ", must be a positive time [s]");
+  }
+  if (rollouts.empty() || num_steps() < 1) {
+    throw InputError(where + ": no rollout with at least one step");
+  }
+  for (std::size_t h = 0; h < rollouts.size(); ++h) {
+    const Rollout& r = rollouts[h];
+    const std::string which = " of rollout " + std::to_string(h) + " ('" + r.name + "')";
+    check_shape(where, "states" + which, r.states, num_steps() + 1, num_states());
+    check_shape(where, "actions" + which, r.actions, num_steps(), num_actions());
+    check_finite(where, "state" + which, r.states, state_channels);
+    check_finite(where, "action" + which, r.actions, action_channels);
+  }
+}
+
+Target Target::first(Index count) const {
+  if (count < 1 || count > num_rollouts()) {
+    throw InputError("num_rollouts = " + std::to_string(count) + ", but the target domain has " +
+                     std::to_string(num_rollouts()) + " rollouts");
+  }
+  Target result = *this;
+  result.rollouts.resize(static_cast<std::size_t>(count));
+  return result;
+}
+
+}  // namespace npdr

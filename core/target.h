@@ -1,0 +1,49 @@
+/// The target domain: H rollouts whose motion the inference explains.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+
+namespace npdr {
+
+/// A quantity that a trajectory or an action has one column of.
+struct Channel {
+  std::string label;  ///< such as "theta_dot"
+  std::string unit;   ///< SI, such as "rad/s"
+  friend bool operator==(const Channel&, const Channel&) = default;
+};
+
+/// One rollout: states before each action and after the last, and what was applied in between.
+struct Rollout {
+  std::string name;
+  RowMatrix states;   ///< (T + 1, C)
+  RowMatrix actions;  ///< (T, A), held over a step
+
+  Index num_steps() const { return actions.rows(); }
+};
+
+/// H rollouts of the target domain, recorded on a device or simulated at a known truth.
+/// All rollouts have the same T, C and A.
+struct Target {
+  double dt = 0.0;  ///< [s] between two states
+  std::vector<Channel> state_channels;
+  std::vector<Channel> action_channels;
+  std::vector<Rollout> rollouts;
+  std::string source;  ///< where the rollouts come from, for people
+
+  Index num_rollouts() const { return static_cast<Index>(rollouts.size()); }
+  Index num_steps() const { return rollouts.empty() ? 0 : rollouts.front().num_steps(); }
+  Index num_states() const { return static_cast<Index>(state_channels.size()); }
+  Index num_actions() const { return static_cast<Index>(action_channels.size()); }
+
+  /// Throws InputError unless shapes agree, every value is finite, dt > 0 and there is at least one
+  /// rollout with at least one step. `where` (a file name) begins the message.
+  void check(const std::string& where) const;
+
+  /// The first `count` rollouts. Throws InputError when there are fewer.
+  Target first(Index count) const;
+};
+
+}  // namespace npdr

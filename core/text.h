@@ -1,0 +1,21 @@
+/// Small helpers for messages that people read.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace npdr {
+
+/// The candidate with the smallest edit distance to `name` (Levenshtein, case folded), or "" when
+/// none is near enough to be a likely misspelling.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
+
+/// "a, b, c".
+std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
+
+/// `unknown simulator 'furta' (did you mean 'furuta'?); known: furuta, pendulum`.
+std::string unknown_name(std::string_view kind, std::string_view name,
+                         const std::vector<std::string>& known);
+
+}  // namespace npdr

@@ -1,0 +1,22 @@
+/// Settings of an embedding, as a study gives them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+
+namespace npdr::inference {
+
+/// How the H rollouts of one simulation become the feature vector x.
+struct EmbeddingConfig {
+  std::string kind = "linear";        ///< a name of embedding_names()
+  Index features = 256;               ///< width of the trained layer ("linear" only)
+  Index downsample = 1;               ///< keep every k-th state
+  std::vector<std::string> channels;  ///< state channels to keep; empty: all
+};
+
+/// "linear", "all_steps", "delta_steps", "last_step", "bayessim".
+std::vector<std::string> embedding_names();
+
+}  // namespace npdr::inference

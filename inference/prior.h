@@ -1,0 +1,67 @@
+/// Prior over the domain parameters and the map that makes it standard normal.
+///
+/// Every marginal is independent. With F_d the distribution function of marginal d,
+///   u_d = Phi^-1(F_d(theta_d)),      theta_d = F_d^-1(Phi(u_d)),
+/// turns the prior into N(0, I), whatever the marginals. Inference works on u: the support of theta
+/// is all of R^D there, so no sample can leave the prior; a flow that starts as the identity starts
+/// as the prior; and the Gaussian algebra of the proposal corrections (NPE-A, NPE-C with a mixture
+/// of Gaussians) is exact, because the prior is Gaussian. Densities transform as
+///   log p(theta) = log p(u) + sum_d [ log p_d(theta_d) - log phi(u_d) ].
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/random.h"
+#include "core/types.h"
+
+namespace npdr::inference {
+
+/// One independent marginal of the prior.
+struct Marginal {
+  enum class Kind { uniform, log_uniform, normal };
+
+  std::string name;
+  std::string unit;
+  Kind kind = Kind::uniform;
+  double a = 0.0;  ///< lower bound; the mean of a normal
+  double b = 1.0;  ///< upper bound; the standard deviation of a normal
+
+  double lower() const;  ///< smallest theta with positive density; -infinity for a normal
+  double upper() const;
+};
+
+/// Product of independent marginals. Const calls are thread-safe.
+class Prior {
+ public:
+  /// Throws InputError when a marginal is impossible (low >= high, deviation <= 0, log of <= 0,
+  /// not finite) or a name occurs twice: says which.
+  explicit Prior(std::vector<Marginal> marginals);
+
+  Index dimension() const { return static_cast<Index>(marginals_.size()); }
+  const std::vector<Marginal>& marginals() const { return marginals_; }
+
+  /// theta = to_theta(u) with u ~ N(0, I).
+  Vector sample(Stream& stream) const;
+
+  /// log p(theta) in nats; -infinity outside of the support. theta: (n, D); returns (n).
+  Vector log_prob(const RowMatrix& theta) const;
+
+  /// u(theta), (n, D). On or outside of the support's border u is the nearest finite value (about
+  /// +-8.2): x with probability below 1e-15.
+  RowMatrix to_normal(const RowMatrix& theta) const;
+
+  /// theta(u), (n, D); always inside of the support.
+  RowMatrix to_theta(const RowMatrix& u) const;
+
+  /// sum_d log |d u_d / d theta_d| = log p(theta) - log N(u; 0, I) at u = u(theta). (n)
+  Vector log_det_to_normal(const RowMatrix& theta) const;
+
+  /// Row i is true when theta.row(i) lies in the support.
+  bool contains(const Vector& theta) const;
+
+ private:
+  std::vector<Marginal> marginals_;
+};
+
+}  // namespace npdr::inference

@@ -1,0 +1,18 @@
+/// Settings of the training of a density estimator, as a study gives them.
+#pragma once
+
+#include "core/types.h"
+
+namespace npdr::inference {
+
+/// Defaults are the published runs' settings (Adam, early stopping on a validation split).
+struct TrainingConfig {
+  double learning_rate = 5e-4;
+  Index batch_size = 50;
+  double validation_fraction = 0.2;
+  Index stop_after_epochs = 20;  ///< epochs without a better validation loss
+  Index max_epochs = 5000;
+  double clip_norm = 5.0;        ///< largest Euclidean norm of a gradient; longer ones are scaled
+};
+
+}  // namespace npdr::inference

@@ -1,0 +1,64 @@
+#include "core/target.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/error.h"
+
+namespace npdr {
+namespace {
+
+Target two_rollouts() {
+  Target target;
+  target.dt = 0.1;
+  target.state_channels = {{"angle", "rad"}, {"rate", "rad/s"}};
+  target.action_channels = {{"torque", "N m"}};
+  for (const char* name : {"a", "b"}) {
+    target.rollouts.push_back({name, RowMatrix::Ones(4, 2), RowMatrix::Zero(3, 1)});
+  }
+  return target;
+}
+
+std::string message_of(const Target& target) {
+  try {
+    target.check("file.h5");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Target, AcceptsAgreeingShapes) {
+  EXPECT_EQ(message_of(two_rollouts()), "");
+  EXPECT_EQ(two_rollouts().num_steps(), 3);
+}
+
+TEST(Target, NamesTheNanItFinds) {
+  Target target = two_rollouts();
+  target.rollouts[1].states(2, 1) = std::numeric_limits<double>::quiet_NaN();
+  const std::string message = message_of(target);
+  EXPECT_NE(message.find("file.h5: state of rollout 1 ('b') of channel 'rate' is nan at step 2"),
+            std::string::npos)
+      << message;
+}
+
+TEST(Target, RejectsAWrongShapeAndABadTimeStep) {
+  Target target = two_rollouts();
+  target.rollouts[0].actions.resize(2, 1);
+  EXPECT_NE(message_of(target), "");
+  target = two_rollouts();
+  target.dt = 0.0;
+  EXPECT_NE(message_of(target).find("dt"), std::string::npos);
+  target.dt = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(message_of(target).find("dt"), std::string::npos);
+}
+
+TEST(Target, FirstKeepsTheFirstRolloutsAndRejectsMoreThanThereAre) {
+  EXPECT_EQ(two_rollouts().first(1).rollouts.front().name, "a");
+  EXPECT_THROW(two_rollouts().first(3), InputError);
+  EXPECT_THROW(two_rollouts().first(0), InputError);
+}
+
+}  // namespace
+}  // namespace npdr

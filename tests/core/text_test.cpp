@@ -1,0 +1,21 @@
+#include "core/text.h"
+
+#include <gtest/gtest.h>
+
+namespace npdr {
+namespace {
+
+TEST(Text, FindsTheNearestName) {
+  const std::vector<std::string> names = {"learning_rate", "batch_size", "clip_norm"};
+  EXPECT_EQ(nearest_name("learning_rat", names), "learning_rate");
+  EXPECT_EQ(nearest_name("Batch_Size", names), "batch_size");
+  EXPECT_EQ(nearest_name("wholly_different", names), "");
+}
+
+TEST(Text, UnknownNameListsWhatIsKnown) {
+  EXPECT_EQ(unknown_name("simulator", "furta", {"furuta", "pendulum"}),
+            "unknown simulator 'furta' (did you mean 'furuta'?); known: furuta, pendulum");
+}
+
+}  // namespace
+}  // namespace npdr
