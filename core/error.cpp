@@ -12,7 +12,6 @@ ShapeError::ShapeError(const std::string& message) : Error(message) {}
 FailedRolloutsError::FailedRolloutsError(const std::string& message)
     : Error(message, ExitStatus::failed_rollouts) {}
 
-Checkpointed::Checkpointed(const std::string& message)
-    : Error(message, ExitStatus::checkpointed) {}
+Checkpointed::Checkpointed(const std::string& message) : Error(message, ExitStatus::checkpointed) {}
 
 }  // namespace npdr

@@ -1,4 +1,5 @@
-/// Errors of the library. Libraries throw; only the outermost main prints and picks the exit status.
+/// Errors of the library. Libraries throw; only the outermost main prints and picks the exit
+/// status.
 ///
 /// A message says where, what was found, what is allowed and what to do:
 ///   furuta.toml:14:9: training.learning_rate = -0.1, must be > 0

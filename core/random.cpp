@@ -42,8 +42,8 @@ float fast_log(float v) {
   const float f = m - 1.0f;
   const float s = f / (2.0f + f);  // log m = 2 atanh(s)
   const float s2 = s * s;
-  const float series = 2.0f * s *
-                       (1.0f + s2 * (1.0f / 3.0f + s2 * (0.2f + s2 * (1.0f / 7.0f + s2 / 9.0f))));
+  const float series =
+      2.0f * s * (1.0f + s2 * (1.0f / 3.0f + s2 * (0.2f + s2 * (1.0f / 7.0f + s2 / 9.0f))));
   return e * 0.69314718f + series;
 }
 
@@ -51,10 +51,10 @@ float fast_log(float v) {
 float sin_quarter(float w) {
   const float x = 6.2831853f * w;
   const float x2 = x * x;
-  return x * (1.0f +
-              x2 * (-1.0f / 6.0f +
-                    x2 * (1.0f / 120.0f +
-                          x2 * (-1.0f / 5040.0f + x2 * (1.0f / 362880.0f - x2 / 39916800.0f)))));
+  return x *
+         (1.0f + x2 * (-1.0f / 6.0f +
+                       x2 * (1.0f / 120.0f +
+                             x2 * (-1.0f / 5040.0f + x2 * (1.0f / 362880.0f - x2 / 39916800.0f)))));
 }
 
 // Folds w in [0, 1) to [-1/4, 1/4] so that sin(2 pi w) is kept.

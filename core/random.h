@@ -15,11 +15,11 @@ namespace npdr {
 
 /// What a stream of random numbers is for.
 struct StreamId {
-  std::uint64_t seed = 0;    ///< the study seed of the experiment
-  std::string_view name;     ///< the purpose, such as "prior" or "observation_noise"
-  std::uint64_t round = 0;   ///< inference round, counted from 1 (0: none)
-  std::uint64_t row = 0;     ///< the simulation, sample or batch
-  std::uint64_t epoch = 0;   ///< passes over the same row
+  std::uint64_t seed = 0;   ///< the study seed of the experiment
+  std::string_view name;    ///< the purpose, such as "prior" or "observation_noise"
+  std::uint64_t round = 0;  ///< inference round, counted from 1 (0: none)
+  std::uint64_t row = 0;    ///< the simulation, sample or batch
+  std::uint64_t epoch = 0;  ///< passes over the same row
 };
 
 /// One stream of random numbers. Cheap to make; not thread-safe: make one per row.

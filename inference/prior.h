@@ -48,7 +48,7 @@ class Prior {
   Vector log_prob(const RowMatrix& theta) const;
 
   /// u(theta), (n, D). On or outside of the support's border u is the nearest finite value (about
-  /// +-8.2): x with probability below 1e-15.
+  /// +-8.2), which the prior passes with probability 1e-16.
   RowMatrix to_normal(const RowMatrix& theta) const;
 
   /// theta(u), (n, D); always inside of the support.
@@ -57,7 +57,7 @@ class Prior {
   /// sum_d log |d u_d / d theta_d| = log p(theta) - log N(u; 0, I) at u = u(theta). (n)
   Vector log_det_to_normal(const RowMatrix& theta) const;
 
-  /// Row i is true when theta.row(i) lies in the support.
+  /// Whether theta (D) lies in the support.
   bool contains(const Vector& theta) const;
 
  private:

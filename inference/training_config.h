@@ -12,7 +12,7 @@ struct TrainingConfig {
   double validation_fraction = 0.2;
   Index stop_after_epochs = 20;  ///< epochs without a better validation loss
   Index max_epochs = 5000;
-  double clip_norm = 5.0;        ///< largest Euclidean norm of a gradient; longer ones are scaled
+  double clip_norm = 5.0;  ///< largest Euclidean norm of a gradient; longer ones are scaled
 };
 
 }  // namespace npdr::inference

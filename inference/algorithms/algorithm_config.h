@@ -14,6 +14,7 @@ struct AlgorithmConfig {
   Index num_simulations = 1000;  ///< per round
   Index num_atoms = 10;          ///< "npe_c": theta compared per x, the true one included
   std::string loss = "auto";     ///< "npe_c": "auto", "atomic" or "analytic" (mdn only)
+  bool combined_loss = false;    ///< "npe_c": add -log q on the rows of the prior, when atomic
 };
 
 std::vector<std::string> algorithm_names();

@@ -53,8 +53,8 @@ double kolmogorov_distance(std::vector<double> values) {
   double distance = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double p = normal_cdf(values[i]);
-    distance = std::max({distance, p - static_cast<double>(i) / n,
-                         static_cast<double>(i + 1) / n - p});
+    distance =
+        std::max({distance, p - static_cast<double>(i) / n, static_cast<double>(i + 1) / n - p});
   }
   return distance;
 }

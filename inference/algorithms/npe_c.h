@@ -1,0 +1,67 @@
+/// NPE-C (SNPE-C, APT): neural posterior estimation over rounds with a corrected proposal.
+///
+/// Source: Greenberg, Nonnenmacher and Macke 2019. Simulations of round 1 come from the prior and
+/// train q(u | x) by maximum likelihood. Those of later rounds come from the posterior estimate at
+/// x_o; all rounds' simulations are then used with one of two losses:
+///  - atomic (atomic_loss.h), for any density estimator;
+///  - analytic (mixture_correction_loss.h), for mixtures of Gaussians: every row is corrected for
+///    the proposal of its own round.
+#pragma once
+
+#include <vector>
+
+#include "inference/algorithms/algorithm_config.h"
+#include "inference/estimators/embedded_estimator.h"
+#include "inference/estimators/gaussian_mixture.h"
+#include "inference/feature_source.h"
+#include "inference/standardiser.h"
+#include "inference/training/trainer.h"
+
+namespace npdr::inference {
+
+/// The simulations of all rounds so far. Failed ones are left out before.
+struct TrainingData {
+  const FeatureSource* x = nullptr;        ///< (N, F)
+  RowMatrixF u;                            ///< (N, D)
+  std::vector<std::uint32_t> round;        ///< (N), counted from 1
+  std::vector<GaussianMixture> proposals;  ///< of rounds 2, 3, ...; "analytic" only
+};
+
+/// Which loss a config means for this estimator and round: resolves "auto" to "analytic" for a
+/// mixture and "atomic" otherwise. Throws InputError for "analytic" with another estimator.
+std::string resolve_loss(const AlgorithmConfig& config, const EstimatorConfig& estimator);
+
+/// The objective of NPE-C over one round's training. Keeps references to its arguments.
+class NpeC : public Objective {
+ public:
+  NpeC(const AlgorithmConfig& config, const EmbeddedEstimator<float>& network,
+       const Standardiser& standardiser, const TrainingData& data, const StreamId& id);
+
+  Index num_rows() const override { return data_.u.rows(); }
+  double loss(const Parameters<float>& parameters, const Batch& batch,
+              Parameters<float>* gradient) override;
+
+ private:
+  double maximum_likelihood(const Parameters<float>& parameters, Parameters<float>* gradient);
+  double atomic(const Parameters<float>& parameters, const Batch& batch,
+                Parameters<float>* gradient);
+  double analytic(const Parameters<float>& parameters, const Batch& batch,
+                  Parameters<float>* gradient);
+
+  const AlgorithmConfig& config_;
+  const EmbeddedEstimator<float>& network_;
+  const Standardiser& standardiser_;
+  const TrainingData& data_;
+  StreamId id_;
+  bool only_prior_;  ///< every row comes from the prior: plain maximum likelihood
+  std::string loss_;
+  EmbeddedEstimator<float>::Scratch scratch_;
+  RowMatrixF x_;        ///< (n, F)
+  RowMatrixF u_;        ///< (n, D)
+  RowMatrixF atoms_;    ///< (n k, D)
+  VectorF log_prob_;    ///< (n k)
+  VectorF log_prior_;   ///< (n k)
+  VectorF d_log_prob_;  ///< (n k)
+};
+
+}  // namespace npdr::inference

@@ -1,0 +1,92 @@
+#include "inference/algorithms/posterior_estimation.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/error.h"
+
+namespace npdr::inference {
+namespace {
+
+Standardiser fit_standardiser(const FeatureSource& x) {
+  constexpr Index block = 1000;
+  StandardiserFit fit(x.num_features());
+  RowMatrixF rows;
+  for (Index begin = 0; begin < x.num_rows(); begin += block) {
+    std::vector<std::uint32_t> indices(
+        static_cast<std::size_t>(std::min(block, x.num_rows() - begin)));
+    std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(begin));
+    x.gather(indices, 0, rows);
+    fit.add(rows);
+  }
+  return fit.result();
+}
+
+DirectPosteriorParts untrained_parts(const PosteriorEstimationConfig& config, const RoundData& data,
+                                     const StreamId& id) {
+  return {.prior = *data.prior,
+          .estimator = config.estimator,
+          .x_features = data.x->num_features(),
+          .trained_features = config.trained_features,
+          .structure_seed = id.seed,
+          .standardiser = fit_standardiser(*data.x),
+          .parameters = {},
+          .x_o = data.x_o};
+}
+
+StreamId named(StreamId id, std::string_view name) {
+  id.name = name;
+  return id;
+}
+
+}  // namespace
+
+std::optional<DirectPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
+                                                  const RoundData& data,
+                                                  const DirectPosterior* previous,
+                                                  const StreamId& id, TrainingState& state,
+                                                  const EpochHook& hook) {
+  DirectPosteriorParts parts =
+      previous == nullptr ? untrained_parts(config, data, id) : previous->parts();
+  const EmbeddedEstimator<float> network =
+      make_network(parts.estimator, parts.x_features, parts.trained_features,
+                   parts.prior.dimension(), parts.structure_seed);
+  if (state.parameters.size() == 0) {
+    state.parameters = previous == nullptr
+                           ? network.initial_parameters(named(id, "initial_weights"))
+                           : parts.parameters;
+  }
+  TrainingData training{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round,
+                        data.proposals};
+  NpeC objective(config.algorithm, network, parts.standardiser, training, id);
+  bool stopped = false;
+  train(objective, config.training, id, state, [&](const TrainingState& s) {
+    stopped = !hook(s);
+    return !stopped;
+  });
+  if (stopped && !state.finished(config.training)) return std::nullopt;
+  parts.parameters = state.best_parameters;
+  return DirectPosterior(std::move(parts));
+}
+
+RowMatrix propose(const PosteriorEstimationConfig& config, const DirectPosterior& posterior,
+                  Index n, const StreamId& id) {
+  if (resolve_loss(config.algorithm, config.estimator) != "analytic") {
+    return posterior.sample(n, id);
+  }
+  const GaussianMixture mixture = proposal_mixture(posterior);
+  RowMatrix u(n, posterior.prior().dimension());
+  for (Index i = 0; i < n; ++i) {
+    StreamId row = id;
+    row.row += static_cast<std::uint64_t>(i);
+    Stream stream(row);
+    u.row(i) = mixture.sample(stream).transpose();
+  }
+  return posterior.prior().to_theta(u);
+}
+
+GaussianMixture proposal_mixture(const DirectPosterior& posterior) {
+  return narrower_than_prior(posterior.mixture());
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,49 @@
+#include "inference/embeddings/bayessim.h"
+
+#include <algorithm>
+
+namespace npdr::inference {
+
+BayesSim::BayesSim(SeriesSelection selection, const Target& target, Index steps_per_state)
+    : selection_(std::move(selection)) {
+  for (Index h = 0; h < selection_.num_rollouts; ++h) {
+    const RowMatrix& all = target.rollouts[static_cast<std::size_t>(h)].actions;
+    RowMatrix between(selection_.num_steps() - 1, all.cols());
+    for (Index k = 0; k < between.rows(); ++k) {
+      // State k is the one after step (k + 1) * steps_per_state, counted from 1.
+      between.row(k) = all.middleRows((k + 1) * steps_per_state, steps_per_state).colwise().mean();
+    }
+    actions_.push_back(std::move(between));
+  }
+}
+
+Index BayesSim::num_features() const {
+  const Index num_actions = actions_.front().cols();
+  return selection_.num_rollouts * selection_.num_channels() * (num_actions + 2);
+}
+
+void BayesSim::embed(std::span<const float> series, std::span<float> x) const {
+  auto out = x.begin();
+  for (Index h = 0; h < selection_.num_rollouts; ++h) {
+    const RowMatrix& actions = actions_[static_cast<std::size_t>(h)];
+    RowMatrix delta(actions.rows(), selection_.num_channels());
+    for (Index k = 0; k < delta.rows(); ++k) {
+      for (Index c = 0; c < delta.cols(); ++c) {
+        delta(k, c) = double{selection_.value(series, h, k + 1, c)} -
+                      double{selection_.value(series, h, k, c)};
+      }
+    }
+    const RowMatrix products = actions.transpose() * delta;
+    const Eigen::RowVectorXd mean = delta.colwise().mean();
+    const Eigen::RowVectorXd variance =
+        (delta.rowwise() - mean).colwise().squaredNorm() / static_cast<double>(delta.rows());
+    out = std::transform(products.data(), products.data() + products.size(), out,
+                         [](double v) { return static_cast<float>(v); });
+    out = std::transform(mean.begin(), mean.end(), out,
+                         [](double v) { return static_cast<float>(v); });
+    out = std::transform(variance.begin(), variance.end(), out,
+                         [](double v) { return static_cast<float>(v); });
+  }
+}
+
+}  // namespace npdr::inference

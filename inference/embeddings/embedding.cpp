@@ -1,0 +1,85 @@
+#include "inference/embeddings/embedding.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "inference/embeddings/bayessim.h"
+#include "inference/embeddings/time_series.h"
+
+namespace npdr::inference {
+namespace {
+
+std::vector<Index> channel_indices(const EmbeddingConfig& config, const Target& target) {
+  std::vector<std::string> labels;
+  for (const Channel& channel : target.state_channels) labels.push_back(channel.label);
+  std::vector<Index> indices;
+  for (const std::string& name : config.channels.empty() ? labels : config.channels) {
+    const auto found = std::find(labels.begin(), labels.end(), name);
+    if (found == labels.end()) {
+      throw InputError("embedding.channels: " + unknown_name("channel", name, labels));
+    }
+    indices.push_back(found - labels.begin());
+  }
+  return indices;
+}
+
+SeriesSelection select(const EmbeddingConfig& config, const Target& target, Index store_every) {
+  if (config.downsample < 1 || config.downsample % store_every != 0) {
+    throw InputError(
+        "embedding.downsample = " + std::to_string(config.downsample) +
+        ", must be a positive multiple of simulator.store_every = " + std::to_string(store_every));
+  }
+  SeriesSelection selection;
+  selection.num_rollouts = target.num_rollouts();
+  selection.num_stored = target.num_steps() / store_every;
+  selection.num_stored_channels = target.num_states();
+  selection.stride = config.downsample / store_every;
+  selection.channels = channel_indices(config, target);
+  if (selection.num_steps() < 2) {
+    throw InputError("embedding.downsample = " + std::to_string(config.downsample) +
+                     " leaves fewer than two of the " + std::to_string(target.num_steps()) +
+                     " steps of a rollout, must be smaller");
+  }
+  return selection;
+}
+
+}  // namespace
+
+float SeriesSelection::value(std::span<const float> series, Index rollout, Index k,
+                             Index channel) const {
+  const Index state = rollout * num_stored + (k + 1) * stride - 1;
+  const Index column = channels[static_cast<std::size_t>(channel)];
+  return series[static_cast<std::size_t>(state * num_stored_channels + column)];
+}
+
+std::vector<std::string> embedding_names() {
+  return {"linear", "all_steps", "delta_steps", "last_step", "bayessim"};
+}
+
+std::unique_ptr<Embedding> make_embedding(const EmbeddingConfig& config, const Target& target,
+                                          Index store_every) {
+  const SeriesSelection selection = select(config, target, store_every);
+  const std::string& kind = config.kind;
+  if (kind == "linear" || kind == "all_steps") return std::make_unique<AllSteps>(selection);
+  if (kind == "delta_steps") return std::make_unique<DeltaSteps>(selection);
+  if (kind == "last_step") return std::make_unique<LastStep>(selection);
+  if (kind == "bayessim") {
+    return std::make_unique<BayesSim>(selection, target, config.downsample);
+  }
+  throw InputError("embedding.kind: " + unknown_name("embedding", kind, embedding_names()));
+}
+
+std::vector<float> observed_series(const Target& target, Index store_every) {
+  std::vector<float> series;
+  for (const Rollout& rollout : target.rollouts) {
+    for (Index t = store_every; t < rollout.states.rows(); t += store_every) {
+      for (Index c = 0; c < rollout.states.cols(); ++c) {
+        series.push_back(static_cast<float>(rollout.states(t, c)));
+      }
+    }
+  }
+  return series;
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,79 @@
+/// One masked affine autoregressive transform: the building block of a masked autoregressive flow.
+///
+/// Source: Papamakarios, Pavlakou and Murray 2017, "Masked autoregressive flow for density
+/// estimation", eqs. 3-6; masks as in Germain et al. 2015, "MADE". For u in R^D and context c
+///   z_d = s_d(u_1..u_{d-1}, c) u_d + t_d(u_1..u_{d-1}, c),     log |det dz/du| = sum_d log s_d,
+///   h_1 = tanh(u W_1 + c W_c + b_1),   h_l = tanh(h_{l-1} W_l + b_l),   (a, t) = h_L W_o + b_o,
+///   s = softplus(a + a_0) + 1e-3 with a_0 such that s = 1 at a = 0.
+/// A softplus scale (not an exponential one) grows linearly: contexts far from the training data
+/// don't blow up. Hidden units are sorted by their degree 0..D-1: a unit of degree g sees
+/// u_1..u_g (degree 0: the context alone, so that even z_1 depends on the context).
+#pragma once
+
+#include <vector>
+
+#include "core/random.h"
+#include "core/types.h"
+#include "inference/estimators/parameters.h"
+
+namespace npdr::inference {
+
+/// What a forward pass of one transform keeps for the backward pass. m = n k rows.
+template <typename S>
+struct AutoregressiveScratch {
+  RowMatrixX<S> input;                ///< (m, D)
+  std::vector<RowMatrixX<S>> hidden;  ///< L x (m, hidden)
+  RowMatrixX<S> raw;                  ///< (m, 2 D): a, then t
+  RowMatrixX<S> scale;                ///< (m, D)
+  RowMatrixX<S> d_raw;                ///< (m, 2 D)
+  RowMatrixX<S> d_hidden;             ///< (m, hidden)
+  RowMatrixX<S> d_below;              ///< (m, hidden)
+};
+
+template <typename S>
+class AutoregressiveTransform {
+ public:
+  /// Takes its blocks from `layout`. The context product c W_c is computed by the owner, for all
+  /// transforms at once.
+  AutoregressiveTransform(Index dimension, Index hidden_features, Index num_hidden_layers,
+                          ParameterLayout& layout);
+
+  Index hidden_features() const { return hidden_; }
+
+  void initialise(Parameters<S>& parameters, Stream& stream) const;
+
+  /// z(u) for u = scratch.input (m, D); `context` (n, hidden) holds c W_c + b_1; adds log |det| to
+  /// `log_det` (m).
+  void forward(const Parameters<S>& parameters, const Eigen::Ref<const RowMatrixX<S>>& context,
+               AutoregressiveScratch<S>& scratch, RowMatrixX<S>& z, VectorX<S>& log_det) const;
+
+  /// `d_z` holds dL/dz and becomes dL/du; d_log_det (m) is dL/dlog_det. Overwrites this transform's
+  /// blocks of `gradient` and `d_context` (n, hidden).
+  void backward(const Parameters<S>& parameters, AutoregressiveScratch<S>& scratch,
+                const VectorX<S>& d_log_det, RowMatrixX<S>& d_z, Parameters<S>& gradient,
+                Eigen::Ref<RowMatrixX<S>> d_context) const;
+
+  /// u(z), (m, D), for one context (1, hidden) of all rows: one variable after the other, each
+  /// hidden unit once.
+  RowMatrixX<S> inverse(const Parameters<S>& parameters,
+                        const Eigen::Ref<const RowMatrixX<S>>& context,
+                        const RowMatrixX<S>& z) const;
+
+ private:
+  /// First hidden unit of degree >= g; hidden_ for g = D.
+  Index first_of_degree(Index g) const { return first_[static_cast<std::size_t>(g)]; }
+
+  Index dimension_;
+  Index hidden_;
+  std::vector<Index> first_;          ///< D + 1
+  Block input_weight_;                ///< (D, hidden)
+  std::vector<Block> hidden_weight_;  ///< L - 1 x (hidden, hidden)
+  std::vector<Block> hidden_bias_;    ///< L - 1 x (1, hidden)
+  Block output_weight_;               ///< (hidden, 2 D)
+  Block output_bias_;                 ///< (1, 2 D)
+  RowMatrixX<S> input_mask_;
+  RowMatrixX<S> hidden_mask_;
+  RowMatrixX<S> output_mask_;
+};
+
+}  // namespace npdr::inference

@@ -1,0 +1,69 @@
+/// Dense layers on row-major batches: y = x W + b, with x (m, in), W (in, out), b (1, out).
+#pragma once
+
+#include <cmath>
+
+#include "core/random.h"
+#include "core/types.h"
+
+namespace npdr::inference {
+
+/// y = x W + b.
+template <typename X, typename W, typename B, typename Y>
+void dense(const X& x, const W& weight, const B& bias, Y& y) {
+  y.noalias() = x * weight;
+  y.rowwise() += bias.row(0);
+}
+
+/// y = tanh(x W + b).
+template <typename X, typename W, typename B, typename Y>
+void dense_tanh(const X& x, const W& weight, const B& bias, Y& y) {
+  y.noalias() = x * weight;
+  y = (y.rowwise() + bias.row(0)).array().tanh();
+}
+
+/// dL/dW = x^T dL/dy and dL/db = sum over rows of dL/dy, overwritten.
+template <typename X, typename D, typename W, typename B>
+void dense_gradient(const X& x, const D& d_y, W&& d_weight, B&& d_bias) {
+  d_weight.noalias() = x.transpose() * d_y;
+  d_bias.row(0) = d_y.colwise().sum();
+}
+
+/// Given y = tanh(a), turns dL/dy in `d` into dL/da.
+template <typename Y, typename D>
+void tanh_backward(const Y& y, D& d) {
+  using S = typename Y::Scalar;
+  d.array() *= S(1) - y.array().square();
+}
+
+/// Row i of `rows` (n k, w) += row i / k of `groups` (n, w).
+template <typename G, typename R>
+void add_to_groups(const G& groups, R& rows) {
+  const Index k = rows.rows() / groups.rows();
+  for (Index g = 0; g < groups.rows(); ++g) {
+    rows.middleRows(g * k, k).rowwise() += groups.row(g);
+  }
+}
+
+/// Row g of `groups` (n, w) = sum of the rows g k, ..., g k + k - 1 of `rows` (n k, w).
+template <typename R, typename G>
+void sum_groups(const R& rows, G&& groups) {
+  const Index k = rows.rows() / groups.rows();
+  for (Index g = 0; g < groups.rows(); ++g) {
+    groups.row(g) = rows.middleRows(g * k, k).colwise().sum();
+  }
+}
+
+/// Weight and bias uniform on +-scale / sqrt(inputs) (LeCun et al. 1998, "Efficient BackProp").
+template <typename W, typename B>
+void initialise_dense(W&& weight, B&& bias, Stream& stream, double scale = 1.0) {
+  using S = typename std::decay_t<W>::Scalar;
+  const double bound = scale / std::sqrt(static_cast<double>(weight.rows()));
+  const auto draw = [&] { return static_cast<S>(bound * (2.0 * stream.uniform() - 1.0)); };
+  for (Index i = 0; i < weight.rows(); ++i) {
+    for (Index j = 0; j < weight.cols(); ++j) weight(i, j) = draw();
+  }
+  for (Index j = 0; j < bias.cols(); ++j) bias(0, j) = draw();
+}
+
+}  // namespace npdr::inference

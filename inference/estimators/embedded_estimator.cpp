@@ -1,0 +1,106 @@
+#include "inference/estimators/embedded_estimator.h"
+
+#include "core/error.h"
+#include "core/text.h"
+#include "inference/estimators/dense.h"
+#include "inference/estimators/maf.h"
+#include "inference/estimators/mixture_density_network.h"
+
+namespace npdr::inference {
+
+template <typename S>
+std::unique_ptr<DensityEstimator<S>> make_estimator(const EstimatorConfig& config, Index dimension,
+                                                    Index context_features,
+                                                    const StreamId& structure,
+                                                    ParameterLayout& layout) {
+  if (config.kind == "maf") {
+    return std::make_unique<MaskedAutoregressiveFlow<S>>(config, dimension, context_features,
+                                                         structure, layout);
+  }
+  if (config.kind == "mdn") {
+    return std::make_unique<MixtureDensityNetwork<S>>(config, dimension, context_features, layout);
+  }
+  throw InputError("density_estimator.kind: " +
+                   unknown_name("density estimator", config.kind, estimator_names()));
+}
+
+template <typename S>
+EmbeddedEstimator<S>::EmbeddedEstimator(Index x_features, Index trained_features,
+                                        const EstimatorConfig& config, Index dimension,
+                                        const StreamId& structure)
+    : x_features_(x_features) {
+  Index context_features = x_features;
+  if (trained_features > 0) {
+    weight_ = layout_.add(x_features, trained_features);
+    bias_ = layout_.add(1, trained_features);
+    context_features = trained_features;
+  }
+  estimator_ = make_estimator<S>(config, dimension, context_features, structure, layout_);
+}
+
+template <typename S>
+Parameters<S> EmbeddedEstimator<S>::initial_parameters(const StreamId& id) const {
+  Parameters<S> parameters = Parameters<S>::Zero(num_parameters());
+  Stream stream(id);
+  if (has_layer()) {
+    initialise_dense(view(parameters, weight_), view(parameters, bias_), stream);
+  }
+  estimator_->initialise(parameters, stream);
+  return parameters;
+}
+
+template <typename S>
+typename EmbeddedEstimator<S>::Scratch EmbeddedEstimator<S>::make_scratch() const {
+  Scratch scratch;
+  scratch.estimator = estimator_->make_scratch();
+  return scratch;
+}
+
+template <typename S>
+const RowMatrixX<S>& EmbeddedEstimator<S>::embed(const Parameters<S>& parameters,
+                                                 const RowMatrixX<S>& x, Scratch& scratch) const {
+  if (!has_layer()) return x;
+  dense(x, view(parameters, weight_), view(parameters, bias_), scratch.context);
+  return scratch.context;
+}
+
+template <typename S>
+RowMatrixX<S>* EmbeddedEstimator<S>::d_context(Scratch& scratch) const {
+  return has_layer() ? &scratch.d_context : nullptr;
+}
+
+template <typename S>
+void EmbeddedEstimator<S>::backward_embedding(const RowMatrixX<S>& x, Scratch& scratch,
+                                              Parameters<S>& gradient) const {
+  if (!has_layer()) return;
+  dense_gradient(x, scratch.d_context, view(gradient, weight_), view(gradient, bias_));
+}
+
+template <typename S>
+void EmbeddedEstimator<S>::log_prob(const Parameters<S>& parameters, const RowMatrixX<S>& u,
+                                    const RowMatrixX<S>& x, Scratch& scratch,
+                                    VectorX<S>& log_prob) const {
+  estimator_->log_prob(parameters, u, embed(parameters, x, scratch), *scratch.estimator, log_prob);
+}
+
+template <typename S>
+void EmbeddedEstimator<S>::backward(const Parameters<S>& parameters, const RowMatrixX<S>& u,
+                                    const RowMatrixX<S>& x, const VectorX<S>& d_log_prob,
+                                    Scratch& scratch, Parameters<S>& gradient) const {
+  const RowMatrixX<S>& context = has_layer() ? scratch.context : x;
+  estimator_->backward(parameters, u, context, d_log_prob, *scratch.estimator, gradient,
+                       d_context(scratch));
+  backward_embedding(x, scratch, gradient);
+}
+
+template <typename S>
+RowMatrixX<S> EmbeddedEstimator<S>::sample(const Parameters<S>& parameters, const RowMatrixX<S>& x,
+                                           Index count, const StreamId& id) const {
+  Scratch scratch;
+  return estimator_->sample(parameters, embed(parameters, x, scratch), count, id);
+}
+
+template class EmbeddedEstimator<float>;
+template class EmbeddedEstimator<double>;
+
+}  // namespace npdr::inference

@@ -1,0 +1,7 @@
+#include "inference/estimators/estimator_config.h"
+
+namespace npdr::inference {
+
+std::vector<std::string> estimator_names() { return {"maf", "mdn"}; }
+
+}  // namespace npdr::inference

@@ -1,0 +1,143 @@
+#include "inference/estimators/maf.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+#include "inference/estimators/dense.h"
+
+namespace npdr::inference {
+namespace {
+
+void check_size(const char* name, Index value) {
+  if (value >= 1) return;
+  throw InputError(std::string("density_estimator.") + name + " = " + std::to_string(value) +
+                   ", must be >= 1");
+}
+
+template <typename S>
+void permute(const RowMatrixX<S>& from, const std::vector<std::uint32_t>& order,
+             RowMatrixX<S>& to) {
+  to.resize(from.rows(), from.cols());
+  for (Index j = 0; j < from.cols(); ++j) to.col(j) = from.col(order[static_cast<std::size_t>(j)]);
+}
+
+template <typename S>
+void permute_back(const RowMatrixX<S>& from, const std::vector<std::uint32_t>& order,
+                  RowMatrixX<S>& to) {
+  to.resize(from.rows(), from.cols());
+  for (Index j = 0; j < from.cols(); ++j) to.col(order[static_cast<std::size_t>(j)]) = from.col(j);
+}
+
+}  // namespace
+
+template <typename S>
+struct MaskedAutoregressiveFlow<S>::Scratch : EstimatorScratch {
+  RowMatrixX<S> context;    ///< (n, K hidden): c W_c + b
+  RowMatrixX<S> d_context;  ///< (n, K hidden)
+  std::vector<AutoregressiveScratch<S>> transforms;
+  RowMatrixX<S> z;         ///< (n k, D)
+  RowMatrixX<S> d_z;       ///< (n k, D)
+  RowMatrixX<S> permuted;  ///< (n k, D)
+};
+
+template <typename S>
+MaskedAutoregressiveFlow<S>::MaskedAutoregressiveFlow(const EstimatorConfig& config,
+                                                      Index dimension, Index context_features,
+                                                      const StreamId& structure,
+                                                      ParameterLayout& layout)
+    : dimension_(dimension), context_features_(context_features) {
+  check_size("num_transforms", config.num_transforms);
+  check_size("hidden_features", config.hidden_features);
+  check_size("num_hidden_layers", config.num_hidden_layers);
+  context_weight_ = layout.add(context_features, config.num_transforms * config.hidden_features);
+  context_bias_ = layout.add(1, config.num_transforms * config.hidden_features);
+  Stream stream(structure);
+  for (Index k = 0; k < config.num_transforms; ++k) {
+    transforms_.emplace_back(dimension, config.hidden_features, config.num_hidden_layers, layout);
+    order_.push_back(stream.permutation(static_cast<std::uint32_t>(dimension)));
+  }
+}
+
+template <typename S>
+void MaskedAutoregressiveFlow<S>::initialise(Parameters<S>& parameters, Stream& stream) const {
+  initialise_dense(view(parameters, context_weight_), view(parameters, context_bias_), stream);
+  for (const auto& transform : transforms_) transform.initialise(parameters, stream);
+}
+
+template <typename S>
+std::unique_ptr<EstimatorScratch> MaskedAutoregressiveFlow<S>::make_scratch() const {
+  auto scratch = std::make_unique<Scratch>();
+  scratch->transforms.resize(transforms_.size());
+  return scratch;
+}
+
+template <typename S>
+void MaskedAutoregressiveFlow<S>::log_prob(const Parameters<S>& parameters, const RowMatrixX<S>& u,
+                                           const RowMatrixX<S>& context, EstimatorScratch& base,
+                                           VectorX<S>& log_prob) const {
+  auto& scratch = static_cast<Scratch&>(base);
+  dense(context, view(parameters, context_weight_), view(parameters, context_bias_),
+        scratch.context);
+  log_prob.setConstant(
+      u.rows(), S(-0.5 * std::log(2.0 * std::numbers::pi) * static_cast<double>(dimension_)));
+  scratch.z = u;
+  for (Index k = 0; k < num_transforms(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    permute(scratch.z, order_[i], scratch.transforms[i].input);
+    transforms_[i].forward(parameters,
+                           scratch.context.middleCols(k * hidden_features(), hidden_features()),
+                           scratch.transforms[i], scratch.z, log_prob);
+  }
+  log_prob -= S(0.5) * scratch.z.rowwise().squaredNorm();
+}
+
+template <typename S>
+void MaskedAutoregressiveFlow<S>::backward(const Parameters<S>& parameters, const RowMatrixX<S>&,
+                                           const RowMatrixX<S>& context,
+                                           const VectorX<S>& d_log_prob, EstimatorScratch& base,
+                                           Parameters<S>& gradient,
+                                           RowMatrixX<S>* d_context) const {
+  auto& scratch = static_cast<Scratch&>(base);
+  scratch.d_context.resize(context.rows(), num_transforms() * hidden_features());
+  scratch.d_z = -(scratch.z.array().colwise() * d_log_prob.array());
+  for (Index k = num_transforms(); k-- > 0;) {
+    const auto i = static_cast<std::size_t>(k);
+    transforms_[i].backward(parameters, scratch.transforms[i], d_log_prob, scratch.d_z, gradient,
+                            scratch.d_context.middleCols(k * hidden_features(), hidden_features()));
+    permute_back(scratch.d_z, order_[i], scratch.permuted);
+    scratch.d_z.swap(scratch.permuted);
+  }
+  dense_gradient(context, scratch.d_context, view(gradient, context_weight_),
+                 view(gradient, context_bias_));
+  if (d_context == nullptr) return;
+  d_context->noalias() = scratch.d_context * view(parameters, context_weight_).transpose();
+}
+
+template <typename S>
+RowMatrixX<S> MaskedAutoregressiveFlow<S>::sample(const Parameters<S>& parameters,
+                                                  const RowMatrixX<S>& context, Index count,
+                                                  const StreamId& id) const {
+  RowMatrixX<S> z(count, dimension_);
+  for (Index i = 0; i < z.rows(); ++i) {
+    StreamId row = id;
+    row.row += static_cast<std::uint64_t>(i);
+    Stream stream(row);
+    for (Index d = 0; d < dimension_; ++d) z(i, d) = static_cast<S>(stream.normal());
+  }
+  RowMatrixX<S> product;
+  dense(context, view(parameters, context_weight_), view(parameters, context_bias_), product);
+  RowMatrixX<S> next;
+  for (Index k = num_transforms(); k-- > 0;) {
+    const auto i = static_cast<std::size_t>(k);
+    next = transforms_[i].inverse(parameters,
+                                  product.middleCols(k * hidden_features(), hidden_features()), z);
+    permute_back(next, order_[i], z);
+  }
+  return z;
+}
+
+template class MaskedAutoregressiveFlow<float>;
+template class MaskedAutoregressiveFlow<double>;
+
+}  // namespace npdr::inference

@@ -1,0 +1,146 @@
+#include "inference/prior.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/normal.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Probabilities stay this far from 0 and 1, so that u stays finite (|u| < 8.3).
+constexpr double kSmallestProbability = 0x1p-53;
+
+[[noreturn]] void reject(const Marginal& m, const std::string& rule) {
+  std::ostringstream message;
+  message << "prior." << m.name << " = [" << m.a << ", " << m.b << "], " << rule;
+  throw InputError(message.str());
+}
+
+void check(const Marginal& m) {
+  if (!std::isfinite(m.a) || !std::isfinite(m.b)) reject(m, "must be finite");
+  switch (m.kind) {
+    case Marginal::Kind::uniform:
+      if (m.a >= m.b) reject(m, "the lower bound must be smaller than the upper bound");
+      break;
+    case Marginal::Kind::log_uniform:
+      if (m.a <= 0.0) reject(m, "bounds of a log_uniform prior must be > 0");
+      if (m.a >= m.b) reject(m, "the lower bound must be smaller than the upper bound");
+      break;
+    case Marginal::Kind::normal:
+      if (m.b <= 0.0) reject(m, "the standard deviation must be > 0");
+      break;
+  }
+}
+
+// Distribution function of a bounded marginal, its inverse and its log density.
+double cdf(const Marginal& m, double theta) {
+  if (m.kind == Marginal::Kind::log_uniform) return std::log(theta / m.a) / std::log(m.b / m.a);
+  return (theta - m.a) / (m.b - m.a);
+}
+
+double quantile(const Marginal& m, double p) {
+  const double theta =
+      m.kind == Marginal::Kind::log_uniform ? m.a * std::pow(m.b / m.a, p) : m.a + p * (m.b - m.a);
+  return std::clamp(theta, m.a, m.b);  // rounding must not leave the support
+}
+
+double log_density(const Marginal& m, double theta) {
+  switch (m.kind) {
+    case Marginal::Kind::uniform:
+      return theta >= m.a && theta <= m.b ? -std::log(m.b - m.a) : -kInfinity;
+    case Marginal::Kind::log_uniform:
+      return theta >= m.a && theta <= m.b ? -std::log(theta * std::log(m.b / m.a)) : -kInfinity;
+    case Marginal::Kind::normal:
+      return log_normal_density((theta - m.a) / m.b) - std::log(m.b);
+  }
+  return -kInfinity;
+}
+
+double to_normal(const Marginal& m, double theta) {
+  if (m.kind == Marginal::Kind::normal) return (theta - m.a) / m.b;
+  const double p = std::clamp(cdf(m, theta), kSmallestProbability, 1.0 - kSmallestProbability);
+  return normal_quantile(p);
+}
+
+double to_theta(const Marginal& m, double u) {
+  if (m.kind == Marginal::Kind::normal) return m.a + m.b * u;
+  return quantile(m, normal_cdf(u));
+}
+
+}  // namespace
+
+double Marginal::lower() const { return kind == Kind::normal ? -kInfinity : a; }
+double Marginal::upper() const { return kind == Kind::normal ? kInfinity : b; }
+
+Prior::Prior(std::vector<Marginal> marginals) : marginals_(std::move(marginals)) {
+  if (marginals_.empty()) throw InputError("prior: has no parameter, must have at least one");
+  std::set<std::string> names;
+  for (const Marginal& m : marginals_) {
+    check(m);
+    if (!names.insert(m.name).second) throw InputError("prior." + m.name + ": given twice");
+  }
+}
+
+Vector Prior::sample(Stream& stream) const {
+  RowMatrix u(1, dimension());
+  for (Index d = 0; d < dimension(); ++d) u(0, d) = stream.normal();
+  return to_theta(u).row(0).transpose();
+}
+
+Vector Prior::log_prob(const RowMatrix& theta) const {
+  if (theta.cols() != dimension()) throw ShapeError("Prior::log_prob: theta has the wrong width");
+  Vector result = Vector::Zero(theta.rows());
+  for (Index i = 0; i < theta.rows(); ++i) {
+    for (Index d = 0; d < dimension(); ++d) {
+      result(i) += log_density(marginals_[static_cast<std::size_t>(d)], theta(i, d));
+    }
+  }
+  return result;
+}
+
+RowMatrix Prior::to_normal(const RowMatrix& theta) const {
+  if (theta.cols() != dimension()) throw ShapeError("Prior::to_normal: theta has the wrong width");
+  RowMatrix u(theta.rows(), dimension());
+  for (Index i = 0; i < theta.rows(); ++i) {
+    for (Index d = 0; d < dimension(); ++d) {
+      u(i, d) = inference::to_normal(marginals_[static_cast<std::size_t>(d)], theta(i, d));
+    }
+  }
+  return u;
+}
+
+RowMatrix Prior::to_theta(const RowMatrix& u) const {
+  if (u.cols() != dimension()) throw ShapeError("Prior::to_theta: u has the wrong width");
+  RowMatrix theta(u.rows(), dimension());
+  for (Index i = 0; i < u.rows(); ++i) {
+    for (Index d = 0; d < dimension(); ++d) {
+      theta(i, d) = inference::to_theta(marginals_[static_cast<std::size_t>(d)], u(i, d));
+    }
+  }
+  return theta;
+}
+
+Vector Prior::log_det_to_normal(const RowMatrix& theta) const {
+  const RowMatrix u = to_normal(theta);
+  const double log_two_pi = std::log(2.0 * std::numbers::pi);
+  const Vector log_base =
+      -0.5 * (u.rowwise().squaredNorm().array() + static_cast<double>(dimension()) * log_two_pi);
+  return log_prob(theta) - log_base;
+}
+
+bool Prior::contains(const Vector& theta) const {
+  for (Index d = 0; d < dimension(); ++d) {
+    const Marginal& m = marginals_[static_cast<std::size_t>(d)];
+    if (!(theta(d) >= m.lower() && theta(d) <= m.upper())) return false;
+  }
+  return true;
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,123 @@
+#include "inference/training/trainer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/error.h"
+
+namespace npdr::inference {
+namespace {
+
+struct Split {
+  std::vector<std::uint32_t> training;
+  std::vector<std::uint32_t> validation;
+};
+
+StreamId named(StreamId id, std::string_view name, std::uint64_t epoch = 0) {
+  id.name = name;
+  id.epoch = epoch;
+  return id;
+}
+
+Split split_rows(Index num_rows, const TrainingConfig& config, const StreamId& id) {
+  std::vector<std::uint32_t> order =
+      Stream(named(id, "validation_split")).permutation(static_cast<std::uint32_t>(num_rows));
+  const auto num_training = static_cast<std::ptrdiff_t>(
+      std::llround((1.0 - config.validation_fraction) * static_cast<double>(num_rows)));
+  Split split;
+  split.training.assign(order.begin(), order.begin() + num_training);
+  split.validation.assign(order.begin() + num_training, order.end());
+  std::sort(split.training.begin(), split.training.end());
+  std::sort(split.validation.begin(), split.validation.end());
+  const auto batch = static_cast<std::size_t>(config.batch_size);
+  if (split.training.size() < batch || split.validation.size() < batch) {
+    throw InputError("training: " + std::to_string(split.training.size()) + " training and " +
+                     std::to_string(split.validation.size()) +
+                     " validation rows, must be at least one batch of " +
+                     std::to_string(config.batch_size) +
+                     " each; use more simulations or a smaller training.batch_size");
+  }
+  return split;
+}
+
+// Every row once, in random order; the rows that don't fill a last batch wait for another epoch.
+double train_epoch(Objective& objective, const TrainingConfig& config, const Split& split,
+                   const StreamId& id, Adam& optimiser, Parameters<float>& gradient,
+                   TrainingState& state) {
+  const auto epoch = static_cast<std::uint64_t>(state.epoch + 1);
+  const auto batch_size = static_cast<std::size_t>(config.batch_size);
+  std::vector<std::uint32_t> rows = split.training;
+  Stream stream(named(id, "shuffle", epoch));
+  for (std::size_t i = rows.size(); i > 1; --i) {
+    std::swap(rows[i - 1], rows[stream.below(static_cast<std::uint32_t>(i))]);
+  }
+  const std::size_t num_batches = rows.size() / batch_size;
+  double sum = 0.0;
+  for (std::size_t b = 0; b < num_batches; ++b) {
+    const Batch batch{std::span(rows).subspan(b * batch_size, batch_size), epoch, b};
+    sum += objective.loss(state.parameters, batch, &gradient);
+    optimiser.step(gradient, clip_scale(gradient, config.clip_norm), state.parameters);
+  }
+  return sum / static_cast<double>(num_batches);
+}
+
+// Mean loss over the validation rows; the last batch reaches back so that every batch is full.
+double validate(Objective& objective, const TrainingConfig& config, const Split& split,
+                const Parameters<float>& parameters) {
+  const auto batch_size = static_cast<std::size_t>(config.batch_size);
+  const std::size_t count = split.validation.size();
+  double sum = 0.0;
+  std::uint64_t number = 0;
+  for (std::size_t begin = 0; begin < count; begin += batch_size, ++number) {
+    const std::size_t first = std::min(begin, count - batch_size);
+    const Batch batch{std::span(split.validation).subspan(first, batch_size), 0, number};
+    sum += objective.loss(parameters, batch, nullptr);
+  }
+  return sum / static_cast<double>(number);
+}
+
+void keep_if_best(TrainingState& state, double loss) {
+  if (loss < state.best_validation_loss) {
+    state.best_validation_loss = loss;
+    state.best_parameters = state.parameters;
+    state.epochs_without_improvement = 0;
+  } else {
+    ++state.epochs_without_improvement;
+  }
+}
+
+}  // namespace
+
+bool TrainingState::finished(const TrainingConfig& config) const {
+  return epoch >= config.max_epochs || epochs_without_improvement >= config.stop_after_epochs;
+}
+
+void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
+           TrainingState& state, const EpochHook& hook) {
+  const Split split = split_rows(objective.num_rows(), config, id);
+  Adam optimiser(state.parameters.size(), config.learning_rate);
+  Parameters<float> gradient = Parameters<float>::Zero(state.parameters.size());
+  if (state.epoch == 0) {
+    // The weights of the round before are the first candidate: training can't end with worse ones.
+    state.best_parameters = state.parameters;
+    state.best_validation_loss = validate(objective, config, split, state.parameters);
+    if (!std::isfinite(state.best_validation_loss)) {
+      state.best_validation_loss = std::numeric_limits<double>::infinity();
+    }
+  } else {
+    optimiser.set_state(state.adam);
+  }
+  while (!state.finished(config)) {
+    state.training_loss.push_back(
+        train_epoch(objective, config, split, id, optimiser, gradient, state));
+    state.validation_loss.push_back(validate(objective, config, split, state.parameters));
+    ++state.epoch;
+    keep_if_best(state, state.validation_loss.back());
+    state.adam = optimiser.state();
+    if (!hook(state)) return;
+  }
+}
+
+}  // namespace npdr::inference

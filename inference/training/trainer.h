@@ -1,0 +1,57 @@
+/// Mini-batch training with Adam, a validation split and early stopping.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/random.h"
+#include "inference/estimators/parameters.h"
+#include "inference/training/adam.h"
+#include "inference/training_config.h"
+
+namespace npdr::inference {
+
+/// A batch of rows, and what makes its random numbers unique.
+struct Batch {
+  std::span<const std::uint32_t> rows;
+  std::uint64_t epoch = 0;   ///< counted from 1; 0 for validation
+  std::uint64_t number = 0;  ///< of the batch in its epoch
+};
+
+/// What is trained: a loss over rows of a data set. Not thread-safe.
+class Objective {
+ public:
+  virtual ~Objective() = default;
+  virtual Index num_rows() const = 0;
+  /// Mean loss over the batch; with `gradient` not null also its gradient.
+  virtual double loss(const Parameters<float>& parameters, const Batch& batch,
+                      Parameters<float>* gradient) = 0;
+};
+
+/// Everything that a training run needs to go on from the end of an epoch: a checkpoint.
+struct TrainingState {
+  Parameters<float> parameters;
+  Parameters<float> best_parameters;  ///< those with the smallest validation loss
+  double best_validation_loss = 0.0;
+  Adam::State adam;
+  Index epoch = 0;  ///< epochs done
+  Index epochs_without_improvement = 0;
+  std::vector<double> training_loss;    ///< (epoch), mean over the epoch's batches
+  std::vector<double> validation_loss;  ///< (epoch)
+
+  bool finished(const TrainingConfig& config) const;
+};
+
+/// Called after every epoch; returns false to stop here (the state is a valid checkpoint).
+using EpochHook = std::function<bool(const TrainingState&)>;
+
+/// Trains from `state` until early stopping, max_epochs or the hook says so. The split into
+/// training and validation rows, the batches and their order are functions of `id` and the epoch,
+/// so a run that is stopped and continued gives the same bits.
+/// A state with epoch 0 and only `parameters` set starts from the beginning.
+/// Throws InputError when there are fewer training rows than one batch.
+void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
+           TrainingState& state, const EpochHook& hook);
+
+}  // namespace npdr::inference

@@ -1,0 +1,96 @@
+#include "inference/algorithms/mixture_correction_loss.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/normal.h"
+#include "tests/inference/gradient_check.h"
+
+namespace npdr::inference {
+namespace {
+
+GaussianMixture random_mixture(Index components, Index dimension, std::uint64_t seed) {
+  GaussianMixture mixture;
+  mixture.log_weights = random_matrix(components, 1, seed).col(0);
+  mixture.log_weights.array() -= log_sum_exp(mixture.log_weights);
+  for (Index k = 0; k < components; ++k) {
+    const auto offset = static_cast<std::uint64_t>(10 * (k + 1));
+    mixture.means.push_back(random_matrix(dimension, 1, seed + offset).col(0));
+    Eigen::MatrixXd factor = 0.3 * random_matrix(dimension, dimension, seed + offset + 1);
+    factor.diagonal().setConstant(1.2);
+    factor.triangularView<Eigen::StrictlyLower>().setZero();
+    mixture.precision_factors.push_back(factor);
+  }
+  return mixture;
+}
+
+// Z = integral of q(u) p~(u) / N(u; 0, I) du, on a grid in two dimensions.
+TEST(MixtureCorrectionLoss, NormaliserEqualsTheIntegral) {
+  const GaussianMixture q = random_mixture(3, 2, 1);
+  const GaussianMixture proposal = narrower_than_prior(random_mixture(2, 2, 100));
+  constexpr Index side = 800;
+  constexpr double width = 20.0 / side;
+  RowMatrix u(side * side, 2);
+  for (Index i = 0; i < side; ++i) {
+    for (Index j = 0; j < side; ++j) {
+      u(i * side + j, 0) = -10.0 + width * (static_cast<double>(i) + 0.5);
+      u(i * side + j, 1) = -10.0 + width * (static_cast<double>(j) + 0.5);
+    }
+  }
+  const Vector log_prior = -0.5 * u.rowwise().squaredNorm().array() + 2.0 * log_normal_density(0.0);
+  const double integral =
+      (q.log_prob(u) + proposal.log_prob(u) - log_prior).array().exp().sum() * width * width;
+  GaussianMixtureGradient gradient;
+  EXPECT_NEAR(log_normaliser(q, proposal, gradient), std::log(integral), 1e-8);
+}
+
+// All parameters of q in one vector, and back.
+Vector flatten(const Vector& weights, const std::vector<Vector>& means,
+               const std::vector<Eigen::MatrixXd>& factors) {
+  std::vector<double> values(weights.begin(), weights.end());
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    values.insert(values.end(), means[k].begin(), means[k].end());
+    for (Index i = 0; i < means[k].size(); ++i) {
+      for (Index j = i; j < means[k].size(); ++j) values.push_back(factors[k](i, j));
+    }
+  }
+  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
+}
+
+GaussianMixture unflatten(const Vector& values, GaussianMixture mixture) {
+  Index next = 0;
+  for (double& w : mixture.log_weights) w = values(next++);
+  for (std::size_t k = 0; k < mixture.means.size(); ++k) {
+    for (double& m : mixture.means[k]) m = values(next++);
+    for (Index i = 0; i < mixture.dimension(); ++i) {
+      for (Index j = i; j < mixture.dimension(); ++j) {
+        mixture.precision_factors[k](i, j) = values(next++);
+      }
+    }
+  }
+  return mixture;
+}
+
+TEST(MixtureCorrectionLoss, GradientEqualsCentralDifferences) {
+  const GaussianMixture q = random_mixture(3, 3, 1);
+  const GaussianMixture proposal = narrower_than_prior(random_mixture(2, 3, 100));
+  GaussianMixtureGradient gradient, unused;
+  log_normaliser(q, proposal, gradient);
+  expect_gradient(
+      [&](const Vector& p) { return log_normaliser(unflatten(p, q), proposal, unused); },
+      flatten(q.log_weights, q.means, q.precision_factors),
+      flatten(gradient.log_weights, gradient.means, gradient.precision_factors));
+}
+
+TEST(MixtureCorrectionLoss, NormaliserIsOneWhenTheProposalIsThePrior) {
+  GaussianMixture prior;
+  prior.log_weights = Vector::Zero(1);
+  prior.means = {Vector::Zero(3)};
+  prior.precision_factors = {Eigen::MatrixXd::Identity(3, 3)};
+  GaussianMixtureGradient gradient;
+  EXPECT_NEAR(log_normaliser(random_mixture(3, 3, 1), prior, gradient), 0.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace npdr::inference

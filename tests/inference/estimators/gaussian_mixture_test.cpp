@@ -1,0 +1,65 @@
+#include "inference/estimators/gaussian_mixture.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "tests/inference/gradient_check.h"
+
+namespace npdr::inference {
+namespace {
+
+GaussianMixture two_components() {
+  GaussianMixture mixture;
+  mixture.log_weights = Vector(2);
+  mixture.log_weights << std::log(0.3), std::log(0.7);
+  mixture.means = {Vector::Constant(2, -1.0), Vector::Constant(2, 2.0)};
+  Eigen::MatrixXd wide = Eigen::MatrixXd::Identity(2, 2) * 0.5;
+  wide(0, 1) = 0.2;
+  Eigen::MatrixXd narrow = Eigen::MatrixXd::Identity(2, 2) * 3.0;
+  mixture.precision_factors = {wide, narrow};
+  return mixture;
+}
+
+TEST(GaussianMixture, SamplesHaveTheMomentsOfTheMixture) {
+  const GaussianMixture mixture = two_components();
+  constexpr int n = 40'000;
+  Vector sum = Vector::Zero(2);
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(2, 2);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    Stream stream({1, "mixture", 0, i, 0});
+    const Vector u = mixture.sample(stream);
+    sum += u;
+    products += u * u.transpose();
+  }
+  Vector mean = Vector::Zero(2);
+  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(2, 2);
+  for (Index k = 0; k < 2; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const double weight = std::exp(mixture.log_weights(k));
+    mean += weight * mixture.means[i];
+    second +=
+        weight * (mixture.precision(k).inverse() + mixture.means[i] * mixture.means[i].transpose());
+  }
+  // Five standard errors with a fourth moment below 60: false-alarm rate below 1e-5.
+  EXPECT_TRUE((sum / n - mean).cwiseAbs().maxCoeff() < 5.0 * std::sqrt(6.0 / n));
+  EXPECT_TRUE((products / n - second).cwiseAbs().maxCoeff() < 5.0 * std::sqrt(60.0 / n));
+}
+
+TEST(GaussianMixture, NarrowerThanPriorRaisesOnlyTheWideDirections) {
+  const GaussianMixture narrow = narrower_than_prior(two_components());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> first(narrow.precision(0));
+  EXPECT_GE(first.eigenvalues().minCoeff(), 1.0 - 1e-12);
+  EXPECT_TRUE(narrow.precision(1).isApprox(two_components().precision(1), 1e-12));
+}
+
+TEST(GaussianMixture, LogSumExpSurvivesLargeValues) {
+  Vector values(2);
+  values << 1000.0, 1000.0;
+  EXPECT_NEAR(log_sum_exp(values), 1000.0 + std::log(2.0), 1e-12);
+}
+
+}  // namespace
+}  // namespace npdr::inference

@@ -1,0 +1,112 @@
+#include "inference/training/trainer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/error.h"
+
+namespace npdr::inference {
+namespace {
+
+// Least squares: y_i = a t_i + b with t_i = i / 100, a = 2, b = -1.
+class Line : public Objective {
+ public:
+  Index num_rows() const override { return 400; }
+  double loss(const Parameters<float>& p, const Batch& batch,
+              Parameters<float>* gradient) override {
+    double sum = 0.0;
+    if (gradient != nullptr) gradient->setZero();
+    for (const std::uint32_t row : batch.rows) {
+      rows_seen.insert(row);
+      const float t = static_cast<float>(row) / 100.0f;
+      const float error = p(0) * t + p(1) - (2.0f * t - 1.0f);
+      sum += static_cast<double>(error * error);
+      if (gradient == nullptr) continue;
+      (*gradient)(0) += 2.0f * error * t / static_cast<float>(batch.rows.size());
+      (*gradient)(1) += 2.0f * error / static_cast<float>(batch.rows.size());
+    }
+    return sum / static_cast<double>(batch.rows.size());
+  }
+  std::set<std::uint32_t> rows_seen;
+};
+
+TrainingConfig config() {
+  TrainingConfig c;
+  c.learning_rate = 0.05;
+  c.max_epochs = 300;
+  return c;
+}
+
+const StreamId kId{1, "train", 1, 0, 0};
+
+TrainingState start() {
+  TrainingState state;
+  state.parameters = Parameters<float>::Zero(2);
+  return state;
+}
+
+TEST(Trainer, FindsTheLeastSquaresLine) {
+  Line line;
+  TrainingState state = start();
+  train(line, config(), kId, state, [](const TrainingState&) { return true; });
+  EXPECT_NEAR(state.best_parameters(0), 2.0, 1e-2);
+  EXPECT_NEAR(state.best_parameters(1), -1.0, 2e-2);
+  EXPECT_EQ(line.rows_seen.size(), 400u);
+  EXPECT_EQ(state.validation_loss.size(), static_cast<std::size_t>(state.epoch));
+}
+
+TEST(Trainer, ContinuesFromACheckpointWithTheSameBits) {
+  Line line;
+  TrainingState whole = start();
+  train(line, config(), kId, whole, [](const TrainingState&) { return true; });
+  TrainingState parts = start();
+  while (!parts.finished(config())) {
+    train(line, config(), kId, parts, [](const TrainingState& s) { return s.epoch % 7 != 0; });
+  }
+  EXPECT_EQ(whole.epoch, parts.epoch);
+  EXPECT_EQ(whole.best_parameters, parts.best_parameters);
+  EXPECT_EQ(whole.training_loss, parts.training_loss);
+}
+
+TEST(Trainer, StopsEarlyAndKeepsTheBestWeights) {
+  Line line;
+  TrainingState state = start();
+  state.parameters << 2.0f, -1.0f;  // already perfect: every step makes it worse
+  TrainingConfig c = config();
+  c.stop_after_epochs = 5;
+  train(line, c, kId, state, [](const TrainingState&) { return true; });
+  EXPECT_EQ(state.epoch, 5);
+  EXPECT_EQ(state.best_parameters(0), 2.0f);
+}
+
+TEST(Trainer, RejectsFewerRowsThanABatch) {
+  Line line;
+  TrainingState state = start();
+  TrainingConfig c = config();
+  c.batch_size = 100;
+  EXPECT_THROW(train(line, c, kId, state, [](const TrainingState&) { return true; }), InputError);
+}
+
+TEST(Adam, ClipsToTheNormAndSkipsABrokenGradient) {
+  Parameters<float> gradient(2);
+  gradient << 30.0f, 40.0f;
+  EXPECT_NEAR(clip_scale(gradient, 5.0), 0.1, 1e-9);
+  EXPECT_EQ(clip_scale(gradient, 100.0), 1.0);
+  gradient(0) = std::nanf("");
+  EXPECT_EQ(clip_scale(gradient, 5.0), 0.0);
+}
+
+// Worked by hand: with g = 1 the first step is rate * 1 / (1 + eps) whatever the betas.
+TEST(Adam, FirstStepHasTheLengthOfTheLearningRate) {
+  Adam adam(1, 0.1);
+  Parameters<float> p = Parameters<float>::Constant(1, 3.0f);
+  adam.step(Parameters<float>::Constant(1, 1.0f), 1.0, p);
+  EXPECT_NEAR(p(0), 2.9, 1e-6);
+  adam.step(Parameters<float>::Constant(1, 1.0f), 1.0, p);
+  EXPECT_NEAR(p(0), 2.8, 1e-5);
+}
+
+}  // namespace
+}  // namespace npdr::inference
