@@ -8,10 +8,10 @@ namespace npdr::sim {
 /// The domain parameter's name, SI unit and nominal value, and where the model makes sense.
 struct Parameter {
   std::string name;
-  std::string unit;           ///< SI; "1" when dimensionless
-  double nominal = 0.0;       ///< value when a study says nothing
-  double lower = 0.0;         ///< smallest physically meaningful value
-  double upper = 0.0;         ///< largest physically meaningful value
+  std::string unit;      ///< SI; "1" when dimensionless
+  double nominal = 0.0;  ///< value when a study says nothing
+  double lower = 0.0;    ///< smallest physically meaningful value
+  double upper = 0.0;    ///< largest physically meaningful value
   std::string description;
 };
 

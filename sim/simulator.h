@@ -21,12 +21,12 @@ namespace npdr::sim {
 
 /// Settings of a simulator, as a study gives them.
 struct SimulatorConfig {
-  std::string name;                          ///< a name of simulator_names()
-  std::map<std::string, double> parameters;  ///< values that replace the nominal ones
-  Index segment_length = 0;                  ///< [steps]; 0: one segment, the whole rollout
-  std::string integrator = "erk4";           ///< a name of integrator_names()
-  Index substeps = 1;                        ///< integrator steps per time step of the target
-  Index store_every = 1;                     ///< keep every k-th state
+  std::string name = {};                          ///< a name of simulator_names()
+  std::map<std::string, double> parameters = {};  ///< values that replace the nominal ones
+  Index segment_length = 0;                       ///< [steps]; 0: one segment, the whole rollout
+  std::string integrator = "erk4";                ///< a name of integrator_names()
+  Index substeps = 1;                             ///< integrator steps per time step of the target
+  Index store_every = 1;                          ///< keep every k-th state
 };
 
 /// What a simulator is about. `dt` and `num_steps` are those of its own behaviour policy.
@@ -68,8 +68,12 @@ std::vector<std::string> integrator_names();
 /// what is allowed.
 std::unique_ptr<Simulator> make_simulator(const SimulatorConfig& config);
 
+/// The position in theta of the parameter `name`. Throws InputError for an unknown name (with the
+/// nearest known one).
+Index parameter_index(const SimulatorInfo& info, const std::string& name);
+
 /// All P parameters: `values` where named there, the simulator's nominal ones elsewhere.
-/// Throws InputError for an unknown name (with the nearest known one).
+/// Throws InputError for an unknown name.
 Vector complete_theta(const Simulator& simulator, const std::map<std::string, double>& values);
 
 }  // namespace npdr::sim

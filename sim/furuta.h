@@ -1,0 +1,54 @@
+/// The Furuta pendulum (Quanser Qube) of the paper's Section 4.3 and Appendix B: a motor turns an
+/// arm, at whose end a pole swings freely.
+///
+/// With q = (theta, alpha) [rad], arm and pole angle, zero when centred and hanging down, eq. (1):
+///   M(q) q_ddot + c(q, q_dot) = (tau, 0)
+///   M = [ w0 + w1 sin^2 alpha   w2 cos alpha ]
+///       [ w2 cos alpha          4/3 w1       ]
+///   c = [ w1 sin(2 alpha) theta_dot alpha_dot - w2 sin(alpha) alpha_dot^2 + w4 theta_dot ]
+///       [ -w1 sin(2 alpha) theta_dot^2 / 2 + w3 sin(alpha) + w5 alpha_dot                ]
+/// and eq. (2), where gamma u with gamma = k_m / R_m is the torque of the motor at standstill and
+/// its back EMF is a part of w4:
+///   w0 = (M_r / 12 + M_p) L_r^2   w1 = M_p L_p^2 / 4     w2 = M_p L_p L_r / 2
+///   w3 = M_p L_p g / 2            w4 = k_m^2 / R_m + D_r   w5 = D_p.
+///
+/// Beyond the paper, all without effect at nominal, the torque on the arm is
+///   tau = gamma u - coulomb_friction tanh(theta_dot / 0.3 rad/s)
+///         - cable_stiffness (theta - cable_rest_angle)
+/// and the voltage u [V] that the motor feels during step t is made of the recorded voltages v:
+///   delay      u = (1 - f) v[t - k] + f v[t - k - 1], k + f = action_delay [steps], 0 <= f < 1,
+///              where the first sample stands for all before it,
+///   saturation u is clipped to +-4.5 V,
+///   dead zone  u = 0 where voltage_dead_zone_neg <= u <= voltage_dead_zone_pos.
+/// u is held over the step. The delay reaches back over the whole recording, also across the
+/// borders of segments, since the device had felt those actions.
+///
+/// Parameters: the nine of Table A5 in its order, then the six above; names, units, nominal values
+/// and limits are in info(). State: theta, alpha, theta_dot, alpha_dot. dt = 0.004 s, 1250 steps.
+#pragma once
+
+#include "sim/ode_model.h"
+
+namespace npdr::sim {
+
+class Furuta final : public OdeModel {
+ public:
+  Furuta();
+
+  const SimulatorInfo& info() const override { return info_; }
+  Index num_constants() const override;
+  void prepare(ConstLanes theta, Lanes constants) const override;
+  void apply_action(const RowMatrix& actions, Index t, ConstLanes constants,
+                    Lanes applied) const override;
+  void rhs(ConstLanes constants, ConstLanes applied, ConstLanes y, Lanes ydot) const override;
+
+  /// A voltage of four sines of random frequency (1 to 5 Hz) and phase, 1 V each, faded in over 1 s
+  /// (furuta_behaviour.cpp says why), from an initial state uniform within +-(2 deg, 1 deg,
+  /// 0.5 deg/s, 0.5 deg/s). Both are functions of (seed, rollout).
+  Excitation excite(Index rollout, std::uint64_t seed) const override;
+
+ private:
+  SimulatorInfo info_;
+};
+
+}  // namespace npdr::sim

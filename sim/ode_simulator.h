@@ -1,0 +1,29 @@
+/// A Simulator made of an ODE model, a fixed-step or adaptive integrator, and the replay.
+#pragma once
+
+#include <memory>
+
+#include "sim/ode_model.h"
+#include "sim/simulator.h"
+
+namespace npdr::sim {
+
+class OdeSimulator final : public Simulator {
+ public:
+  /// Throws InputError for a config that is out of range; names the field, value and constraint.
+  OdeSimulator(std::unique_ptr<OdeModel> model, const SimulatorConfig& config);
+
+  const SimulatorInfo& info() const override { return info_; }
+  Trajectories replay(const Target& target, const RowMatrix& theta) const override;
+  Target behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const override;
+
+ private:
+  void check_theta(Index num_parameters) const;
+  void check_target(const Target& target) const;
+
+  std::unique_ptr<OdeModel> model_;
+  SimulatorConfig config_;
+  SimulatorInfo info_;  // the model's, with the config's parameters as nominal values
+};
+
+}  // namespace npdr::sim

@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <array>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "sim/furuta.h"
+#include "sim/ode_simulator.h"
+#include "sim/pendulum.h"
+#include "sim/simulator.h"
+
+namespace npdr::sim {
+namespace {
+
+using SimulatorPtr = std::unique_ptr<Simulator>;
+
+template <typename Model>
+SimulatorPtr make_ode_simulator(const SimulatorConfig& config) {
+  return std::make_unique<OdeSimulator>(std::make_unique<Model>(), config);
+}
+
+struct Entry {
+  const char* name;
+  SimulatorPtr (*make)(const SimulatorConfig&);
+};
+
+// Every simulator: to add one, write its file pair and a line here.
+constexpr std::array kSimulators = {
+    Entry{"furuta", make_ode_simulator<Furuta>},
+    Entry{"pendulum", make_ode_simulator<Pendulum>},
+};
+
+}  // namespace
+
+std::vector<std::string> simulator_names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : kSimulators) names.emplace_back(entry.name);
+  return names;
+}
+
+std::unique_ptr<Simulator> make_simulator(const SimulatorConfig& config) {
+  for (const Entry& entry : kSimulators) {
+    if (config.name == entry.name) return entry.make(config);
+  }
+  throw InputError(unknown_name("simulator", config.name, simulator_names()));
+}
+
+Index parameter_index(const SimulatorInfo& info, const std::string& name) {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : info.parameters) names.push_back(parameter.name);
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) throw InputError(unknown_name(info.name + " parameter", name, names));
+  return found - names.begin();
+}
+
+Vector complete_theta(const Simulator& simulator, const std::map<std::string, double>& values) {
+  const SimulatorInfo& info = simulator.info();
+  Vector theta(static_cast<Index>(info.parameters.size()));
+  for (std::size_t p = 0; p < info.parameters.size(); ++p) {
+    theta(static_cast<Index>(p)) = info.parameters[p].nominal;
+  }
+  for (const auto& [name, value] : values) theta(parameter_index(info, name)) = value;
+  return theta;
+}
+
+}  // namespace npdr::sim

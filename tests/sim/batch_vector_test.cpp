@@ -1,0 +1,96 @@
+#include "sim/batch_vector.h"
+
+#include <gtest/gtest.h>
+#include <sundials/sundials_nvector.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+#include "core/error.h"
+
+namespace npdr::sim {
+namespace {
+
+constexpr Index kSize = 24;
+
+VectorPtr counting_vector(SUNContext context, double first) {
+  VectorPtr vector = make_batch_vector(kSize, context);
+  std::iota(values(vector.get()), values(vector.get()) + kSize, first);
+  return vector;
+}
+
+TEST(BatchVector, ClonesStartAtACacheLineAndAreTheirOwn) {
+  const ContextPtr context = make_context();
+  const VectorPtr vector = counting_vector(context.get(), 1.0);
+  const VectorPtr clone(N_VClone(vector.get()));
+  const VectorPtr clone_of_clone(N_VClone(clone.get()));
+  for (const auto* v : {&vector, &clone, &clone_of_clone}) {
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(values(v->get())) % 64, 0u);
+    EXPECT_EQ(N_VGetLength(v->get()), kSize);
+  }
+  EXPECT_NE(values(vector.get()), values(clone.get()));
+}
+
+TEST(BatchVector, LinearCombinationEqualsTheSumOfItsTerms) {
+  const ContextPtr context = make_context();
+  for (int count = 1; count <= 8; ++count) {
+    std::array<VectorPtr, 8> owned;
+    std::array<N_Vector, 8> terms{};
+    std::array<double, 8> coefficients{};
+    for (int k = 0; k < count; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      owned[at] = counting_vector(context.get(), k);
+      terms[at] = owned[at].get();
+      coefficients[at] = k == 2 ? 0.0 : 0.5 * (k + 1);
+    }
+    const VectorPtr sum(N_VClone(terms[0]));
+    ASSERT_EQ(N_VLinearCombination(count, coefficients.data(), terms.data(), sum.get()), 0);
+    for (Index i = 0; i < kSize; ++i) {
+      double expected = 0.0;
+      for (int k = 0; k < count; ++k) {
+        expected += coefficients[static_cast<std::size_t>(k)] * static_cast<double>(k + i);
+      }
+      ASSERT_EQ(values(sum.get())[i], expected) << count << " terms, element " << i;
+    }
+  }
+}
+
+TEST(BatchVector, LinearCombinationLeavesOutTermsWithoutWeight) {
+  const ContextPtr context = make_context();
+  const VectorPtr x = counting_vector(context.get(), 1.0);
+  const VectorPtr bad = make_batch_vector(kSize, context.get());
+  values(bad.get())[3] = std::numeric_limits<double>::quiet_NaN();
+  std::array<N_Vector, 2> terms = {x.get(), bad.get()};
+  std::array<double, 2> coefficients = {2.0, 0.0};
+  const VectorPtr sum(N_VClone(x.get()));
+  ASSERT_EQ(N_VLinearCombination(2, coefficients.data(), terms.data(), sum.get()), 0);
+  EXPECT_EQ(values(sum.get())[3], 8.0);
+}
+
+TEST(BatchVector, ScaleMultipliesAndCopies) {
+  const ContextPtr context = make_context();
+  const VectorPtr x = counting_vector(context.get(), 1.0);
+  const VectorPtr z(N_VClone(x.get()));
+  N_VScale(1.0, x.get(), z.get());
+  EXPECT_EQ(values(z.get())[7], 8.0);
+  N_VScale(-0.5, x.get(), z.get());
+  EXPECT_EQ(values(z.get())[7], -4.0);
+}
+
+TEST(BatchVector, NormOfALaneThatDivergedIsZero) {
+  const ContextPtr context = make_context();
+  const VectorPtr x = make_batch_vector(kSize, context.get());
+  values(x.get())[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(N_VWrmsNorm(x.get(), x.get()), 0.0);
+}
+
+TEST(BatchVector, RejectsLanesThatDontFillABlock) {
+  const ContextPtr context = make_context();
+  EXPECT_THROW(make_batch_vector(12, context.get()), ShapeError);
+  EXPECT_THROW(make_batch_vector(0, context.get()), ShapeError);
+}
+
+}  // namespace
+}  // namespace npdr::sim

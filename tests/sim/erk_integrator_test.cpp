@@ -1,0 +1,90 @@
+#include "sim/erk_integrator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "core/error.h"
+#include "tests/sim/forced_decay.h"
+
+namespace npdr::sim {
+namespace {
+
+constexpr double kDt = 0.1;
+constexpr Index kSteps = 20;
+const std::vector<double> kStart(kLaneBlock, 2.0);
+
+double error_of(const std::string& method, Index substeps) {
+  ForcedDecay problem;
+  ErkIntegrator integrator(method, problem, kDt, substeps);
+  integrator.integrate(0, kSteps, kStart.data());
+  double worst = 0.0;
+  for (Index i = 0; i < kLaneBlock; ++i) {
+    const double exact = ForcedDecay::exact(2.0, i, 0, kSteps, kDt);
+    worst = std::max(worst, std::abs(problem.final_state[static_cast<std::size_t>(i)] - exact));
+  }
+  return worst;
+}
+
+// A first stage with the action of the step before would reduce every method to first order.
+TEST(ErkIntegrator, HasItsOrderAlthoughActionsJump) {
+  EXPECT_NEAR(std::log2(error_of("erk2", 8) / error_of("erk2", 16)), 2.0, 0.1);
+  EXPECT_NEAR(std::log2(error_of("erk4", 4) / error_of("erk4", 8)), 4.0, 0.1);
+  EXPECT_NEAR(std::log2(error_of("erk5", 2) / error_of("erk5", 4)), 5.0, 0.2);
+}
+
+TEST(ErkIntegrator, EvaluatesTheRightHandSideOncePerStageAndOnceMore) {
+  for (const auto& [method, stages] : {std::pair{"erk2", 2}, {"erk4", 4}, {"erk5", 6}}) {
+    ForcedDecay problem;
+    ErkIntegrator integrator(method, problem, kDt, 3);
+    integrator.integrate(0, kSteps, kStart.data());
+    EXPECT_EQ(problem.num_rhs, stages * 3 * kSteps + 1) << method;
+  }
+}
+
+TEST(ErkIntegrator, ReportsEveryStepOnce) {
+  ForcedDecay problem;
+  ErkIntegrator integrator("erk4", problem, 1.0 / 3.0, 7);
+  integrator.integrate(100, 1100, kStart.data());
+  std::vector<Index> expected(1000);
+  std::iota(expected.begin(), expected.end(), Index{100});
+  EXPECT_EQ(problem.steps, expected);
+}
+
+TEST(ErkIntegrator, StartsAgainFromAnotherState) {
+  ForcedDecay fresh, used;
+  ErkIntegrator first("erk4", fresh, kDt, 1), second("erk4", used, kDt, 1);
+  second.integrate(3, 17, std::vector<double>(kLaneBlock, -9.0).data());
+  second.integrate(0, kSteps, kStart.data());
+  first.integrate(0, kSteps, kStart.data());
+  EXPECT_EQ(fresh.final_state, used.final_state);
+}
+
+TEST(ErkIntegrator, ALaneThatDivergedLeavesTheOthersAloneAndIsNotReported) {
+  ForcedDecay healthy, sick;
+  std::vector<double> start = kStart;
+  start[3] = std::numeric_limits<double>::quiet_NaN();
+  start[5] = std::numeric_limits<double>::infinity();
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  ErkIntegrator("erk4", healthy, kDt, 1).integrate(0, kSteps, kStart.data());
+  ErkIntegrator("erk4", sick, kDt, 1).integrate(0, kSteps, start.data());
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  for (const std::size_t i : {0u, 1u, 2u, 4u, 6u, 7u}) {
+    EXPECT_EQ(sick.final_state[i], healthy.final_state[i]);
+  }
+  EXPECT_TRUE(std::isnan(sick.final_state[3]));
+  EXPECT_FALSE(std::isfinite(sick.final_state[5]));
+}
+
+TEST(ErkIntegrator, RejectsAnUnknownMethod) {
+  ForcedDecay problem;
+  EXPECT_THROW(ErkIntegrator("erk3", problem, kDt, 1), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::sim

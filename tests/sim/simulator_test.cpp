@@ -1,0 +1,145 @@
+#include "sim/simulator.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "core/error.h"
+
+namespace npdr::sim {
+namespace {
+
+// What the InputError that `action` throws says; "" when it throws none.
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string message_of(const SimulatorConfig& config) {
+  return message_of([&] { make_simulator(config); });
+}
+
+void expect_part(const std::string& message, const std::string& part) {
+  EXPECT_NE(message.find(part), std::string::npos) << message;
+}
+
+TEST(Simulator, EveryNameMakesASimulatorOfThisName) {
+  EXPECT_EQ(simulator_names(), (std::vector<std::string>{"furuta", "pendulum"}));
+  for (const std::string& name : simulator_names()) {
+    const auto simulator = make_simulator({.name = name});
+    EXPECT_EQ(simulator->info().name, name);
+    for (const Parameter& p : simulator->info().parameters) {
+      EXPECT_LE(p.lower, p.nominal) << p.name;
+      EXPECT_LE(p.nominal, p.upper) << p.name;
+      EXPECT_FALSE(p.unit.empty()) << p.name;
+    }
+  }
+}
+
+TEST(Simulator, EveryIntegratorSimulatesATarget) {
+  EXPECT_EQ(integrator_names(), (std::vector<std::string>{"erk4", "erk2", "erk5", "cvode"}));
+  for (const std::string& integrator : integrator_names()) {
+    const auto simulator = make_simulator({.name = "pendulum", .integrator = integrator});
+    const Target target = simulator->behave(complete_theta(*simulator, {}), 1, 1);
+    EXPECT_NO_THROW(target.check("behaviour")) << integrator;
+    EXPECT_EQ(target.num_steps(), 400);
+    EXPECT_EQ(target.dt, 0.02);
+  }
+}
+
+TEST(Simulator, BehaviourHasTheRolloutsThatWereAskedFor) {
+  const auto simulator = make_simulator({.name = "furuta"});
+  const Target target = simulator->behave(complete_theta(*simulator, {}), 3, 1);
+  EXPECT_EQ(target.num_rollouts(), 3);
+  EXPECT_EQ(target.num_steps(), 1250);
+  EXPECT_EQ(target.state_channels, simulator->info().state_channels);
+  EXPECT_NE(target.rollouts[0].states, target.rollouts[1].states);
+  EXPECT_THROW(simulator->behave(complete_theta(*simulator, {}), 0, 1), InputError);
+}
+
+TEST(Simulator, BehaviourThatDivergesIsAnError) {
+  const auto simulator = make_simulator({.name = "furuta"});
+  const Vector theta = complete_theta(*simulator, {{"motor_constant", 1e4}});
+  EXPECT_THROW(simulator->behave(theta, 1, 1), Error);
+}
+
+TEST(Simulator, ParametersOfTheConfigReplaceNominalOnes) {
+  const auto simulator =
+      make_simulator({.name = "pendulum", .parameters = {{"pole_length", 1.25}}});
+  const Vector theta = complete_theta(*simulator, {{"pole_mass", 0.5}});
+  EXPECT_EQ(theta, (Vector{{0.5, 1.25, 9.81, 0.0}}));
+}
+
+TEST(Simulator, RejectsAConfigThatIsOutOfRange) {
+  expect_part(message_of({.name = "furta"}), "unknown simulator 'furta' (did you mean 'furuta'?)");
+  expect_part(message_of({.name = "furuta", .integrator = "erk3"}), "unknown integrator 'erk3'");
+  expect_part(message_of({.name = "furuta", .segment_length = -1}),
+              "simulator.segment_length = -1, must be >= 0");
+  expect_part(message_of({.name = "furuta", .substeps = 0}),
+              "simulator.substeps = 0, must be >= 1");
+  expect_part(message_of({.name = "furuta", .integrator = "cvode", .substeps = 4}),
+              "simulator.substeps = 4, must be 1 with integrator 'cvode'");
+  expect_part(message_of({.name = "furuta", .store_every = 0}),
+              "simulator.store_every = 0, must be >= 1");
+  expect_part(message_of({.name = "furuta", .parameters = {{"pole_lenght", 0.1}}}),
+              "did you mean 'pole_length'?");
+  expect_part(message_of({.name = "furuta", .parameters = {{"pole_mass", -0.1}}}),
+              "simulator.parameters.pole_mass = -0.1, must be in [0.0001, 10] kg");
+}
+
+TEST(Simulator, ParametersHaveTheirPositionInTheta) {
+  const auto simulator = make_simulator({.name = "furuta"});
+  EXPECT_EQ(parameter_index(simulator->info(), "rotary_damping"), 0);
+  EXPECT_EQ(parameter_index(simulator->info(), "gravity"), 8);
+  EXPECT_EQ(parameter_index(simulator->info(), "cable_rest_angle"), 14);
+}
+
+TEST(Simulator, CompleteThetaNamesTheNearestParameter) {
+  const auto simulator = make_simulator({.name = "pendulum"});
+  expect_part(message_of([&] {
+                complete_theta(*simulator, {{"pole_mas", 1.0}});
+              }),
+              "unknown pendulum parameter 'pole_mas' (did you mean 'pole_mass'?)");
+}
+
+TEST(Simulator, RejectsATargetWithOtherChannels) {
+  const auto simulator = make_simulator({.name = "pendulum"});
+  const RowMatrix theta = complete_theta(*simulator, {}).transpose();
+  const Target target = simulator->behave(theta.transpose(), 1, 1);
+  const auto message = [&](const std::function<void(Target&)>& change) {
+    Target changed = target;
+    change(changed);
+    return message_of([&] { simulator->replay(changed, theta); });
+  };
+  EXPECT_EQ(message([](Target&) {}), "");
+  expect_part(message([](Target& t) { t.state_channels[1].label = "omega"; }),
+              "target has the state channels 'theta' [rad], 'omega' [rad/s]; simulator 'pendulum' "
+              "expects 'theta' [rad], 'theta_dot' [rad/s]");
+  expect_part(message([](Target& t) { t.state_channels[0].unit = "deg"; }), "'theta' [deg]");
+  expect_part(message([](Target& t) { t.action_channels[0].unit = "mN m"; }),
+              "target has the action channels 'torque' [mN m]");
+  expect_part(message([](Target& t) { t.dt = 0.0; }), "dt = 0");
+}
+
+TEST(Simulator, RejectsMoreStepsBetweenStoredStatesThanThereAre) {
+  const auto simulator = make_simulator({.name = "pendulum", .store_every = 401});
+  const Vector theta = complete_theta(*simulator, {});
+  const Target target = simulator->behave(theta, 1, 1);
+  expect_part(message_of([&] { simulator->replay(target, theta.transpose()); }),
+              "simulator.store_every = 401, must be <= 400");
+}
+
+TEST(Simulator, RejectsAThetaOfAnotherWidth) {
+  const auto simulator = make_simulator({.name = "pendulum"});
+  const Target target = simulator->behave(complete_theta(*simulator, {}), 1, 1);
+  EXPECT_THROW(simulator->replay(target, RowMatrix::Ones(2, 3)), ShapeError);
+  EXPECT_THROW(simulator->behave(Vector::Ones(5), 1, 1), ShapeError);
+}
+
+}  // namespace
+}  // namespace npdr::sim
