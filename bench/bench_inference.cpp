@@ -77,14 +77,14 @@ void bm_training_step(benchmark::State& state, const Network& n, std::uint32_t r
   const RandomRows x(rows, n.x_features);
   const EmbeddedEstimator<float> network =
       make_network(n.estimator, n.x_features, n.trained_features, n.dimension, 1);
-  const Standardiser standardiser{VectorF::Zero(n.x_features), VectorF::Ones(n.x_features)};
+  const FeatureTransform transform{VectorF::Zero(n.x_features), VectorF::Ones(n.x_features), {}};
   TrainingData data{&x,
                     RowMatrixF::Random(rows, n.dimension),
                     std::vector<std::uint32_t>(static_cast<std::size_t>(rows), round),
                     {}};
   AlgorithmConfig algorithm;
   algorithm.loss = "atomic";
-  NpeC objective(algorithm, network, standardiser, data, {1, "train", round, 0, 0});
+  NpeC objective(algorithm, network, transform, data, {1, "train", round, 0, 0});
   Parameters<float> parameters = network.initial_parameters({1, "initial", 0, 0, 0});
   Parameters<float> gradient = Parameters<float>::Zero(parameters.size());
   Adam adam(parameters.size(), 3e-4);
@@ -121,10 +121,9 @@ DirectPosterior untrained(const Network& n) {
   DirectPosteriorParts parts{
       .prior = Prior(marginals),
       .estimator = n.estimator,
-      .x_features = n.x_features,
       .trained_features = n.trained_features,
       .structure_seed = 1,
-      .standardiser = {VectorF::Zero(n.x_features), VectorF::Ones(n.x_features)},
+      .transform = {VectorF::Zero(n.x_features), VectorF::Ones(n.x_features), {}},
       .parameters = {},
       .x_o = VectorF::Zero(n.x_features)};
   parts.parameters = make_network(n.estimator, n.x_features, n.trained_features, n.dimension, 1)

@@ -19,11 +19,11 @@ Index num_blocks(Index rows) { return (rows + kBlock - 1) / kBlock; }
 
 }  // namespace
 
-EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index x_features,
+EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index num_inputs,
                                       Index trained_features, Index dimension,
                                       std::uint64_t structure_seed) {
   const StreamId structure{structure_seed, "network_structure", 0, 0, 0};
-  return {x_features, trained_features, config, dimension, structure};
+  return {num_inputs, trained_features, config, dimension, structure};
 }
 
 Vector Posterior::map(const StreamId& id) const {
@@ -62,18 +62,16 @@ Vector Posterior::map(const StreamId& id) const {
 DirectPosterior::DirectPosterior(DirectPosteriorParts parts)
     : parts_(std::move(parts)),
       network_(std::make_shared<const EmbeddedEstimator<float>>(
-          make_network(parts_.estimator, parts_.x_features, parts_.trained_features,
+          make_network(parts_.estimator, parts_.transform.num_outputs(), parts_.trained_features,
                        parts_.prior.dimension(), parts_.structure_seed))) {
   if (parts_.parameters.size() != network_->num_parameters() ||
-      parts_.x_o.size() != parts_.x_features ||
-      parts_.standardiser.mean.size() != parts_.x_features) {
+      parts_.x_o.size() != parts_.transform.num_inputs()) {
     throw ShapeError("posterior: " + std::to_string(parts_.parameters.size()) + " weights and " +
                      std::to_string(parts_.x_o.size()) + " features, must be " +
                      std::to_string(network_->num_parameters()) + " and " +
-                     std::to_string(parts_.x_features));
+                     std::to_string(parts_.transform.num_inputs()));
   }
-  x_ = parts_.x_o.transpose();
-  parts_.standardiser.apply(x_);
+  parts_.transform.apply(parts_.x_o.transpose(), x_);
 }
 
 RowMatrix DirectPosterior::sample(Index n, const StreamId& id) const {

@@ -7,8 +7,8 @@
 #include "core/types.h"
 #include "inference/estimators/embedded_estimator.h"
 #include "inference/estimators/gaussian_mixture.h"
+#include "inference/feature_transform.h"
 #include "inference/prior.h"
-#include "inference/standardiser.h"
 
 namespace npdr::inference {
 
@@ -34,12 +34,11 @@ class Posterior {
 struct DirectPosteriorParts {
   Prior prior;
   EstimatorConfig estimator;
-  Index x_features = 0;        ///< F
   Index trained_features = 0;  ///< width of the linear layer, 0: none
   std::uint64_t structure_seed = 0;
-  Standardiser standardiser;
+  FeatureTransform transform;
   Parameters<float> parameters;
-  VectorF x_o;  ///< (F), not standardised
+  VectorF x_o;  ///< (F), not transformed
 };
 
 /// A posterior that a density estimator gives directly (the NPE family):
@@ -64,11 +63,11 @@ class DirectPosterior : public Posterior {
  private:
   DirectPosteriorParts parts_;
   std::shared_ptr<const EmbeddedEstimator<float>> network_;
-  RowMatrixF x_;  ///< (1, F), standardised
+  RowMatrixF x_;  ///< (1, F or k), transformed
 };
 
 /// The network that a config and a structure seed stand for.
-EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index x_features,
+EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index num_inputs,
                                       Index trained_features, Index dimension,
                                       std::uint64_t structure_seed);
 

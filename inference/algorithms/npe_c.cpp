@@ -51,10 +51,10 @@ std::string resolve_loss(const AlgorithmConfig& config, const EstimatorConfig& e
 }
 
 NpeC::NpeC(const AlgorithmConfig& config, const EmbeddedEstimator<float>& network,
-           const Standardiser& standardiser, const TrainingData& data, const StreamId& id)
+           const FeatureTransform& transform, const TrainingData& data, const StreamId& id)
     : config_(config),
       network_(network),
-      standardiser_(standardiser),
+      transform_(transform),
       data_(data),
       id_(id),
       only_prior_(std::all_of(data.round.begin(), data.round.end(),
@@ -68,8 +68,8 @@ NpeC::NpeC(const AlgorithmConfig& config, const EmbeddedEstimator<float>& networ
 
 double NpeC::loss(const Parameters<float>& parameters, const Batch& batch,
                   Parameters<float>* gradient) {
-  data_.x->gather(batch.rows, batch.epoch, x_);
-  standardiser_.apply(x_);
+  data_.x->gather(batch.rows, batch.epoch, raw_x_);
+  transform_.apply(raw_x_, x_);
   u_.resize(static_cast<Index>(batch.rows.size()), data_.u.cols());
   for (Index i = 0; i < u_.rows(); ++i) {
     u_.row(i) = data_.u.row(batch.rows[static_cast<std::size_t>(i)]);

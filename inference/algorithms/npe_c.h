@@ -14,7 +14,7 @@
 #include "inference/estimators/embedded_estimator.h"
 #include "inference/estimators/gaussian_mixture.h"
 #include "inference/feature_source.h"
-#include "inference/standardiser.h"
+#include "inference/feature_transform.h"
 #include "inference/training/trainer.h"
 
 namespace npdr::inference {
@@ -35,7 +35,7 @@ std::string resolve_loss(const AlgorithmConfig& config, const EstimatorConfig& e
 class NpeC : public Objective {
  public:
   NpeC(const AlgorithmConfig& config, const EmbeddedEstimator<float>& network,
-       const Standardiser& standardiser, const TrainingData& data, const StreamId& id);
+       const FeatureTransform& transform, const TrainingData& data, const StreamId& id);
 
   Index num_rows() const override { return data_.u.rows(); }
   double loss(const Parameters<float>& parameters, const Batch& batch,
@@ -50,13 +50,14 @@ class NpeC : public Objective {
 
   const AlgorithmConfig& config_;
   const EmbeddedEstimator<float>& network_;
-  const Standardiser& standardiser_;
+  const FeatureTransform& transform_;
   const TrainingData& data_;
   StreamId id_;
   bool only_prior_;  ///< every row comes from the prior: plain maximum likelihood
   std::string loss_;
   EmbeddedEstimator<float>::Scratch scratch_;
-  RowMatrixF x_;        ///< (n, F)
+  RowMatrixF raw_x_;    ///< (n, F)
+  RowMatrixF x_;        ///< (n, F or k), transformed
   RowMatrixF u_;        ///< (n, D)
   RowMatrixF atoms_;    ///< (n k, D)
   VectorF log_prob_;    ///< (n k)

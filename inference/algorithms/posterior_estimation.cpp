@@ -1,35 +1,17 @@
 #include "inference/algorithms/posterior_estimation.h"
 
-#include <algorithm>
-#include <numeric>
-
 #include "core/error.h"
 
 namespace npdr::inference {
 namespace {
 
-Standardiser fit_standardiser(const FeatureSource& x) {
-  constexpr Index block = 1000;
-  StandardiserFit fit(x.num_features());
-  RowMatrixF rows;
-  for (Index begin = 0; begin < x.num_rows(); begin += block) {
-    std::vector<std::uint32_t> indices(
-        static_cast<std::size_t>(std::min(block, x.num_rows() - begin)));
-    std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(begin));
-    x.gather(indices, 0, rows);
-    fit.add(rows);
-  }
-  return fit.result();
-}
-
 DirectPosteriorParts untrained_parts(const PosteriorEstimationConfig& config, const RoundData& data,
                                      const StreamId& id) {
   return {.prior = *data.prior,
           .estimator = config.estimator,
-          .x_features = data.x->num_features(),
           .trained_features = config.trained_features,
           .structure_seed = id.seed,
-          .standardiser = fit_standardiser(*data.x),
+          .transform = fit_feature_transform(*data.x, config.principal_components),
           .parameters = {},
           .x_o = data.x_o};
 }
@@ -49,7 +31,7 @@ std::optional<DirectPosterior> estimate_posterior(const PosteriorEstimationConfi
   DirectPosteriorParts parts =
       previous == nullptr ? untrained_parts(config, data, id) : previous->parts();
   const EmbeddedEstimator<float> network =
-      make_network(parts.estimator, parts.x_features, parts.trained_features,
+      make_network(parts.estimator, parts.transform.num_outputs(), parts.trained_features,
                    parts.prior.dimension(), parts.structure_seed);
   if (state.parameters.size() == 0) {
     state.parameters = previous == nullptr
@@ -58,7 +40,7 @@ std::optional<DirectPosterior> estimate_posterior(const PosteriorEstimationConfi
   }
   TrainingData training{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round,
                         data.proposals};
-  NpeC objective(config.algorithm, network, parts.standardiser, training, id);
+  NpeC objective(config.algorithm, network, parts.transform, training, id);
   bool stopped = false;
   train(objective, config.training, id, state, [&](const TrainingState& s) {
     stopped = !hook(s);

@@ -16,7 +16,8 @@ struct PosteriorEstimationConfig {
   AlgorithmConfig algorithm;
   EstimatorConfig estimator;
   TrainingConfig training;
-  Index trained_features = 0;  ///< width of the linear layer; 0: none
+  Index principal_components = 0;  ///< of x that the network sees; 0: x itself
+  Index trained_features = 0;      ///< width of the linear layer; 0: none
 };
 
 /// The simulations of all rounds so far, the failed ones left out, and what was observed.
@@ -29,7 +30,7 @@ struct RoundData {
   VectorF x_o;                             ///< (F)
 };
 
-/// Trains on `data` from the weights and the standardisation of `previous` (the last round's
+/// Trains on `data` from the weights and the feature transform of `previous` (the last round's
 /// posterior) or from scratch in round 1. `id` names the seed and round. A `state` that a hook kept
 /// goes on from there with the same bits; an empty one starts. Returns nothing when the hook
 /// stopped training: `state` is the checkpoint.

@@ -5,10 +5,10 @@
 namespace npdr::inference {
 
 BayesSim::BayesSim(SeriesSelection selection, const Target& target, Index steps_per_state)
-    : selection_(std::move(selection)) {
-  for (Index h = 0; h < selection_.num_rollouts; ++h) {
+    : Embedding(std::move(selection)) {
+  for (Index h = 0; h < this->selection().num_rollouts; ++h) {
     const RowMatrix& all = target.rollouts[static_cast<std::size_t>(h)].actions;
-    RowMatrix between(selection_.num_steps() - 1, all.cols());
+    RowMatrix between(this->selection().num_steps() - 1, all.cols());
     for (Index k = 0; k < between.rows(); ++k) {
       // State k is the one after step (k + 1) * steps_per_state, counted from 1.
       between.row(k) = all.middleRows((k + 1) * steps_per_state, steps_per_state).colwise().mean();
@@ -19,20 +19,19 @@ BayesSim::BayesSim(SeriesSelection selection, const Target& target, Index steps_
 
 Index BayesSim::num_features() const {
   const Index num_actions = actions_.front().cols();
-  return selection_.num_rollouts * selection_.num_channels() * (num_actions + 2);
+  return selection().num_rollouts * selection().num_channels() * (num_actions + 2);
 }
 
-void BayesSim::embed(std::span<const float> series, std::span<float> x) const {
+void BayesSim::embed(std::span<const float> picked, std::span<float> x) const {
   auto out = x.begin();
-  for (Index h = 0; h < selection_.num_rollouts; ++h) {
+  const Index steps = selection().num_steps();
+  const Index channels = selection().num_channels();
+  for (Index h = 0; h < selection().num_rollouts; ++h) {
     const RowMatrix& actions = actions_[static_cast<std::size_t>(h)];
-    RowMatrix delta(actions.rows(), selection_.num_channels());
-    for (Index k = 0; k < delta.rows(); ++k) {
-      for (Index c = 0; c < delta.cols(); ++c) {
-        delta(k, c) = double{selection_.value(series, h, k + 1, c)} -
-                      double{selection_.value(series, h, k, c)};
-      }
-    }
+    const RowMatrix states =
+        Eigen::Map<const RowMatrixF>(picked.data() + h * steps * channels, steps, channels)
+            .cast<double>();
+    const RowMatrix delta = states.bottomRows(steps - 1) - states.topRows(steps - 1);
     const RowMatrix products = actions.transpose() * delta;
     const Eigen::RowVectorXd mean = delta.colwise().mean();
     const Eigen::RowVectorXd variance =

@@ -46,11 +46,15 @@ SeriesSelection select(const EmbeddingConfig& config, const Target& target, Inde
 
 }  // namespace
 
-float SeriesSelection::value(std::span<const float> series, Index rollout, Index k,
-                             Index channel) const {
-  const Index state = rollout * num_stored + (k + 1) * stride - 1;
-  const Index column = channels[static_cast<std::size_t>(channel)];
-  return series[static_cast<std::size_t>(state * num_stored_channels + column)];
+void SeriesSelection::pick(std::span<const float> stored, std::span<float> picked) const {
+  auto out = picked.begin();
+  for (Index h = 0; h < num_rollouts; ++h) {
+    for (Index k = 0; k < num_steps(); ++k) {
+      const Index state = h * num_stored + (k + 1) * stride - 1;
+      const float* from = stored.data() + state * num_stored_channels;
+      for (const Index channel : channels) *out++ = from[channel];
+    }
+  }
 }
 
 std::vector<std::string> embedding_names() {
@@ -80,6 +84,14 @@ std::vector<float> observed_series(const Target& target, Index store_every) {
     }
   }
   return series;
+}
+
+VectorF observed_features(const Embedding& embedding, const Target& target, Index store_every) {
+  std::vector<float> picked(static_cast<std::size_t>(embedding.selection().num_values()));
+  embedding.selection().pick(observed_series(target, store_every), picked);
+  VectorF x(embedding.num_features());
+  embedding.embed(picked, {x.data(), static_cast<std::size_t>(x.size())});
+  return x;
 }
 
 }  // namespace npdr::inference

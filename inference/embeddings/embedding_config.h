@@ -12,6 +12,7 @@ namespace npdr::inference {
 struct EmbeddingConfig {
   std::string kind = "linear";        ///< a name of embedding_names()
   Index features = 256;               ///< width of the trained layer ("linear" only)
+  Index principal_components = 0;     ///< project x on so many of its own first; 0: don't
   Index downsample = 1;               ///< keep every k-th state
   std::vector<std::string> channels;  ///< state channels to keep; empty: all
 };

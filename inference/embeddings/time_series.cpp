@@ -1,51 +1,47 @@
 #include "inference/embeddings/time_series.h"
 
+#include <algorithm>
+
 namespace npdr::inference {
+namespace {
 
-AllSteps::AllSteps(SeriesSelection selection) : selection_(std::move(selection)) {}
-
-Index AllSteps::num_features() const {
-  return selection_.num_rollouts * selection_.num_steps() * selection_.num_channels();
+// Rollout h of a picked series as a (K, C') view.
+Eigen::Map<const RowMatrixF> rollout(const SeriesSelection& s, std::span<const float> picked,
+                                     Index h) {
+  return {picked.data() + h * s.num_steps() * s.num_channels(), s.num_steps(), s.num_channels()};
 }
 
-void AllSteps::embed(std::span<const float> series, std::span<float> x) const {
-  auto out = x.begin();
-  for (Index h = 0; h < selection_.num_rollouts; ++h) {
-    for (Index k = 0; k < selection_.num_steps(); ++k) {
-      for (Index c = 0; c < selection_.num_channels(); ++c) {
-        *out++ = selection_.value(series, h, k, c);
-      }
-    }
-  }
-}
+}  // namespace
 
-DeltaSteps::DeltaSteps(SeriesSelection selection) : selection_(std::move(selection)) {}
+Index AllSteps::num_features() const { return selection().num_values(); }
+
+void AllSteps::embed(std::span<const float> picked, std::span<float> x) const {
+  std::copy(picked.begin(), picked.end(), x.begin());
+}
 
 Index DeltaSteps::num_features() const {
-  return selection_.num_rollouts * (selection_.num_steps() - 1) * selection_.num_channels();
+  return selection().num_rollouts * (selection().num_steps() - 1) * selection().num_channels();
 }
 
-void DeltaSteps::embed(std::span<const float> series, std::span<float> x) const {
-  auto out = x.begin();
-  for (Index h = 0; h < selection_.num_rollouts; ++h) {
-    for (Index k = 0; k + 1 < selection_.num_steps(); ++k) {
-      for (Index c = 0; c < selection_.num_channels(); ++c) {
-        *out++ = selection_.value(series, h, k + 1, c) - selection_.value(series, h, k, c);
-      }
-    }
+void DeltaSteps::embed(std::span<const float> picked, std::span<float> x) const {
+  const SeriesSelection& s = selection();
+  Eigen::Map<RowMatrixF> out(x.data(), s.num_rollouts * (s.num_steps() - 1), s.num_channels());
+  for (Index h = 0; h < s.num_rollouts; ++h) {
+    const auto states = rollout(s, picked, h);
+    const Index count = s.num_steps() - 1;
+    out.middleRows(h * count, count) = states.bottomRows(count) - states.topRows(count);
   }
 }
 
-LastStep::LastStep(SeriesSelection selection) : selection_(std::move(selection)) {}
+Index LastStep::num_features() const {
+  return selection().num_rollouts * selection().num_channels();
+}
 
-Index LastStep::num_features() const { return selection_.num_rollouts * selection_.num_channels(); }
-
-void LastStep::embed(std::span<const float> series, std::span<float> x) const {
-  auto out = x.begin();
-  for (Index h = 0; h < selection_.num_rollouts; ++h) {
-    for (Index c = 0; c < selection_.num_channels(); ++c) {
-      *out++ = selection_.value(series, h, selection_.num_steps() - 1, c);
-    }
+void LastStep::embed(std::span<const float> picked, std::span<float> x) const {
+  const SeriesSelection& s = selection();
+  Eigen::Map<RowMatrixF> out(x.data(), s.num_rollouts, s.num_channels());
+  for (Index h = 0; h < s.num_rollouts; ++h) {
+    out.row(h) = rollout(s, picked, h).bottomRows(1);
   }
 }
 

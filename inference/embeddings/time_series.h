@@ -5,37 +5,28 @@
 
 namespace npdr::inference {
 
-/// x = (s_1, ..., s_K) of every rollout, H * K * C features.
+/// x = (s_1, ..., s_K) of every rollout, H K C' features.
 class AllSteps : public Embedding {
  public:
-  explicit AllSteps(SeriesSelection selection);
+  using Embedding::Embedding;
   Index num_features() const override;
-  void embed(std::span<const float> series, std::span<float> x) const override;
-
- private:
-  SeriesSelection selection_;
+  void embed(std::span<const float> picked, std::span<float> x) const override;
 };
 
-/// x = (s_2 - s_1, ..., s_K - s_{K-1}) of every rollout, H * (K - 1) * C features.
+/// x = (s_2 - s_1, ..., s_K - s_{K-1}) of every rollout, H (K - 1) C' features.
 class DeltaSteps : public Embedding {
  public:
-  explicit DeltaSteps(SeriesSelection selection);
+  using Embedding::Embedding;
   Index num_features() const override;
-  void embed(std::span<const float> series, std::span<float> x) const override;
-
- private:
-  SeriesSelection selection_;
+  void embed(std::span<const float> picked, std::span<float> x) const override;
 };
 
-/// x = s_K of every rollout, H * C features.
+/// x = s_K of every rollout, H C' features.
 class LastStep : public Embedding {
  public:
-  explicit LastStep(SeriesSelection selection);
+  using Embedding::Embedding;
   Index num_features() const override;
-  void embed(std::span<const float> series, std::span<float> x) const override;
-
- private:
-  SeriesSelection selection_;
+  void embed(std::span<const float> picked, std::span<float> x) const override;
 };
 
 }  // namespace npdr::inference

@@ -13,10 +13,9 @@ DirectPosterior untrained(const char* kind) {
   DirectPosteriorParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
                                              {"b", "1", Marginal::Kind::uniform, 0.0, 0.5}}),
                              .estimator = {},
-                             .x_features = 4,
                              .trained_features = 3,
                              .structure_seed = 5,
-                             .standardiser = {VectorF::Zero(4), VectorF::Ones(4)},
+                             .transform = {VectorF::Zero(4), VectorF::Ones(4), {}},
                              .parameters = {},
                              .x_o = VectorF::Constant(4, 0.3f)};
   parts.estimator.kind = kind;

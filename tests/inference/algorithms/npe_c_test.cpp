@@ -111,7 +111,7 @@ TEST(NpeC, GradientOfEveryLossEqualsCentralDifferences) {
   const Prior prior = task.prior();
   const RowMatrix theta = sample_prior(prior, 60, 1);
   const MatrixSource x(simulate(task.simulator(), theta, 1, 1));
-  const Standardiser standardiser{VectorF::Zero(2), VectorF::Ones(2)};
+  const FeatureTransform transform{VectorF::Zero(2), VectorF::Ones(2), {}};
   GaussianMixture proposal;
   proposal.log_weights = Vector::Zero(1);
   proposal.means = {Vector::Constant(2, 0.3)};
@@ -131,7 +131,7 @@ TEST(NpeC, GradientOfEveryLossEqualsCentralDifferences) {
       c.algorithm.combined_loss = combined;
       const auto network = make_network(c.estimator, 2, 0, 2, 1);
       Parameters<float> p = network.initial_parameters({1, "initial", 0, 0, 0});
-      NpeC objective(c.algorithm, network, standardiser, data, {1, "train", 2, 0, 0});
+      NpeC objective(c.algorithm, network, transform, data, {1, "train", 2, 0, 0});
       Parameters<float> gradient = Parameters<float>::Zero(p.size());
       objective.loss(p, batch, &gradient);
       // Along the gradient the slope is its norm.

@@ -28,9 +28,9 @@ Target ramp() {
 std::vector<float> embed(const EmbeddingConfig& config, Index store_every = 1) {
   const Target target = ramp();
   const auto embedding = make_embedding(config, target, store_every);
-  std::vector<float> x(static_cast<std::size_t>(embedding->num_features()));
-  embedding->embed(observed_series(target, store_every), x);
-  return x;
+  const VectorF x = observed_features(*embedding, target, store_every);
+  EXPECT_EQ(x.size(), embedding->num_features());
+  return {x.begin(), x.end()};
 }
 
 EmbeddingConfig config(const std::string& kind, Index downsample = 1,

@@ -1,0 +1,110 @@
+#include "analysis/gnuplot.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+
+#include "analysis/process.h"
+#include "analysis/svg.h"
+#include "analysis/text_file.h"
+#include "core/error.h"
+
+namespace npdr::analysis {
+namespace {
+
+constexpr const char* kFont = "sans-serif,11";
+
+// A PNG has twice the pixels of the SVG. Font sizes are pixels in SVG and points (4/3 pixels) in
+// PNG, hence fontscale 1.5.
+
+std::string script_of(const Figure& figure) {
+  std::string script = fmt::format(
+      "# gnuplot -c {0}.gp svg {0}.svg\n"
+      "# gnuplot -c {0}.gp png {0}.png\n"
+      "set encoding utf8\n"
+      "if (ARG1 eq 'png') {{\n"
+      "  set terminal pngcairo noenhanced font '{1}' size {2},{3} fontscale 1.5 linewidth 2 "
+      "pointscale 2 background rgb 'white'\n"
+      "}} else {{\n"
+      "  set terminal svg noenhanced font '{1}' size {4},{5} background rgb 'white'\n"
+      "}}\n"
+      "set output ARG2\n",
+      figure.name, kFont, 2 * figure.width, 2 * figure.height, figure.width, figure.height);
+  return script + figure.commands + "unset output\n";
+}
+
+void run(const std::string& program, const Figure& figure, const std::filesystem::path& directory,
+         const std::string& format) {
+  const std::string output = figure.name + "." + format;
+  const std::string temporary = output + ".tmp";
+  // -d: without the user's settings, so that a figure looks the same for everybody.
+  const ProcessResult result =
+      run_process(program, {"-d", "-c", figure.name + ".gp", format, temporary}, directory);
+  if (!result.found) {
+    throw Error(program +
+                ": not found; install gnuplot (Debian package gnuplot-nox), which draws "
+                "the figures");
+  }
+  std::error_code ignored;
+  const bool complete = result.exit_status == 0 &&
+                        std::filesystem::file_size(directory / temporary, ignored) > 0 && !ignored;
+  if (!complete) {
+    std::filesystem::remove(directory / temporary, ignored);
+    throw Error(fmt::format("{}: {} failed with status {} on {}:\n{}",
+                            (directory / output).string(), program, result.exit_status,
+                            figure.name + ".gp", result.errors));
+  }
+  std::filesystem::rename(directory / temporary, directory / output);
+}
+
+}  // namespace
+
+FigureFiles render_figure(const Figure& figure, const std::filesystem::path& directory,
+                          const std::string& program) {
+  check_file_stem("figure", figure.name);
+  const FigureFiles files = {directory / (figure.name + ".gp"), directory / (figure.name + ".svg"),
+                             directory / (figure.name + ".png")};
+  write_text_file(files.script, script_of(figure));
+  run(program, figure, directory, "svg");
+  write_text_file(files.svg, tidy_svg(read_text_file(files.svg)));
+  run(program, figure, directory, "png");
+  return files;
+}
+
+std::string gnuplot_string(std::string_view text) {
+  std::string quoted = "'";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '\'') {
+      quoted += "’";
+    } else {
+      quoted += byte < 0x20 || byte == 0x7f ? ' ' : c;
+    }
+  }
+  return quoted + '\'';
+}
+
+void write_data_file(const std::filesystem::path& path, std::string_view comment,
+                     const RowMatrix& values) {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  std::string line(comment);
+  for (char& c : line) c = c == '\n' || c == '\r' ? ' ' : c;
+  fmt::format_to(out, "# {}\n", line);
+  for (Index i = 0; i < values.rows(); ++i) {
+    for (Index k = 0; k < values.cols(); ++k) {
+      const double v = values(i, k);
+      const char* separator = k > 0 ? " " : "";
+      if (std::isfinite(v)) {
+        fmt::format_to(out, "{}{}", separator, v);
+      } else {
+        fmt::format_to(out, "{}NaN", separator);
+      }
+    }
+    text.push_back('\n');
+  }
+  write_text_file(path, {text.data(), text.size()});
+}
+
+}  // namespace npdr::analysis

@@ -1,0 +1,45 @@
+/// Figures by gnuplot: one script makes an SVG for the report and a PNG for everything else.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "core/types.h"
+
+namespace npdr::analysis {
+
+/// What is to be drawn.
+struct Figure {
+  std::string name;      ///< of its files: letters, digits, '_' and '-'
+  int width = 640;       ///< [px] of the SVG; the PNG has twice as many
+  int height = 480;      ///< [px]
+  std::string commands;  ///< gnuplot's, after terminal and output are set; data files by name
+};
+
+/// What was drawn.
+struct FigureFiles {
+  std::filesystem::path script;
+  std::filesystem::path svg;
+  std::filesystem::path png;
+};
+
+/// Writes <name>.gp into `directory`, where the data files are already, and runs it there for
+/// <name>.svg and <name>.png. Text is plain (no markup), encoding UTF-8; the user's gnuplot
+/// settings aren't read. `gnuplot -c <name>.gp png <name>.png` in that folder repeats it by hand.
+/// Throws InputError for a name that can't be a file's; Error when gnuplot is missing, fails (with
+/// what it said) or leaves no file.
+FigureFiles render_figure(const Figure& figure, const std::filesystem::path& directory,
+                          const std::string& program = "gnuplot");
+
+/// `text` as a string of gnuplot's language: in single quotes, where nothing but the quote itself
+/// is special. Quotes in the text become typographic ones (gnuplot 5 misreads two doubled quotes in
+/// a row), control characters blanks.
+std::string gnuplot_string(std::string_view text);
+
+/// Writes `values` (rows, columns) for gnuplot: `comment` in the first line, then a line per row
+/// with all digits; NaN where a value isn't finite, which gnuplot skips.
+void write_data_file(const std::filesystem::path& path, std::string_view comment,
+                     const RowMatrix& values);
+
+}  // namespace npdr::analysis

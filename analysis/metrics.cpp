@@ -1,0 +1,164 @@
+#include "analysis/metrics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "analysis/dtw.h"
+#include "core/error.h"
+#include "core/parallel.h"
+
+namespace npdr::analysis {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<Index> select_channels(const Target& target, const std::vector<Index>& wanted) {
+  const Index count = target.num_states();
+  if (wanted.empty()) {
+    std::vector<Index> all(static_cast<std::size_t>(count));
+    std::iota(all.begin(), all.end(), Index{0});
+    return all;
+  }
+  std::vector<bool> seen(static_cast<std::size_t>(count), false);
+  for (const Index c : wanted) {
+    if (c < 0 || c >= count) {
+      throw InputError(fmt::format("metrics: channel {}, must be in [0, {}]", c, count - 1));
+    }
+    if (seen[static_cast<std::size_t>(c)]) {
+      throw InputError(fmt::format("metrics: channel {} ('{}') is listed twice", c,
+                                   target.state_channels[static_cast<std::size_t>(c)].label));
+    }
+    seen[static_cast<std::size_t>(c)] = true;
+  }
+  return wanted;
+}
+
+// Recorded states store_every, 2 store_every, ... in the selected channels, SI.
+RowMatrix compared_states(const Rollout& rollout, const std::vector<Index>& channels,
+                          Index store_every) {
+  RowMatrix states(rollout.num_steps() / store_every, static_cast<Index>(channels.size()));
+  for (Index t = 0; t < states.rows(); ++t) {
+    for (Index c = 0; c < states.cols(); ++c) {
+      states(t, c) = rollout.states((t + 1) * store_every, channels[static_cast<std::size_t>(c)]);
+    }
+  }
+  return states;
+}
+
+void check_scale(const Vector& scale, const std::vector<Index>& channels, const Target& target,
+                 const Rollout& rollout) {
+  for (Index c = 0; c < scale.size(); ++c) {
+    if (scale(c) > 0.0) continue;
+    const Index channel = channels[static_cast<std::size_t>(c)];
+    throw InputError(fmt::format(
+        "metrics: channel '{}' of recorded rollout '{}' is 0 throughout, so errors can't be "
+        "divided by its maximum; leave the channel out of the compared ones",
+        target.state_channels[static_cast<std::size_t>(channel)].label, rollout.name));
+  }
+}
+
+}  // namespace
+
+Metrics::Metrics(const Target& target, const MetricsConfig& config)
+    : channels_(select_channels(target, config.channels)), num_states_(target.num_states()) {
+  if (config.store_every < 1 || config.store_every > target.num_steps()) {
+    throw InputError(fmt::format("metrics: store_every = {}, must be in [1, {}]",
+                                 config.store_every, target.num_steps()));
+  }
+  num_steps_ = target.num_steps() / config.store_every;
+  for (const Rollout& rollout : target.rollouts) {
+    RowMatrix states = compared_states(rollout, channels_, config.store_every);
+    Vector scale(states.cols());
+    for (Index c = 0; c < scale.size(); ++c) scale(c) = states.col(c).lpNorm<Eigen::Infinity>();
+    check_scale(scale, channels_, target, rollout);
+    for (Index c = 0; c < scale.size(); ++c) states.col(c) /= scale(c);
+    recorded_.push_back({std::move(states), scale});
+  }
+}
+
+void Metrics::check(const TrajectoryView& simulated) const {
+  simulated.check();
+  if (simulated.num_rollouts == static_cast<Index>(recorded_.size()) &&
+      simulated.num_steps == num_steps_ && simulated.num_states == num_states_) {
+    return;
+  }
+  throw ShapeError(fmt::format(
+      "metrics: simulated rollouts have shape (H, T, C) = ({}, {}, {}), the target's ({}, {}, {})",
+      simulated.num_rollouts, simulated.num_steps, simulated.num_states, recorded_.size(),
+      num_steps_, num_states_));
+}
+
+double Metrics::rmse_of_rollout(const Eigen::Ref<const RowMatrixF>& states, Index h) const {
+  const Recorded& recorded = recorded_[static_cast<std::size_t>(h)];
+  double sum = 0.0;
+  for (Index c = 0; c < recorded.states.cols(); ++c) {
+    const auto column = states.col(channels_[static_cast<std::size_t>(c)]).cast<double>();
+    const double squares = (column / recorded.scale(c) - recorded.states.col(c)).squaredNorm();
+    sum += std::sqrt(squares / static_cast<double>(num_steps_));
+  }
+  return sum / static_cast<double>(recorded.states.cols());
+}
+
+void Metrics::normalize_rollout(const Eigen::Ref<const RowMatrixF>& states, Index h,
+                                std::span<double> normalized) const {
+  const Vector& scale = recorded_[static_cast<std::size_t>(h)].scale;
+  Eigen::Map<RowMatrix> result(normalized.data(), num_steps_, scale.size());
+  for (Index c = 0; c < scale.size(); ++c) {
+    const auto column = states.col(channels_[static_cast<std::size_t>(c)]).cast<double>();
+    result.col(c) = column / scale(c);
+  }
+}
+
+Vector Metrics::rmse(const TrajectoryView& simulated) const {
+  check(simulated);
+  const Index num_rollouts = simulated.num_rollouts;
+  Vector result(simulated.num_samples);
+  parallel_for(simulated.num_samples, [&](Index i) {
+    if (!simulated.finite(i)) {
+      result(i) = kNaN;
+      return;
+    }
+    double sum = 0.0;
+    for (Index h = 0; h < num_rollouts; ++h) sum += rmse_of_rollout(simulated.rollout(i, h), h);
+    result(i) = sum / static_cast<double>(num_rollouts);
+  });
+  return result;
+}
+
+Vector Metrics::dtw(const TrajectoryView& simulated) const {
+  check(simulated);
+  const Index num_rollouts = simulated.num_rollouts;
+  const Index num_groups = (simulated.num_samples + kDtwLanes - 1) / kDtwLanes;
+  RowMatrix distances(num_rollouts, simulated.num_samples);
+  parallel_for(num_groups * num_rollouts, [&](Index item) {
+    const Index h = item / num_groups;
+    const Index first = item % num_groups * kDtwLanes;
+    const Index count = std::min(kDtwLanes, simulated.num_samples - first);
+    const Recorded& recorded = recorded_[static_cast<std::size_t>(h)];
+    const auto size = static_cast<std::size_t>(num_steps_ * recorded.states.cols());
+    std::vector<double> series(static_cast<std::size_t>(count) * size);
+    for (Index k = 0; k < count; ++k) {
+      normalize_rollout(simulated.rollout(first + k, h), h,
+                        std::span(series).subspan(static_cast<std::size_t>(k) * size, size));
+    }
+    const auto group = dtw_batch(recorded.states, series, count);
+    for (Index k = 0; k < count; ++k) {
+      distances(h, first + k) = group[static_cast<std::size_t>(k)].distance;
+    }
+  });
+  Vector result = Vector::Constant(simulated.num_samples, kNaN);
+  for (Index i = 0; i < result.size(); ++i) {
+    // A value of a channel that doesn't count says just as well that the rollout failed.
+    if (!simulated.finite(i)) continue;
+    double sum = 0.0;
+    for (Index h = 0; h < num_rollouts; ++h) sum += distances(h, i);
+    result(i) = sum / static_cast<double>(num_rollouts);
+  }
+  return result;
+}
+
+}  // namespace npdr::analysis

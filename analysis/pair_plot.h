@@ -1,0 +1,46 @@
+/// Pair plot of posterior samples, as in Figures A1 and A2.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/gnuplot.h"
+#include "core/types.h"
+
+namespace npdr::analysis {
+
+/// An axis of the plot: a physics parameter over its prior's range, SI.
+struct PairParameter {
+  std::string label;  ///< such as "rotary_damping"; underscores are shown as blanks
+  std::string unit;   ///< SI; "1": dimensionless
+  double lower = 0.0;
+  double upper = 0.0;
+  std::optional<double> nominal = {};
+  std::optional<double> truth = {};
+};
+
+/// Samples of one posterior.
+struct SampleSet {
+  std::string name;   ///< such as "NPDR (MAF)"
+  RowMatrix samples;  ///< (n, D), SI, the columns in the order of the parameters
+};
+
+struct PairPlot {
+  std::string name;  ///< of the files: letters, digits, '_' and '-'
+  std::vector<PairParameter> parameters;
+  std::vector<SampleSet> sets;        ///< blue, orange, purple, ...; the first is drawn on top
+  std::vector<Index> selection = {};  ///< parameters to show, 2 to 15; empty: all
+  Index num_points = 200;             ///< of each set in an off-diagonal panel
+};
+
+/// Draws the lower triangle of scatter plots, with the marginal densities of all samples on the
+/// diagonal (analysis/kernel_density.h), axes limited to the prior's box, nominal values and truth
+/// marked. Off the diagonal every panel shows the same samples, evenly strided. Samples outside the
+/// box are not shown and lower the marginal's area. Writes the figure's files and its data files
+/// into `directory`. Throws InputError for fewer than 2 or more than 15 parameters, more sets than
+/// there are colours, or a selection that doesn't exist; ShapeError for samples of another width.
+FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& directory);
+
+}  // namespace npdr::analysis

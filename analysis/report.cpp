@@ -1,0 +1,111 @@
+#include "analysis/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "analysis/escape.h"
+#include "analysis/report_style.h"
+#include "analysis/svg.h"
+#include "analysis/table_writers.h"
+#include "analysis/text_file.h"
+
+namespace npdr::analysis {
+namespace {
+
+// Blank lines end a paragraph.
+std::string paragraphs(const std::string& prose) {
+  std::string html, paragraph;
+  const auto flush = [&] {
+    if (!paragraph.empty()) html += "<p>" + escape_html(paragraph) + "</p>\n";
+    paragraph.clear();
+  };
+  std::size_t begin = 0;
+  while (begin <= prose.size()) {
+    const std::size_t end = std::min(prose.find('\n', begin), prose.size());
+    const std::string line = prose.substr(begin, end - begin);
+    if (line.find_first_not_of(" \t\r") == std::string::npos) {
+      flush();
+    } else {
+      paragraph += (paragraph.empty() ? "" : "\n") + line;
+    }
+    begin = end + 1;
+  }
+  flush();
+  return html;
+}
+
+std::string head(const Report& report) {
+  // Nothing may be loaded and nothing may run, whatever a text or a figure holds.
+  constexpr const char* policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\"/>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
+      "<meta name=\"color-scheme\" content=\"light dark\"/>\n"
+      "<title>{}</title>\n<style>{}</style>\n</head>\n",
+      policy, escape_html(report.title), kReportStyle);
+}
+
+std::string contents(const Report& report) {
+  std::string html = "<nav>\n<ol>\n";
+  for (std::size_t i = 0; i < report.sections.size(); ++i) {
+    html += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1,
+                        escape_html(report.sections[i].title));
+  }
+  if (!report.commands.empty()) html += "<li><a href=\"#commands\">Commands</a></li>\n";
+  if (!report.provenance.empty()) html += "<li><a href=\"#provenance\">Provenance</a></li>\n";
+  return html + "</ol>\n</nav>\n";
+}
+
+std::string figure_html(const ReportFigure& figure, const std::string& prefix) {
+  return fmt::format(
+      "<figure class=\"plot\">\n<div class=\"paper\">{}</div>\n<figcaption>{}</figcaption>\n"
+      "</figure>\n",
+      inline_svg(read_text_file(figure.svg), prefix, figure.caption), escape_html(figure.caption));
+}
+
+std::string section_html(const ReportSection& section, std::size_t number) {
+  std::string html = fmt::format("<section id=\"section-{}\">\n<h2>{}</h2>\n{}", number,
+                                 escape_html(section.title), paragraphs(section.prose));
+  for (const Table& table : section.tables) html += to_html(table);
+  for (std::size_t k = 0; k < section.figures.size(); ++k) {
+    html += figure_html(section.figures[k], fmt::format("figure-{}-{}-", number, k + 1));
+  }
+  return html + "</section>\n";
+}
+
+std::string commands_html(const std::vector<std::string>& commands) {
+  if (commands.empty()) return "";
+  std::string html = "<section id=\"commands\">\n<h2>Commands</h2>\n<pre><code>";
+  for (const std::string& c : commands) html += escape_html(c) + "\n";
+  return html + "</code></pre>\n</section>\n";
+}
+
+std::string provenance_html(const std::vector<std::pair<std::string, std::string>>& facts) {
+  if (facts.empty()) return "";
+  std::string html = "<section id=\"provenance\">\n<h2>Provenance</h2>\n<dl>\n";
+  for (const auto& [what, value] : facts) {
+    html += "<dt>" + escape_html(what) + "</dt><dd>" + escape_html(value) + "</dd>\n";
+  }
+  return html + "</dl>\n</section>\n";
+}
+
+}  // namespace
+
+std::string to_html(const Report& report) {
+  std::string html = head(report) + "<body>\n<header>\n<h1>" + escape_html(report.title) +
+                     "</h1>\n" + paragraphs(report.prose) + "</header>\n" + contents(report) +
+                     "<main>\n";
+  for (std::size_t i = 0; i < report.sections.size(); ++i) {
+    html += section_html(report.sections[i], i + 1);
+  }
+  html += commands_html(report.commands) + provenance_html(report.provenance);
+  return html + "</main>\n</body>\n</html>\n";
+}
+
+void write_report(const Report& report, const std::filesystem::path& path) {
+  write_text_file(path, to_html(report));
+}
+
+}  // namespace npdr::analysis

@@ -1,0 +1,42 @@
+/// One page that holds a study's results: report.html, which needs nothing beside it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/table.h"
+
+namespace npdr::analysis {
+
+struct ReportFigure {
+  std::filesystem::path svg;
+  std::string caption;
+};
+
+struct ReportSection {
+  std::string title;
+  std::string prose;  ///< plain text; blank lines separate paragraphs
+  std::vector<Table> tables = {};
+  std::vector<ReportFigure> figures = {};
+};
+
+struct Report {
+  std::string title;
+  std::string prose;  ///< under the title
+  std::vector<ReportSection> sections = {};
+  std::vector<std::string> commands = {};  ///< that repeat the study, in order
+  /// What the results come from: ("git revision", "1a2b3c"), ("seed", "1"), ...
+  std::vector<std::pair<std::string, std::string>> provenance = {};
+};
+
+/// The page: style and SVG figures inline, no scripts, light or dark as the reader's system asks.
+/// Every text is escaped. Throws Error for a figure that can't be read, InputError for one that is
+/// no SVG, and what Table::check() throws.
+std::string to_html(const Report& report);
+
+/// Writes the page to `path`.
+void write_report(const Report& report, const std::filesystem::path& path);
+
+}  // namespace npdr::analysis

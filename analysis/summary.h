@@ -1,0 +1,19 @@
+/// Mean and spread of a metric over samples, some of which failed.
+#pragma once
+
+#include "core/types.h"
+
+namespace npdr::analysis {
+
+/// Mean and spread of a metric over samples.
+struct Summary {
+  double mean = 0.0;   ///< NaN when n = 0
+  double std = 0.0;    ///< with n - 1 in the denominator; NaN when n < 2
+  Index n = 0;         ///< finite values, over which mean and std are taken
+  Index n_failed = 0;  ///< values that aren't finite
+};
+
+/// Summary of the finite entries of `values`.
+Summary summarize(const Eigen::Ref<const Vector>& values);
+
+}  // namespace npdr::analysis

@@ -1,0 +1,71 @@
+/// A results table: what it holds, apart from how it is written (analysis/table_writers.h).
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "analysis/summary.h"
+#include "core/types.h"
+
+namespace npdr::analysis {
+
+/// A mean and standard deviation of n values. n = 0: not known (a published figure).
+struct MeanStd {
+  double mean = 0.0;
+  double std = 0.0;  ///< NaN when there is none
+  Index n = 0;
+};
+
+/// One cell: nothing, a text, a number, or a mean with its spread; and the footnotes it refers to.
+struct Cell {
+  using Value = std::variant<std::monostate, std::string, double, MeanStd>;
+
+  Cell() = default;
+  Cell(std::string text) : value(std::move(text)) {}
+  Cell(const char* text) : value(std::string(text)) {}
+  Cell(double number) : value(number) {}
+  Cell(const MeanStd& mean_std) : value(mean_std) {}
+  Cell(const Summary& summary) : value(MeanStd{summary.mean, summary.std, summary.n}) {}
+
+  Value value;
+  std::vector<std::size_t> notes;  ///< indices into Table::footnotes
+};
+
+struct Column {
+  std::string title;
+  bool published = false;  ///< figures from the paper rather than from this run
+};
+
+struct Row {
+  std::string label;
+  std::vector<Cell> cells;  ///< one a column
+};
+
+struct Table {
+  std::string name;  ///< of its files and label: letters, digits, '_' and '-'
+  std::string caption;
+  std::string row_header;  ///< over the labels of the rows
+  std::vector<Column> columns;
+  std::vector<Row> rows;
+  std::vector<std::string> footnotes;
+  std::string command;  ///< what made it; empty: not said
+
+  /// The index of the footnote with this text, which is added when there is none yet.
+  std::size_t footnote(const std::string& text);
+
+  /// True when no cell of the column is a text, so that it reads best flush right.
+  bool is_numeric(std::size_t column) const;
+
+  /// Throws ShapeError when a row has more or fewer cells than there are columns, or a cell refers
+  /// to a footnote that doesn't exist; InputError for a name that can't be a file's.
+  void check() const;
+};
+
+/// "NPDR (MAF)", or "NPDR (MAF), published".
+std::string column_title(const Column& column);
+
+/// The mark of footnote 0, 1, ...: "a", ..., "z", "aa", "ab", ...
+std::string footnote_mark(std::size_t index);
+
+}  // namespace npdr::analysis

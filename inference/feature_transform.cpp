@@ -1,0 +1,107 @@
+#include "inference/feature_transform.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "core/error.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr Index kBlock = 500;
+constexpr Index kRowsForCorrelation = 2000;
+
+void for_each_block(const FeatureSource& x, Index num_rows,
+                    const std::function<void(const RowMatrixF&)>& body) {
+  RowMatrixF rows;
+  for (Index begin = 0; begin < num_rows; begin += kBlock) {
+    std::vector<std::uint32_t> indices(
+        static_cast<std::size_t>(std::min(kBlock, num_rows - begin)));
+    std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(begin));
+    x.gather(indices, 0, rows);
+    body(rows);
+  }
+}
+
+// Mean and deviation by Welford's algorithm (1962), which doesn't cancel.
+FeatureTransform standardisation(const FeatureSource& x) {
+  Vector mean = Vector::Zero(x.num_features());
+  Vector squares = Vector::Zero(x.num_features());
+  double count = 0.0;
+  for_each_block(x, x.num_rows(), [&](const RowMatrixF& rows) {
+    for (Index i = 0; i < rows.rows(); ++i) {
+      count += 1.0;
+      const Vector value = rows.row(i).transpose().cast<double>();
+      const Vector before = value - mean;
+      mean += before / count;
+      squares.array() += before.array() * (value - mean).array();
+    }
+  });
+  const Eigen::ArrayXd deviation = (squares.array() / count).sqrt();
+  // Rounding leaves a little variance in a constant feature of single precision.
+  const Eigen::ArrayXd smallest = 1e-6 * mean.array().abs() + 1e-30;
+  FeatureTransform transform;
+  transform.mean = mean.cast<float>();
+  transform.inverse_deviation = (deviation > smallest).select(1.0 / deviation, 0.0).cast<float>();
+  return transform;
+}
+
+// Eigenvectors of z^T z / n with the largest eigenvalues, each over the root of its eigenvalue, (F,
+// components). For more features than rows through z z^T, which is smaller and has the same ones.
+RowMatrixF whitening_directions(const RowMatrix& z, Index components) {
+  const bool wide = z.cols() > z.rows();
+  const Eigen::MatrixXd product =
+      (wide ? Eigen::MatrixXd(z * z.transpose()) : Eigen::MatrixXd(z.transpose() * z)) /
+      static_cast<double>(z.rows());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(product);
+  const Eigen::MatrixXd leading = eigen.eigenvectors().rightCols(components).rowwise().reverse();
+  RowMatrix directions = wide ? RowMatrix(z.transpose() * leading) : RowMatrix(leading);
+  directions.colwise().normalize();
+  const Eigen::ArrayXd values = eigen.eigenvalues().tail(components).reverse();
+  // A direction without variance carries nothing.
+  const Eigen::ArrayXd scale = (values > 1e-9 * values(0)).select(1.0 / values.sqrt(), 0.0);
+  return (directions.array().rowwise() * scale.transpose()).cast<float>();
+}
+
+RowMatrix first_standardised_rows(const FeatureSource& x, const FeatureTransform& transform) {
+  const Index count = std::min(x.num_rows(), kRowsForCorrelation);
+  RowMatrix all(count, x.num_features());
+  Index next = 0;
+  RowMatrixF z;
+  for_each_block(x, count, [&](const RowMatrixF& rows) {
+    transform.apply(rows, z);
+    all.middleRows(next, z.rows()) = z.cast<double>();
+    next += z.rows();
+  });
+  return all;
+}
+
+}  // namespace
+
+void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {
+  if (basis.cols() == 0) {
+    z = (x.rowwise() - mean.transpose()).array().rowwise() * inverse_deviation.transpose().array();
+    return;
+  }
+  const RowMatrixF standardised =
+      (x.rowwise() - mean.transpose()).array().rowwise() * inverse_deviation.transpose().array();
+  z.noalias() = standardised * basis;
+}
+
+FeatureTransform fit_feature_transform(const FeatureSource& x, Index components) {
+  FeatureTransform transform = standardisation(x);
+  if (components == 0) return transform;
+  const Index most = std::min({x.num_features(), x.num_rows(), kRowsForCorrelation});
+  if (components > most) {
+    throw InputError("embedding.principal_components = " + std::to_string(components) +
+                     ", must be <= " + std::to_string(most) +
+                     ", the smaller of the numbers of features and simulations");
+  }
+  transform.basis = whitening_directions(first_standardised_rows(x, transform), components);
+  return transform;
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,34 @@
+/// What x goes through before the network: standardisation and, if asked for, a projection on its
+/// principal components.
+///
+///   z = (x - mean) / deviation   (F),       z = B^T (x - mean) / deviation   (k)
+/// with the columns of B (F, k) the eigenvectors of the correlation matrix of x with the largest
+/// eigenvalues (Pearson 1901), each divided by the root of its eigenvalue, so that z has unit
+/// variance. N simulations span at most N directions, and far fewer of them carry signal: a trained
+/// linear layer on k components is the same kind of map as on x, cheaper and with far fewer weights
+/// to overfit. Of an observation that no simulation reproduces, z keeps what lies in their span.
+#pragma once
+
+#include "core/types.h"
+#include "inference/feature_source.h"
+
+namespace npdr::inference {
+
+struct FeatureTransform {
+  VectorF mean;               ///< (F)
+  VectorF inverse_deviation;  ///< (F); 0 for a feature that doesn't vary: it carries nothing
+  RowMatrixF basis;           ///< (F, k); (0, 0): no projection
+
+  Index num_inputs() const { return mean.size(); }
+  Index num_outputs() const { return basis.cols() > 0 ? basis.cols() : mean.size(); }
+
+  /// z of every row of x: (n, F) -> (n, F or k).
+  void apply(const RowMatrixF& x, RowMatrixF& z) const;
+};
+
+/// The transform for the rows of `x`, from their mean and deviation and, for components > 0, from
+/// the correlation of the first 2000 of them. Reads x in blocks: memory doesn't grow with its rows.
+/// Throws InputError when there are more components than rows or features.
+FeatureTransform fit_feature_transform(const FeatureSource& x, Index components);
+
+}  // namespace npdr::inference

@@ -1,0 +1,61 @@
+#include "analysis/axis.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/error.h"
+
+namespace npdr::analysis {
+namespace {
+
+using Labels = std::vector<std::string>;
+
+TEST(Axis, ScalesByAPowerOfTenWhereLabelsWouldBeLong) {
+  const Axis damping = make_axis(0.0, 1e-3, "N m s/rad");
+  EXPECT_DOUBLE_EQ(damping.scale, 1e3);
+  EXPECT_EQ(damping.unit, "[10⁻³ N m s/rad]");
+  EXPECT_EQ(damping.labels, (Labels{"0.4", "0.8"}));
+  const Axis mass = make_axis(0.066, 0.12, "kg");
+  EXPECT_EQ(mass.scale, 1.0);
+  EXPECT_EQ(mass.unit, "[kg]");
+  EXPECT_EQ(mass.labels, (Labels{"0.08", "0.10"}));
+  EXPECT_EQ(make_axis(0.0, 2.5e12, "1").unit, "[10¹²]");
+  EXPECT_EQ(make_axis(0.0, 1.0, "1").unit, "");
+  EXPECT_EQ(make_axis(0.0, 1.0, "").unit, "");
+}
+
+TEST(Axis, KeepsTicksOffTheEnds) {
+  const Axis axis = make_axis(-0.08, 0.08, "m");
+  EXPECT_EQ(axis.labels, (Labels{"-5", "0", "5"}));
+  EXPECT_EQ(make_axis(0.0, 5.0, "s", 3).labels, (Labels{"1", "2", "3", "4"}));
+}
+
+TEST(Axis, HasEnoughTicksInsideAnyRange) {
+  for (const double lower : {-3.2, 0.0, 1e-7, 41.0, 1e5}) {
+    for (const double range : {1e-7, 0.003, 0.7, 1.0, 9.9, 1e6}) {
+      const Axis axis = make_axis(lower, lower + range, "m");
+      ASSERT_GE(axis.ticks.size(), 2u) << lower << " " << range;
+      EXPECT_LE(axis.ticks.size(), 9u) << lower << " " << range;
+      EXPECT_GT(axis.ticks.front(), lower * axis.scale);
+      EXPECT_LT(axis.ticks.back(), (lower + range) * axis.scale);
+      EXPECT_EQ(axis.labels.size(), axis.ticks.size());
+    }
+  }
+}
+
+TEST(Axis, WritesGnuplotTics) {
+  const Axis axis = make_axis(0.0, 1e-3, "s");
+  EXPECT_EQ(tics_command(axis, "x", "scale 0.5", true),
+            "set xtics nomirror scale 0.5 ('0.4' 0.4, '0.8' 0.8)\n");
+  EXPECT_EQ(tics_command(axis, "y", "", false), "set ytics nomirror  ('' 0.4, '' 0.8)\n");
+}
+
+TEST(Axis, RejectsEmptyAndInfiniteRanges) {
+  EXPECT_THROW(make_axis(1.0, 1.0, "m"), InputError);
+  EXPECT_THROW(make_axis(0.0, std::numeric_limits<double>::infinity(), "m"), InputError);
+  EXPECT_THROW(make_axis(std::numeric_limits<double>::quiet_NaN(), 1.0, "m"), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis

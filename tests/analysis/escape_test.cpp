@@ -1,0 +1,29 @@
+#include "analysis/escape.h"
+
+#include <gtest/gtest.h>
+
+namespace npdr::analysis {
+namespace {
+
+TEST(Escape, HtmlKeepsMarkupFromTextAndAttributes) {
+  EXPECT_EQ(escape_html("<b a=\"1\" c='2'>&"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;");
+}
+
+TEST(Escape, MarkdownKeepsACellInItsColumn) {
+  EXPECT_EQ(escape_markdown("a|b\nc_d *x* `y` <z> \\"), "a\\|b c_d \\*x\\* \\`y\\` \\<z> \\\\");
+}
+
+TEST(Escape, LatexCoversAllSpecialCharacters) {
+  EXPECT_EQ(escape_latex("50% of $1 & #2_{a}"), "50\\% of \\$1 \\& \\#2\\_\\{a\\}");
+  EXPECT_EQ(escape_latex("~^\\<>"),
+            "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}\\textless{}\\textgreater{}");
+}
+
+TEST(Escape, CsvQuotesOnlyWhatNeedsIt) {
+  EXPECT_EQ(quote_csv("plain text"), "plain text");
+  EXPECT_EQ(quote_csv("a,b"), "\"a,b\"");
+  EXPECT_EQ(quote_csv("say \"hi\"\n"), "\"say \"\"hi\"\"\n\"");
+}
+
+}  // namespace
+}  // namespace npdr::analysis

@@ -1,0 +1,99 @@
+#include "analysis/gnuplot.h"
+
+#include <gtest/gtest.h>
+
+#include <iterator>
+#include <limits>
+
+#include "analysis/text_file.h"
+#include "core/error.h"
+#include "tests/analysis/markup_check.h"
+#include "tests/analysis/scratch_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+std::string message_of(const Figure& figure, const std::filesystem::path& directory,
+                       const std::string& program = "gnuplot") {
+  try {
+    render_figure(figure, directory, program);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Gnuplot, MakesSvgAndPngFromOneScript) {
+  const ScratchFolder folder;
+  write_data_file(folder.path() / "data.dat", "x y", RowMatrix::Identity(3, 2));
+  const FigureFiles files = render_figure(
+      {"plot", 320, 200, "unset key\nplot 'data.dat' using 1:2 with points pt 7\n"}, folder.path());
+  const std::string svg = read_text_file(files.svg);
+  EXPECT_EQ(markup_error(svg), "");
+  EXPECT_EQ(count_of(svg, "<circle cx="), 3);
+  EXPECT_NE(svg.find("width=\"320\" height=\"200\""), std::string::npos);
+  const std::string png = read_text_file(files.png);
+  ASSERT_TRUE(is_png(png));
+  // Width and height, two bytes each, where the header has them: twice those of the SVG.
+  EXPECT_EQ(png.substr(16, 8), std::string("\0\0\x02\x80\0\0\x01\x90", 8));
+  EXPECT_NE(read_text_file(files.script).find("# gnuplot -c plot.gp png plot.png"),
+            std::string::npos);
+  const auto left = std::filesystem::directory_iterator(folder.path());
+  EXPECT_EQ(std::distance(begin(left), end(left)), 4);
+}
+
+TEST(Gnuplot, ItsErrorsComeThrough) {
+  const ScratchFolder folder;
+  const std::string message =
+      message_of({"plot", 320, 200, "plot 'missing_file.dat'\n"}, folder.path());
+  EXPECT_NE(message.find("plot.svg: gnuplot failed with status 1 on plot.gp"), std::string::npos)
+      << message;
+  EXPECT_NE(message.find("missing_file.dat"), std::string::npos) << message;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "plot.svg"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "plot.svg.tmp"));
+}
+
+TEST(Gnuplot, AProgramThatLeavesNoFileIsAnError) {
+  const ScratchFolder folder;
+  EXPECT_NE(message_of({"plot", 320, 200, ""}, folder.path(), "true").find("failed"),
+            std::string::npos);
+}
+
+TEST(Gnuplot, SaysWhatToInstallWhenItIsMissing) {
+  const ScratchFolder folder;
+  EXPECT_EQ(message_of({"plot", 320, 200, "plot x\n"}, folder.path(), "npdr-no-gnuplot"),
+            "npdr-no-gnuplot: not found; install gnuplot (Debian package gnuplot-nox), which draws "
+            "the figures");
+}
+
+TEST(Gnuplot, RejectsNamesThatAreNoFileNames) {
+  const ScratchFolder folder;
+  EXPECT_NE(message_of({"../plot", 320, 200, ""}, folder.path()).find("figure: name '../plot'"),
+            std::string::npos);
+}
+
+TEST(Gnuplot, StringsStandForThemselves) {
+  EXPECT_EQ(gnuplot_string("it's"), "'it’s'");
+  EXPECT_EQ(gnuplot_string("a\nb\t\x7f"), "'a b  '");
+  const ScratchFolder folder;
+  const std::string nasty = "''`touch broken`\" \\n $x @y {/Bold b} <&> 10⁻³";
+  const FigureFiles files = render_figure(
+      {"plot", 320, 200, "unset key\nset title " + gnuplot_string(nasty) + "\nplot x\n"},
+      folder.path());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "broken"));
+  EXPECT_NE(
+      read_text_file(files.svg).find("’’`touch broken`\" \\n $x @y {/Bold b} &lt;&amp;> 10⁻³"),
+      std::string::npos);
+}
+
+TEST(Gnuplot, DataFilesHaveAllDigits) {
+  const ScratchFolder folder;
+  RowMatrix values(2, 2);
+  values << 0.1, 1.0 / 3.0, std::numeric_limits<double>::infinity(), -2e-300;
+  write_data_file(folder.path() / "data.dat", "one\ntwo", values);
+  EXPECT_EQ(read_text_file(folder.path() / "data.dat"),
+            "# one two\n0.1 0.3333333333333333\nNaN -2e-300\n");
+}
+
+}  // namespace
+}  // namespace npdr::analysis

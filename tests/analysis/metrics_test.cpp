@@ -1,0 +1,191 @@
+#include "analysis/metrics.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cmath>
+#include <limits>
+
+#include "analysis/dtw.h"
+#include "core/error.h"
+#include "core/random.h"
+
+namespace npdr::analysis {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+// Two rollouts of T = 2 steps and two channels. The initial states are large on purpose: they must
+// not count, neither in the maximum nor in the error.
+Target small_target() {
+  Target target;
+  target.dt = 0.1;
+  target.state_channels = {{"angle", "rad"}, {"rate", "rad/s"}};
+  target.action_channels = {{"torque", "N m"}};
+  RowMatrix first(3, 2), second(3, 2);
+  first << 100, 100, 2, 4, -1, 8;
+  second << 100, 100, 1, 1, 1, 1;
+  target.rollouts = {{"first", first, RowMatrix::Zero(2, 1)},
+                     {"second", second, RowMatrix::Zero(2, 1)}};
+  return target;
+}
+
+TrajectoryView view_of(const std::vector<float>& values, Index samples) {
+  return {values, samples, 2, 2, 2};
+}
+
+// Rollout 1: maxima (2, 8). Simulated (2, 4), (1, 0): errors (0, 0), (2/2, -8/8) = (1, -1).
+//   per channel sqrt((0 + 1) / 2), mean over channels sqrt(1/2)
+// Rollout 2: maxima (1, 1). Simulated (1, 1), (1, 3): errors (0, 0), (0, 2).
+//   channel 1: 0, channel 2: sqrt(4 / 2), mean sqrt(2) / 2 = sqrt(1/2)
+// Mean over rollouts: sqrt(1/2).
+TEST(Metrics, RmseMatchesACaseWorkedByHand) {
+  const std::vector<float> simulated = {2, 4, 1, 0, 1, 1, 1, 3};
+  const Vector rmse = Metrics(small_target()).rmse(view_of(simulated, 1));
+  ASSERT_EQ(rmse.size(), 1);
+  EXPECT_NEAR(rmse(0), std::sqrt(0.5), 1e-15);
+}
+
+// The same, first channel only: rollout 1 sqrt(1/2), rollout 2 zero.
+TEST(Metrics, OnlySelectedChannelsCount) {
+  const std::vector<float> simulated = {2, 4, 1, 0, 1, 1, 1, 3};
+  MetricsConfig config;
+  config.channels = {0};
+  EXPECT_NEAR(Metrics(small_target(), config).rmse(view_of(simulated, 1))(0), std::sqrt(0.5) / 2,
+              1e-15);
+}
+
+// Rollout 1, normalised: recorded (1, 0.5), (-0.5, 1), simulated (1, 0.5), (0.5, 0).
+//   d = 0           sqrt(1/4+1/4)       last row: sqrt(10)/2 / 3 = 0.527 against
+//       sqrt(10)/2  sqrt(2)             min(sqrt(1/2) + sqrt(2), 2 sqrt(2)) / 4 = 0.530
+// so the path ends at the first simulated state, at a cost of sqrt(10)/2.
+// Rollout 2: the simulated first state is the recorded one: cost 0.
+TEST(Metrics, DtwMatchesACaseWorkedByHand) {
+  const std::vector<float> simulated = {2, 4, 1, 0, 1, 1, 1, 3};
+  EXPECT_NEAR(Metrics(small_target()).dtw(view_of(simulated, 1))(0), std::sqrt(10.0) / 4.0, 1e-15);
+}
+
+TEST(Metrics, OfThePerfectSimulationAreZero) {
+  const std::vector<float> simulated = {2, 4, -1, 8, 1, 1, 1, 1};
+  const Metrics metrics(small_target());
+  EXPECT_EQ(metrics.rmse(view_of(simulated, 1))(0), 0.0);
+  EXPECT_EQ(metrics.dtw(view_of(simulated, 1))(0), 0.0);
+}
+
+// Every second state of the recording, t = 2 alone: (-1, 8) and (1, 1).
+TEST(Metrics, CompareWithTheStatesThatTheSimulatorKept) {
+  MetricsConfig config;
+  config.store_every = 2;
+  const std::vector<float> simulated = {-1, 8, 1, 1};
+  EXPECT_EQ(Metrics(small_target(), config).rmse({simulated, 1, 2, 1, 2})(0), 0.0);
+}
+
+TEST(Metrics, AFailedSampleIsNanAndTheOthersAreNot) {
+  std::vector<float> simulated(4 * 8, 1.0f);
+  simulated[8 + 5] = kNaN;
+  simulated[16] = std::numeric_limits<float>::infinity();
+  MetricsConfig config;
+  config.channels = {0};  // the NaN is in the other channel
+  const Metrics metrics(small_target(), config);
+  for (const Vector& values :
+       {metrics.rmse(view_of(simulated, 4)), metrics.dtw(view_of(simulated, 4))}) {
+    EXPECT_TRUE(std::isfinite(values(0)));
+    EXPECT_TRUE(std::isnan(values(1)));
+    EXPECT_TRUE(std::isnan(values(2)));
+    EXPECT_EQ(values(3), values(0));
+  }
+}
+
+// A target and simulated rollouts of random walks, (21 samples, 3 rollouts, 40 steps, 4 channels).
+struct RandomCase {
+  Target target;
+  std::vector<float> simulated;
+  TrajectoryView view() const { return {simulated, 21, 3, 40, 4}; }
+};
+
+RandomCase random_case() {
+  RandomCase result;
+  result.target.dt = 0.01;
+  result.target.state_channels.resize(4, {"x", "m"});
+  Stream stream({3, "metrics_test"});
+  for (int h = 0; h < 3; ++h) {
+    RowMatrix states(41, 4);
+    for (double& v : states.reshaped()) v = stream.normal();
+    result.target.rollouts.push_back({"r", states, RowMatrix::Zero(40, 0)});
+  }
+  result.simulated.resize(21 * 3 * 40 * 4);
+  stream.fill_normal(result.simulated);
+  return result;
+}
+
+TEST(Metrics, DtwIsTheMeanOverRolloutsOfTheDistancesOfNormalizedSeries) {
+  const RandomCase test = random_case();
+  const Vector distances = Metrics(test.target).dtw(test.view());
+  for (Index i = 0; i < distances.size(); ++i) {
+    double sum = 0.0;
+    for (Index h = 0; h < 3; ++h) {
+      RowMatrix recorded = test.target.rollouts[static_cast<std::size_t>(h)].states.bottomRows(40);
+      RowMatrix simulated = test.view().rollout(i, h).cast<double>();
+      for (Index c = 0; c < 4; ++c) {
+        const double scale = recorded.col(c).lpNorm<Eigen::Infinity>();
+        recorded.col(c) /= scale;
+        simulated.col(c) /= scale;
+      }
+      sum += dtw(recorded, simulated).distance;
+    }
+    EXPECT_DOUBLE_EQ(distances(i), sum / 3.0);
+  }
+}
+
+TEST(Metrics, SameBitsForAnyThreadCountAndBatch) {
+  const RandomCase test = random_case();
+  const Metrics metrics(test.target);
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const Vector rmse = metrics.rmse(test.view());
+  const Vector dtw = metrics.dtw(test.view());
+  omp_set_num_threads(5);
+  EXPECT_EQ(metrics.rmse(test.view()), rmse);
+  EXPECT_EQ(metrics.dtw(test.view()), dtw);
+  omp_set_num_threads(threads);
+  const TrajectoryView all = test.view();
+  for (Index i = 0; i < all.num_samples; ++i) {
+    const TrajectoryView one = {all.values.subspan(static_cast<std::size_t>(i * all.row_size()),
+                                                   static_cast<std::size_t>(all.row_size())),
+                                1, 3, 40, 4};
+    EXPECT_EQ(metrics.rmse(one)(0), rmse(i));
+    EXPECT_EQ(metrics.dtw(one)(0), dtw(i));
+  }
+}
+
+std::string message_of(const Target& target, const MetricsConfig& config) {
+  try {
+    const Metrics metrics(target, config);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Metrics, NameTheChannelThatTheyCannotNormalize) {
+  Target target = small_target();
+  target.rollouts[1].states.col(1).bottomRows(2).setZero();
+  EXPECT_EQ(message_of(target, {}),
+            "metrics: channel 'rate' of recorded rollout 'second' is 0 throughout, so errors can't "
+            "be divided by its maximum; leave the channel out of the compared ones");
+  EXPECT_EQ(message_of(target, {{0}, 1}), "");
+}
+
+TEST(Metrics, RejectWrongChannelsStridesAndShapes) {
+  EXPECT_EQ(message_of(small_target(), {{2}, 1}), "metrics: channel 2, must be in [0, 1]");
+  EXPECT_EQ(message_of(small_target(), {{0, 0}, 1}),
+            "metrics: channel 0 ('angle') is listed twice");
+  EXPECT_EQ(message_of(small_target(), {{}, 3}), "metrics: store_every = 3, must be in [1, 2]");
+  const std::vector<float> values(8);
+  const Metrics metrics(small_target());
+  EXPECT_THROW(metrics.rmse({values, 1, 1, 4, 2}), ShapeError);
+  EXPECT_THROW(metrics.dtw({values, 2, 2, 2, 2}), ShapeError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis

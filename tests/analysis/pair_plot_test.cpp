@@ -1,0 +1,142 @@
+#include "analysis/pair_plot.h"
+
+#include <gtest/gtest.h>
+
+#include "analysis/text_file.h"
+#include "core/error.h"
+#include "core/random.h"
+#include "tests/analysis/markup_check.h"
+#include "tests/analysis/scratch_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+// Samples well inside the box [0, 2]^dimension.
+RowMatrix samples(std::uint64_t row, Index n, Index dimension) {
+  Stream stream({1, "pair_plot_test", 0, row, 0});
+  RowMatrix values(n, dimension);
+  for (double& v : values.reshaped()) v = 0.5 + stream.uniform();
+  return values;
+}
+
+PairPlot plot_of(Index dimension) {
+  PairPlot plot;
+  plot.name = "pairs";
+  for (Index d = 0; d < dimension; ++d) {
+    plot.parameters.push_back({"p_" + std::to_string(d), "kg", 0.0, 2.0, 1.0, 1.5});
+  }
+  plot.sets = {{"first", samples(1, 1000, dimension)}, {"second", samples(2, 500, dimension)}};
+  return plot;
+}
+
+TEST(PairPlot, ShowsTheSamplesOfEverySetInEveryPanel) {
+  const ScratchFolder folder;
+  const FigureFiles files = write_pair_plot(plot_of(3), folder.path());
+  const std::string svg = read_text_file(files.svg);
+  EXPECT_EQ(markup_error(svg), "");
+  // Three panels off the diagonal of 200 points of two sets, and two dots of the legend; each of
+  // the legend's dots has a white rim of its own.
+  EXPECT_EQ(count_of(svg, "<circle cx="), 3 * 2 * 200 + 4);
+  for (const char* words : {">first<", ">second<", ">nominal<", ">truth<", ">p 0<", ">p 2<"}) {
+    EXPECT_NE(svg.find(words), std::string::npos) << words;
+  }
+  EXPECT_TRUE(is_png(read_text_file(files.png)));
+  EXPECT_EQ(count_of(read_text_file(folder.path() / "pairs_samples_1.dat"), "\n"), 201);
+  EXPECT_EQ(count_of(read_text_file(folder.path() / "pairs_density_2.dat"), "\n"), 257);
+}
+
+TEST(PairPlot, ScattersEvenlyStridedSamples) {
+  const ScratchFolder folder;
+  PairPlot plot = plot_of(2);
+  plot.sets = {{"only", RowMatrix(10, 2)}};
+  for (Index i = 0; i < 10; ++i) plot.sets[0].samples.row(i).setConstant(0.1 * (1.0 + double(i)));
+  plot.num_points = 4;
+  write_pair_plot(plot, folder.path());
+  EXPECT_EQ(read_text_file(folder.path() / "pairs_samples_1.dat"),
+            "# only, samples of p_0 [kg], p_1 [kg]\n"
+            "0.1 0.1\n0.30000000000000004 0.30000000000000004\n0.6000000000000001 "
+            "0.6000000000000001\n0.8 0.8\n");
+}
+
+TEST(PairPlot, ShowsFewerSamplesWhenThereAreFewer) {
+  const ScratchFolder folder;
+  PairPlot plot = plot_of(2);
+  plot.sets = {{"few", samples(1, 7, 2)}, {"none", RowMatrix(0, 2)}};
+  const FigureFiles files = write_pair_plot(plot, folder.path());
+  EXPECT_EQ(count_of(read_text_file(files.svg), "<circle cx="), 7 + 4);
+}
+
+TEST(PairPlot, LimitsAxesToThePriorAndLeavesOutMarksBeyond) {
+  const ScratchFolder folder;
+  PairPlot plot = plot_of(2);
+  plot.sets = {{"outside", samples(1, 50, 2)}};
+  plot.sets[0].samples.col(0).array() += 10.0;
+  for (PairParameter& p : plot.parameters) {
+    p.nominal.reset();
+    p.truth = 7.0;
+  }
+  const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
+  EXPECT_EQ(count_of(svg, "<circle cx="), 2);  // the legend's
+  EXPECT_EQ(svg.find("truth"), std::string::npos);
+}
+
+TEST(PairPlot, ShowsTheSelectedParameters) {
+  const ScratchFolder folder;
+  PairPlot plot = plot_of(20);
+  plot.selection = {17, 3};
+  const FigureFiles files = write_pair_plot(plot, folder.path());
+  const std::string svg = read_text_file(files.svg);
+  EXPECT_NE(svg.find(">p 17<"), std::string::npos);
+  EXPECT_NE(svg.find(">p 3<"), std::string::npos);
+  EXPECT_EQ(svg.find(">p 4<"), std::string::npos);
+}
+
+TEST(PairPlot, FitsFifteenParameters) {
+  const ScratchFolder folder;
+  PairPlot plot = plot_of(15);
+  plot.num_points = 5;
+  const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
+  EXPECT_EQ(count_of(svg, "<circle cx="), 105 * 2 * 5 + 4);
+}
+
+TEST(PairPlot, NamesAreTextAndNothingElse) {
+  const ScratchFolder folder;
+  PairPlot plot = plot_of(2);
+  plot.parameters[0].label = "a'`touch broken`<b>&{/Bold";
+  plot.sets[0].name = "\"quoted\"\nset output 'elsewhere'";
+  const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
+  EXPECT_NE(svg.find("broken`&lt;b>&amp;{/Bold"), std::string::npos);
+  EXPECT_NE(svg.find("\"quoted\" set output ’elsewhere’"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "broken"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "elsewhere"));
+}
+
+TEST(PairPlot, RejectsWhatItCannotShow) {
+  const ScratchFolder folder;
+  const auto expect_input_error = [&](const PairPlot& plot) {
+    EXPECT_THROW(write_pair_plot(plot, folder.path()), InputError);
+  };
+  expect_input_error(plot_of(1));
+  expect_input_error(plot_of(16));
+  PairPlot plot = plot_of(2);
+  plot.selection = {0, 2};
+  expect_input_error(plot);
+  plot = plot_of(2);
+  plot.sets.resize(7, plot.sets[0]);
+  expect_input_error(plot);
+  plot = plot_of(2);
+  plot.sets.clear();
+  expect_input_error(plot);
+  plot = plot_of(2);
+  plot.num_points = 0;
+  expect_input_error(plot);
+  plot = plot_of(2);
+  plot.parameters[1].upper = 0.0;
+  expect_input_error(plot);
+  plot = plot_of(2);
+  plot.sets[1].samples.resize(5, 3);
+  EXPECT_THROW(write_pair_plot(plot, folder.path()), ShapeError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis

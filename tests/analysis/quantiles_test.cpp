@@ -1,0 +1,85 @@
+#include "analysis/quantiles.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/random.h"
+
+namespace npdr::analysis {
+namespace {
+
+TEST(Quantiles, AreLinearBetweenOrderStatistics) {
+  const std::vector<double> values = {1.0, 2.0, 4.0, 8.0};
+  EXPECT_EQ(quantile_of_sorted(values, 0.0), 1.0);
+  EXPECT_EQ(quantile_of_sorted(values, 1.0), 8.0);
+  EXPECT_DOUBLE_EQ(quantile_of_sorted(values, 0.5), 3.0);    // position 1.5
+  EXPECT_DOUBLE_EQ(quantile_of_sorted(values, 0.25), 1.75);  // position 0.75
+  EXPECT_TRUE(std::isnan(quantile_of_sorted({}, 0.5)));
+}
+
+// 11 samples of one rollout of two steps of one channel: 0, ..., 10 at the first step and ten times
+// that at the second. The 5 % quantile is at position 0.5, the 95 % quantile at 9.5.
+TEST(Quantiles, OfTrajectoriesArePointwise) {
+  std::vector<float> values;
+  for (const int k : {3, 0, 10, 7, 5, 1, 9, 2, 8, 4, 6}) {
+    values.push_back(static_cast<float>(k));
+    values.push_back(static_cast<float>(10 * k));
+  }
+  const Bands bands = quantile_bands({values, 11, 1, 2, 1});
+  EXPECT_EQ(bands.num_samples, 11);
+  EXPECT_DOUBLE_EQ(bands.lower[0](0, 0), 0.5);
+  EXPECT_DOUBLE_EQ(bands.median[0](0, 0), 5.0);
+  EXPECT_DOUBLE_EQ(bands.upper[0](0, 0), 9.5);
+  EXPECT_DOUBLE_EQ(bands.lower[0](1, 0), 5.0);
+  EXPECT_DOUBLE_EQ(quantile_bands({values, 11, 1, 2, 1}, 0.8).upper[0](0, 0), 9.0);
+}
+
+TEST(Quantiles, KeepRolloutsAndChannelsApart) {
+  // One sample (H, T, C) = (2, 2, 3) with the value 100 h + 10 t + c.
+  std::vector<float> values;
+  for (const int h : {0, 1}) {
+    for (const int t : {0, 1}) {
+      for (const int c : {0, 1, 2}) values.push_back(static_cast<float>(100 * h + 10 * t + c));
+    }
+  }
+  const Bands bands = quantile_bands({values, 1, 2, 2, 3});
+  EXPECT_EQ(bands.median[0](1, 2), 12.0);
+  EXPECT_EQ(bands.lower[1](0, 1), 101.0);
+  EXPECT_EQ(bands.upper[1](1, 0), 110.0);
+}
+
+TEST(Quantiles, LeaveOutFailedSamples) {
+  std::vector<float> values = {1.0f, 1.0f, 5.0f, std::numeric_limits<float>::quiet_NaN()};
+  const Bands bands = quantile_bands({values, 2, 1, 2, 1});
+  EXPECT_EQ(bands.num_samples, 1);
+  EXPECT_EQ(bands.median[0](0, 0), 1.0);
+  values[0] = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(std::isnan(quantile_bands({values, 2, 1, 2, 1}).median[0](0, 0)));
+}
+
+TEST(Quantiles, SameBitsForAnyThreadCount) {
+  std::vector<float> values(50 * 2 * 30 * 3);
+  Stream({1, "quantiles_test"}).fill_normal(values);
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const Bands one = quantile_bands({values, 50, 2, 30, 3});
+  omp_set_num_threads(4);
+  const Bands four = quantile_bands({values, 50, 2, 30, 3});
+  omp_set_num_threads(threads);
+  EXPECT_EQ(one.lower, four.lower);
+  EXPECT_EQ(one.median, four.median);
+  EXPECT_EQ(one.upper, four.upper);
+}
+
+TEST(Quantiles, RejectWrongShapesAndCoverages) {
+  const std::vector<float> values(12);
+  EXPECT_THROW(quantile_bands({values, 1, 1, 5, 2}), ShapeError);
+  EXPECT_THROW(quantile_bands({values, 1, 1, 6, 2}, 1.0), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis

@@ -1,0 +1,103 @@
+#include "analysis/report.h"
+
+#include <gtest/gtest.h>
+
+#include "analysis/gnuplot.h"
+#include "analysis/text_file.h"
+#include "core/error.h"
+#include "tests/analysis/markup_check.h"
+#include "tests/analysis/scratch_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+Table small_table() {
+  Table table;
+  table.name = "fit";
+  table.caption = "Fit <&>";
+  table.row_header = "Metric";
+  table.columns = {{"NPDR"}};
+  table.rows = {{"RMSE", {MeanStd{0.263, 0.004, 5000}}}};
+  return table;
+}
+
+Report small_report(const std::filesystem::path& directory) {
+  const FigureFiles files =
+      render_figure({"plot", 320, 200, "unset key\nplot x with points pt 7\n"}, directory);
+  Report report;
+  report.title = "Results of <furuta> & \"friends\"";
+  report.prose = "First paragraph,\nsecond line.\n\n  \nSecond <script>alert(1)</script>.";
+  report.sections = {{"Fit & floor", "", {small_table()}, {{files.svg, "Figure one"}}},
+                     {"Posterior", "Prose.", {}, {{files.svg, "Figure \"two\""}}}};
+  report.commands = {"npdr run study.toml && echo done"};
+  report.provenance = {{"git revision", "1a2b3c"}, {"study", "<study>"}};
+  return report;
+}
+
+TEST(Report, IsOneWellFormedPage) {
+  const ScratchFolder folder;
+  const Report report = small_report(folder.path());
+  write_report(report, folder.path() / "out" / "report.html");
+  const std::string html = read_text_file(folder.path() / "out" / "report.html");
+  EXPECT_EQ(html, to_html(report));
+  EXPECT_EQ(markup_error(html), "");
+  EXPECT_TRUE(html.starts_with("<!DOCTYPE html>"));
+  EXPECT_EQ(count_of(html, "<svg "), 2);
+  EXPECT_EQ(count_of(html, "<table>"), 1);
+  EXPECT_NE(html.find("0.263 ± 0.004"), std::string::npos);
+  EXPECT_NE(html.find("prefers-color-scheme: dark"), std::string::npos);
+}
+
+TEST(Report, LoadsNothingFromElsewhere) {
+  const ScratchFolder folder;
+  const std::string html = to_html(small_report(folder.path()));
+  EXPECT_EQ(count_of(html, "<script"), 0);
+  EXPECT_EQ(count_of(html, "<link"), 0);
+  EXPECT_EQ(count_of(html, " src="), 0);
+  EXPECT_EQ(count_of(html, "@import"), 0);
+  // What names a place on the web is the name of a namespace.
+  EXPECT_EQ(count_of(html, "http://"), count_of(html, "=\"http://www.w3.org/"));
+  EXPECT_EQ(count_of(html, "https://"), 0);
+}
+
+TEST(Report, EscapesEveryText) {
+  const ScratchFolder folder;
+  const std::string html = to_html(small_report(folder.path()));
+  EXPECT_NE(html.find("<title>Results of &lt;furuta&gt; &amp; &quot;friends&quot;</title>"),
+            std::string::npos);
+  EXPECT_NE(html.find("<p>First paragraph,\nsecond line.</p>\n<p>Second "
+                      "&lt;script&gt;alert(1)&lt;/script&gt;.</p>"),
+            std::string::npos);
+  EXPECT_NE(html.find("<h2>Fit &amp; floor</h2>"), std::string::npos);
+  EXPECT_NE(html.find("<figcaption>Fit &lt;&amp;&gt;</figcaption>"), std::string::npos);
+  EXPECT_NE(html.find("npdr run study.toml &amp;&amp; echo done"), std::string::npos);
+  EXPECT_NE(html.find("<dt>study</dt><dd>&lt;study&gt;</dd>"), std::string::npos);
+  EXPECT_NE(html.find("aria-label=\"Figure &quot;two&quot;\""), std::string::npos);
+}
+
+TEST(Report, FiguresDoNotShareIds) {
+  const ScratchFolder folder;
+  const std::string html = to_html(small_report(folder.path()));
+  EXPECT_EQ(count_of(html, "id='figure-1-1-gpPt6'"), 1);
+  EXPECT_EQ(count_of(html, "id='figure-2-1-gpPt6'"), 1);
+  EXPECT_EQ(count_of(html, "id='gp"), 0);
+  EXPECT_EQ(count_of(html, "href='#gp"), 0);
+}
+
+TEST(Report, LeavesOutWhatIsEmpty) {
+  const std::string html = to_html(Report{"Title", ""});
+  EXPECT_EQ(markup_error(html), "");
+  EXPECT_EQ(html.find("id=\"commands\""), std::string::npos);
+  EXPECT_EQ(html.find("id=\"provenance\""), std::string::npos);
+}
+
+TEST(Report, SaysWhichFigureIsMissingOrNoSvg) {
+  const ScratchFolder folder;
+  Report report{"Title", "", {{"Section", "", {}, {{folder.path() / "no.svg", "x"}}}}};
+  EXPECT_THROW(to_html(report), Error);
+  write_text_file(folder.path() / "no.svg", "text");
+  EXPECT_THROW(to_html(report), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis

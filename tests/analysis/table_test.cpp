@@ -1,0 +1,143 @@
+#include "analysis/table.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "analysis/table_writers.h"
+#include "analysis/text_file.h"
+#include "core/error.h"
+#include "tests/analysis/scratch_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Table small_table() {
+  Table table;
+  table.name = "table_a2";
+  table.caption = "Fit to 5 recordings & more";
+  table.row_header = "Metric";
+  table.columns = {{"NPDR (MAF)"}, {"NPDR (MAF)", true}, {"Remark"}};
+  Cell dtw = Summary{1071.2, 31.25, 4997, 3};
+  dtw.notes = {table.footnote("3 of 5000 samples failed, < 1 %")};
+  table.rows = {{"DTW dist.", {dtw, MeanStd{1070, 30}, "a|b_c"}},
+                {"RMSE", {MeanStd{0.2632, kNaN, 1}, MeanStd{0.263, 0.004}, {}}},
+                {"Samples", {5000.0, {}, "say \"x, y\""}}};
+  table.command = "npdr report \\\n  furuta.toml";
+  return table;
+}
+
+TEST(Table, AsMarkdownLinesUp) {
+  EXPECT_EQ(to_markdown(small_table()),
+            R"(Fit to 5 recordings & more
+
+| Metric    |           NPDR (MAF) | NPDR (MAF), published | Remark     |
+|:----------|---------------------:|----------------------:|:-----------|
+| DTW dist. | [1.07 ± 0.03]e+3 (a) |      [1.07 ± 0.03]e+3 | a\|b_c     |
+| RMSE      |                0.263 |         0.263 ± 0.004 |            |
+| Samples   |                 5000 |                       | say "x, y" |
+
+(a) 3 of 5000 samples failed, \< 1 %
+
+Made by:
+
+    npdr report \
+      furuta.toml
+)");
+}
+
+TEST(Table, AsCsvHasAllDigitsInColumnsOfTheirOwn) {
+  EXPECT_EQ(to_csv(small_table()),
+            "Metric,NPDR (MAF) mean,NPDR (MAF) std,NPDR (MAF) n,\"NPDR (MAF), published mean\","
+            "\"NPDR (MAF), published std\",\"NPDR (MAF), published n\",Remark\n"
+            "DTW dist.,1071.2,31.25,4997,1070,30,,a|b_c\n"
+            "RMSE,0.2632,,1,0.263,0.004,,\n"
+            "Samples,5000,,,,,,\"say \"\"x, y\"\"\"\n");
+}
+
+TEST(Table, AsLatexUsesBooktabs) {
+  EXPECT_EQ(to_latex(small_table()),
+            R"(% Needs \usepackage{booktabs}
+% Made by:
+%   npdr report \
+%     furuta.toml
+\begin{table}
+  \centering
+  \caption{Fit to 5 recordings \& more}
+  \label{tab:table_a2}
+  \begin{tabular}{lrrl}
+    \toprule
+    Metric & NPDR (MAF) & NPDR (MAF), published & Remark \\
+    \midrule
+    DTW dist. & $[1.07 \pm 0.03]\mathrm{e}{+}3$\textsuperscript{a} & $[1.07 \pm 0.03]\mathrm{e}{+}3$ & a|b\_c \\
+    RMSE & $0.263$ & $0.263 \pm 0.004$ &  \\
+    Samples & $5000$ &  & say "x, y" \\
+    \bottomrule
+  \end{tabular}
+
+  {\footnotesize \textsuperscript{a} 3 of 5000 samples failed, \textless{} 1 \%\par}
+\end{table}
+)");
+}
+
+TEST(Table, AsHtmlEscapesItsText) {
+  EXPECT_EQ(to_html(small_table()),
+            R"(<figure class="table" id="table-table_a2">
+<figcaption>Fit to 5 recordings &amp; more</figcaption>
+<div class="scroll"><table>
+<thead>
+<tr><th>Metric</th><th class="number">NPDR (MAF)</th><th class="number">NPDR (MAF), published</th><th>Remark</th></tr>
+</thead>
+<tbody>
+<tr><th>DTW dist.</th><td class="number">[1.07 ± 0.03]e+3<sup>a</sup></td><td class="number">[1.07 ± 0.03]e+3</td><td>a|b_c</td></tr>
+<tr><th>RMSE</th><td class="number">0.263</td><td class="number">0.263 ± 0.004</td><td></td></tr>
+<tr><th>Samples</th><td class="number">5000</td><td class="number"></td><td>say &quot;x, y&quot;</td></tr>
+</tbody>
+</table></div>
+<p class="note"><sup>a</sup> 3 of 5000 samples failed, &lt; 1 %</p>
+<pre class="command"><code>npdr report \
+  furuta.toml</code></pre>
+</figure>
+)");
+}
+
+TEST(Table, IsWrittenInEveryFormat) {
+  const ScratchFolder folder;
+  const Table table = small_table();
+  write_table(table, folder.path() / "tables");
+  EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.md"), to_markdown(table));
+  EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.csv"), to_csv(table));
+  EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.tex"), to_latex(table));
+}
+
+TEST(Table, KeepsAFootnoteOnce) {
+  Table table;
+  EXPECT_EQ(table.footnote("one"), 0u);
+  EXPECT_EQ(table.footnote("two"), 1u);
+  EXPECT_EQ(table.footnote("one"), 0u);
+  EXPECT_EQ(table.footnotes.size(), 2u);
+}
+
+TEST(Table, FootnoteMarksGoOnAfterZ) {
+  EXPECT_EQ(footnote_mark(0), "a");
+  EXPECT_EQ(footnote_mark(25), "z");
+  EXPECT_EQ(footnote_mark(26), "aa");
+  EXPECT_EQ(footnote_mark(27), "ab");
+}
+
+TEST(Table, RejectsRaggedRowsLooseNotesAndNamesThatAreNoFileNames) {
+  Table table = small_table();
+  table.rows[1].cells.pop_back();
+  EXPECT_THROW(table.check(), ShapeError);
+  table = small_table();
+  table.rows[0].cells[0].notes = {1};
+  EXPECT_THROW(to_markdown(table), ShapeError);
+  table = small_table();
+  table.name = "../table";
+  EXPECT_THROW(table.check(), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis

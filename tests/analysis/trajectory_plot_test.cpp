@@ -1,0 +1,152 @@
+#include "analysis/trajectory_plot.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "analysis/text_file.h"
+#include "core/error.h"
+#include "tests/analysis/markup_check.h"
+#include "tests/analysis/scratch_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+// H rollouts of 40 steps and two channels.
+Target target_of(Index num_rollouts) {
+  Target target;
+  target.dt = 0.05;
+  target.state_channels = {{"angle", "rad"}, {"angle_dot", "rad/s"}};
+  for (Index h = 0; h < num_rollouts; ++h) {
+    RowMatrix states(41, 2);
+    for (Index t = 0; t < 41; ++t) {
+      states(t, 0) = std::sin(0.1 * static_cast<double>(t + h));
+      states(t, 1) = std::cos(0.1 * static_cast<double>(t + h));
+    }
+    target.rollouts.push_back({"rollout_" + std::to_string(h), states, RowMatrix::Zero(40, 0)});
+  }
+  return target;
+}
+
+// A prediction around the recording.
+Prediction prediction_of(const std::string& name, const Target& target, Index store_every = 1) {
+  Prediction prediction{name, {}};
+  for (const Rollout& rollout : target.rollouts) {
+    RowMatrix median(target.num_steps() / store_every, 2);
+    for (Index t = 0; t < median.rows(); ++t) {
+      median.row(t) = rollout.states.row((t + 1) * store_every);
+    }
+    prediction.bands.median.push_back(median);
+    prediction.bands.lower.push_back(median.array() - 0.1);
+    prediction.bands.upper.push_back(median.array() + 0.2);
+  }
+  prediction.bands.num_samples = 12;
+  return prediction;
+}
+
+TEST(TrajectoryPlot, DrawsAPanelPerChannelAndRollout) {
+  const ScratchFolder folder;
+  const Target target = target_of(2);
+  const TrajectoryPlot plot{"motion", {prediction_of("A", target), prediction_of("B <&>", target)}};
+  const FigureFiles files = write_trajectory_plot(plot, target, folder.path());
+  const std::string svg = read_text_file(files.svg);
+  EXPECT_EQ(markup_error(svg), "");
+  // Four panels: two bands, two medians and the recording in each; every plot is a group.
+  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4 * 5);
+  for (const char* words : {">rollout_0<", ">rollout_1<", ">angle<", ">angle dot<", ">[rad/s]<",
+                            ">time [s]<", ">recorded<", ">A: median, 90 % of 12 samples<",
+                            ">B &lt;&amp;>: median, 90 % of 12 samples<"}) {
+    EXPECT_NE(svg.find(words), std::string::npos) << words;
+  }
+  EXPECT_TRUE(is_png(read_text_file(files.png)));
+}
+
+TEST(TrajectoryPlot, DataHoldRecordedAndPredictedSideBySide) {
+  const ScratchFolder folder;
+  const Target target = target_of(1);
+  TrajectoryPlot plot{"motion", {prediction_of("A", target, 2)}};
+  plot.store_every = 2;
+  plot.channels = {1};
+  plot.max_points = 10;  // of 20 stored states: every second
+  write_trajectory_plot(plot, target, folder.path());
+  const std::string data = read_text_file(folder.path() / "motion_rollout_0.dat");
+  EXPECT_EQ(count_of(data, "\n"), 11);
+  EXPECT_TRUE(
+      data.starts_with("# rollout_0: time [s]; angle_dot [rad/s] recorded, A lower median "
+                       "upper\n0.1 "))
+      << data;
+  // The second line is stored state 2, that is recorded state 6, at 0.3 s.
+  const double value = std::cos(0.6);
+  double time, recorded, lower, median, upper;
+  const std::string line = data.substr(data.find("\n0.30") + 1);
+  ASSERT_EQ(
+      std::sscanf(line.c_str(), "%lf %lf %lf %lf %lf", &time, &recorded, &lower, &median, &upper),
+      5);
+  EXPECT_NEAR(time, 0.3, 1e-12);
+  EXPECT_NEAR(recorded, value, 1e-12);
+  EXPECT_NEAR(lower, value - 0.1, 1e-12);
+  EXPECT_NEAR(median, value, 1e-12);
+  EXPECT_NEAR(upper, value + 0.2, 1e-12);
+}
+
+TEST(TrajectoryPlot, ShowsTheFirstSixRolloutsOrTheSelectedOnes) {
+  const ScratchFolder folder;
+  const Target target = target_of(7);
+  TrajectoryPlot plot{"motion", {}};
+  std::string svg = read_text_file(write_trajectory_plot(plot, target, folder.path()).svg);
+  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 6 * 2);
+  EXPECT_EQ(svg.find(">rollout_6<"), std::string::npos);
+  plot.rollouts = {6};
+  svg = read_text_file(write_trajectory_plot(plot, target, folder.path()).svg);
+  EXPECT_NE(svg.find(">rollout_6<"), std::string::npos);
+  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2);
+}
+
+// A constant recorded channel has no range of its own, and bands may be wild or missing.
+TEST(TrajectoryPlot, CopesWithConstantSeriesAndWildBands) {
+  const ScratchFolder folder;
+  Target target = target_of(1);
+  target.rollouts[0].states.col(0).setZero();
+  Prediction wild = prediction_of("wild", target);
+  wild.bands.upper[0](5, 1) = 1e12;
+  Prediction missing = prediction_of("missing", target);
+  for (auto* part : {&missing.bands.lower, &missing.bands.median, &missing.bands.upper}) {
+    (*part)[0].setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  const FigureFiles files =
+      write_trajectory_plot({"motion", {wild, missing}}, target, folder.path());
+  EXPECT_EQ(markup_error(read_text_file(files.svg)), "");
+  // The range of the second row reaches no further than its own size beyond the recording.
+  EXPECT_EQ(read_text_file(files.script).find("e+"), std::string::npos);
+}
+
+TEST(TrajectoryPlot, RejectsWhatItCannotShow) {
+  const ScratchFolder folder;
+  const Target target = target_of(2);
+  const auto expect_input_error = [&](const TrajectoryPlot& plot) {
+    EXPECT_THROW(write_trajectory_plot(plot, target, folder.path()), InputError);
+  };
+  TrajectoryPlot plot{"motion", {}};
+  plot.rollouts = {2};
+  expect_input_error(plot);
+  plot.rollouts = {};
+  plot.channels = {-1};
+  expect_input_error(plot);
+  plot.channels.assign(13, 0);
+  expect_input_error(plot);
+  plot.channels = {};
+  plot.predictions.assign(7, prediction_of("A", target));
+  expect_input_error(plot);
+  plot.predictions.resize(1);
+  plot.store_every = 0;
+  expect_input_error(plot);
+  plot.store_every = 2;
+  EXPECT_THROW(write_trajectory_plot(plot, target, folder.path()), ShapeError);
+  plot.store_every = 1;
+  plot.predictions[0].bands.upper.pop_back();
+  EXPECT_THROW(write_trajectory_plot(plot, target, folder.path()), ShapeError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis

@@ -1,0 +1,62 @@
+#include "inference/feature_transform.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "tests/inference/gradient_check.h"
+#include "tests/inference/tasks.h"
+
+namespace npdr::inference {
+namespace {
+
+TEST(FeatureTransform, StandardisationGivesMeanZeroAndDeviationOne) {
+  RowMatrixF x(5, 2);
+  x << 1, 10, 2, 30, 3, 20, 4, 50, 5, 40;
+  RowMatrixF z;
+  fit_feature_transform(MatrixSource(x), 0).apply(x, z);
+  EXPECT_TRUE(z.colwise().mean().isZero(1e-6f));
+  EXPECT_TRUE((z.colwise().squaredNorm() / 5.0f).isOnes(1e-5f));
+}
+
+TEST(FeatureTransform, LeavesOutAConstantFeature) {
+  RowMatrixF x(3, 2);
+  x << 0.1f, 1, 0.1f, 2, 0.1f, 3;
+  RowMatrixF z;
+  fit_feature_transform(MatrixSource(x), 0).apply(x, z);
+  EXPECT_TRUE(z.col(0).isZero());
+  EXPECT_TRUE(z.allFinite());
+}
+
+// x = s A + small noise with s of rank 2: two components carry all of it, uncorrelated and of unit
+// variance; with more features than rows (the route through z z^T) and with fewer.
+TEST(FeatureTransform, ComponentsAreUncorrelatedAndOfUnitVariance) {
+  for (const Index features : {8, 300}) {
+    const RowMatrix source = random_matrix(200, 2, 1) * random_matrix(2, features, 2) +
+                             0.01 * random_matrix(200, features, 3);
+    const RowMatrixF x = source.cast<float>();
+    RowMatrixF z;
+    fit_feature_transform(MatrixSource(x), 2).apply(x, z);
+    ASSERT_EQ(z.cols(), 2);
+    EXPECT_TRUE((z.transpose() * z / 200.0f).isIdentity(1e-3f)) << z.transpose() * z / 200.0f;
+  }
+}
+
+TEST(FeatureTransform, IsTheSameMapWhateverTheRouteToTheEigenvectors) {
+  // 50 rows: with 40 features z^T z is smaller, with 60 z z^T; the shared 40 features decide both.
+  RowMatrix source = random_matrix(50, 3, 1) * random_matrix(3, 60, 2);
+  source.rightCols(20).setZero();
+  const RowMatrixF wide = source.cast<float>();
+  const RowMatrixF narrow = wide.leftCols(40);
+  RowMatrixF z_wide, z_narrow;
+  fit_feature_transform(MatrixSource(wide), 3).apply(wide, z_wide);
+  fit_feature_transform(MatrixSource(narrow), 3).apply(narrow, z_narrow);
+  EXPECT_TRUE(z_wide.cwiseAbs().isApprox(z_narrow.cwiseAbs(), 1e-3f));
+}
+
+TEST(FeatureTransform, RejectsMoreComponentsThanThereAreDirections) {
+  const RowMatrixF x = random_matrix(20, 5, 1).cast<float>();
+  EXPECT_THROW(fit_feature_transform(MatrixSource(x), 6), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::inference
