@@ -37,14 +37,12 @@ std::vector<Index> select_channels(const Target& target, const std::vector<Index
   return wanted;
 }
 
-// Recorded states store_every, 2 store_every, ... in the selected channels, SI.
-RowMatrix compared_states(const Rollout& rollout, const std::vector<Index>& channels,
-                          Index store_every) {
-  RowMatrix states(rollout.num_steps() / store_every, static_cast<Index>(channels.size()));
-  for (Index t = 0; t < states.rows(); ++t) {
-    for (Index c = 0; c < states.cols(); ++c) {
-      states(t, c) = rollout.states((t + 1) * store_every, channels[static_cast<std::size_t>(c)]);
-    }
+// Recorded states 0, ..., T - 1 in the selected channels, SI.
+RowMatrix compared_states(const Rollout& rollout, const std::vector<Index>& channels) {
+  RowMatrix states(rollout.num_steps(), static_cast<Index>(channels.size()));
+  for (Index c = 0; c < states.cols(); ++c) {
+    states.col(c) =
+        rollout.states.col(channels[static_cast<std::size_t>(c)]).head(rollout.num_steps());
   }
   return states;
 }
@@ -64,14 +62,16 @@ void check_scale(const Vector& scale, const std::vector<Index>& channels, const 
 }  // namespace
 
 Metrics::Metrics(const Target& target, const MetricsConfig& config)
-    : channels_(select_channels(target, config.channels)), num_states_(target.num_states()) {
-  if (config.store_every < 1 || config.store_every > target.num_steps()) {
-    throw InputError(fmt::format("metrics: store_every = {}, must be in [1, {}]",
-                                 config.store_every, target.num_steps()));
+    : channels_(select_channels(target, config.channels)),
+      num_states_(target.num_states()),
+      num_steps_(target.num_steps()),
+      segment_length_(config.segment_length) {
+  if (config.segment_length < 0) {
+    throw InputError(
+        fmt::format("metrics: segment_length = {}, must be >= 0", config.segment_length));
   }
-  num_steps_ = target.num_steps() / config.store_every;
   for (const Rollout& rollout : target.rollouts) {
-    RowMatrix states = compared_states(rollout, channels_, config.store_every);
+    RowMatrix states = compared_states(rollout, channels_);
     Vector scale(states.cols());
     for (Index c = 0; c < scale.size(); ++c) scale(c) = states.col(c).lpNorm<Eigen::Infinity>();
     check_scale(scale, channels_, target, rollout);
@@ -92,25 +92,16 @@ void Metrics::check(const TrajectoryView& simulated) const {
       num_steps_, num_states_));
 }
 
-double Metrics::rmse_of_rollout(const Eigen::Ref<const RowMatrixF>& states, Index h) const {
-  const Recorded& recorded = recorded_[static_cast<std::size_t>(h)];
-  double sum = 0.0;
-  for (Index c = 0; c < recorded.states.cols(); ++c) {
-    const auto column = states.col(channels_[static_cast<std::size_t>(c)]).cast<double>();
-    const double squares = (column / recorded.scale(c) - recorded.states.col(c)).squaredNorm();
-    sum += std::sqrt(squares / static_cast<double>(num_steps_));
-  }
-  return sum / static_cast<double>(recorded.states.cols());
-}
-
 void Metrics::normalize_rollout(const Eigen::Ref<const RowMatrixF>& states, Index h,
                                 std::span<double> normalized) const {
-  const Vector& scale = recorded_[static_cast<std::size_t>(h)].scale;
-  Eigen::Map<RowMatrix> result(normalized.data(), num_steps_, scale.size());
-  for (Index c = 0; c < scale.size(); ++c) {
+  const Recorded& recorded = recorded_[static_cast<std::size_t>(h)];
+  Eigen::Map<RowMatrix> result(normalized.data(), num_steps_, recorded.scale.size());
+  for (Index c = 0; c < recorded.scale.size(); ++c) {
     const auto column = states.col(channels_[static_cast<std::size_t>(c)]).cast<double>();
-    result.col(c) = column / scale(c);
+    result.col(c).tail(num_steps_ - 1) = column.head(num_steps_ - 1) / recorded.scale(c);
   }
+  const Index restart = segment_length_ > 0 ? segment_length_ : num_steps_;
+  for (Index t = 0; t < num_steps_; t += restart) result.row(t) = recorded.states.row(t);
 }
 
 Vector Metrics::rmse(const TrajectoryView& simulated) const {
@@ -123,7 +114,13 @@ Vector Metrics::rmse(const TrajectoryView& simulated) const {
       return;
     }
     double sum = 0.0;
-    for (Index h = 0; h < num_rollouts; ++h) sum += rmse_of_rollout(simulated.rollout(i, h), h);
+    for (Index h = 0; h < num_rollouts; ++h) {
+      const RowMatrix& recorded = recorded_[static_cast<std::size_t>(h)].states;
+      RowMatrix states(recorded.rows(), recorded.cols());
+      normalize_rollout(simulated.rollout(i, h), h,
+                        {states.data(), static_cast<std::size_t>(states.size())});
+      sum += (states - recorded).array().square().colwise().mean().sqrt().mean();
+    }
     result(i) = sum / static_cast<double>(num_rollouts);
   });
   return result;

@@ -1,8 +1,10 @@
 /// How well simulated rollouts fit the recorded ones: RMSE and DTW distance (Tables 2 and A2).
 ///
+/// The simulator restarts from the recorded state every segment_length steps, and a simulated
+/// rollout is the concatenation of its segments. Compared are the states before each action, t = 0,
+/// ..., T - 1: where a segment starts, both are the recorded state (as in the published figures).
 /// Per rollout, both trajectories are divided by the recorded rollout's maximum absolute value,
-/// channel by channel, over the states that are compared: t = 1, ..., T, without the initial state,
-/// which the simulation is given. With e = simulated - recorded after that,
+/// channel by channel. With e = simulated - recorded after that,
 ///   rmse = mean_c sqrt( mean_t e(t, c)^2 )
 ///   dtw  = accumulated cost of the open-end warping path of analysis/dtw.h
 /// both averaged over the H rollouts. Both are dimensionless.
@@ -19,7 +21,7 @@ namespace npdr::analysis {
 
 struct MetricsConfig {
   std::vector<Index> channels = {};  ///< state channels that count; empty: all of them
-  Index store_every = 1;             ///< the simulator kept every k-th state
+  Index segment_length = 0;          ///< [steps] between restarts; 0: none
 };
 
 /// The recorded rollouts, normalised once, and what simulated ones are measured by against them.
@@ -28,9 +30,9 @@ struct MetricsConfig {
 class Metrics {
  public:
   /// `target` has passed its check().
-  /// Throws InputError for a channel that doesn't exist or is listed twice, for store_every < 1 or
-  /// > T, and for a channel that is 0 throughout a recorded rollout: nothing can be normalised by
-  /// it; name the other channels in `channels`.
+  /// Throws InputError for a channel that doesn't exist or is listed twice, a negative
+  /// segment_length, and a channel that is 0 throughout a recorded rollout: nothing can be
+  /// normalised by it; name the other channels in `channels`.
   explicit Metrics(const Target& target, const MetricsConfig& config = {});
 
   /// (n) normalised root mean square errors. Throws ShapeError when `simulated` has another number
@@ -47,13 +49,14 @@ class Metrics {
   };
 
   void check(const TrajectoryView& simulated) const;
-  double rmse_of_rollout(const Eigen::Ref<const RowMatrixF>& states, Index h) const;
+  /// The compared states of a simulated rollout, whose row t is the state after action t + 1.
   void normalize_rollout(const Eigen::Ref<const RowMatrixF>& states, Index h,
                          std::span<double> normalized) const;
 
   std::vector<Index> channels_;
   Index num_states_;
   Index num_steps_;
+  Index segment_length_;
   std::vector<Recorded> recorded_;
 };
 

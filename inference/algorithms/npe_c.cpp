@@ -91,7 +91,7 @@ double NpeC::maximum_likelihood(const Parameters<float>& parameters, Parameters<
 double NpeC::atomic(const Parameters<float>& parameters, const Batch& batch,
                     Parameters<float>* gradient) {
   const Index n = u_.rows();
-  const Index k = config_.num_atoms;
+  const Index k = std::min(config_.num_atoms, n);
   StreamId id = id_;
   id.name = "atoms";
   id.epoch = batch.epoch;

@@ -10,10 +10,17 @@
 namespace npdr::inference {
 namespace {
 
+constexpr std::size_t kFewestRows = 2;
+
 struct Split {
   std::vector<std::uint32_t> training;
   std::vector<std::uint32_t> validation;
 };
+
+// A batch, or all rows when there are fewer.
+std::size_t rows_per_batch(const TrainingConfig& config, const std::vector<std::uint32_t>& rows) {
+  return std::min(static_cast<std::size_t>(config.batch_size), rows.size());
+}
 
 StreamId named(StreamId id, std::string_view name, std::uint64_t epoch = 0) {
   id.name = name;
@@ -31,13 +38,11 @@ Split split_rows(Index num_rows, const TrainingConfig& config, const StreamId& i
   split.validation.assign(order.begin() + num_training, order.end());
   std::sort(split.training.begin(), split.training.end());
   std::sort(split.validation.begin(), split.validation.end());
-  const auto batch = static_cast<std::size_t>(config.batch_size);
-  if (split.training.size() < batch || split.validation.size() < batch) {
+  if (split.training.size() < kFewestRows || split.validation.size() < kFewestRows) {
     throw InputError("training: " + std::to_string(split.training.size()) + " training and " +
                      std::to_string(split.validation.size()) +
-                     " validation rows, must be at least one batch of " +
-                     std::to_string(config.batch_size) +
-                     " each; use more simulations or a smaller training.batch_size");
+                     " validation rows, must be at least " + std::to_string(kFewestRows) +
+                     " each; use more simulations");
   }
   return split;
 }
@@ -47,8 +52,8 @@ double train_epoch(Objective& objective, const TrainingConfig& config, const Spl
                    const StreamId& id, Adam& optimiser, Parameters<float>& gradient,
                    TrainingState& state) {
   const auto epoch = static_cast<std::uint64_t>(state.epoch + 1);
-  const auto batch_size = static_cast<std::size_t>(config.batch_size);
   std::vector<std::uint32_t> rows = split.training;
+  const std::size_t batch_size = rows_per_batch(config, rows);
   Stream stream(named(id, "shuffle", epoch));
   for (std::size_t i = rows.size(); i > 1; --i) {
     std::swap(rows[i - 1], rows[stream.below(static_cast<std::uint32_t>(i))]);
@@ -66,7 +71,7 @@ double train_epoch(Objective& objective, const TrainingConfig& config, const Spl
 // Mean loss over the validation rows; the last batch reaches back so that every batch is full.
 double validate(Objective& objective, const TrainingConfig& config, const Split& split,
                 const Parameters<float>& parameters) {
-  const auto batch_size = static_cast<std::size_t>(config.batch_size);
+  const std::size_t batch_size = rows_per_batch(config, split.validation);
   const std::size_t count = split.validation.size();
   double sum = 0.0;
   std::uint64_t number = 0;

@@ -50,7 +50,7 @@ using EpochHook = std::function<bool(const TrainingState&)>;
 /// training and validation rows, the batches and their order are functions of `id` and the epoch,
 /// so a run that is stopped and continued gives the same bits.
 /// A state with epoch 0 and only `parameters` set starts from the beginning.
-/// Throws InputError when there are fewer training rows than one batch.
+/// Throws InputError when there are fewer than two training or two validation rows.
 void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
            TrainingState& state, const EpochHook& hook);
 

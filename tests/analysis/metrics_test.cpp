@@ -15,75 +15,75 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// Two rollouts of T = 2 steps and two channels. The initial states are large on purpose: they must
-// not count, neither in the maximum nor in the error.
+// Two rollouts of T = 3 steps and two channels. The last states are large on purpose: they must not
+// count, neither in the maximum nor in the error.
 Target small_target() {
   Target target;
   target.dt = 0.1;
   target.state_channels = {{"angle", "rad"}, {"rate", "rad/s"}};
   target.action_channels = {{"torque", "N m"}};
-  RowMatrix first(3, 2), second(3, 2);
-  first << 100, 100, 2, 4, -1, 8;
-  second << 100, 100, 1, 1, 1, 1;
-  target.rollouts = {{"first", first, RowMatrix::Zero(2, 1)},
-                     {"second", second, RowMatrix::Zero(2, 1)}};
+  RowMatrix first(4, 2), second(4, 2);
+  first << 0, 0, 2, 4, -1, 8, 100, 100;
+  second << 0, 0, 1, 1, 1, 1, 100, 100;
+  target.rollouts = {{"first", first, RowMatrix::Zero(3, 1)},
+                     {"second", second, RowMatrix::Zero(3, 1)}};
   return target;
 }
 
 TrajectoryView view_of(const std::vector<float>& values, Index samples) {
-  return {values, samples, 2, 2, 2};
+  return {values, samples, 2, 3, 2};
 }
 
-// Rollout 1: maxima (2, 8). Simulated (2, 4), (1, 0): errors (0, 0), (2/2, -8/8) = (1, -1).
-//   per channel sqrt((0 + 1) / 2), mean over channels sqrt(1/2)
-// Rollout 2: maxima (1, 1). Simulated (1, 1), (1, 3): errors (0, 0), (0, 2).
-//   channel 1: 0, channel 2: sqrt(4 / 2), mean sqrt(2) / 2 = sqrt(1/2)
-// Mean over rollouts: sqrt(1/2).
+// States after actions 1, 2, 3 of both rollouts; the last ones don't count.
+const std::vector<float> kSimulated = {2, 4, 1, 0, 7, 7, 1, 1, 1, 3, 7, 7};
+
+// Rollout 1: maxima (2, 8). Simulated (0, 0), (2, 4), (1, 0): errors 0, 0, (2/2, -8/8) = (1, -1).
+//   per channel sqrt((0 + 0 + 1) / 3), mean over channels sqrt(1/3)
+// Rollout 2: maxima (1, 1). Simulated (0, 0), (1, 1), (1, 3): errors 0, 0, (0, 2).
+//   channel 1: 0, channel 2: sqrt(4 / 3), mean sqrt(4 / 3) / 2 = sqrt(1/3)
+// Mean over rollouts: sqrt(1/3).
 TEST(Metrics, RmseMatchesACaseWorkedByHand) {
-  const std::vector<float> simulated = {2, 4, 1, 0, 1, 1, 1, 3};
-  const Vector rmse = Metrics(small_target()).rmse(view_of(simulated, 1));
+  const Vector rmse = Metrics(small_target()).rmse(view_of(kSimulated, 1));
   ASSERT_EQ(rmse.size(), 1);
-  EXPECT_NEAR(rmse(0), std::sqrt(0.5), 1e-15);
+  EXPECT_NEAR(rmse(0), std::sqrt(1.0 / 3.0), 1e-15);
 }
 
-// The same, first channel only: rollout 1 sqrt(1/2), rollout 2 zero.
+// The same, first channel only: rollout 1 sqrt(1/3), rollout 2 zero.
 TEST(Metrics, OnlySelectedChannelsCount) {
-  const std::vector<float> simulated = {2, 4, 1, 0, 1, 1, 1, 3};
   MetricsConfig config;
   config.channels = {0};
-  EXPECT_NEAR(Metrics(small_target(), config).rmse(view_of(simulated, 1))(0), std::sqrt(0.5) / 2,
-              1e-15);
+  EXPECT_NEAR(Metrics(small_target(), config).rmse(view_of(kSimulated, 1))(0),
+              std::sqrt(1.0 / 3.0) / 2, 1e-15);
 }
 
-// Rollout 1, normalised: recorded (1, 0.5), (-0.5, 1), simulated (1, 0.5), (0.5, 0).
-//   d = 0           sqrt(1/4+1/4)       last row: sqrt(10)/2 / 3 = 0.527 against
-//       sqrt(10)/2  sqrt(2)             min(sqrt(1/2) + sqrt(2), 2 sqrt(2)) / 4 = 0.530
-// so the path ends at the first simulated state, at a cost of sqrt(10)/2.
-// Rollout 2: the simulated first state is the recorded one: cost 0.
+// With a restart before action 3, the last compared state is the recorded one.
+TEST(Metrics, StatesAtARestartAreTheRecordedOnes) {
+  MetricsConfig config;
+  config.segment_length = 2;
+  EXPECT_EQ(Metrics(small_target(), config).rmse(view_of(kSimulated, 1))(0), 0.0);
+}
+
+// Rollout 1, normalised: recorded (0, 0), (1, 1/2), (-1/2, 1), simulated (0, 0), (1, 1/2), (1/2,
+// 0).
+//   accumulated cost of the last recorded state, open end, over n + m' for the three ends:
+//   sqrt(5) / 4 = 0.56, (sqrt(10)/2) / 5 = 0.32, (sqrt(1/2) + sqrt(2)) / 6 = 0.35
+// so the path ends at the second simulated state, at a cost of sqrt(10)/2.
+// Rollout 2: the path ends at the second simulated state as well, at cost 0.
 TEST(Metrics, DtwMatchesACaseWorkedByHand) {
-  const std::vector<float> simulated = {2, 4, 1, 0, 1, 1, 1, 3};
-  EXPECT_NEAR(Metrics(small_target()).dtw(view_of(simulated, 1))(0), std::sqrt(10.0) / 4.0, 1e-15);
+  EXPECT_NEAR(Metrics(small_target()).dtw(view_of(kSimulated, 1))(0), std::sqrt(10.0) / 4.0, 1e-15);
 }
 
 TEST(Metrics, OfThePerfectSimulationAreZero) {
-  const std::vector<float> simulated = {2, 4, -1, 8, 1, 1, 1, 1};
+  const std::vector<float> simulated = {2, 4, -1, 8, 100, 100, 1, 1, 1, 1, 100, 100};
   const Metrics metrics(small_target());
   EXPECT_EQ(metrics.rmse(view_of(simulated, 1))(0), 0.0);
   EXPECT_EQ(metrics.dtw(view_of(simulated, 1))(0), 0.0);
 }
 
-// Every second state of the recording, t = 2 alone: (-1, 8) and (1, 1).
-TEST(Metrics, CompareWithTheStatesThatTheSimulatorKept) {
-  MetricsConfig config;
-  config.store_every = 2;
-  const std::vector<float> simulated = {-1, 8, 1, 1};
-  EXPECT_EQ(Metrics(small_target(), config).rmse({simulated, 1, 2, 1, 2})(0), 0.0);
-}
-
 TEST(Metrics, AFailedSampleIsNanAndTheOthersAreNot) {
-  std::vector<float> simulated(4 * 8, 1.0f);
-  simulated[8 + 5] = kNaN;
-  simulated[16] = std::numeric_limits<float>::infinity();
+  std::vector<float> simulated(4 * 12, 1.0f);
+  simulated[12 + 5] = kNaN;
+  simulated[24] = std::numeric_limits<float>::infinity();
   MetricsConfig config;
   config.channels = {0};  // the NaN is in the other channel
   const Metrics metrics(small_target(), config);
@@ -124,8 +124,9 @@ TEST(Metrics, DtwIsTheMeanOverRolloutsOfTheDistancesOfNormalizedSeries) {
   for (Index i = 0; i < distances.size(); ++i) {
     double sum = 0.0;
     for (Index h = 0; h < 3; ++h) {
-      RowMatrix recorded = test.target.rollouts[static_cast<std::size_t>(h)].states.bottomRows(40);
-      RowMatrix simulated = test.view().rollout(i, h).cast<double>();
+      RowMatrix recorded = test.target.rollouts[static_cast<std::size_t>(h)].states.topRows(40);
+      RowMatrix simulated = recorded;
+      simulated.bottomRows(39) = test.view().rollout(i, h).topRows(39).cast<double>();
       for (Index c = 0; c < 4; ++c) {
         const double scale = recorded.col(c).lpNorm<Eigen::Infinity>();
         recorded.col(c) /= scale;
@@ -169,18 +170,18 @@ std::string message_of(const Target& target, const MetricsConfig& config) {
 
 TEST(Metrics, NameTheChannelThatTheyCannotNormalize) {
   Target target = small_target();
-  target.rollouts[1].states.col(1).bottomRows(2).setZero();
+  target.rollouts[1].states.col(1).setZero();
   EXPECT_EQ(message_of(target, {}),
             "metrics: channel 'rate' of recorded rollout 'second' is 0 throughout, so errors can't "
             "be divided by its maximum; leave the channel out of the compared ones");
-  EXPECT_EQ(message_of(target, {{0}, 1}), "");
+  EXPECT_EQ(message_of(target, {{0}, 0}), "");
 }
 
-TEST(Metrics, RejectWrongChannelsStridesAndShapes) {
-  EXPECT_EQ(message_of(small_target(), {{2}, 1}), "metrics: channel 2, must be in [0, 1]");
-  EXPECT_EQ(message_of(small_target(), {{0, 0}, 1}),
+TEST(Metrics, RejectWrongChannelsSegmentsAndShapes) {
+  EXPECT_EQ(message_of(small_target(), {{2}, 0}), "metrics: channel 2, must be in [0, 1]");
+  EXPECT_EQ(message_of(small_target(), {{0, 0}, 0}),
             "metrics: channel 0 ('angle') is listed twice");
-  EXPECT_EQ(message_of(small_target(), {{}, 3}), "metrics: store_every = 3, must be in [1, 2]");
+  EXPECT_EQ(message_of(small_target(), {{}, -1}), "metrics: segment_length = -1, must be >= 0");
   const std::vector<float> values(8);
   const Metrics metrics(small_target());
   EXPECT_THROW(metrics.rmse({values, 1, 1, 4, 2}), ShapeError);

@@ -81,11 +81,21 @@ TEST(Trainer, StopsEarlyAndKeepsTheBestWeights) {
   EXPECT_EQ(state.best_parameters(0), 2.0f);
 }
 
-TEST(Trainer, RejectsFewerRowsThanABatch) {
+TEST(Trainer, TakesAllRowsWhenTheyAreFewerThanABatch) {
   Line line;
   TrainingState state = start();
   TrainingConfig c = config();
-  c.batch_size = 100;
+  c.batch_size = 1000;
+  c.max_epochs = 3;
+  train(line, c, kId, state, [](const TrainingState&) { return true; });
+  EXPECT_EQ(line.rows_seen.size(), 400u);
+}
+
+TEST(Trainer, RejectsASplitThatLeavesNothingToValidate) {
+  Line line;
+  TrainingState state = start();
+  TrainingConfig c = config();
+  c.validation_fraction = 0.001;
   EXPECT_THROW(train(line, c, kId, state, [](const TrainingState&) { return true; }), InputError);
 }
 
