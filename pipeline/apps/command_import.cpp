@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "pipeline/apps/command_line.h"
+#include "pipeline/apps/commands.h"
+#include "pipeline/store/csv_import.h"
+#include "pipeline/store/recording.h"
+
+namespace npdr::pipeline {
+namespace {
+
+struct ImportArguments {
+  std::vector<std::string> files;
+  std::string output;
+  std::string simulator;
+  std::vector<std::string> states, actions;
+  double dt = 0.0;
+  std::string source;
+};
+
+// "theta" or "theta [rad]".
+Channel parse_channel(const std::string& text) {
+  const std::size_t open = text.find('[');
+  if (open == std::string::npos) return {text, ""};
+  const std::size_t close = text.find(']', open);
+  if (close == std::string::npos) throw InputError("'" + text + "': the unit's ']' is missing");
+  std::string label = text.substr(0, open);
+  while (!label.empty() && label.back() == ' ') label.pop_back();
+  return {label, text.substr(open + 1, close - open - 1)};
+}
+
+Channels channels_of_arguments(const ImportArguments& arguments) {
+  if (!arguments.simulator.empty()) {
+    sim::SimulatorConfig config;
+    config.name = arguments.simulator;
+    return channels_of(sim::make_simulator(config)->info());
+  }
+  if (arguments.states.empty() || arguments.actions.empty()) {
+    throw InputError("say which columns to take: --simulator NAME, or --states and --actions");
+  }
+  Channels channels;
+  for (const std::string& text : arguments.states) channels.states.push_back(parse_channel(text));
+  for (const std::string& text : arguments.actions) channels.actions.push_back(parse_channel(text));
+  return channels;
+}
+
+void import(const ImportArguments& arguments) {
+  CsvOptions options;
+  options.channels = channels_of_arguments(arguments);
+  options.dt = arguments.dt;
+  options.source = arguments.source;
+  const Target target = import_csv({arguments.files.begin(), arguments.files.end()}, options);
+  write_recording(target, arguments.output);
+  fmt::print("wrote {}: {} rollouts of {} steps of {} s; states {}; actions {}\n", arguments.output,
+             target.num_rollouts(), target.num_steps(), target.dt, to_string(target.state_channels),
+             to_string(target.action_channels));
+}
+
+}  // namespace
+
+void add_import_command(CLI::App& app, int& result) {
+  auto* command = app.add_subcommand("import", "CSV recordings to a recording file (HDF5)");
+  auto arguments = std::make_shared<ImportArguments>();
+  command->add_option("CSV", arguments->files, "one file per rollout, header 'label [unit],...'")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "the HDF5 file to write")->required();
+  command->add_option("--simulator", arguments->simulator, "take this simulator's channels");
+  command->add_option("--states", arguments->states, "columns, such as 'theta [rad],alpha [rad]'")
+      ->delimiter(',');
+  command->add_option("--actions", arguments->actions, "columns, such as 'voltage [V]'")
+      ->delimiter(',');
+  command->add_option("--dt", arguments->dt, "[s] where there is no column 't [s]'");
+  command->add_option("--source", arguments->source, "where the recordings come from, for people");
+  command->callback([&result, arguments] {
+    result = guarded_main("npdr import", [&] {
+      import(*arguments);
+      return ExitStatus::done;
+    });
+  });
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,119 @@
+// Commands about artefacts: inspect and verify.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "pipeline/apps/command_line.h"
+#include "pipeline/apps/commands.h"
+#include "pipeline/apps/verify.h"
+#include "pipeline/store/artefact.h"
+#include "pipeline/store/recording.h"
+
+namespace npdr::pipeline {
+namespace {
+
+void print_attributes(const h5::Object& object, const std::string& indent) {
+  for (const std::string& name : object.attribute_names()) {
+    std::string text;
+    switch (object.attribute_type(name)) {
+      case h5::ElementType::text:
+        text = fmt::format("{}", fmt::join(object.attribute<std::vector<std::string>>(name), ", "));
+        break;
+      case h5::ElementType::f32:
+      case h5::ElementType::f64:
+        text = fmt::format("{}", fmt::join(object.attribute<std::vector<double>>(name), ", "));
+        break;
+      default:
+        text = fmt::format("{}", fmt::join(object.attribute<std::vector<Index>>(name), ", "));
+    }
+    constexpr std::size_t most = 100;
+    if (text.size() > most) text = text.substr(0, most) + "...";
+    fmt::print("{}@{} = {}\n", indent, name, text);
+  }
+}
+
+void print_tree(const h5::Group& group, const std::string& indent) {
+  for (const std::string& name : group.names()) {
+    if (group.is_group(name)) {
+      const h5::Group below = group.group(name);
+      fmt::print("{}{}/\n", indent, name);
+      print_attributes(below, indent + "    ");
+      print_tree(below, indent + "    ");
+      continue;
+    }
+    const h5::Dataset dataset = group.dataset(name);
+    fmt::print("{}{} {}\n", indent, name, h5::to_string(dataset.shape()));
+    print_attributes(dataset, indent + "    ");
+  }
+}
+
+void inspect(const std::string& path, bool study, bool digest) {
+  const h5::File file = h5::File::open(path);
+  if (!file.has_attribute("schema")) {
+    const Target target = read_recording(path);
+    fmt::print("{}: a recording of {} rollouts of {} steps of {} s\n", path, target.num_rollouts(),
+               target.num_steps(), target.dt);
+    print_attributes(file, "  ");
+    print_tree(file, "  ");
+    return;
+  }
+  const ArtefactInfo info = read_artefact_info(path);
+  if (study) {
+    fmt::print("{}\n", info.identity.study.dump(2));
+    return;
+  }
+  fmt::print("{}: {} (schema {}) made by stage '{}'\n", path, info.schema.name, info.schema.version,
+             info.schema.stage);
+  fmt::print("  key      {}\n  seed     {}\n", info.key, info.identity.seed);
+  for (const auto& [name, key] : info.identity.inputs) {
+    fmt::print("  input    {} {}\n", key.substr(0, 8), name);
+  }
+  const Provenance& p = info.provenance;
+  fmt::print("  made by  npdr {} ({}), {}, on {} at {} in {:.2f} s\n", p.creator_version,
+             p.git_revision, p.instruction_set, p.host, p.created, p.wall_seconds);
+  if (digest) fmt::print("  content  {}\n", content_digest(path));
+  fmt::print("  datasets\n");
+  print_tree(file, "    ");
+}
+
+}  // namespace
+
+void add_inspect_command(CLI::App& app, int& result) {
+  auto* command =
+      app.add_subcommand("inspect", "what a file of ours holds, who made it, and from what");
+  auto path = std::make_shared<std::string>();
+  auto study = std::make_shared<bool>(false);
+  auto digest = std::make_shared<bool>(false);
+  command->add_option("FILE", *path)->required();
+  command->add_flag("--study", *study, "print the resolved study that it belongs to");
+  command->add_flag("--digest", *digest, "hash of the content: equal digests, equal bits");
+  command->callback([&result, path, study, digest] {
+    result = guarded_main("npdr inspect", [&] {
+      inspect(*path, *study, *digest);
+      return ExitStatus::done;
+    });
+  });
+}
+
+void add_verify_command(CLI::App& app, int& result) {
+  auto* command = app.add_subcommand(
+      "verify", "recompute random rows of a simulation or proposal and compare bit for bit");
+  auto path = std::make_shared<std::string>();
+  auto rows = std::make_shared<Index>(10);
+  auto seed = std::make_shared<std::uint64_t>(0);
+  command->add_option("FILE", *path)->required();
+  command->add_option("--rows", *rows, "how many")->capture_default_str();
+  command->add_option("--pick", *seed, "picks the rows")->capture_default_str();
+  command->callback([&result, path, rows, seed] {
+    result = guarded_main("npdr verify", [&] {
+      const Verification found = verify(*path, *rows, *seed);
+      fmt::print("{}: {} of {} rows recomputed, {} differ\n", *path, found.num_checked,
+                 found.num_rows, found.different.size());
+      for (const Index row : found.different) fmt::print("    row {}\n", row);
+      return found.different.empty() ? ExitStatus::done : ExitStatus::failed;
+    });
+  });
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,114 @@
+#include "pipeline/apps/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include "core/error.h"
+#include "pipeline/config/study_reader.h"
+#include "pipeline/run/stop_request.h"
+#include "pipeline/store/build_info.h"
+
+namespace npdr::pipeline {
+
+int guarded_main(const std::string& program, const std::function<ExitStatus()>& body) {
+  watch_for_stop_requests();
+  try {
+    return static_cast<int>(body());
+  } catch (const Error& error) {
+    fmt::print(stderr, "{}: {}\n", program, error.what());
+    return static_cast<int>(error.status());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", program, error.what());
+    return static_cast<int>(ExitStatus::failed);
+  }
+}
+
+bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
+  app.set_version_flag("--version", fmt::format("npdr {} ({})", creator_version(), git_revision()));
+  app.get_formatter()->column_width(34);
+  try {
+    app.parse(argc, argv);
+    return true;
+  } catch (const CLI::ParseError& error) {
+    const bool is_error = app.exit(error) != 0;
+    status = static_cast<int>(is_error ? ExitStatus::invalid_input : ExitStatus::done);
+    return false;
+  }
+}
+
+void StudyArguments::add_to(CLI::App& app) {
+  app.add_option("STUDY", file, "study file (TOML)")->required();
+  app.add_option("--set", overrides,
+                 "key=value that replaces a key of the study, such as simulate.shard_size=500 or "
+                 "'method.\"NPDR (MAF)\".num_rounds=2'; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--work", work, "folder of results and cache")->capture_default_str();
+  app.add_option("--only", methods, "only this method; may be repeated")->allow_extra_args(false);
+  app.add_option("--seeds", seeds, "only these seeds, such as 1,2")->delimiter(',');
+}
+
+Plan StudyArguments::plan() const {
+  Plan plan = make_plan(read_study(file, overrides), WorkFolder(work), {methods, seeds, {}});
+  std::vector<std::string> command = {"npdr", "run"};
+  const auto study_words = words();
+  command.insert(command.end(), study_words.begin(), study_words.end());
+  plan.command = shell_text(command);
+  return plan;
+}
+
+std::vector<std::string> StudyArguments::words() const {
+  std::vector<std::string> words = {file};
+  for (const std::string& value : overrides) words.insert(words.end(), {"--set", value});
+  if (work != "runs") words.insert(words.end(), {"--work", work});
+  for (const std::string& method : methods) words.insert(words.end(), {"--only", method});
+  if (!seeds.empty())
+    words.insert(words.end(), {"--seeds", fmt::format("{}", fmt::join(seeds, ","))});
+  return words;
+}
+
+std::string shell_text(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) {
+    if (!text.empty()) text += ' ';
+    const bool is_plain =
+        !word.empty() && word.find_first_not_of(
+                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                             "-_./=,:+@%") == std::string::npos;
+    if (is_plain) {
+      text += word;
+      continue;
+    }
+    text += '\'';
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    text += '\'';
+  }
+  return text;
+}
+
+std::vector<Index> parse_ranges(const std::string& text) {
+  const auto fail = [&] {
+    throw InputError("'" + text + "' is no list of numbers and ranges such as 0-3,7");
+  };
+  const auto number = [&](std::string_view part) {
+    Index value = -1;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc() || end != part.data() + part.size() || value < 0) fail();
+    return value;
+  };
+  std::vector<Index> values;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const std::size_t dash = part.find('-');
+    const Index first = number(part.substr(0, dash));
+    const Index last = dash == std::string::npos ? first : number(part.substr(dash + 1));
+    constexpr Index most = 10'000'000;
+    if (last < first || last - first > most) fail();
+    for (Index value = first; value <= last; ++value) values.push_back(value);
+  }
+  if (values.empty()) fail();
+  return values;
+}
+
+}  // namespace npdr::pipeline

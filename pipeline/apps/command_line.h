@@ -1,0 +1,44 @@
+/// What all command lines share: the words that name a study, and the outermost error handler.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "pipeline/plan/plan.h"
+
+namespace CLI {
+class App;
+}
+
+namespace npdr::pipeline {
+
+/// Runs `body`; prints what it throws as "program: message". Returns the exit status.
+int guarded_main(const std::string& program, const std::function<ExitStatus()>& body);
+
+/// Sets up `app` (version, one help for all), parses, and returns false when help was asked for or
+/// the words are wrong; `status` is then what to leave with.
+bool parse_command_line(CLI::App& app, int argc, char** argv, int& status);
+
+/// A study, as named on a command line.
+struct StudyArguments {
+  std::string file;
+  std::vector<std::string> overrides;  ///< --set
+  std::string work = "runs";
+  std::vector<std::string> methods;  ///< --only
+  std::vector<std::uint64_t> seeds;
+
+  void add_to(CLI::App& app);
+  Plan plan() const;
+  /// The words that name the same study to another executable.
+  std::vector<std::string> words() const;
+};
+
+/// "npdr run study.toml --set 'a=b c'": words quoted for a shell where they need it.
+std::string shell_text(const std::vector<std::string>& words);
+
+/// "0-3,7" as {0, 1, 2, 3, 7}. Throws InputError.
+std::vector<Index> parse_ranges(const std::string& text);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,125 @@
+// Commands that use a trained posterior: sample and log-prob.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "core/error.h"
+#include "inference/embeddings/embedding.h"
+#include "pipeline/apps/command_line.h"
+#include "pipeline/apps/commands.h"
+#include "pipeline/config/study_json.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/stages/posterior_file.h"
+#include "pipeline/store/csv_file.h"
+#include "pipeline/store/recording.h"
+
+namespace npdr::pipeline {
+namespace {
+
+struct PosteriorArguments {
+  std::string posterior;
+  std::string recording;  ///< --x: another observation
+  Index count = 1000;
+  std::uint64_t seed = 0;
+  std::string theta;  ///< CSV of log-prob
+};
+
+// x of another recording, embedded as the posterior's own observation was.
+VectorF embed_recording(const std::string& posterior, const std::string& recording) {
+  const h5::File file = open_artefact(posterior, kPosteriorSchema);
+  const ArtefactInfo info = read_artefact_info(posterior);
+  const auto embedding = from_json<inference::EmbeddingConfig>(
+      parse_json(file.attribute<std::string>("embedding"), posterior), posterior);
+  const auto simulator = from_json<sim::SimulatorConfig>(info.identity.study.at("simulator"),
+                                                         posterior + ": study.simulator");
+  const auto channels = channels_of(sim::make_simulator(simulator)->info());
+  const Target target = read_recording(recording, channels);
+  return inference::observed_features(
+      *inference::make_embedding(embedding, target, simulator.store_every), target,
+      simulator.store_every);
+}
+
+inference::DirectPosterior load(const PosteriorArguments& arguments) {
+  const inference::DirectPosterior posterior = read_posterior(arguments.posterior);
+  if (arguments.recording.empty()) return posterior;
+  const VectorF x = embed_recording(arguments.posterior, arguments.recording);
+  if (x.size() != posterior.parts().x_o.size()) {
+    throw InputError(fmt::format(
+        "{}: gives {} features, the posterior was trained on {}; it needs recordings with as many "
+        "rollouts and steps as those of its study",
+        arguments.recording, x.size(), posterior.parts().x_o.size()));
+  }
+  return posterior.given(x);
+}
+
+void print_samples(const PosteriorArguments& arguments) {
+  const inference::DirectPosterior posterior = load(arguments);
+  const RowMatrix theta = posterior.sample(arguments.count, {arguments.seed, "sample", 0, 0, 0});
+  std::vector<std::string> header;
+  for (const auto& m : posterior.prior().marginals()) {
+    header.push_back(fmt::format("{} [{}]", m.name, m.unit));
+  }
+  fmt::print("{}\n", fmt::join(header, ","));
+  for (Index i = 0; i < theta.rows(); ++i) {
+    fmt::print("{:.17g}\n", fmt::join(theta.row(i).begin(), theta.row(i).end(), ","));
+  }
+}
+
+RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
+  const CsvFile csv(path);
+  RowMatrix theta(csv.num_rows(), prior.dimension());
+  for (Index d = 0; d < theta.cols(); ++d) {
+    const std::string& name = prior.marginals()[static_cast<std::size_t>(d)].name;
+    const auto column = csv.find(name);
+    if (!column) throw InputError(path + ": no column '" + name + "'");
+    for (Index i = 0; i < theta.rows(); ++i) theta(i, d) = csv.number(i, *column);
+  }
+  return theta;
+}
+
+void print_log_prob(const PosteriorArguments& arguments) {
+  const inference::DirectPosterior posterior = load(arguments);
+  const Vector log_prob = posterior.log_prob(read_theta(arguments.theta, posterior.prior()));
+  fmt::print("log_prob\n");
+  for (const double value : log_prob) fmt::print("{:.17g}\n", value);
+}
+
+void add_posterior_options(CLI::App& command, PosteriorArguments& arguments) {
+  command.add_option("POSTERIOR", arguments.posterior, "posterior artefact (infer.h5)")->required();
+  command.add_option("--x", arguments.recording, "another recording to condition on");
+}
+
+}  // namespace
+
+void add_sample_command(CLI::App& app, int& result) {
+  auto* command = app.add_subcommand("sample", "samples of a trained posterior, as CSV");
+  auto arguments = std::make_shared<PosteriorArguments>();
+  add_posterior_options(*command, *arguments);
+  command->add_option("-n,--num-samples", arguments->count, "how many")
+      ->capture_default_str()
+      ->check(CLI::Range(Index{1}, Index{100'000'000}));
+  command->add_option("--seed", arguments->seed)->capture_default_str();
+  command->callback([&result, arguments] {
+    result = guarded_main("npdr sample", [&] {
+      print_samples(*arguments);
+      return ExitStatus::done;
+    });
+  });
+}
+
+void add_log_prob_command(CLI::App& app, int& result) {
+  auto* command =
+      app.add_subcommand("log-prob", "posterior densities of the parameters in a CSV file");
+  auto arguments = std::make_shared<PosteriorArguments>();
+  add_posterior_options(*command, *arguments);
+  command->add_option("THETA", arguments->theta, "CSV with a column per parameter")->required();
+  command->callback([&result, arguments] {
+    result = guarded_main("npdr log-prob", [&] {
+      print_log_prob(*arguments);
+      return ExitStatus::done;
+    });
+  });
+}
+
+}  // namespace npdr::pipeline

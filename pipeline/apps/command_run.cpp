@@ -1,0 +1,77 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "core/text.h"
+#include "pipeline/apps/command_line.h"
+#include "pipeline/apps/commands.h"
+#include "pipeline/run/scheduler.h"
+#include "pipeline/stages/report_marker.h"
+
+namespace npdr::pipeline {
+namespace {
+
+struct RunArguments {
+  StudyArguments study;
+  std::string until;
+  int num_jobs = static_cast<int>(std::thread::hardware_concurrency());
+  bool dry_run = false;
+};
+
+std::optional<Stage> parse_stage(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  std::vector<std::string> known;
+  for (const Stage stage : {Stage::target, Stage::propose, Stage::simulate, Stage::infer,
+                            Stage::baseline, Stage::evaluate, Stage::report}) {
+    if (to_string(stage) == name) return stage;
+    known.push_back(to_string(stage));
+  }
+  throw InputError("--until: " + unknown_name("stage", name, known));
+}
+
+void print_commands(const Plan& plan, const SchedulerConfig& config) {
+  for (const Node* node : missing_nodes(plan, config.until)) {
+    fmt::print("# {}\n{}\n", node->label(), shell_text(stage_command(config, *node)));
+  }
+}
+
+// The study's main table, and where the rest is.
+void print_results(const Plan& plan) {
+  std::ifstream table(plan.work.study(plan.study.name) / "tables" / "fit.md");
+  std::cout << table.rdbuf() << std::flush;
+  fmt::print("\nreport: {}\n", report_path(plan).string());
+}
+
+ExitStatus run(const RunArguments& arguments) {
+  const Plan plan = arguments.study.plan();
+  const SchedulerConfig config{arguments.num_jobs, parse_stage(arguments.until),
+                               arguments.study.words()};
+  if (arguments.dry_run) {
+    print_commands(plan, config);
+    return ExitStatus::done;
+  }
+  const ExitStatus status = Scheduler(plan, config).run();
+  if (status == ExitStatus::done && !config.until) print_results(plan);
+  return status;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, int& result) {
+  auto* command = app.add_subcommand("run", "bring a study up to date; skip what is");
+  auto arguments = std::make_shared<RunArguments>();
+  arguments->study.add_to(*command);
+  command->add_option("--until", arguments->until, "the last stage to run");
+  command->add_option("-j,--jobs", arguments->num_jobs, "cores to use")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 4096));
+  command->add_flag("--dry-run", arguments->dry_run, "print the commands that are missing");
+  command->callback(
+      [&result, arguments] { result = guarded_main("npdr run", [&] { return run(*arguments); }); });
+}
+
+}  // namespace npdr::pipeline

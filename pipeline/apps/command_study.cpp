@@ -1,0 +1,139 @@
+// Commands about study files: validate, new, list.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "core/text.h"
+#include "pipeline/apps/command_line.h"
+#include "pipeline/apps/commands.h"
+#include "pipeline/apps/size_text.h"
+#include "pipeline/config/study_json.h"
+#include "pipeline/config/study_keys.h"
+#include "pipeline/config/study_template.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// The work and disk that a study implies.
+void print_work(const Plan& plan) {
+  const Study& study = plan.study;
+  const bool is_recorded = study.target.recording.has_value();
+  const sim::SimulatorInfo info = sim::make_simulator(study.simulator)->info();
+  const Index num_rollouts = is_recorded ? plan.target.num_rollouts() : study.target.num_rollouts;
+  const Index num_steps = is_recorded ? plan.target.num_steps() : info.num_steps;
+  const auto num_states = static_cast<Index>(info.state_channels.size());
+  Index rows = 0, posteriors = 0, bytes = 0, rollouts = 0;
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::infer) ++posteriors;
+    if (node.stage != Stage::simulate) continue;
+    const MethodConfig& method = study.method(node.uses.front().method);
+    const Index h = method.num_rollouts > 0 ? method.num_rollouts : num_rollouts;
+    rows += num_rows(plan, node);
+    rollouts += num_rows(plan, node) * h;
+    bytes += num_rows(plan, node) * h * (num_steps / study.simulator.store_every) * num_states *
+             static_cast<Index>(sizeof(float));
+  }
+  fmt::print(
+      "{} artefacts: {} simulations ({} rollouts of {} steps), {} posteriors to train, "
+      "at most {} of trajectories\n",
+      plan.nodes.size(), rows, rollouts, num_steps, posteriors,
+      size_text(static_cast<std::uintmax_t>(bytes)));
+}
+
+void list_simulators() {
+  for (const std::string& name : sim::simulator_names()) {
+    sim::SimulatorConfig config;
+    config.name = name;
+    const auto simulator = sim::make_simulator(config);
+    fmt::print("{}: {}\n", name, simulator->info().description);
+    for (const sim::Parameter& p : simulator->info().parameters) {
+      fmt::print("    {:<24} {:>10.6g} {:<12} {}\n", p.name, p.nominal, p.unit, p.description);
+    }
+  }
+}
+
+void list_keys() {
+  for (const StudyKey& key : study_keys()) {
+    fmt::print("{:<44} {}", key.path, key.doc);
+    if (!key.default_value.empty()) fmt::print("; default {}", key.default_value);
+    if (!key.allowed.empty()) fmt::print("; {}", key.allowed);
+    fmt::print("\n");
+  }
+}
+
+void list_names(const std::vector<std::string>& names) {
+  for (const std::string& name : names) fmt::print("{}\n", name);
+}
+
+void list(const std::string& what) {
+  if (what == "simulators") return list_simulators();
+  if (what == "keys") return list_keys();
+  if (what == "methods") return list_names(inference::algorithm_names());
+  if (what == "embeddings") return list_names(inference::embedding_names());
+  if (what == "estimators") return list_names(inference::estimator_names());
+  if (what == "integrators") return list_names(sim::integrator_names());
+  if (what == "metrics") return list_names(metric_names());
+  throw InputError(unknown_name(
+      "list", what,
+      {"simulators", "methods", "embeddings", "estimators", "integrators", "metrics", "keys"}));
+}
+
+void write_new_study(const std::string& name) {
+  const std::filesystem::path path = name + ".toml";
+  const std::string text = study_template(name);
+  if (std::filesystem::exists(path)) {
+    throw InputError(path.string() + ": is there already; choose another name or remove it");
+  }
+  write_text_file(path, text);
+  fmt::print("wrote {}; run it with: npdr run {}\n", path.string(), path.string());
+}
+
+}  // namespace
+
+void add_validate_command(CLI::App& app, int& result) {
+  auto* command =
+      app.add_subcommand("validate", "check a study; print it resolved, and the work it implies");
+  auto study = std::make_shared<StudyArguments>();
+  auto quiet = std::make_shared<bool>(false);
+  study->add_to(*command);
+  command->add_flag("--quiet", *quiet, "don't print the resolved study");
+  command->callback([&result, study, quiet] {
+    result = guarded_main("npdr validate", [&] {
+      const Plan plan = study->plan();
+      if (!*quiet) fmt::print("{}\n", to_json(plan.study).dump(2));
+      print_work(plan);
+      return ExitStatus::done;
+    });
+  });
+}
+
+void add_new_command(CLI::App& app, int& result) {
+  auto* command = app.add_subcommand("new", "start a study from a commented template");
+  auto name = std::make_shared<std::string>();
+  command->add_option("NAME", *name, "of the study; NAME.toml is written")->required();
+  command->callback([&result, name] {
+    result = guarded_main("npdr new", [&] {
+      write_new_study(*name);
+      return ExitStatus::done;
+    });
+  });
+}
+
+void add_list_command(CLI::App& app, int& result) {
+  auto* command = app.add_subcommand("list", "what a study can choose from");
+  auto what = std::make_shared<std::string>();
+  command
+      ->add_option("WHAT", *what,
+                   "simulators, methods, embeddings, estimators, integrators, metrics or keys")
+      ->required();
+  command->callback([&result, what] {
+    result = guarded_main("npdr list", [&] {
+      list(*what);
+      return ExitStatus::done;
+    });
+  });
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,92 @@
+#include "pipeline/apps/stage_main.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+
+#include "pipeline/apps/command_line.h"
+#include "pipeline/run/child_process.h"
+#include "pipeline/run/stop_request.h"
+#include "pipeline/stages/stages.h"
+
+namespace npdr::pipeline {
+namespace {
+
+struct StageArguments {
+  StudyArguments study;
+  std::optional<Index> round;
+  std::string shards;
+  std::string key;
+};
+
+// What belongs to no round belongs to each.
+bool uses_round(const Node& node, std::optional<Index> round) {
+  return !round || std::any_of(node.uses.begin(), node.uses.end(), [&](const Use& use) {
+    return use.round == *round || use.round == 0;
+  });
+}
+
+bool has_inputs(const Plan& plan, const Node& node) {
+  return std::all_of(node.needs.begin(), node.needs.end(),
+                     [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
+}
+
+// Without a round, later rounds wait for the stages in between: only what is ready is run. When
+// nothing was, the first missing input is the error.
+void run_missing(const Plan& plan, const StageProgram& program, const StageArguments& arguments,
+                 const std::vector<Index>& shard_numbers) {
+  const Node* first_waiting = nullptr;
+  Index num_run = 0;
+  for (const Stage stage : program.stages) {
+    for (const Node& node : plan.nodes) {
+      if (node.stage != stage || !uses_round(node, arguments.round)) continue;
+      if (is_complete(plan, node)) {
+        link_uses(plan, node);
+      } else if (has_inputs(plan, node)) {
+        run_stage(plan, node, shard_numbers);
+        ++num_run;
+        fmt::print("{}: {}\n", node.label(),
+                   is_complete(plan, node) ? node.path.string() : "shards done");
+        stop_here_if_requested();
+      } else if (first_waiting == nullptr) {
+        first_waiting = &node;
+      }
+    }
+  }
+  if (num_run > 0) return;
+  if (first_waiting != nullptr) require_inputs(plan, *first_waiting);
+  fmt::print("{}: nothing to do, all is up to date\n", program.name);
+}
+
+}  // namespace
+
+int stage_main(const StageProgram& program, int argc, char** argv) {
+  CLI::App app(program.description, program.name);
+  StageArguments arguments;
+  arguments.study.add_to(app);
+  app.add_option("--round", arguments.round, "only this round, counted from 1");
+  app.add_option("--artefact", arguments.key, "only the artefact whose key begins like this");
+  const bool has_shards = program.stages.front() == Stage::simulate;
+  if (has_shards) {
+    app.add_option("--shard", arguments.shards, "only these shards, such as 0-3,7");
+  }
+  int status = 0;
+  if (!parse_command_line(app, argc, argv, status)) return status;
+  if (std::getenv("NPDR_PROGRESS_FD") != nullptr) stop_with_parent();
+  return guarded_main(program.name, [&] {
+    const Plan plan = arguments.study.plan();
+    const std::vector<Index> shard_numbers =
+        arguments.shards.empty() ? std::vector<Index>{} : parse_ranges(arguments.shards);
+    if (arguments.key.empty()) {
+      run_missing(plan, program, arguments, shard_numbers);
+    } else {
+      run_stage(plan, plan.node_by_key(arguments.key), shard_numbers);
+    }
+    return ExitStatus::done;
+  });
+}
+
+}  // namespace npdr::pipeline

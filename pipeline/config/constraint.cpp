@@ -1,0 +1,101 @@
+#include "pipeline/config/constraint.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "core/text.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr double kMaxCount = 1e9;
+
+bool is_control(char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }
+
+bool is_plain(const std::string& text, std::size_t max_size) {
+  return !text.empty() && text.size() <= max_size &&
+         std::none_of(text.begin(), text.end(), is_control);
+}
+
+bool is_label(const std::string& text) { return is_plain(text, 100); }
+
+bool is_folder_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
+}
+
+}  // namespace
+
+Constraint<double> positive() {
+  return {"> 0", [](double v) { return v > 0.0; }};
+}
+
+Constraint<double> between(double low, double high) {
+  return {fmt::format(">= {} and <= {}", low, high),
+          [=](double v) { return v >= low && v <= high; }};
+}
+
+Constraint<double> strictly_between(double low, double high) {
+  return {fmt::format("> {} and < {}", low, high), [=](double v) { return v > low && v < high; }};
+}
+
+Constraint<double> count_from(double low) {
+  return {fmt::format(">= {} and <= 10^9", low),
+          [=](double v) { return v >= low && v <= kMaxCount; }};
+}
+
+Constraint<double> not_negative() {
+  return {">= 0", [](double v) { return v >= 0.0; }};
+}
+
+Constraint<std::string> one_of(std::vector<std::string> names) {
+  std::string words = "one of " + join(names);
+  auto allows = [names](const std::string& value) {
+    return std::find(names.begin(), names.end(), value) != names.end();
+  };
+  return {std::move(words), std::move(allows), std::move(names)};
+}
+
+Constraint<std::string> label() {
+  return {"1 to 100 characters, none of them a control character", is_label};
+}
+
+Constraint<std::string> folder_name() {
+  return {"a folder name of letters, digits, '_', '-' and '.' that doesn't begin with '.'",
+          [](const std::string& text) {
+            return is_label(text) && text.front() != '.' &&
+                   std::all_of(text.begin(), text.end(), is_folder_character);
+          }};
+}
+
+Constraint<std::string> file_path() {
+  return {"a path", [](const std::string& text) { return is_plain(text, 4096); }};
+}
+
+std::string must_be(const std::string& key, const std::string& found, const std::string& words,
+                    const std::vector<std::string>& names) {
+  std::string message = key + " = " + found + ", must be " + words;
+  std::string bare = found;
+  std::erase(bare, '\'');
+  const std::string guess = nearest_name(bare, names);
+  if (!guess.empty()) message += " (did you mean '" + guess + "'?)";
+  return message;
+}
+
+std::string quoted(const std::string& text) { return fmt::format("'{}'", shortened(text)); }
+
+std::string shortened(const std::string& text) {
+  constexpr std::size_t limit = 60;
+  std::string result = text.substr(0, limit);
+  std::replace_if(result.begin(), result.end(), is_control, '?');
+  if (text.size() <= limit) return result;
+  // A cut UTF-8 sequence would spoil the terminal's line: drop its beginning too.
+  while (!result.empty() && (static_cast<unsigned char>(result.back()) & 0xC0) == 0x80) {
+    result.pop_back();
+  }
+  if (!result.empty() && (static_cast<unsigned char>(result.back()) & 0x80) != 0) result.pop_back();
+  return result + "...";
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,71 @@
+/// What the fields of a study may hold: words for people and a test for the readers.
+#pragma once
+
+#include <concepts>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace npdr::pipeline {
+
+/// `words` completes "must be ..." and `names` lists the choices when there are only a few. A
+/// constraint without a test allows every value of the field's type. Numbers of every type are
+/// constrained as double.
+template <class T>
+struct Constraint {
+  std::string words;
+  std::function<bool(const T&)> allows;
+  std::vector<std::string> names = {};
+};
+
+/// Every value of the type.
+template <class T>
+Constraint<T> anything() {
+  return {"", nullptr};
+}
+
+Constraint<double> positive();
+Constraint<double> between(double low, double high);
+/// Bounds excluded.
+Constraint<double> strictly_between(double low, double high);
+/// A number of things: low to 10^9, far beyond what a study can compute and far from an overflow.
+Constraint<double> count_from(double low);
+/// An integer >= 0.
+Constraint<double> not_negative();
+
+Constraint<std::string> one_of(std::vector<std::string> names);
+/// Text without control characters, 1 to 100 bytes.
+Constraint<std::string> label();
+/// A label that can name a folder: letters, digits, '_', '-' and '.', not at the start.
+Constraint<std::string> folder_name();
+
+/// A path: 1 to 4096 bytes, none of them a control character.
+Constraint<std::string> file_path();
+
+/// True when `value` is allowed. Numbers are compared as double.
+template <class T, class C>
+bool satisfies(const T& value, const Constraint<C>& allowed) {
+  if (!allowed.allows) return true;
+  if constexpr (std::same_as<T, C>) {
+    return allowed.allows(value);
+  } else {
+    return allowed.allows(static_cast<C>(value));
+  }
+}
+
+/// `key = found, must be words`, with the nearest of `names` when there are any.
+std::string must_be(const std::string& key, const std::string& found, const std::string& words,
+                    const std::vector<std::string>& names = {});
+
+/// "a number, > 0": what a field of type `type` must be when a value of another type was found.
+template <class C>
+std::string type_and_words(const std::string& type, const Constraint<C>& allowed) {
+  return allowed.words.empty() ? type : type + ", " + allowed.words;
+}
+
+/// `text` in quotes; a long one is cut, so that a message stays readable.
+std::string quoted(const std::string& text);
+/// At most about 60 bytes of `text`.
+std::string shortened(const std::string& text);
+
+}  // namespace npdr::pipeline

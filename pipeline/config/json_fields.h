@@ -1,0 +1,105 @@
+/// The visitors of study_fields.h that write and read JSON. Private to pipeline/config.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/field_types.h"
+
+namespace npdr::pipeline {
+
+using Json = nlohmann::ordered_json;
+
+template <class T>
+Json json_value(const T& value) {
+  return value;
+}
+Json json_value(const std::map<std::string, double>& numbers);
+Json json_value(const std::map<std::string, PublishedFigure>& figures);
+Json json_value(const std::vector<inference::Marginal>& prior);
+
+/// Writes every field, defaults included, in the order of the description.
+class JsonWriter {
+ public:
+  template <class T, class C>
+  void operator()(const std::string& key, const T& value, const Constraint<C>&, std::string_view) {
+    json_[key] = json_value(value);
+  }
+
+  template <class T, class C>
+  void operator()(const std::string& key, const std::optional<T>& value, const Constraint<C>&,
+                  std::string_view) {
+    if (value) json_[key] = json_value(*value);
+  }
+
+  template <class Body>
+  void table(const std::string& key, std::string_view /*doc*/, const Body& body) {
+    JsonWriter members;
+    body(members);
+    json_[key] = members.json();
+  }
+
+  template <class T, class Body>
+  void list(const std::string& key, std::vector<T>& values, std::string_view /*doc*/,
+            const Body& body) {
+    json_[key] = Json::array();
+    for (T& value : values) {
+      JsonWriter members;
+      body(members, value);
+      json_[key].push_back(members.json());
+    }
+  }
+
+  const Json& json() const { return json_; }
+
+ private:
+  Json json_ = Json::object();
+};
+
+bool read_value(const Json& json, bool& value);
+bool read_value(const Json& json, double& value);
+bool read_value(const Json& json, Index& value);
+bool read_value(const Json& json, std::string& value);
+bool read_value(const Json& json, std::vector<std::string>& value);
+bool read_value(const Json& json, std::map<std::string, double>& value);
+bool read_value(const Json& json, std::vector<inference::Marginal>& value);
+
+/// Reads the fields of one object; throws InputError at the first that can't be accepted. A missing
+/// key keeps its default: it is older than the field.
+class JsonReader {
+ public:
+  JsonReader(const Json& json, std::string where) : json_(json), where_(std::move(where)) {
+    if (!json.is_object()) throw InputError(where_ + ": must be a JSON object");
+  }
+
+  template <class T, class C>
+  void operator()(const std::string& key, T& value, const Constraint<C>& allowed,
+                  std::string_view /*doc*/) {
+    known_.push_back(key);
+    const auto found = json_.find(key);
+    if (found == json_.end()) return;
+    const std::string text = shortened(found->dump());
+    if (!read_value(*found, value)) {
+      throw InputError(where_ + ": " + must_be(key, text, type_and_words(type_name<T>(), allowed)));
+    }
+    if (!satisfies(value, allowed)) {
+      throw InputError(where_ + ": " + must_be(key, text, allowed.words, allowed.names));
+    }
+  }
+
+  void reject_unknown_keys() const;
+
+ private:
+  const Json& json_;
+  std::string where_;
+  std::vector<std::string> known_;
+};
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,76 @@
+#include "pipeline/config/problems.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "core/error.h"
+#include "core/text.h"
+
+namespace npdr::pipeline {
+
+std::string Place::str() const {
+  if (line == 0) return origin;
+  return origin + ":" + std::to_string(line) + ":" + std::to_string(column);
+}
+
+void Problems::add(const Place& place, const std::string& message) {
+  problems_.push_back({place, message});
+}
+
+void Problems::throw_if_any() const {
+  if (problems_.empty()) return;
+  std::vector<Problem> sorted = problems_;
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Problem& a, const Problem& b) {
+    return std::tie(a.place.line, a.place.column) < std::tie(b.place.line, b.place.column);
+  });
+  std::vector<std::string> lines;
+  for (const Problem& problem : sorted) {
+    std::string line = problem.place.str() + ": " + problem.message;
+    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+  }
+  throw InputError(join(lines, "\n"));
+}
+
+Place Reading::place(const std::string& path) const {
+  std::string ancestor = path;
+  while (!ancestor.empty()) {
+    const auto found = places_.find(ancestor);
+    if (found != places_.end()) return found->second;
+    const std::size_t end = ancestor.find_last_of(".[");
+    ancestor.resize(end == std::string::npos ? 0 : end);
+  }
+  return {origin_};
+}
+
+void Reading::fail(const std::string& path, const std::string& message) {
+  fail(path, place(path), message);
+}
+
+void Reading::fail(const std::string& path, const Place& place, const std::string& message) {
+  problems_.add(place, message);
+  failed_.push_back(path);
+}
+
+bool Reading::good(const std::string& path) const {
+  const auto inside = [](const std::string& inner, const std::string& outer) {
+    return !outer.empty() && inner.starts_with(outer) &&
+           (inner.size() == outer.size() || inner[outer.size()] == '.' ||
+            inner[outer.size()] == '[');
+  };
+  return std::none_of(failed_.begin(), failed_.end(), [&](const std::string& failed) {
+    return inside(failed, path) || inside(path, failed);
+  });
+}
+
+std::string display(const std::string& path) {
+  std::string result;
+  bool inside = false;
+  for (const char c : path) {
+    if (c == '[') inside = true;
+    if (!inside) result += c;
+    if (c == ']') inside = false;
+  }
+  return result;
+}
+
+}  // namespace npdr::pipeline

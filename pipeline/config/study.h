@@ -1,0 +1,93 @@
+/// A study: target domain, simulator, prior and the methods to compare. Plain data; every default
+/// is here, and pipeline/config/study_fields.h says what each field means and may hold.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+#include "inference/algorithms/algorithm_config.h"
+#include "inference/embeddings/embedding_config.h"
+#include "inference/estimators/estimator_config.h"
+#include "inference/prior.h"
+#include "inference/training_config.h"
+#include "sim/simulator.h"
+
+namespace npdr::pipeline {
+
+/// Where the target domain's rollouts come from: exactly one of `recording` and `truth`.
+struct TargetConfig {
+  std::optional<std::string> recording;                ///< path, as seen from the current folder
+  std::optional<std::map<std::string, double>> truth;  ///< parameters that aren't nominal
+  Index num_rollouts = 0;                              ///< 0: all of a recording
+  std::uint64_t seed = 0;                              ///< of a truth's random behaviour
+};
+
+/// Gaussian noise on the simulated states that the inference sees.
+struct ObservationNoise {
+  double scale = 0.0;  ///< standard deviation / largest recorded magnitude of the channel
+  bool redraw = true;  ///< fresh noise in each training epoch, not once per simulation
+};
+
+struct SimulateConfig {
+  Index shard_size = 1000;  ///< [rows]
+};
+
+struct EvaluateConfig {
+  Index num_samples = 1000;
+  std::vector<std::string> metrics = {"dtw", "rmse"};
+  std::string rounds = "last";  ///< "last" or "all"
+  bool floor = true;            ///< also search for the smallest RMSE in the prior
+};
+
+struct LimitsConfig {
+  double max_failed_fraction = 0.05;  ///< of the rows of a simulation
+};
+
+struct ReportConfig {
+  std::string title;  ///< "": the study's name
+  std::string caption;
+  std::vector<std::string> parameters;  ///< those that pair plots show; empty: all of the prior
+};
+
+/// Somebody's figure to print beside ours.
+struct PublishedFigure {
+  double mean = 0.0;
+  double std = 0.0;
+};
+
+/// One column of the study's tables.
+struct MethodConfig {
+  std::string name;
+  inference::AlgorithmConfig algorithm;
+  Index num_rollouts = 0;  ///< the first h of the target's rollouts; 0: all
+  inference::EmbeddingConfig embedding;
+  inference::EstimatorConfig density_estimator;
+  inference::TrainingConfig training;
+  std::map<std::string, PublishedFigure> published;  ///< by metric
+};
+
+struct Study {
+  std::string name;
+  std::vector<std::uint64_t> seeds = {1};  ///< distinct experiments
+  TargetConfig target;
+  sim::SimulatorConfig simulator;
+  std::vector<inference::Marginal> prior;  ///< in the file's order; units are the simulator's
+  ObservationNoise observation_noise;
+  SimulateConfig simulate;
+  std::vector<MethodConfig> methods;
+  EvaluateConfig evaluate;
+  LimitsConfig limits;
+  ReportConfig report;
+
+  /// Throws InputError with the nearest name when no method is called `method_name`.
+  const MethodConfig& method(const std::string& method_name) const;
+};
+
+/// What evaluate.metrics may hold.
+std::vector<std::string> metric_names();
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,270 @@
+#include "pipeline/config/study_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/config/constraint.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using inference::Marginal;
+using Numbers = std::map<std::string, double>;
+
+class StudyChecker {
+ public:
+  StudyChecker(Study& study, Reading& reading) : study_(study), reading_(reading) {}
+
+  void check() {
+    load_simulator();
+    check_target();
+    check_values("simulator.parameters", study_.simulator.parameters);
+    for (Marginal& marginal : study_.prior) check_marginal(marginal);
+    check_method_names();
+    for (std::size_t i = 0; i < study_.methods.size(); ++i) check_method(i);
+    check_report();
+    check_simulator();
+  }
+
+ private:
+  void fail(const std::string& path, const std::string& found, const std::string& words) {
+    reading_.fail(path, must_be(display(path), found, words));
+  }
+
+  void load_simulator();
+  void check_simulator();
+  void check_target();
+  void check_recording(const std::string& recording);
+  void check_values(const std::string& path, const Numbers& values);
+  void check_marginal(Marginal& marginal);
+  void check_bounds(const Marginal& marginal, const sim::Parameter& parameter);
+  void check_method_names();
+  void check_method(std::size_t i);
+  void check_embedding(const std::string& path, const inference::EmbeddingConfig& embedding);
+  void check_training(const std::string& path, const MethodConfig& method);
+  void check_loss(const std::string& path, const MethodConfig& method);
+  void check_report();
+
+  // nullptr, and the problem noted down, for a name that isn't a parameter of the simulator.
+  const sim::Parameter* find_parameter(const std::string& path, const std::string& name);
+
+  Study& study_;
+  Reading& reading_;
+  std::optional<sim::SimulatorInfo> info_;
+};
+
+// What the other checks need is known from the name alone.
+void StudyChecker::load_simulator() {
+  if (!reading_.good("simulator.name")) return;
+  sim::SimulatorConfig config;
+  config.name = study_.simulator.name;
+  info_ = sim::make_simulator(config)->info();
+}
+
+// The simulator has the last word on its settings; its message has no position.
+void StudyChecker::check_simulator() {
+  if (!reading_.problems().empty()) return;
+  try {
+    sim::make_simulator(study_.simulator);
+  } catch (const InputError& error) {
+    reading_.fail("simulator", error.what());
+  }
+}
+
+void StudyChecker::check_target() {
+  const TargetConfig& target = study_.target;
+  const bool readable = reading_.good("target.recording") && reading_.good("target.truth");
+  if (readable && target.recording.has_value() == target.truth.has_value()) {
+    reading_.fail("target", std::string("target ") + (target.truth ? "has both" : "has neither") +
+                                " recording = \"file.h5\" " + (target.truth ? "and" : "nor") +
+                                " truth = { parameter = value }, must have one of them");
+    return;
+  }
+  if (target.recording) check_recording(*target.recording);
+  if (!target.truth) return;
+  check_values("target.truth", *target.truth);
+  if (target.num_rollouts < 1) {
+    fail("target.num_rollouts", "0", ">= 1 with a truth: there is no recording to take all of");
+  }
+}
+
+void StudyChecker::check_recording(const std::string& recording) {
+  if (!std::filesystem::is_regular_file(recording)) {
+    fail("target.recording", quoted(recording), "an existing HDF5 file");
+  }
+  if (reading_.has("target.seed")) {
+    fail("target.seed", std::to_string(study_.target.seed),
+         "left out with a recording: it picks the behaviour of a truth");
+  }
+}
+
+const sim::Parameter* StudyChecker::find_parameter(const std::string& path,
+                                                   const std::string& name) {
+  std::vector<std::string> names;
+  for (const sim::Parameter& parameter : info_->parameters) {
+    if (parameter.name == name) return &parameter;
+    names.push_back(parameter.name);
+  }
+  reading_.fail(path + "." + name, fmt::format("{}: {}", display(path),
+                                               unknown_name("parameter", shortened(name), names)));
+  return nullptr;
+}
+
+void StudyChecker::check_values(const std::string& path, const Numbers& values) {
+  if (!info_) return;
+  for (const auto& [name, value] : values) {
+    const std::string member = path + "." + name;
+    const sim::Parameter* parameter = find_parameter(path, name);
+    if (parameter == nullptr || !reading_.good(member)) continue;
+    if (value < parameter->lower || value > parameter->upper) {
+      fail(
+          member, fmt::format("{}", value),
+          fmt::format("between {} and {} {}", parameter->lower, parameter->upper, parameter->unit));
+    }
+  }
+}
+
+void StudyChecker::check_marginal(Marginal& marginal) {
+  const std::string path = "prior." + marginal.name;
+  if (study_.simulator.parameters.contains(marginal.name)) {
+    reading_.fail(path, "'" + marginal.name +
+                            "' is in the prior and in simulator.parameters, must "
+                            "be in one of them");
+  }
+  if (!info_) return;
+  const sim::Parameter* parameter = find_parameter("prior", marginal.name);
+  if (parameter == nullptr || !reading_.good(path)) return;
+  marginal.unit = parameter->unit;
+  check_bounds(marginal, *parameter);
+}
+
+void StudyChecker::check_bounds(const Marginal& m, const sim::Parameter& parameter) {
+  const std::string path = "prior." + m.name;
+  const std::string found = fmt::format("[{}, {}]", m.a, m.b);
+  if (m.kind == Marginal::Kind::normal) {
+    if (!(m.b > 0.0)) fail(path, found, "[mean, std] with std > 0");
+    if (m.a < parameter.lower || m.a > parameter.upper) {
+      fail(path, found,
+           fmt::format("[mean, std] with a mean between {} and {} {}", parameter.lower,
+                       parameter.upper, parameter.unit));
+    }
+    return;
+  }
+  if (!(m.a < m.b)) {
+    fail(path, found, "[low, high] with low < high");
+  } else if (m.kind == Marginal::Kind::log_uniform && !(m.a > 0.0)) {
+    fail(path, found, "[low, high] with low > 0 for log_uniform");
+  } else if (m.a < parameter.lower || m.b > parameter.upper) {
+    fail(path, found,
+         fmt::format("inside of what is physically possible, [{}, {}] {}", parameter.lower,
+                     parameter.upper, parameter.unit));
+  }
+}
+
+void StudyChecker::check_method_names() {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+    const std::string path = fmt::format("method[{}].name", i);
+    const std::string& name = study_.methods[i].name;
+    if (reading_.good(path) && !names.insert(name).second) fail(path, quoted(name), "unique");
+  }
+}
+
+void StudyChecker::check_method(std::size_t i) {
+  const MethodConfig& method = study_.methods[i];
+  const std::string path = fmt::format("method[{}]", i);
+  const Index available = study_.target.num_rollouts;
+  if (available > 0 && method.num_rollouts > available) {
+    fail(path + ".num_rollouts", std::to_string(method.num_rollouts),
+         fmt::format("<= target.num_rollouts = {}", available));
+  }
+  check_embedding(path + ".embedding", method.embedding);
+  check_training(path, method);
+  check_loss(path, method);
+  const std::vector<std::string> metrics = metric_names();
+  for (const auto& [metric, figure] : method.published) {
+    if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) {
+      reading_.fail(path + ".published." + metric,
+                    "method.published: " + unknown_name("metric", shortened(metric), metrics));
+    }
+  }
+}
+
+void StudyChecker::check_embedding(const std::string& path,
+                                   const inference::EmbeddingConfig& embedding) {
+  const Index store_every = study_.simulator.store_every;
+  const bool readable =
+      reading_.good(path + ".downsample") && reading_.good("simulator.store_every");
+  if (readable && embedding.downsample % store_every != 0) {
+    fail(path + ".downsample", std::to_string(embedding.downsample),
+         fmt::format("a multiple of simulator.store_every = {}", store_every));
+  }
+  if (!info_) return;
+  std::vector<std::string> labels;
+  for (const Channel& channel : info_->state_channels) labels.push_back(channel.label);
+  for (const std::string& channel : embedding.channels) {
+    if (std::find(labels.begin(), labels.end(), channel) == labels.end()) {
+      reading_.fail(path + ".channels",
+                    fmt::format("{}.channels: {}", display(path),
+                                unknown_name("channel", shortened(channel), labels)));
+    }
+  }
+}
+
+void StudyChecker::check_training(const std::string& path, const MethodConfig& method) {
+  const std::string batch = path + ".training.batch_size";
+  const double rows = static_cast<double>(method.algorithm.num_simulations) *
+                      (1.0 - method.training.validation_fraction);
+  const bool readable = reading_.good(batch) && reading_.good(path + ".num_simulations") &&
+                        reading_.good(path + ".training.validation_fraction");
+  // Half a row of slack: 1 - 0.2 isn't exact.
+  if (readable && static_cast<double>(method.training.batch_size) > rows + 0.5) {
+    fail(batch, std::to_string(method.training.batch_size),
+         fmt::format("<= {:.0f}, the simulations of a round that training sees "
+                     "(num_simulations * (1 - validation_fraction))",
+                     rows));
+  }
+}
+
+void StudyChecker::check_loss(const std::string& path, const MethodConfig& method) {
+  const inference::AlgorithmConfig& algorithm = method.algorithm;
+  if (!reading_.good(path + ".algorithm") || !reading_.good(path + ".loss")) return;
+  const std::string& kind = method.density_estimator.kind;
+  if (algorithm.loss == "analytic") {
+    if (kind != "mdn" && reading_.good(path + ".density_estimator.kind")) {
+      fail(path + ".loss", "'analytic'",
+           "'auto' or 'atomic' with density_estimator.kind = '" + kind + "': only 'mdn' has one");
+    }
+    return;
+  }
+  const bool readable =
+      reading_.good(path + ".num_atoms") && reading_.good(path + ".training.batch_size");
+  if (algorithm.name == "npe_c" && readable && algorithm.num_atoms > method.training.batch_size) {
+    fail(path + ".num_atoms", std::to_string(algorithm.num_atoms),
+         fmt::format("<= training.batch_size = {}", method.training.batch_size));
+  }
+}
+
+void StudyChecker::check_report() {
+  std::vector<std::string> names;
+  for (const Marginal& marginal : study_.prior) names.push_back(marginal.name);
+  for (const std::string& parameter : study_.report.parameters) {
+    if (std::find(names.begin(), names.end(), parameter) == names.end()) {
+      reading_.fail("report.parameters",
+                    "report.parameters: " +
+                        unknown_name("parameter of the prior", shortened(parameter), names));
+    }
+  }
+}
+
+}  // namespace
+
+void check_study(Study& study, Reading& reading) { StudyChecker(study, reading).check(); }
+
+}  // namespace npdr::pipeline

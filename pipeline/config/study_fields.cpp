@@ -1,0 +1,58 @@
+#include "pipeline/config/study_fields.h"
+
+#include "core/text.h"
+
+namespace npdr::pipeline {
+namespace {
+
+template <class T>
+bool all_distinct(const std::vector<T>& values) {
+  return std::set<T>(values.begin(), values.end()).size() == values.size();
+}
+
+bool is_algorithm(const std::string& spelling) {
+  try {
+    inference::canonical_algorithm(spelling);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+Constraint<std::string> algorithm_constraint() {
+  Constraint<std::string> constraint = one_of(inference::algorithm_names());
+  constraint.allows = is_algorithm;
+  return constraint;
+}
+
+Constraint<std::string> estimator_constraint() {
+  Constraint<std::string> constraint = one_of(inference::estimator_names());
+  constraint.allows = [names = constraint.allows](const std::string& value) {
+    return value == "mog" || names(value);
+  };
+  return constraint;
+}
+
+Constraint<std::vector<std::uint64_t>> seeds_constraint() {
+  return {"distinct and >= 0, at least one of them",
+          [](const auto& seeds) { return !seeds.empty() && all_distinct(seeds); }};
+}
+
+Constraint<std::vector<std::string>> metrics_constraint() {
+  const std::vector<std::string> known = metric_names();
+  return {"distinct, each one of " + join(known) + ", at least one of them",
+          [known](const auto& metrics) {
+            return !metrics.empty() && all_distinct(metrics) &&
+                   std::all_of(metrics.begin(), metrics.end(), [&](const std::string& metric) {
+                     return std::find(known.begin(), known.end(), metric) != known.end();
+                   });
+          }};
+}
+
+Constraint<std::vector<inference::Marginal>> prior_constraint() {
+  return {"of at least one parameter", [](const auto& prior) { return !prior.empty(); }};
+}
+
+}  // namespace npdr::pipeline

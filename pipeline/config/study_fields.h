@@ -1,0 +1,164 @@
+/// One description of every field of a study: key, place in memory, what it may hold, one line of
+/// documentation. The visitors that walk it read TOML (toml_fields.h), write and read JSON
+/// (json_fields.h) and list the keys (study_keys.h), so that none of them can forget a field.
+///
+/// A visitor has three members:
+///   f(key, value, constraint, doc)       a field; a default that isn't allowed makes it required
+///   f.table(key, doc, body)              a table: body(visitor of its members)
+///   f.list(key, values, doc, body)       a list of tables: body(visitor of its members, element)
+#pragma once
+
+#include <algorithm>
+#include <set>
+
+#include "core/error.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/study.h"
+
+namespace npdr::pipeline {
+
+Constraint<std::string> algorithm_constraint();
+Constraint<std::string> estimator_constraint();
+Constraint<std::vector<std::uint64_t>> seeds_constraint();
+Constraint<std::vector<std::string>> metrics_constraint();
+Constraint<std::vector<inference::Marginal>> prior_constraint();
+
+template <class Fields>
+void describe(Fields& f, sim::SimulatorConfig& c) {
+  f("name", c.name, one_of(sim::simulator_names()), "the simulator");
+  f("parameters", c.parameters, anything<std::map<std::string, double>>(),
+    "values that replace the simulator's nominal ones");
+  f("segment_length", c.segment_length, count_from(0),
+    "steps until the simulation restarts from the recorded state; 0: never");
+  f("integrator", c.integrator, one_of(sim::integrator_names()), "method for the ODE");
+  f("substeps", c.substeps, count_from(1), "integrator steps per time step of the target");
+  f("store_every", c.store_every, count_from(1), "keep every k-th state of a simulated rollout");
+}
+
+template <class Fields>
+void describe(Fields& f, inference::EmbeddingConfig& c) {
+  f("kind", c.kind, one_of(inference::embedding_names()), "how rollouts become features");
+  f("features", c.features, count_from(1), "width of the trained layer (\"linear\" only)");
+  f("principal_components", c.principal_components, count_from(0),
+    "the network sees so many principal components of the features; 0: the features themselves");
+  f("downsample", c.downsample, count_from(1),
+    "keep every k-th state; a multiple of simulator.store_every");
+  f("channels", c.channels, anything<std::vector<std::string>>(),
+    "state channels to keep; empty: all");
+}
+
+template <class Fields>
+void describe(Fields& f, inference::EstimatorConfig& c) {
+  f("kind", c.kind, estimator_constraint(), "masked autoregressive flow or mixture of Gaussians");
+  f("num_transforms", c.num_transforms, count_from(1), "autoregressive transforms (\"maf\" only)");
+  f("num_components", c.num_components, count_from(1), "Gaussians in the mixture (\"mdn\" only)");
+  f("hidden_features", c.hidden_features, count_from(1), "width of each hidden layer");
+  f("num_hidden_layers", c.num_hidden_layers, count_from(1), "hidden layers (per transform)");
+}
+
+template <class Fields>
+void describe(Fields& f, inference::TrainingConfig& c) {
+  f("learning_rate", c.learning_rate, positive(), "step size of Adam");
+  f("batch_size", c.batch_size, count_from(1), "simulations per optimiser step");
+  f("validation_fraction", c.validation_fraction, strictly_between(0, 1),
+    "share of the simulations that early stopping is judged on");
+  f("stop_after_epochs", c.stop_after_epochs, count_from(1),
+    "epochs without a better validation loss before training stops");
+  f("max_epochs", c.max_epochs, count_from(1), "epochs at most");
+  f("clip_norm", c.clip_norm, positive(), "largest norm of a gradient; longer ones are scaled");
+}
+
+template <class Fields>
+void describe(Fields& f, inference::AlgorithmConfig& c) {
+  f("algorithm", c.name, algorithm_constraint(), "inference algorithm");
+  f("num_rounds", c.num_rounds, count_from(1), "rounds of proposing, simulating and training");
+  f("num_simulations", c.num_simulations, count_from(1), "simulations per round");
+  f("num_atoms", c.num_atoms, count_from(2),
+    "parameter sets that the atomic loss compares per simulation, the true one included");
+  f("loss", c.loss, one_of({"auto", "atomic", "analytic"}),
+    "loss of later rounds; \"analytic\" needs a mixture of Gaussians");
+  f("combined_loss", c.combined_loss, anything<bool>(),
+    "atomic loss: also fit the simulations of the prior by maximum likelihood");
+}
+
+template <class Fields>
+void describe(Fields& f, PublishedFigure& c) {
+  f("mean", c.mean, anything<double>(), "published mean");
+  f("std", c.std, not_negative(), "published standard deviation");
+}
+
+template <class Fields>
+void describe(Fields& f, MethodConfig& c) {
+  f("name", c.name, label(), "column title in the tables; unique");
+  describe(f, c.algorithm);
+  f("num_rollouts", c.num_rollouts, count_from(0),
+    "use the first k rollouts of the target only; 0: all");
+  f.table("embedding", "how rollouts become features", [&](auto& t) { describe(t, c.embedding); });
+  f.table("density_estimator", "the network that learns the posterior",
+          [&](auto& t) { describe(t, c.density_estimator); });
+  f.table("training", "how the network is trained", [&](auto& t) { describe(t, c.training); });
+  f("published", c.published, anything<std::map<std::string, PublishedFigure>>(),
+    "figures to print beside ours: { rmse = { mean = 0.263, std = 0.004 } }");
+}
+
+template <class Fields>
+void describe(Fields& f, TargetConfig& c) {
+  f("recording", c.recording, file_path(),
+    "HDF5 file of recorded rollouts, relative to the study file's folder");
+  f("truth", c.truth, anything<std::map<std::string, double>>(),
+    "parameters of a simulated target domain that aren't nominal; {}: all nominal");
+  f("num_rollouts", c.num_rollouts, count_from(0),
+    "use the first k rollouts; 0: all of a recording; 5 for a truth when left out");
+  f("seed", c.seed, not_negative(), "picks a truth's random behaviour");
+}
+
+template <class Fields>
+void describe(Fields& f, ObservationNoise& c) {
+  f("scale", c.scale, not_negative(),
+    "standard deviation as a fraction of the channel's largest recorded magnitude");
+  f("redraw", c.redraw, anything<bool>(),
+    "fresh noise in each training epoch, instead of once per simulation");
+}
+
+template <class Fields>
+void describe(Fields& f, EvaluateConfig& c) {
+  f("num_samples", c.num_samples, count_from(1), "posterior samples that are simulated");
+  f("metrics", c.metrics, metrics_constraint(), "what simulated rollouts are measured by");
+  f("rounds", c.rounds, one_of({"last", "all"}), "which rounds' posteriors are evaluated");
+  f("floor", c.floor, anything<bool>(), "also search for the smallest RMSE in the prior");
+}
+
+template <class Fields>
+void describe(Fields& f, ReportConfig& c) {
+  f("title", c.title, anything<std::string>(), "title of the report; empty: the study's name");
+  f("caption", c.caption, anything<std::string>(), "text below the tables");
+  f("parameters", c.parameters, anything<std::vector<std::string>>(),
+    "parameters that pair plots show; empty: all of the prior");
+}
+
+template <class Fields>
+void describe(Fields& f, Study& c) {
+  f.table("study", "what the study is called and repeated over", [&](auto& t) {
+    t("name", c.name, folder_name(), "names the study's folder and its report");
+    t("seeds", c.seeds, seeds_constraint(), "one experiment each; tables report mean and std");
+  });
+  f.table("target", "the target domain", [&](auto& t) { describe(t, c.target); });
+  f.table("simulator", "the simulator", [&](auto& t) { describe(t, c.simulator); });
+  f("prior", c.prior, prior_constraint(),
+    "parameter = { uniform = [low, high] }, { log_uniform = [low, high] } or "
+    "{ normal = [mean, std] }; the rest stay nominal");
+  f.table("observation_noise", "noise on the simulated states that the inference sees",
+          [&](auto& t) { describe(t, c.observation_noise); });
+  f.table("simulate", "how simulations are cut into jobs", [&](auto& t) {
+    t("shard_size", c.simulate.shard_size, count_from(1), "simulations per job");
+  });
+  f.list("method", c.methods, "a method to compare", [](auto& t, auto& m) { describe(t, m); });
+  f.table("evaluate", "how posteriors are judged", [&](auto& t) { describe(t, c.evaluate); });
+  f.table("limits", "when to give up", [&](auto& t) {
+    t("max_failed_fraction", c.limits.max_failed_fraction, between(0, 1),
+      "share of failed simulations above which the study stops");
+  });
+  f.table("report", "how results are shown", [&](auto& t) { describe(t, c.report); });
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,61 @@
+#include "pipeline/config/study_json.h"
+
+#include "pipeline/config/json_fields.h"
+#include "pipeline/config/study_fields.h"
+
+namespace npdr::pipeline {
+
+template <class Config>
+Json to_json(const Config& config) {
+  Config copy = config;  // the description is the readers' too and takes what it can change
+  JsonWriter writer;
+  describe(writer, copy);
+  return writer.json();
+}
+
+Json to_json(const Study& study) { return to_json<Study>(study); }
+
+Json to_json(const std::vector<inference::Marginal>& prior) { return json_value(prior); }
+
+template <class Config>
+Config from_json(const Json& json, const std::string& where) {
+  Config config;
+  JsonReader reader(json, where);
+  describe(reader, config);
+  reader.reject_unknown_keys();
+  return config;
+}
+
+std::vector<inference::Marginal> prior_from_json(const Json& json, const std::string& where) {
+  std::vector<inference::Marginal> prior;
+  if (!read_value(json, prior)) {
+    throw InputError(where + ": prior = " + shortened(json.dump()) +
+                     R"(, must be a list of {"name", "unit", "uniform": [low, high]})");
+  }
+  return prior;
+}
+
+Json parse_json(const std::string& text, const std::string& where) {
+  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) throw InputError(where + ": " + quoted(text) + " isn't JSON");
+  return json;
+}
+
+template Json to_json(const sim::SimulatorConfig&);
+template Json to_json(const inference::EmbeddingConfig&);
+template Json to_json(const inference::EstimatorConfig&);
+template Json to_json(const inference::TrainingConfig&);
+template Json to_json(const inference::AlgorithmConfig&);
+template Json to_json(const TargetConfig&);
+template Json to_json(const ObservationNoise&);
+template Json to_json(const MethodConfig&);
+template Json to_json(const EvaluateConfig&);
+template Json to_json(const ReportConfig&);
+
+template sim::SimulatorConfig from_json(const Json&, const std::string&);
+template inference::EmbeddingConfig from_json(const Json&, const std::string&);
+template inference::EstimatorConfig from_json(const Json&, const std::string&);
+template inference::TrainingConfig from_json(const Json&, const std::string&);
+template inference::AlgorithmConfig from_json(const Json&, const std::string&);
+
+}  // namespace npdr::pipeline

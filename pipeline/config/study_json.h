@@ -1,0 +1,40 @@
+/// Studies as JSON: what artefacts store and what content keys are made of.
+///
+/// Every field is written, defaults included, in a fixed order. Marginals are written as
+/// {"name": ..., "unit": ..., "uniform": [low, high]}, so that their order, which is that of the
+/// columns of theta, survives any JSON library.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "pipeline/config/study.h"
+
+namespace npdr::pipeline {
+
+/// The resolved study. Its tables have the names of the study file's.
+nlohmann::ordered_json to_json(const Study& study);
+
+/// One part of a study. Config is one of sim::SimulatorConfig, inference::EmbeddingConfig,
+/// EstimatorConfig, TrainingConfig, AlgorithmConfig; TargetConfig, ObservationNoise, MethodConfig,
+/// EvaluateConfig, ReportConfig.
+template <class Config>
+nlohmann::ordered_json to_json(const Config& config);
+
+nlohmann::ordered_json to_json(const std::vector<inference::Marginal>& prior);
+
+/// The inverse of to_json() for the parts that a posterior artefact needs to be used again: Config
+/// is one of sim::SimulatorConfig, inference::EmbeddingConfig, EstimatorConfig, TrainingConfig,
+/// AlgorithmConfig. `where` (a file name) begins the message of the InputError that an unknown key,
+/// a wrong type or a value that isn't allowed throws. A missing key keeps its default.
+template <class Config>
+Config from_json(const nlohmann::ordered_json& json, const std::string& where);
+
+/// The inverse of to_json() of a prior. Throws InputError.
+std::vector<inference::Marginal> prior_from_json(const nlohmann::ordered_json& json,
+                                                 const std::string& where);
+
+/// `text` as JSON; throws InputError when it isn't.
+nlohmann::ordered_json parse_json(const std::string& text, const std::string& where);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,73 @@
+#include "pipeline/config/study_reader.h"
+
+#include <fstream>
+
+#include "core/error.h"
+#include "pipeline/config/study_check.h"
+#include "pipeline/config/study_fields.h"
+#include "pipeline/config/toml_document.h"
+#include "pipeline/config/toml_fields.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxBytes = 10'000'000;
+constexpr Index kTruthRollouts = 5;
+
+std::string read_text(const fs::path& file) {
+  const std::string name = file.string();
+  if (fs::is_directory(file)) throw InputError(name + ": is a folder, must be a study file");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(name + ": can't be opened; does it exist and may you read it?");
+  // Read through a limit instead of asking for the size, which pipes and devices don't have.
+  std::string text(kMaxBytes + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (stream.bad()) throw InputError(name + ": reading failed");
+  if (text.size() > kMaxBytes) {
+    throw InputError(name + ": is larger than 10 MB: not a study file");
+  }
+  return text;
+}
+
+void resolve_target(TargetConfig& target, const fs::path& file, const Reading& reading) {
+  if (target.recording && !is_override(reading.place("target.recording"))) {
+    const fs::path path = *target.recording;
+    if (path.is_relative()) target.recording = (file.parent_path() / path).lexically_normal();
+  }
+  if (target.truth && !reading.has("target.num_rollouts")) target.num_rollouts = kTruthRollouts;
+}
+
+// Defaults that depend on other keys, and one spelling for each name.
+void resolve(Study& study, const fs::path& file, const Reading& reading) {
+  resolve_target(study.target, file, reading);
+  for (MethodConfig& method : study.methods) {
+    method.algorithm.name = inference::canonical_algorithm(method.algorithm.name);
+    if (method.density_estimator.kind == "mog") method.density_estimator.kind = "mdn";
+  }
+}
+
+}  // namespace
+
+Study read_study(const fs::path& file, const std::vector<std::string>& overrides) {
+  return parse_study(read_text(file), file, overrides);
+}
+
+Study parse_study(std::string_view text, const fs::path& file,
+                  const std::vector<std::string>& overrides) {
+  toml::table document = parse_toml(text, file.string());
+  Reading reading(file.string());
+  for (const std::string& assignment : overrides) apply_override(document, assignment, reading);
+  Study study;
+  TomlFields fields(&document, "", reading);
+  describe(fields, study);
+  fields.reject_unknown_keys();
+  resolve(study, file, reading);
+  check_study(study, reading);
+  reading.problems().throw_if_any();
+  return study;
+}
+
+}  // namespace npdr::pipeline

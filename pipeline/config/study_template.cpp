@@ -1,0 +1,118 @@
+#include "pipeline/config/study_template.h"
+
+#include "core/error.h"
+#include "pipeline/config/constraint.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr const char* kPlaceholder = "@NAME@";
+
+constexpr const char* kTemplate =
+    R"toml(# A study: infer the physics parameters of a simulator from recorded motion.
+# Check it with `npdr validate`, run it with `npdr run`. Lines that begin with "# key =" show a
+# default. `npdr list keys` lists all keys, `npdr list simulators` the simulators' parameters.
+
+[study]
+name = "@NAME@"                 # names the folder of the results
+seeds = [1, 2, 3]               # one experiment each; tables report mean and standard deviation
+
+# The target domain: whose motion to explain. Either recorded rollouts ...
+#   recording = "rollouts.h5"   # HDF5, relative to this file; `npdr import` makes one from CSV files
+# ... or, as here, rollouts that the simulator itself makes at a known truth:
+[target]
+truth = { pole_mass = 1.2, pole_length = 0.8 }  # parameters that aren't nominal; {}: all nominal
+num_rollouts = 1                # use the first k; 0: all of a recording; default of a truth: 5
+# seed = 0                      # picks a truth's random behaviour (the pendulum has none)
+
+[simulator]
+name = "pendulum"
+# parameters = { gravity = 9.81 }  # values that replace the nominal ones
+# segment_length = 0            # restart from the recorded state every k steps; 0: never
+# integrator = "erk4"           # method for the ODE
+# substeps = 1                  # integrator steps per time step of the target
+# store_every = 1               # keep every k-th state
+
+# What to infer: parameter = { uniform = [low, high] }, { log_uniform = [low, high] } or
+# { normal = [mean, std] }, in the simulator's units. The rest stay nominal.
+[prior]
+pole_mass = { uniform = [0.3, 1.7] }    # [kg]
+pole_length = { uniform = [0.3, 1.7] }  # [m]
+
+# Gaussian noise on the simulated states that the inference sees. When no parameter reproduces the
+# recordings, noise of the size of what is left makes them look like simulations.
+[observation_noise]
+# scale = 0.0                   # standard deviation / largest recorded magnitude of the channel
+# redraw = true                 # fresh noise in each training epoch, not once per simulation
+
+[simulate]
+# shard_size = 1000             # simulations per job: what is scheduled, retried and resumed
+
+# The methods to compare: one [[method]] each.
+[[method]]
+name = "NPDR (MAF)"             # column title in the tables
+algorithm = "npe_c"
+num_rounds = 2                  # rounds of proposing, simulating and training
+num_simulations = 500           # per round
+# num_atoms = 10                # parameter sets that the atomic loss compares per simulation
+# loss = "auto"                 # or "atomic", "analytic" (mixtures of Gaussians only)
+# combined_loss = false         # atomic loss: also fit the simulations of the prior
+# num_rollouts = 0              # use the first k rollouts of the target only; 0: all
+# published = { rmse = { mean = 0.263, std = 0.004 } }  # somebody's figures to print beside ours
+
+[method.embedding]              # how rollouts become features
+kind = "bayessim"
+# features = 256                # width of the trained layer ("linear" only)
+# principal_components = 0      # of the features, for the network to see; 0: the features themselves
+# downsample = 1                # keep every k-th state; a multiple of simulator.store_every
+# channels = []                 # state channels to keep; empty: all
+
+[method.density_estimator]      # the network that learns the posterior
+kind = "maf"                    # masked autoregressive flow, or "mdn": mixture of Gaussians
+num_transforms = 2              # autoregressive transforms ("maf" only)
+hidden_features = 20            # width of each hidden layer
+# num_hidden_layers = 2
+# num_components = 10           # Gaussians in the mixture ("mdn" only)
+
+[method.training]
+learning_rate = 5e-4            # step size of Adam
+# batch_size = 50               # simulations per optimiser step
+# validation_fraction = 0.2     # share of the simulations that early stopping is judged on
+# stop_after_epochs = 20        # epochs without a better validation loss
+# max_epochs = 5000
+# clip_norm = 5.0               # largest norm of a gradient
+
+[[method]]
+name = "NPDR (MoG)"
+num_rounds = 2
+num_simulations = 500
+embedding = { kind = "bayessim" }
+density_estimator = { kind = "mdn", num_components = 5, hidden_features = 20 }
+
+[evaluate]
+num_samples = 100               # posterior samples that are simulated and measured
+# metrics = ["dtw", "rmse"]
+# rounds = "last"               # or "all": every round's posterior
+# floor = true                  # also search for the smallest RMSE in the prior
+
+[limits]
+# max_failed_fraction = 0.05    # share of failed simulations above which the study stops
+
+[report]
+title = "Pendulum"
+# caption = ""                  # text below the tables
+# parameters = []               # those that pair plots show; empty: all of the prior
+)toml";
+
+}  // namespace
+
+std::string study_template(const std::string& name) {
+  const Constraint<std::string> allowed = folder_name();
+  if (!satisfies(name, allowed)) {
+    throw InputError(must_be("study.name", quoted(name), allowed.words));
+  }
+  std::string text = kTemplate;
+  return text.replace(text.find(kPlaceholder), std::string(kPlaceholder).size(), name);
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,189 @@
+#include "pipeline/config/toml_document.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <vector>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/study_keys.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using Path = std::vector<std::string>;
+
+constexpr std::string_view kOverride = "--set ";
+
+// toml++ destroys nested tables recursively; a key of very many parts would overflow the stack.
+constexpr std::ptrdiff_t kMaxDots = 10'000;
+
+// One key=value of the command line, not parsed yet.
+struct Assignment {
+  std::string origin;  // "--set key=value"
+  std::string key;
+  std::string value;
+};
+
+std::size_t find_equals_sign(const std::string& text) {
+  char quote = '\0';
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (quote != '\0') {
+      if (text[i] == quote) quote = '\0';
+    } else if (text[i] == '"' || text[i] == '\'') {
+      quote = text[i];
+    } else if (text[i] == '=') {
+      return i;
+    }
+  }
+  return std::string::npos;
+}
+
+Assignment split(const std::string& text) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  const std::size_t equals = find_equals_sign(text);
+  if (equals == std::string::npos || std::any_of(text.begin(), text.end(), is_control)) {
+    throw InputError("must be one line of the form key=value");
+  }
+  return {std::string(kOverride) + text, text.substr(0, equals), text.substr(equals + 1)};
+}
+
+Path parse_key(const std::string& key) {
+  toml::table parsed;
+  try {
+    parsed = toml::parse(key + " = 0");
+  } catch (const toml::parse_error&) {
+    throw InputError(quoted(key) + " isn't a dotted key; quote names with other characters than " +
+                     "letters, digits, '_' and '-': method.\"NPDR (MAF)\".num_rounds=2");
+  }
+  Path path;
+  const toml::node* node = &parsed;
+  while (node->is_table()) {
+    const auto first = node->as_table()->begin();
+    path.emplace_back(first->first.str());
+    node = &first->second;
+  }
+  return path;
+}
+
+// A table that holds the value under the key "value": toml++ has no free-standing values.
+toml::table parse_value(const Assignment& assignment) {
+  const std::string_view origin = assignment.origin;
+  try {
+    return toml::parse("value = " + assignment.value, origin);
+  } catch (const toml::parse_error& error) {
+    const std::size_t begin = assignment.value.find_first_not_of(' ');
+    const bool bare = begin != std::string::npos &&
+                      std::string("[{\"'").find(assignment.value[begin]) == std::string::npos;
+    if (!bare) throw InputError(std::string(error.description()));
+    // JSON's escapes are TOML's.
+    return toml::parse("value = " + nlohmann::json(assignment.value.substr(begin)).dump(), origin);
+  }
+}
+
+// The source of keys that the command line adds.
+toml::source_region on_command_line(const Assignment& assignment) {
+  return {{}, {}, std::make_shared<const std::string>(assignment.origin)};
+}
+
+void assign(toml::table& table, std::span<const std::string> path, const Assignment& assignment);
+
+bool is_method(const toml::node& element, const std::string& name) {
+  const toml::table* method = element.as_table();
+  return method != nullptr && (*method)["name"].value_or(std::string()) == name;
+}
+
+// The first part of a longer path names a method or a table that every method has.
+void check_method_or_table(const toml::array& methods, const std::string& name) {
+  std::vector<std::string> known = method_tables();
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  for (const toml::node& m : methods) {
+    if (m.is_table()) known.push_back((*m.as_table())["name"].value_or(std::string()));
+  }
+  throw InputError(unknown_name("method or table of one", name, known));
+}
+
+// Every method, or the one that the path begins with.
+void assign_methods(toml::array& methods, std::span<const std::string> path,
+                    const Assignment& assignment) {
+  const auto named = [&](const toml::node& m) { return is_method(m, path.front()); };
+  const bool one = path.size() > 1 && std::any_of(methods.begin(), methods.end(), named);
+  if (path.size() > 1 && !one) check_method_or_table(methods, path.front());
+  for (toml::node& element : methods) {
+    if (!element.is_table()) throw InputError("'method' must be a list of tables, [[method]]");
+    if (one && !named(element)) continue;
+    assign(*element.as_table(), one ? path.subspan(1) : path, assignment);
+  }
+}
+
+void assign(toml::table& table, std::span<const std::string> path, const Assignment& assignment) {
+  if (path.size() == 1) {
+    toml::table parsed = parse_value(assignment);
+    toml::node& value = *parsed.get("value");
+    const toml::key key(path.front(), on_command_line(assignment));
+    table.insert_or_assign(key, std::move(value));
+    return;
+  }
+  toml::node* child = table.get(path.front());
+  if (child == nullptr) {
+    const toml::key key(path.front(), on_command_line(assignment));
+    child = &table.insert(key, toml::table{}).first->second;
+  }
+  if (child->is_array() && path.front() == "method") {
+    assign_methods(*child->as_array(), path.subspan(1), assignment);
+  } else if (child->is_table()) {
+    assign(*child->as_table(), path.subspan(1), assignment);
+  } else {
+    throw InputError("'" + path.front() + "' isn't a table, so nothing can be set in it");
+  }
+}
+
+void remove_rival(toml::table& document, const Path& path) {
+  toml::table* target = document["target"].as_table();
+  if (path.size() < 2 || path[0] != "target" || target == nullptr) return;
+  if (path[1] == "recording") {
+    target->erase("truth");
+    target->erase("seed");
+  }
+  if (path[1] == "truth") target->erase("recording");
+}
+
+}  // namespace
+
+toml::table parse_toml(std::string_view text, const std::string& origin) {
+  const auto dots = std::count(text.begin(), text.end(), '.');
+  if (dots > kMaxDots) {
+    throw InputError(origin + ": holds " + std::to_string(dots) +
+                     " dots, more than a study needs (" + std::to_string(kMaxDots) +
+                     "): not a study file");
+  }
+  try {
+    return toml::parse(text, std::string_view(origin));
+  } catch (const toml::parse_error& error) {
+    throw InputError(place_of(error.source(), origin).str() + ": " +
+                     std::string(error.description()));
+  }
+}
+
+void apply_override(toml::table& document, const std::string& assignment, Reading& reading) {
+  try {
+    const Assignment parts = split(assignment);
+    const Path path = parse_key(parts.key);
+    assign(document, path, parts);
+    remove_rival(document, path);
+  } catch (const InputError& error) {
+    reading.fail("", {std::string(kOverride) + assignment}, error.what());
+  }
+}
+
+Place place_of(const toml::source_region& source, const std::string& origin) {
+  const std::string where = source.path ? *source.path : origin;
+  if (!source.begin || where.starts_with(kOverride)) return {where};
+  return {where, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
+}
+
+bool is_override(const Place& place) { return place.origin.starts_with(kOverride); }
+
+}  // namespace npdr::pipeline

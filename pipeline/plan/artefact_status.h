@@ -1,0 +1,39 @@
+/// Where an artefact of a plan stands.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+enum class ArtefactState {
+  up_to_date,
+  stale,    ///< there is one of an earlier version of the study
+  partial,  ///< some shards, or a training checkpoint
+  missing,
+};
+
+struct ArtefactStatus {
+  ArtefactState state = ArtefactState::missing;
+  std::string detail;         ///< "3 of 10 shards", "checkpoint at epoch 34"; may be empty
+  std::uintmax_t bytes = 0;   ///< on disk, shards included
+  double wall_seconds = 0.0;  ///< it took, 0: not known
+  /// The artefact of an earlier version, when there is one.
+  std::optional<std::filesystem::path> earlier;
+};
+
+ArtefactStatus status_of(const Plan& plan, const Node& node);
+
+/// "up to date", "stale", "partial", "missing".
+std::string to_string(ArtefactState state);
+
+/// Why a node isn't up to date: one line for each key of its key document that differs from the
+/// earlier version's, or one line that says that there is none.
+std::vector<std::string> reasons(const Plan& plan, const Node& node);
+
+}  // namespace npdr::pipeline

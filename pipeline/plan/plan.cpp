@@ -1,0 +1,117 @@
+#include "pipeline/plan/plan.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "pipeline/config/study_json.h"
+#include "pipeline/plan/plan_builder.h"
+
+namespace npdr::pipeline {
+
+std::string to_string(Stage stage) {
+  switch (stage) {
+    case Stage::target:
+      return "target";
+    case Stage::propose:
+      return "propose";
+    case Stage::simulate:
+      return "simulate";
+    case Stage::infer:
+      return "infer";
+    case Stage::baseline:
+      return "baseline";
+    case Stage::evaluate:
+      return "evaluate";
+    case Stage::report:
+      return "report";
+  }
+  return "";
+}
+
+std::string program_of(Stage stage) {
+  switch (stage) {
+    case Stage::target:
+      return "npdr-propose";
+    case Stage::baseline:
+      return "npdr-evaluate";
+    default:
+      return "npdr-" + to_string(stage);
+  }
+}
+
+std::string Node::label() const {
+  const Use& use = uses.front();
+  std::string text = to_string(stage);
+  if (!use.method.empty()) text += " " + use.method + ", seed " + std::to_string(use.seed);
+  if (use.round > 0) text += ", round " + std::to_string(use.round);
+  return text;
+}
+
+const Node& Plan::node(Stage stage, const Use& use) const {
+  for (const Node& candidate : nodes) {
+    if (candidate.stage != stage) continue;
+    for (const Use& other : candidate.uses) {
+      if (other.method == use.method && other.seed == use.seed && other.round == use.round) {
+        return candidate;
+      }
+    }
+  }
+  throw InputError("this study has no artefact '" + to_string(stage) + "' for " + use.method +
+                   ", seed " + std::to_string(use.seed) + ", round " + std::to_string(use.round));
+}
+
+const Node& Plan::node_by_key(const std::string& key) const {
+  const Node* found = nullptr;
+  for (const Node& candidate : nodes) {
+    if (!candidate.key.starts_with(key)) continue;
+    if (found != nullptr) throw InputError("key '" + key + "' is ambiguous; give more digits");
+    found = &candidate;
+  }
+  if (found == nullptr) {
+    throw InputError("key '" + key +
+                     "' is not in the plan of this study; was the study or a --set changed?");
+  }
+  return *found;
+}
+
+std::vector<const Node*> Plan::inputs(const Node& node, Stage stage) const {
+  std::vector<const Node*> found;
+  for (const std::size_t i : node.needs) {
+    if (nodes[i].stage == stage) found.push_back(&nodes[i]);
+  }
+  return found;
+}
+
+Plan make_plan(Study study, const WorkFolder& work, const Selection& selection) {
+  return PlanBuilder(std::move(study), work, selection).build();
+}
+
+std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use) {
+  std::filesystem::path folder = plan.work.study(plan.study.name);
+  if (!use.method.empty()) {
+    folder = folder / folder_name(use.method) / ("seed-" + std::to_string(use.seed));
+  }
+  if (use.round > 0) folder /= "round-" + std::to_string(use.round);
+  return folder / (to_string(node.stage) + ".h5");
+}
+
+void link_uses(const Plan& plan, const Node& node) {
+  if (node.stage == Stage::report) return;
+  for (const Use& use : node.uses) make_link(node.path, link_of(plan, node, use));
+}
+
+std::vector<RowRange> shards(const Plan& plan, const Node& simulate) {
+  std::vector<RowRange> ranges;
+  const Index n = num_rows(plan, simulate);
+  const Index size = plan.study.simulate.shard_size;
+  for (Index begin = 0; begin < n; begin += size) {
+    ranges.push_back({begin, std::min(begin + size, n)});
+  }
+  return ranges;
+}
+
+Index num_rows(const Plan& plan, const Node& node) {
+  return plan.study.method(node.uses.front().method).algorithm.num_simulations;
+}
+
+}  // namespace npdr::pipeline

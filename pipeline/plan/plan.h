@@ -1,0 +1,88 @@
+/// The plan of a study: every artefact that it needs, with its key, in an order in which they can
+/// be made. Keys follow from the study and the keys of the inputs, so the whole plan is known
+/// before anything has run.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/target.h"
+#include "pipeline/config/study.h"
+#include "pipeline/plan/work_folder.h"
+#include "pipeline/store/artefact.h"
+
+namespace npdr::pipeline {
+
+enum class Stage { target, propose, simulate, infer, baseline, evaluate, report };
+
+/// "target", "propose", ...
+std::string to_string(Stage stage);
+
+/// The executable that makes a stage's artefacts: "npdr-simulate", ...
+std::string program_of(Stage stage);
+
+/// Who uses an artefact: methods that share prior, budget and seed share simulations.
+struct Use {
+  std::string method;  ///< "": the whole study
+  std::uint64_t seed = 0;
+  Index round = 0;  ///< counted from 1; 0: none
+};
+
+/// One artefact.
+struct Node {
+  Stage stage = Stage::target;
+  Identity identity;
+  std::string key;
+  std::filesystem::path path;
+  std::vector<Use> uses;           ///< at least one; the first made it part of the plan
+  std::vector<std::size_t> needs;  ///< positions in the plan, all before this one
+
+  /// What people call it: "simulate NPDR (MAF), seed 1, round 2".
+  std::string label() const;
+};
+
+/// Which part of a study is meant; empty: all.
+struct Selection {
+  std::vector<std::string> methods;
+  std::vector<std::uint64_t> seeds;
+  std::optional<Index> round;
+};
+
+struct Plan {
+  Study study;
+  WorkFolder work;
+  Target target;        ///< the recording; empty for a simulated truth
+  std::string command;  ///< that makes all of it, for people
+  std::vector<Node> nodes;
+
+  /// The node of a stage for one use. Throws InputError when there is none.
+  const Node& node(Stage stage, const Use& use) const;
+  /// The node whose key begins with `key`. Throws InputError when there is none or more than one.
+  const Node& node_by_key(const std::string& key) const;
+  /// The `i`-th of the inputs of `node` that `stage` makes, in the order of rounds.
+  std::vector<const Node*> inputs(const Node& node, Stage stage) const;
+};
+
+/// Plans `study`. Reads the recording, if there is one: its content is part of every key. Throws
+/// InputError for a bad recording or a selection that names what isn't there.
+Plan make_plan(Study study, const WorkFolder& work, const Selection& selection = {});
+
+/// The link of a use of `node` in the study's readable folder.
+std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use);
+
+/// Makes the links of all uses of a complete artefact.
+void link_uses(const Plan& plan, const Node& node);
+
+/// Rows [begin, end) of a simulation's shards.
+struct RowRange {
+  Index begin = 0;
+  Index end = 0;
+};
+std::vector<RowRange> shards(const Plan& plan, const Node& simulate);
+
+/// The simulations of a node's round.
+Index num_rows(const Plan& plan, const Node& node);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,206 @@
+#include "pipeline/plan/plan_builder.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "pipeline/config/study_json.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/store/recording.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json document(const Schema& schema) {
+  return {{"stage", schema.stage}, {"schema_version", schema.version}};
+}
+
+std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& key) {
+  if (stage == Stage::report) return plan.work.study(plan.study.name) / "report.json";
+  return plan.work.artefact(to_string(stage), key);
+}
+
+// The part of the simulator's settings that decides what a simulation holds.
+Json dynamics_json(const sim::SimulatorConfig& config) {
+  Json json = to_json(config);
+  json.erase("store_every");
+  return json;
+}
+
+}  // namespace
+
+PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& selection)
+    : plan_{std::move(study), work, {}, {}, {}}, selection_(selection) {
+  check_selection(selection);
+  study_json_ = to_json(plan_.study);
+}
+
+void PlanBuilder::check_selection(const Selection& selection) const {
+  for (const std::string& name : selection.methods) plan_.study.method(name);
+  for (const std::uint64_t seed : selection.seeds) {
+    const auto& known = plan_.study.seeds;
+    if (std::find(known.begin(), known.end(), seed) == known.end()) {
+      throw InputError("seed " + std::to_string(seed) + " is not among study.seeds of this study");
+    }
+  }
+}
+
+Plan PlanBuilder::build() {
+  const std::size_t target = add_target();
+  std::vector<std::size_t> evaluations;
+  const auto selected = [](const auto& wanted, const auto& value) {
+    return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
+  };
+  for (const std::uint64_t seed : plan_.study.seeds) {
+    if (!selected(selection_.seeds, seed)) continue;
+    for (const MethodConfig& method : plan_.study.methods) {
+      if (!selected(selection_.methods, method.name)) continue;
+      const auto added = add_experiment(method, seed, target);
+      evaluations.insert(evaluations.end(), added.begin(), added.end());
+    }
+  }
+  add_report(add_baseline(target), evaluations);
+  return std::move(plan_);
+}
+
+std::size_t PlanBuilder::add_target() {
+  const Study& study = plan_.study;
+  Json json = document(kTargetSchema);
+  if (study.target.recording) {
+    const auto simulator = sim::make_simulator(study.simulator);
+    plan_.target = read_recording(
+        *study.target.recording,
+        Channels{simulator->info().state_channels, simulator->info().action_channels});
+    if (study.target.num_rollouts > 0) {
+      plan_.target = plan_.target.first(study.target.num_rollouts);
+    }
+    json["content"] = content_hash(plan_.target);
+  } else {
+    json["simulator"] = dynamics_json(study.simulator);
+    json["truth"] = *study.target.truth;
+    json["num_rollouts"] = study.target.num_rollouts;
+    json["seed"] = study.target.seed;
+  }
+  return add(Stage::target, json, {}, {});
+}
+
+std::size_t PlanBuilder::add_baseline(std::size_t target) {
+  Json json = document(kBaselineSchema);
+  json["simulator"] = dynamics_json(plan_.study.simulator);
+  json["prior"] = to_json(plan_.study.prior);
+  json["metrics"] = plan_.study.evaluate.metrics;
+  json["floor"] = plan_.study.evaluate.floor;
+  return add(Stage::baseline, json, {}, {{"target", target}});
+}
+
+std::vector<std::size_t> PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
+                                                     std::size_t target) {
+  std::vector<std::size_t> simulations, posteriors, evaluations;
+  for (Index round = 1; round <= method.algorithm.num_rounds; ++round) {
+    const Use use{method.name, seed, round};
+    const auto previous =
+        posteriors.empty() ? std::nullopt : std::optional<std::size_t>(posteriors.back());
+    const std::size_t proposal = add_proposal(method, use, previous);
+    simulations.push_back(add_simulation(method, use, target, proposal));
+    posteriors.push_back(add_inference(method, use, target, simulations, posteriors));
+    const bool is_last = round == method.algorithm.num_rounds;
+    if (is_last || plan_.study.evaluate.rounds == "all") {
+      evaluations.push_back(add_evaluation(use, target, posteriors.back()));
+    }
+  }
+  return evaluations;
+}
+
+std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use,
+                                      std::optional<std::size_t> posterior) {
+  Json json = document(kProposalSchema);
+  json["num_simulations"] = method.algorithm.num_simulations;
+  json["seed"] = use.seed;
+  json["round"] = use.round;
+  if (!posterior) {
+    json["prior"] = to_json(plan_.study.prior);
+    return add(Stage::propose, json, use, {});
+  }
+  return add(Stage::propose, json, use, {{"posterior", *posterior}});
+}
+
+std::size_t PlanBuilder::add_simulation(const MethodConfig& method, const Use& use,
+                                        std::size_t target, std::size_t proposal) {
+  Json json = document(kSimulationSchema);
+  json["simulator"] = to_json(plan_.study.simulator);
+  json["num_rollouts"] = method.num_rollouts;
+  return add(Stage::simulate, json, use, {{"target", target}, {"proposal", proposal}});
+}
+
+std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& use,
+                                       std::size_t target,
+                                       const std::vector<std::size_t>& simulations,
+                                       const std::vector<std::size_t>& posteriors) {
+  Json json = document(kPosteriorSchema);
+  const Json all = to_json(method);
+  // What names the method, its figures in a paper or its number of rounds changes no posterior.
+  for (const auto& [key, value] : all.items()) {
+    if (key != "name" && key != "published" && key != "num_rounds" && key != "num_simulations") {
+      json[key] = value;
+    }
+  }
+  json["observation_noise"] = to_json(plan_.study.observation_noise);
+  json["max_failed_fraction"] = plan_.study.limits.max_failed_fraction;
+  json["seed"] = use.seed;
+  json["round"] = use.round;
+  std::vector<std::pair<std::string, std::size_t>> inputs = {{"target", target}};
+  for (std::size_t r = 0; r < simulations.size(); ++r) {
+    inputs.emplace_back("simulation_" + std::to_string(r + 1), simulations[r]);
+  }
+  for (std::size_t r = 0; r < posteriors.size(); ++r) {
+    inputs.emplace_back("posterior_" + std::to_string(r + 1), posteriors[r]);
+  }
+  return add(Stage::infer, json, use, inputs);
+}
+
+std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std::size_t posterior) {
+  Json json = document(kEvaluationSchema);
+  json["simulator"] = dynamics_json(plan_.study.simulator);
+  json["num_samples"] = plan_.study.evaluate.num_samples;
+  json["metrics"] = plan_.study.evaluate.metrics;
+  if (plan_.study.target.truth) json["truth"] = *plan_.study.target.truth;
+  json["seed"] = use.seed;
+  return add(Stage::evaluate, json, use, {{"target", target}, {"posterior", posterior}});
+}
+
+void PlanBuilder::add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations) {
+  Json json = document(kReportSchema);
+  json["study"] = study_json_;
+  std::vector<std::pair<std::string, std::size_t>> inputs = {{"baseline", baseline}};
+  for (std::size_t i = 0; i < evaluations.size(); ++i) {
+    inputs.emplace_back("evaluation_" + std::to_string(i + 1), evaluations[i]);
+  }
+  add(Stage::report, json, {}, inputs);
+}
+
+std::size_t PlanBuilder::add(Stage stage, Json document, const Use& use,
+                             const std::vector<std::pair<std::string, std::size_t>>& inputs) {
+  Node node;
+  node.stage = stage;
+  for (const auto& [name, index] : inputs) {
+    node.identity.inputs[name] = plan_.nodes[index].key;
+    node.needs.push_back(index);
+  }
+  document["inputs"] = node.identity.inputs;
+  node.identity.key_document = std::move(document);
+  node.identity.study = study_json_;
+  node.identity.seed = use.seed;
+  node.key = node.identity.key();
+  if (const auto known = by_key_.find(node.key); known != by_key_.end()) {
+    plan_.nodes[known->second].uses.push_back(use);
+    return known->second;
+  }
+  node.path = path_of(plan_, stage, node.key);
+  node.uses = {use};
+  by_key_[node.key] = plan_.nodes.size();
+  plan_.nodes.push_back(std::move(node));
+  return plan_.nodes.size() - 1;
+}
+
+}  // namespace npdr::pipeline

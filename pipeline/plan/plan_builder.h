@@ -1,0 +1,42 @@
+/// Builds a plan: what each artefact's key is made of. Private to pipeline/plan.
+#pragma once
+
+#include <map>
+
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+class PlanBuilder {
+ public:
+  PlanBuilder(Study study, const WorkFolder& work, const Selection& selection);
+  Plan build();
+
+ private:
+  void check_selection(const Selection& selection) const;
+  std::size_t add_target();
+  std::size_t add_baseline(std::size_t target);
+  /// All rounds of one method and seed; returns its evaluations.
+  std::vector<std::size_t> add_experiment(const MethodConfig& method, std::uint64_t seed,
+                                          std::size_t target);
+  std::size_t add_proposal(const MethodConfig& method, const Use& use,
+                           std::optional<std::size_t> posterior);
+  std::size_t add_simulation(const MethodConfig& method, const Use& use, std::size_t target,
+                             std::size_t proposal);
+  std::size_t add_inference(const MethodConfig& method, const Use& use, std::size_t target,
+                            const std::vector<std::size_t>& simulations,
+                            const std::vector<std::size_t>& posteriors);
+  std::size_t add_evaluation(const Use& use, std::size_t target, std::size_t posterior);
+  void add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations);
+
+  /// Adds a node, or another use to the node that has the same key.
+  std::size_t add(Stage stage, nlohmann::ordered_json document, const Use& use,
+                  const std::vector<std::pair<std::string, std::size_t>>& inputs);
+
+  Plan plan_;
+  Selection selection_;
+  nlohmann::ordered_json study_json_;
+  std::map<std::string, std::size_t> by_key_;
+};
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,19 @@
+/// The schema of each stage's artefact. A version is raised whenever what a stage computes or
+/// stores changes its meaning; it is part of every key, so older artefacts are simply made anew.
+#pragma once
+
+#include "pipeline/store/artefact.h"
+
+namespace npdr::pipeline {
+
+inline const Schema kTargetSchema{"target", 1, "target"};
+inline const Schema kProposalSchema{"proposal", 1, "propose"};
+inline const Schema kSimulationShardSchema{"simulation_shard", 1, "simulate"};
+inline const Schema kSimulationSchema{"simulation", 1, "simulate"};
+inline const Schema kPosteriorSchema{"posterior", 1, "infer"};
+inline const Schema kCheckpointSchema{"training_checkpoint", 1, "infer"};
+inline const Schema kBaselineSchema{"baseline", 1, "baseline"};
+inline const Schema kEvaluationSchema{"evaluation", 1, "evaluate"};
+inline const Schema kReportSchema{"report", 1, "report"};
+
+}  // namespace npdr::pipeline

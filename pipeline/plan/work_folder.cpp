@@ -1,0 +1,54 @@
+#include "pipeline/plan/work_folder.h"
+
+#include <unistd.h>
+
+#include <cctype>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace npdr::pipeline {
+
+namespace fs = std::filesystem;
+
+fs::path WorkFolder::artefact(const std::string& stage, const std::string& key) const {
+  return root_ / ".cache" / stage / (key + ".h5");
+}
+
+fs::path WorkFolder::checkpoint(const std::string& stage, const std::string& key) const {
+  return root_ / ".cache" / stage / (key + ".checkpoint.h5");
+}
+
+fs::path WorkFolder::shard(const std::string& key, Index begin, Index end) const {
+  const std::string name = "rows-" + std::to_string(begin) + "-" + std::to_string(end) + ".h5";
+  return root_ / ".cache" / "simulate" / key / name;
+}
+
+std::string folder_name(const std::string& name) {
+  std::string folder;
+  for (const char c : name) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (std::isalnum(letter)) {
+      folder += static_cast<char>(std::tolower(letter));
+    } else if (!folder.empty() && folder.back() != '-') {
+      folder += '-';
+    }
+  }
+  while (!folder.empty() && folder.back() == '-') folder.pop_back();
+  return folder.empty() ? "unnamed" : folder;
+}
+
+void make_link(const fs::path& target, const fs::path& link) {
+  std::error_code error;
+  fs::create_directories(link.parent_path(), error);
+  const fs::path relative = fs::relative(target, link.parent_path(), error);
+  if (fs::is_symlink(link) && fs::read_symlink(link, error) == relative) return;
+  // A link is renamed into place, so that it never points to nothing.
+  const fs::path temporary = link.string() + "." + std::to_string(getpid()) + ".tmp";
+  fs::remove(temporary, error);
+  fs::create_symlink(relative, temporary, error);
+  if (!error) fs::rename(temporary, link, error);
+  if (error) throw Error(link.string() + ": can't make this link: " + error.message());
+}
+
+}  // namespace npdr::pipeline

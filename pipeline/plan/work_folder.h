@@ -1,0 +1,40 @@
+/// Where things lie: the cache of artefacts, and the readable folder of a study.
+///
+///   <work>/.cache/<stage>/<key>.h5             artefacts
+///   <work>/.cache/simulate/<key>/              shards of a simulation
+///   <work>/<study>/<method>/seed-1/round-1/    links to the artefacts, by what they are
+///   <work>/<study>/                            tables, figures, logs, report.html
+/// The file tree is the only state: there is no database, controller or lock.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/types.h"
+
+namespace npdr::pipeline {
+
+class WorkFolder {
+ public:
+  /// `root` as the user gave it, such as "runs".
+  explicit WorkFolder(std::filesystem::path root) : root_(std::move(root)) {}
+
+  const std::filesystem::path& root() const { return root_; }
+  std::filesystem::path artefact(const std::string& stage, const std::string& key) const;
+  /// What an interrupted stage goes on from.
+  std::filesystem::path checkpoint(const std::string& stage, const std::string& key) const;
+  /// Rows begin, ..., end - 1 of the simulation `key`.
+  std::filesystem::path shard(const std::string& key, Index begin, Index end) const;
+  std::filesystem::path study(const std::string& name) const { return root_ / name; }
+
+ private:
+  std::filesystem::path root_;
+};
+
+/// A name as a folder: lower case letters, digits and '-': "NPDR (MAF)" is "npdr-maf".
+std::string folder_name(const std::string& name);
+
+/// Makes or renews the relative link `link` to `target`. Throws Error.
+void make_link(const std::filesystem::path& target, const std::filesystem::path& link);
+
+}  // namespace npdr::pipeline

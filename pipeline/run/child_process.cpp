@@ -1,0 +1,124 @@
+#include "pipeline/run/child_process.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <sstream>
+#include <utility>
+
+#include "core/error.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr int kChildDescriptor = 3;
+
+// The parent's environment with the two variables that a child gets.
+std::vector<std::string> child_environment(int threads) {
+  std::vector<std::string> variables;
+  for (char** v = environ; *v != nullptr; ++v) {
+    const std::string variable = *v;
+    if (!variable.starts_with("OMP_NUM_THREADS=") && !variable.starts_with("NPDR_PROGRESS_FD=")) {
+      variables.push_back(variable);
+    }
+  }
+  variables.push_back("OMP_NUM_THREADS=" + std::to_string(threads));
+  variables.push_back("NPDR_PROGRESS_FD=" + std::to_string(kChildDescriptor));
+  return variables;
+}
+
+std::vector<char*> pointers(std::vector<std::string>& texts) {
+  std::vector<char*> result;
+  for (std::string& text : texts) result.push_back(text.data());
+  result.push_back(nullptr);
+  return result;
+}
+
+}  // namespace
+
+ChildProcess::ChildProcess(const std::vector<std::string>& command, int threads,
+                           const std::filesystem::path& log) {
+  std::array<int, 2> ends;
+  if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) {
+    throw Error(std::string("can't make a pipe: ") + std::strerror(errno));
+  }
+  pipe_ = ends[0];
+  std::filesystem::create_directories(log.parent_path());
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
+                                   O_WRONLY | O_CREAT | O_APPEND, 0644);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], kChildDescriptor);
+  std::vector<std::string> arguments = command;
+  std::vector<std::string> environment = child_environment(threads);
+  const int error = posix_spawn(&pid_, command.front().c_str(), &actions, nullptr,
+                                pointers(arguments).data(), pointers(environment).data());
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  if (error != 0) {
+    throw Error(command.front() + ": can't be started: " + std::strerror(error));
+  }
+}
+
+ChildProcess::~ChildProcess() {
+  if (pipe_ >= 0) close(pipe_);
+}
+
+ChildProcess::ChildProcess(ChildProcess&& other) noexcept
+    : pid_(std::exchange(other.pid_, -1)),
+      pipe_(std::exchange(other.pipe_, -1)),
+      exit_status_(other.exit_status_),
+      buffer_(std::move(other.buffer_)),
+      state_(std::move(other.state_)) {}
+
+void ChildProcess::read_progress() {
+  std::array<char, 4096> chunk;
+  for (;;) {
+    const ssize_t count = read(pipe_, chunk.data(), chunk.size());
+    if (count <= 0) break;
+    buffer_.append(chunk.data(), static_cast<std::size_t>(count));
+  }
+  std::size_t end = 0;
+  while ((end = buffer_.find('\n')) != std::string::npos) {
+    parse(buffer_.substr(0, end));
+    buffer_.erase(0, end + 1);
+  }
+}
+
+void ChildProcess::parse(const std::string& line) {
+  std::istringstream words(line);
+  State state;
+  if (!(words >> state.done >> state.total)) return;
+  std::getline(words >> std::ws, state.note);
+  state_ = state;
+}
+
+void ChildProcess::send_signal(int signal) const {
+  if (pid_ > 0) kill(pid_, signal);
+}
+
+bool ChildProcess::has_ended() {
+  if (pid_ < 0) return true;
+  int status = 0;
+  if (waitpid(pid_, &status, WNOHANG) != pid_) return false;
+  exit_status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  pid_ = -1;
+  return true;
+}
+
+std::filesystem::path executable_folder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+}
+
+void stop_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM); }
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,59 @@
+/// Child processes of `npdr run`: one stage executable each, with progress through a pipe.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+
+namespace npdr::pipeline {
+
+/// A running child. Not copyable: it owns a pipe.
+class ChildProcess {
+ public:
+  /// Starts `command` (a path and its arguments) on `threads` OpenMP threads; its output is
+  /// appended to `log`. Throws Error when it can't be started.
+  ChildProcess(const std::vector<std::string>& command, int threads,
+               const std::filesystem::path& log);
+  ~ChildProcess();
+  ChildProcess(ChildProcess&& other) noexcept;
+  ChildProcess& operator=(ChildProcess&&) = delete;
+
+  /// What the child last said of its progress.
+  struct State {
+    Index done = 0;
+    Index total = 0;
+    std::string note;
+  };
+
+  int progress_descriptor() const { return pipe_; }
+  /// Takes in what has come through the pipe.
+  void read_progress();
+  const State& state() const { return state_; }
+
+  void send_signal(int signal) const;
+
+  /// True once the child has ended; then exit_status() is its status, or 128 + the signal.
+  bool has_ended();
+  int exit_status() const { return exit_status_; }
+
+ private:
+  void parse(const std::string& line);
+
+  pid_t pid_ = -1;
+  int pipe_ = -1;
+  int exit_status_ = 0;
+  std::string buffer_;
+  State state_;
+};
+
+/// The folder of the running executable: the stage executables lie beside it.
+std::filesystem::path executable_folder();
+
+/// In a child: ask to be stopped when the parent dies.
+void stop_with_parent();
+
+}  // namespace npdr::pipeline

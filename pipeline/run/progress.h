@@ -1,0 +1,43 @@
+/// Progress of long work: a live line on a terminal, a plain line a minute elsewhere.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "core/types.h"
+
+namespace npdr::pipeline {
+
+/// "simulate NPDR (MAF), seed 1, round 2: 400/1000 [00:03<00:05, 120/s]" on stderr. Where a parent
+/// process shows the progress of many (environment variable NPDR_PROGRESS_FD), the counts go there
+/// instead. Not thread-safe.
+class Progress {
+ public:
+  /// total = 0: not known beforehand (training that stops by itself).
+  Progress(std::string label, Index total);
+  /// Ends the live line.
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void update(Index done, const std::string& note = "");
+
+ private:
+  void show(Index done, const std::string& note);
+
+  std::string label_;
+  Index total_;
+  int parent_;  ///< file descriptor, -1: none
+  bool terminal_;
+  bool line_open_ = false;
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point shown_;
+};
+
+/// "400/1000 [00:03<00:05, 120/s]"; without a total "400 [00:03, 120/s]".
+std::string progress_text(Index done, Index total, double seconds);
+
+/// "03:25", "1:02:03".
+std::string clock_text(double seconds);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,208 @@
+#include "pipeline/run/scheduler.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <deque>
+#include <fstream>
+
+#include "pipeline/run/progress.h"
+#include "pipeline/run/stop_request.h"
+#include "pipeline/stages/stages.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+bool uses_threads(Stage stage) {
+  return stage == Stage::simulate || stage == Stage::evaluate || stage == Stage::baseline;
+}
+
+void print_tail(const std::string& path) {
+  constexpr std::size_t num_lines = 10;
+  std::ifstream file(path);
+  std::deque<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    lines.push_back(line);
+    if (lines.size() > num_lines) lines.pop_front();
+  }
+  for (const std::string& line : lines) fmt::print(stderr, "    {}\n", line);
+}
+
+}  // namespace
+
+std::vector<std::string> stage_command(const SchedulerConfig& config, const Node& node) {
+  std::vector<std::string> command = {executable_folder() / program_of(node.stage)};
+  command.insert(command.end(), config.study_words.begin(), config.study_words.end());
+  command.insert(command.end(), {"--artefact", node.key});
+  return command;
+}
+
+std::vector<const Node*> missing_nodes(const Plan& plan, std::optional<Stage> until) {
+  std::vector<const Node*> missing;
+  std::vector<bool> is_reachable;  // complete, or made before `until` ends
+  for (const Node& node : plan.nodes) {
+    const bool is_there = is_complete(plan, node);
+    const bool can_be_made = (!until || node.stage <= *until) &&
+                             std::all_of(node.needs.begin(), node.needs.end(),
+                                         [&](std::size_t need) { return is_reachable[need]; });
+    is_reachable.push_back(is_there || can_be_made);
+    if (!is_there && can_be_made) missing.push_back(&node);
+  }
+  return missing;
+}
+
+Scheduler::Scheduler(const Plan& plan, SchedulerConfig config)
+    : plan_(plan),
+      config_(std::move(config)),
+      states_(plan.nodes.size(), State::done),
+      free_slots_(config_.num_jobs),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      start_(Clock::now()),
+      shown_(start_) {
+  for (const Node* node : missing_nodes(plan, config_.until)) {
+    states_[static_cast<std::size_t>(node - plan.nodes.data())] = State::waiting;
+    ++num_missing_;
+  }
+  for (const Node& node : plan.nodes) {
+    if (is_complete(plan, node)) link_uses(plan, node);
+  }
+}
+
+ExitStatus Scheduler::run() {
+  for (;;) {
+    if (stop_requested() && !stopping_) pass_on_stop_request();
+    if (!stopping_) start_ready_jobs();
+    if (jobs_.empty()) break;
+    wait_for_news();
+    collect_ended_jobs();
+    show_progress(false);
+  }
+  if (num_missing_ > 0) show_progress(true);
+  if (stopping_ && num_made_ < num_missing_ && status_ == ExitStatus::done) {
+    status_ = ExitStatus::checkpointed;
+  }
+  return status_;
+}
+
+bool Scheduler::is_ready(std::size_t node) const {
+  if (states_[node] != State::waiting) return false;
+  const auto& needs = plan_.nodes[node].needs;
+  return std::all_of(needs.begin(), needs.end(),
+                     [&](std::size_t need) { return states_[need] == State::done; });
+}
+
+void Scheduler::start_ready_jobs() {
+  std::vector<std::size_t> ready;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    if (is_ready(i)) ready.push_back(i);
+  }
+  for (std::size_t r = 0; r < ready.size() && free_slots_ > 0; ++r) {
+    const int share = std::max(1, free_slots_ / static_cast<int>(ready.size() - r));
+    start(ready[r], uses_threads(plan_.nodes[ready[r]].stage) ? share : 1);
+  }
+}
+
+void Scheduler::start(std::size_t index, int threads) {
+  const Node& node = plan_.nodes[index];
+  jobs_.push_back({index, threads,
+                   ChildProcess(stage_command(config_, node), threads, log_path(node)),
+                   Clock::now()});
+  states_[index] = State::running;
+  free_slots_ -= threads;
+}
+
+void Scheduler::wait_for_news() {
+  constexpr int milliseconds = 20;
+  std::vector<pollfd> descriptors;
+  for (const Job& job : jobs_)
+    descriptors.push_back({job.process.progress_descriptor(), POLLIN, 0});
+  poll(descriptors.data(), descriptors.size(), milliseconds);
+  for (Job& job : jobs_) job.process.read_progress();
+  // A closed pipe is always ready: the process is about to end.
+  if (std::any_of(descriptors.begin(), descriptors.end(),
+                  [](const pollfd& d) { return (d.revents & POLLHUP) != 0; })) {
+    usleep(1000);
+  }
+}
+
+void Scheduler::collect_ended_jobs() {
+  for (auto job = jobs_.begin(); job != jobs_.end();) {
+    if (!job->process.has_ended()) {
+      ++job;
+      continue;
+    }
+    end_of(*job);
+    free_slots_ += job->threads;
+    job = jobs_.erase(job);
+  }
+}
+
+void Scheduler::end_of(const Job& job) {
+  const Node& node = plan_.nodes[job.node];
+  const int status = job.process.exit_status();
+  if (status == 0 && is_complete(plan_, node)) {
+    states_[job.node] = State::done;
+    ++num_made_;
+    return;
+  }
+  states_[job.node] = State::failed;
+  // A child that was told to stop before it could listen has done nothing yet.
+  const bool was_terminated = stopping_ && status == 128 + SIGTERM;
+  if (status == static_cast<int>(ExitStatus::checkpointed) || was_terminated) {
+    stopping_ = true;
+    return;
+  }
+  const bool is_known = status == 2 || status == 3;
+  if (status_ == ExitStatus::done) {
+    status_ = is_known ? static_cast<ExitStatus>(status) : ExitStatus::failed;
+  }
+  const std::string reason = status > 128 ? fmt::format("killed by signal {}", status - 128)
+                                          : fmt::format("exit status {}", status);
+  fmt::print(stderr, "{}npdr: {} failed ({}); the end of {}:\n", terminal_ ? "\r\033[K" : "",
+             node.label(), reason, log_path(node));
+  print_tail(log_path(node));
+}
+
+void Scheduler::pass_on_stop_request() {
+  stopping_ = true;
+  fmt::print(stderr, "{}npdr: stopping; work in progress is saved\n", terminal_ ? "\r\033[K" : "");
+  for (const Job& job : jobs_) job.process.send_signal(SIGTERM);
+}
+
+void Scheduler::show_progress(bool force) {
+  const double wait = terminal_ ? 0.2 : 60.0;
+  if (!force && seconds_since(shown_) < wait) return;
+  shown_ = Clock::now();
+  std::string text = plan_.study.name + ": " +
+                     progress_text(static_cast<Index>(num_made_), static_cast<Index>(num_missing_),
+                                   seconds_since(start_));
+  for (const Job& job : jobs_) {
+    const ChildProcess::State& state = job.process.state();
+    text += " | " + plan_.nodes[job.node].label();
+    if (state.total > 0) text += fmt::format(" {}/{}", state.done, state.total);
+    if (state.total == 0 && state.done > 0) text += fmt::format(" {}", state.done);
+    if (!state.note.empty()) text += " " + state.note;
+  }
+  if (terminal_ && !force) {
+    constexpr std::size_t width = 160;
+    fmt::print(stderr, "\r\033[K{}", text.substr(0, width));
+  } else {
+    fmt::print(stderr, "{}{}\n", terminal_ ? "\r\033[K" : "", text);
+  }
+  std::fflush(stderr);
+}
+
+std::string Scheduler::log_path(const Node& node) const {
+  return plan_.work.study(plan_.study.name) / "logs" / (folder_name(node.label()) + ".log");
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,71 @@
+/// Brings the artefacts of a plan up to date: starts what is ready, as child processes, a few at a
+/// time.
+#pragma once
+
+#include <chrono>
+#include <list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "pipeline/plan/plan.h"
+#include "pipeline/run/child_process.h"
+
+namespace npdr::pipeline {
+
+struct SchedulerConfig {
+  int num_jobs = 1;                      ///< cores to keep busy
+  std::optional<Stage> until;            ///< the last stage to run; empty: all
+  std::vector<std::string> study_words;  ///< words that name the study to a stage: file, --set, ...
+};
+
+/// The command that makes one artefact.
+std::vector<std::string> stage_command(const SchedulerConfig& config, const Node& node);
+
+/// The nodes that aren't complete and are needed for what is selected, in an order that works.
+std::vector<const Node*> missing_nodes(const Plan& plan, std::optional<Stage> until);
+
+class Scheduler {
+ public:
+  Scheduler(const Plan& plan, SchedulerConfig config);
+
+  /// Runs until all is done, something failed, or a stop was requested. Failures are printed with
+  /// the end of their log; what doesn't depend on them is finished first. Returns the status that
+  /// the program should leave with.
+  ExitStatus run();
+
+ private:
+  enum class State { waiting, running, done, failed };
+  struct Job {
+    std::size_t node;
+    int threads;
+    ChildProcess process;
+    std::chrono::steady_clock::time_point start;
+  };
+
+  bool is_ready(std::size_t node) const;
+  void start_ready_jobs();
+  void start(std::size_t node, int threads);
+  void wait_for_news();
+  void collect_ended_jobs();
+  void end_of(const Job& job);
+  void pass_on_stop_request();
+  void show_progress(bool force);
+  std::string log_path(const Node& node) const;
+
+  const Plan& plan_;
+  SchedulerConfig config_;
+  std::vector<State> states_;
+  std::list<Job> jobs_;
+  int free_slots_;
+  std::size_t num_missing_ = 0;
+  std::size_t num_made_ = 0;
+  ExitStatus status_ = ExitStatus::done;
+  bool stopping_ = false;
+  bool terminal_;
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point shown_;
+};
+
+}  // namespace npdr::pipeline

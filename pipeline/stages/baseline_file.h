@@ -1,0 +1,25 @@
+/// Baseline artefacts: what single parameter vectors reach, to compare posteriors with.
+///
+///   name   (n) texts: "nominal", and "floor" (the smallest RMSE in the prior) or "truth"
+///   theta  (n, D) float64
+///   one dataset (n) per metric: "rmse", "dtw"
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+struct BaselinePoint {
+  std::string name;
+  Vector theta;                           ///< (D)
+  std::map<std::string, double> metrics;  ///< NaN when the rollout failed
+};
+
+void write_baseline(h5::File& file, const Plan& plan, const std::vector<BaselinePoint>& points);
+std::vector<BaselinePoint> read_baseline(const Node& node);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,79 @@
+#include "pipeline/stages/evaluation_file.h"
+
+#include "pipeline/plan/schemas.h"
+#include "pipeline/stages/stage_files.h"
+
+namespace npdr::pipeline {
+namespace {
+
+void write_band(h5::Group& group, const std::string& name, const std::vector<RowMatrix>& band) {
+  const RowMatrix& first = band.front();
+  const auto num_rollouts = static_cast<Index>(band.size());
+  h5::Dataset dataset =
+      group.create_dataset(name, h5::ElementType::f32, {num_rollouts, first.rows(), first.cols()});
+  for (Index h = 0; h < num_rollouts; ++h) {
+    const RowMatrixF values = band[static_cast<std::size_t>(h)].cast<float>();
+    dataset.write_rows<float>(h, 1, {values.data(), static_cast<std::size_t>(values.size())});
+  }
+}
+
+std::vector<RowMatrix> read_band(const h5::Group& group, const std::string& name) {
+  const h5::Dataset dataset = group.dataset(name);
+  dataset.require_shape({-1, -1, -1});
+  std::vector<RowMatrix> band;
+  RowMatrixF values(dataset.shape()[1], dataset.shape()[2]);
+  for (Index h = 0; h < dataset.num_rows(); ++h) {
+    dataset.read_rows<float>(h, 1, {values.data(), static_cast<std::size_t>(values.size())});
+    band.push_back(values.cast<double>());
+  }
+  return band;
+}
+
+}  // namespace
+
+void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evaluation) {
+  write_theta(file, plan, evaluation.theta);
+  file.write("log_prob", evaluation.log_prob);
+  for (const auto& [metric, values] : evaluation.metrics) file.write(metric, values);
+  file.write_scalar("nominal_log_prob", evaluation.nominal_log_prob);
+  if (evaluation.truth_log_prob) file.write_scalar("truth_log_prob", *evaluation.truth_log_prob);
+  h5::Group map = file.create_group("map");
+  map.write("theta", evaluation.map_theta);
+  map.write_scalar("log_prob", evaluation.map_log_prob);
+  for (const auto& [metric, value] : evaluation.map_metrics) map.write_scalar(metric, value);
+  h5::Group bands = file.create_group("bands");
+  bands.set_attribute("coverage", evaluation.bands.coverage);
+  bands.set_attribute("num_samples", evaluation.bands.num_samples);
+  write_band(bands, "lower", evaluation.bands.lower);
+  write_band(bands, "median", evaluation.bands.median);
+  write_band(bands, "upper", evaluation.bands.upper);
+}
+
+Evaluation read_evaluation(const Node& node) {
+  const h5::File file = open_artefact(node.path, kEvaluationSchema, node.key);
+  Evaluation evaluation;
+  evaluation.theta = file.read_matrix<double>("theta");
+  const Index n = evaluation.theta.rows();
+  evaluation.log_prob = file.read_vector<double>("log_prob", n);
+  evaluation.nominal_log_prob = file.read_scalar<double>("nominal_log_prob");
+  if (file.has("truth_log_prob")) {
+    evaluation.truth_log_prob = file.read_scalar<double>("truth_log_prob");
+  }
+  const h5::Group map = file.group("map");
+  evaluation.map_theta = map.read_vector<double>("theta", evaluation.theta.cols());
+  evaluation.map_log_prob = map.read_scalar<double>("log_prob");
+  for (const std::string& metric : metric_names()) {
+    if (!file.has(metric)) continue;
+    evaluation.metrics[metric] = file.read_vector<double>(metric, n);
+    evaluation.map_metrics[metric] = map.read_scalar<double>(metric);
+  }
+  const h5::Group bands = file.group("bands");
+  evaluation.bands.coverage = bands.attribute<double>("coverage");
+  evaluation.bands.num_samples = bands.attribute<Index>("num_samples");
+  evaluation.bands.lower = read_band(bands, "lower");
+  evaluation.bands.median = read_band(bands, "median");
+  evaluation.bands.upper = read_band(bands, "upper");
+  return evaluation;
+}
+
+}  // namespace npdr::pipeline

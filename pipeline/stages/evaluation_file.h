@@ -1,0 +1,35 @@
+/// Evaluation artefacts: posterior samples, their densities and how well they predict.
+///
+///   theta     (n, D) float64: posterior samples
+///   log_prob  (n): their posterior density, nats
+///   one dataset (n) per metric: "rmse", "dtw"; NaN where the rollouts failed
+///   map/theta (D), map/log_prob and one number per metric: the most likely parameters
+///   nominal_log_prob, and truth_log_prob for a simulated target
+///   bands/lower, bands/median, bands/upper (H, T, C) float32: 5, 50, 95 % of the rollouts
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "analysis/quantiles.h"
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+struct Evaluation {
+  RowMatrix theta;                        ///< (n, D)
+  Vector log_prob;                        ///< (n)
+  std::map<std::string, Vector> metrics;  ///< (n) each
+  Vector map_theta;                       ///< (D)
+  double map_log_prob = 0.0;
+  std::map<std::string, double> map_metrics;
+  double nominal_log_prob = 0.0;
+  std::optional<double> truth_log_prob;
+  analysis::Bands bands;
+};
+
+void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evaluation);
+Evaluation read_evaluation(const Node& node);
+
+}  // namespace npdr::pipeline

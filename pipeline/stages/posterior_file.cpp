@@ -1,0 +1,131 @@
+#include "pipeline/stages/posterior_file.h"
+
+#include "core/error.h"
+#include "pipeline/config/study_json.h"
+#include "pipeline/plan/schemas.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr h5::Storage kPlain{.chunked = true, .deflate = 1, .rows_per_chunk = 0};
+
+Vector to_vector(const std::vector<double>& values) {
+  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
+}
+
+std::vector<double> to_list(const Vector& values) { return {values.begin(), values.end()}; }
+
+template <class Config>
+Config read_config(const h5::File& file, const std::string& name) {
+  const std::string where = file.where() + ": attribute '" + name + "'";
+  return from_json<Config>(parse_json(file.attribute<std::string>(name), where), where);
+}
+
+}  // namespace
+
+inference::PosteriorEstimationConfig estimation_config(const MethodConfig& method) {
+  const bool is_linear = method.embedding.kind == "linear";
+  return {.algorithm = method.algorithm,
+          .estimator = method.density_estimator,
+          .training = method.training,
+          .principal_components = method.embedding.principal_components,
+          .trained_features = is_linear ? method.embedding.features : 0};
+}
+
+void write_posterior(h5::File& file, const MethodConfig& method,
+                     const inference::DirectPosterior& posterior,
+                     const inference::TrainingState& training, const RowCounts& rows) {
+  const inference::DirectPosteriorParts& parts = posterior.parts();
+  file.set_attribute("prior", to_json(parts.prior.marginals()).dump());
+  file.set_attribute("density_estimator", to_json(parts.estimator).dump());
+  file.set_attribute("embedding", to_json(method.embedding).dump());
+  file.set_attribute("trained_features", parts.trained_features);
+  file.set_attribute("structure_seed", std::to_string(parts.structure_seed));
+  file.set_attribute("num_simulations", rows.used);
+  file.set_attribute("num_failed", rows.failed);
+  file.write("weights", parts.parameters, kPlain);
+  file.write("x_o", parts.x_o);
+  h5::Group transform = file.create_group("transform");
+  transform.write("mean", parts.transform.mean);
+  transform.write("inverse_deviation", parts.transform.inverse_deviation);
+  if (parts.transform.basis.cols() > 0) transform.write("basis", parts.transform.basis, kPlain);
+  h5::Group curves = file.create_group("training");
+  curves.write("training_loss", to_vector(training.training_loss));
+  curves.write("validation_loss", to_vector(training.validation_loss));
+}
+
+inference::DirectPosterior read_posterior(const std::filesystem::path& path,
+                                          const std::string& key) {
+  const h5::File file = open_artefact(path, kPosteriorSchema, key);
+  const std::string prior = file.attribute<std::string>("prior");
+  const h5::Group transform = file.group("transform");
+  inference::DirectPosteriorParts parts{
+      .prior = inference::Prior(prior_from_json(parse_json(prior, file.where()), file.where())),
+      .estimator = read_config<inference::EstimatorConfig>(file, "density_estimator"),
+      .trained_features = file.attribute<Index>("trained_features"),
+      .structure_seed = std::stoull(file.attribute<std::string>("structure_seed")),
+      .transform = {},
+      .parameters = file.read_vector<float>("weights", -1, h5::Values::finite),
+      .x_o = file.read_vector<float>("x_o", -1, h5::Values::finite)};
+  const Index features = parts.x_o.size();
+  parts.transform.mean = transform.read_vector<float>("mean", features, h5::Values::finite);
+  parts.transform.inverse_deviation =
+      transform.read_vector<float>("inverse_deviation", features, h5::Values::finite);
+  if (transform.has("basis")) {
+    parts.transform.basis = transform.read_matrix<float>("basis", features, -1, h5::Values::finite);
+  }
+  try {
+    return inference::DirectPosterior(std::move(parts));
+  } catch (const ShapeError& error) {
+    throw InputError(path.string() + ": " + error.what() + "; rerun stage 'infer'");
+  }
+}
+
+inference::DirectPosterior read_posterior(const Node& node) {
+  return read_posterior(node.path, node.key);
+}
+
+PosteriorNotes read_posterior_notes(const Node& node) {
+  const h5::File file = open_artefact(node.path, kPosteriorSchema, node.key);
+  const h5::Group curves = file.group("training");
+  return {{file.attribute<Index>("num_simulations"), file.attribute<Index>("num_failed")},
+          curves.read_vector<double>("training_loss"),
+          curves.read_vector<double>("validation_loss")};
+}
+
+void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state) {
+  ArtefactWriter writer(plan.work.checkpoint("infer", node.key), kCheckpointSchema, node.identity);
+  h5::File& file = writer.file();
+  file.set_attribute("epoch", state.epoch);
+  file.set_attribute("epochs_without_improvement", state.epochs_without_improvement);
+  file.set_attribute("best_validation_loss", state.best_validation_loss);
+  file.set_attribute("num_steps", static_cast<Index>(state.adam.num_steps));
+  file.write("parameters", state.parameters, kPlain);
+  file.write("best_parameters", state.best_parameters, kPlain);
+  file.write("first_moment", state.adam.first_moment, kPlain);
+  file.write("second_moment", state.adam.second_moment, kPlain);
+  file.write("training_loss", to_vector(state.training_loss));
+  file.write("validation_loss", to_vector(state.validation_loss));
+  writer.finish();
+}
+
+inference::TrainingState read_checkpoint(const Plan& plan, const Node& node) {
+  const std::filesystem::path path = plan.work.checkpoint("infer", node.key);
+  if (!std::filesystem::exists(path)) return {};
+  const h5::File file = open_artefact(path, kCheckpointSchema, node.key);
+  inference::TrainingState state;
+  state.epoch = file.attribute<Index>("epoch");
+  state.epochs_without_improvement = file.attribute<Index>("epochs_without_improvement");
+  state.best_validation_loss = file.attribute<double>("best_validation_loss");
+  state.adam.num_steps = file.attribute<Index>("num_steps");
+  state.parameters = file.read_vector<float>("parameters");
+  const Index size = state.parameters.size();
+  state.best_parameters = file.read_vector<float>("best_parameters", size);
+  state.adam.first_moment = file.read_vector<float>("first_moment", size);
+  state.adam.second_moment = file.read_vector<float>("second_moment", size);
+  state.training_loss = to_list(file.read_vector<double>("training_loss", state.epoch));
+  state.validation_loss = to_list(file.read_vector<double>("validation_loss", state.epoch));
+  return state;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,48 @@
+/// Posterior artefacts: portable files that hold everything a posterior is.
+///
+///   weights (P) float32            of the whole network, flat
+///   transform/mean, transform/inverse_deviation (F), transform/basis (F, k)
+///   x_o (F)                        the observation, not transformed
+///   training/training_loss, training/validation_loss (epochs)
+///   attributes: prior, density_estimator, embedding (JSON), trained_features, structure_seed,
+///   num_simulations, num_failed
+#pragma once
+
+#include "inference/algorithms/posterior_estimation.h"
+#include "pipeline/config/study.h"
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+/// The settings of a method as inference takes them.
+inference::PosteriorEstimationConfig estimation_config(const MethodConfig& method);
+
+/// How many rows of the simulations were used and left out.
+struct RowCounts {
+  Index used = 0;
+  Index failed = 0;
+};
+
+void write_posterior(h5::File& file, const MethodConfig& method,
+                     const inference::DirectPosterior& posterior,
+                     const inference::TrainingState& training, const RowCounts& rows);
+
+/// Reads the posterior of a file, whatever study made it. Throws InputError.
+inference::DirectPosterior read_posterior(const std::filesystem::path& path,
+                                          const std::string& key = "");
+inference::DirectPosterior read_posterior(const Node& node);
+
+/// What stands beside the posterior.
+struct PosteriorNotes {
+  RowCounts rows;
+  Vector training_loss;    ///< (epochs)
+  Vector validation_loss;  ///< (epochs)
+};
+PosteriorNotes read_posterior_notes(const Node& node);
+
+/// What a training run goes on from. The checkpoint belongs to the posterior `node`.
+void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state);
+/// An empty state when there is no checkpoint.
+inference::TrainingState read_checkpoint(const Plan& plan, const Node& node);
+
+}  // namespace npdr::pipeline

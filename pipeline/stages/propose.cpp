@@ -1,0 +1,39 @@
+#include "inference/algorithms/posterior_estimation.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/stages/posterior_file.h"
+#include "pipeline/stages/stage_files.h"
+#include "pipeline/stages/stages.h"
+
+namespace npdr::pipeline {
+namespace {
+
+RowMatrix sample_prior(const Study& study, Index n, std::uint64_t seed) {
+  const inference::Prior prior(study.prior);
+  RowMatrix theta(n, prior.dimension());
+  for (Index i = 0; i < n; ++i) {
+    Stream stream({seed, "prior", 1, static_cast<std::uint64_t>(i), 0});
+    theta.row(i) = prior.sample(stream).transpose();
+  }
+  return theta;
+}
+
+}  // namespace
+
+void run_propose(const Plan& plan, const Node& node) {
+  const Use& use = node.uses.front();
+  const Index n = num_rows(plan, node);
+  const auto posteriors = plan.inputs(node, Stage::infer);
+  RowMatrix theta;
+  if (posteriors.empty()) {
+    theta = sample_prior(plan.study, n, use.seed);
+  } else {
+    const inference::DirectPosterior posterior = read_posterior(*posteriors.front());
+    theta = inference::propose(estimation_config(plan.study.method(use.method)), posterior, n,
+                               {use.seed, "proposal", static_cast<std::uint64_t>(use.round), 0, 0});
+  }
+  ArtefactWriter writer(node.path, kProposalSchema, node.identity);
+  write_theta(writer.file(), plan, theta);
+  writer.finish();
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,86 @@
+#include "analysis/report.h"
+
+#include <fmt/format.h>
+
+#include "analysis/table_writers.h"
+#include "pipeline/config/study_json.h"
+#include "pipeline/stages/report_figures.h"
+#include "pipeline/stages/report_marker.h"
+#include "pipeline/stages/report_tables.h"
+#include "pipeline/stages/stage_files.h"
+#include "pipeline/stages/stages.h"
+#include "pipeline/store/build_info.h"
+#include "pipeline/store/recording.h"
+
+namespace npdr::pipeline {
+namespace {
+
+Target read_report_target(const Plan& plan) {
+  const Node& node = plan.node(Stage::target, {});
+  return read_recording(node.path);
+}
+
+std::vector<std::pair<std::string, std::string>> provenance(const Plan& plan, const Node& node) {
+  return {{"study", plan.study.name},
+          {"report key", node.key},
+          {"program", "npdr " + creator_version()},
+          {"git revision", git_revision()},
+          {"instruction set", instruction_set()},
+          {"host", host_name()}};
+}
+
+analysis::ReportSection fit_section(const ReportData& data) {
+  analysis::ReportSection section{
+      "Fit to the target domain", data.plan.study.report.caption, {}, {}};
+  section.tables = {fit_table(data)};
+  if (data.plan.study.evaluate.rounds == "all") section.tables.push_back(rounds_table(data));
+  section.tables.push_back(seeds_table(data));
+  return section;
+}
+
+analysis::ReportSection posterior_section(const ReportData& data,
+                                          const std::filesystem::path& folder) {
+  analysis::ReportSection section{"Posteriors", "", {parameters_table(data)}, {}};
+  if (data.plan.study.prior.size() > 1) {
+    section.figures.push_back(
+        {write_pair_figure(data, folder),
+         fmt::format("Posterior samples of seed {}. Limits are the prior's.", data.seeds.front())});
+  }
+  return section;
+}
+
+analysis::ReportSection prediction_section(const ReportData& data, const Target& target,
+                                           const std::filesystem::path& folder) {
+  return {"Recorded and predicted trajectories",
+          "",
+          {},
+          {{write_trajectory_figure(data, target, folder),
+            fmt::format("Recorded states, predictive median and 90 % band of seed {}.",
+                        data.seeds.front())}}};
+}
+
+}  // namespace
+
+void run_report(const Plan& plan, const Node& node) {
+  const ReportData data = read_report_data(plan, node);
+  const std::filesystem::path folder = plan.work.study(plan.study.name);
+  const std::filesystem::path figures = folder / "figures";
+  std::filesystem::create_directories(figures);
+  std::filesystem::create_directories(folder / "tables");
+
+  analysis::Report report;
+  report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;
+  report.sections = {fit_section(data), posterior_section(data, figures),
+                     prediction_section(data, read_report_target(plan), figures)};
+  report.commands = {plan.command};
+  report.provenance = provenance(plan, node);
+  for (const analysis::ReportSection& section : report.sections) {
+    for (const analysis::Table& table : section.tables) {
+      analysis::write_table(table, folder / "tables");
+    }
+  }
+  analysis::write_report(report, report_path(plan));
+  mark_report(plan, node);
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,42 @@
+#include "pipeline/stages/report_data.h"
+
+#include <algorithm>
+
+namespace npdr::pipeline {
+
+std::vector<const EvaluatedRun*> ReportData::runs_of(const std::string& method, Index round) const {
+  std::vector<const EvaluatedRun*> found;
+  for (const EvaluatedRun& run : runs) {
+    if (run.use.method != method) continue;
+    if (round > 0 ? run.use.round == round : run.last_round) found.push_back(&run);
+  }
+  return found;
+}
+
+ReportData read_report_data(const Plan& plan, const Node& node) {
+  ReportData data{plan, {}, {}, {}, read_baseline(*plan.inputs(node, Stage::baseline).front())};
+  for (const Node* evaluation : plan.inputs(node, Stage::evaluate)) {
+    const Node& posterior = *plan.inputs(*evaluation, Stage::infer).front();
+    for (const Use& use : evaluation->uses) {
+      const bool is_last = use.round == plan.study.method(use.method).algorithm.num_rounds;
+      data.runs.push_back(
+          {use, is_last, read_evaluation(*evaluation), read_posterior_notes(posterior)});
+    }
+  }
+  const auto has_run = [&](const auto& matches) {
+    return std::any_of(data.runs.begin(), data.runs.end(), matches);
+  };
+  for (const MethodConfig& method : plan.study.methods) {
+    if (has_run([&](const auto& run) { return run.use.method == method.name; })) {
+      data.methods.push_back(method.name);
+    }
+  }
+  for (const std::uint64_t seed : plan.study.seeds) {
+    if (has_run([&](const auto& run) { return run.use.seed == seed; })) {
+      data.seeds.push_back(seed);
+    }
+  }
+  return data;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,33 @@
+/// What the report of a study is made from.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/stages/baseline_file.h"
+#include "pipeline/stages/evaluation_file.h"
+#include "pipeline/stages/posterior_file.h"
+
+namespace npdr::pipeline {
+
+/// One method, seed and round.
+struct EvaluatedRun {
+  Use use;
+  bool last_round = false;
+  Evaluation evaluation;
+  PosteriorNotes notes;
+};
+
+struct ReportData {
+  const Plan& plan;
+  std::vector<std::string> methods;  ///< in the study's order
+  std::vector<std::uint64_t> seeds;
+  std::vector<EvaluatedRun> runs;
+  std::vector<BaselinePoint> baseline;
+
+  /// Runs of the method, in the order of seeds: of its last round, or of `round` when that is > 0.
+  std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;
+};
+
+ReportData read_report_data(const Plan& plan, const Node& node);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,65 @@
+#include "pipeline/stages/report_figures.h"
+
+#include <algorithm>
+
+#include "analysis/pair_plot.h"
+#include "analysis/trajectory_plot.h"
+
+namespace npdr::pipeline {
+namespace {
+
+const BaselinePoint* find_point(const ReportData& data, const std::string& name) {
+  for (const BaselinePoint& point : data.baseline) {
+    if (point.name == name) return &point;
+  }
+  return nullptr;
+}
+
+// The axis of parameter d; a normal prior is shown over three deviations.
+analysis::PairParameter axis_of(const ReportData& data, Index d) {
+  const inference::Marginal& m = data.plan.study.prior[static_cast<std::size_t>(d)];
+  const bool is_normal = m.kind == inference::Marginal::Kind::normal;
+  analysis::PairParameter axis{
+      m.name, m.unit, is_normal ? m.a - 3.0 * m.b : m.a, is_normal ? m.a + 3.0 * m.b : m.b, {}, {}};
+  if (const BaselinePoint* nominal = find_point(data, "nominal")) axis.nominal = nominal->theta(d);
+  if (const BaselinePoint* truth = find_point(data, "truth")) axis.truth = truth->theta(d);
+  return axis;
+}
+
+std::vector<Index> shown_parameters(const Study& study) {
+  std::vector<Index> shown;
+  for (const std::string& name : study.report.parameters) {
+    const auto found = std::find_if(study.prior.begin(), study.prior.end(),
+                                    [&](const auto& m) { return m.name == name; });
+    shown.push_back(found - study.prior.begin());
+  }
+  return shown;
+}
+
+}  // namespace
+
+std::filesystem::path write_pair_figure(const ReportData& data,
+                                        const std::filesystem::path& folder) {
+  analysis::PairPlot plot;
+  plot.name = "pair_plot";
+  for (Index d = 0; d < static_cast<Index>(data.plan.study.prior.size()); ++d) {
+    plot.parameters.push_back(axis_of(data, d));
+  }
+  for (const std::string& method : data.methods) {
+    plot.sets.push_back({method, data.runs_of(method).front()->evaluation.theta});
+  }
+  plot.selection = shown_parameters(data.plan.study);
+  return analysis::write_pair_plot(plot, folder).svg;
+}
+
+std::filesystem::path write_trajectory_figure(const ReportData& data, const Target& target,
+                                              const std::filesystem::path& folder) {
+  analysis::TrajectoryPlot plot;
+  plot.name = "trajectories";
+  for (const std::string& method : data.methods) {
+    plot.predictions.push_back({method, data.runs_of(method).front()->evaluation.bands});
+  }
+  return analysis::write_trajectory_plot(plot, target, folder).svg;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,218 @@
+#include "pipeline/stages/report_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace npdr::pipeline {
+namespace {
+
+using analysis::Cell;
+using analysis::MeanStd;
+using analysis::Row;
+using analysis::Table;
+
+std::string title_of(const std::string& metric) {
+  return metric == "dtw" ? "DTW dist." : metric == "rmse" ? "RMSE" : metric;
+}
+
+// All samples of all seeds, one after the other.
+Vector pooled(const std::vector<const EvaluatedRun*>& runs, const std::string& metric) {
+  std::vector<double> values;
+  for (const EvaluatedRun* run : runs) {
+    const Vector& part = run->evaluation.metrics.at(metric);
+    values.insert(values.end(), part.begin(), part.end());
+  }
+  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
+}
+
+Vector seed_means(const std::vector<const EvaluatedRun*>& runs, const std::string& metric) {
+  Vector means(static_cast<Index>(runs.size()));
+  for (Index i = 0; i < means.size(); ++i) {
+    means(i) =
+        analysis::summarize(runs[static_cast<std::size_t>(i)]->evaluation.metrics.at(metric)).mean;
+  }
+  return means;
+}
+
+Cell cell_of(Table& table, const analysis::Summary& summary) {
+  Cell cell(summary);
+  if (summary.n_failed > 0) {
+    cell.notes.push_back(
+        table.footnote(fmt::format("{} of {} samples left out: their rollouts failed",
+                                   summary.n_failed, summary.n + summary.n_failed)));
+  }
+  return cell;
+}
+
+void note_failed_rows(Table& table, const ReportData& data) {
+  for (const std::string& method : data.methods) {
+    Index used = 0, failed = 0;
+    for (const EvaluatedRun* run : data.runs_of(method)) {
+      used += run->notes.rows.used;
+      failed += run->notes.rows.failed;
+    }
+    if (failed > 0) {
+      table.footnote(fmt::format("{}: {} of {} simulations failed and were left out of training",
+                                 method, failed, used + failed));
+    }
+  }
+}
+
+// Columns of the fit table: ours, published, then single parameter vectors.
+void add_fit_columns(Table& table, const ReportData& data) {
+  for (const std::string& method : data.methods) {
+    table.columns.push_back({method, false});
+    if (!data.plan.study.method(method).published.empty()) table.columns.push_back({method, true});
+  }
+  for (const BaselinePoint& point : data.baseline) table.columns.push_back({point.name, false});
+}
+
+Row fit_row(Table& table, const ReportData& data, const std::string& metric) {
+  Row row{title_of(metric), {}};
+  for (const std::string& method : data.methods) {
+    row.cells.push_back(cell_of(table, analysis::summarize(pooled(data.runs_of(method), metric))));
+    const auto& published = data.plan.study.method(method).published;
+    if (published.empty()) continue;
+    const auto figure = published.find(metric);
+    row.cells.push_back(figure == published.end()
+                            ? Cell()
+                            : Cell(MeanStd{figure->second.mean, figure->second.std, 0}));
+  }
+  for (const BaselinePoint& point : data.baseline) row.cells.emplace_back(point.metrics.at(metric));
+  return row;
+}
+
+Row seed_means_row(const ReportData& data, const std::string& metric) {
+  Row row{title_of(metric) + ", seed means", {}};
+  for (const std::string& method : data.methods) {
+    row.cells.emplace_back(analysis::summarize(seed_means(data.runs_of(method), metric)));
+    if (!data.plan.study.method(method).published.empty()) row.cells.emplace_back();
+  }
+  row.cells.resize(row.cells.size() + data.baseline.size());
+  return row;
+}
+
+std::string noise_text(const ObservationNoise& noise) {
+  if (noise.scale == 0.0) return "Without observation noise.";
+  return fmt::format("Observation noise {} of each channel's maximum, {}.", noise.scale,
+                     noise.redraw ? "redrawn in every epoch" : "drawn once per simulation");
+}
+
+}  // namespace
+
+Table fit_table(const ReportData& data) {
+  const EvaluateConfig& evaluate = data.plan.study.evaluate;
+  Table table;
+  table.name = "fit";
+  table.caption = fmt::format(
+      "Fit of posterior samples to the target domain: mean and standard deviation over {} samples "
+      "of each of {} experiments (seeds). {}",
+      evaluate.num_samples, data.seeds.size(), noise_text(data.plan.study.observation_noise));
+  table.row_header = "Metric";
+  table.command = data.plan.command;
+  add_fit_columns(table, data);
+  for (const std::string& metric : evaluate.metrics) {
+    table.rows.push_back(fit_row(table, data, metric));
+    if (data.seeds.size() > 1) table.rows.push_back(seed_means_row(data, metric));
+  }
+  note_failed_rows(table, data);
+  return table;
+}
+
+Table seeds_table(const ReportData& data) {
+  const bool has_truth = data.plan.study.target.truth.has_value();
+  Table table;
+  table.name = "seeds";
+  table.caption = "Each experiment. log p: posterior density in nats.";
+  table.row_header = "Method, seed";
+  table.command = data.plan.command;
+  for (const std::string& metric : data.plan.study.evaluate.metrics) {
+    table.columns.push_back({title_of(metric), false});
+    table.columns.push_back({title_of(metric) + " of MAP", false});
+  }
+  table.columns.push_back({"log p(nominal)", false});
+  if (has_truth) table.columns.push_back({"log p(truth)", false});
+  for (const char* title : {"simulations", "failed", "epochs"}) {
+    table.columns.push_back({title, false});
+  }
+  for (const std::string& method : data.methods) {
+    for (const EvaluatedRun* run : data.runs_of(method)) {
+      Row row{fmt::format("{}, {}", method, run->use.seed), {}};
+      for (const std::string& metric : data.plan.study.evaluate.metrics) {
+        row.cells.push_back(
+            cell_of(table, analysis::summarize(run->evaluation.metrics.at(metric))));
+        row.cells.emplace_back(run->evaluation.map_metrics.at(metric));
+      }
+      row.cells.emplace_back(run->evaluation.nominal_log_prob);
+      if (has_truth) row.cells.emplace_back(*run->evaluation.truth_log_prob);
+      row.cells.emplace_back(std::to_string(run->notes.rows.used + run->notes.rows.failed));
+      row.cells.emplace_back(std::to_string(run->notes.rows.failed));
+      row.cells.emplace_back(std::to_string(run->notes.training_loss.size()));
+      table.rows.push_back(std::move(row));
+    }
+  }
+  return table;
+}
+
+Table rounds_table(const ReportData& data) {
+  const auto& metrics = data.plan.study.evaluate.metrics;
+  const std::string metric =
+      std::find(metrics.begin(), metrics.end(), "rmse") != metrics.end() ? "rmse" : metrics.front();
+  Table table;
+  table.name = "rounds";
+  table.caption = title_of(metric) + " of posterior samples after each round, all seeds.";
+  table.row_header = "Method";
+  table.command = data.plan.command;
+  Index most_rounds = 0;
+  for (const EvaluatedRun& run : data.runs) most_rounds = std::max(most_rounds, run.use.round);
+  for (Index round = 1; round <= most_rounds; ++round) {
+    table.columns.push_back({fmt::format("round {}", round), false});
+  }
+  for (const std::string& method : data.methods) {
+    Row row{method, {}};
+    for (Index round = 1; round <= most_rounds; ++round) {
+      const auto runs = data.runs_of(method, round);
+      row.cells.push_back(runs.empty() ? Cell()
+                                       : cell_of(table, analysis::summarize(pooled(runs, metric))));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table parameters_table(const ReportData& data) {
+  Table table;
+  table.name = "parameters";
+  table.caption = "Domain parameters: mean and standard deviation of the posterior, all seeds.";
+  table.row_header = "Parameter";
+  table.command = data.plan.command;
+  table.columns = {{"unit", false}, {"prior", false}};
+  for (const BaselinePoint& point : data.baseline) table.columns.push_back({point.name, false});
+  for (const std::string& method : data.methods) table.columns.push_back({method, false});
+  Index d = 0;
+  for (const inference::Marginal& marginal : data.plan.study.prior) {
+    const bool is_normal = marginal.kind == inference::Marginal::Kind::normal;
+    Row row{marginal.name, {}};
+    row.cells.emplace_back(marginal.unit);
+    row.cells.emplace_back(
+        fmt::format(fmt::runtime(is_normal ? "N({:.4g}, {:.4g}²)" : "[{:.4g}, {:.4g}]"), marginal.a,
+                    marginal.b));
+    for (const BaselinePoint& point : data.baseline) row.cells.emplace_back(point.theta(d));
+    for (const std::string& method : data.methods) {
+      std::vector<double> values;
+      for (const EvaluatedRun* run : data.runs_of(method)) {
+        const auto column = run->evaluation.theta.col(d);
+        values.insert(values.end(), column.begin(), column.end());
+      }
+      row.cells.emplace_back(analysis::summarize(
+          Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()))));
+    }
+    table.rows.push_back(std::move(row));
+    ++d;
+  }
+  return table;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,25 @@
+/// The tables of a study's report.
+#pragma once
+
+#include <vector>
+
+#include "analysis/table.h"
+#include "pipeline/stages/report_data.h"
+
+namespace npdr::pipeline {
+
+/// How well each method's posterior samples fit the target domain: the twin of Tables 2 and A2,
+/// with the published figures, the nominal parameters and the floor beside them.
+analysis::Table fit_table(const ReportData& data);
+
+/// One row a method and seed: fit, densities, simulations, epochs.
+analysis::Table seeds_table(const ReportData& data);
+
+/// One row a method, one column a round: RMSE (or the first metric of the study). Only for studies
+/// that evaluate all rounds.
+analysis::Table rounds_table(const ReportData& data);
+
+/// One row a parameter: prior, nominal value, floor or truth, posterior of each method.
+analysis::Table parameters_table(const ReportData& data);
+
+}  // namespace npdr::pipeline

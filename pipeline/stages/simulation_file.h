@@ -1,0 +1,35 @@
+/// Simulation artefacts: shards, and the file that joins them.
+///
+///   theta         (N, D) float64, attributes labels, units, prior_lower, prior_upper
+///   trajectories  (N, H, T', C) float32: the states after every store_every-th step; NaN for a row
+///                 that failed; attributes labels, units, dt, store_every
+///   status        (N) uint8: RolloutStatus; attribute meaning
+///   seconds       (N) float32: time that the row took (volatile)
+/// A shard holds a range of rows. The joined file holds the trajectories as a virtual dataset over
+/// the shards, and copies of the rest.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/plan/plan.h"
+#include "pipeline/store/h5.h"
+#include "sim/trajectories.h"
+
+namespace npdr::pipeline {
+
+/// Makes the empty datasets of `num_rows` rows.
+void create_simulation_datasets(h5::File& file, const Plan& plan, const Target& target,
+                                Index num_rows);
+
+std::vector<std::uint8_t> as_bytes(const std::vector<sim::RolloutStatus>& status);
+
+/// Numbers of the shards that aren't there yet.
+std::vector<Index> missing_shards(const Plan& plan, const Node& node);
+
+/// Joins the shards, all of which are there.
+void join_shards(const Plan& plan, const Node& node, const Target& target);
+
+/// Throws FailedRolloutsError when more rows failed than the study's limit allows.
+void check_failed_rows(const Plan& plan, const Node& node);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,58 @@
+#include "pipeline/stages/stage_files.h"
+
+#include "pipeline/plan/schemas.h"
+#include "pipeline/store/recording.h"
+
+namespace npdr::pipeline {
+
+Target read_target(const Plan& plan, const Node& node, Index num_rollouts) {
+  const Node& source = *plan.inputs(node, Stage::target).front();
+  open_artefact(source.path, kTargetSchema, source.key);
+  Target target = read_recording(source.path);
+  return num_rollouts > 0 ? target.first(num_rollouts) : target;
+}
+
+RowMatrix read_proposal(const Node& node, RowRange rows) {
+  const h5::File file = open_artefact(node.path, kProposalSchema, node.key);
+  const h5::Dataset theta = file.dataset("theta");
+  theta.require_shape({-1, -1});
+  RowMatrix values(rows.end - rows.begin, theta.row_size());
+  const std::span<double> all(values.data(), static_cast<std::size_t>(values.size()));
+  theta.read_rows<double>(rows.begin, values.rows(), all);
+  theta.require_finite<double>(all);
+  return values;
+}
+
+RowMatrix complete_theta(const Plan& plan, const sim::Simulator& simulator,
+                         const RowMatrix& theta) {
+  const Vector base = sim::complete_theta(simulator, plan.study.simulator.parameters);
+  RowMatrix all = base.transpose().replicate(theta.rows(), 1);
+  Index column = 0;
+  for (const inference::Marginal& marginal : plan.study.prior) {
+    all.col(sim::parameter_index(simulator.info(), marginal.name)) = theta.col(column++);
+  }
+  return all;
+}
+
+void describe_theta(h5::Dataset& dataset, const Plan& plan) {
+  std::vector<std::string> labels, units;
+  std::vector<double> lower, upper;
+  for (const inference::Marginal& marginal : plan.study.prior) {
+    labels.push_back(marginal.name);
+    units.push_back(marginal.unit);
+    lower.push_back(marginal.lower());
+    upper.push_back(marginal.upper());
+  }
+  dataset.set_attribute("labels", labels);
+  dataset.set_attribute("units", units);
+  dataset.set_attribute("prior_lower", lower);
+  dataset.set_attribute("prior_upper", upper);
+}
+
+void write_theta(h5::Group& group, const Plan& plan, const RowMatrix& theta) {
+  group.write("theta", theta);
+  h5::Dataset dataset = group.dataset("theta");
+  describe_theta(dataset, plan);
+}
+
+}  // namespace npdr::pipeline

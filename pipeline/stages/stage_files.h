@@ -1,0 +1,25 @@
+/// What several stages read from artefacts.
+#pragma once
+
+#include "pipeline/plan/plan.h"
+#include "pipeline/store/h5.h"
+#include "sim/simulator.h"
+
+namespace npdr::pipeline {
+
+/// The target domain that `node` needs; `num_rollouts` > 0: only the first ones.
+Target read_target(const Plan& plan, const Node& node, Index num_rollouts = 0);
+
+/// Rows [begin, end) of the proposal `node`, (n, D) in the order of the prior.
+RowMatrix read_proposal(const Node& node, RowRange rows);
+
+/// All P parameters of the simulator for theta (n, D) in the order of the study's prior: what isn't
+/// in the prior has the study's value, or the nominal one.
+RowMatrix complete_theta(const Plan& plan, const sim::Simulator& simulator, const RowMatrix& theta);
+
+/// Writes theta (n, D) with the names, units and bounds of the prior as attributes.
+void write_theta(h5::Group& group, const Plan& plan, const RowMatrix& theta);
+/// The same attributes on a dataset whose columns are the prior's parameters.
+void describe_theta(h5::Dataset& dataset, const Plan& plan);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,54 @@
+#include "pipeline/stages/stages.h"
+
+#include "core/error.h"
+#include "pipeline/stages/report_marker.h"
+
+namespace npdr::pipeline {
+
+void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers) {
+  if (is_complete(plan, node)) {
+    link_uses(plan, node);
+    return;
+  }
+  require_inputs(plan, node);
+  switch (node.stage) {
+    case Stage::target:
+      run_target(plan, node);
+      break;
+    case Stage::propose:
+      run_propose(plan, node);
+      break;
+    case Stage::simulate:
+      run_simulate(plan, node, shard_numbers);
+      break;
+    case Stage::infer:
+      run_infer(plan, node);
+      break;
+    case Stage::baseline:
+      run_baseline(plan, node);
+      break;
+    case Stage::evaluate:
+      run_evaluate(plan, node);
+      break;
+    case Stage::report:
+      run_report(plan, node);
+      break;
+  }
+  if (is_complete(plan, node)) link_uses(plan, node);
+}
+
+bool is_complete(const Plan& plan, const Node& node) {
+  if (node.stage == Stage::report) return report_is_current(plan, node);
+  return std::filesystem::exists(node.path);
+}
+
+void require_inputs(const Plan& plan, const Node& node) {
+  for (const std::size_t i : node.needs) {
+    const Node& input = plan.nodes[i];
+    if (is_complete(plan, input)) continue;
+    throw InputError(node.label() + " needs '" + input.label() + "', which isn't there; run npdr-" +
+                     to_string(input.stage) + " on this study first, or npdr run");
+  }
+}
+
+}  // namespace npdr::pipeline

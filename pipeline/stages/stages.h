@@ -1,0 +1,34 @@
+/// The stages: each makes one artefact of a plan from the artefacts that it needs.
+///
+/// A stage whose artefact is there does nothing. Inputs that aren't there are an InputError that
+/// says which command makes them. All are resumable: killed at any instant, the next run goes on
+/// from the last complete shard or checkpoint and gives the same bits.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+void run_target(const Plan& plan, const Node& node);
+void run_propose(const Plan& plan, const Node& node);
+
+/// The shards with these numbers (empty: all), then, once all are there, the artefact that joins
+/// them. Throws FailedRolloutsError when more rollouts failed than the study allows.
+void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers = {});
+void run_infer(const Plan& plan, const Node& node);
+void run_baseline(const Plan& plan, const Node& node);
+void run_evaluate(const Plan& plan, const Node& node);
+void run_report(const Plan& plan, const Node& node);
+
+/// The stage of the node; throws what it throws.
+void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers = {});
+
+/// Whether the node's artefact is there and complete.
+bool is_complete(const Plan& plan, const Node& node);
+
+/// Throws InputError unless everything that `node` needs is complete: names the command to run.
+void require_inputs(const Plan& plan, const Node& node);
+
+}  // namespace npdr::pipeline

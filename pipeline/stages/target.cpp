@@ -1,0 +1,27 @@
+#include "core/random.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/stages/stages.h"
+#include "pipeline/store/recording.h"
+#include "sim/simulator.h"
+
+namespace npdr::pipeline {
+namespace {
+
+Target simulated_target(const Study& study) {
+  const auto simulator = sim::make_simulator(study.simulator);
+  std::map<std::string, double> values = study.simulator.parameters;
+  for (const auto& [name, value] : *study.target.truth) values[name] = value;
+  return simulator->behave(sim::complete_theta(*simulator, values), study.target.num_rollouts,
+                           study.target.seed);
+}
+
+}  // namespace
+
+void run_target(const Plan& plan, const Node& node) {
+  const Target target = plan.study.target.recording ? plan.target : simulated_target(plan.study);
+  ArtefactWriter writer(node.path, kTargetSchema, node.identity);
+  write_target(writer.file(), target);
+  writer.finish();
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,148 @@
+#include "pipeline/store/artefact.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "pipeline/config/study_json.h"
+#include "pipeline/store/build_info.h"
+#include "pipeline/store/content_key.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr const char* kVolatile = "volatile";
+constexpr const char* kProvenance = "provenance";
+
+std::string now_utc() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+void write_identity(h5::File& file, const Schema& schema, const Identity& identity) {
+  file.set_attribute("schema", schema.name);
+  file.set_attribute("schema_version", schema.version);
+  file.set_attribute("stage", schema.stage);
+  file.set_attribute("key", identity.key());
+  file.set_attribute("key_document", canonical_json(identity.key_document));
+  file.set_attribute("seed", static_cast<Index>(identity.seed));
+  if (identity.inputs.empty()) return;
+  std::vector<std::string> names, keys;
+  for (const auto& [name, key] : identity.inputs) {
+    names.push_back(name);
+    keys.push_back(key);
+  }
+  file.set_attribute("inputs", names);
+  file.set_attribute("input_keys", keys);
+}
+
+void write_provenance(h5::File& file, const nlohmann::ordered_json& study, double seconds) {
+  h5::Group group = file.create_group(kProvenance);
+  mark_volatile(group);
+  group.set_attribute("creator_version", creator_version());
+  group.set_attribute("git_revision", git_revision());
+  group.set_attribute("instruction_set", instruction_set());
+  group.set_attribute("host", host_name());
+  group.set_attribute("created", now_utc());
+  group.set_attribute("wall_seconds", seconds);
+  group.set_attribute("study", study.dump());
+}
+
+void require_complete(const h5::File& file) {
+  if (!file.has_attribute("schema") || !file.has_attribute("schema_version")) {
+    throw InputError(file.where() + ": isn't an artefact of this program");
+  }
+  if (!file.has_attribute("complete") || file.attribute<Index>("complete") != 1) {
+    throw InputError(file.where() + ": is incomplete; remove it and run its stage again");
+  }
+}
+
+void require_schema(const h5::File& file, const Schema& schema) {
+  const auto name = file.attribute<std::string>("schema");
+  const auto version = file.attribute<Index>("schema_version");
+  if (name != schema.name) {
+    throw InputError(fmt::format("{}: schema '{}', must be '{}'; give an artefact of stage '{}'",
+                                 file.where(), name, schema.name, schema.stage));
+  }
+  if (version != schema.version) {
+    throw InputError(fmt::format("{}: schema '{}' {}, this build reads {}; rerun stage '{}'",
+                                 file.where(), name, version, schema.version, schema.stage));
+  }
+}
+
+std::map<std::string, std::string> read_inputs(const h5::File& file) {
+  std::map<std::string, std::string> inputs;
+  if (!file.has_attribute("inputs")) return inputs;
+  const auto names = file.attribute<std::vector<std::string>>("inputs");
+  const auto keys = file.attribute<std::vector<std::string>>("input_keys");
+  if (names.size() != keys.size()) {
+    throw InputError(file.where() + ": names and keys of its inputs don't match");
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) inputs[names[i]] = keys[i];
+  return inputs;
+}
+
+Provenance read_provenance(const h5::Group& group) {
+  return {.creator_version = group.attribute<std::string>("creator_version"),
+          .git_revision = group.attribute<std::string>("git_revision"),
+          .instruction_set = group.attribute<std::string>("instruction_set"),
+          .host = group.attribute<std::string>("host"),
+          .created = group.attribute<std::string>("created"),
+          .wall_seconds = group.attribute<double>("wall_seconds")};
+}
+
+}  // namespace
+
+std::string Identity::key() const { return content_key(key_document); }
+
+ArtefactWriter::ArtefactWriter(const std::filesystem::path& path, const Schema& schema,
+                               Identity identity)
+    : identity_(std::move(identity)),
+      atomic_(path),
+      file_(h5::File::create(atomic_.temporary(), path.string())) {
+  write_identity(file_, schema, identity_);
+}
+
+void ArtefactWriter::finish() {
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+  write_provenance(file_, identity_.study, elapsed.count());
+  file_.set_attribute("complete", Index{1});
+  file_.close();
+  atomic_.commit();
+}
+
+h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
+                       const std::string& key) {
+  h5::File file = h5::File::open(path);
+  require_complete(file);
+  require_schema(file, schema);
+  const auto found = file.attribute<std::string>("key");
+  if (!key.empty() && found != key) {
+    throw InputError(fmt::format("{}: key {}, must be {}; remove it and rerun stage '{}'",
+                                 file.where(), found, key, schema.stage));
+  }
+  return file;
+}
+
+ArtefactInfo read_artefact_info(const std::filesystem::path& path) {
+  const h5::File file = h5::File::open(path);
+  require_complete(file);
+  const h5::Group provenance = file.group(kProvenance);
+  ArtefactInfo info;
+  info.schema = {file.attribute<std::string>("schema"), file.attribute<Index>("schema_version"),
+                 file.attribute<std::string>("stage")};
+  info.key = file.attribute<std::string>("key");
+  info.identity.key_document =
+      parse_json(file.attribute<std::string>("key_document"), file.where() + ": key_document");
+  info.identity.inputs = read_inputs(file);
+  info.identity.study =
+      parse_json(provenance.attribute<std::string>("study"), provenance.where() + ": study");
+  info.identity.seed = static_cast<std::uint64_t>(file.attribute<Index>("seed"));
+  info.provenance = read_provenance(provenance);
+  return info;
+}
+
+void mark_volatile(h5::Object& object) { object.set_attribute(kVolatile, Index{1}); }
+
+bool is_volatile(const h5::Object& object) { return object.has_attribute(kVolatile); }
+
+}  // namespace npdr::pipeline

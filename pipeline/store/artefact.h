@@ -1,0 +1,95 @@
+/// Artefacts: what a stage makes, with where it comes from. Each is one HDF5 file.
+///
+/// Attributes of the file say what it is: schema, schema_version, stage, key, key_document, inputs
+/// (and input_keys beside them), seed, complete. The group 'provenance' says who made it, when and
+/// where: creator_version, git_revision, instruction_set, host, created, wall_seconds, study. It is
+/// marked volatile: two runs that computed the same thing may differ in it. So may every other
+/// group or dataset that mark_volatile() was called on, such as the seconds that each row took.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "pipeline/store/atomic_file.h"
+#include "pipeline/store/h5.h"
+
+namespace npdr::pipeline {
+
+/// What kind of artefact a file is, and who makes it.
+struct Schema {
+  std::string name;   ///< such as "posterior"
+  Index version = 1;  ///< raised whenever the meaning of the content changes
+  std::string stage;  ///< what to rerun for a new one, such as "infer"
+};
+
+/// What an artefact is made from.
+struct Identity {  // NOLINT(bugprone-exception-escape): moving JSON doesn't throw
+  nlohmann::ordered_json key_document;        ///< everything that it depends on
+  std::map<std::string, std::string> inputs;  ///< keys of the artefacts that it is made from
+  nlohmann::ordered_json study;               ///< resolved
+  std::uint64_t seed = 0;
+
+  /// The artefact's key: content_key(key_document).
+  std::string key() const;
+};
+
+/// Who made an artefact, when and where.
+struct Provenance {
+  std::string creator_version;
+  std::string git_revision;
+  std::string instruction_set;
+  std::string host;
+  std::string created;  ///< UTC, such as "2024-03-01T12:00:00Z"
+  double wall_seconds = 0.0;
+};
+
+/// Everything that an artefact says about itself.
+struct ArtefactInfo {  // NOLINT(bugprone-exception-escape): moving JSON doesn't throw
+  Schema schema;
+  std::string key;
+  Identity identity;
+  Provenance provenance;
+};
+
+/// An artefact in the making. The file has its name only after finish(); until then it doesn't
+/// exist for anybody else, and it never does when finish() isn't reached.
+class ArtefactWriter {
+ public:
+  ArtefactWriter(const std::filesystem::path& path, const Schema& schema, Identity identity);
+
+  h5::File& file() { return file_; }
+
+  /// Writes who made it and how long that took since the constructor, marks the artefact as
+  /// complete and gives it its name. Throws Error.
+  void finish();
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Identity identity_;
+  AtomicFile atomic_;
+  h5::File file_;
+};
+
+/// Opens a complete artefact of this schema, and of this key when that isn't empty. Throws
+/// InputError otherwise: says what was found, what is expected and which stage to rerun.
+h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
+                       const std::string& key = "");
+
+/// What the artefact in `path`, of any schema, says about itself. Throws InputError for a file that
+/// isn't a complete artefact.
+ArtefactInfo read_artefact_info(const std::filesystem::path& path);
+
+/// Excludes a group or dataset from content_digest().
+void mark_volatile(h5::Object& object);
+bool is_volatile(const h5::Object& object);
+
+/// XXH3-128 of what an artefact holds, 32 hexadecimal digits: names, types, shapes and values of
+/// all datasets and attributes in the order of their names, except for what is marked volatile. How
+/// values are chunked and compressed doesn't count. Equal digests: the same bits were computed.
+std::string content_digest(const std::filesystem::path& path);
+
+}  // namespace npdr::pipeline

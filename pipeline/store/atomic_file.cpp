@@ -1,0 +1,137 @@
+#include "pipeline/store/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <utility>
+
+#include "pipeline/store/file_error.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kSuffix = ".tmp";
+
+// An open file; closes on destruction.
+class Descriptor {
+ public:
+  Descriptor(const fs::path& path, int flags)
+      : value_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~Descriptor() {
+    if (value_ >= 0) ::close(value_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  bool open() const { return value_ >= 0; }
+  int value() const { return value_; }
+  int close() { return ::close(std::exchange(value_, -1)); }
+
+ private:
+  int value_;
+};
+
+void sync(const fs::path& path, int flags) {
+  const Descriptor file(path, flags);
+  if (file.open() && ::fsync(file.value()) == 0) return;
+  // Some network file systems can't do this for folders, and need no telling.
+  if (file.open() && (errno == EINVAL || errno == ENOTSUP)) return;
+  throw_file_error(path, "be brought to the disk", errno);
+}
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw_file_error(folder, "be made a folder", error.value());
+}
+
+fs::path temporary_name(const fs::path& path) {
+  static std::atomic<int> counter = 0;
+  return folder_of(path) / fmt::format(".{}.{}.{}.{}{}", path.filename().string(), host_name(),
+                                       ::getpid(), counter++, kSuffix);
+}
+
+// The process that a temporary of this host belongs to; 0 for every other name.
+pid_t owner(const std::string& name) {
+  const std::string host = fmt::format(".{}.", host_name());
+  const std::size_t begin = name.rfind(host);
+  if (!name.starts_with('.') || !name.ends_with(kSuffix) || begin == std::string::npos) return 0;
+  const char* const end = name.data() + name.size() - kSuffix.size();
+  pid_t process = 0;
+  const auto [stop, error] = std::from_chars(name.data() + begin + host.size(), end, process);
+  return error == std::errc() && stop < end && *stop == '.' ? process : 0;
+}
+
+bool is_dead(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH; }
+
+}  // namespace
+
+AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)), temporary_(temporary_name(path_)) {
+  const fs::path folder = folder_of(path_);
+  make_folder(folder);
+  remove_stale_temporaries(folder);
+  if (!Descriptor(temporary_, O_WRONLY | O_CREAT | O_TRUNC).open()) {
+    throw_file_error(path_, "be written", errno);
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  std::error_code ignored;
+  if (!committed_) fs::remove(temporary_, ignored);
+}
+
+void AtomicFile::commit() {
+  sync(temporary_, O_RDONLY);
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
+    throw_file_error(path_, "be given its name", errno);
+  }
+  committed_ = true;
+  sync(folder_of(path_), O_RDONLY | O_DIRECTORY);
+}
+
+void write_text_file(const fs::path& path, const std::string& text) {
+  AtomicFile file(path);
+  Descriptor descriptor(file.temporary(), O_WRONLY | O_TRUNC);
+  if (!descriptor.open()) throw_file_error(path, "be written", errno);
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t count = ::write(descriptor.value(), text.data() + done, text.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw_file_error(path, "be written", errno);
+    done += static_cast<std::size_t>(count);
+  }
+  if (descriptor.close() != 0) throw_file_error(path, "be written", errno);
+  file.commit();
+}
+
+int remove_stale_temporaries(const fs::path& folder) {
+  int removed = 0;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const pid_t process = owner(entry->path().filename().string());
+    if (process <= 0 || !is_dead(process)) continue;
+    std::error_code ignored;
+    removed += fs::remove(entry->path(), ignored) ? 1 : 0;
+  }
+  return removed;
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "unknown";
+  return name.data();
+}
+
+}  // namespace npdr::pipeline

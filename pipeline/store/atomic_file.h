@@ -1,0 +1,46 @@
+/// Files that are complete or absent, whatever happens while they are written.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace npdr::pipeline {
+
+/// A file in the making: it is written under another name in the same folder and takes its own name
+/// in one step when it is complete. The other name is ".<name>.<host>.<pid>.<number>.tmp"; what a
+/// dead process of this host left behind in the folder is removed on the way.
+class AtomicFile {
+ public:
+  /// Makes the folder if there is none. Throws Error when it can't be written to: says why and what
+  /// to do.
+  explicit AtomicFile(std::filesystem::path path);
+  /// Removes the temporary unless commit() has been called.
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Where to write. The caller closes the file before it calls commit().
+  const std::filesystem::path& temporary() const { return temporary_; }
+
+  /// Brings the content to the disk, then gives it its name, in place of an old file of that name.
+  /// Throws Error when that fails; an old file is then still there.
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  bool committed_ = false;
+};
+
+/// Writes a text as a whole or not at all. Throws Error.
+void write_text_file(const std::filesystem::path& path, const std::string& text);
+
+/// Removes the temporaries in `folder` of processes of this host that no longer run. Returns how
+/// many.
+int remove_stale_temporaries(const std::filesystem::path& folder);
+
+/// Name of this machine.
+std::string host_name();
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,134 @@
+#include "pipeline/store/csv_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include "core/error.h"
+#include "pipeline/config/constraint.h"
+
+namespace npdr::pipeline {
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+bool is_blank(const std::string& line) { return trimmed(line).empty(); }
+
+// The next line without its end, LF or CRLF.
+bool next_line(std::istream& stream, std::string& line) {
+  if (!std::getline(stream, line)) return false;
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  return true;
+}
+
+// "theta [rad]"; anything else has no unit. Other separators than commas end up in a label.
+Channel parse_channel(const std::string& field) {
+  const std::size_t open = field.rfind('[');
+  if (open == std::string::npos || field.back() != ']') return {field, ""};
+  if (field.find_first_of("];\t") < open) return {field, ""};
+  return {trimmed(field.substr(0, open)), trimmed(field.substr(open + 1, field.size() - open - 2))};
+}
+
+}  // namespace
+
+CsvFile::CsvFile(const std::filesystem::path& path) : name_(path.string()) {
+  if (std::filesystem::is_directory(path))
+    throw InputError(name_ + ": is a folder, must be a file");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw InputError(name_ + ": can't be opened; does it exist and may you read it?");
+  std::string line;
+  if (!next_line(stream, line)) throw InputError(name_ + ": is empty");
+  if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+  read_header(line);
+  std::size_t line_number = 1;
+  std::size_t blank = 0;  // the first empty line: a row may not follow it
+  while (next_line(stream, line)) {
+    ++line_number;
+    if (is_blank(line)) {
+      if (blank == 0) blank = line_number;
+      continue;
+    }
+    if (blank != 0) fail(blank, "is empty, but rows follow; remove it");
+    read_row(line, line_number);
+  }
+  if (stream.bad()) throw InputError(name_ + ": reading failed");
+}
+
+void CsvFile::read_header(const std::string& line) {
+  for (const std::string& field : split(line, 1)) {
+    const Channel channel = parse_channel(field);
+    if (channel.label.empty() || channel.unit.empty()) {
+      fail(1, fmt::format("column {} is headed {}, must be 'label [unit]', such as 'theta [rad]' "
+                          "or 'gain [1]', with commas between columns",
+                          columns_.size() + 1, quoted(field)));
+    }
+    if (find(channel.label)) {
+      fail(1, fmt::format("column {} is a second one headed {}", columns_.size() + 1,
+                          quoted(channel.label)));
+    }
+    columns_.push_back(channel);
+  }
+}
+
+void CsvFile::read_row(const std::string& line, std::size_t line_number) {
+  rows_.push_back(split(line, line_number));
+  if (rows_.back().size() != columns_.size()) {
+    fail(line_number, fmt::format("has {} columns, must have {} like the header",
+                                  rows_.back().size(), columns_.size()));
+  }
+}
+
+// RFC 4180, except that a field can't hold a line break.
+std::vector<std::string> CsvFile::split(const std::string& line, std::size_t line_number) const {
+  std::vector<std::string> fields(1);
+  bool inside = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool quote = line[i] == '"';
+    if (inside && quote && i + 1 < line.size() && line[i + 1] == '"') {
+      fields.back() += line[i++];
+    } else if (quote) {
+      inside = !inside;
+    } else if (line[i] == ',' && !inside) {
+      fields.emplace_back();
+    } else {
+      fields.back() += line[i];
+    }
+  }
+  if (inside) fail(line_number, fmt::format("column {} has no closing quote", fields.size()));
+  std::transform(fields.begin(), fields.end(), fields.begin(), trimmed);
+  return fields;
+}
+
+std::optional<std::size_t> CsvFile::find(const std::string& label) const {
+  const auto found = std::find_if(columns_.begin(), columns_.end(),
+                                  [&](const Channel& c) { return c.label == label; });
+  if (found == columns_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - columns_.begin());
+}
+
+double CsvFile::number(Index row, std::size_t column) const {
+  const std::string& field = rows_[static_cast<std::size_t>(row)][column];
+  const char* const begin = field.data() + (field.starts_with('+') ? 1 : 0);
+  const char* const end = field.data() + field.size();
+  double value = 0.0;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (error != std::errc() || stop != end || !std::isfinite(value)) {
+    fail(static_cast<std::size_t>(row) + 2,
+         fmt::format("column {} '{}' = {}, must be a finite number", column + 1,
+                     columns_[column].label, quoted(field)));
+  }
+  return value;
+}
+
+void CsvFile::fail(std::size_t line_number, const std::string& message) const {
+  throw InputError(fmt::format("{}:{}: {}", name_, line_number, message));
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,16 @@
+/// Failures of the file system, in words that say what to do.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace npdr::pipeline {
+
+/// What to do about the error number of a failed system call; "" when there is nothing to advise.
+std::string file_advice(int error_number);
+
+/// Throws Error: "path: can't action: reason; advice".
+[[noreturn]] void throw_file_error(const std::filesystem::path& path, const std::string& action,
+                                   int error_number);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "pipeline/store/h5_detail.h"
+
+namespace npdr::pipeline::h5 {
+namespace {
+
+// Nothing that deflate or a fill value can make of a file is larger than this many times its size.
+constexpr std::uint64_t kMaxCompression = 1100;
+// Claims below this are cheap to believe.
+constexpr std::uint64_t kTrustedBytes = 64 << 20;
+
+Handle type_of(const Object& dataset) {
+  return opened(H5Dget_type(dataset.id()), dataset.where(), "be opened");
+}
+
+Handle space_of(const Object& dataset) {
+  return opened(H5Dget_space(dataset.id()), dataset.where(), "be opened");
+}
+
+// In chunks, which may be compressed; otherwise the file holds every byte of the array.
+bool is_chunked(const Object& dataset) {
+  const Handle properties = opened(H5Dget_create_plist(dataset.id()), dataset.where(), "be opened");
+  return H5Pget_layout(properties.id()) == H5D_CHUNKED;
+}
+
+// Selects rows begin to begin + count - 1 of `space` and returns a memory space of their shape.
+Handle select_rows(hid_t space, const Shape& shape, Index begin, Index count) {
+  if (shape.empty()) return Handle(H5Screate(H5S_SCALAR));
+  std::vector<hsize_t> start(shape.size(), 0);
+  std::vector<hsize_t> extent(shape.begin(), shape.end());
+  start[0] = static_cast<hsize_t>(begin);
+  extent[0] = static_cast<hsize_t>(count);
+  H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr);
+  return Handle(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr));
+}
+
+// Row-major position of element `i`.
+Shape position(const Shape& shape, Index i) {
+  Shape result(shape.size());
+  for (std::size_t d = shape.size(); d-- > 0;) {
+    result[d] = i % shape[d];
+    i /= shape[d];
+  }
+  return result;
+}
+
+}  // namespace
+
+Dataset::Dataset(Handle handle, std::string where)
+    : Object(std::move(handle), std::move(where)),
+      shape_(shape_of(space_of(*this).id(), this->where())) {}
+
+Index Dataset::row_size() const {
+  return shape_.empty() ? 1 : size_of(Shape(shape_.begin() + 1, shape_.end()));
+}
+
+ElementType Dataset::type() const { return our_type(type_of(*this).id(), where()); }
+
+void Dataset::require_shape(const Shape& expected) const {
+  bool same = shape_.size() == expected.size();
+  for (std::size_t d = 0; same && d < expected.size(); ++d) {
+    same = expected[d] < 0 || expected[d] == shape_[d];
+  }
+  if (same) return;
+  throw InputError(
+      fmt::format("{} has shape {}, must be {}", where(), to_string(shape_), to_string(expected)));
+}
+
+void Dataset::require_readable(ElementType type) const {
+  if (readable_as_ == type) return;
+  const Handle stored = type_of(*this);
+  if (!fits(stored.id(), type)) {
+    throw InputError(
+        fmt::format("{} holds {}, must hold {}", where(), describe(stored.id()), describe(type)));
+  }
+  if (is_virtual(*this)) {
+    require_virtual_sources(*this);
+  } else {
+    require_stored(static_cast<Index>(H5Tget_size(stored.id())));
+  }
+  readable_as_ = type;
+}
+
+void Dataset::require_stored(Index element_size) const {
+  const auto claimed = static_cast<std::uint64_t>(size_of(shape_) * element_size);
+  H5Dflush(id());  // chunks of a new file that are in memory only don't count
+  const std::uint64_t held = H5Dget_storage_size(id());
+  if (claimed > 0 && held == 0) {
+    throw InputError(fmt::format("{} claims shape {}, but nothing was ever written to it", where(),
+                                 to_string(shape_)));
+  }
+  const bool believable = is_chunked(*this)
+                              ? claimed <= kTrustedBytes || claimed / kMaxCompression <= held
+                              : claimed <= held;
+  if (!believable) {
+    throw InputError(
+        fmt::format("{} claims shape {} ({} bytes), but the file holds only {} bytes "
+                    "of it",
+                    where(), to_string(shape_), claimed, held));
+  }
+}
+
+void Dataset::check_rows(Index begin, Index count, Index num_values) const {
+  if (begin < 0 || count < 0 || count > num_rows() - begin) {
+    throw ShapeError(fmt::format("{} has {} rows: rows {} to {} don't exist", where(), num_rows(),
+                                 begin, begin + count - 1));
+  }
+  if (num_values != count * row_size()) {
+    throw ShapeError(fmt::format("{}: {} rows have {} values, not {}", where(), count,
+                                 count * row_size(), num_values));
+  }
+}
+
+void Dataset::read_raw(ElementType type, Index begin, Index count, void* values) const {
+  prepare();
+  require_readable(type);
+  const Handle space = space_of(*this);
+  const Handle memory = select_rows(space.id(), shape_, begin, count);
+  const Handle element = memory_type(type);
+  if (H5Dread(id(), element.id(), memory.id(), space.id(), H5P_DEFAULT, values) < 0) {
+    fail_reading(where(), "be read");
+  }
+}
+
+void Dataset::write_raw(ElementType type, Index begin, Index count, const void* values) {
+  prepare();
+  const Handle space = space_of(*this);
+  const Handle memory = select_rows(space.id(), shape_, begin, count);
+  const Handle element = memory_type(type);
+  written(H5Dwrite(id(), element.id(), memory.id(), space.id(), H5P_DEFAULT, values), where(),
+          "be written");
+}
+
+std::vector<std::string> Dataset::read_texts() const {
+  require_readable(ElementType::text);
+  const Handle stored = type_of(*this);
+  const Handle space = space_of(*this);
+  return h5::read_texts(stored.id(), space.id(), size_of(shape_), where(),
+                        [&](hid_t memory, void* data) {
+                          return H5Dread(id(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data);
+                        });
+}
+
+void Dataset::write_texts(const std::vector<std::string>& texts) {
+  if (static_cast<Index>(texts.size()) != size_of(shape_)) {
+    throw ShapeError(fmt::format("{} has shape {}: {} texts don't fill it", where(),
+                                 to_string(shape_), texts.size()));
+  }
+  h5::write_texts(texts, where(), [&](hid_t memory, const void* data) {
+    return H5Dwrite(id(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data);
+  });
+}
+
+template <class T>
+void Dataset::require_finite(std::span<const T> values) const {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    throw InputError(fmt::format("{} holds {} at {}, must be finite", where(), values[i],
+                                 to_string(position(shape_, static_cast<Index>(i)))));
+  }
+}
+
+template void Dataset::require_finite(std::span<const float>) const;
+template void Dataset::require_finite(std::span<const double>) const;
+
+}  // namespace npdr::pipeline::h5

@@ -1,0 +1,69 @@
+/// What the files of pipeline/store/h5* share about the HDF5 library. Private to them.
+#pragma once
+
+#include <hdf5.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pipeline/store/h5.h"
+
+namespace npdr::pipeline::h5 {
+
+static_assert(sizeof(hid_t) == sizeof(std::int64_t));
+
+/// Begins every use of a file: keeps HDF5 from printing its error stack, which the messages of this
+/// module quote, and from closing files at the end of the process, which crashes when one of them
+/// can't be written.
+void prepare();
+
+/// HDF5's reason for the last failure: the innermost entry of its error stack.
+std::string reason();
+
+/// Throws InputError (reading) or Error (writing): "where: can't action: HDF5's reason", and what
+/// to do about it.
+[[noreturn]] void fail_reading(const std::string& where, const std::string& action);
+[[noreturn]] void fail_writing(const std::string& where, const std::string& action);
+
+/// The identifier that a call returned, owned; throws when it is invalid.
+Handle opened(hid_t id, const std::string& where, const std::string& action);
+Handle created(hid_t id, const std::string& where, const std::string& action);
+/// Throws when a write returned a failure.
+void written(herr_t status, const std::string& where, const std::string& action);
+
+/// The type of elements in memory, and in files: little endian; texts of variable length in UTF-8.
+Handle memory_type(ElementType type);
+Handle file_type(ElementType type);
+/// "64-bit floats", "compound records": what a message calls the elements of a stored type.
+std::string describe(hid_t stored);
+std::string describe(ElementType type);
+/// True when every value of the stored type is a value of `type`.
+bool fits(hid_t stored, ElementType type);
+
+/// The smallest of our types that holds a stored type's values; throws InputError when none does.
+ElementType our_type(hid_t stored, const std::string& where);
+
+/// The shape of a dataspace; throws InputError for one without, and for absurd sizes.
+Shape shape_of(hid_t space, const std::string& where);
+/// Number of elements.
+Index size_of(const Shape& shape);
+
+/// A virtual dataset: HDF5 itself reads what is missing of it as zeros.
+bool is_virtual(const Dataset& dataset);
+/// Throws InputError unless every file that a virtual dataset maps is there, whole, and has as many
+/// rows as it claims.
+void require_virtual_sources(const Dataset& dataset);
+
+/// Reads into a buffer of the given memory type: H5Aread or H5Dread with all but these bound.
+using RawRead = std::function<herr_t(hid_t memory_type, void* buffer)>;
+using RawWrite = std::function<herr_t(hid_t memory_type, const void* buffer)>;
+
+/// `count` texts of fixed or variable length; `space` is the dataspace that they fill.
+std::vector<std::string> read_texts(hid_t stored_type, hid_t space, Index count,
+                                    const std::string& where, const RawRead& read);
+/// Throws Error for a text with a NUL character, which HDF5 would cut.
+void write_texts(const std::vector<std::string>& texts, const std::string& where,
+                 const RawWrite& write);
+
+}  // namespace npdr::pipeline::h5

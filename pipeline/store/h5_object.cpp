@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/store/h5_detail.h"
+
+namespace npdr::pipeline::h5 {
+namespace {
+
+// An attribute opened for reading.
+struct Attribute {
+  Handle handle;
+  Handle type;
+  Handle space;
+  Shape shape;
+  std::string where;
+
+  Attribute(const Object& object, const std::string& name)
+      : where(object.where() + ": attribute '" + name + "'") {
+    if (!object.has_attribute(name)) throw InputError(where + " is missing");
+    handle = opened(H5Aopen(object.id(), name.c_str(), H5P_DEFAULT), where, "be opened");
+    type = opened(H5Aget_type(handle.id()), where, "be opened");
+    space = opened(H5Aget_space(handle.id()), where, "be opened");
+    shape = shape_of(space.id(), where);
+  }
+
+  void require(ElementType wanted) const {
+    if (fits(type.id(), wanted)) return;
+    if (wanted == ElementType::f64 && H5Tget_class(type.id()) == H5T_INTEGER) return;
+    throw InputError(fmt::format("{} holds {}, must hold {}", where, h5::describe(type.id()),
+                                 h5::describe(wanted)));
+  }
+
+  template <class T>
+  std::vector<T> numbers() const {
+    require(element_type<T>());
+    std::vector<T> values(static_cast<std::size_t>(size_of(shape)));
+    const Handle memory = memory_type(element_type<T>());
+    if (!values.empty() && H5Aread(handle.id(), memory.id(), values.data()) < 0) {
+      fail_reading(where, "be read");
+    }
+    return values;
+  }
+
+  std::vector<std::string> texts() const {
+    require(ElementType::text);
+    if (size_of(shape) == 0) return {};
+    return read_texts(type.id(), space.id(), size_of(shape), where,
+                      [&](hid_t memory, void* data) { return H5Aread(handle.id(), memory, data); });
+  }
+
+  template <class T>
+  T only(const std::vector<T>& values) const {
+    if (values.size() == 1) return values.front();
+    throw InputError(fmt::format("{} holds {} values, must hold one", where, values.size()));
+  }
+};
+
+herr_t take_name(hid_t, const char* name, const H5A_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+Handle make_space(const Shape& shape) {
+  if (shape.empty()) return Handle(H5Screate(H5S_SCALAR));
+  const std::vector<hsize_t> extents(shape.begin(), shape.end());
+  return Handle(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr));
+}
+
+// A new attribute, in place of an old one of the same name.
+Handle new_attribute(const Object& object, const std::string& name, ElementType type,
+                     const Shape& shape) {
+  const std::string action = "hold attribute '" + name + "'";
+  if (object.has_attribute(name)) {
+    written(H5Adelete(object.id(), name.c_str()), object.where(), action);
+  }
+  const Handle space = make_space(shape);
+  const Handle stored = file_type(type);
+  return created(
+      H5Acreate2(object.id(), name.c_str(), stored.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
+      object.where(), action);
+}
+
+template <class T>
+void write_numbers(const Object& object, const std::string& name, const Shape& shape,
+                   const T* values) {
+  const Handle attribute = new_attribute(object, name, element_type<T>(), shape);
+  if (size_of(shape) == 0) return;  // HDF5 takes no pointer to nothing
+  const Handle memory = memory_type(element_type<T>());
+  written(H5Awrite(attribute.id(), memory.id(), values), object.where(),
+          "hold attribute '" + name + "'");
+}
+
+void write_strings(const Object& object, const std::string& name, const Shape& shape,
+                   const std::vector<std::string>& values) {
+  const Handle attribute = new_attribute(object, name, ElementType::text, shape);
+  if (values.empty()) return;
+  write_texts(
+      values, object.where() + ": attribute '" + name + "'",
+      [&](hid_t memory, const void* data) { return H5Awrite(attribute.id(), memory, data); });
+}
+
+}  // namespace
+
+bool Object::has_attribute(const std::string& name) const {
+  return H5Aexists(id(), name.c_str()) > 0;
+}
+
+std::vector<std::string> Object::attribute_names() const {
+  std::vector<std::string> names;
+  if (H5Aiterate2(id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, take_name, &names) < 0) {
+    fail_reading(where(), "list its attributes");
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// NOLINTBEGIN(readability-make-member-function-const): they change the file
+void Object::set_attribute(const std::string& name, double value) {
+  write_numbers(*this, name, {}, &value);
+}
+
+void Object::set_attribute(const std::string& name, Index value) {
+  write_numbers(*this, name, {}, &value);
+}
+
+void Object::set_attribute(const std::string& name, const std::string& value) {
+  write_strings(*this, name, {}, {value});
+}
+
+void Object::set_attribute(const std::string& name, const std::vector<double>& values) {
+  write_numbers(*this, name, {static_cast<Index>(values.size())}, values.data());
+}
+
+void Object::set_attribute(const std::string& name, const std::vector<Index>& values) {
+  write_numbers(*this, name, {static_cast<Index>(values.size())}, values.data());
+}
+
+void Object::set_attribute(const std::string& name, const std::vector<std::string>& values) {
+  write_strings(*this, name, {static_cast<Index>(values.size())}, values);
+}
+
+// NOLINTEND(readability-make-member-function-const)
+
+ElementType Object::attribute_type(const std::string& name) const {
+  const Attribute stored(*this, name);
+  return our_type(stored.type.id(), stored.where);
+}
+
+template <>
+std::vector<double> Object::attribute(const std::string& name) const {
+  return Attribute(*this, name).numbers<double>();
+}
+
+template <>
+std::vector<Index> Object::attribute(const std::string& name) const {
+  return Attribute(*this, name).numbers<Index>();
+}
+
+template <>
+std::vector<std::string> Object::attribute(const std::string& name) const {
+  return Attribute(*this, name).texts();
+}
+
+template <>
+double Object::attribute(const std::string& name) const {
+  const Attribute stored(*this, name);
+  return stored.only(stored.numbers<double>());
+}
+
+template <>
+Index Object::attribute(const std::string& name) const {
+  const Attribute stored(*this, name);
+  return stored.only(stored.numbers<Index>());
+}
+
+template <>
+std::string Object::attribute(const std::string& name) const {
+  const Attribute stored(*this, name);
+  return stored.only(stored.texts());
+}
+
+}  // namespace npdr::pipeline::h5

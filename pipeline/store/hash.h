@@ -1,0 +1,33 @@
+/// 128-bit XXH3 hashes: fast, and wide enough that an accidental collision never happens.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace npdr::pipeline {
+
+/// Hashes what is added piece by piece. Texts and integers are delimited, so that moving a border
+/// between two pieces changes the hash.
+class Hasher {
+ public:
+  Hasher();
+  ~Hasher();
+  Hasher(const Hasher&) = delete;
+  Hasher& operator=(const Hasher&) = delete;
+
+  void add_bytes(const void* data, std::size_t size);
+  void add(std::string_view text);
+  void add(std::int64_t number);
+  void add(double number);
+
+  /// 32 hexadecimal digits, of everything added so far.
+  std::string hex() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace npdr::pipeline

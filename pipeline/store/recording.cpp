@@ -1,0 +1,141 @@
+#include "pipeline/store/recording.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "pipeline/store/atomic_file.h"
+#include "pipeline/store/h5.h"
+#include "pipeline/store/hash.h"
+
+namespace npdr::pipeline {
+namespace {
+
+std::vector<Channel> read_channels(const h5::Dataset& dataset) {
+  const auto labels = dataset.attribute<std::vector<std::string>>("labels");
+  const auto units = dataset.attribute<std::vector<std::string>>("units");
+  const auto count = static_cast<std::size_t>(dataset.shape()[2]);
+  if (labels.size() != count || units.size() != count) {
+    throw InputError(fmt::format("{} has {} channels, but {} labels and {} units", dataset.where(),
+                                 count, labels.size(), units.size()));
+  }
+  std::vector<Channel> channels;
+  for (std::size_t c = 0; c < count; ++c) channels.push_back({labels[c], units[c]});
+  return channels;
+}
+
+void write_channels(h5::Dataset& dataset, const std::vector<Channel>& channels) {
+  std::vector<std::string> labels, units;
+  for (const Channel& channel : channels) {
+    labels.push_back(channel.label);
+    units.push_back(channel.unit);
+  }
+  dataset.set_attribute("labels", labels);
+  dataset.set_attribute("units", units);
+}
+
+std::vector<std::string> read_names(const h5::File& file, Index num_rollouts) {
+  if (!file.has("rollout")) {
+    std::vector<std::string> names;
+    for (Index h = 0; h < num_rollouts; ++h) names.push_back(std::to_string(h));
+    return names;
+  }
+  const h5::Dataset dataset = file.dataset("rollout");
+  dataset.require_shape({num_rollouts});
+  return dataset.read_texts();
+}
+
+// Row h of an (H, rows, cols) dataset.
+RowMatrix read_rollout(const h5::Dataset& dataset, Index h) {
+  RowMatrix values(dataset.shape()[1], dataset.shape()[2]);
+  dataset.read_rows<double>(h, 1, {values.data(), static_cast<std::size_t>(values.size())});
+  return values;
+}
+
+void write_rollouts(h5::File& file, const Target& target, const std::string& name,
+                    RowMatrix Rollout::*values, const std::vector<Channel>& channels) {
+  const RowMatrix& first = target.rollouts.front().*values;
+  h5::Dataset dataset = file.create_dataset(name, h5::ElementType::f64,
+                                            {target.num_rollouts(), first.rows(), first.cols()});
+  write_channels(dataset, channels);
+  for (Index h = 0; h < target.num_rollouts(); ++h) {
+    const RowMatrix& rollout = target.rollouts[static_cast<std::size_t>(h)].*values;
+    dataset.write_rows<double>(h, 1, {rollout.data(), static_cast<std::size_t>(rollout.size())});
+  }
+}
+
+void add_channels(Hasher& hasher, const std::vector<Channel>& channels) {
+  hasher.add(static_cast<std::int64_t>(channels.size()));
+  for (const Channel& channel : channels) {
+    hasher.add(channel.label);
+    hasher.add(channel.unit);
+  }
+}
+
+void add_matrix(Hasher& hasher, const RowMatrix& values) {
+  hasher.add(static_cast<std::int64_t>(values.rows()));
+  hasher.add(static_cast<std::int64_t>(values.cols()));
+  hasher.add_bytes(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double));
+}
+
+}  // namespace
+
+Target read_recording(const std::filesystem::path& path, const std::optional<Channels>& expected) {
+  const h5::File file = h5::File::open(path);
+  const h5::Dataset states = file.dataset("states");
+  const h5::Dataset actions = file.dataset("actions");
+  states.require_shape({-1, -1, -1});
+  actions.require_shape({states.shape()[0], states.shape()[1] - 1, -1});
+  states.require_readable(h5::ElementType::f64);
+  actions.require_readable(h5::ElementType::f64);
+
+  Target target;
+  target.dt = file.attribute<double>("dt");
+  if (file.has_attribute("source")) target.source = file.attribute<std::string>("source");
+  target.state_channels = read_channels(states);
+  target.action_channels = read_channels(actions);
+  if (expected) {
+    check_channels(states.where() + ": channels", target.state_channels, expected->states);
+    check_channels(actions.where() + ": channels", target.action_channels, expected->actions);
+  }
+  Index h = 0;
+  for (const std::string& name : read_names(file, states.num_rows())) {
+    target.rollouts.push_back({name, read_rollout(states, h), read_rollout(actions, h)});
+    ++h;
+  }
+  target.check(file.where());
+  return target;
+}
+
+void write_recording(const Target& target, const std::filesystem::path& path) {
+  target.check(path.string());
+  AtomicFile atomic(path);
+  h5::File file = h5::File::create(atomic.temporary(), path.string());
+  write_target(file, target);
+  file.close();
+  atomic.commit();
+}
+
+void write_target(h5::File& file, const Target& target) {
+  file.set_attribute("dt", target.dt);
+  file.set_attribute("source", target.source);
+  write_rollouts(file, target, "states", &Rollout::states, target.state_channels);
+  write_rollouts(file, target, "actions", &Rollout::actions, target.action_channels);
+  std::vector<std::string> names;
+  for (const Rollout& rollout : target.rollouts) names.push_back(rollout.name);
+  file.write_texts("rollout", names);
+}
+
+std::string content_hash(const Target& target) {
+  Hasher hasher;
+  hasher.add(target.dt);
+  add_channels(hasher, target.state_channels);
+  add_channels(hasher, target.action_channels);
+  hasher.add(static_cast<std::int64_t>(target.num_rollouts()));
+  for (const Rollout& rollout : target.rollouts) {
+    add_matrix(hasher, rollout.states);
+    add_matrix(hasher, rollout.actions);
+  }
+  return hasher.hex();
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,79 @@
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class BadInput : public ::testing::Test {
+ protected:
+  // The outcome of a run of the small study with `from` replaced by `to`.
+  Outcome run_with(const std::string& from, const std::string& to) {
+    std::string text = small_study();
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    std::ofstream(folder_.path() / "small.toml") << text;
+    return run(folder_.path(), {"npdr", "run", "small.toml"});
+  }
+
+  static void expect_rejected(const Outcome& outcome, const std::string& part) {
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(BadInput, MisspeltKey) {
+  expect_rejected(run_with("num_simulations = 150", "num_simulation = 150"), "num_simulations");
+}
+
+TEST_F(BadInput, PriorWithLowAboveHigh) {
+  expect_rejected(
+      run_with("pole_mass = { uniform = [0.3, 1.7] }", "pole_mass = { uniform = [1.7, 0.3] }"),
+      "small.toml:10:");
+}
+
+TEST_F(BadInput, UnknownSimulator) {
+  expect_rejected(run_with("\"pendulum\"", "\"pendulm\""), "pendulum");
+}
+
+TEST_F(BadInput, MissingStudyAndUnknownCommandAndNoCommand) {
+  EXPECT_EQ(run(folder_.path(), {"npdr", "run", "none.toml"}).status, 2);
+  EXPECT_EQ(run(folder_.path(), {"npdr", "rnu"}).status, 2);
+  EXPECT_EQ(run(folder_.path(), {"npdr"}).status, 2);
+}
+
+TEST_F(BadInput, WorkFolderThatCannotBeMade) {
+  std::ofstream(folder_.path() / "small.toml") << small_study();
+  std::ofstream(folder_.path() / "runs") << "a file";
+  const Outcome outcome = run(folder_.path(), {"npdr", "run", "small.toml"});
+  EXPECT_NE(outcome.status, 0);
+  EXPECT_NE(outcome.err.find("runs"), std::string::npos) << outcome.err;
+}
+
+TEST_F(BadInput, TruncatedShardIsFoundAndNamed) {
+  std::ofstream(folder_.path() / "small.toml") << small_study();
+  ASSERT_EQ(run(folder_.path(), {"npdr", "run", "small.toml", "--until", "simulate"}).status, 0);
+  std::filesystem::path shard;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path() / "runs" /
+                                                                         ".cache" / "simulate")) {
+    if (entry.path().filename().string().starts_with("rows-")) shard = entry.path();
+  }
+  std::filesystem::resize_file(shard, std::filesystem::file_size(shard) / 2);
+  const Outcome outcome = run(folder_.path(), {"npdr", "run", "small.toml"});
+  EXPECT_NE(outcome.status, 0);
+  EXPECT_NE(outcome.err.find(shard.filename().string()), std::string::npos) << outcome.err;
+}
+
+TEST_F(BadInput, TooManyFailedRolloutsHaveAStatusOfTheirOwn) {
+  // A torque of 4.5 N m on a rod of 1 cm and some grams: the integration diverges.
+  const Outcome outcome =
+      run_with("pole_mass = { uniform = [0.3, 1.7] }\npole_length = { uniform = [0.3, 1.7] }",
+               "pole_mass = { uniform = [0.01, 0.02] }\npole_length = { uniform = [0.01, 0.02] }");
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_NE(outcome.err.find("rows failed, limits.max_failed_fraction"), std::string::npos)
+      << outcome.err;
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,117 @@
+/// Runs the project's executables as a user would.
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "pipeline/store/artefact.h"
+#include "tests/pipeline/temp_folder.h"
+
+namespace npdr::pipeline {
+
+struct Outcome {
+  int status = 0;  ///< exit status, or 128 + the signal that ended it
+  std::string out;
+  std::string err;
+};
+
+/// A running program of the project, in the folder `folder`.
+class Program {
+ public:
+  Program(const std::filesystem::path& folder, const std::vector<std::string>& words)
+      : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
+    const std::string path = std::string(NPDR_BINARY_DIR) + "/bin/" + words.front();
+    pid_ = fork();
+    if (pid_ != 0) return;
+    if (chdir(folder.c_str()) != 0) _exit(127);
+    redirect(out_, STDOUT_FILENO);
+    redirect(err_, STDERR_FILENO);
+    std::vector<char*> arguments;
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    execv(path.c_str(), arguments.data());
+    _exit(127);
+  }
+
+  void send(int signal) const { kill(pid_, signal); }
+
+  Outcome wait() const {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(out_),
+            text_of(err_)};
+  }
+
+ private:
+  static void redirect(const std::filesystem::path& path, int descriptor) {
+    const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    dup2(file, descriptor);
+    close(file);
+  }
+
+  std::filesystem::path out_, err_;
+  pid_t pid_ = -1;
+};
+
+inline Outcome run(const std::filesystem::path& folder, const std::vector<std::string>& words) {
+  return Program(folder, words).wait();
+}
+
+/// A small pendulum study that takes a second: two methods, two rounds.
+inline std::string small_study() {
+  return R"toml([study]
+name = "small"
+seeds = [1]
+[target]
+truth = {}
+num_rollouts = 2
+[simulator]
+name = "pendulum"
+[prior]
+pole_mass = { uniform = [0.3, 1.7] }
+pole_length = { uniform = [0.3, 1.7] }
+[observation_noise]
+scale = 0.1
+[[method]]
+name = "NPDR (MAF)"
+algorithm = "npe_c"
+num_rounds = 2
+num_simulations = 150
+embedding = { kind = "linear", features = 8, downsample = 20, principal_components = 12 }
+density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
+training = { max_epochs = 30 }
+[[method]]
+name = "NPDR (MoG)"
+algorithm = "npe_c"
+num_rounds = 2
+num_simulations = 150
+embedding = { kind = "bayessim" }
+density_estimator = { kind = "mdn", num_components = 3, hidden_features = 10 }
+training = { max_epochs = 30 }
+[evaluate]
+num_samples = 50
+)toml";
+}
+
+/// Digests of all artefacts of a work folder, by their place in the study's readable folder.
+inline std::map<std::string, std::string> digests(const std::filesystem::path& study_folder) {
+  std::map<std::string, std::string> found;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(study_folder)) {
+    if (entry.path().extension() != ".h5") continue;
+    found[entry.path().lexically_relative(study_folder)] = content_digest(entry.path());
+  }
+  return found;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,72 @@
+#include <cstdlib>
+
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class Reproducibility : public ::testing::Test {
+ protected:
+  void SetUp() override { std::ofstream(folder_.path() / "small.toml") << small_study(); }
+
+  // Digests of a whole run into a work folder of its own.
+  std::map<std::string, std::string> digests_of(const std::string& work,
+                                                const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", work};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(folder_.path(), words);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return digests(folder_.path() / work / "small");
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Reproducibility, SameBitsForAnyThreadCountAndShardSize) {
+  setenv("OMP_NUM_THREADS", "1", 1);
+  const auto reference = digests_of("one", {"--jobs", "1"});
+  setenv("OMP_NUM_THREADS", "3", 1);
+  const auto threads = digests_of("three", {"--jobs", "3"});
+  const auto shards = digests_of("shards", {"--set", "simulate.shard_size=37"});
+  unsetenv("OMP_NUM_THREADS");
+  EXPECT_EQ(reference.size(), 16u);  // target, baseline, and 2 x (2 x 3 + 1) of the methods
+  EXPECT_EQ(threads, reference);
+  EXPECT_EQ(shards, reference);
+}
+
+TEST_F(Reproducibility, AnotherSeedGivesOtherBits) {
+  const auto first = digests_of("a", {});
+  const auto second = digests_of("b", {"--set", "study.seeds=[2]"});
+  EXPECT_NE(first.at("npdr-maf/seed-1/round-2/infer.h5"),
+            second.at("npdr-maf/seed-2/round-2/infer.h5"));
+}
+
+TEST_F(Reproducibility, ASecondRunDoesNothing) {
+  digests_of("runs", {});
+  const Outcome again = run(folder_.path(), {"npdr", "run", "small.toml", "--dry-run"});
+  EXPECT_EQ(again.out, "");
+}
+
+TEST_F(Reproducibility, AChangedTrainingKeyKeepsTheSimulationsOfRoundOne) {
+  digests_of("runs", {});
+  const Outcome plan = run(folder_.path(), {"npdr", "run", "small.toml", "--dry-run", "--set",
+                                            "method.training.learning_rate=1e-3"});
+  EXPECT_EQ(plan.out.find("# simulate NPDR (MAF), seed 1, round 1"), std::string::npos);
+  EXPECT_NE(plan.out.find("# infer NPDR (MAF), seed 1, round 1"), std::string::npos);
+  EXPECT_NE(plan.out.find("# simulate NPDR (MAF), seed 1, round 2"), std::string::npos);
+}
+
+TEST_F(Reproducibility, VerifyRecomputesRowsBitForBit) {
+  digests_of("runs", {});
+  for (const char* artefact : {"simulate", "propose"}) {
+    const Outcome outcome = run(
+        folder_.path(),
+        {"npdr", "verify", std::string("runs/small/npdr-maf/seed-1/round-1/") + artefact + ".h5"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("10 of 150 rows recomputed, 0 differ"), std::string::npos)
+        << outcome.out;
+  }
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,120 @@
+#include "pipeline/store/atomic_file.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/error.h"
+#include "file_size_limit.h"
+#include "temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+TEST(AtomicFile, HasItsNameOnlyAfterCommit) {
+  const TempFolder folder;
+  {
+    AtomicFile file(folder / "a.txt");
+    std::ofstream(file.temporary()) << "new";
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
+    EXPECT_EQ(file.temporary().parent_path(), folder.path());
+    file.commit();
+  }
+  EXPECT_EQ(text_of(folder / "a.txt"), "new");
+  EXPECT_EQ(folder.size(), 1);
+}
+
+TEST(AtomicFile, AnAbandonedWriteLeavesTheOldFileAndNothingElse) {
+  const TempFolder folder;
+  folder.file("a.txt", "old");
+  EXPECT_THROW(
+      {
+        AtomicFile file(folder / "a.txt");
+        std::ofstream(file.temporary()) << "half of the n";
+        throw Error("the writer failed");
+      },
+      Error);
+  EXPECT_EQ(text_of(folder / "a.txt"), "old");
+  EXPECT_EQ(folder.size(), 1);
+}
+
+TEST(AtomicFile, AFailedWriteLeavesTheOldFileAndSaysWhatToDo) {
+  const TempFolder folder;
+  folder.file("a.txt", "old");
+  const FileSizeLimit limit(1000);
+  EXPECT_EQ(
+      message_of<Error>([&] { write_text_file(folder / "a.txt", std::string(5000, 'x')); },
+                        &folder),
+      "a.txt: can't be written: File too large; raise the limit on the size of a file (ulimit "
+      "-f)");
+  EXPECT_EQ(text_of(folder / "a.txt"), "old");
+  EXPECT_EQ(folder.size(), 1);
+}
+
+TEST(AtomicFile, MakesTheFolder) {
+  const TempFolder folder;
+  write_text_file(folder / "x/y/a.txt", "text");
+  EXPECT_EQ(text_of(folder / "x/y/a.txt"), "text");
+}
+
+TEST(AtomicFile, TwoWritersOfOneFileDontMeet) {
+  const TempFolder folder;
+  AtomicFile first(folder / "a.txt"), second(folder / "a.txt");
+  std::ofstream(first.temporary()) << "first";
+  std::ofstream(second.temporary()) << "second";
+  first.commit();
+  EXPECT_EQ(text_of(folder / "a.txt"), "first");
+  second.commit();
+  EXPECT_EQ(text_of(folder / "a.txt"), "second");
+}
+
+TEST(AtomicFile, SaysWhenTheFolderIsAFile) {
+  const TempFolder folder;
+  folder.file("f", "");
+  EXPECT_EQ(message_of<Error>([&] { AtomicFile file(folder / "f/a.txt"); }, &folder),
+            "f: can't be made a folder: Not a directory");
+}
+
+TEST(AtomicFile, SaysWhenTheFolderCantBeWrittenTo) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  const TempFolder folder;
+  std::filesystem::permissions(
+      folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  EXPECT_EQ(
+      message_of<Error>([&] { AtomicFile file(folder / "a.txt"); }, &folder),
+      "a.txt: can't be written: Permission denied; make the folder writable or choose another "
+      "one with --work");
+}
+
+// The id of a process that no longer runs.
+pid_t dead_process() {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ::waitpid(child, nullptr, 0);
+  return child;
+}
+
+TEST(AtomicFile, RemovesWhatDeadProcessesOfThisHostLeftBehindAndNothingElse) {
+  const TempFolder folder;
+  const std::string stale = fmt::format(".a.h5.{}.{}.0.tmp", host_name(), dead_process());
+  const std::vector<std::string> kept = {
+      fmt::format(".a.h5.{}.{}.0.tmp", host_name(), ::getpid()),
+      fmt::format(".a.h5.{}.1.0.tmp", host_name()),
+      fmt::format(".a.h5.other-host.{}.0.tmp", dead_process()),
+      fmt::format(".a.h5.{}.x.0.tmp", host_name()),
+      fmt::format("a.h5.{}.{}.0.tmp", host_name(), dead_process()),
+      fmt::format(".a.h5.{}.{}.0", host_name(), dead_process()),
+      "results.h5",
+      ".tmp",
+  };
+  folder.file(stale, "");
+  for (const std::string& name : kept) folder.file(name, "");
+  write_text_file(folder / "new.txt", "");
+  EXPECT_FALSE(std::filesystem::exists(folder / stale));
+  for (const std::string& name : kept) EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  EXPECT_EQ(remove_stale_temporaries(folder.path()), 0);
+  EXPECT_EQ(remove_stale_temporaries(folder / "missing"), 0);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

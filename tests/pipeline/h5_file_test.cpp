@@ -1,0 +1,165 @@
+// Opening, closing and joining HDF5 files.
+#include <sys/file.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "counted.h"
+#include "file_size_limit.h"
+#include "pipeline/store/h5.h"
+#include "temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// What the next flock() of HDF5 fails with; 0: nothing.
+int lock_error = 0;
+
+struct FailingLocks {
+  explicit FailingLocks(int error) { lock_error = error; }
+  ~FailingLocks() { lock_error = 0; }
+  FailingLocks(const FailingLocks&) = delete;
+  FailingLocks& operator=(const FailingLocks&) = delete;
+};
+
+}  // namespace
+}  // namespace npdr::pipeline
+
+// HDF5 calls this one instead of the C library's: a file system without locks can't be had in a
+// test.
+extern "C" int flock(int file, int operation) {
+  if (npdr::pipeline::lock_error == 0) {
+    return static_cast<int>(::syscall(SYS_flock, file, operation));
+  }
+  errno = npdr::pipeline::lock_error;
+  return -1;
+}
+
+namespace npdr::pipeline {
+namespace {
+
+using h5::ElementType;
+using h5::File;
+
+// Three files of two rows of 'x' each, counted from 0, and one that joins them.
+void write_joined(const TempFolder& folder) {
+  std::vector<h5::VirtualSource> parts;
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = "part" + std::to_string(i) + ".h5";
+    File part = File::create(folder / name);
+    part.write("x", RowMatrix(counted(2, 3).array() + 6.0 * i));
+    part.close();
+    parts.push_back({name, "x", 2});
+  }
+  File file = File::create(folder / "joined.h5");
+  file.create_virtual_dataset("x", ElementType::f64, {6, 3}, parts);
+  file.close();
+}
+
+TEST(H5File, AVirtualDatasetIsReadLikeItsParts) {
+  const TempFolder folder;
+  write_joined(folder);
+  const File file = File::open(folder / "joined.h5");
+  const h5::Dataset x = file.dataset("x");
+  std::vector<double> row(3);
+  for (const Index i : {5, 0, 3}) {
+    x.read_rows<double>(i, 1, row);
+    EXPECT_EQ(row[0], 3.0 * static_cast<double>(i));
+  }
+  EXPECT_EQ(file.read_matrix<double>("x"), counted(6, 3)) << "while the other one is open";
+}
+
+TEST(H5File, AVirtualDatasetCanBeReadFromAnotherCurrentFolder) {
+  const TempFolder folder;
+  write_joined(folder);
+  const auto old = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  const RowMatrix values = File::open("joined.h5").read_matrix<double>("x");
+  std::filesystem::current_path(old);
+  EXPECT_EQ(values, counted(6, 3));
+}
+
+TEST(H5File, AVirtualDatasetWithoutItsPartsIsRefused) {
+  const TempFolder folder;
+  write_joined(folder);
+  const auto reading = [&] {
+    return message_of<InputError>(
+        [&] { File::open(folder / "joined.h5").read_matrix<double>("x"); }, &folder);
+  };
+  File part = File::create(folder / "part1.h5");
+  part.write("x", RowMatrix(counted(1, 3)));
+  part.close();
+  EXPECT_EQ(reading(), "joined.h5: dataset 'x': its parts hold 5 rows, it claims 6");
+  std::filesystem::remove(folder / "part1.h5");
+  EXPECT_EQ(reading(),
+            "joined.h5: dataset 'x': its part 'part1.h5' is missing; remove the joined file and "
+            "rerun stage 'simulate'");
+}
+
+TEST(H5File, ClosingAFileClosesWhatIsOpenInIt) {
+  const TempFolder folder;
+  File file = File::create(folder / "a.h5");
+  h5::Dataset dataset = file.create_dataset("x", ElementType::f64, {1});
+  dataset.write_rows<double>(0, 1, std::vector<double>{3.0});
+  file.close();
+  EXPECT_EQ(File::open(folder / "a.h5").read_vector<double>("x")(0), 3.0);
+}
+
+TEST(H5File, ADatasetKeepsTheFileThatItIsReadFromOpen) {
+  const TempFolder folder;
+  File file = File::create(folder / "a.h5");
+  file.write("x", counted(2, 2));
+  file.close();
+  const h5::Dataset x = File::open(folder / "a.h5").dataset("x");
+  EXPECT_EQ(x.read<double>(), (std::vector<double>{0.0, 1.0, 2.0, 3.0}));
+}
+
+TEST(H5File, EqualContentGivesEqualFiles) {
+  const TempFolder folder;
+  for (const char* name : {"a.h5", "b.h5"}) {
+    File file = File::create(folder / name);
+    file.write("theta", counted(100, 3));
+    file.create_group("group").set_attribute("name", std::string("a"));
+    file.close();
+    ::sleep(1);  // HDF5 counts times of creation in seconds
+  }
+  EXPECT_EQ(text_of(folder / "a.h5"), text_of(folder / "b.h5"));
+}
+
+TEST(H5File, AFailedWriteSaysWhyAndWhatToDo) {
+  const TempFolder folder;
+  const FileSizeLimit limit(100'000);
+  EXPECT_EQ(
+      message_of<Error>(
+          [&] {
+            File file = File::create(folder / "a.h5");
+            file.write("x", RowMatrix(RowMatrix::Random(300, 300)));
+            file.close();
+          },
+          &folder),
+      "a.h5: can't be written: file write failed: File too large; raise the limit on the size "
+      "of a file (ulimit -f)");
+}
+
+TEST(H5File, OpensFilesWhereTheFileSystemHasNoLocks) {
+  const TempFolder folder;
+  for (const int error : {ENOSYS, ENOLCK, EOPNOTSUPP}) {
+    const FailingLocks failing(error);
+    File file = File::create(folder / "a.h5");
+    file.write("theta", counted(2, 2));
+    file.close();
+    EXPECT_EQ(File::open(folder / "a.h5").read_matrix<double>("theta"), counted(2, 2));
+  }
+}
+
+TEST(H5File, DoesntOpenAFileThatSomebodyElseWrites) {
+  const TempFolder folder;
+  File::create(folder / "a.h5").close();
+  const FailingLocks failing(EAGAIN);
+  EXPECT_EQ(message_of<InputError>([&] { File::open(folder / "a.h5"); }, &folder),
+            "a.h5: can't be opened: unable to lock file: Resource temporarily unavailable");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,62 @@
+/// A small valid study that tests take apart.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "pipeline/config/study_reader.h"
+
+namespace npdr::pipeline {
+
+inline constexpr const char* kStudyText = R"toml([study]
+name = "small"
+seeds = [1, 2]
+
+[target]
+truth = { pole_mass = 1.1 }
+
+[simulator]
+name = "pendulum"
+
+[prior]
+pole_mass = { uniform = [0.3, 1.7] }
+pole_length = { log_uniform = [0.3, 1.7] }
+
+[[method]]
+name = "NPDR (MAF)"
+num_simulations = 200
+
+[[method]]
+name = "NPDR (MoG)"
+density_estimator = { kind = "mog" }
+)toml";
+
+/// `text` with `from` replaced by `to`; the test fails unless `from` occurs.
+inline std::string edited(const std::string& text, const std::string& from, const std::string& to) {
+  std::string result = text;
+  const std::size_t begin = text.find(from);
+  EXPECT_NE(begin, std::string::npos) << from;
+  if (begin != std::string::npos) result.replace(begin, from.size(), to);
+  return result;
+}
+
+/// The problems of a study's text, as the reader reports them; "" when there are none.
+inline std::string problems_of(const std::string& text,
+                               const std::vector<std::string>& overrides = {}) {
+  try {
+    parse_study(text, "s.toml", overrides);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The problems of the small study after one edit.
+inline std::string problems_after(const std::string& from, const std::string& to) {
+  return problems_of(edited(kStudyText, from, to));
+}
+
+}  // namespace npdr::pipeline
