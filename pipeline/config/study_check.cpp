@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <set>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/text.h"
@@ -95,7 +96,8 @@ void StudyChecker::check_target() {
 }
 
 void StudyChecker::check_recording(const std::string& recording) {
-  if (!std::filesystem::is_regular_file(recording)) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(recording, unreadable)) {
     fail("target.recording", quoted(recording), "an existing HDF5 file");
   }
   if (reading_.has("target.seed")) {
@@ -119,7 +121,7 @@ const sim::Parameter* StudyChecker::find_parameter(const std::string& path,
 void StudyChecker::check_values(const std::string& path, const Numbers& values) {
   if (!info_) return;
   for (const auto& [name, value] : values) {
-    const std::string member = path + "." + name;
+    const std::string member = fmt::format("{}.{}", path, name);
     const sim::Parameter* parameter = find_parameter(path, name);
     if (parameter == nullptr || !reading_.good(member)) continue;
     if (value < parameter->lower || value > parameter->upper) {
@@ -190,7 +192,7 @@ void StudyChecker::check_method(std::size_t i) {
   const std::vector<std::string> metrics = metric_names();
   for (const auto& [metric, figure] : method.published) {
     if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) {
-      reading_.fail(path + ".published." + metric,
+      reading_.fail(fmt::format("{}.published.{}", path, metric),
                     "method.published: " + unknown_name("metric", shortened(metric), metrics));
     }
   }

@@ -1,6 +1,7 @@
 #include "pipeline/config/study_reader.h"
 
 #include <fstream>
+#include <system_error>
 
 #include "core/error.h"
 #include "pipeline/config/study_check.h"
@@ -18,7 +19,9 @@ constexpr Index kTruthRollouts = 5;
 
 std::string read_text(const fs::path& file) {
   const std::string name = file.string();
-  if (fs::is_directory(file)) throw InputError(name + ": is a folder, must be a study file");
+  std::error_code unreadable;
+  if (fs::is_directory(file, unreadable))
+    throw InputError(name + ": is a folder, must be a study file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw InputError(name + ": can't be opened; does it exist and may you read it?");
   // Read through a limit instead of asking for the size, which pipes and devices don't have.

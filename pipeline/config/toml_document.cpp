@@ -1,5 +1,7 @@
 #include "pipeline/config/toml_document.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -18,7 +20,14 @@ using Path = std::vector<std::string>;
 constexpr std::string_view kOverride = "--set ";
 
 // toml++ destroys nested tables recursively; a key of very many parts would overflow the stack.
-constexpr std::ptrdiff_t kMaxDots = 10'000;
+constexpr std::ptrdiff_t kMaxDotsOfFile = 10'000;
+constexpr std::ptrdiff_t kMaxDotsOfOverride = 1'000;
+
+void require_few_dots(std::string_view text, std::ptrdiff_t limit) {
+  const auto dots = std::count(text.begin(), text.end(), '.');
+  if (dots <= limit) return;
+  throw InputError(fmt::format("holds {} dots, more than a study needs ({})", dots, limit));
+}
 
 // One key=value of the command line, not parsed yet.
 struct Assignment {
@@ -47,6 +56,7 @@ Assignment split(const std::string& text) {
   if (equals == std::string::npos || std::any_of(text.begin(), text.end(), is_control)) {
     throw InputError("must be one line of the form key=value");
   }
+  require_few_dots(text, kMaxDotsOfOverride);
   return {std::string(kOverride) + text, text.substr(0, equals), text.substr(equals + 1)};
 }
 
@@ -153,14 +163,11 @@ void remove_rival(toml::table& document, const Path& path) {
 }  // namespace
 
 toml::table parse_toml(std::string_view text, const std::string& origin) {
-  const auto dots = std::count(text.begin(), text.end(), '.');
-  if (dots > kMaxDots) {
-    throw InputError(origin + ": holds " + std::to_string(dots) +
-                     " dots, more than a study needs (" + std::to_string(kMaxDots) +
-                     "): not a study file");
-  }
   try {
+    require_few_dots(text, kMaxDotsOfFile);
     return toml::parse(text, std::string_view(origin));
+  } catch (const InputError& error) {
+    throw InputError(origin + ": " + error.what());
   } catch (const toml::parse_error& error) {
     throw InputError(place_of(error.source(), origin).str() + ": " +
                      std::string(error.description()));

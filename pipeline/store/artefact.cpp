@@ -11,6 +11,8 @@
 namespace npdr::pipeline {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr const char* kVolatile = "volatile";
 constexpr const char* kProvenance = "provenance";
 
@@ -35,7 +37,7 @@ void write_identity(h5::File& file, const Schema& schema, const Identity& identi
   file.set_attribute("input_keys", keys);
 }
 
-void write_provenance(h5::File& file, const nlohmann::ordered_json& study, double seconds) {
+void write_provenance(h5::File& file, const Json& study, double seconds) {
   h5::Group group = file.create_group(kProvenance);
   mark_volatile(group);
   group.set_attribute("creator_version", creator_version());
@@ -44,7 +46,8 @@ void write_provenance(h5::File& file, const nlohmann::ordered_json& study, doubl
   group.set_attribute("host", host_name());
   group.set_attribute("created", now_utc());
   group.set_attribute("wall_seconds", seconds);
-  group.set_attribute("study", study.dump());
+  // Paths needn't be UTF-8; JSON must.
+  group.set_attribute("study", study.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void require_complete(const h5::File& file) {

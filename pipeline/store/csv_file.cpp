@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <system_error>
 
 #include "core/error.h"
 #include "pipeline/config/constraint.h"
@@ -39,7 +40,8 @@ Channel parse_channel(const std::string& field) {
 }  // namespace
 
 CsvFile::CsvFile(const std::filesystem::path& path) : name_(path.string()) {
-  if (std::filesystem::is_directory(path))
+  std::error_code unreadable;
+  if (std::filesystem::is_directory(path, unreadable))
     throw InputError(name_ + ": is a folder, must be a file");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw InputError(name_ + ": can't be opened; does it exist and may you read it?");

@@ -65,7 +65,8 @@ File File::create(const std::filesystem::path& path, const std::string& shown_as
 File File::open(const std::filesystem::path& path) {
   prepare();
   const std::string name = path.string();
-  const auto type = std::filesystem::status(path).type();
+  std::error_code unreadable;  // HDF5 says why
+  const auto type = std::filesystem::status(path, unreadable).type();
   if (type == std::filesystem::file_type::not_found) throw InputError(name + ": doesn't exist");
   if (type == std::filesystem::file_type::directory) {
     throw InputError(name + ": is a folder, must be an HDF5 file");

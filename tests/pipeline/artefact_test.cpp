@@ -57,6 +57,15 @@ TEST(Artefact, SaysWhatItIsAndWhereItComesFrom) {
   EXPECT_GT(info.provenance.wall_seconds, 0.0);
 }
 
+TEST(Artefact, HoldsAStudyWhosePathsArentUtf8) {
+  const TempFolder folder;
+  Identity made_from = identity();
+  made_from.study["target"]["recording"] = "caf\xe9.h5";
+  write_artefact(folder / "a.h5", 1.0, kSchema, made_from);
+  EXPECT_EQ(read_artefact_info(folder / "a.h5").identity.study["target"]["recording"],
+            "caf\xEF\xBF\xBD.h5");
+}
+
 TEST(Artefact, OpensWithItsSchemaAndKey) {
   const TempFolder folder;
   write_artefact(folder / "a.h5");

@@ -28,9 +28,9 @@ struct FailingLocks {
 
 // HDF5 calls this one instead of the C library's: a file system without locks can't be had in a
 // test.
-extern "C" int flock(int file, int operation) {
+extern "C" int flock(int fd, int operation) {
   if (npdr::pipeline::lock_error == 0) {
-    return static_cast<int>(::syscall(SYS_flock, file, operation));
+    return static_cast<int>(::syscall(SYS_flock, fd, operation));
   }
   errno = npdr::pipeline::lock_error;
   return -1;
@@ -151,6 +151,12 @@ TEST(H5File, OpensFilesWhereTheFileSystemHasNoLocks) {
     file.close();
     EXPECT_EQ(File::open(folder / "a.h5").read_matrix<double>("theta"), counted(2, 2));
   }
+}
+
+TEST(H5File, ANameTooLongForTheFileSystemIsNoSurprise) {
+  const std::string name(5000, 'a');
+  EXPECT_EQ(message_of<InputError>([&] { File::open(name); }),
+            name + ": can't be opened: unable to open file: File name too long");
 }
 
 TEST(H5File, DoesntOpenAFileThatSomebodyElseWrites) {

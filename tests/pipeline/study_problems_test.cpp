@@ -233,6 +233,15 @@ TEST(StudyProblems, OverridesThatCantBeReadSaySo) {
             "--set report.title=: Error while parsing key-value pair: encountered end-of-file");
 }
 
+TEST(StudyProblems, NamesTooLongForTheFileSystemAreNoSurprise) {
+  const std::string name(5000, 'a');
+  EXPECT_NE(message_of<InputError>([&] { read_study(name); }).find("can't be opened"),
+            std::string::npos);
+  EXPECT_NE(problems_of(kStudyText, {"target.recording=" + name.substr(0, 4000)})
+                .find("must be an existing HDF5 file"),
+            std::string::npos);
+}
+
 TEST(StudyProblems, SyntaxErrorsHaveAPosition) {
   EXPECT_EQ(problems_after("[study]", "[study"),
             "s.toml:1:7: Error while parsing table header: expected ']', saw '\\n'");
@@ -261,7 +270,7 @@ TEST(StudyProblems, HostileFilesAreRefused) {
   std::string deep;
   for (int i = 0; i < 200'000; ++i) deep += "a.";
   EXPECT_EQ(read(folder.file("deep.toml", deep + "a = 1")),
-            "deep.toml: holds 200000 dots, more than a study needs (10000): not a study file");
+            "deep.toml: holds 200000 dots, more than a study needs (10000)");
   EXPECT_EQ(read(folder.file("nested.toml", "a = " + std::string(100'000, '['))).substr(0, 13),
             "nested.toml:1");
 }
@@ -276,6 +285,10 @@ TEST(StudyProblems, ManyDotsThatAreAllowedDontOverflowTheStack) {
   std::string deep;
   for (int i = 0; i < 10'000; ++i) deep += "a.";
   EXPECT_NE(problems_of(deep + "a = 1").find("unknown key 'a'"), std::string::npos);
+  EXPECT_NE(problems_of(kStudyText, {deep.substr(0, 2000) + "a=1"}).find("unknown key 'a'"),
+            std::string::npos);
+  EXPECT_NE(problems_of(kStudyText, {deep.substr(0, 2002) + "a=1"}).find("holds 1001 dots"),
+            std::string::npos);
 }
 
 }  // namespace

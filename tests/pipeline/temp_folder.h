@@ -62,8 +62,8 @@ std::string message_of(const Body& body, const TempFolder* folder = nullptr) {
     message = error.what();
   }
   const std::string prefix = folder == nullptr ? "" : folder->path().string() + "/";
-  for (std::size_t at; !prefix.empty() && (at = message.find(prefix)) != std::string::npos;) {
-    message.erase(at, prefix.size());
+  while (!prefix.empty() && message.find(prefix) != std::string::npos) {
+    message.erase(message.find(prefix), prefix.size());
   }
   return message;
 }

@@ -1,0 +1,114 @@
+/// What groups and datasets of HDF5 files have in common: types, an identifier, attributes.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/types.h"
+
+namespace npdr::pipeline::h5 {
+
+/// Numbers of rows, columns, ...; empty for a scalar. In what is expected, -1 stands for any
+/// number.
+using Shape = std::vector<Index>;
+
+/// "(5, 1251, 4)"; "(any, 4)" for -1.
+std::string to_string(const Shape& shape);
+
+enum class ElementType { f32, f64, u8, i64, text };
+
+template <class T>
+constexpr ElementType element_type();
+template <>
+constexpr ElementType element_type<float>() {
+  return ElementType::f32;
+}
+template <>
+constexpr ElementType element_type<double>() {
+  return ElementType::f64;
+}
+template <>
+constexpr ElementType element_type<std::uint8_t>() {
+  return ElementType::u8;
+}
+template <>
+constexpr ElementType element_type<std::int64_t>() {
+  return ElementType::i64;
+}
+
+/// Owns an identifier of the HDF5 library.
+class Handle {
+ public:
+  Handle() = default;
+  explicit Handle(std::int64_t id) : id_(id) {}
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~Handle();
+
+  std::int64_t id() const { return id_; }
+  /// Gives up the identifier without closing it.
+  std::int64_t release() { return std::exchange(id_, -1); }
+
+ private:
+  std::int64_t id_ = -1;
+};
+
+/// What can carry attributes: a group or a dataset.
+class Object {
+ public:
+  /// The file, and the object in it, as messages call it: "theta.h5: dataset 'theta'".
+  const std::string& where() const { return where_; }
+  std::int64_t id() const { return handle_.id(); }
+
+  bool has_attribute(const std::string& name) const;
+  /// Sorted.
+  std::vector<std::string> attribute_names() const;
+
+  void set_attribute(const std::string& name, double value);
+  void set_attribute(const std::string& name, Index value);
+  void set_attribute(const std::string& name, const std::string& value);
+  void set_attribute(const std::string& name, const std::vector<double>& values);
+  void set_attribute(const std::string& name, const std::vector<Index>& values);
+  void set_attribute(const std::string& name, const std::vector<std::string>& values);
+
+  /// Throws InputError when the attribute is missing or of none of our types.
+  ElementType attribute_type(const std::string& name) const;
+
+  /// T is one of double, Index, std::string and std::vector of one of them. Throws InputError when
+  /// the attribute is missing, or holds something else. Texts of fixed and of variable length are
+  /// read alike, and so are a value and a list of one; an integer may be read as a double.
+  template <class T>
+  T attribute(const std::string& name) const;
+
+ protected:
+  Object(Handle handle, std::string where) : handle_(std::move(handle)), where_(std::move(where)) {}
+
+  /// Gives up the identifier without closing it.
+  std::int64_t release() { return handle_.release(); }
+
+ private:
+  Handle handle_;
+  std::string where_;
+};
+
+template <>
+double Object::attribute(const std::string& name) const;
+template <>
+Index Object::attribute(const std::string& name) const;
+template <>
+std::string Object::attribute(const std::string& name) const;
+template <>
+std::vector<double> Object::attribute(const std::string& name) const;
+template <>
+std::vector<Index> Object::attribute(const std::string& name) const;
+template <>
+std::vector<std::string> Object::attribute(const std::string& name) const;
+
+}  // namespace npdr::pipeline::h5
