@@ -10,9 +10,9 @@ target_include_directories(npdr_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(npdr_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
   -fno-math-errno -fno-trapping-math)
-# GCC 12 warns inside its own AVX-512 header (GCC bug 105593).
-target_compile_options(npdr_flags INTERFACE -Wno-maybe-uninitialized)
 if(NPDR_NATIVE)
+  # GCC 12 warns inside its own AVX-512 header (GCC bug 105593).
+  target_compile_options(npdr_flags INTERFACE -Wno-uninitialized -Wno-maybe-uninitialized)
   target_compile_options(npdr_flags INTERFACE -march=native -mprefer-vector-width=512)
 endif()
 if(NPDR_WERROR)
