@@ -1,3 +1,5 @@
+#include "pipeline/store/h5_object.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
