@@ -54,8 +54,7 @@ TEST(Embedding, DownSamplingKeepsEveryKthStateHoweverTheSeriesIsStored) {
 }
 
 TEST(Embedding, DeltaAndLastSteps) {
-  EXPECT_EQ(embed(config("delta_steps", 2)),
-            (std::vector<float>{2, 12, 2, 20, 2, 12, 2, 20}));
+  EXPECT_EQ(embed(config("delta_steps", 2)), (std::vector<float>{2, 12, 2, 20, 2, 12, 2, 20}));
   EXPECT_EQ(embed(config("last_step")), (std::vector<float>{6, 36, 16, 36}));
 }
 
