@@ -1,92 +1,153 @@
 #include "inference/algorithms/mixture_correction_loss.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 
 namespace npdr::inference {
 namespace {
 
-// One pair (k, j): g, the mean v of the product and the inverse of its precision A.
-struct Product {
-  double log_mass = 0.0;
-  Vector mean;
-  Eigen::MatrixXd covariance;
-};
-
-Product multiply(const Eigen::MatrixXd& precision_q, const Vector& mean_q,
-                 const Eigen::MatrixXd& precision_p, const Vector& mean_p, double log_det_q,
-                 double log_det_p) {
-  const Index d = mean_q.size();
-  const Eigen::MatrixXd a = precision_q + precision_p - Eigen::MatrixXd::Identity(d, d);
-  const Eigen::LLT<Eigen::MatrixXd> llt(a);
-  const Vector b = precision_q * mean_q + precision_p * mean_p;
-  Product product;
-  product.mean = llt.solve(b);
-  product.covariance = llt.solve(Eigen::MatrixXd::Identity(d, d));
-  const Eigen::MatrixXd factor = llt.matrixL();
-  const double log_det_a = 2.0 * factor.diagonal().array().log().sum();
-  product.log_mass = 0.5 * (log_det_q + log_det_p - log_det_a - mean_q.dot(precision_q * mean_q) -
-                            mean_p.dot(precision_p * mean_p) + b.dot(product.mean));
-  return product;
+double log_det(const Eigen::MatrixXd& precision_factor) {
+  return 2.0 * precision_factor.diagonal().array().log().sum();
 }
 
-double log_det(const Eigen::MatrixXd& factor) {
-  return 2.0 * factor.diagonal().array().log().sum();
-}
-
-GaussianMixtureGradient zero_gradient(const GaussianMixture& q) {
-  GaussianMixtureGradient gradient;
-  const Index d = q.dimension();
-  gradient.log_weights = Vector::Zero(q.num_components());
-  gradient.means.assign(static_cast<std::size_t>(q.num_components()), Vector::Zero(d));
-  gradient.precision_factors.assign(static_cast<std::size_t>(q.num_components()),
-                                    Eigen::MatrixXd::Zero(d, d));
-  return gradient;
-}
+std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-double log_normaliser(const GaussianMixture& q, const GaussianMixture& proposal,
-                      GaussianMixtureGradient& gradient) {
-  const Index num_q = q.num_components();
-  const Index num_p = proposal.num_components();
-  std::vector<Product> products;
-  Vector terms(num_q * num_p);
-  for (Index k = 0; k < num_q; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    const Eigen::MatrixXd precision = q.precision(k);
-    for (Index j = 0; j < num_p; ++j) {
-      const auto l = static_cast<std::size_t>(j);
-      products.push_back(multiply(precision, q.means[i], proposal.precision(j), proposal.means[l],
-                                  log_det(q.precision_factors[i]),
-                                  log_det(proposal.precision_factors[l])));
-      terms(k * num_p + j) = q.log_weights(k) + proposal.log_weights(j) + products.back().log_mass;
+MixtureCorrection::MixtureCorrection(const GaussianMixture& proposal)
+    : dimension_(proposal.dimension()) {
+  const Index d = dimension_;
+  factor_.resize(index(d * d));
+  inverse_factor_.resize(index(d * d));
+  blocks_.resize(index((proposal.num_components() + kLanes - 1) / kLanes));
+  for (Block& block : blocks_) {
+    block.log_constant.setConstant(-std::numeric_limits<double>::infinity());
+    block.precision_minus_identity.assign(index(d * d), Lanes::Zero());
+    block.precision_times_mean.assign(index(d), Lanes::Zero());
+  }
+  for (Index j = 0; j < proposal.num_components(); ++j) {
+    Block& block = blocks_[index(j / kLanes)];
+    const Index lane = j % kLanes;
+    const Eigen::MatrixXd precision = proposal.precision(j);
+    const Vector& mean = proposal.means[index(j)];
+    const Vector product = precision * mean;
+    block.log_constant(lane) =
+        proposal.log_weights(j) +
+        0.5 * (log_det(proposal.precision_factors[index(j)]) - mean.dot(product));
+    for (Index row = 0; row < d; ++row) {
+      block.precision_times_mean[index(row)](lane) = product(row);
+      for (Index col = 0; col < d; ++col) {
+        at(block.precision_minus_identity, row, col)(lane) =
+            precision(row, col) - (row == col ? 1.0 : 0.0);
+      }
     }
   }
-  const double log_z = log_sum_exp(terms);
+}
 
-  gradient = zero_gradient(q);
-  for (Index k = 0; k < num_q; ++k) {
-    const auto i = static_cast<std::size_t>(k);
+MixtureCorrection::Lanes& MixtureCorrection::at(LaneArray& matrix, Index row, Index col) const {
+  return matrix[index(row * dimension_ + col)];
+}
+
+double MixtureCorrection::log_normaliser(const GaussianMixture& q,
+                                         GaussianMixtureGradient* gradient) {
+  const Index num_blocks = static_cast<Index>(blocks_.size());
+  products_.resize(index(q.num_components() * num_blocks));
+  Vector log_masses(q.num_components() * num_blocks * kLanes);
+  for (Index k = 0; k < q.num_components(); ++k) {
     const Eigen::MatrixXd precision = q.precision(k);
-    const Eigen::MatrixXd inverse_factor =
-        q.precision_factors[i].triangularView<Eigen::Upper>().solve(
-            Eigen::MatrixXd::Identity(q.dimension(), q.dimension()));
-    const Eigen::MatrixXd covariance = inverse_factor * inverse_factor.transpose();
-    // dg/dmu = P (v - mu);  dg/dP = (P^-1 - A^-1 - (mu - v)(mu - v)') / 2;  dP = dU'U + U'dU.
-    Eigen::MatrixXd d_precision = Eigen::MatrixXd::Zero(q.dimension(), q.dimension());
-    for (Index j = 0; j < num_p; ++j) {
-      const Product& product = products[static_cast<std::size_t>(k * num_p + j)];
-      const double share = std::exp(terms(k * num_p + j) - log_z);
-      const Vector gap = product.mean - q.means[i];
-      gradient.log_weights(k) += share;
-      gradient.means[i] += share * (precision * gap);
-      d_precision += share * 0.5 * (covariance - product.covariance - gap * gap.transpose());
+    const Vector precision_times_mean = precision * q.means[index(k)];
+    const double log_constant =
+        q.log_weights(k) + 0.5 * (log_det(q.precision_factors[index(k)]) -
+                                  q.means[index(k)].dot(precision_times_mean));
+    for (Index b = 0; b < num_blocks; ++b) {
+      Product& product = products_[index(k * num_blocks + b)];
+      multiply(precision, precision_times_mean, blocks_[index(b)], gradient != nullptr, product);
+      product.log_mass += log_constant;
+      log_masses.segment<kLanes>((k * num_blocks + b) * kLanes) = product.log_mass.matrix();
     }
-    gradient.precision_factors[i] = 2.0 * q.precision_factors[i] * d_precision;
-    gradient.precision_factors[i].triangularView<Eigen::StrictlyLower>().setZero();
   }
+  const double log_z = log_sum_exp(log_masses);
+  if (gradient == nullptr) return log_z;
+  gradient->log_weights.resize(q.num_components());
+  gradient->means.resize(index(q.num_components()));
+  gradient->precision_factors.resize(index(q.num_components()));
+  for (Index k = 0; k < q.num_components(); ++k) add_gradient(q, k, log_z, *gradient);
   return log_z;
+}
+
+// Cholesky's A = L L', then L^-1, v = L^-T L^-1 b and A^-1 = L^-T L^-1, for all lanes at once.
+void MixtureCorrection::multiply(const Eigen::MatrixXd& precision,
+                                 const Vector& precision_times_mean, const Block& block,
+                                 bool with_covariance, Product& product) {
+  const Index d = dimension_;
+  product.log_mass = block.log_constant;
+  product.mean.assign(index(d), Lanes::Zero());
+  for (Index i = 0; i < d; ++i) {
+    for (Index j = 0; j <= i; ++j) {
+      Lanes sum = block.precision_minus_identity[index(i * d + j)] + precision(i, j);
+      for (Index l = 0; l < j; ++l) sum -= at(factor_, i, l) * at(factor_, j, l);
+      if (j < i) {
+        at(factor_, i, j) = sum * at(inverse_factor_, j, j);
+      } else {
+        product.log_mass -= 0.5 * sum.log();
+        at(inverse_factor_, i, i) = sum.rsqrt();
+      }
+    }
+    for (Index j = 0; j < i; ++j) {
+      Lanes sum = Lanes::Zero();
+      for (Index l = j; l < i; ++l) sum -= at(factor_, i, l) * at(inverse_factor_, l, j);
+      at(inverse_factor_, i, j) = sum * at(inverse_factor_, i, i);
+    }
+    Lanes y = Lanes::Zero();  // L^-1 b
+    for (Index l = 0; l <= i; ++l) {
+      y += at(inverse_factor_, i, l) *
+           (block.precision_times_mean[index(l)] + precision_times_mean(l));
+    }
+    product.log_mass += 0.5 * y.square();
+    for (Index l = 0; l <= i; ++l) product.mean[index(l)] += at(inverse_factor_, i, l) * y;
+  }
+  if (!with_covariance) return;
+  product.covariance.assign(index(d * d), Lanes::Zero());
+  for (Index l = 0; l < d; ++l) {
+    for (Index i = 0; i <= l; ++i) {
+      for (Index j = 0; j <= i; ++j) {
+        at(product.covariance, i, j) += at(inverse_factor_, l, i) * at(inverse_factor_, l, j);
+      }
+    }
+  }
+}
+
+// With the shares r_j = exp(log mass - log Z) and P = U'U:
+//   dlogZ/dlog a = sum r,   dlogZ/dmu = P sum r (v - mu),
+//   dlogZ/dU = upper triangle of U^-T sum r - U sum r (A^-1 + (v - mu)(v - mu)').
+void MixtureCorrection::add_gradient(const GaussianMixture& q, Index k, double log_z,
+                                     GaussianMixtureGradient& gradient) const {
+  const Index d = dimension_;
+  const Vector& mean = q.means[index(k)];
+  const Eigen::MatrixXd& factor = q.precision_factors[index(k)];
+  double total = 0.0;
+  Vector gap = Vector::Zero(d);
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(d, d);  // lower triangle
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Product& product = products_[index(k) * blocks_.size() + b];
+    const Lanes share = (product.log_mass - log_z).exp();
+    total += share.sum();
+    for (Index i = 0; i < d; ++i) {
+      const Lanes gap_i = share * (product.mean[index(i)] - mean(i));
+      gap(i) += gap_i.sum();
+      for (Index j = 0; j <= i; ++j) {
+        spread(i, j) += (share * product.covariance[index(i * d + j)] +
+                         gap_i * (product.mean[index(j)] - mean(j)))
+                            .sum();
+      }
+    }
+  }
+  gradient.log_weights(k) = total;
+  gradient.means[index(k)] = factor.transpose() * (factor * gap);
+  Eigen::MatrixXd& d_factor = gradient.precision_factors[index(k)];
+  d_factor = -(factor * spread.selfadjointView<Eigen::Lower>());
+  d_factor.diagonal() += total * factor.diagonal().cwiseInverse();
+  d_factor.triangularView<Eigen::StrictlyLower>().setZero();
 }
 
 }  // namespace npdr::inference

@@ -24,8 +24,48 @@ struct GaussianMixtureGradient {
   std::vector<Eigen::MatrixXd> precision_factors;  ///< K x (D, D), upper triangle
 };
 
-/// log Z for q and the proposal, and its gradient with respect to q's parameters.
-double log_normaliser(const GaussianMixture& q, const GaussianMixture& proposal,
-                      GaussianMixtureGradient& gradient);
+/// The correction for one proposal. Keeps R_j - I, R_j m_j and the constants of g_kj, with the
+/// proposal's components side by side, so that the J products with a component of q are computed
+/// together in vector registers. Not thread-safe: the products live in a scratch.
+class MixtureCorrection {
+ public:
+  /// Every component of the proposal must be narrower_than_prior().
+  explicit MixtureCorrection(const GaussianMixture& proposal);
+
+  /// log Z for q, and, unless it is null, the gradient with respect to q's parameters.
+  double log_normaliser(const GaussianMixture& q, GaussianMixtureGradient* gradient);
+
+ private:
+  /// Components of the proposal that are computed together.
+  static constexpr Index kLanes = 8;
+  using Lanes = Eigen::Array<double, kLanes, 1>;
+  /// (D, D) or (D) of them, row by row.
+  using LaneArray = std::vector<Lanes, Eigen::aligned_allocator<Lanes>>;
+
+  /// kLanes components of the proposal; those that fill up the last block weigh nothing.
+  struct Block {
+    Lanes log_constant;  ///< log b_j + (log|R_j| - m_j' R_j m_j) / 2
+    LaneArray precision_minus_identity;
+    LaneArray precision_times_mean;
+  };
+  /// N(u; v, A^-1) for one component of q and one block.
+  struct Product {
+    Lanes log_mass;        ///< log a_k + log b_j + g_kj
+    LaneArray mean;        ///< v, (D)
+    LaneArray covariance;  ///< A^-1, (D, D), lower triangle
+  };
+
+  Lanes& at(LaneArray& matrix, Index row, Index col) const;
+  void multiply(const Eigen::MatrixXd& precision, const Vector& precision_times_mean,
+                const Block& block, bool with_covariance, Product& product);
+  void add_gradient(const GaussianMixture& q, Index k, double log_z,
+                    GaussianMixtureGradient& gradient) const;
+
+  Index dimension_;
+  std::vector<Block> blocks_;
+  std::vector<Product> products_;  ///< K x blocks
+  LaneArray factor_;               ///< (D, D): the Cholesky factor of A
+  LaneArray inverse_factor_;       ///< (D, D)
+};
 
 }  // namespace npdr::inference

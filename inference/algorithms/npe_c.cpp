@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "inference/algorithms/atomic_loss.h"
-#include "inference/algorithms/mixture_correction_loss.h"
 #include "inference/estimators/mixture_density_network.h"
 
 namespace npdr::inference {
@@ -59,6 +58,7 @@ NpeC::NpeC(const AlgorithmConfig& config, const EmbeddedEstimator<float>& networ
       id_(id),
       only_prior_(std::all_of(data.round.begin(), data.round.end(),
                               [](std::uint32_t round) { return round == 1; })),
+      corrections_(data.proposals.begin(), data.proposals.end()),
       scratch_(network.make_scratch()) {
   const bool is_mixture = dynamic_cast<const Mixtures*>(&network.estimator()) != nullptr;
   EstimatorConfig kind;
@@ -131,8 +131,8 @@ double NpeC::analytic(const Parameters<float>& parameters, const Batch& batch,
   for (Index i = 0; i < n; ++i) {
     const std::uint32_t round = data_.round[batch.rows[static_cast<std::size_t>(i)]];
     if (round == 1) continue;
-    const double log_z =
-        log_normaliser(network.mixture(scratch, i), data_.proposals.at(round - 2), d_mixture);
+    const double log_z = corrections_.at(round - 2).log_normaliser(
+        network.mixture(scratch, i), gradient == nullptr ? nullptr : &d_mixture);
     loss += log_z / static_cast<double>(n);
     if (gradient == nullptr) continue;
     add_to_heads(network, d_mixture, 1.0 / static_cast<double>(n), i, scratch.d_heads);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "inference/algorithms/algorithm_config.h"
+#include "inference/algorithms/mixture_correction_loss.h"
 #include "inference/estimators/embedded_estimator.h"
 #include "inference/estimators/gaussian_mixture.h"
 #include "inference/feature_source.h"
@@ -55,6 +56,7 @@ class NpeC : public Objective {
   StreamId id_;
   bool only_prior_;  ///< every row comes from the prior: plain maximum likelihood
   std::string loss_;
+  std::vector<MixtureCorrection> corrections_;  ///< of rounds 2, 3, ...; "analytic" only
   EmbeddedEstimator<float>::Scratch scratch_;
   RowMatrixF raw_x_;    ///< (n, F)
   RowMatrixF x_;        ///< (n, F or k), transformed

@@ -41,8 +41,7 @@ TEST(MixtureCorrectionLoss, NormaliserEqualsTheIntegral) {
   const Vector log_prior = -0.5 * u.rowwise().squaredNorm().array() + 2.0 * log_normal_density(0.0);
   const double integral =
       (q.log_prob(u) + proposal.log_prob(u) - log_prior).array().exp().sum() * width * width;
-  GaussianMixtureGradient gradient;
-  EXPECT_NEAR(log_normaliser(q, proposal, gradient), std::log(integral), 1e-8);
+  EXPECT_NEAR(MixtureCorrection(proposal).log_normaliser(q, nullptr), std::log(integral), 1e-8);
 }
 
 // All parameters of q in one vector, and back.
@@ -72,13 +71,14 @@ GaussianMixture unflatten(const Vector& values, GaussianMixture mixture) {
   return mixture;
 }
 
+// Eleven components of the proposal: a block of eight, and one that isn't full.
 TEST(MixtureCorrectionLoss, GradientEqualsCentralDifferences) {
   const GaussianMixture q = random_mixture(3, 3, 1);
-  const GaussianMixture proposal = narrower_than_prior(random_mixture(2, 3, 100));
-  GaussianMixtureGradient gradient, unused;
-  log_normaliser(q, proposal, gradient);
+  MixtureCorrection correction(narrower_than_prior(random_mixture(11, 3, 100)));
+  GaussianMixtureGradient gradient;
+  correction.log_normaliser(q, &gradient);
   expect_gradient(
-      [&](const Vector& p) { return log_normaliser(unflatten(p, q), proposal, unused); },
+      [&](const Vector& p) { return correction.log_normaliser(unflatten(p, q), nullptr); },
       flatten(q.log_weights, q.means, q.precision_factors),
       flatten(gradient.log_weights, gradient.means, gradient.precision_factors));
 }
@@ -88,8 +88,8 @@ TEST(MixtureCorrectionLoss, NormaliserIsOneWhenTheProposalIsThePrior) {
   prior.log_weights = Vector::Zero(1);
   prior.means = {Vector::Zero(3)};
   prior.precision_factors = {Eigen::MatrixXd::Identity(3, 3)};
-  GaussianMixtureGradient gradient;
-  EXPECT_NEAR(log_normaliser(random_mixture(3, 3, 1), prior, gradient), 0.0, 1e-12);
+  EXPECT_NEAR(MixtureCorrection(prior).log_normaliser(random_mixture(3, 3, 1), nullptr), 0.0,
+              1e-12);
 }
 
 }  // namespace
