@@ -12,7 +12,6 @@ namespace npdr::inference {
 namespace {
 
 constexpr Index kBlock = 500;
-constexpr Index kRowsForCorrelation = 2000;
 
 void for_each_block(const FeatureSource& x, Index num_rows,
                     const std::function<void(const RowMatrixF&)>& body) {

@@ -26,6 +26,9 @@ struct FeatureTransform {
   void apply(const RowMatrixF& x, RowMatrixF& z) const;
 };
 
+/// Principal components are those of at most so many rows, which bounds their number, too.
+inline constexpr Index kRowsForCorrelation = 2000;
+
 /// The transform for the rows of `x`, from their mean and deviation and, for components > 0, from
 /// the correlation of the first 2000 of them. Reads x in blocks: memory doesn't grow with its rows.
 /// Throws InputError when there are more components than rows or features.

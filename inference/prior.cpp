@@ -41,6 +41,7 @@ void check(const Marginal& m) {
 
 // Distribution function of a bounded marginal, its inverse and its log density.
 double cdf(const Marginal& m, double theta) {
+  if (theta <= m.a) return 0.0;
   if (m.kind == Marginal::Kind::log_uniform) return std::log(theta / m.a) / std::log(m.b / m.a);
   return (theta - m.a) / (m.b - m.a);
 }

@@ -13,6 +13,8 @@ struct TrainingConfig {
   Index stop_after_epochs = 20;  ///< epochs without a better validation loss
   Index max_epochs = 5000;
   double clip_norm = 5.0;  ///< largest Euclidean norm of a gradient; longer ones are scaled
+  double average_epochs =
+      2.0;  ///< memory of the weights' moving average; 0: the weights themselves
 };
 
 }  // namespace npdr::inference

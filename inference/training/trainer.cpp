@@ -28,16 +28,20 @@ StreamId named(StreamId id, std::string_view name, std::uint64_t epoch = 0) {
   return id;
 }
 
-Split split_rows(Index num_rows, const TrainingConfig& config, const StreamId& id) {
-  std::vector<std::uint32_t> order =
-      Stream(named(id, "validation_split")).permutation(static_cast<std::uint32_t>(num_rows));
-  const auto num_training = static_cast<std::ptrdiff_t>(
-      std::llround((1.0 - config.validation_fraction) * static_cast<double>(num_rows)));
+// Every (1 / validation_fraction)-th row validates, from an offset of the seed's. Rows are draws of
+// the same distribution, so that is as good as a random choice, and a row keeps its part when later
+// rounds add more: nothing validates that an earlier round has trained on.
+Split split_rows(Index num_rows, const TrainingConfig& config, StreamId id) {
+  id.round = 0;
+  const double offset = Stream(named(id, "validation_split")).uniform();
+  const auto validating_before = [&](Index row) {
+    return std::floor(offset + config.validation_fraction * static_cast<double>(row));
+  };
   Split split;
-  split.training.assign(order.begin(), order.begin() + num_training);
-  split.validation.assign(order.begin() + num_training, order.end());
-  std::sort(split.training.begin(), split.training.end());
-  std::sort(split.validation.begin(), split.validation.end());
+  for (Index row = 0; row < num_rows; ++row) {
+    const bool validates = validating_before(row + 1) > validating_before(row);
+    (validates ? split.validation : split.training).push_back(static_cast<std::uint32_t>(row));
+  }
   if (split.training.size() < kFewestRows || split.validation.size() < kFewestRows) {
     throw InputError("training: " + std::to_string(split.training.size()) + " training and " +
                      std::to_string(split.validation.size()) +
@@ -45,6 +49,14 @@ Split split_rows(Index num_rows, const TrainingConfig& config, const StreamId& i
                      " each; use more simulations");
   }
   return split;
+}
+
+void update_average(const TrainingConfig& config, std::size_t steps_per_epoch, TrainingState& state,
+                    std::int64_t num_steps) {
+  const double memory = config.average_epochs * static_cast<double>(steps_per_epoch);
+  const double weight =
+      std::max(1.0 / static_cast<double>(num_steps + 1), 1.0 / std::max(memory, 1.0));
+  state.average += static_cast<float>(weight) * (state.parameters - state.average);
 }
 
 // Every row once, in random order; the rows that don't fill a last batch wait for another epoch.
@@ -64,6 +76,7 @@ double train_epoch(Objective& objective, const TrainingConfig& config, const Spl
     const Batch batch{std::span(rows).subspan(b * batch_size, batch_size), epoch, b};
     sum += objective.loss(state.parameters, batch, &gradient);
     optimiser.step(gradient, clip_scale(gradient, config.clip_norm), state.parameters);
+    update_average(config, num_batches, state, optimiser.state().num_steps);
   }
   return sum / static_cast<double>(num_batches);
 }
@@ -86,7 +99,7 @@ double validate(Objective& objective, const TrainingConfig& config, const Split&
 void keep_if_best(TrainingState& state, double loss) {
   if (loss < state.best_validation_loss) {
     state.best_validation_loss = loss;
-    state.best_parameters = state.parameters;
+    state.best_parameters = state.average;
     state.epochs_without_improvement = 0;
   } else {
     ++state.epochs_without_improvement;
@@ -106,6 +119,7 @@ void train(Objective& objective, const TrainingConfig& config, const StreamId& i
   Parameters<float> gradient = Parameters<float>::Zero(state.parameters.size());
   if (state.epoch == 0) {
     // The weights of the round before are the first candidate: training can't end with worse ones.
+    state.average = state.parameters;
     state.best_parameters = state.parameters;
     state.best_validation_loss = validate(objective, config, split, state.parameters);
     if (!std::isfinite(state.best_validation_loss)) {
@@ -117,7 +131,7 @@ void train(Objective& objective, const TrainingConfig& config, const StreamId& i
   while (!state.finished(config)) {
     state.training_loss.push_back(
         train_epoch(objective, config, split, id, optimiser, gradient, state));
-    state.validation_loss.push_back(validate(objective, config, split, state.parameters));
+    state.validation_loss.push_back(validate(objective, config, split, state.average));
     ++state.epoch;
     keep_if_best(state, state.validation_loss.back());
     state.adam = optimiser.state();

@@ -1,4 +1,10 @@
-/// Mini-batch training with Adam, a validation split and early stopping.
+/// Mini-batch training with Adam, a validation split, early stopping and weight averaging.
+///
+/// What is validated and kept is an exponential moving average of the weights (Polyak and Juditsky
+/// 1992, "Acceleration of stochastic approximation by averaging"): Adam's steps of constant length
+/// leave the weights jumping around the minimum, their average sits in it. After step t
+///   average += max(1 / (t + 1), 1 / n) (weights - average),
+/// with n the number of steps in `average_epochs` epochs.
 #pragma once
 
 #include <functional>
@@ -32,7 +38,8 @@ class Objective {
 /// Everything that a training run needs to go on from the end of an epoch: a checkpoint.
 struct TrainingState {
   Parameters<float> parameters;
-  Parameters<float> best_parameters;  ///< those with the smallest validation loss
+  Parameters<float> average;          ///< moving average of `parameters`
+  Parameters<float> best_parameters;  ///< the average with the smallest validation loss
   double best_validation_loss = 0.0;
   Adam::State adam;
   Index epoch = 0;  ///< epochs done

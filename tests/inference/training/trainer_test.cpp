@@ -81,6 +81,36 @@ TEST(Trainer, StopsEarlyAndKeepsTheBestWeights) {
   EXPECT_EQ(state.best_parameters(0), 2.0f);
 }
 
+// Steps of constant length jump around the minimum of a noisy loss; their average doesn't.
+class NoisyTarget : public Objective {
+ public:
+  Index num_rows() const override { return 1000; }
+  double loss(const Parameters<float>& p, const Batch& batch,
+              Parameters<float>* gradient) override {
+    if (gradient == nullptr) return static_cast<double>(p.squaredNorm());
+    Stream stream({1, "noise", 0, batch.number, batch.epoch});
+    for (Index i = 0; i < p.size(); ++i) {
+      (*gradient)(i) = 2.0f * p(i) + static_cast<float>(stream.normal());
+    }
+    return 0.0;
+  }
+};
+
+TEST(Trainer, AveragingBringsNoisyWeightsToTheMinimum) {
+  const auto error = [](double average_epochs) {
+    NoisyTarget target;
+    TrainingState state;
+    state.parameters = Parameters<float>::Constant(100, 1.0f);
+    TrainingConfig c;
+    c.learning_rate = 0.05;
+    c.max_epochs = 60;
+    c.average_epochs = average_epochs;
+    train(target, c, kId, state, [](const TrainingState&) { return true; });
+    return state.validation_loss.back();
+  };
+  EXPECT_LT(error(5.0), 0.5 * error(0.0));
+}
+
 TEST(Trainer, TakesAllRowsWhenTheyAreFewerThanABatch) {
   Line line;
   TrainingState state = start();
@@ -89,6 +119,40 @@ TEST(Trainer, TakesAllRowsWhenTheyAreFewerThanABatch) {
   c.max_epochs = 3;
   train(line, c, kId, state, [](const TrainingState&) { return true; });
   EXPECT_EQ(line.rows_seen.size(), 400u);
+}
+
+// Which rows are asked for without a gradient.
+class Watcher : public Objective {
+ public:
+  explicit Watcher(Index rows) : rows_(rows) {}
+  Index num_rows() const override { return rows_; }
+  double loss(const Parameters<float>&, const Batch& batch, Parameters<float>* gradient) override {
+    auto& seen = gradient == nullptr ? validated : trained;
+    seen.insert(batch.rows.begin(), batch.rows.end());
+    if (gradient != nullptr) gradient->setZero();
+    return 0.0;
+  }
+  std::set<std::uint32_t> trained, validated;
+
+ private:
+  Index rows_;
+};
+
+TEST(Trainer, NeverValidatesOnRowsThatAnEarlierRoundTrainedOn) {
+  Watcher first(1000), second(2000);
+  std::uint64_t round = 1;
+  for (Watcher* watcher : {&first, &second}) {
+    TrainingState state = start();
+    TrainingConfig c = config();
+    c.max_epochs = 30;
+    train(*watcher, c, {1, "train", round++, 0, 0}, state,
+          [](const TrainingState&) { return true; });
+  }
+  EXPECT_EQ(first.validated.size(), 200u);
+  EXPECT_EQ(second.validated.size(), 400u);
+  for (const std::uint32_t row : second.validated) EXPECT_FALSE(first.trained.contains(row)) << row;
+  for (const std::uint32_t row : second.validated)
+    EXPECT_FALSE(second.trained.contains(row)) << row;
 }
 
 TEST(Trainer, RejectsASplitThatLeavesNothingToValidate) {
