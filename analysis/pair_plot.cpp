@@ -15,9 +15,6 @@
 namespace npdr::analysis {
 namespace {
 
-constexpr Index kMinParameters = 2;
-constexpr Index kMaxParameters = 15;
-
 std::vector<Index> check_selection(const PairPlot& plot) {
   const auto available = static_cast<Index>(plot.parameters.size());
   std::vector<Index> shown = plot.selection;
@@ -26,9 +23,9 @@ std::vector<Index> check_selection(const PairPlot& plot) {
     std::iota(shown.begin(), shown.end(), Index{0});
   }
   const auto count = static_cast<Index>(shown.size());
-  if (count < kMinParameters || count > kMaxParameters) {
+  if (count < kMinPairParameters || count > kMaxPairParameters) {
     throw InputError(fmt::format("pair plot '{}': {} parameters, must be {} to {}; select some",
-                                 plot.name, count, kMinParameters, kMaxParameters));
+                                 plot.name, count, kMinPairParameters, kMaxPairParameters));
   }
   for (const Index d : shown) {
     if (d >= 0 && d < available) continue;

@@ -11,6 +11,9 @@
 
 namespace npdr::analysis {
 
+inline constexpr Index kMinPairParameters = 2;
+inline constexpr Index kMaxPairParameters = 15;
+
 /// An axis of the plot: a physics parameter over its prior's range, SI.
 struct PairParameter {
   std::string label;  ///< such as "rotary_damping"; underscores are shown as blanks

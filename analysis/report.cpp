@@ -69,6 +69,7 @@ std::string section_html(const ReportSection& section, std::size_t number) {
   std::string html = fmt::format("<section id=\"section-{}\">\n<h2>{}</h2>\n{}", number,
                                  escape_html(section.title), paragraphs(section.prose));
   for (const Table& table : section.tables) html += to_html(table);
+  html += paragraphs(section.remarks);
   for (std::size_t k = 0; k < section.figures.size(); ++k) {
     html += figure_html(section.figures[k], fmt::format("figure-{}-{}-", number, k + 1));
   }

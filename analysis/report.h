@@ -20,6 +20,7 @@ struct ReportSection {
   std::string prose;  ///< plain text; blank lines separate paragraphs
   std::vector<Table> tables = {};
   std::vector<ReportFigure> figures = {};
+  std::string remarks = {};  ///< below the tables, like the prose above them
 };
 
 struct Report {

@@ -1,5 +1,7 @@
 #include "sim/ode_simulator.h"
 
+#include <algorithm>
+#include <limits>
 #include <sstream>
 
 #include "core/error.h"
@@ -83,7 +85,22 @@ void OdeSimulator::check_theta(Index found) const {
 Trajectories OdeSimulator::replay(const Target& target, const RowMatrix& theta) const {
   check_theta(theta.cols());
   check_target(target);
-  return sim::replay(*model_, config_, target, theta);
+  Trajectories result = sim::replay(*model_, config_, target, theta);
+  for (Index i = 0; i < theta.rows(); ++i) {
+    RolloutStatus& status = result.status[static_cast<std::size_t>(i)];
+    if (status != RolloutStatus::ok || is_possible(theta.row(i))) continue;
+    status = RolloutStatus::out_of_limits;
+    std::ranges::fill(result.row(i), std::numeric_limits<float>::quiet_NaN());
+  }
+  return result;
+}
+
+bool OdeSimulator::is_possible(const Eigen::Ref<const Eigen::RowVectorXd>& theta) const {
+  for (Index p = 0; p < theta.size(); ++p) {
+    const Parameter& parameter = info_.parameters[static_cast<std::size_t>(p)];
+    if (!(theta(p) >= parameter.lower && theta(p) <= parameter.upper)) return false;
+  }
+  return true;
 }
 
 Target OdeSimulator::behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const {

@@ -19,6 +19,7 @@ class OdeSimulator final : public Simulator {
 
  private:
   void check_theta(Index num_parameters) const;
+  bool is_possible(const Eigen::Ref<const Eigen::RowVectorXd>& theta) const;
   void check_target(const Target& target) const;
 
   std::unique_ptr<OdeModel> model_;

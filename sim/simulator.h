@@ -50,7 +50,8 @@ class Simulator {
   /// Simulates each row of `theta` (n, P), all P = info().parameters.size() parameters in that
   /// order, against every rollout of `target`. Row i of the result depends on theta.row(i) and the
   /// target alone, to the bit: not on n, the other rows, or the number of threads. A rollout that
-  /// fails sets its row's status and NaN; nothing is thrown for it.
+  /// fails, or a parameter outside of what is physically possible, sets the row's status and NaN;
+  /// nothing is thrown for it.
   /// Throws ShapeError for a theta of other width, InputError for a target with other channels.
   virtual Trajectories replay(const Target& target, const RowMatrix& theta) const = 0;
 

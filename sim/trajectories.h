@@ -14,7 +14,7 @@ namespace npdr::sim {
 enum class RolloutStatus : std::uint8_t {
   ok = 0,
   diverged = 1,       ///< a state became NaN or infinite
-  out_of_limits = 2,  ///< a state left the simulator's limits, where that matters
+  out_of_limits = 2,  ///< a parameter is outside of what is physically possible
 };
 
 /// "ok", "diverged", "out_of_limits".

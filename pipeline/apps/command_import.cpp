@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
@@ -16,7 +17,7 @@ struct ImportArguments {
   std::string output;
   std::string simulator;
   std::vector<std::string> states, actions;
-  double dt = 0.0;
+  std::optional<double> dt;
   std::string source;
 };
 
@@ -33,6 +34,10 @@ Channel parse_channel(const std::string& text) {
 
 Channels channels_of_arguments(const ImportArguments& arguments) {
   if (!arguments.simulator.empty()) {
+    if (!arguments.states.empty() || !arguments.actions.empty()) {
+      throw InputError("--simulator " + arguments.simulator +
+                       " says which columns to take; leave out --states and --actions, or it");
+    }
     sim::SimulatorConfig config;
     config.name = arguments.simulator;
     return channels_of(sim::make_simulator(config)->info());

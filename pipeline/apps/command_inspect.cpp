@@ -13,20 +13,21 @@
 namespace npdr::pipeline {
 namespace {
 
+std::string attribute_text(const h5::Object& object, const std::string& name) {
+  switch (object.attribute_type(name)) {
+    case h5::ElementType::text:
+      return fmt::format("{}", fmt::join(object.attribute<std::vector<std::string>>(name), ", "));
+    case h5::ElementType::f32:
+    case h5::ElementType::f64:
+      return fmt::format("{}", fmt::join(object.attribute<std::vector<double>>(name), ", "));
+    default:
+      return fmt::format("{}", fmt::join(object.attribute<std::vector<Index>>(name), ", "));
+  }
+}
+
 void print_attributes(const h5::Object& object, const std::string& indent) {
   for (const std::string& name : object.attribute_names()) {
-    std::string text;
-    switch (object.attribute_type(name)) {
-      case h5::ElementType::text:
-        text = fmt::format("{}", fmt::join(object.attribute<std::vector<std::string>>(name), ", "));
-        break;
-      case h5::ElementType::f32:
-      case h5::ElementType::f64:
-        text = fmt::format("{}", fmt::join(object.attribute<std::vector<double>>(name), ", "));
-        break;
-      default:
-        text = fmt::format("{}", fmt::join(object.attribute<std::vector<Index>>(name), ", "));
-    }
+    std::string text = attribute_text(object, name);
     constexpr std::size_t most = 100;
     if (text.size() > most) text = text.substr(0, most) + "...";
     fmt::print("{}@{} = {}\n", indent, name, text);
@@ -45,6 +46,16 @@ void print_tree(const h5::Group& group, const std::string& indent) {
     const h5::Dataset dataset = group.dataset(name);
     fmt::print("{}{} {}\n", indent, name, h5::to_string(dataset.shape()));
     print_attributes(dataset, indent + "    ");
+  }
+}
+
+// What the artefact says beyond what every one says of itself, in full.
+void print_own_attributes(const h5::File& file) {
+  const std::vector<std::string> own = own_attributes(file);
+  if (own.empty()) return;
+  fmt::print("  attributes\n");
+  for (const std::string& name : own) {
+    fmt::print("    @{} = {}\n", name, attribute_text(file, name));
   }
 }
 
@@ -73,6 +84,7 @@ void inspect(const std::string& path, bool study, bool digest) {
   fmt::print("  made by  npdr {} ({}), {}, on {} at {} in {:.2f} s\n", p.creator_version,
              p.git_revision, p.instruction_set, p.host, p.created, p.wall_seconds);
   if (digest) fmt::print("  content  {}\n", content_digest(path));
+  print_own_attributes(file);
   fmt::print("  datasets\n");
   print_tree(file, "    ");
 }
@@ -103,7 +115,9 @@ void add_verify_command(CLI::App& app, int& result) {
   auto rows = std::make_shared<Index>(10);
   auto seed = std::make_shared<std::uint64_t>(0);
   command->add_option("FILE", *path)->required();
-  command->add_option("--rows", *rows, "how many")->capture_default_str();
+  command->add_option("--rows", *rows, "how many")
+      ->capture_default_str()
+      ->check(CLI::Range(Index{1}, Index{100'000'000}));
   command->add_option("--pick", *seed, "picks the rows")->capture_default_str();
   command->callback([&result, path, rows, seed] {
     result = guarded_main("npdr verify", [&] {

@@ -33,8 +33,8 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
       parse_json(file.attribute<std::string>("embedding"), posterior), posterior);
   const auto simulator = from_json<sim::SimulatorConfig>(info.identity.study.at("simulator"),
                                                          posterior + ": study.simulator");
-  const auto channels = channels_of(sim::make_simulator(simulator)->info());
-  const Target target = read_recording(recording, channels);
+  const Target target = read_recording(recording);
+  require_like_observation(recording, target, posterior);
   return inference::observed_features(
       *inference::make_embedding(embedding, target, simulator.store_every), target,
       simulator.store_every);
@@ -43,14 +43,7 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
 inference::DirectPosterior load(const PosteriorArguments& arguments) {
   const inference::DirectPosterior posterior = read_posterior(arguments.posterior);
   if (arguments.recording.empty()) return posterior;
-  const VectorF x = embed_recording(arguments.posterior, arguments.recording);
-  if (x.size() != posterior.parts().x_o.size()) {
-    throw InputError(fmt::format(
-        "{}: gives {} features, the posterior was trained on {}; it needs recordings with as many "
-        "rollouts and steps as those of its study",
-        arguments.recording, x.size(), posterior.parts().x_o.size()));
-  }
-  return posterior.given(x);
+  return posterior.given(embed_recording(arguments.posterior, arguments.recording));
 }
 
 void print_samples(const PosteriorArguments& arguments) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -18,7 +19,7 @@ namespace {
 struct RunArguments {
   StudyArguments study;
   std::string until;
-  int num_jobs = static_cast<int>(std::thread::hardware_concurrency());
+  int num_jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // 0: unknown
   bool dry_run = false;
 };
 

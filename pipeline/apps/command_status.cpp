@@ -40,6 +40,47 @@ void print_table(const Plan& plan) {
              size_text(bytes), seconds);
 }
 
+struct Cost {
+  std::string name;
+  Index artefacts = 0;
+  std::uintmax_t bytes = 0;
+  double seconds = 0.0;
+};
+
+void add_cost(std::vector<Cost>& costs, const std::string& name, const ArtefactStatus& status) {
+  auto cost =
+      std::find_if(costs.begin(), costs.end(), [&](const Cost& c) { return c.name == name; });
+  if (cost == costs.end()) cost = costs.insert(costs.end(), {.name = name});
+  ++cost->artefacts;
+  cost->bytes += status.bytes;
+  cost->seconds += status.wall_seconds;
+}
+
+void print_costs(const std::string& what, const std::vector<Cost>& costs) {
+  std::size_t width = what.size();
+  for (const Cost& cost : costs) width = std::max(width, cost.name.size());
+  fmt::print("{:<{}}  {:>9}  {:>9}  {:>10}\n", what, width, "artefacts", "size", "seconds");
+  for (const Cost& cost : costs) {
+    fmt::print("{:<{}}  {:>9}  {:>9}  {:>10.2f}\n", cost.name, width, cost.artefacts,
+               size_text(cost.bytes), cost.seconds);
+  }
+}
+
+// What is there has cost, by stage and by method. What several methods share counts for the first.
+void print_cost_tables(const Plan& plan) {
+  std::vector<Cost> by_stage, by_method;
+  for (const Node& node : plan.nodes) {
+    const ArtefactStatus status = status_of(plan, node);
+    if (status.state != ArtefactState::up_to_date) continue;
+    const std::string& method = node.uses.front().method;
+    add_cost(by_stage, to_string(node.stage), status);
+    add_cost(by_method, method.empty() ? "(all methods)" : method, status);
+  }
+  print_costs("stage", by_stage);
+  fmt::print("\n");
+  print_costs("method", by_method);
+}
+
 void print_json(const Plan& plan) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const Node& node : plan.nodes) {
@@ -84,12 +125,18 @@ void add_status_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("status", "one row per artefact: where it stands");
   auto study = std::make_shared<StudyArguments>();
   auto json = std::make_shared<bool>(false);
+  auto cost = std::make_shared<bool>(false);
   study->add_to(*command);
-  command->add_flag("--json", *json, "for programs");
-  command->callback([&result, study, json] {
+  auto* as_json = command->add_flag("--json", *json, "for programs");
+  command->add_flag("--cost", *cost, "what was spent, by stage and by method")->excludes(as_json);
+  command->callback([&result, study, json, cost] {
     result = guarded_main("npdr status", [&] {
       const Plan plan = study->plan();
-      *json ? print_json(plan) : print_table(plan);
+      if (*json) {
+        print_json(plan);
+      } else {
+        *cost ? print_cost_tables(plan) : print_table(plan);
+      }
       return ExitStatus::done;
     });
   });

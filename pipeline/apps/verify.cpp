@@ -38,9 +38,7 @@ std::filesystem::path simulation_of(const std::filesystem::path& path, const Art
 Target target_of(const std::filesystem::path& simulation, const ArtefactInfo& info) {
   const std::string key = info.identity.inputs.at("target");
   const auto path = simulation.parent_path().parent_path() / "target" / (key + ".h5");
-  const Target target = read_recording(path);
-  // A shard's own document doesn't hold the number of rollouts; its trajectories do.
-  return target;
+  return read_recording(path);
 }
 
 Verification verify_simulation(const std::filesystem::path& path, const ArtefactInfo& info,
@@ -54,6 +52,7 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
   const auto config = from_json<sim::SimulatorConfig>(info.identity.study.at("simulator"),
                                                       path.string() + ": study.simulator");
   const auto simulator = sim::make_simulator(config);
+  // A shard's own document doesn't hold the number of rollouts; its trajectories do.
   const Target target = target_of(simulation_of(path, info), info).first(trajectories.shape()[1]);
 
   Verification result;

@@ -8,11 +8,6 @@
 
 namespace npdr::pipeline {
 
-std::string Place::str() const {
-  if (line == 0) return origin;
-  return origin + ":" + std::to_string(line) + ":" + std::to_string(column);
-}
-
 void Problems::add(const Place& place, const std::string& message) {
   problems_.push_back({place, message});
 }
@@ -29,17 +24,6 @@ void Problems::throw_if_any() const {
     if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
   }
   throw InputError(join(lines, "\n"));
-}
-
-Place Reading::place(const std::string& path) const {
-  std::string ancestor = path;
-  while (!ancestor.empty()) {
-    const auto found = places_.find(ancestor);
-    if (found != places_.end()) return found->second;
-    const std::size_t end = ancestor.find_last_of(".[");
-    ancestor.resize(end == std::string::npos ? 0 : end);
-  }
-  return {origin_};
 }
 
 void Reading::fail(const std::string& path, const std::string& message) {

@@ -1,21 +1,12 @@
 /// What is wrong with a study and where: collected, so that one run reports everything.
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
+#include "pipeline/config/places.h"
+
 namespace npdr::pipeline {
-
-/// Where a value stands: a file's line and column (counted from 1), or a command-line override.
-struct Place {
-  std::string origin;  ///< file name, or "--set key=value"
-  int line = 0;        ///< 0: the origin as a whole
-  int column = 0;
-
-  /// "study.toml:14:9".
-  std::string str() const;
-};
 
 /// Problems of one study.
 class Problems {
@@ -34,17 +25,16 @@ class Problems {
   std::vector<Problem> problems_;
 };
 
-/// A reading in progress: what went wrong so far and where each key stands. Keys are dotted paths
-/// with the position in a list, such as "method[0].training.batch_size".
+/// A reading in progress: what went wrong so far and where each key stands.
 class Reading {
  public:
-  explicit Reading(std::string origin) : origin_(std::move(origin)) {}
+  explicit Reading(std::string origin) : places_(std::move(origin)) {}
+  /// A study that has been read before.
+  explicit Reading(Places places) : places_(std::move(places)) {}
 
-  void found(const std::string& path, const Place& place) { places_[path] = place; }
-  bool has(const std::string& path) const { return places_.contains(path); }
-
-  /// Where `path` stands; for a key that was left out, where its table stands.
-  Place place(const std::string& path) const;
+  void found(const std::string& path, const Place& place) { places_.add(path, place); }
+  bool has(const std::string& path) const { return places_.has(path); }
+  Place place(const std::string& path) const { return places_.of(path); }
 
   /// Adds "path message" at the path's place and remembers that the value can't be relied on.
   void fail(const std::string& path, const std::string& message);
@@ -52,13 +42,13 @@ class Reading {
   /// True when nothing was found wrong with `path`, its members or a table that it is in.
   bool good(const std::string& path) const;
 
-  const std::string& origin() const { return origin_; }
+  const std::string& origin() const { return places_.origin(); }
+  const Places& places() const { return places_; }
   const Problems& problems() const { return problems_; }
 
  private:
-  std::string origin_;
+  Places places_;
   Problems problems_;
-  std::map<std::string, Place> places_;
   std::vector<std::string> failed_;
 };
 

@@ -1,5 +1,7 @@
 #include "pipeline/config/study.h"
 
+#include <cctype>
+
 #include "core/error.h"
 #include "core/text.h"
 
@@ -15,5 +17,19 @@ const MethodConfig& Study::method(const std::string& method_name) const {
 }
 
 std::vector<std::string> metric_names() { return {"dtw", "rmse"}; }
+
+std::string folder_name(const std::string& name) {
+  std::string folder;
+  for (const char c : name) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (std::isalnum(letter)) {
+      folder += static_cast<char>(std::tolower(letter));
+    } else if (!folder.empty() && folder.back() != '-') {
+      folder += '-';
+    }
+  }
+  while (!folder.empty() && folder.back() == '-') folder.pop_back();
+  return folder.empty() ? "unnamed" : folder;
+}
 
 }  // namespace npdr::pipeline

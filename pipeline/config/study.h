@@ -14,6 +14,7 @@
 #include "inference/estimators/estimator_config.h"
 #include "inference/prior.h"
 #include "inference/training_config.h"
+#include "pipeline/config/places.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
@@ -40,7 +41,7 @@ struct EvaluateConfig {
   Index num_samples = 1000;
   std::vector<std::string> metrics = {"dtw", "rmse"};
   std::string rounds = "last";  ///< "last" or "all"
-  bool floor = true;            ///< also search for the smallest RMSE in the prior
+  bool floor = true;            ///< of a recording: also search for the smallest RMSE in the prior
 };
 
 struct LimitsConfig {
@@ -48,9 +49,9 @@ struct LimitsConfig {
 };
 
 struct ReportConfig {
-  std::string title;  ///< "": the study's name
-  std::string caption;
-  std::vector<std::string> parameters;  ///< those that pair plots show; empty: all of the prior
+  std::string title;                    ///< "": the study's name
+  std::string caption;                  ///< below the main tables
+  std::vector<std::string> parameters;  ///< those that pair plots show; empty: the first 15
 };
 
 /// Somebody's figure to print beside ours.
@@ -82,6 +83,7 @@ struct Study {
   EvaluateConfig evaluate;
   LimitsConfig limits;
   ReportConfig report;
+  Places places;  ///< where each key stands in what the study was read from
 
   /// Throws InputError with the nearest name when no method is called `method_name`.
   const MethodConfig& method(const std::string& method_name) const;
@@ -89,5 +91,8 @@ struct Study {
 
 /// What evaluate.metrics may hold.
 std::vector<std::string> metric_names();
+
+/// A name as a folder: lower case letters, digits and '-': "NPDR (MAF)" is "npdr-maf".
+std::string folder_name(const std::string& name);
 
 }  // namespace npdr::pipeline

@@ -3,14 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <system_error>
 
+#include "analysis/pair_plot.h"
 #include "core/error.h"
 #include "core/text.h"
+#include "inference/algorithms/npe_c.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/config/prior_check.h"
+#include "pipeline/config/rollout_check.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -30,6 +35,7 @@ class StudyChecker {
     check_method_names();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) check_method(i);
     check_report();
+    check_truths_rollouts();
     check_simulator();
   }
 
@@ -41,14 +47,15 @@ class StudyChecker {
   void load_simulator();
   void check_simulator();
   void check_target();
+  void check_truths_rollouts();
   void check_recording(const std::string& recording);
   void check_values(const std::string& path, const Numbers& values);
   void check_marginal(Marginal& marginal);
-  void check_bounds(const Marginal& marginal, const sim::Parameter& parameter);
   void check_method_names();
   void check_method(std::size_t i);
   void check_embedding(const std::string& path, const inference::EmbeddingConfig& embedding);
   void check_training(const std::string& path, const MethodConfig& method);
+  void check_split(const std::string& path, const MethodConfig& method);
   void check_loss(const std::string& path, const MethodConfig& method);
   void check_report();
 
@@ -106,6 +113,15 @@ void StudyChecker::check_recording(const std::string& recording) {
   }
 }
 
+// Those of a recording are known when it has been read.
+void StudyChecker::check_truths_rollouts() {
+  if (!study_.target.truth || !info_ || !reading_.good("target.num_rollouts")) return;
+  check_rollouts(
+      study_,
+      {study_.target.num_rollouts, info_->num_steps, info_->state_channels, info_->action_channels},
+      reading_);
+}
+
 const sim::Parameter* StudyChecker::find_parameter(const std::string& path,
                                                    const std::string& name) {
   std::vector<std::string> names;
@@ -143,38 +159,23 @@ void StudyChecker::check_marginal(Marginal& marginal) {
   const sim::Parameter* parameter = find_parameter("prior", marginal.name);
   if (parameter == nullptr || !reading_.good(path)) return;
   marginal.unit = parameter->unit;
-  check_bounds(marginal, *parameter);
-}
-
-void StudyChecker::check_bounds(const Marginal& m, const sim::Parameter& parameter) {
-  const std::string path = "prior." + m.name;
-  const std::string found = fmt::format("[{}, {}]", m.a, m.b);
-  if (m.kind == Marginal::Kind::normal) {
-    if (!(m.b > 0.0)) fail(path, found, "[mean, std] with std > 0");
-    if (m.a < parameter.lower || m.a > parameter.upper) {
-      fail(path, found,
-           fmt::format("[mean, std] with a mean between {} and {} {}", parameter.lower,
-                       parameter.upper, parameter.unit));
-    }
-    return;
-  }
-  if (!(m.a < m.b)) {
-    fail(path, found, "[low, high] with low < high");
-  } else if (m.kind == Marginal::Kind::log_uniform && !(m.a > 0.0)) {
-    fail(path, found, "[low, high] with low > 0 for log_uniform");
-  } else if (m.a < parameter.lower || m.b > parameter.upper) {
-    fail(path, found,
-         fmt::format("inside of what is physically possible, [{}, {}] {}", parameter.lower,
-                     parameter.upper, parameter.unit));
-  }
+  check_bounds(marginal, *parameter, reading_);
 }
 
 void StudyChecker::check_method_names() {
-  std::set<std::string> names;
+  std::map<std::string, std::string> names;  // by folder
   for (std::size_t i = 0; i < study_.methods.size(); ++i) {
     const std::string path = fmt::format("method[{}].name", i);
     const std::string& name = study_.methods[i].name;
-    if (reading_.good(path) && !names.insert(name).second) fail(path, quoted(name), "unique");
+    if (!reading_.good(path)) continue;
+    const auto [found, is_new] = names.emplace(folder_name(name), name);
+    if (is_new) continue;
+    const std::string& other = found->second;
+    fail(path, quoted(name),
+         name == other ? "unique"
+                       : fmt::format("different from {} in its letters a-z and digits: both would "
+                                     "have the folder '{}'",
+                                     quoted(other), found->first));
   }
 }
 
@@ -232,19 +233,35 @@ void StudyChecker::check_training(const std::string& path, const MethodConfig& m
                      "(num_simulations * (1 - validation_fraction))",
                      rows));
   }
+  check_split(path, method);
+}
+
+// The split of the rows that the trainer makes.
+void StudyChecker::check_split(const std::string& path, const MethodConfig& method) {
+  constexpr Index fewest = 2;
+  const std::string fraction = path + ".training.validation_fraction";
+  if (!reading_.good(fraction) || !reading_.good(path + ".num_simulations")) return;
+  const Index rows = method.algorithm.num_simulations;
+  const Index training =
+      std::llround(static_cast<double>(rows) * (1.0 - method.training.validation_fraction));
+  if (training >= fewest && rows - training >= fewest) return;
+  fail(fraction, fmt::format("{}", method.training.validation_fraction),
+       fmt::format("such that {} or more of the {} simulations of a round are left for training "
+                   "and for validation each",
+                   fewest, rows));
 }
 
 void StudyChecker::check_loss(const std::string& path, const MethodConfig& method) {
   const inference::AlgorithmConfig& algorithm = method.algorithm;
   if (!reading_.good(path + ".algorithm") || !reading_.good(path + ".loss")) return;
   const std::string& kind = method.density_estimator.kind;
-  if (algorithm.loss == "analytic") {
-    if (kind != "mdn" && reading_.good(path + ".density_estimator.kind")) {
-      fail(path + ".loss", "'analytic'",
-           "'auto' or 'atomic' with density_estimator.kind = '" + kind + "': only 'mdn' has one");
-    }
+  if (!reading_.good(path + ".density_estimator.kind")) return;
+  if (algorithm.loss == "analytic" && kind != "mdn") {
+    fail(path + ".loss", "'analytic'",
+         "'auto' or 'atomic' with density_estimator.kind = '" + kind + "': only 'mdn' has one");
     return;
   }
+  if (inference::resolve_loss(algorithm, method.density_estimator) != "atomic") return;
   const bool readable =
       reading_.good(path + ".num_atoms") && reading_.good(path + ".training.batch_size");
   if (algorithm.name == "npe_c" && readable && algorithm.num_atoms > method.training.batch_size) {
@@ -256,12 +273,22 @@ void StudyChecker::check_loss(const std::string& path, const MethodConfig& metho
 void StudyChecker::check_report() {
   std::vector<std::string> names;
   for (const Marginal& marginal : study_.prior) names.push_back(marginal.name);
-  for (const std::string& parameter : study_.report.parameters) {
+  const std::vector<std::string>& shown = study_.report.parameters;
+  for (const std::string& parameter : shown) {
     if (std::find(names.begin(), names.end(), parameter) == names.end()) {
       reading_.fail("report.parameters",
                     "report.parameters: " +
                         unknown_name("parameter of the prior", shortened(parameter), names));
     }
+  }
+  if (shown.empty() || !reading_.good("report.parameters")) return;
+  const auto count = static_cast<Index>(shown.size());
+  const bool are_distinct = std::set(shown.begin(), shown.end()).size() == shown.size();
+  if (!are_distinct || count < analysis::kMinPairParameters ||
+      count > analysis::kMaxPairParameters) {
+    fail("report.parameters", fmt::format("[{}]", shortened(join(shown))),
+         fmt::format("{} to {} different parameters of the prior, or none",
+                     analysis::kMinPairParameters, analysis::kMaxPairParameters));
   }
 }
 

@@ -66,6 +66,8 @@ void describe(Fields& f, inference::TrainingConfig& c) {
     "epochs without a better validation loss before training stops");
   f("max_epochs", c.max_epochs, count_from(1), "epochs at most");
   f("clip_norm", c.clip_norm, positive(), "largest norm of a gradient; longer ones are scaled");
+  f("average_epochs", c.average_epochs, not_negative(),
+    "memory of the moving average of the weights that is validated and kept; 0: no average");
 }
 
 template <class Fields>
@@ -125,15 +127,16 @@ void describe(Fields& f, EvaluateConfig& c) {
   f("num_samples", c.num_samples, count_from(1), "posterior samples that are simulated");
   f("metrics", c.metrics, metrics_constraint(), "what simulated rollouts are measured by");
   f("rounds", c.rounds, one_of({"last", "all"}), "which rounds' posteriors are evaluated");
-  f("floor", c.floor, anything<bool>(), "also search for the smallest RMSE in the prior");
+  f("floor", c.floor, anything<bool>(),
+    "of a recording: also search for the smallest RMSE in the prior; a truth needs none");
 }
 
 template <class Fields>
 void describe(Fields& f, ReportConfig& c) {
   f("title", c.title, anything<std::string>(), "title of the report; empty: the study's name");
-  f("caption", c.caption, anything<std::string>(), "text below the tables");
+  f("caption", c.caption, anything<std::string>(), "text below the main tables");
   f("parameters", c.parameters, anything<std::vector<std::string>>(),
-    "parameters that pair plots show; empty: all of the prior");
+    "2 to 15 parameters that pair plots show; empty: the prior's first 15");
 }
 
 template <class Fields>

@@ -70,6 +70,7 @@ Study parse_study(std::string_view text, const fs::path& file,
   resolve(study, file, reading);
   check_study(study, reading);
   reading.problems().throw_if_any();
+  study.places = reading.places();
   return study;
 }
 

@@ -81,6 +81,7 @@ learning_rate = 5e-4            # step size of Adam
 # stop_after_epochs = 20        # epochs without a better validation loss
 # max_epochs = 5000
 # clip_norm = 5.0               # largest norm of a gradient
+# average_epochs = 2.0          # memory of the moving average of the weights; 0: none
 
 [[method]]
 name = "NPDR (MoG)"
@@ -93,15 +94,15 @@ density_estimator = { kind = "mdn", num_components = 5, hidden_features = 20 }
 num_samples = 100               # posterior samples that are simulated and measured
 # metrics = ["dtw", "rmse"]
 # rounds = "last"               # or "all": every round's posterior
-# floor = true                  # also search for the smallest RMSE in the prior
+# floor = true                  # of a recording: also search for the smallest RMSE in the prior
 
 [limits]
 # max_failed_fraction = 0.05    # share of failed simulations above which the study stops
 
 [report]
 title = "Pendulum"
-# caption = ""                  # text below the tables
-# parameters = []               # those that pair plots show; empty: all of the prior
+# caption = ""                  # text below the main tables
+# parameters = []               # 2 to 15 that pair plots show; empty: the prior's first 15
 )toml";
 
 }  // namespace

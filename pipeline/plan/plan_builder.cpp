@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/store/recording.h"
@@ -12,19 +13,22 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json document(const Schema& schema) {
-  return {{"stage", schema.stage}, {"schema_version", schema.version}};
-}
-
 std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& key) {
   if (stage == Stage::report) return plan.work.study(plan.study.name) / "report.json";
   return plan.work.artefact(to_string(stage), key);
 }
 
-// The part of the simulator's settings that decides what a simulation holds.
+// The part of the simulator's settings that decides what a simulation of every state holds.
 Json dynamics_json(const sim::SimulatorConfig& config) {
   Json json = to_json(config);
   json.erase("store_every");
+  return json;
+}
+
+// The part that decides what a simulated target holds: it is one segment.
+Json behaviour_json(const sim::SimulatorConfig& config) {
+  Json json = dynamics_json(config);
+  json.erase("segment_length");
   return json;
 }
 
@@ -66,18 +70,19 @@ Plan PlanBuilder::build() {
 
 std::size_t PlanBuilder::add_target() {
   const Study& study = plan_.study;
-  Json json = document(kTargetSchema);
+  Json json = key_document(kTargetSchema);
   if (study.target.recording) {
     const auto simulator = sim::make_simulator(study.simulator);
     plan_.target = read_recording(
         *study.target.recording,
         Channels{simulator->info().state_channels, simulator->info().action_channels});
+    check_recording(study, plan_.target);
     if (study.target.num_rollouts > 0) {
       plan_.target = plan_.target.first(study.target.num_rollouts);
     }
     json["content"] = content_hash(plan_.target);
   } else {
-    json["simulator"] = dynamics_json(study.simulator);
+    json["simulator"] = behaviour_json(study.simulator);
     json["truth"] = *study.target.truth;
     json["num_rollouts"] = study.target.num_rollouts;
     json["seed"] = study.target.seed;
@@ -86,11 +91,11 @@ std::size_t PlanBuilder::add_target() {
 }
 
 std::size_t PlanBuilder::add_baseline(std::size_t target) {
-  Json json = document(kBaselineSchema);
+  Json json = key_document(kBaselineSchema);
   json["simulator"] = dynamics_json(plan_.study.simulator);
   json["prior"] = to_json(plan_.study.prior);
   json["metrics"] = plan_.study.evaluate.metrics;
-  json["floor"] = plan_.study.evaluate.floor;
+  if (plan_.study.target.recording) json["floor"] = plan_.study.evaluate.floor;
   return add(Stage::baseline, json, {}, {{"target", target}});
 }
 
@@ -114,7 +119,7 @@ std::vector<std::size_t> PlanBuilder::add_experiment(const MethodConfig& method,
 
 std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use,
                                       std::optional<std::size_t> posterior) {
-  Json json = document(kProposalSchema);
+  Json json = key_document(kProposalSchema);
   json["num_simulations"] = method.algorithm.num_simulations;
   json["seed"] = use.seed;
   json["round"] = use.round;
@@ -127,7 +132,7 @@ std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use
 
 std::size_t PlanBuilder::add_simulation(const MethodConfig& method, const Use& use,
                                         std::size_t target, std::size_t proposal) {
-  Json json = document(kSimulationSchema);
+  Json json = key_document(kSimulationSchema);
   json["simulator"] = to_json(plan_.study.simulator);
   json["num_rollouts"] = method.num_rollouts;
   return add(Stage::simulate, json, use, {{"target", target}, {"proposal", proposal}});
@@ -137,7 +142,7 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
                                        std::size_t target,
                                        const std::vector<std::size_t>& simulations,
                                        const std::vector<std::size_t>& posteriors) {
-  Json json = document(kPosteriorSchema);
+  Json json = key_document(kPosteriorSchema);
   const Json all = to_json(method);
   // What names the method, its figures in a paper or its number of rounds changes no posterior.
   for (const auto& [key, value] : all.items()) {
@@ -160,7 +165,7 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
 }
 
 std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std::size_t posterior) {
-  Json json = document(kEvaluationSchema);
+  Json json = key_document(kEvaluationSchema);
   json["simulator"] = dynamics_json(plan_.study.simulator);
   json["num_samples"] = plan_.study.evaluate.num_samples;
   json["metrics"] = plan_.study.evaluate.metrics;
@@ -170,7 +175,7 @@ std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std:
 }
 
 void PlanBuilder::add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations) {
-  Json json = document(kReportSchema);
+  Json json = key_document(kReportSchema);
   json["study"] = study_json_;
   std::vector<std::pair<std::string, std::size_t>> inputs = {{"baseline", baseline}};
   for (std::size_t i = 0; i < evaluations.size(); ++i) {

@@ -8,11 +8,12 @@ namespace npdr::pipeline {
 
 inline const Schema kTargetSchema{"target", 1, "target"};
 inline const Schema kProposalSchema{"proposal", 1, "propose"};
-inline const Schema kSimulationShardSchema{"simulation_shard", 1, "simulate"};
-inline const Schema kSimulationSchema{"simulation", 1, "simulate"};
-inline const Schema kPosteriorSchema{"posterior", 1, "infer"};
-inline const Schema kCheckpointSchema{"training_checkpoint", 1, "infer"};
-inline const Schema kBaselineSchema{"baseline", 1, "baseline"};
+/// Shards lie in a folder with the key of their simulation: raise both versions together.
+inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
+inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
+inline const Schema kPosteriorSchema{"posterior", 2, "infer"};
+inline const Schema kCheckpointSchema{"training_checkpoint", 2, "infer"};
+inline const Schema kBaselineSchema{"baseline", 2, "baseline"};
 inline const Schema kEvaluationSchema{"evaluation", 1, "evaluate"};
 inline const Schema kReportSchema{"report", 1, "report"};
 

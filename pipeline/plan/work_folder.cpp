@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <cctype>
 #include <system_error>
 
 #include "core/error.h"
@@ -22,20 +21,6 @@ fs::path WorkFolder::checkpoint(const std::string& stage, const std::string& key
 fs::path WorkFolder::shard(const std::string& key, Index begin, Index end) const {
   const std::string name = "rows-" + std::to_string(begin) + "-" + std::to_string(end) + ".h5";
   return root_ / ".cache" / "simulate" / key / name;
-}
-
-std::string folder_name(const std::string& name) {
-  std::string folder;
-  for (const char c : name) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (std::isalnum(letter)) {
-      folder += static_cast<char>(std::tolower(letter));
-    } else if (!folder.empty() && folder.back() != '-') {
-      folder += '-';
-    }
-  }
-  while (!folder.empty() && folder.back() == '-') folder.pop_back();
-  return folder.empty() ? "unnamed" : folder;
 }
 
 void make_link(const fs::path& target, const fs::path& link) {

@@ -31,9 +31,6 @@ class WorkFolder {
   std::filesystem::path root_;
 };
 
-/// A name as a folder: lower case letters, digits and '-': "NPDR (MAF)" is "npdr-maf".
-std::string folder_name(const std::string& name);
-
 /// Makes or renews the relative link `link` to `target`. Throws Error.
 void make_link(const std::filesystem::path& target, const std::filesystem::path& link);
 

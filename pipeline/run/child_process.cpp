@@ -45,12 +45,12 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 
 ChildProcess::ChildProcess(const std::vector<std::string>& command, int threads,
                            const std::filesystem::path& log) {
+  std::filesystem::create_directories(log.parent_path());
   std::array<int, 2> ends;
   if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) {
     throw Error(std::string("can't make a pipe: ") + std::strerror(errno));
   }
   pipe_ = ends[0];
-  std::filesystem::create_directories(log.parent_path());
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -65,6 +65,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, int threads,
   posix_spawn_file_actions_destroy(&actions);
   close(ends[1]);
   if (error != 0) {
+    close(pipe_);
     throw Error(command.front() + ": can't be started: " + std::strerror(error));
   }
 }

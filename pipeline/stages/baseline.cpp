@@ -1,10 +1,10 @@
 #include "analysis/floor.h"
-#include "inference/prior.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/stop_request.h"
 #include "pipeline/stages/baseline_file.h"
 #include "pipeline/stages/prediction.h"
+#include "pipeline/stages/search_box.h"
 #include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
 
@@ -19,22 +19,9 @@ BaselinePoint measure(const Predictor& predictor, const std::string& name, const
   return point;
 }
 
-// The box that the floor is searched in: the prior's, or four deviations around a normal's mean.
-std::pair<Vector, Vector> search_box(const std::vector<inference::Marginal>& prior) {
-  const auto dimension = static_cast<Index>(prior.size());
-  Vector lower(dimension), upper(dimension);
-  for (Index d = 0; d < dimension; ++d) {
-    const inference::Marginal& m = prior[static_cast<std::size_t>(d)];
-    const bool is_normal = m.kind == inference::Marginal::Kind::normal;
-    lower(d) = is_normal ? m.a - 4.0 * m.b : m.a;
-    upper(d) = is_normal ? m.a + 4.0 * m.b : m.b;
-  }
-  return {lower, upper};
-}
-
 BaselinePoint find_floor(const Plan& plan, const Node& node, const Predictor& predictor) {
-  const auto [lower, upper] = search_box(plan.study.prior);
-  const Vector start = predictor.nominal().cwiseMax(lower).cwiseMin(upper);
+  const SearchBox box = search_box(plan.study.prior, predictor.simulator().info());
+  const Vector start = predictor.nominal().cwiseMax(box.lower).cwiseMin(box.upper);
   Progress progress(node.label() + ", floor evaluations", 0);
   Index num_evaluations = 0;
   const auto objective = [&](const RowMatrix& theta) {
@@ -44,13 +31,14 @@ BaselinePoint find_floor(const Plan& plan, const Node& node, const Predictor& pr
     return predictor.rmse(theta);
   };
   const analysis::FloorResult floor =
-      analysis::find_floor(objective, lower, upper, start.transpose());
+      analysis::find_floor(objective, box.lower, box.upper, start.transpose());
   return measure(predictor, "floor", floor.theta);
 }
 
 }  // namespace
 
 void run_baseline(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
   const Predictor predictor(plan, read_target(plan, node));
   std::vector<BaselinePoint> points = {measure(predictor, "nominal", predictor.nominal())};
   if (plan.study.target.truth) {
@@ -58,7 +46,6 @@ void run_baseline(const Plan& plan, const Node& node) {
   } else if (plan.study.evaluate.floor) {
     points.push_back(find_floor(plan, node, predictor));
   }
-  ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
   write_baseline(writer.file(), plan, points);
   writer.finish();
 }

@@ -20,7 +20,9 @@ void write_baseline(h5::File& file, const Plan& plan, const std::vector<Baseline
   }
   file.write_texts("name", names);
   write_theta(file, plan, theta);
-  for (const auto& [metric, values] : metrics) file.write(metric, values);
+  for (const auto& [metric, values] : metrics) {
+    file.write(metric, values).label_dimensions({"row"});
+  }
 }
 
 std::vector<BaselinePoint> read_baseline(const Node& node) {

@@ -9,6 +9,7 @@
 namespace npdr::pipeline {
 
 void run_evaluate(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kEvaluationSchema, node.identity);
   const Use& use = node.uses.front();
   const auto round = static_cast<std::uint64_t>(use.round);
   const inference::DirectPosterior posterior =
@@ -33,7 +34,6 @@ void run_evaluate(const Plan& plan, const Node& node) {
   if (plan.study.target.truth) {
     evaluation.truth_log_prob = posterior.log_prob(predictor.truth().transpose())(0);
   }
-  ArtefactWriter writer(node.path, kEvaluationSchema, node.identity);
   write_evaluation(writer.file(), plan, evaluation);
   writer.finish();
 }

@@ -11,6 +11,7 @@ void write_band(h5::Group& group, const std::string& name, const std::vector<Row
   const auto num_rollouts = static_cast<Index>(band.size());
   h5::Dataset dataset =
       group.create_dataset(name, h5::ElementType::f32, {num_rollouts, first.rows(), first.cols()});
+  dataset.label_dimensions({"rollout", "time", "channel"});
   for (Index h = 0; h < num_rollouts; ++h) {
     const RowMatrixF values = band[static_cast<std::size_t>(h)].cast<float>();
     dataset.write_rows<float>(h, 1, {values.data(), static_cast<std::size_t>(values.size())});
@@ -33,12 +34,14 @@ std::vector<RowMatrix> read_band(const h5::Group& group, const std::string& name
 
 void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evaluation) {
   write_theta(file, plan, evaluation.theta);
-  file.write("log_prob", evaluation.log_prob);
-  for (const auto& [metric, values] : evaluation.metrics) file.write(metric, values);
+  file.write("log_prob", evaluation.log_prob).label_dimensions({"row"});
+  for (const auto& [metric, values] : evaluation.metrics) {
+    file.write(metric, values).label_dimensions({"row"});
+  }
   file.write_scalar("nominal_log_prob", evaluation.nominal_log_prob);
   if (evaluation.truth_log_prob) file.write_scalar("truth_log_prob", *evaluation.truth_log_prob);
   h5::Group map = file.create_group("map");
-  map.write("theta", evaluation.map_theta);
+  map.write("theta", evaluation.map_theta).label_dimensions({"parameter"});
   map.write_scalar("log_prob", evaluation.map_log_prob);
   for (const auto& [metric, value] : evaluation.map_metrics) map.write_scalar(metric, value);
   h5::Group bands = file.create_group("bands");

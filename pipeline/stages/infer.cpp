@@ -58,6 +58,7 @@ class EpochReport {
 }  // namespace
 
 void run_infer(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kPosteriorSchema, node.identity);
   const Use& use = node.uses.front();
   const MethodConfig& method = plan.study.method(use.method);
   for (const Node* simulation : plan.inputs(node, Stage::simulate)) {
@@ -88,8 +89,7 @@ void run_infer(const Plan& plan, const Node& node) {
       {use.seed, "training", static_cast<std::uint64_t>(use.round), 0, 0}, state, std::ref(report));
   if (!posterior) throw Checkpointed(node.label() + ": stopped on request, checkpoint written");
 
-  ArtefactWriter writer(node.path, kPosteriorSchema, node.identity);
-  write_posterior(writer.file(), method, *posterior, state,
+  write_posterior(writer.file(), method, *posterior, target, state,
                   {features.num_rows(), features.num_failed()});
   writer.finish();
   std::filesystem::remove(plan.work.checkpoint("infer", node.key));

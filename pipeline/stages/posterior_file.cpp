@@ -1,8 +1,15 @@
 #include "pipeline/stages/posterior_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/schemas.h"
+#include "pipeline/store/channels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -14,6 +21,37 @@ Vector to_vector(const std::vector<double>& values) {
 }
 
 std::vector<double> to_list(const Vector& values) { return {values.begin(), values.end()}; }
+
+void write_channels(h5::Dataset& x_o, const std::string& kind,
+                    const std::vector<Channel>& channels) {
+  std::vector<std::string> labels, units;
+  for (const Channel& channel : channels) {
+    labels.push_back(channel.label);
+    units.push_back(channel.unit);
+  }
+  x_o.set_attribute(kind + "_labels", labels);
+  x_o.set_attribute(kind + "_units", units);
+}
+
+std::vector<Channel> read_channels(const h5::Dataset& x_o, const std::string& kind) {
+  const auto labels = x_o.attribute<std::vector<std::string>>(kind + "_labels");
+  const auto units = x_o.attribute<std::vector<std::string>>(kind + "_units");
+  std::vector<Channel> channels;
+  for (std::size_t c = 0; c < std::min(labels.size(), units.size()); ++c) {
+    channels.push_back({labels[c], units[c]});
+  }
+  return channels;
+}
+
+void write_observation(h5::File& file, const VectorF& x, const Target& target) {
+  h5::Dataset x_o = file.write("x_o", x);
+  x_o.label_dimensions({"feature"});
+  x_o.set_attribute("dt", target.dt);
+  x_o.set_attribute("num_rollouts", target.num_rollouts());
+  x_o.set_attribute("num_steps", target.num_steps());
+  write_channels(x_o, "state", target.state_channels);
+  write_channels(x_o, "action", target.action_channels);
+}
 
 template <class Config>
 Config read_config(const h5::File& file, const std::string& name) {
@@ -33,7 +71,7 @@ inference::PosteriorEstimationConfig estimation_config(const MethodConfig& metho
 }
 
 void write_posterior(h5::File& file, const MethodConfig& method,
-                     const inference::DirectPosterior& posterior,
+                     const inference::DirectPosterior& posterior, const Target& target,
                      const inference::TrainingState& training, const RowCounts& rows) {
   const inference::DirectPosteriorParts& parts = posterior.parts();
   file.set_attribute("prior", to_json(parts.prior.marginals()).dump());
@@ -43,15 +81,19 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   file.set_attribute("structure_seed", std::to_string(parts.structure_seed));
   file.set_attribute("num_simulations", rows.used);
   file.set_attribute("num_failed", rows.failed);
-  file.write("weights", parts.parameters, kPlain);
-  file.write("x_o", parts.x_o);
+  file.write("weights", parts.parameters, kPlain).label_dimensions({"weight"});
+  write_observation(file, parts.x_o, target);
   h5::Group transform = file.create_group("transform");
-  transform.write("mean", parts.transform.mean);
-  transform.write("inverse_deviation", parts.transform.inverse_deviation);
-  if (parts.transform.basis.cols() > 0) transform.write("basis", parts.transform.basis, kPlain);
+  transform.write("mean", parts.transform.mean).label_dimensions({"feature"});
+  transform.write("inverse_deviation", parts.transform.inverse_deviation)
+      .label_dimensions({"feature"});
+  if (parts.transform.basis.cols() > 0) {
+    transform.write("basis", parts.transform.basis, kPlain)
+        .label_dimensions({"feature", "component"});
+  }
   h5::Group curves = file.create_group("training");
-  curves.write("training_loss", to_vector(training.training_loss));
-  curves.write("validation_loss", to_vector(training.validation_loss));
+  curves.write("training_loss", to_vector(training.training_loss)).label_dimensions({"epoch"});
+  curves.write("validation_loss", to_vector(training.validation_loss)).label_dimensions({"epoch"});
 }
 
 inference::DirectPosterior read_posterior(const std::filesystem::path& path,
@@ -85,6 +127,28 @@ inference::DirectPosterior read_posterior(const Node& node) {
   return read_posterior(node.path, node.key);
 }
 
+void require_like_observation(const std::string& where, const Target& found,
+                              const std::filesystem::path& posterior) {
+  constexpr double tolerance = 1e-3;
+  const h5::Dataset x_o = open_artefact(posterior, kPosteriorSchema).dataset("x_o");
+  check_channels(where + ": states", found.state_channels, read_channels(x_o, "state"));
+  check_channels(where + ": actions", found.action_channels, read_channels(x_o, "action"));
+  std::vector<std::string> differences;
+  if (const auto dt = x_o.attribute<double>("dt"); !(std::abs(found.dt - dt) <= tolerance * dt)) {
+    differences.push_back(fmt::format("dt = {} s, must be {} s", found.dt, dt));
+  }
+  const auto require = [&](const char* attribute, Index count, const char* what) {
+    const auto expected = x_o.attribute<Index>(attribute);
+    if (count == expected) return;
+    differences.push_back(fmt::format("{} {}, must be {}", count, what, expected));
+  };
+  require("num_rollouts", found.num_rollouts(), "rollouts");
+  require("num_steps", found.num_steps(), "steps");
+  if (differences.empty()) return;
+  throw InputError(fmt::format("{}: {}; it must be like what '{}' was trained for", where,
+                               join(differences, "; "), posterior.string()));
+}
+
 PosteriorNotes read_posterior_notes(const Node& node) {
   const h5::File file = open_artefact(node.path, kPosteriorSchema, node.key);
   const h5::Group curves = file.group("training");
@@ -101,6 +165,7 @@ void write_checkpoint(const Plan& plan, const Node& node, const inference::Train
   file.set_attribute("best_validation_loss", state.best_validation_loss);
   file.set_attribute("num_steps", static_cast<Index>(state.adam.num_steps));
   file.write("parameters", state.parameters, kPlain);
+  file.write("average", state.average, kPlain);
   file.write("best_parameters", state.best_parameters, kPlain);
   file.write("first_moment", state.adam.first_moment, kPlain);
   file.write("second_moment", state.adam.second_moment, kPlain);
@@ -120,6 +185,7 @@ inference::TrainingState read_checkpoint(const Plan& plan, const Node& node) {
   state.adam.num_steps = file.attribute<Index>("num_steps");
   state.parameters = file.read_vector<float>("parameters");
   const Index size = state.parameters.size();
+  state.average = file.read_vector<float>("average", size);
   state.best_parameters = file.read_vector<float>("best_parameters", size);
   state.adam.first_moment = file.read_vector<float>("first_moment", size);
   state.adam.second_moment = file.read_vector<float>("second_moment", size);

@@ -2,7 +2,9 @@
 ///
 ///   weights (P) float32            of the whole network, flat
 ///   transform/mean, transform/inverse_deviation (F), transform/basis (F, k)
-///   x_o (F)                        the observation, not transformed
+///   x_o (F)                        the observation, not transformed; attributes that say what was
+///                                  observed: dt, num_rollouts, num_steps, state_labels,
+///                                  state_units, action_labels, action_units
 ///   training/training_loss, training/validation_loss (epochs)
 ///   attributes: prior, density_estimator, embedding (JSON), trained_features, structure_seed,
 ///   num_simulations, num_failed
@@ -23,14 +25,21 @@ struct RowCounts {
   Index failed = 0;
 };
 
+/// `target`: the rollouts that x_o was made of.
 void write_posterior(h5::File& file, const MethodConfig& method,
-                     const inference::DirectPosterior& posterior,
+                     const inference::DirectPosterior& posterior, const Target& target,
                      const inference::TrainingState& training, const RowCounts& rows);
 
 /// Reads the posterior of a file, whatever study made it. Throws InputError.
 inference::DirectPosterior read_posterior(const std::filesystem::path& path,
                                           const std::string& key = "");
 inference::DirectPosterior read_posterior(const Node& node);
+
+/// Throws InputError unless `found` could be observed in place of what the posterior in the file
+/// was trained for: the same channels, dt (to 0.1 %), numbers of rollouts and steps. `where` (a
+/// file) begins the message.
+void require_like_observation(const std::string& where, const Target& found,
+                              const std::filesystem::path& posterior);
 
 /// What stands beside the posterior.
 struct PosteriorNotes {

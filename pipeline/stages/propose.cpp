@@ -20,6 +20,7 @@ RowMatrix sample_prior(const Study& study, Index n, std::uint64_t seed) {
 }  // namespace
 
 void run_propose(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kProposalSchema, node.identity);
   const Use& use = node.uses.front();
   const Index n = num_rows(plan, node);
   const auto posteriors = plan.inputs(node, Stage::infer);
@@ -31,7 +32,6 @@ void run_propose(const Plan& plan, const Node& node) {
     theta = inference::propose(estimation_config(plan.study.method(use.method)), posterior, n,
                                {use.seed, "proposal", static_cast<std::uint64_t>(use.round), 0, 0});
   }
-  ArtefactWriter writer(node.path, kProposalSchema, node.identity);
   write_theta(writer.file(), plan, theta);
   writer.finish();
 }

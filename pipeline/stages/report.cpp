@@ -30,9 +30,8 @@ std::vector<std::pair<std::string, std::string>> provenance(const Plan& plan, co
 }
 
 analysis::ReportSection fit_section(const ReportData& data) {
-  analysis::ReportSection section{
-      "Fit to the target domain", data.plan.study.report.caption, {}, {}};
-  section.tables = {fit_table(data)};
+  analysis::ReportSection section{"Fit to the target domain", "", {fit_table(data)}};
+  section.remarks = data.plan.study.report.caption;
   if (data.plan.study.evaluate.rounds == "all") section.tables.push_back(rounds_table(data));
   section.tables.push_back(seeds_table(data));
   return section;
@@ -44,7 +43,9 @@ analysis::ReportSection posterior_section(const ReportData& data,
   if (data.plan.study.prior.size() > 1) {
     section.figures.push_back(
         {write_pair_figure(data, folder),
-         fmt::format("Posterior samples of seed {}. Limits are the prior's.", data.seeds.front())});
+         fmt::format("Posterior samples of seed {}. Limits are the prior's.{}{}",
+                     data.seeds.front(), left_out_methods(data),
+                     left_out_parameters(data.plan.study))});
   }
   return section;
 }
@@ -55,8 +56,8 @@ analysis::ReportSection prediction_section(const ReportData& data, const Target&
           "",
           {},
           {{write_trajectory_figure(data, target, folder),
-            fmt::format("Recorded states, predictive median and 90 % band of seed {}.",
-                        data.seeds.front())}}};
+            fmt::format("Recorded states, predictive median and 90 % band of seed {}.{}",
+                        data.seeds.front(), left_out_methods(data))}}};
 }
 
 }  // namespace

@@ -1,8 +1,13 @@
 #include "pipeline/stages/report_figures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <numeric>
+#include <span>
 
 #include "analysis/pair_plot.h"
+#include "analysis/plot_layout.h"
 #include "analysis/trajectory_plot.h"
 
 namespace npdr::pipeline {
@@ -26,8 +31,16 @@ analysis::PairParameter axis_of(const ReportData& data, Index d) {
   return axis;
 }
 
+std::span<const std::string> drawn_methods(const ReportData& data) {
+  return std::span(data.methods).first(std::min(data.methods.size(), analysis::kMaxMethods));
+}
+
 std::vector<Index> shown_parameters(const Study& study) {
   std::vector<Index> shown;
+  if (study.report.parameters.empty()) {
+    shown.resize(std::min<std::size_t>(study.prior.size(), analysis::kMaxPairParameters));
+    std::iota(shown.begin(), shown.end(), Index{0});
+  }
   for (const std::string& name : study.report.parameters) {
     const auto found = std::find_if(study.prior.begin(), study.prior.end(),
                                     [&](const auto& m) { return m.name == name; });
@@ -38,6 +51,18 @@ std::vector<Index> shown_parameters(const Study& study) {
 
 }  // namespace
 
+std::string left_out_methods(const ReportData& data) {
+  const std::size_t drawn = drawn_methods(data).size();
+  if (drawn == data.methods.size()) return "";
+  return fmt::format(" The first {} of {} methods.", drawn, data.methods.size());
+}
+
+std::string left_out_parameters(const Study& study) {
+  const std::size_t shown = shown_parameters(study).size();
+  if (shown == study.prior.size()) return "";
+  return fmt::format(" {} of {} parameters.", shown, study.prior.size());
+}
+
 std::filesystem::path write_pair_figure(const ReportData& data,
                                         const std::filesystem::path& folder) {
   analysis::PairPlot plot;
@@ -45,7 +70,7 @@ std::filesystem::path write_pair_figure(const ReportData& data,
   for (Index d = 0; d < static_cast<Index>(data.plan.study.prior.size()); ++d) {
     plot.parameters.push_back(axis_of(data, d));
   }
-  for (const std::string& method : data.methods) {
+  for (const std::string& method : drawn_methods(data)) {
     plot.sets.push_back({method, data.runs_of(method).front()->evaluation.theta});
   }
   plot.selection = shown_parameters(data.plan.study);
@@ -56,7 +81,7 @@ std::filesystem::path write_trajectory_figure(const ReportData& data, const Targ
                                               const std::filesystem::path& folder) {
   analysis::TrajectoryPlot plot;
   plot.name = "trajectories";
-  for (const std::string& method : data.methods) {
+  for (const std::string& method : drawn_methods(data)) {
     plot.predictions.push_back({method, data.runs_of(method).front()->evaluation.bands});
   }
   return analysis::write_trajectory_plot(plot, target, folder).svg;

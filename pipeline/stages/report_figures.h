@@ -2,12 +2,18 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "pipeline/stages/report_data.h"
 
 namespace npdr::pipeline {
 
-/// Pair plot of the first seed's posterior samples of every method; returns the SVG.
+/// What figures leave out, as sentences to end a caption with; "": nothing. They draw the first
+/// methods, as many as there are colours, and those parameters that the study picks, or the first.
+std::string left_out_methods(const ReportData& data);
+std::string left_out_parameters(const Study& study);
+
+/// Pair plot of the first seed's posterior samples of each method; returns the SVG.
 std::filesystem::path write_pair_figure(const ReportData& data,
                                         const std::filesystem::path& folder);
 

@@ -100,6 +100,18 @@ std::string noise_text(const ObservationNoise& noise) {
                      noise.redraw ? "redrawn in every epoch" : "drawn once per simulation");
 }
 
+std::string prior_text(const inference::Marginal& m) {
+  switch (m.kind) {
+    case inference::Marginal::Kind::uniform:
+      return fmt::format("[{:.4g}, {:.4g}]", m.a, m.b);
+    case inference::Marginal::Kind::log_uniform:
+      return fmt::format("[{:.4g}, {:.4g}], log-uniform", m.a, m.b);
+    case inference::Marginal::Kind::normal:
+      return fmt::format("N({:.4g}, {:.4g}²)", m.a, m.b);
+  }
+  return "";
+}
+
 }  // namespace
 
 Table fit_table(const ReportData& data) {
@@ -193,12 +205,9 @@ Table parameters_table(const ReportData& data) {
   for (const std::string& method : data.methods) table.columns.push_back({method, false});
   Index d = 0;
   for (const inference::Marginal& marginal : data.plan.study.prior) {
-    const bool is_normal = marginal.kind == inference::Marginal::Kind::normal;
     Row row{marginal.name, {}};
     row.cells.emplace_back(marginal.unit);
-    row.cells.emplace_back(
-        fmt::format(fmt::runtime(is_normal ? "N({:.4g}, {:.4g}²)" : "[{:.4g}, {:.4g}]"), marginal.a,
-                    marginal.b));
+    row.cells.emplace_back(prior_text(marginal));
     for (const BaselinePoint& point : data.baseline) row.cells.emplace_back(point.theta(d));
     for (const std::string& method : data.methods) {
       std::vector<double> values;

@@ -37,7 +37,10 @@ Replay make_replay(const Plan& plan, const Node& node) {
 
 Identity shard_identity(const Node& node, RowRange rows) {
   Identity identity = node.identity;
-  identity.key_document = {{"simulation", node.key}, {"begin", rows.begin}, {"end", rows.end}};
+  identity.key_document = key_document(kSimulationShardSchema);
+  identity.key_document["simulation"] = node.key;
+  identity.key_document["begin"] = rows.begin;
+  identity.key_document["end"] = rows.end;
   return identity;
 }
 

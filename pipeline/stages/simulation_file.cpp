@@ -29,6 +29,7 @@ void describe_trajectories(h5::Dataset& dataset, const Plan& plan, const Target&
   dataset.set_attribute("units", units);
   dataset.set_attribute("dt", target.dt);
   dataset.set_attribute("store_every", plan.study.simulator.store_every);
+  dataset.label_dimensions({"row", "rollout", "time", "channel"});
 }
 
 void create_row_datasets(h5::File& file, const Plan& plan, Index num_rows) {
@@ -38,7 +39,9 @@ void create_row_datasets(h5::File& file, const Plan& plan, Index num_rows) {
   h5::Dataset status = file.create_dataset("status", h5::ElementType::u8, {num_rows});
   status.set_attribute("meaning",
                        std::vector<std::string>{"0 ok", "1 diverged", "2 out of limits"});
+  status.label_dimensions({"row"});
   h5::Dataset seconds = file.create_dataset("seconds", h5::ElementType::f32, {num_rows});
+  seconds.label_dimensions({"row"});
   mark_volatile(seconds);
 }
 
@@ -93,7 +96,9 @@ void join_shards(const Plan& plan, const Node& node, const Target& target) {
   Index num_failed = 0;
   for (const RowRange rows : shards(plan, node)) {
     const std::filesystem::path path = plan.work.shard(node.key, rows.begin, rows.end);
-    num_failed += copy_rows(open_artefact(path, kSimulationShardSchema), file, rows);
+    const h5::File shard = open_artefact(path, kSimulationShardSchema);
+    num_failed += copy_rows(shard, file, rows);
+    writer.add_wall_seconds(wall_seconds(shard));
     sources.push_back(
         {node.key + "/" + path.filename().string(), "trajectories", rows.end - rows.begin});
   }

@@ -47,6 +47,7 @@ void describe_theta(h5::Dataset& dataset, const Plan& plan) {
   dataset.set_attribute("units", units);
   dataset.set_attribute("prior_lower", lower);
   dataset.set_attribute("prior_upper", upper);
+  dataset.label_dimensions({"row", "parameter"});
 }
 
 void write_theta(h5::Group& group, const Plan& plan, const RowMatrix& theta) {

@@ -46,8 +46,8 @@ void require_inputs(const Plan& plan, const Node& node) {
   for (const std::size_t i : node.needs) {
     const Node& input = plan.nodes[i];
     if (is_complete(plan, input)) continue;
-    throw InputError(node.label() + " needs '" + input.label() + "', which isn't there; run npdr-" +
-                     to_string(input.stage) + " on this study first, or npdr run");
+    throw InputError(node.label() + " needs '" + input.label() + "', which isn't there; run " +
+                     program_of(input.stage) + " on this study first, or npdr run");
   }
 }
 

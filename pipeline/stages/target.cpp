@@ -18,8 +18,8 @@ Target simulated_target(const Study& study) {
 }  // namespace
 
 void run_target(const Plan& plan, const Node& node) {
-  const Target target = plan.study.target.recording ? plan.target : simulated_target(plan.study);
   ArtefactWriter writer(node.path, kTargetSchema, node.identity);
+  const Target target = plan.study.target.recording ? plan.target : simulated_target(plan.study);
   write_target(writer.file(), target);
   writer.finish();
 }

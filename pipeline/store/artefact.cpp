@@ -3,6 +3,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <set>
+
 #include "core/error.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/store/build_info.h"
@@ -95,6 +97,10 @@ Provenance read_provenance(const h5::Group& group) {
 
 }  // namespace
 
+Json key_document(const Schema& schema) {
+  return {{"stage", schema.stage}, {"schema_version", schema.version}};
+}
+
 std::string Identity::key() const { return content_key(key_document); }
 
 ArtefactWriter::ArtefactWriter(const std::filesystem::path& path, const Schema& schema,
@@ -107,7 +113,7 @@ ArtefactWriter::ArtefactWriter(const std::filesystem::path& path, const Schema& 
 
 void ArtefactWriter::finish() {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  write_provenance(file_, identity_.study, elapsed.count());
+  write_provenance(file_, identity_.study, earlier_seconds_ + elapsed.count());
   file_.set_attribute("complete", Index{1});
   file_.close();
   atomic_.commit();
@@ -142,6 +148,19 @@ ArtefactInfo read_artefact_info(const std::filesystem::path& path) {
   info.identity.seed = static_cast<std::uint64_t>(file.attribute<Index>("seed"));
   info.provenance = read_provenance(provenance);
   return info;
+}
+
+std::vector<std::string> own_attributes(const h5::File& file) {
+  static const std::set<std::string> common = {"schema", "schema_version", "stage",
+                                               "key",    "key_document",   "seed",
+                                               "inputs", "input_keys",     "complete"};
+  std::vector<std::string> own = file.attribute_names();
+  std::erase_if(own, [](const std::string& name) { return common.contains(name); });
+  return own;
+}
+
+double wall_seconds(const h5::File& file) {
+  return file.group(kProvenance).attribute<double>("wall_seconds");
 }
 
 void mark_volatile(h5::Object& object) { object.set_attribute(kVolatile, Index{1}); }

@@ -26,6 +26,9 @@ struct Schema {
   std::string stage;  ///< what to rerun for a new one, such as "infer"
 };
 
+/// What every key document begins with: stage and schema version.
+nlohmann::ordered_json key_document(const Schema& schema);
+
 /// What an artefact is made from.
 struct Identity {  // NOLINT(bugprone-exception-escape): moving JSON doesn't throw
   nlohmann::ordered_json key_document;        ///< everything that it depends on
@@ -55,7 +58,8 @@ struct ArtefactInfo {  // NOLINT(bugprone-exception-escape): moving JSON doesn't
   Provenance provenance;
 };
 
-/// An artefact in the making. The file has its name only after finish(); until then it doesn't
+/// An artefact in the making, made before the work begins: a folder that can't be written to is an
+/// error before hours were spent. The file has its name only after finish(); until then it doesn't
 /// exist for anybody else, and it never does when finish() isn't reached.
 class ArtefactWriter {
  public:
@@ -63,12 +67,16 @@ class ArtefactWriter {
 
   h5::File& file() { return file_; }
 
+  /// Counts work that was done before the constructor, such as that of shards.
+  void add_wall_seconds(double seconds) { earlier_seconds_ += seconds; }
+
   /// Writes who made it and how long that took since the constructor, marks the artefact as
   /// complete and gives it its name. Throws Error.
   void finish();
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double earlier_seconds_ = 0.0;
   Identity identity_;
   AtomicFile atomic_;
   h5::File file_;
@@ -82,6 +90,12 @@ h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
 /// What the artefact in `path`, of any schema, says about itself. Throws InputError for a file that
 /// isn't a complete artefact.
 ArtefactInfo read_artefact_info(const std::filesystem::path& path);
+
+/// The attributes of an artefact's file that its stage has added to those of every artefact.
+std::vector<std::string> own_attributes(const h5::File& file);
+
+/// What it took to make an open artefact.
+double wall_seconds(const h5::File& file);
 
 /// Excludes a group or dataset from content_digest().
 void mark_volatile(h5::Object& object);

@@ -72,20 +72,20 @@ double time_step(const CsvFile& file, std::size_t column) {
   return dt;
 }
 
-double time_step(const CsvFile& file, double given) {
+double time_step(const CsvFile& file, std::optional<double> given) {
   auto column = file.find("t");
   if (!column) column = file.find("time");
-  if (!column && given > 0.0) return given;
+  if (!column && given) return *given;
   if (!column) {
     throw InputError(file.name() + ":1: no column 't [s]' or 'time [s]'; give the time between " +
                      "two rows with --dt");
   }
   const double dt = time_step(file, *column);
-  if (given > 0.0 && std::abs(dt - given) > kTimeTolerance * given) {
+  if (given && std::abs(dt - *given) > kTimeTolerance * *given) {
     throw InputError(fmt::format("{}: its times are {:.6g} s apart, but --dt says {} s",
-                                 file.name(), dt, given));
+                                 file.name(), dt, *given));
   }
-  return given > 0.0 ? given : dt;
+  return given.value_or(dt);
 }
 
 struct CsvRollout {
@@ -129,6 +129,9 @@ void require_alike(const std::string& name, const CsvRollout& csv, const Target&
 
 Target import_csv(const std::vector<std::filesystem::path>& files, const CsvOptions& options) {
   if (files.empty()) throw InputError("no CSV files to import");
+  if (options.dt && !(*options.dt > 0.0 && std::isfinite(*options.dt))) {
+    throw InputError(fmt::format("--dt = {}, must be a time > 0 [s]", *options.dt));
+  }
   if (options.channels.states.empty()) throw InputError("no states to import: name their columns");
   Target target;
   std::vector<std::string> names;

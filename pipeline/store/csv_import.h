@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,8 @@ struct CsvOptions {
   /// Columns to take, by label and in this order; other columns are ignored. An empty unit accepts
   /// the file's, any other must be the file's.
   Channels channels;
-  double dt = 0.0;     ///< [s]; 0: from the column 't [s]' or 'time [s]'
-  std::string source;  ///< for people; empty: the files' names
+  std::optional<double> dt;  ///< [s]; none: from the column 't [s]' or 'time [s]'
+  std::string source;        ///< for people; empty: the files' names
 };
 
 /// Reads one rollout per file: a header line of `label [unit]` fields, then T + 1 rows, of which

@@ -52,6 +52,12 @@ class Dataset : public Object {
   /// Throws InputError unless the shape is `expected`.
   void require_shape(const Shape& expected) const;
 
+  /// HDF5's dimension labels: what each dimension counts, such as "row" and "parameter". Throws
+  /// ShapeError unless there is one for each dimension.
+  void label_dimensions(const std::vector<std::string>& labels);
+  /// One for each dimension; "" where there is none.
+  std::vector<std::string> dimension_labels() const;
+
   /// Rows begin to begin + count - 1, count * row_size() values. A number is read as a type that
   /// holds it exactly. Throws ShapeError for rows that don't exist.
   template <class T>
@@ -125,14 +131,12 @@ class Group : public Object {
                                  const std::vector<VirtualSource>& sources);
 
   template <class T>
-  void write(const std::string& name, const RowMatrixX<T>& values, const Storage& storage = {}) {
-    create_dataset(name, element_type<T>(), {values.rows(), values.cols()}, storage)
-        .template write_rows<T>(0, values.rows(), {values.data(), size_of(values)});
+  Dataset write(const std::string& name, const RowMatrixX<T>& values, const Storage& storage = {}) {
+    return write_as<T>(name, {values.rows(), values.cols()}, values, storage);
   }
   template <class T>
-  void write(const std::string& name, const VectorX<T>& values, const Storage& storage = {}) {
-    create_dataset(name, element_type<T>(), {values.size()}, storage)
-        .template write_rows<T>(0, values.size(), {values.data(), size_of(values)});
+  Dataset write(const std::string& name, const VectorX<T>& values, const Storage& storage = {}) {
+    return write_as<T>(name, {values.size()}, values, storage);
   }
   template <class T>
   void write_scalar(const std::string& name, T value) {
@@ -164,6 +168,14 @@ class Group : public Object {
   template <class Array>
   static std::size_t size_of(const Array& values) {
     return static_cast<std::size_t>(values.size());
+  }
+
+  template <class T, class Array>
+  Dataset write_as(const std::string& name, const Shape& shape, const Array& values,
+                   const Storage& storage) {
+    Dataset dataset = create_dataset(name, element_type<T>(), shape, storage);
+    dataset.write_rows<T>(0, shape.front(), {values.data(), size_of(values)});
+    return dataset;
   }
 
   template <class Array, class T>

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <hdf5_hl.h>
 
 #include <cmath>
 
@@ -67,6 +68,31 @@ void Dataset::require_shape(const Shape& expected) const {
   if (same) return;
   throw InputError(
       fmt::format("{} has shape {}, must be {}", where(), to_string(shape_), to_string(expected)));
+}
+
+void Dataset::label_dimensions(const std::vector<std::string>& labels) {
+  if (labels.size() != shape_.size()) {
+    throw ShapeError(fmt::format("{} has shape {}: {} labels don't name its dimensions", where(),
+                                 to_string(shape_), labels.size()));
+  }
+  prepare();
+  for (unsigned d = 0; d < labels.size(); ++d) {
+    written(H5DSset_label(id(), d, labels[d].c_str()), where(), "hold its dimensions' labels");
+  }
+}
+
+std::vector<std::string> Dataset::dimension_labels() const {
+  prepare();
+  std::vector<std::string> labels;
+  for (unsigned d = 0; d < shape_.size(); ++d) {
+    const ssize_t length = H5DSget_label(id(), d, nullptr, 0);
+    if (length < 0) fail_reading(where(), "read its dimensions' labels");
+    std::string label(static_cast<std::size_t>(length) + 1, '\0');
+    H5DSget_label(id(), d, label.data(), label.size());
+    label.pop_back();
+    labels.push_back(label);
+  }
+  return labels;
 }
 
 void Dataset::require_readable(ElementType type) const {

@@ -75,6 +75,7 @@ Dataset Group::create_virtual_dataset(const std::string& name, ElementType type,
   const std::string where =
       file_ + ": dataset '" + (path_.empty() ? name : path_ + "/" + name) + "'";
   const Handle properties = created(H5Pcreate(H5P_DATASET_CREATE), where, "make a virtual dataset");
+  H5Pset_obj_track_times(properties.id(), false);
   const Handle space = space_of(extents(shape, shape.front()), where);
   std::vector<hsize_t> start(shape.size(), 0);
   for (const VirtualSource& source : sources) {

@@ -57,6 +57,7 @@ void write_rollouts(h5::File& file, const Target& target, const std::string& nam
   h5::Dataset dataset = file.create_dataset(name, h5::ElementType::f64,
                                             {target.num_rollouts(), first.rows(), first.cols()});
   write_channels(dataset, channels);
+  dataset.label_dimensions({"rollout", "time", "channel"});
   for (Index h = 0; h < target.num_rollouts(); ++h) {
     const RowMatrix& rollout = target.rollouts[static_cast<std::size_t>(h)].*values;
     dataset.write_rows<double>(h, 1, {rollout.data(), static_cast<std::size_t>(rollout.size())});

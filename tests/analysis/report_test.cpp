@@ -48,6 +48,16 @@ TEST(Report, IsOneWellFormedPage) {
   EXPECT_NE(html.find("prefers-color-scheme: dark"), std::string::npos);
 }
 
+TEST(Report, RemarksStandBelowTheTables) {
+  const ScratchFolder folder;
+  Report report = small_report(folder.path());
+  report.sections[0].remarks = "Remark <1>.\n\nRemark 2.";
+  const std::string html = to_html(report);
+  const std::size_t remark = html.find("<p>Remark &lt;1&gt;.</p>\n<p>Remark 2.</p>");
+  EXPECT_LT(html.find("</table>"), remark);
+  EXPECT_LT(remark, html.find("<figure class=\"plot\">"));
+}
+
 TEST(Report, LoadsNothingFromElsewhere) {
   const ScratchFolder folder;
   const std::string html = to_html(small_report(folder.path()));

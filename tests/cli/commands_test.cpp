@@ -1,3 +1,6 @@
+#include <functional>
+
+#include "pipeline/store/recording.h"
 #include "tests/cli/program.h"
 
 namespace npdr::pipeline {
@@ -77,6 +80,109 @@ TEST_F(Commands, InspectShowsKindInputsAndContent) {
        {"simulation (schema", "proposal", "trajectories (150, 2, 400, 2)", "content  "}) {
     EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
   }
+}
+
+TEST_F(Commands, InspectShowsTheAttributesOfAnArtefactsOwn) {
+  const Outcome posterior = npdr({"inspect", "runs/small/npdr-maf/seed-1/round-1/infer.h5"});
+  for (const char* part : {"    @embedding = {\"kind\":\"linear\",", "    @num_failed = 0\n",
+                           "    @num_simulations = 150\n",
+                           R"(    @prior = [{"name":"pole_mass","unit":"kg","uniform":[0.3,1.7]},)"
+                           R"({"name":"pole_length","unit":"m","uniform":[0.3,1.7]}])"}) {
+    EXPECT_NE(posterior.out.find(part), std::string::npos) << part << "\n" << posterior.out;
+  }
+  EXPECT_EQ(posterior.out.find("@key_document"), std::string::npos) << posterior.out;
+  const Outcome simulation = npdr({"inspect", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"});
+  EXPECT_NE(simulation.out.find("    @num_failed = 0\n"), std::string::npos) << simulation.out;
+  EXPECT_NE(simulation.out.find("@DIMENSION_LABELS = row, rollout, time, channel"),
+            std::string::npos);
+}
+
+TEST_F(Commands, ShardsKnowTheVersionOfTheirSchema) {
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(file("runs/.cache/simulate"))) {
+    if (!entry.path().filename().string().starts_with("rows-")) continue;
+    const ArtefactInfo info = read_artefact_info(entry.path());
+    EXPECT_EQ(info.identity.key_document.at("schema_version"), info.schema.version);
+  }
+}
+
+TEST_F(Commands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
+  const std::string posterior = "runs/small/npdr-maf/seed-1/round-2/infer.h5";
+  const Target own = read_recording(file("runs/small/target.h5"));
+  const auto sample = [&](const std::function<void(Target&)>& change) {
+    Target target = own;
+    change(target);
+    write_recording(target, file("x.h5"));
+    return npdr({"sample", posterior, "-n", "3", "--x", "x.h5"});
+  };
+  EXPECT_EQ(sample([](Target& t) { t.dt *= 1.0005; }).status, 0) << "measured dt differ a little";
+  const auto rejected = [&](const std::function<void(Target&)>& change) {
+    const Outcome outcome = sample(change);
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.err;
+  };
+  EXPECT_EQ(rejected([](Target& t) { t.dt = 0.01; }),
+            "npdr sample: x.h5: dt = 0.01 s, must be 0.02 s; it must be like what '" + posterior +
+                "' was trained for\n");
+  EXPECT_EQ(rejected([](Target& t) {
+              t = t.first(1);
+              for (Rollout& rollout : t.rollouts) {
+                rollout.states.conservativeResize(400, 2);
+                rollout.actions.conservativeResize(399, 1);
+              }
+            }),
+            "npdr sample: x.h5: 1 rollouts, must be 2; 399 steps, must be 400; it must be like "
+            "what '" +
+                posterior + "' was trained for\n");
+  EXPECT_EQ(rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
+            "npdr sample: x.h5: states are theta [deg], theta_dot [rad/s], must be theta [rad], "
+            "theta_dot [rad/s]: only units differ; convert its values\n");
+  EXPECT_EQ(rejected([](Target& t) { t.action_channels[0].label = "force"; }),
+            "npdr sample: x.h5: actions are force [N m], must be torque [N m]\n");
+}
+
+TEST_F(Commands, ImportRefusesWhatItWouldIgnore) {
+  std::ofstream(file("a.csv")) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,0,0\n";
+  const auto rejected = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"import", "a.csv", "-o", "a.h5", "--simulator", "pendulum"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = npdr(words);
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.err;
+  };
+  for (const char* option : {"--states", "--actions"}) {
+    EXPECT_EQ(rejected({"--dt", "0.1", option, "theta [rad]"}),
+              "npdr import: --simulator pendulum says which columns to take; leave out --states "
+              "and --actions, or it\n");
+  }
+  EXPECT_EQ(rejected({"--dt", "-0.1"}), "npdr import: --dt = -0.1, must be a time > 0 [s]\n");
+  EXPECT_EQ(rejected({"--dt", "0"}), "npdr import: --dt = 0, must be a time > 0 [s]\n");
+}
+
+TEST_F(Commands, TheReportsCaptionStandsBelowItsTables) {
+  const Outcome outcome = npdr({"run", "small.toml", "--set", "study.name=captioned", "--set",
+                                "report.caption=What one sees."});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string html = text_of(file("runs/captioned/report.html"));
+  const std::size_t caption = html.find("<p>What one sees.</p>");
+  EXPECT_LT(html.find("id=\"table-seeds\""), caption);
+  EXPECT_LT(caption, html.find("id=\"section-2\""));
+}
+
+TEST_F(Commands, FiguresShowTheFirstSixMethodsOfMore) {
+  std::string text = small_study();
+  for (int i = 3; i <= 7; ++i) {
+    text = text.insert(text.find("[evaluate]"),
+                       "[[method]]\nname = \"M" + std::to_string(i) +
+                           "\"\nnum_simulations = 150\nembedding = { kind = \"bayessim\" }\n"
+                           "training = { max_epochs = 1 }\n");
+  }
+  std::ofstream(file("seven.toml")) << text;
+  const Outcome outcome = npdr({"run", "seven.toml", "--set", "study.name=seven"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string html = text_of(file("runs/seven/report.html"));
+  EXPECT_NE(html.find("The first 6 of 7 methods."), std::string::npos);
+  EXPECT_NE(outcome.out.find("M7"), std::string::npos) << "the tables show all";
 }
 
 TEST_F(Commands, StagesRunOneByOneGiveTheSameBitsAsARun) {

@@ -1,5 +1,7 @@
 #include "pipeline/store/csv_import.h"
 
+#include <fmt/format.h>
+
 #include "core/error.h"
 #include "temp_folder.h"
 
@@ -14,7 +16,7 @@ const std::string kCsv =
 
 CsvOptions pendulum_options() {
   return {.channels = channels_of(sim::make_simulator({.name = "pendulum"})->info()),
-          .dt = 0.0,
+          .dt = {},
           .source = ""};
 }
 
@@ -51,7 +53,7 @@ TEST_F(CsvImport, ReadsStatesAndActionsInTheSimulatorsOrder) {
 
 TEST_F(CsvImport, TakesNamedColumnsAndIgnoresTheRest) {
   const CsvOptions options = {
-      .channels = {{{"theta_dot", ""}, {"theta", "rad"}}, {}}, .dt = 0.0, .source = "bench"};
+      .channels = {{{"theta_dot", ""}, {"theta", "rad"}}, {}}, .dt = {}, .source = "bench"};
   const Target target = imported(kCsv, options);
   EXPECT_EQ(target.state_channels,
             (std::vector<Channel>{{"theta_dot", "rad/s"}, {"theta", "rad"}}));
@@ -94,7 +96,7 @@ TEST_F(CsvImport, FilesMustBeAlike) {
   EXPECT_EQ(second("t [s],theta [rad],theta_dot [rad/s],torque [N m]\n0,1,1,1\n1,1,1,1\n2,1,1,1\n",
                    pendulum_options()),
             "b.csv: its times are 1 s apart, those of the first file 0.1 s");
-  const CsvOptions any_unit = {.channels = {{{"theta", ""}}, {}}, .dt = 0.0, .source = ""};
+  const CsvOptions any_unit = {.channels = {{{"theta", ""}}, {}}, .dt = {}, .source = ""};
   EXPECT_EQ(second(replaced(kCsv, "[rad]", "[deg]"), any_unit),
             "b.csv: states are theta [deg], must be theta [rad]: only units differ; convert its "
             "values");
@@ -110,6 +112,10 @@ TEST_F(CsvImport, TakesTheTimeStepFromTheOptionWithoutATimeColumn) {
   EXPECT_EQ(problem(kCsv, options), "a.csv: its times are 0.1 s apart, but --dt says 0.02 s");
   options.dt = 0.1;
   EXPECT_EQ(imported(kCsv, options).dt, 0.1);
+  for (const double dt : {0.0, -0.1}) {
+    options.dt = dt;
+    EXPECT_EQ(problem(kCsv, options), fmt::format("--dt = {}, must be a time > 0 [s]", dt));
+  }
 }
 
 TEST_F(CsvImport, TimesMustBeEquallySpaced) {

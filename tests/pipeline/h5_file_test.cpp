@@ -121,6 +121,7 @@ TEST(H5File, EqualContentGivesEqualFiles) {
     File file = File::create(folder / name);
     file.write("theta", counted(100, 3));
     file.create_group("group").set_attribute("name", std::string("a"));
+    file.create_virtual_dataset("x", ElementType::f64, {2, 3}, {{"part.h5", "x", 2}});
     file.close();
     ::sleep(1);  // HDF5 counts times of creation in seconds
   }

@@ -109,6 +109,25 @@ INSTANTIATE_TEST_SUITE_P(Storages, H5Layout,
                                            h5::Storage{.deflate = 0},
                                            h5::Storage{.deflate = 9, .rows_per_chunk = 4}));
 
+TEST(H5, DimensionsHaveLabels) {
+  const TempFolder folder;
+  File file = File::create(folder / "a.h5");
+  file.write("theta", counted(2, 3)).label_dimensions({"row", "parameter"});
+  file.write("plain", counted(2, 3));
+  h5::Dataset joined = file.create_virtual_dataset("x", ElementType::f64, {2, 3}, {});
+  joined.label_dimensions({"row", "parameter"});
+  EXPECT_EQ(
+      message_of<ShapeError>([&] { file.dataset("plain").label_dimensions({"row"}); }, &folder),
+      "a.h5: dataset 'plain' has shape (2, 3): 1 labels don't name its dimensions");
+  file.close();
+  const File read = File::open(folder / "a.h5");
+  const std::vector<std::string> labels = {"row", "parameter"};
+  EXPECT_EQ(read.dataset("theta").dimension_labels(), labels);
+  EXPECT_EQ(read.dataset("x").dimension_labels(), labels);
+  EXPECT_EQ(read.dataset("plain").dimension_labels(), (std::vector<std::string>{"", ""}));
+  EXPECT_EQ(read.dataset("theta").attribute<std::vector<std::string>>("DIMENSION_LABELS"), labels);
+}
+
 TEST(H5, EmptyArraysAreFine) {
   const TempFolder folder;
   File file = File::create(folder / "a.h5");

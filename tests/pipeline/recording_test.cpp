@@ -49,6 +49,8 @@ TEST(Recording, SurvivesARoundTrip) {
   const Target read = read_recording(folder / "a.h5", furuta_channels());
   expect_equal(read, target);
   EXPECT_EQ(content_hash(read), content_hash(target));
+  const std::vector<std::string> labels = {"rollout", "time", "channel"};
+  EXPECT_EQ(h5::File::open(folder / "a.h5").dataset("states").dimension_labels(), labels);
 }
 
 TEST(Recording, MayHaveNoActionsNoNamesAndNoSource) {

@@ -95,7 +95,8 @@ TEST(StudyJson, SaysWhatItCantAccept) {
   using inference::TrainingConfig;
   EXPECT_EQ(problem_of<TrainingConfig>(R"({"batch_sise": 3})"),
             "p.h5: unknown key 'batch_sise' (did you mean 'batch_size'?); known: learning_rate, "
-            "batch_size, validation_fraction, stop_after_epochs, max_epochs, clip_norm");
+            "batch_size, validation_fraction, stop_after_epochs, max_epochs, clip_norm, "
+            "average_epochs");
   EXPECT_EQ(problem_of<TrainingConfig>(R"({"batch_size": 3.5})"),
             "p.h5: batch_size = 3.5, must be an integer, >= 1 and <= 10^9");
   EXPECT_EQ(problem_of<TrainingConfig>(R"({"batch_size": 18446744073709551615})"),

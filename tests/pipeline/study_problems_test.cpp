@@ -44,7 +44,7 @@ TEST(StudyProblems, NamesTheNearestKeyAndTheKnownOnes) {
   EXPECT_EQ(problems_after(kMaf, "training.batchsize = 3"),
             "s.toml:17:10: method.training: unknown key 'batchsize' (did you mean 'batch_size'?); "
             "known: learning_rate, batch_size, validation_fraction, stop_after_epochs, max_epochs, "
-            "clip_norm");
+            "clip_norm, average_epochs");
 }
 
 TEST(StudyProblems, NamesTheNearestOfAFewNames) {
@@ -100,8 +100,14 @@ TEST(StudyProblems, ChecksThePriorAgainstTheSimulator) {
   EXPECT_EQ(problems_after(entry, "{ normal = [1.0, 0.0] }"),
             "s.toml:12:13: prior.pole_mass = [1, 0], must be [mean, std] with std > 0");
   EXPECT_EQ(problems_after(entry, "{ normal = [-1.0, 1.0] }"),
-            "s.toml:12:13: prior.pole_mass = [-1, 1], must be [mean, std] with a mean between "
-            "0.001 and 100 kg");
+            "s.toml:12:13: prior.pole_mass = [-1, 1], must be [mean, std] with at most 0.001 of "
+            "its mass outside of what is physically possible, [0.001, 100] kg, found 0.84; take a "
+            "smaller std, uniform or log_uniform");
+  EXPECT_NE(problems_after(entry, "{ normal = [0.3, 0.1] }").find("found 0.0014;"),
+            std::string::npos);
+  EXPECT_NE(problems_after(entry, "{ normal = [90.0, 10.0] }").find("found 0.16;"),
+            std::string::npos);
+  EXPECT_EQ(problems_after(entry, "{ normal = [0.311, 0.1] }"), "") << "3.1 deviations";
   EXPECT_EQ(problems_after("pole_mass = { uni", "pole_mas = { uni"),
             "s.toml:12:12: prior: unknown parameter 'pole_mas' (did you mean 'pole_mass'?); known: "
             "pole_mass, pole_length, gravity, damping");
@@ -155,6 +161,9 @@ TEST(StudyProblems, ATargetHasOneSource) {
 TEST(StudyProblems, MethodsFitTheStudy) {
   EXPECT_EQ(problems_after("NPDR (MoG)", "NPDR (MAF)"),
             "s.toml:20:8: method.name = 'NPDR (MAF)', must be unique");
+  EXPECT_EQ(problems_after("NPDR (MoG)", "npdr [maf]"),
+            "s.toml:20:8: method.name = 'npdr [maf]', must be different from 'NPDR (MAF)' in its "
+            "letters a-z and digits: both would have the folder 'npdr-maf'");
   EXPECT_EQ(problems_after(kMaf, "num_rollouts = 6"),
             "s.toml:17:16: method.num_rollouts = 6, must be <= target.num_rollouts = 5");
   EXPECT_EQ(problems_after(kMaf, "embedding = { channels = ['theta', 'thet_dot'] }"),
@@ -176,6 +185,9 @@ TEST(StudyProblems, TrainingFitsTheNumberOfSimulations) {
             "s.toml:15:1: method.training.batch_size = 50, must be <= 48, the simulations of a "
             "round that training sees (num_simulations * (1 - validation_fraction))");
   EXPECT_EQ(problems_after(kMaf, "num_simulations = 63"), "");
+  EXPECT_EQ(problems_after(kMaf, "num_simulations = 7\nnum_atoms = 2\ntraining.batch_size = 2"),
+            "s.toml:19:1: method.training.validation_fraction = 0.2, must be such that 2 or more "
+            "of the 7 simulations of a round are left for training and for validation each");
   EXPECT_EQ(problems_after(kMaf, "num_atoms = 11\ntraining = { batch_size = 10 }"),
             "s.toml:17:13: method.num_atoms = 11, must be <= training.batch_size = 10");
   EXPECT_EQ(problems_after(kMaf, "loss = 'analytic'"),
@@ -183,10 +195,50 @@ TEST(StudyProblems, TrainingFitsTheNumberOfSimulations) {
             "density_estimator.kind = 'maf': only 'mdn' has one");
 }
 
+TEST(StudyProblems, OnlyTheAtomicLossHasAtoms) {
+  const std::string mog = "density_estimator = { kind = \"mog\" }";
+  const std::string small = "\nnum_atoms = 11\ntraining = { batch_size = 10 }";
+  EXPECT_EQ(problems_after(mog, mog + small), "");
+  EXPECT_EQ(problems_after(mog, mog + "\nloss = 'analytic'" + small), "");
+  EXPECT_EQ(problems_after(mog, mog + "\nloss = 'atomic'" + small),
+            "s.toml:23:13: method.num_atoms = 11, must be <= training.batch_size = 10");
+}
+
+TEST(StudyProblems, EmbeddingsFitTheRolloutsOfATruth) {
+  EXPECT_EQ(problems_after(kMaf, "embedding = { downsample = 200 }"), "");
+  EXPECT_EQ(problems_after(kMaf, "embedding = { downsample = 201 }"),
+            "s.toml:17:28: method.embedding.downsample = 201, must be <= 200, so that two of the "
+            "400 states of a rollout are left");
+  EXPECT_TRUE(problems_after("\"pendulum\"", "\"pendulum\"\nstore_every = 401")
+                  .starts_with("s.toml:10:15: simulator.store_every = 401, must be <= 400, the "
+                               "steps of a rollout\ns.toml:16:1: method.embedding"));
+  EXPECT_EQ(
+      problems_after(kMaf, "embedding = { kind = 'bayessim', principal_components = 31 }"),
+      "s.toml:17:57: method.embedding.principal_components = 31, must be <= 30, the smallest of 30 "
+      "features, 1000 simulations of round 1, and 2000");
+  EXPECT_EQ(
+      problems_after(kMaf, kMaf + "\nembedding = { principal_components = 201 }"),
+      "s.toml:18:38: method.embedding.principal_components = 201, must be <= 200, the smallest of "
+      "4000 features, 200 simulations of round 1, and 2000");
+  EXPECT_EQ(
+      problems_after(kMaf, "num_simulations = 9000\nembedding.principal_components = 2001"),
+      "s.toml:18:34: method.embedding.principal_components = 2001, must be <= 2000, the smallest "
+      "of 4000 features, 9000 simulations of round 1, and 2000");
+  EXPECT_EQ(problems_after(kMaf,
+                           "num_rollouts = 1\nembedding = { kind = 'last_step', "
+                           "channels = ['theta'], principal_components = 2 }"),
+            "s.toml:18:80: method.embedding.principal_components = 2, must be <= 1, the smallest "
+            "of 1 features, 1000 simulations of round 1, and 2000");
+}
+
 TEST(StudyProblems, TheReportShowsParametersOfThePrior) {
   EXPECT_EQ(problems_of(std::string(kStudyText) + "[report]\nparameters = ['gravity']"),
             "s.toml:23:14: report.parameters: unknown parameter of the prior 'gravity'; known: "
             "pole_mass, pole_length");
+  EXPECT_EQ(problems_of(std::string(kStudyText) + "[report]\nparameters = ['pole_mass']"),
+            "s.toml:23:14: report.parameters = [pole_mass], must be 2 to 15 different parameters "
+            "of the prior, or none");
+  EXPECT_NE(problems_of(kStudyText, {"report.parameters=['pole_mass', 'pole_mass']"}), "");
 }
 
 TEST(StudyProblems, OfTheCommandLineNameTheOverride) {

@@ -51,10 +51,11 @@ TEST(StudyReader, ReplacesOlderSpellingsOfNames) {
 }
 
 TEST(StudyReader, ReadsEveryKindOfKey) {
-  const Study study = small_study({"method.published={ rmse = { mean = 0.263, std = 0.004 } }",
-                                   "evaluate.floor=false", "method.embedding.channels=['theta']",
-                                   "simulator.parameters={gravity=9.8}", "report.title=A title",
-                                   "observation_noise.scale=1", "report.parameters=['pole_mass']"});
+  const Study study =
+      small_study({"method.published={ rmse = { mean = 0.263, std = 0.004 } }",
+                   "evaluate.floor=false", "method.embedding.channels=['theta']",
+                   "simulator.parameters={gravity=9.8}", "report.title=A title",
+                   "observation_noise.scale=1", "report.parameters=['pole_mass', 'pole_length']"});
   EXPECT_EQ(study.methods[1].published.at("rmse").std, 0.004);
   EXPECT_FALSE(study.evaluate.floor);
   EXPECT_EQ(study.methods[0].embedding.channels, std::vector<std::string>{"theta"});
@@ -68,6 +69,20 @@ TEST(StudyReader, FindsMethodsByName) {
   EXPECT_EQ(message_of<InputError>([] { small_study().method("NPDR (MaG)"); }),
             "unknown method 'NPDR (MaG)' (did you mean 'NPDR (MAF)'?); known: NPDR (MAF), "
             "NPDR (MoG)");
+}
+
+TEST(StudyReader, KnowsWhereKeysStand) {
+  const Study study = small_study({"simulate.shard_size=7"});
+  EXPECT_EQ(study.places.of("target.truth").str(), "s.toml:6:9");
+  EXPECT_EQ(study.places.of("method[1].embedding.downsample").str(), "s.toml:19:1")
+      << "left out: its table";
+  EXPECT_EQ(study.places.of("simulate.shard_size").str(), "--set simulate.shard_size=7");
+}
+
+TEST(Study, NamesBecomeFolders) {
+  EXPECT_EQ(folder_name("NPDR (MAF)"), "npdr-maf");
+  EXPECT_EQ(folder_name("H = 10"), "h-10");
+  EXPECT_EQ(folder_name("../.."), "unnamed");
 }
 
 TEST(StudyReader, TakesARecordingRelativeToTheStudyFile) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -73,6 +75,21 @@ TEST(Simulator, ParametersOfTheConfigReplaceNominalOnes) {
       make_simulator({.name = "pendulum", .parameters = {{"pole_length", 1.25}}});
   const Vector theta = complete_theta(*simulator, {{"pole_mass", 0.5}});
   EXPECT_EQ(theta, (Vector{{0.5, 1.25, 9.81, 0.0}}));
+}
+
+TEST(Simulator, ParametersThatAreImpossibleFailTheirRow) {
+  const auto simulator = make_simulator({.name = "pendulum"});
+  const Vector nominal = complete_theta(*simulator, {});
+  const Target target = simulator->behave(nominal, 1, 1);
+  RowMatrix theta = nominal.transpose().replicate(3, 1);
+  theta(1, parameter_index(simulator->info(), "damping")) = -1e-9;
+  theta(2, parameter_index(simulator->info(), "damping")) = 100.0;
+  const Trajectories result = simulator->replay(target, theta);
+  EXPECT_EQ(result.status[0], RolloutStatus::ok);
+  EXPECT_EQ(result.status[1], RolloutStatus::out_of_limits);
+  EXPECT_TRUE(std::ranges::all_of(result.row(1), [](float x) { return std::isnan(x); }));
+  EXPECT_EQ(result.rollout(0, 0), simulator->replay(target, nominal.transpose()).rollout(0, 0));
+  EXPECT_NE(result.status[2], RolloutStatus::out_of_limits) << "a limit is possible";
 }
 
 TEST(Simulator, RejectsAConfigThatIsOutOfRange) {

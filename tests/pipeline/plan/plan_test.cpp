@@ -6,6 +6,8 @@
 
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/store/recording.h"
+#include "tests/pipeline/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -90,6 +92,72 @@ TEST(Plan, MoreRoundsAndAnotherShardSizeKeepWhatIsThere) {
   const Plan after = plan_of({"method.A.num_rounds=3", "simulate.shard_size=7"});
   EXPECT_EQ(after.node(Stage::infer, {"A", 2, 2}).key, before.node(Stage::infer, {"A", 2, 2}).key);
   EXPECT_EQ(shards(after, after.node(Stage::simulate, {"A", 1, 1})).size(), 15u);
+}
+
+TEST(Plan, SegmentsDontChangeASimulatedTarget) {
+  const Plan before = plan_of();
+  const Plan segments = plan_of({"simulator.segment_length=50"});
+  EXPECT_EQ(keys(segments, Stage::target), keys(before, Stage::target));
+  EXPECT_NE(keys(segments, Stage::simulate), keys(before, Stage::simulate));
+  EXPECT_NE(keys(segments, Stage::baseline), keys(before, Stage::baseline));
+}
+
+// A recording of the pendulum at rest: 2 rollouts of 40 steps.
+void write_rest(const std::filesystem::path& path) {
+  const auto simulator = sim::make_simulator({.name = "pendulum"});
+  Target target;
+  target.dt = 0.02;
+  target.state_channels = simulator->info().state_channels;
+  target.action_channels = simulator->info().action_channels;
+  target.rollouts.assign(2, {"rest", RowMatrix::Zero(41, 2), RowMatrix::Zero(40, 1)});
+  write_recording(target, path);
+}
+
+TEST(Plan, AFloorIsSearchedForRecordingsOnly) {
+  const TempFolder folder;
+  write_rest(folder / "r.h5");
+  const std::string recording = "target.recording=" + (folder / "r.h5").string();
+  const auto baseline = [](const std::vector<std::string>& overrides) {
+    return keys(plan_of(overrides), Stage::baseline);
+  };
+  EXPECT_EQ(baseline({"evaluate.floor=false"}), baseline({}));
+  EXPECT_NE(baseline({recording, "evaluate.floor=false"}), baseline({recording}));
+}
+
+TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
+  const TempFolder folder;
+  write_rest(folder / "r.h5");
+  const auto problems = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> overrides = {"target.recording=" + (folder / "r.h5").string()};
+    overrides.insert(overrides.end(), more.begin(), more.end());
+    return message_of<InputError>([&] { plan_of(overrides); });
+  };
+  EXPECT_EQ(
+      problems({"target.num_rollouts=3"}),
+      "--set target.num_rollouts=3: target.num_rollouts = 3, must be <= 2, what the recording "
+      "holds");
+  EXPECT_EQ(problems({"method.B.num_rollouts=3"}),
+            "--set method.B.num_rollouts=3: method.num_rollouts = 3, must be <= 2, the rollouts of "
+            "the target");
+  EXPECT_EQ(problems({"method.A.embedding.downsample=21"}),
+            "--set method.A.embedding.downsample=21: method.embedding.downsample = 21, must be <= "
+            "20, so that two of the 40 states of a rollout are left");
+  EXPECT_TRUE(problems({"simulator.store_every=41", "method.embedding.downsample=41"})
+                  .starts_with("--set simulator.store_every=41: simulator.store_every = 41, must "
+                               "be <= 40, the steps of a rollout\n--set method.embedding"));
+  EXPECT_EQ(problems({"method.A.embedding.principal_components=13"}),
+            "--set method.A.embedding.principal_components=13: "
+            "method.embedding.principal_components = 13, must be <= 12, the smallest of 12 "
+            "features, 100 simulations of round 1, and 2000");
+  const std::string text =
+      std::string(kStudy) + "[[method]]\nname = 'C'\n" + "embedding = { downsample = 30 }\n";
+  EXPECT_EQ(
+      message_of<InputError>([&] {
+        make_plan(parse_study(text, "two.toml", {"target.recording=" + (folder / "r.h5").string()}),
+                  WorkFolder("runs"));
+      }),
+      "two.toml:24:28: method.embedding.downsample = 30, must be <= 20, so that two of the 40 "
+      "states of a rollout are left");
 }
 
 TEST(Plan, ASelectionLeavesOutTheRest) {

@@ -6,12 +6,6 @@
 namespace npdr::pipeline {
 namespace {
 
-TEST(WorkFolder, NamesBecomeFolders) {
-  EXPECT_EQ(folder_name("NPDR (MAF)"), "npdr-maf");
-  EXPECT_EQ(folder_name("H = 10"), "h-10");
-  EXPECT_EQ(folder_name("../.."), "unnamed");
-}
-
 TEST(WorkFolder, LinksAreRelativeAndCanBeRenewed) {
   const TempFolder folder;
   folder.file("first", "1");

@@ -1,0 +1,101 @@
+#include "pipeline/config/rollout_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "inference/embeddings/embedding.h"
+#include "inference/feature_transform.h"
+#include "pipeline/config/constraint.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class RolloutChecker {
+ public:
+  RolloutChecker(const Study& study, const RolloutShape& shape, Reading& reading)
+      : study_(study), shape_(shape), reading_(reading) {}
+
+  void check() {
+    check_at_most("target.num_rollouts", study_.target.num_rollouts, shape_.num_rollouts,
+                  "what the recording holds");
+    check_at_most("simulator.store_every", study_.simulator.store_every, shape_.num_steps,
+                  "the steps of a rollout");
+    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+      check_method(fmt::format("method[{}]", i), study_.methods[i]);
+    }
+  }
+
+ private:
+  // False when it is more, or was wrong already.
+  bool check_at_most(const std::string& path, Index found, Index most, const std::string& why) {
+    if (!reading_.good(path)) return false;
+    if (found <= most) return true;
+    reading_.fail(path, must_be(display(path), std::to_string(found),
+                                fmt::format("<= {}, {}", most, why)));
+    return false;
+  }
+
+  void check_method(const std::string& path, const MethodConfig& method) {
+    const bool some_fit = check_at_most(path + ".num_rollouts", method.num_rollouts,
+                                        used_rollouts(), "the rollouts of the target");
+    const bool states_are_left = check_at_most(
+        path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
+        fmt::format("so that two of the {} states of a rollout are left", shape_.num_steps));
+    const bool readable = reading_.good("simulator.store_every") &&
+                          reading_.good(path + ".embedding") &&
+                          reading_.good(path + ".num_simulations");
+    if (some_fit && states_are_left && readable) check_components(path, method);
+  }
+
+  void check_components(const std::string& path, const MethodConfig& method) {
+    const Index features = num_features(method);
+    const Index rows = std::min(method.algorithm.num_simulations, inference::kRowsForCorrelation);
+    check_at_most(path + ".embedding.principal_components", method.embedding.principal_components,
+                  std::min(features, rows),
+                  fmt::format("the smallest of {} features, {} simulations of round 1, and {}",
+                              features, method.algorithm.num_simulations,
+                              inference::kRowsForCorrelation));
+  }
+
+  Index used_rollouts() const {
+    return study_.target.num_rollouts > 0 ? study_.target.num_rollouts : shape_.num_rollouts;
+  }
+
+  // Every embedding has the same features of each rollout.
+  Index num_features(const MethodConfig& method) const {
+    const auto width = [](const std::vector<Channel>& channels) {
+      return static_cast<Index>(channels.size());
+    };
+    Target one;
+    one.state_channels = shape_.state_channels;
+    one.action_channels = shape_.action_channels;
+    one.rollouts = {{"", RowMatrix::Zero(shape_.num_steps + 1, width(shape_.state_channels)),
+                     RowMatrix::Zero(shape_.num_steps, width(shape_.action_channels))}};
+    const auto embedding =
+        inference::make_embedding(method.embedding, one, study_.simulator.store_every);
+    return embedding->num_features() *
+           (method.num_rollouts > 0 ? method.num_rollouts : used_rollouts());
+  }
+
+  const Study& study_;
+  const RolloutShape& shape_;
+  Reading& reading_;
+};
+
+}  // namespace
+
+void check_rollouts(const Study& study, const RolloutShape& shape, Reading& reading) {
+  RolloutChecker(study, shape, reading).check();
+}
+
+void check_recording(const Study& study, const Target& recording) {
+  Reading reading(study.places);
+  check_rollouts(study,
+                 {recording.num_rollouts(), recording.num_steps(), recording.state_channels,
+                  recording.action_channels},
+                 reading);
+  reading.problems().throw_if_any();
+}
+
+}  // namespace npdr::pipeline

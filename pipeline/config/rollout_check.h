@@ -1,0 +1,27 @@
+/// What must hold between a study and the rollouts of its target domain.
+#pragma once
+
+#include <vector>
+
+#include "core/target.h"
+#include "pipeline/config/problems.h"
+#include "pipeline/config/study.h"
+
+namespace npdr::pipeline {
+
+/// What is known of the rollouts before any is simulated.
+struct RolloutShape {
+  Index num_rollouts = 0;
+  Index num_steps = 0;
+  std::vector<Channel> state_channels;
+  std::vector<Channel> action_channels;
+};
+
+/// Adds what doesn't fit to `reading`; a field that already has a problem isn't checked.
+void check_rollouts(const Study& study, const RolloutShape& shape, Reading& reading);
+
+/// The same for the recording of a study that has been read: throws InputError with a line per
+/// problem, at the place where the key stands.
+void check_recording(const Study& study, const Target& recording);
+
+}  // namespace npdr::pipeline
