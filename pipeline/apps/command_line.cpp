@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/run/progress.h"
 #include "pipeline/run/stop_request.h"
 #include "pipeline/store/build_info.h"
 
@@ -17,10 +18,10 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
   try {
     return static_cast<int>(body());
   } catch (const Error& error) {
-    fmt::print(stderr, "{}: {}\n", program, error.what());
+    report_error(program, error.what());
     return static_cast<int>(error.status());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", program, error.what());
+    report_error(program, error.what());
     return static_cast<int>(ExitStatus::failed);
   }
 }

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "pipeline/store/atomic_file.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -45,7 +46,7 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 
 ChildProcess::ChildProcess(const std::vector<std::string>& command, int threads,
                            const std::filesystem::path& log) {
-  std::filesystem::create_directories(log.parent_path());
+  make_folder(log.parent_path());
   std::array<int, 2> ends;
   if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) {
     throw Error(std::string("can't make a pipe: ") + std::strerror(errno));
@@ -79,7 +80,8 @@ ChildProcess::ChildProcess(ChildProcess&& other) noexcept
       pipe_(std::exchange(other.pipe_, -1)),
       exit_status_(other.exit_status_),
       buffer_(std::move(other.buffer_)),
-      state_(std::move(other.state_)) {}
+      state_(std::move(other.state_)),
+      error_(std::move(other.error_)) {}
 
 void ChildProcess::read_progress() {
   std::array<char, 4096> chunk;
@@ -96,6 +98,10 @@ void ChildProcess::read_progress() {
 }
 
 void ChildProcess::parse(const std::string& line) {
+  if (line.starts_with('!')) {
+    error_.push_back(line.substr(1));
+    return;
+  }
   std::istringstream words(line);
   State state;
   if (!(words >> state.done >> state.total)) return;

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 
 namespace npdr::pipeline {
 namespace {
@@ -36,6 +37,17 @@ std::string progress_text(Index done, Index total, double seconds) {
   const double left = rate > 0.0 ? static_cast<double>(total - done) / rate : 0.0;
   return fmt::format("{}/{} [{}<{}, {:.3g}/s]", done, total, clock_text(seconds),
                      done > 0 ? clock_text(left) : "?", rate);
+}
+
+void report_error(const std::string& program, const std::string& message) noexcept {
+  std::fputs((program + ": " + message + "\n").c_str(), stderr);
+  const int parent = parent_descriptor();
+  if (parent < 0) return;
+  std::istringstream lines(message);
+  for (std::string line; std::getline(lines, line);) {
+    line = "!" + line + "\n";
+    [[maybe_unused]] const auto written = write(parent, line.data(), line.size());
+  }
 }
 
 Progress::Progress(std::string label, Index total)

@@ -34,6 +34,10 @@ class Progress {
   std::chrono::steady_clock::time_point shown_;
 };
 
+/// "program: message" on stderr, and to a parent process that shows progress: where the disk is
+/// full, the log that stderr goes to stays empty. Never throws.
+void report_error(const std::string& program, const std::string& message) noexcept;
+
 /// "400/1000 [00:03<00:05, 120/s]"; without a total "400 [00:03, 120/s]".
 std::string progress_text(Index done, Index total, double seconds);
 

@@ -140,6 +140,7 @@ void Scheduler::collect_ended_jobs() {
       ++job;
       continue;
     }
+    job->process.read_progress();
     end_of(*job);
     free_slots_ += job->threads;
     job = jobs_.erase(job);
@@ -167,9 +168,12 @@ void Scheduler::end_of(const Job& job) {
   }
   const std::string reason = status > 128 ? fmt::format("killed by signal {}", status - 128)
                                           : fmt::format("exit status {}", status);
-  fmt::print(stderr, "{}npdr: {} failed ({}); the end of {}:\n", terminal_ ? "\r\033[K" : "",
-             node.label(), reason, log_path(node));
-  print_tail(log_path(node));
+  fmt::print(stderr, "{}npdr: {} failed ({}):\n", terminal_ ? "\r\033[K" : "", node.label(),
+             reason);
+  const auto& error = job.process.error();
+  for (const std::string& line : error) fmt::print(stderr, "    {}\n", line);
+  if (error.empty()) print_tail(log_path(node));
+  fmt::print(stderr, "    log: {}\n", log_path(node));
 }
 
 void Scheduler::pass_on_stop_request() {

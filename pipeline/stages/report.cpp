@@ -9,6 +9,7 @@
 #include "pipeline/stages/report_tables.h"
 #include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
+#include "pipeline/store/atomic_file.h"
 #include "pipeline/store/build_info.h"
 #include "pipeline/store/recording.h"
 
@@ -66,8 +67,8 @@ void run_report(const Plan& plan, const Node& node) {
   const ReportData data = read_report_data(plan, node);
   const std::filesystem::path folder = plan.work.study(plan.study.name);
   const std::filesystem::path figures = folder / "figures";
-  std::filesystem::create_directories(figures);
-  std::filesystem::create_directories(folder / "tables");
+  make_folder(figures);
+  make_folder(folder / "tables");
 
   analysis::Report report;
   report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;

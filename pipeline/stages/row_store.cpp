@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "pipeline/store/atomic_file.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -28,7 +29,7 @@ RowStore::RowStore(Index num_rows, Index width, const std::filesystem::path& fol
     memory_.resize(count);
     return;
   }
-  std::filesystem::create_directories(folder);
+  make_folder(folder);
   std::string name = (folder / "rows-XXXXXX").string();
   file_ = mkstemp(name.data());
   if (file_ < 0) fail("make '" + name + "'");

@@ -51,12 +51,6 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw_file_error(folder, "be made a folder", error.value());
-}
-
 fs::path temporary_name(const fs::path& path) {
   static std::atomic<int> counter = 0;
   return folder_of(path) / fmt::format(".{}.{}.{}.{}{}", path.filename().string(), host_name(),
@@ -77,6 +71,12 @@ pid_t owner(const std::string& name) {
 bool is_dead(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH; }
 
 }  // namespace
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw_file_error(folder, "be made a folder", error.value());
+}
 
 AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)), temporary_(temporary_name(path_)) {
   const fs::path folder = folder_of(path_);

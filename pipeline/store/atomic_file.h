@@ -6,6 +6,9 @@
 
 namespace npdr::pipeline {
 
+/// A folder and those above it, unless they are there. Throws Error as AtomicFile.
+void make_folder(const std::filesystem::path& folder);
+
 /// A file in the making: it is written under another name in the same folder and takes its own name
 /// in one step when it is complete. The other name is ".<name>.<host>.<pid>.<number>.tmp"; what a
 /// dead process of this host left behind in the folder is removed on the way.

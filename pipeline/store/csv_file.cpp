@@ -129,6 +129,11 @@ double CsvFile::number(Index row, std::size_t column) const {
   return value;
 }
 
+bool CsvFile::is_missing(Index row, std::size_t column) const {
+  const std::string& field = rows_[static_cast<std::size_t>(row)][column];
+  return field.empty() || field == "nan" || field == "NaN" || field == "NAN";
+}
+
 void CsvFile::fail(std::size_t line_number, const std::string& message) const {
   throw InputError(fmt::format("{}:{}: {}", name_, line_number, message));
 }

@@ -29,6 +29,9 @@ class CsvFile {
   /// column for what isn't a finite number.
   double number(Index row, std::size_t column) const;
 
+  /// Whether a field holds nothing, or the word nan.
+  bool is_missing(Index row, std::size_t column) const;
+
  private:
   void read_header(const std::string& line);
   void read_row(const std::string& line, std::size_t line_number);

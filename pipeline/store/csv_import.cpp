@@ -88,6 +88,14 @@ double time_step(const CsvFile& file, std::optional<double> given) {
   return given.value_or(dt);
 }
 
+// The last row's actions come after the last state: they may be missing, but must not be rubbish.
+void check_last_actions(const CsvFile& file, const std::vector<std::size_t>& columns) {
+  const Index last = file.num_rows() - 1;
+  for (const std::size_t column : columns) {
+    if (!file.is_missing(last, column)) file.number(last, column);
+  }
+}
+
 struct CsvRollout {
   double dt;
   std::vector<Channel> states;
@@ -103,6 +111,7 @@ CsvRollout read_file(const std::filesystem::path& path, const CsvOptions& option
   }
   const auto states = find_columns(file, options.channels.states);
   const auto actions = find_columns(file, options.channels.actions);
+  check_last_actions(file, actions);
   return {.dt = time_step(file, options.dt),
           .states = channels_at(file, states),
           .actions = channels_at(file, actions),

@@ -1,3 +1,5 @@
+#include <sys/resource.h>
+
 #include "tests/cli/program.h"
 
 namespace npdr::pipeline {
@@ -49,6 +51,22 @@ TEST_F(BadInput, WorkFolderThatCannotBeMade) {
   const Outcome outcome = run(folder_.path(), {"npdr", "run", "small.toml"});
   EXPECT_NE(outcome.status, 0);
   EXPECT_NE(outcome.err.find("runs"), std::string::npos) << outcome.err;
+}
+
+// A limit on the size of files stands in for a full disk: writing fails in the same place.
+TEST_F(BadInput, FullDiskIsReportedAndLeavesNothingHalfWritten) {
+  std::ofstream(folder_.path() / "small.toml") << small_study();
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{20'000, before.rlim_max};
+  signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  const Outcome outcome = run(folder_.path(), {"npdr", "run", "small.toml"});
+  setrlimit(RLIMIT_FSIZE, &before);
+  signal(SIGXFSZ, SIG_DFL);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("File too large"), std::string::npos) << outcome.err;
+  EXPECT_EQ(run(folder_.path(), {"npdr", "run", "small.toml"}).status, 0);
 }
 
 TEST_F(BadInput, TruncatedShardIsFoundAndNamed) {

@@ -155,6 +155,7 @@ TEST_F(CsvImport, NamesLineAndColumnOfWhatIsntANumber) {
             "a.csv:3: column 2 'theta' = '0.2 0'" + must);
   EXPECT_EQ(problem(replaced(kCsv, "2,6", "2,")), "a.csv:3: column 4 'torque' = ''" + must)
       << "only the last row may lack an action";
+  EXPECT_EQ(problem(replaced(kCsv, "3,7", "3,x")), "a.csv:4: column 4 'torque' = 'x'" + must);
 }
 
 TEST_F(CsvImport, RaggedAndBrokenFilesAreRefused) {
