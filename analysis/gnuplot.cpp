@@ -63,8 +63,8 @@ void run(const std::string& program, const Figure& figure, const std::filesystem
 FigureFiles render_figure(const Figure& figure, const std::filesystem::path& directory,
                           const std::string& program) {
   check_file_stem("figure", figure.name);
-  const FigureFiles files = {directory / (figure.name + ".gp"), directory / (figure.name + ".svg"),
-                             directory / (figure.name + ".png")};
+  FigureFiles files = {directory / (figure.name + ".gp"), directory / (figure.name + ".svg"),
+                       directory / (figure.name + ".png")};
   write_text_file(files.script, script_of(figure));
   run(program, figure, directory, "svg");
   write_text_file(files.svg, tidy_svg(read_text_file(files.svg)));

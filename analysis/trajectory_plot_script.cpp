@@ -69,7 +69,7 @@ void TrajectoryPlotScript::place_legend() {
       y += kLegendLine;
       legend_lines_ += 1.0;
     }
-    positions_.push_back({x, y});
+    positions_.emplace_back(x, y);
     legend_width_ = std::max(legend_width_, x + needed);
     x += needed + 2.0 * kFont;
   }
@@ -123,7 +123,7 @@ std::pair<double, double> TrajectoryPlotScript::shown_range(Index channel) const
   const double span = high > low ? high - low : std::max(1e-3, std::abs(high));
   double lowest = low, highest = high;
   // Comparisons with NaN are false, so bands without samples don't count.
-  const auto widen = [&](const RowMatrix& series, double reach) {
+  const auto widen = [&, low = low, high = high](const RowMatrix& series, double reach) {
     for (const double v : series.col(channel)) {
       const double shown = std::clamp(v, low - reach * span, high + reach * span);
       if (shown < lowest) lowest = shown;

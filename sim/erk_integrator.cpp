@@ -18,12 +18,12 @@ using TablePtr = std::unique_ptr<ARKodeButcherTableMem, TableDeleter>;
 // ARKODE has no built-in table of the classical method.
 TablePtr classical_table() {
   constexpr int stages = 4, order = 4, embedded_order = 0;
-  std::array<double, stages> c = {0.0, 0.5, 0.5, 1.0};
-  std::array<double, stages* stages> a = {0.0, 0.0, 0.0, 0.0,  //
-                                          0.5, 0.0, 0.0, 0.0,  //
-                                          0.0, 0.5, 0.0, 0.0,  //
-                                          0.0, 0.0, 1.0, 0.0};
-  std::array<double, stages> b = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+  std::array<double, 4> c = {0.0, 0.5, 0.5, 1.0};
+  std::array<double, 16> a = {0.0, 0.0, 0.0, 0.0,  //
+                              0.5, 0.0, 0.0, 0.0,  //
+                              0.0, 0.5, 0.0, 0.0,  //
+                              0.0, 0.0, 1.0, 0.0};
+  std::array<double, 4> b = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
   return TablePtr(ARKodeButcherTable_Create(stages, order, embedded_order, c.data(), a.data(),
                                             b.data(), nullptr));
 }

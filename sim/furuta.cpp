@@ -126,7 +126,7 @@ void Furuta::apply_action(const RowMatrix& actions, Index t, ConstLanes constant
     const double blend = recorded[newer] + fraction * (recorded[older] - recorded[newer]);
     const double clipped =
         blend < kMaxVoltage ? (blend > -kMaxVoltage ? blend : -kMaxVoltage) : kMaxVoltage;
-    voltage[i] = (neg[i] <= clipped) & (clipped <= pos[i]) ? 0.0 : clipped;
+    voltage[i] = ((neg[i] <= clipped) & (clipped <= pos[i])) ? 0.0 : clipped;
   });
 }
 

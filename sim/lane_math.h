@@ -59,7 +59,7 @@ inline double cos_kernel(double x, double tail) {
 inline SinCos lane_sincos(double x) {
   using namespace detail;
   const double angle =
-      (x <= kLargestAngle) & (x >= -kLargestAngle) ? x : std::numeric_limits<double>::quiet_NaN();
+      ((x <= kLargestAngle) & (x >= -kLargestAngle)) ? x : std::numeric_limits<double>::quiet_NaN();
   // Cody and Waite: x = n pi/2 + hi + lo. The first two parts of pi/2 have 33 bits, so that their
   // products with n < 2^20 are exact; the third has the next 53.
   const double shifted = angle * 6.36619772367581382433e-01 + kRoundToInteger;

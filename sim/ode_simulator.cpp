@@ -75,11 +75,11 @@ void OdeSimulator::check_target(const Target& target) const {
   }
 }
 
-void OdeSimulator::check_theta(Index found) const {
+void OdeSimulator::check_theta(Index num_parameters) const {
   const auto expected = static_cast<Index>(info_.parameters.size());
-  if (found == expected) return;
-  throw ShapeError("theta has " + std::to_string(found) + " parameters, simulator '" + info_.name +
-                   "' has " + std::to_string(expected));
+  if (num_parameters == expected) return;
+  throw ShapeError("theta has " + std::to_string(num_parameters) + " parameters, simulator '" +
+                   info_.name + "' has " + std::to_string(expected));
 }
 
 Trajectories OdeSimulator::replay(const Target& target, const RowMatrix& theta) const {

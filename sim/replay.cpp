@@ -18,7 +18,7 @@ constexpr Index kMaxRowsPerBatch = 128;
 
 Index rows_per_batch(const SimulatorConfig& config, Index num_rows, Index num_rollouts) {
   if (is_adaptive(config.integrator)) return 1;
-  const Index share = num_rows * num_rollouts / (4 * num_threads());
+  const Index share = num_rows * num_rollouts / (Index{4} * num_threads());
   return std::clamp(padded_lanes(share), kMinRowsPerBatch, kMaxRowsPerBatch);
 }
 

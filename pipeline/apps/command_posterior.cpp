@@ -41,7 +41,7 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
 }
 
 inference::DirectPosterior load(const PosteriorArguments& arguments) {
-  const inference::DirectPosterior posterior = read_posterior(arguments.posterior);
+  inference::DirectPosterior posterior = read_posterior(arguments.posterior);
   if (arguments.recording.empty()) return posterior;
   return posterior.given(embed_recording(arguments.posterior, arguments.recording));
 }

@@ -17,6 +17,6 @@ struct Verification {
 /// Recomputes `count` random rows of a simulation (or one of its shards) or of a first round's
 /// proposal. The target that a simulation was replayed against is found in the cache beside it.
 /// Throws InputError for another kind of file.
-Verification verify(const std::filesystem::path& path, Index count, std::uint64_t pick);
+Verification verify(const std::filesystem::path& given, Index count, std::uint64_t pick);
 
 }  // namespace npdr::pipeline

@@ -138,7 +138,7 @@ std::vector<std::string> reasons(const Plan& plan, const Node& node) {
   if (!earlier) return {"it was never made"};
   std::vector<std::string> lines;
   compare("", node.identity.key_document, document_of(*earlier), lines);
-  if (lines.empty()) lines.push_back("its files are gone");
+  if (lines.empty()) lines.emplace_back("its files are gone");
   return lines;
 }
 

@@ -46,7 +46,7 @@ class Scheduler {
 
   bool is_ready(std::size_t node) const;
   void start_ready_jobs();
-  void start(std::size_t node, int threads);
+  void start(std::size_t index, int threads);
   void wait_for_news();
   void collect_ended_jobs();
   void end_of(const Job& job);

@@ -8,6 +8,7 @@
 namespace npdr::pipeline {
 namespace {
 
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): all that a handler can reach
 std::atomic<bool> requested = false;
 static_assert(std::atomic<bool>::is_always_lock_free);  // or a handler could not write it
 

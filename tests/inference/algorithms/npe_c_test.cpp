@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iostream>
 #include <numbers>
 
 #include "core/error.h"
@@ -42,6 +43,9 @@ void expect_linear_gaussian(const PosteriorEstimationConfig& c) {
   const RowMatrix centred = samples.rowwise() - mean.transpose();
   const Eigen::MatrixXd covariance = centred.transpose() * centred / static_cast<double>(n);
   const Vector deviation = task.covariance().diagonal().cwiseSqrt();
+  std::cout << "means off by " << ((mean - task.mean(x_o)).array() / deviation.array()).transpose()
+            << " deviations; deviations over the exact ones "
+            << (covariance.diagonal().array().sqrt() / deviation.array()).transpose() << '\n';
   for (Index d = 0; d < 3; ++d) {
     EXPECT_NEAR(mean(d), task.mean(x_o)(d), 0.25 * deviation(d)) << "mean " << d;
     EXPECT_NEAR(std::sqrt(covariance(d, d)) / deviation(d), 1.0, 0.15) << "deviation " << d;
@@ -99,6 +103,8 @@ TEST(NpeC, FindsBothCrescentsOfTwoMoons) {
     const double radius = std::hypot(std::abs(sum) - 0.25, difference);
     near_crescent += radius > 0.05 && radius < 0.15 ? 1 : 0;
   }
+  std::cout << positive << " of " << n << " samples in one crescent, " << near_crescent
+            << " within half a radius of either\n";
   EXPECT_GT(positive, n * 35 / 100);
   EXPECT_LT(positive, n * 65 / 100);
   // A uniform density on the same box has 3 % of its mass there.
