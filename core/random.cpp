@@ -95,7 +95,8 @@ double Stream::uniform() {
   const std::uint64_t a = bits();
   const std::uint64_t b = bits();
   const std::uint64_t mantissa = (a << 21) | (b >> 11);  // 53 bits
-  return (static_cast<double>(mantissa) + 0.5) * 0x1p-53;
+  // Above 1/2 rounding takes the half away, and from the largest mantissa it would give 1.
+  return std::min((static_cast<double>(mantissa) + 0.5) * 0x1p-53, 0x1.fffffffffffffp-1);
 }
 
 double Stream::normal() { return normal_quantile(uniform()); }
