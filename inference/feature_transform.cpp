@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 
 #include "core/error.h"
+#include "core/matrix_blocking.h"
 
 namespace npdr::inference {
 namespace {
 
 constexpr Index kBlock = 500;
+constexpr float kUsualRanges = 20.0f;
+constexpr float kFarthest = 100.0f;
 
 void for_each_block(const FeatureSource& x, Index num_rows,
                     const std::function<void(const RowMatrixF&)>& body) {
@@ -25,15 +29,43 @@ void for_each_block(const FeatureSource& x, Index num_rows,
   }
 }
 
+/// Bounds of what is usual, feature by feature, (F).
+struct Bounds {
+  Eigen::ArrayXf lower, upper;
+};
+
+// From the quantiles of the first block of rows. A feature that hardly varies there has no bounds.
+Bounds usual_bounds(const FeatureSource& x) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  Bounds bounds{Eigen::ArrayXf::Constant(x.num_features(), -infinity),
+                Eigen::ArrayXf::Constant(x.num_features(), infinity)};
+  for_each_block(x, std::min(kBlock, x.num_rows()), [&](const RowMatrixF& rows) {
+    for (Index f = 0; f < rows.cols(); ++f) {
+      std::vector<float> values(rows.col(f).begin(), rows.col(f).end());
+      std::sort(values.begin(), values.end());
+      const auto quantile = [&](double p) {
+        return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1))];
+      };
+      const float range = quantile(0.95) - quantile(0.05);
+      if (!(range > 0.0f)) continue;
+      bounds.lower(f) = quantile(0.05) - kUsualRanges * range;
+      bounds.upper(f) = quantile(0.95) + kUsualRanges * range;
+    }
+  });
+  return bounds;
+}
+
 // Mean and deviation by Welford's algorithm (1962), which doesn't cancel.
 FeatureTransform standardisation(const FeatureSource& x) {
+  const Bounds bounds = usual_bounds(x);
   Vector mean = Vector::Zero(x.num_features());
   Vector squares = Vector::Zero(x.num_features());
   double count = 0.0;
   for_each_block(x, x.num_rows(), [&](const RowMatrixF& rows) {
     for (Index i = 0; i < rows.rows(); ++i) {
       count += 1.0;
-      const Vector value = rows.row(i).transpose().cast<double>();
+      const Vector value =
+          rows.row(i).transpose().array().max(bounds.lower).min(bounds.upper).cast<double>();
       const Vector before = value - mean;
       mean += before / count;
       squares.array() += before.array() * (value - mean).array();
@@ -81,23 +113,27 @@ RowMatrix first_standardised_rows(const FeatureSource& x, const FeatureTransform
 }  // namespace
 
 void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {
-  if (basis.cols() == 0) {
-    z = (x.rowwise() - mean.transpose()).array().rowwise() * inverse_deviation.transpose().array();
-    return;
-  }
-  const RowMatrixF standardised =
-      (x.rowwise() - mean.transpose()).array().rowwise() * inverse_deviation.transpose().array();
-  z.noalias() = standardised * basis;
+  const bool projects = basis.cols() > 0;
+  RowMatrixF unprojected;
+  RowMatrixF& standardised = projects ? unprojected : z;
+  standardised =
+      ((x.rowwise() - mean.transpose()).array().rowwise() * inverse_deviation.transpose().array())
+          .max(-kFarthest)
+          .min(kFarthest);
+  if (projects) z.noalias() = standardised * basis;
 }
 
 FeatureTransform fit_feature_transform(const FeatureSource& x, Index components) {
+  fix_matrix_blocking();
   FeatureTransform transform = standardisation(x);
   if (components == 0) return transform;
   const Index most = std::min({x.num_features(), x.num_rows(), kRowsForCorrelation});
   if (components > most) {
     throw InputError("embedding.principal_components = " + std::to_string(components) +
-                     ", must be <= " + std::to_string(most) +
-                     ", the smaller of the numbers of features and simulations");
+                     ", must be <= " + std::to_string(most) + ", the smallest of " +
+                     std::to_string(x.num_features()) + " features, " +
+                     std::to_string(x.num_rows()) + " simulations that didn't fail, and " +
+                     std::to_string(kRowsForCorrelation));
   }
   transform.basis = whitening_directions(first_standardised_rows(x, transform), components);
   return transform;

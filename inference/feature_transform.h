@@ -7,6 +7,12 @@
 /// variance. N simulations span at most N directions, and far fewer of them carry signal: a trained
 /// linear layer on k components is the same kind of map as on x, cheaper and with far fewer weights
 /// to overfit. Of an observation that no simulation reproduces, z keeps what lies in their span.
+///
+/// A few simulations that all but diverged (a resonance, a stiff parameter) must not set the scale
+/// for all others: mean and deviation are those of x clamped to bounds far outside of the usual, 20
+/// times the distance of the 5 % and 95 % quantiles beyond them, and (x - mean) / deviation is
+/// clamped to
+/// +-100. Where nothing is that far out, as in every well-posed study, neither changes a bit.
 #pragma once
 
 #include "core/types.h"

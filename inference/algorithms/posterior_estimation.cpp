@@ -28,15 +28,22 @@ std::optional<DirectPosterior> estimate_posterior(const PosteriorEstimationConfi
                                                   const DirectPosterior* previous,
                                                   const StreamId& id, TrainingState& state,
                                                   const EpochHook& hook) {
+  if (canonical_algorithm(config.algorithm.name) != "npe_c") {
+    throw InputError("algorithm '" + config.algorithm.name + "' doesn't estimate posteriors");
+  }
   DirectPosteriorParts parts =
       previous == nullptr ? untrained_parts(config, data, id) : previous->parts();
   const EmbeddedEstimator<float> network =
       make_network(parts.estimator, parts.transform.num_outputs(), parts.trained_features,
                    parts.prior.dimension(), parts.structure_seed);
-  if (state.parameters.size() == 0) {
+  if (state.epoch == 0 && state.parameters.size() == 0) {
     state.parameters = previous == nullptr
                            ? network.initial_parameters(named(id, "initial_weights"))
                            : parts.parameters;
+  } else if (state.parameters.size() != network.num_parameters()) {
+    throw ShapeError("training state: " + std::to_string(state.parameters.size()) +
+                     " parameters, must be " + std::to_string(network.num_parameters()) +
+                     ", as many as the network's");
   }
   TrainingData training{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round,
                         data.proposals};

@@ -33,7 +33,7 @@ struct RoundData {
 /// Trains on `data` from the weights and the feature transform of `previous` (the last round's
 /// posterior) or from scratch in round 1. `id` names the seed and round. A `state` that a hook kept
 /// goes on from there with the same bits; an empty one starts. Returns nothing when the hook
-/// stopped training: `state` is the checkpoint.
+/// stopped training: `state` is the checkpoint. Throws ShapeError for the state of another network.
 std::optional<DirectPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
                                                   const RoundData& data,
                                                   const DirectPosterior* previous,

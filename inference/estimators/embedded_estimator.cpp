@@ -1,6 +1,7 @@
 #include "inference/estimators/embedded_estimator.h"
 
 #include "core/error.h"
+#include "core/matrix_blocking.h"
 #include "core/text.h"
 #include "inference/estimators/dense.h"
 #include "inference/estimators/maf.h"
@@ -29,6 +30,7 @@ EmbeddedEstimator<S>::EmbeddedEstimator(Index x_features, Index trained_features
                                         const EstimatorConfig& config, Index dimension,
                                         const StreamId& structure)
     : x_features_(x_features) {
+  fix_matrix_blocking();
   Index context_features = x_features;
   if (trained_features > 0) {
     weight_ = layout_.add(x_features, trained_features);

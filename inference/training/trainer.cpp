@@ -106,6 +106,15 @@ void keep_if_best(TrainingState& state, double loss) {
   }
 }
 
+void require_finite_loss(const TrainingState& state) {
+  const auto is_finite = [](double loss) { return std::isfinite(loss); };
+  const auto& losses = state.validation_loss;
+  if (losses.empty() || std::any_of(losses.begin(), losses.end(), is_finite)) return;
+  throw Error("training diverged: the validation loss was not finite in any of " +
+              std::to_string(losses.size()) +
+              " epochs; lower training.learning_rate, or look for extreme values in x");
+}
+
 }  // namespace
 
 bool TrainingState::finished(const TrainingConfig& config) const {
@@ -137,6 +146,7 @@ void train(Objective& objective, const TrainingConfig& config, const StreamId& i
     state.adam = optimiser.state();
     if (!hook(state)) return;
   }
+  require_finite_loss(state);
 }
 
 }  // namespace npdr::inference

@@ -57,7 +57,8 @@ using EpochHook = std::function<bool(const TrainingState&)>;
 /// training and validation rows, the batches and their order are functions of `id` and the epoch,
 /// so a run that is stopped and continued gives the same bits.
 /// A state with epoch 0 and only `parameters` set starts from the beginning.
-/// Throws InputError when there are fewer than two training or two validation rows.
+/// Throws InputError when there are fewer than two training or two validation rows, and Error when
+/// no epoch had a finite validation loss: then nothing was learnt.
 void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
            TrainingState& state, const EpochHook& hook);
 

@@ -18,6 +18,17 @@ TEST(FeatureTransform, StandardisationGivesMeanZeroAndDeviationOne) {
   EXPECT_TRUE((z.colwise().squaredNorm() / 5.0f).isOnes(1e-5f));
 }
 
+TEST(FeatureTransform, AFewSimulationsThatAllButDivergedDontSetTheScale) {
+  RowMatrixF x = random_matrix(1000, 3, 1).cast<float>();
+  RowMatrixF usual, with_outliers;
+  fit_feature_transform(MatrixSource(x), 0).apply(x, usual);
+  for (const Index row : {3, 700}) x.row(row) *= 1e6f;
+  fit_feature_transform(MatrixSource(x), 0).apply(x, with_outliers);
+  // Two of 1000 rows at the bounds, about 70 deviations away, widen the deviation threefold.
+  EXPECT_GT(with_outliers.row(0).norm(), 0.2f * usual.row(0).norm());
+  EXPECT_LE(with_outliers.cwiseAbs().maxCoeff(), 100.0f);
+}
+
 TEST(FeatureTransform, LeavesOutAConstantFeature) {
   RowMatrixF x(3, 2);
   x << 0.1f, 1, 0.1f, 2, 0.1f, 3;

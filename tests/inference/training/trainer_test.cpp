@@ -111,6 +111,14 @@ TEST(Trainer, AveragingBringsNoisyWeightsToTheMinimum) {
   EXPECT_LT(error(5.0), 0.5 * error(0.0));
 }
 
+TEST(Trainer, ReportsATrainingThatDiverged) {
+  Line line;
+  TrainingState state = start();
+  TrainingConfig c = config();
+  c.learning_rate = 1e38;
+  EXPECT_THROW(train(line, c, kId, state, [](const TrainingState&) { return true; }), Error);
+}
+
 TEST(Trainer, TakesAllRowsWhenTheyAreFewerThanABatch) {
   Line line;
   TrainingState state = start();
