@@ -73,9 +73,11 @@ void add_import_command(CLI::App& app, int& result) {
   command->add_option("-o,--output", arguments->output, "the HDF5 file to write")->required();
   command->add_option("--simulator", arguments->simulator, "take this simulator's channels");
   command->add_option("--states", arguments->states, "columns, such as 'theta [rad],alpha [rad]'")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_option("--actions", arguments->actions, "columns, such as 'voltage [V]'")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_option("--dt", arguments->dt, "[s] where there is no column 't [s]'");
   command->add_option("--source", arguments->source, "where the recordings come from, for people");
   command->callback([&result, arguments] {

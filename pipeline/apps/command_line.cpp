@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <charconv>
+#include <cstdio>
+#include <system_error>
 
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
@@ -12,14 +15,29 @@
 #include "pipeline/store/build_info.h"
 
 namespace npdr::pipeline {
+namespace {
+
+// What is still in the buffer would be lost without a word at exit.
+void flush_output() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw std::system_error(errno, std::generic_category(), "can't write to standard output");
+}
+
+}  // namespace
 
 int guarded_main(const std::string& program, const std::function<ExitStatus()>& body) {
   watch_for_stop_requests();
   try {
-    return static_cast<int>(body());
+    const ExitStatus status = body();
+    if (status == ExitStatus::done) flush_output();
+    return static_cast<int>(status);
   } catch (const Error& error) {
     report_error(program, error.what());
     return static_cast<int>(error.status());
+  } catch (const std::system_error& error) {
+    // `npdr ... | head`: who closes the pipe has seen enough.
+    if (error.code() != std::errc::broken_pipe) report_error(program, error.what());
+    return static_cast<int>(ExitStatus::failed);
   } catch (const std::exception& error) {
     report_error(program, error.what());
     return static_cast<int>(ExitStatus::failed);
@@ -33,8 +51,10 @@ bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
     app.parse(argc, argv);
     return true;
   } catch (const CLI::ParseError& error) {
-    const bool is_error = app.exit(error) != 0;
-    status = static_cast<int>(is_error ? ExitStatus::invalid_input : ExitStatus::done);
+    // Help and version are no errors, but output.
+    status = guarded_main(app.get_name(), [&] {
+      return app.exit(error) != 0 ? ExitStatus::invalid_input : ExitStatus::done;
+    });
     return false;
   }
 }
@@ -47,11 +67,13 @@ void StudyArguments::add_to(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--work", work, "folder of results and cache")->capture_default_str();
   app.add_option("--only", methods, "only this method; may be repeated")->allow_extra_args(false);
-  app.add_option("--seeds", seeds, "only these seeds, such as 1,2")->delimiter(',');
+  app.add_option("--seeds", seeds, "only these seeds, such as 1,2")
+      ->delimiter(',')
+      ->allow_extra_args(false);
 }
 
 Plan StudyArguments::plan() const {
-  Plan plan = make_plan(read_study(file, overrides), WorkFolder(work), {methods, seeds, {}});
+  Plan plan = make_plan(read_study(file, overrides), WorkFolder(work), {methods, seeds});
   std::vector<std::string> command = {"npdr", "run"};
   const auto study_words = words();
   command.insert(command.end(), study_words.begin(), study_words.end());

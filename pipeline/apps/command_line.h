@@ -14,7 +14,8 @@ class App;
 
 namespace npdr::pipeline {
 
-/// Runs `body`; prints what it throws as "program: message". Returns the exit status.
+/// Runs `body`; prints what it throws as "program: message". Output that can't be written is an
+/// error, too. Returns the exit status.
 int guarded_main(const std::string& program, const std::function<ExitStatus()>& body);
 
 /// Sets up `app` (version, one help for all), parses, and returns false when help was asked for or

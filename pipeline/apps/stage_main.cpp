@@ -29,6 +29,15 @@ bool uses_round(const Node& node, std::optional<Index> round) {
   });
 }
 
+void check_round(const Plan& plan, std::optional<Index> round) {
+  Index last = 0;
+  for (const Node& node : plan.nodes) {
+    for (const Use& use : node.uses) last = std::max(last, use.round);
+  }
+  if (!round || (*round >= 1 && *round <= last)) return;
+  throw InputError(fmt::format("--round {}: the methods have rounds 1 to {}", *round, last));
+}
+
 bool has_inputs(const Plan& plan, const Node& node) {
   return std::all_of(node.needs.begin(), node.needs.end(),
                      [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
@@ -78,6 +87,7 @@ int stage_main(const StageProgram& program, int argc, char** argv) {
   if (std::getenv("NPDR_PROGRESS_FD") != nullptr) stop_with_parent();
   return guarded_main(program.name, [&] {
     const Plan plan = arguments.study.plan();
+    check_round(plan, arguments.round);
     const std::vector<Index> shard_numbers =
         arguments.shards.empty() ? std::vector<Index>{} : parse_ranges(arguments.shards);
     if (arguments.key.empty()) {

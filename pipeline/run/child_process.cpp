@@ -1,6 +1,7 @@
 #include "pipeline/run/child_process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -59,10 +60,16 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, int threads,
                                    O_WRONLY | O_CREAT | O_APPEND, 0644);
   posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
   posix_spawn_file_actions_adddup2(&actions, ends[1], kChildDescriptor);
+  // A group of its own: Ctrl-C reaches the parent alone, which passes it on.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
   std::vector<std::string> arguments = command;
   std::vector<std::string> environment = child_environment(threads);
-  const int error = posix_spawn(&pid_, command.front().c_str(), &actions, nullptr,
+  const int error = posix_spawn(&pid_, command.front().c_str(), &actions, &attributes,
                                 pointers(arguments).data(), pointers(environment).data());
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   close(ends[1]);
   if (error != 0) {
@@ -126,6 +133,11 @@ std::filesystem::path executable_folder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
 
-void stop_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM); }
+void stop_with_parent() {
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  // It may have died before: then nobody reads the pipe.
+  pollfd pipe = {kChildDescriptor, 0, 0};
+  if (poll(&pipe, 1, 0) == 1 && (pipe.revents & POLLERR) != 0) std::raise(SIGTERM);
+}
 
 }  // namespace npdr::pipeline

@@ -14,8 +14,9 @@ namespace npdr::pipeline {
 /// A running child. Not copyable: it owns a pipe.
 class ChildProcess {
  public:
-  /// Starts `command` (a path and its arguments) on `threads` OpenMP threads; its output is
-  /// appended to `log`. Throws Error when it can't be started.
+  /// Starts `command` (a path and its arguments) on `threads` OpenMP threads, in a process group of
+  /// its own: signals of the terminal don't reach it. Its output is appended to `log`. Throws Error
+  /// when it can't be started.
   ChildProcess(const std::vector<std::string>& command, int threads,
                const std::filesystem::path& log);
   ~ChildProcess();

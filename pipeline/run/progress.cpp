@@ -80,7 +80,8 @@ void Progress::show(Index done, const std::string& note) {
   const std::string text = label_ + ": " +
                            progress_text(done, total_, seconds_between(start_, shown_)) +
                            (note.empty() ? "" : ", " + note);
-  fmt::print(stderr, "{}{}{}", terminal_ ? "\r\033[K" : "", text, terminal_ ? "" : "\n");
+  // fmt::print() would throw where the terminal was closed.
+  std::fputs(((terminal_ ? "\r\033[K" : "") + text + (terminal_ ? "" : "\n")).c_str(), stderr);
   std::fflush(stderr);
   line_open_ = terminal_;
 }

@@ -26,6 +26,9 @@ bool uses_threads(Stage stage) {
   return stage == Stage::simulate || stage == Stage::evaluate || stage == Stage::baseline;
 }
 
+// Unlike fmt::print(), doesn't throw: a terminal that was closed or a full disk end no run.
+void print(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
 void print_tail(const std::string& path) {
   constexpr std::size_t num_lines = 10;
   std::ifstream file(path);
@@ -34,7 +37,7 @@ void print_tail(const std::string& path) {
     lines.push_back(line);
     if (lines.size() > num_lines) lines.pop_front();
   }
-  for (const std::string& line : lines) fmt::print(stderr, "    {}\n", line);
+  for (const std::string& line : lines) print("    " + line + "\n");
 }
 
 }  // namespace
@@ -79,7 +82,7 @@ Scheduler::Scheduler(const Plan& plan, SchedulerConfig config)
 
 ExitStatus Scheduler::run() {
   for (;;) {
-    if (stop_requested() && !stopping_) pass_on_stop_request();
+    if (stop_requested() && !passed_on_) pass_on_stop_request();
     if (!stopping_) start_ready_jobs();
     if (jobs_.empty()) break;
     wait_for_news();
@@ -113,9 +116,8 @@ void Scheduler::start_ready_jobs() {
 
 void Scheduler::start(std::size_t index, int threads) {
   const Node& node = plan_.nodes[index];
-  jobs_.push_back({index, threads,
-                   ChildProcess(stage_command(config_, node), threads, log_path(node)),
-                   Clock::now()});
+  jobs_.push_back(
+      {index, threads, ChildProcess(stage_command(config_, node), threads, log_path(node))});
   states_[index] = State::running;
   free_slots_ -= threads;
 }
@@ -157,8 +159,7 @@ void Scheduler::end_of(const Job& job) {
   }
   states_[job.node] = State::failed;
   // A child that was told to stop before it could listen has done nothing yet.
-  const bool was_terminated = stopping_ && status == 128 + SIGTERM;
-  if (status == static_cast<int>(ExitStatus::checkpointed) || was_terminated) {
+  if (status == static_cast<int>(ExitStatus::checkpointed) || is_stop_signal(status - 128)) {
     stopping_ = true;
     return;
   }
@@ -168,17 +169,18 @@ void Scheduler::end_of(const Job& job) {
   }
   const std::string reason = status > 128 ? fmt::format("killed by signal {}", status - 128)
                                           : fmt::format("exit status {}", status);
-  fmt::print(stderr, "{}npdr: {} failed ({}):\n", terminal_ ? "\r\033[K" : "", node.label(),
-             reason);
+  print(
+      fmt::format("{}npdr: {} failed ({}):\n", terminal_ ? "\r\033[K" : "", node.label(), reason));
   const auto& error = job.process.error();
-  for (const std::string& line : error) fmt::print(stderr, "    {}\n", line);
+  for (const std::string& line : error) print("    " + line + "\n");
   if (error.empty()) print_tail(log_path(node));
-  fmt::print(stderr, "    log: {}\n", log_path(node));
+  print("    log: " + log_path(node) + "\n");
 }
 
 void Scheduler::pass_on_stop_request() {
   stopping_ = true;
-  fmt::print(stderr, "{}npdr: stopping; work in progress is saved\n", terminal_ ? "\r\033[K" : "");
+  passed_on_ = true;
+  print(fmt::format("{}npdr: stopping; work in progress is saved\n", terminal_ ? "\r\033[K" : ""));
   for (const Job& job : jobs_) job.process.send_signal(SIGTERM);
 }
 
@@ -198,9 +200,9 @@ void Scheduler::show_progress(bool force) {
   }
   if (terminal_ && !force) {
     constexpr std::size_t width = 160;
-    fmt::print(stderr, "\r\033[K{}", text.substr(0, width));
+    print("\r\033[K" + text.substr(0, width));
   } else {
-    fmt::print(stderr, "{}{}\n", terminal_ ? "\r\033[K" : "", text);
+    print((terminal_ ? "\r\033[K" : "") + text + "\n");
   }
   std::fflush(stderr);
 }

@@ -41,7 +41,6 @@ class Scheduler {
     std::size_t node;
     int threads;
     ChildProcess process;
-    std::chrono::steady_clock::time_point start;
   };
 
   bool is_ready(std::size_t node) const;
@@ -62,7 +61,8 @@ class Scheduler {
   std::size_t num_missing_ = 0;
   std::size_t num_made_ = 0;
   ExitStatus status_ = ExitStatus::done;
-  bool stopping_ = false;
+  bool stopping_ = false;   ///< nothing more is started
+  bool passed_on_ = false;  ///< the children were told to stop
   bool terminal_;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point shown_;

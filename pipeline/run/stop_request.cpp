@@ -1,5 +1,7 @@
 #include "pipeline/run/stop_request.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <csignal>
 
@@ -12,7 +14,15 @@ namespace {
 std::atomic<bool> requested = false;
 static_assert(std::atomic<bool>::is_always_lock_free);  // or a handler could not write it
 
+constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGUSR1, SIGHUP};
+
 void handle(int) { requested.store(true, std::memory_order_relaxed); }
+
+bool is_ignored(int signal) {
+  struct sigaction action = {};
+  sigaction(signal, nullptr, &action);
+  return action.sa_handler == SIG_IGN;
+}
 
 }  // namespace
 
@@ -21,7 +31,14 @@ void watch_for_stop_requests() {
   action.sa_handler = handle;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaction(signal, &action, nullptr);
+  for (const int signal : kStopSignals) {
+    if (signal != SIGHUP || !is_ignored(SIGHUP)) sigaction(signal, &action, nullptr);
+  }
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+bool is_stop_signal(int signal) {
+  return std::find(kStopSignals.begin(), kStopSignals.end(), signal) != kStopSignals.end();
 }
 
 bool stop_requested() { return requested.load(std::memory_order_relaxed); }

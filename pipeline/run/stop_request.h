@@ -1,10 +1,14 @@
-/// Requests to stop (SIGINT, SIGTERM, SIGUSR1): long work looks at them between batches.
+/// Requests to stop (SIGINT, SIGTERM, SIGUSR1, SIGHUP): long work looks at them between batches.
 #pragma once
 
 namespace npdr::pipeline {
 
-/// From now on the signals set a flag, in place of ending the process.
+/// From now on the signals set a flag, in place of ending the process; SIGHUP doesn't where it is
+/// ignored (nohup). SIGPIPE is ignored: who read the progress may die before the work is saved.
 void watch_for_stop_requests();
+
+/// Whether `signal` is a request to stop.
+bool is_stop_signal(int signal);
 
 /// True once a signal has come. Thread-safe.
 bool stop_requested();

@@ -19,6 +19,12 @@ namespace {
 
 constexpr double kSecondsBetweenCheckpoints = 60.0;
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_between(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double>(end - begin).count();
+}
+
 // The mixtures that rounds 2, 3, ... were drawn from, when the loss corrects for them.
 std::vector<inference::GaussianMixture> read_proposals(
     const inference::PosteriorEstimationConfig& config,
@@ -31,33 +37,56 @@ std::vector<inference::GaussianMixture> read_proposals(
   return proposals;
 }
 
+// Shapes that don't go together are a bug, unless they come from a checkpoint.
+template <class Work>
+auto blaming_checkpoint(const Plan& plan, const Node& node, const Work& work) {
+  const std::filesystem::path path = plan.work.checkpoint("infer", node.key);
+  const bool is_there = std::filesystem::exists(path);
+  try {
+    return work();
+  } catch (const ShapeError& error) {
+    if (!is_there) throw;
+    throw InputError(path.string() + ": " + error.what() + "; remove it and rerun stage 'infer'");
+  }
+}
+
 // After each epoch: progress, a checkpoint now and then, and one more when asked to stop.
 class EpochReport {
  public:
-  EpochReport(const Plan& plan, const Node& node)
-      : plan_(plan), node_(node), progress_(node.label() + ", epoch", 0) {}
+  // `start`: of the stage; `earlier_seconds`: of the runs that this one goes on from.
+  EpochReport(const Plan& plan, const Node& node, Clock::time_point start, double earlier_seconds)
+      : plan_(plan),
+        node_(node),
+        progress_(node.label() + ", epoch", 0),
+        start_(start),
+        earlier_seconds_(earlier_seconds) {}
 
   bool operator()(const inference::TrainingState& state) {
+    const auto now = Clock::now();
+    const bool is_due = seconds_between(saved_, now) > kSecondsBetweenCheckpoints;
+    // Saved before it is shown: who looks at the progress may be gone.
+    const bool is_stopping = stop_requested();
+    if (is_due || is_stopping) {
+      write_checkpoint(plan_, node_, state, earlier_seconds_ + seconds_between(start_, now));
+      saved_ = now;
+    }
     progress_.update(state.epoch, fmt::format("loss {:.4g}", state.validation_loss.back()));
-    const auto now = std::chrono::steady_clock::now();
-    const bool is_due =
-        std::chrono::duration<double>(now - saved_).count() > kSecondsBetweenCheckpoints;
-    if (!is_due && !stop_requested()) return true;
-    write_checkpoint(plan_, node_, state);
-    saved_ = now;
-    return !stop_requested();
+    return !is_stopping;
   }
 
  private:
   const Plan& plan_;
   const Node& node_;
   Progress progress_;
-  std::chrono::steady_clock::time_point saved_ = std::chrono::steady_clock::now();
+  Clock::time_point start_;
+  double earlier_seconds_;
+  Clock::time_point saved_ = Clock::now();
 };
 
 }  // namespace
 
 void run_infer(const Plan& plan, const Node& node) {
+  const auto start = Clock::now();
   ArtefactWriter writer(node.path, kPosteriorSchema, node.identity);
   const Use& use = node.uses.front();
   const MethodConfig& method = plan.study.method(use.method);
@@ -82,11 +111,16 @@ void run_infer(const Plan& plan, const Node& node) {
   std::optional<inference::DirectPosterior> previous;
   if (!posteriors.empty()) previous = read_posterior(*posteriors.back());
 
-  inference::TrainingState state = read_checkpoint(plan, node);
-  EpochReport report(plan, node);
-  const auto posterior = inference::estimate_posterior(
-      config, data, previous ? &*previous : nullptr,
-      {use.seed, "training", static_cast<std::uint64_t>(use.round), 0, 0}, state, std::ref(report));
+  Checkpoint checkpoint = read_checkpoint(plan, node);
+  writer.add_wall_seconds(checkpoint.seconds);
+  inference::TrainingState& state = checkpoint.training;
+  EpochReport report(plan, node, start, checkpoint.seconds);
+  const auto posterior = blaming_checkpoint(plan, node, [&] {
+    return inference::estimate_posterior(
+        config, data, previous ? &*previous : nullptr,
+        {use.seed, "training", static_cast<std::uint64_t>(use.round), 0, 0}, state,
+        std::ref(report));
+  });
   if (!posterior) throw Checkpointed(node.label() + ": stopped on request, checkpoint written");
 
   write_posterior(writer.file(), method, *posterior, target, state,

@@ -91,6 +91,50 @@ TEST_F(BadInput, TooManyFailedRolloutsHaveAStatusOfTheirOwn) {
   EXPECT_EQ(outcome.status, 3);
   EXPECT_NE(outcome.err.find("rows failed, limits.max_failed_fraction"), std::string::npos)
       << outcome.err;
+  const Outcome inspected =
+      run(folder_.path(), {"npdr", "inspect", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"});
+  EXPECT_EQ(inspected.status, 0) << inspected.err;
+}
+
+TEST_F(BadInput, RoundThatNoMethodHas) {
+  std::ofstream(folder_.path() / "small.toml") << small_study();
+  for (const char* round : {"0", "3"}) {
+    for (const char* program : {"npdr-propose", "npdr-infer", "npdr-report"}) {
+      expect_rejected(run(folder_.path(), {program, "small.toml", "--round", round}),
+                      "--round " + std::string(round) + ": the methods have rounds 1 to 2\n");
+    }
+  }
+}
+
+TEST_F(BadInput, SeedsAndMethodsThatTheStudyDoesNotHave) {
+  std::ofstream(folder_.path() / "small.toml") << small_study();
+  expect_rejected(run(folder_.path(), {"npdr-infer", "small.toml", "--seeds", "7"}), "seed 7");
+  expect_rejected(run(folder_.path(), {"npdr-infer", "small.toml", "--only", "NPDR (MAV)"}),
+                  "NPDR (MAV)");
+}
+
+TEST_F(BadInput, OutputThatCannotBeWrittenIsAnError) {
+  std::ofstream(folder_.path() / "small.toml") << small_study();
+  const Streams full{.out = "/dev/full"};
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"npdr", "status", "small.toml"},
+        {"npdr", "validate", "small.toml"},
+        {"npdr", "list", "simulators"},
+        {"npdr", "run", "small.toml"},
+        {"npdr", "sample", "runs/small/npdr-maf/seed-1/round-2/infer.h5", "-n", "5"},
+        {"npdr", "--help"},
+        {"npdr-infer", "small.toml"},
+        {"npdr-infer", "--version"}}) {
+    const Outcome outcome = run(folder_.path(), words, full);
+    EXPECT_EQ(outcome.status, 1) << words[0] << " " << words[1];
+    EXPECT_NE(outcome.err.find("No space left on device"), std::string::npos) << outcome.err;
+  }
+}
+
+TEST_F(BadInput, ProgressThatCannotBeWrittenIsNone) {
+  std::ofstream(folder_.path() / "small.toml") << small_study();
+  const Outcome outcome = run(folder_.path(), {"npdr", "run", "small.toml"}, {.err = "/dev/full"});
+  EXPECT_EQ(outcome.status, 0);
 }
 
 }  // namespace

@@ -159,6 +159,28 @@ TEST_F(Commands, ImportRefusesWhatItWouldIgnore) {
   EXPECT_EQ(rejected({"--dt", "0"}), "npdr import: --dt = 0, must be a time > 0 [s]\n");
 }
 
+TEST_F(Commands, ListsMayComeBeforeWhatTheyBelongTo) {
+  std::ofstream(file("b.csv")) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,0,0\n";
+  const auto imported = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"import", "-o", "b.h5", "--dt", "0.1"});
+    const Outcome outcome = npdr(words);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  const std::string states = "theta [rad],theta_dot [rad/s]";
+  const std::string expected =
+      imported({"b.csv", "b.csv", "--actions", "torque [N m]", "--states", states});
+  EXPECT_EQ(imported({"--actions", "torque [N m]", "--states", states, "b.csv", "b.csv"}),
+            expected);
+  EXPECT_EQ(imported({"--states", "theta [rad]", "--states", "theta_dot [rad/s]", "--actions",
+                      "torque [N m]", "b.csv", "b.csv"}),
+            expected);
+  const std::string status = npdr({"status", "small.toml"}).out;
+  EXPECT_EQ(npdr({"status", "--seeds", "1", "small.toml"}).out, status);
+  EXPECT_EQ(npdr({"status", "--seeds", "1,1", "--seeds", "1", "small.toml"}).out, status);
+  EXPECT_EQ(npdr({"explain", "--seeds", "1", "small.toml", "target"}).status, 0);
+}
+
 TEST_F(Commands, TheReportsCaptionStandsBelowItsTables) {
   const Outcome outcome = npdr({"run", "small.toml", "--set", "study.name=captioned", "--set",
                                 "report.caption=What one sees."});

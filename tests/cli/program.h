@@ -4,12 +4,14 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <string>
 #include <thread>
@@ -26,14 +28,24 @@ struct Outcome {
   std::string err;
 };
 
-/// A running program of the project, in the folder `folder`.
+/// Where a program's output goes, as seen from the folder that it runs in.
+struct Streams {
+  std::filesystem::path out = "stdout.txt";
+  std::filesystem::path err = "stderr.txt";
+};
+
+/// A running program of the project, in the folder `folder` and a process group of its own. It ends
+/// when the test does.
 class Program {
  public:
-  Program(const std::filesystem::path& folder, const std::vector<std::string>& words)
-      : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
+  Program(const std::filesystem::path& folder, const std::vector<std::string>& words,
+          const Streams& streams = {})
+      : out_(folder / streams.out), err_(folder / streams.err) {
     const std::string path = std::string(NPDR_BINARY_DIR) + "/bin/" + words.front();
     pid_ = fork();
+    setpgid(pid_, 0);  // by both, as nobody knows who is first
     if (pid_ != 0) return;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (chdir(folder.c_str()) != 0) _exit(127);
     redirect(out_, STDOUT_FILENO);
     redirect(err_, STDERR_FILENO);
@@ -45,15 +57,29 @@ class Program {
   }
 
   void send(int signal) const { kill(pid_, signal); }
+  /// As a terminal sends Ctrl-C: to all that belongs to it.
+  void send_to_group(int signal) const { kill(-pid_, signal); }
+
+  /// The processes that it started.
+  std::vector<pid_t> children() const {
+    const std::string pid = std::to_string(pid_);
+    std::ifstream file("/proc/" + pid + "/task/" + pid + "/children");
+    return {std::istream_iterator<pid_t>(file), {}};
+  }
 
   Outcome wait() const {
     int status = 0;
     waitpid(pid_, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(out_),
-            text_of(err_)};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), written_to(out_),
+            written_to(err_)};
   }
 
  private:
+  // Devices hold nothing, or more than there is memory.
+  static std::string written_to(const std::filesystem::path& path) {
+    return std::filesystem::is_regular_file(path) ? text_of(path) : "";
+  }
+
   static void redirect(const std::filesystem::path& path, int descriptor) {
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     dup2(file, descriptor);
@@ -64,8 +90,9 @@ class Program {
   pid_t pid_ = -1;
 };
 
-inline Outcome run(const std::filesystem::path& folder, const std::vector<std::string>& words) {
-  return Program(folder, words).wait();
+inline Outcome run(const std::filesystem::path& folder, const std::vector<std::string>& words,
+                   const Streams& streams = {}) {
+  return Program(folder, words, streams).wait();
 }
 
 /// A small pendulum study that takes a second: two methods, two rounds.
