@@ -3,7 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <set>
 
+#include "core/error.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verify.h"
@@ -13,7 +15,10 @@
 namespace npdr::pipeline {
 namespace {
 
-std::string attribute_text(const h5::Object& object, const std::string& name) {
+constexpr const char* kAnotherType = "(another type)";
+
+// Other programs write attributes that we have no type for: truth values, references to scales.
+std::string attribute_text(const h5::Object& object, const std::string& name) try {
   switch (object.attribute_type(name)) {
     case h5::ElementType::text:
       return fmt::format("{}", fmt::join(object.attribute<std::vector<std::string>>(name), ", "));
@@ -23,6 +28,8 @@ std::string attribute_text(const h5::Object& object, const std::string& name) {
     default:
       return fmt::format("{}", fmt::join(object.attribute<std::vector<Index>>(name), ", "));
   }
+} catch (const InputError&) {
+  return kAnotherType;
 }
 
 void print_attributes(const h5::Object& object, const std::string& indent) {
@@ -34,20 +41,37 @@ void print_attributes(const h5::Object& object, const std::string& indent) {
   }
 }
 
-void print_tree(const h5::Group& group, const std::string& indent) {
-  for (const std::string& name : group.names()) {
-    if (group.is_group(name)) {
-      const h5::Group below = group.group(name);
-      fmt::print("{}{}/\n", indent, name);
-      print_attributes(below, indent + "    ");
-      print_tree(below, indent + "    ");
-      continue;
-    }
-    const h5::Dataset dataset = group.dataset(name);
-    fmt::print("{}{} {}\n", indent, name, h5::to_string(dataset.shape()));
-    print_attributes(dataset, indent + "    ");
-  }
+void print_dataset(const h5::Group& group, const std::string& name, const std::string& indent) try {
+  const h5::Dataset dataset = group.dataset(name);
+  fmt::print("{}{} {}\n", indent, name, h5::to_string(dataset.shape()));
+  print_attributes(dataset, indent + "    ");
+} catch (const InputError&) {
+  fmt::print("{}{} {}\n", indent, name, kAnotherType);
 }
+
+// Groups may hold each other, and links may lead nowhere: prints no group twice.
+class Tree {
+ public:
+  void print(const h5::Group& group, const std::string& indent) {
+    seen_.insert(group.identity());
+    for (const std::string& name : group.names()) {
+      if (!group.has(name)) continue;
+      if (!group.is_group(name)) {
+        print_dataset(group, name, indent);
+        continue;
+      }
+      const h5::Group below = group.group(name);
+      const bool is_new = !seen_.contains(below.identity());
+      fmt::print("{}{}/{}\n", indent, name, is_new ? "" : " (shown already)");
+      if (!is_new) continue;
+      print_attributes(below, indent + "    ");
+      print(below, indent + "    ");
+    }
+  }
+
+ private:
+  std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;
+};
 
 // What the artefact says beyond what every one says of itself, in full.
 void print_own_attributes(const h5::File& file) {
@@ -66,7 +90,7 @@ void inspect(const std::string& path, bool study, bool digest) {
     fmt::print("{}: a recording of {} rollouts of {} steps of {} s\n", path, target.num_rollouts(),
                target.num_steps(), target.dt);
     print_attributes(file, "  ");
-    print_tree(file, "  ");
+    Tree().print(file, "  ");
     return;
   }
   const ArtefactInfo info = read_artefact_info(path);
@@ -86,7 +110,7 @@ void inspect(const std::string& path, bool study, bool digest) {
   if (digest) fmt::print("  content  {}\n", content_digest(path));
   print_own_attributes(file);
   fmt::print("  datasets\n");
-  print_tree(file, "    ");
+  Tree().print(file, "    ");
 }
 
 }  // namespace

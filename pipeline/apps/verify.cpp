@@ -43,7 +43,8 @@ Target target_of(const std::filesystem::path& simulation, const ArtefactInfo& in
 
 Verification verify_simulation(const std::filesystem::path& path, const ArtefactInfo& info,
                                Index count, std::uint64_t pick) {
-  const h5::File file = open_artefact(path, info.schema);
+  const bool is_shard = info.schema.name == kSimulationShardSchema.name;
+  const h5::File file = open_artefact(path, is_shard ? kSimulationShardSchema : kSimulationSchema);
   const h5::Dataset trajectories = file.dataset("trajectories");
   trajectories.require_shape({-1, -1, -1, -1});
   const auto labels = file.dataset("theta").attribute<std::vector<std::string>>("labels");
@@ -74,7 +75,7 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
 
 Verification verify_proposal(const std::filesystem::path& path, const ArtefactInfo& info,
                              Index count, std::uint64_t pick) {
-  const h5::File file = open_artefact(path, info.schema);
+  const h5::File file = open_artefact(path, kProposalSchema);
   const auto& document = info.identity.key_document;
   if (!document.contains("prior")) {
     throw InputError(path.string() +

@@ -30,7 +30,7 @@ Constraint<double> between(double low, double high);
 Constraint<double> strictly_between(double low, double high);
 /// A number of things: low to 10^9, far beyond what a study can compute and far from an overflow.
 Constraint<double> count_from(double low);
-/// An integer >= 0.
+/// A number >= 0.
 Constraint<double> not_negative();
 
 Constraint<std::string> one_of(std::vector<std::string> names);

@@ -31,8 +31,8 @@ class RolloutChecker {
   bool check_at_most(const std::string& path, Index found, Index most, const std::string& why) {
     if (!reading_.good(path)) return false;
     if (found <= most) return true;
-    reading_.fail(path, must_be(display(path), std::to_string(found),
-                                fmt::format("<= {}, {}", most, why)));
+    reading_.fail(
+        path, must_be(display(path), std::to_string(found), fmt::format("<= {}, {}", most, why)));
     return false;
   }
 
@@ -50,12 +50,15 @@ class RolloutChecker {
 
   void check_components(const std::string& path, const MethodConfig& method) {
     const Index features = num_features(method);
-    const Index rows = std::min(method.algorithm.num_simulations, inference::kRowsForCorrelation);
+    const Index complete =
+        static_cast<Index>(static_cast<double>(method.algorithm.num_simulations) *
+                           (1.0 - study_.limits.max_failed_fraction));
+    const Index rows = std::min(complete, inference::kRowsForCorrelation);
     check_at_most(path + ".embedding.principal_components", method.embedding.principal_components,
                   std::min(features, rows),
-                  fmt::format("the smallest of {} features, {} simulations of round 1, and {}",
-                              features, method.algorithm.num_simulations,
-                              inference::kRowsForCorrelation));
+                  fmt::format("the smallest of {} features, {} simulations of round 1 that may not "
+                              "fail, and {}",
+                              features, complete, inference::kRowsForCorrelation));
   }
 
   Index used_rollouts() const {

@@ -236,15 +236,17 @@ void StudyChecker::check_training(const std::string& path, const MethodConfig& m
   check_split(path, method);
 }
 
-// The split of the rows that the trainer makes.
+// The trainer's split gives each part at least its share of the rows, rounded down.
 void StudyChecker::check_split(const std::string& path, const MethodConfig& method) {
   constexpr Index fewest = 2;
   const std::string fraction = path + ".training.validation_fraction";
   if (!reading_.good(fraction) || !reading_.good(path + ".num_simulations")) return;
   const Index rows = method.algorithm.num_simulations;
-  const Index training =
-      std::llround(static_cast<double>(rows) * (1.0 - method.training.validation_fraction));
-  if (training >= fewest && rows - training >= fewest) return;
+  const auto share = [&](double part) {
+    return static_cast<Index>(std::floor(part * static_cast<double>(rows) + 1e-9));
+  };
+  const double validation = method.training.validation_fraction;
+  if (share(1.0 - validation) >= fewest && share(validation) >= fewest) return;
   fail(fraction, fmt::format("{}", method.training.validation_fraction),
        fmt::format("such that {} or more of the {} simulations of a round are left for training "
                    "and for validation each",

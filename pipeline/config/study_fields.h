@@ -17,6 +17,11 @@
 
 namespace npdr::pipeline {
 
+/// The widest layer of a network, and the most layers, transforms or components: far beyond what
+/// trains, and a network of a hostile file still fits in memory.
+inline constexpr double kMaxWidth = 4096;
+inline constexpr double kMaxLayers = 128;
+
 Constraint<std::string> algorithm_constraint();
 Constraint<std::string> estimator_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
@@ -38,7 +43,7 @@ void describe(Fields& f, sim::SimulatorConfig& c) {
 template <class Fields>
 void describe(Fields& f, inference::EmbeddingConfig& c) {
   f("kind", c.kind, one_of(inference::embedding_names()), "how rollouts become features");
-  f("features", c.features, count_from(1), "width of the trained layer (\"linear\" only)");
+  f("features", c.features, between(1, kMaxWidth), "width of the trained layer (\"linear\" only)");
   f("principal_components", c.principal_components, count_from(0),
     "the network sees so many principal components of the features; 0: the features themselves");
   f("downsample", c.downsample, count_from(1),
@@ -50,10 +55,13 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
 template <class Fields>
 void describe(Fields& f, inference::EstimatorConfig& c) {
   f("kind", c.kind, estimator_constraint(), "masked autoregressive flow or mixture of Gaussians");
-  f("num_transforms", c.num_transforms, count_from(1), "autoregressive transforms (\"maf\" only)");
-  f("num_components", c.num_components, count_from(1), "Gaussians in the mixture (\"mdn\" only)");
-  f("hidden_features", c.hidden_features, count_from(1), "width of each hidden layer");
-  f("num_hidden_layers", c.num_hidden_layers, count_from(1), "hidden layers (per transform)");
+  f("num_transforms", c.num_transforms, between(1, kMaxLayers),
+    "autoregressive transforms (\"maf\" only)");
+  f("num_components", c.num_components, between(1, kMaxLayers),
+    "Gaussians in the mixture (\"mdn\" only)");
+  f("hidden_features", c.hidden_features, between(1, kMaxWidth), "width of each hidden layer");
+  f("num_hidden_layers", c.num_hidden_layers, between(1, kMaxLayers),
+    "hidden layers (per transform)");
 }
 
 template <class Fields>

@@ -47,7 +47,6 @@ struct Node {
 struct Selection {
   std::vector<std::string> methods;
   std::vector<std::uint64_t> seeds;
-  std::optional<Index> round;
 };
 
 struct Plan {

@@ -61,7 +61,12 @@ Plan PlanBuilder::build() {
     for (const MethodConfig& method : plan_.study.methods) {
       if (!selected(selection_.methods, method.name)) continue;
       const auto added = add_experiment(method, seed, target);
-      evaluations.insert(evaluations.end(), added.begin(), added.end());
+      // Methods that differ only in what changes no posterior share their evaluations.
+      for (const std::size_t evaluation : added) {
+        if (std::find(evaluations.begin(), evaluations.end(), evaluation) == evaluations.end()) {
+          evaluations.push_back(evaluation);
+        }
+      }
     }
   }
   add_report(add_baseline(target), evaluations);
@@ -151,7 +156,6 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
     }
   }
   json["observation_noise"] = to_json(plan_.study.observation_noise);
-  json["max_failed_fraction"] = plan_.study.limits.max_failed_fraction;
   json["seed"] = use.seed;
   json["round"] = use.round;
   std::vector<std::pair<std::string, std::size_t>> inputs = {{"target", target}};

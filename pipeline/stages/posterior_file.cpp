@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/store/channels.h"
@@ -59,6 +61,39 @@ Config read_config(const h5::File& file, const std::string& name) {
   return from_json<Config>(parse_json(file.attribute<std::string>(name), where), where);
 }
 
+std::uint64_t read_structure_seed(const h5::File& file) {
+  const auto text = file.attribute<std::string>("structure_seed");
+  std::uint64_t seed = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, seed);
+  if (error == std::errc() && stop == end) return seed;
+  throw InputError(file.where() + ": " +
+                   must_be("attribute 'structure_seed'", quoted(text), "an integer >= 0"));
+}
+
+Index read_trained_features(const h5::File& file) {
+  const auto width = file.attribute<Index>("trained_features");
+  const Constraint<double> allowed = between(0, kMaxWidth);
+  if (satisfies(width, allowed)) return width;
+  throw InputError(file.where() + ": " +
+                   must_be("attribute 'trained_features'", std::to_string(width), allowed.words));
+}
+
+// A network is made before its weights can be counted exactly. The large matrices of its estimator
+// alone tell a file that asks for much more than it holds.
+void require_enough_weights(const std::string& where,
+                            const inference::DirectPosteriorParts& parts) {
+  const inference::EstimatorConfig& c = parts.estimator;
+  const Index transforms = c.kind == "maf" ? c.num_transforms : 1;
+  const Index least = transforms * c.hidden_features *
+                      ((c.num_hidden_layers - 1) * c.hidden_features + parts.prior.dimension());
+  if (parts.parameters.size() >= least) return;
+  throw InputError(
+      fmt::format("{}: {} weights, but its density_estimator has more than {}; rerun "
+                  "stage 'infer'",
+                  where, parts.parameters.size(), least));
+}
+
 }  // namespace
 
 inference::PosteriorEstimationConfig estimation_config(const MethodConfig& method) {
@@ -104,8 +139,8 @@ inference::DirectPosterior read_posterior(const std::filesystem::path& path,
   inference::DirectPosteriorParts parts{
       .prior = inference::Prior(prior_from_json(parse_json(prior, file.where()), file.where())),
       .estimator = read_config<inference::EstimatorConfig>(file, "density_estimator"),
-      .trained_features = file.attribute<Index>("trained_features"),
-      .structure_seed = std::stoull(file.attribute<std::string>("structure_seed")),
+      .trained_features = read_trained_features(file),
+      .structure_seed = read_structure_seed(file),
       .transform = {},
       .parameters = file.read_vector<float>("weights", -1, h5::Values::finite),
       .x_o = file.read_vector<float>("x_o", -1, h5::Values::finite)};
@@ -116,6 +151,7 @@ inference::DirectPosterior read_posterior(const std::filesystem::path& path,
   if (transform.has("basis")) {
     parts.transform.basis = transform.read_matrix<float>("basis", features, -1, h5::Values::finite);
   }
+  require_enough_weights(path.string(), parts);
   try {
     return inference::DirectPosterior(std::move(parts));
   } catch (const ShapeError& error) {
@@ -157,8 +193,10 @@ PosteriorNotes read_posterior_notes(const Node& node) {
           curves.read_vector<double>("validation_loss")};
 }
 
-void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state) {
+void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state,
+                      double seconds) {
   ArtefactWriter writer(plan.work.checkpoint("infer", node.key), kCheckpointSchema, node.identity);
+  writer.add_wall_seconds(seconds);
   h5::File& file = writer.file();
   file.set_attribute("epoch", state.epoch);
   file.set_attribute("epochs_without_improvement", state.epochs_without_improvement);
@@ -174,11 +212,12 @@ void write_checkpoint(const Plan& plan, const Node& node, const inference::Train
   writer.finish();
 }
 
-inference::TrainingState read_checkpoint(const Plan& plan, const Node& node) {
+Checkpoint read_checkpoint(const Plan& plan, const Node& node) {
   const std::filesystem::path path = plan.work.checkpoint("infer", node.key);
   if (!std::filesystem::exists(path)) return {};
   const h5::File file = open_artefact(path, kCheckpointSchema, node.key);
-  inference::TrainingState state;
+  Checkpoint checkpoint{.training = {}, .seconds = wall_seconds(file)};
+  inference::TrainingState& state = checkpoint.training;
   state.epoch = file.attribute<Index>("epoch");
   state.epochs_without_improvement = file.attribute<Index>("epochs_without_improvement");
   state.best_validation_loss = file.attribute<double>("best_validation_loss");
@@ -191,7 +230,7 @@ inference::TrainingState read_checkpoint(const Plan& plan, const Node& node) {
   state.adam.second_moment = file.read_vector<float>("second_moment", size);
   state.training_loss = to_list(file.read_vector<double>("training_loss", state.epoch));
   state.validation_loss = to_list(file.read_vector<double>("validation_loss", state.epoch));
-  return state;
+  return checkpoint;
 }
 
 }  // namespace npdr::pipeline

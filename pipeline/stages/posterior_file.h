@@ -50,8 +50,13 @@ struct PosteriorNotes {
 PosteriorNotes read_posterior_notes(const Node& node);
 
 /// What a training run goes on from. The checkpoint belongs to the posterior `node`.
-void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state);
+struct Checkpoint {
+  inference::TrainingState training;
+  double seconds = 0.0;  ///< of work that led here
+};
+void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state,
+                      double seconds);
 /// An empty state when there is no checkpoint.
-inference::TrainingState read_checkpoint(const Plan& plan, const Node& node);
+Checkpoint read_checkpoint(const Plan& plan, const Node& node);
 
 }  // namespace npdr::pipeline

@@ -7,6 +7,7 @@
 #include "pipeline/stages/report_figures.h"
 #include "pipeline/stages/report_marker.h"
 #include "pipeline/stages/report_tables.h"
+#include "pipeline/stages/simulation_file.h"
 #include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
 #include "pipeline/store/atomic_file.h"
@@ -61,9 +62,17 @@ analysis::ReportSection prediction_section(const ReportData& data, const Target&
                         data.seeds.front(), left_out_methods(data))}}};
 }
 
+// A limit that was lowered after the posteriors were made stops the study all the same.
+void check_failed_rows_of_all(const Plan& plan) {
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::simulate && is_complete(plan, node)) check_failed_rows(plan, node);
+  }
+}
+
 }  // namespace
 
 void run_report(const Plan& plan, const Node& node) {
+  check_failed_rows_of_all(plan);
   const ReportData data = read_report_data(plan, node);
   const std::filesystem::path folder = plan.work.study(plan.study.name);
   const std::filesystem::path figures = folder / "figures";

@@ -104,6 +104,12 @@ void write_strings(const Object& object, const std::string& name, const Shape& s
 
 }  // namespace
 
+std::pair<std::uint64_t, std::uint64_t> Object::identity() const {
+  H5O_info_t info;
+  if (H5Oget_info2(id(), &info, H5O_INFO_BASIC) < 0) fail_reading(where(), "be identified");
+  return {info.fileno, info.addr};
+}
+
 bool Object::has_attribute(const std::string& name) const {
   return H5Aexists(id(), name.c_str()) > 0;
 }

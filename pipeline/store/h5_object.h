@@ -66,6 +66,8 @@ class Object {
   /// The file, and the object in it, as messages call it: "theta.h5: dataset 'theta'".
   const std::string& where() const { return where_; }
   std::int64_t id() const { return handle_.id(); }
+  /// File and place in it: equal for two names of the same object. Throws InputError.
+  std::pair<std::uint64_t, std::uint64_t> identity() const;
 
   bool has_attribute(const std::string& name) const;
   /// Sorted.

@@ -215,20 +215,20 @@ TEST(StudyProblems, EmbeddingsFitTheRolloutsOfATruth) {
   EXPECT_EQ(
       problems_after(kMaf, "embedding = { kind = 'bayessim', principal_components = 31 }"),
       "s.toml:17:57: method.embedding.principal_components = 31, must be <= 30, the smallest of 30 "
-      "features, 1000 simulations of round 1, and 2000");
+      "features, 950 simulations of round 1 that may not fail, and 2000");
   EXPECT_EQ(
       problems_after(kMaf, kMaf + "\nembedding = { principal_components = 201 }"),
-      "s.toml:18:38: method.embedding.principal_components = 201, must be <= 200, the smallest of "
-      "4000 features, 200 simulations of round 1, and 2000");
+      "s.toml:18:38: method.embedding.principal_components = 201, must be <= 190, the smallest of "
+      "4000 features, 190 simulations of round 1 that may not fail, and 2000");
   EXPECT_EQ(
       problems_after(kMaf, "num_simulations = 9000\nembedding.principal_components = 2001"),
       "s.toml:18:34: method.embedding.principal_components = 2001, must be <= 2000, the smallest "
-      "of 4000 features, 9000 simulations of round 1, and 2000");
+      "of 4000 features, 8550 simulations of round 1 that may not fail, and 2000");
   EXPECT_EQ(problems_after(kMaf,
                            "num_rollouts = 1\nembedding = { kind = 'last_step', "
                            "channels = ['theta'], principal_components = 2 }"),
             "s.toml:18:80: method.embedding.principal_components = 2, must be <= 1, the smallest "
-            "of 1 features, 1000 simulations of round 1, and 2000");
+            "of 1 features, 950 simulations of round 1 that may not fail, and 2000");
 }
 
 TEST(StudyProblems, TheReportShowsParametersOfThePrior) {

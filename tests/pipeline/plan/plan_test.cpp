@@ -61,6 +61,23 @@ TEST(Plan, MethodsShareTheFirstRoundsSimulations) {
   EXPECT_EQ(keys(plan, Stage::simulate).size(), 4u);  // per seed: round 1 of both, round 2 of A
 }
 
+TEST(Plan, WhatMethodsShareIsListedOnceInTheReportsNeeds) {
+  const Plan plan = plan_of({"method.A.num_rounds=1", "method.A.density_estimator={kind='mdn'}"});
+  EXPECT_EQ(&plan.node(Stage::evaluate, {"A", 1, 1}), &plan.node(Stage::evaluate, {"B", 1, 1}));
+  const Node& report = plan.node(Stage::report, {});
+  EXPECT_EQ(plan.inputs(report, Stage::evaluate).size(), 2u);  // one per seed
+  EXPECT_EQ(report.identity.inputs.size(), 3u);
+}
+
+TEST(Plan, ALimitOfFailuresIsPartOfTheReportsKeyAlone) {
+  const Plan before = plan_of();
+  const Plan after = plan_of({"limits.max_failed_fraction=0.5"});
+  ASSERT_EQ(after.nodes.size(), before.nodes.size());
+  for (std::size_t i = 0; i < after.nodes.size(); ++i) {
+    EXPECT_EQ(after.nodes[i].key != before.nodes[i].key, after.nodes[i].stage == Stage::report);
+  }
+}
+
 TEST(Plan, KeysAreTheSameEveryTime) {
   const Plan first = plan_of();
   const Plan second = plan_of();
@@ -148,7 +165,7 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
   EXPECT_EQ(problems({"method.A.embedding.principal_components=13"}),
             "--set method.A.embedding.principal_components=13: "
             "method.embedding.principal_components = 13, must be <= 12, the smallest of 12 "
-            "features, 100 simulations of round 1, and 2000");
+            "features, 95 simulations of round 1 that may not fail, and 2000");
   const std::string text =
       std::string(kStudy) + "[[method]]\nname = 'C'\n" + "embedding = { downsample = 30 }\n";
   EXPECT_EQ(
@@ -161,10 +178,10 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
 }
 
 TEST(Plan, ASelectionLeavesOutTheRest) {
-  const Plan plan = plan_of({}, {{"B"}, {2}, {}});
+  const Plan plan = plan_of({}, {{"B"}, {2}});
   EXPECT_EQ(keys(plan, Stage::infer).size(), 1u);
-  EXPECT_THROW(plan_of({}, {{"C"}, {}, {}}), InputError);
-  EXPECT_THROW(plan_of({}, {{}, {3}, {}}), InputError);
+  EXPECT_THROW(plan_of({}, {{"C"}, {}}), InputError);
+  EXPECT_THROW(plan_of({}, {{}, {3}}), InputError);
 }
 
 TEST(Plan, NodesAreFoundByTheBeginningOfTheirKey) {

@@ -18,8 +18,8 @@ TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
   for (const analysis::Row& row : table.rows) {
     priors.push_back(std::get<std::string>(row.cells[1].value));
   }
-  EXPECT_EQ(priors, (std::vector<std::string>{"[0.3, 1.7]", "[0.3, 1.7], log-uniform",
-                                              "N(9.81, 0.05²)"}));
+  EXPECT_EQ(priors,
+            (std::vector<std::string>{"[0.3, 1.7]", "[0.3, 1.7], log-uniform", "N(9.81, 0.05²)"}));
 }
 
 TEST(ReportFigures, SayWhatTheyLeaveOut) {

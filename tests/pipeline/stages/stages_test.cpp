@@ -1,6 +1,9 @@
 #include "pipeline/stages/stages.h"
 
 #include "pipeline/config/study_reader.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/stages/posterior_file.h"
+#include "pipeline/stages/report_data.h"
 #include "tests/pipeline/study_text.h"
 #include "tests/pipeline/temp_folder.h"
 
@@ -20,6 +23,116 @@ TEST(Stages, AMissingInputNamesTheProgramThatMakesIt) {
   EXPECT_EQ(message(plan.node(Stage::report, {})),
             "report needs 'baseline', which isn't there; run npdr-evaluate on this study first, or "
             "npdr run");
+}
+
+// Two methods that differ in their names alone.
+constexpr const char* kTwins = R"toml(
+[study]
+name = "twins"
+seeds = [1, 2]
+[target]
+truth = {}
+num_rollouts = 1
+[simulator]
+name = "pendulum"
+[prior]
+pole_length = { uniform = [0.5, 1.5] }
+[[method]]
+name = "A"
+num_simulations = 30
+embedding = { kind = "bayessim" }
+density_estimator = { kind = "mdn", num_components = 2, hidden_features = 5 }
+training = { max_epochs = 2, batch_size = 10 }
+[[method]]
+name = "B"
+num_simulations = 30
+embedding = { kind = "bayessim" }
+density_estimator = { kind = "mdn", num_components = 2, hidden_features = 5 }
+training = { max_epochs = 2, batch_size = 10 }
+[evaluate]
+num_samples = 20
+metrics = ["rmse"]
+)toml";
+
+class SmallStages : public ::testing::Test {
+ protected:
+  Plan plan_of(const std::vector<std::string>& overrides = {}) const {
+    return make_plan(parse_study(kTwins, "twins.toml", overrides), WorkFolder(folder_.path()));
+  }
+
+  static void run_all(const Plan& plan, Stage last) {
+    for (const Node& node : plan.nodes) {
+      if (node.stage <= last) run_stage(plan, node);
+    }
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(SmallStages, TwinMethodsCountEachSampleOnce) {
+  const Plan plan = plan_of();
+  run_all(plan, Stage::evaluate);
+  const ReportData data = read_report_data(plan, plan.node(Stage::report, {}));
+  EXPECT_EQ(data.methods, (std::vector<std::string>{"A", "B"}));
+  for (const std::string& method : data.methods) {
+    Index n = 0;
+    for (const EvaluatedRun* run : data.runs_of(method)) n += run->evaluation.theta.rows();
+    EXPECT_EQ(n, 2 * 20) << method;
+  }
+}
+
+TEST_F(SmallStages, TheLimitOfFailuresHoldsForSimulationsThatAreThere) {
+  // A rod of some grams and centimetres: the integration diverges in some rows.
+  const auto with_limit = [&](const std::string& limit) {
+    return plan_of({"prior.pole_length={ uniform = [0.01, 0.1] }",
+                    "simulator.parameters={ pole_mass = 0.02 }",
+                    "limits.max_failed_fraction=" + limit});
+  };
+  const Plan lenient = with_limit("1");
+  run_all(lenient, Stage::simulate);
+  const Plan strict = with_limit("0");
+  const Node& infer = strict.node(Stage::infer, {"A", 1, 1});
+  ASSERT_EQ(infer.key, lenient.node(Stage::infer, {"A", 1, 1}).key);
+  EXPECT_THROW(run_stage(strict, infer), FailedRolloutsError);
+  run_all(lenient, Stage::evaluate);
+  // The posteriors are there now; the report is what is made anew.
+  EXPECT_THROW(run_stage(strict, strict.node(Stage::report, {})), FailedRolloutsError);
+}
+
+// A checkpoint after one epoch.
+inference::TrainingState state_of(const VectorF& parameters) {
+  inference::TrainingState state;
+  state.parameters = state.average = state.best_parameters = parameters;
+  state.adam.first_moment = state.adam.second_moment = VectorF::Zero(parameters.size());
+  state.adam.num_steps = 1;
+  state.epoch = 1;
+  state.best_validation_loss = 1.0;
+  state.training_loss = state.validation_loss = {1.0};
+  return state;
+}
+
+TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
+  const Plan plan = plan_of();
+  const Node& infer = plan.node(Stage::infer, {"A", 1, 1});
+  run_all(plan, Stage::infer);
+  const VectorF weights = read_posterior(infer).parts().parameters;
+  std::filesystem::remove(infer.path);
+
+  write_checkpoint(plan, infer, state_of(VectorF::Zero(weights.size() + 16)), 0.0);
+  const std::string message = message_of<InputError>([&] { run_stage(plan, infer); }, &folder_);
+  EXPECT_NE(message.find(".checkpoint.h5: training state: " + std::to_string(weights.size() + 16) +
+                         " parameters, must be " + std::to_string(weights.size()) +
+                         ", as many as the network's; remove it and rerun stage 'infer'"),
+            std::string::npos)
+      << message;
+
+  const std::filesystem::path checkpoint = plan.work.checkpoint("infer", infer.key);
+  write_checkpoint(plan, infer, state_of(weights), 0.0);
+  const std::string digest = content_digest(checkpoint);
+  write_checkpoint(plan, infer, state_of(weights), 1000.0);
+  EXPECT_EQ(content_digest(checkpoint), digest) << "time is no content";
+  run_stage(plan, infer);
+  EXPECT_GE(wall_seconds(h5::File::open(infer.path)), 1000.0);
 }
 
 }  // namespace
