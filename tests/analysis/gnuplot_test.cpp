@@ -8,23 +8,19 @@
 #include "analysis/text_file.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
-#include "tests/analysis/scratch_folder.h"
+#include "tests/message_of.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::analysis {
 namespace {
 
-std::string message_of(const Figure& figure, const std::filesystem::path& directory,
+std::string problem_of(const Figure& figure, const std::filesystem::path& directory,
                        const std::string& program = "gnuplot") {
-  try {
-    render_figure(figure, directory, program);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return message_of<Error>([&] { render_figure(figure, directory, program); });
 }
 
 TEST(Gnuplot, MakesSvgAndPngFromOneScript) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   write_data_file(folder.path() / "data.dat", "x y", RowMatrix::Identity(3, 2));
   const FigureFiles files = render_figure(
       {"plot", 320, 200, "unset key\nplot 'data.dat' using 1:2 with points pt 7\n"}, folder.path());
@@ -43,9 +39,9 @@ TEST(Gnuplot, MakesSvgAndPngFromOneScript) {
 }
 
 TEST(Gnuplot, ItsErrorsComeThrough) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const std::string message =
-      message_of({"plot", 320, 200, "plot 'missing_file.dat'\n"}, folder.path());
+      problem_of({"plot", 320, 200, "plot 'missing_file.dat'\n"}, folder.path());
   EXPECT_NE(message.find("plot.svg: gnuplot failed with status 1 on plot.gp"), std::string::npos)
       << message;
   EXPECT_NE(message.find("missing_file.dat"), std::string::npos) << message;
@@ -54,28 +50,28 @@ TEST(Gnuplot, ItsErrorsComeThrough) {
 }
 
 TEST(Gnuplot, AProgramThatLeavesNoFileIsAnError) {
-  const ScratchFolder folder;
-  EXPECT_NE(message_of({"plot", 320, 200, ""}, folder.path(), "true").find("failed"),
+  const TempFolder folder;
+  EXPECT_NE(problem_of({"plot", 320, 200, ""}, folder.path(), "true").find("failed"),
             std::string::npos);
 }
 
 TEST(Gnuplot, SaysWhatToInstallWhenItIsMissing) {
-  const ScratchFolder folder;
-  EXPECT_EQ(message_of({"plot", 320, 200, "plot x\n"}, folder.path(), "npdr-no-gnuplot"),
+  const TempFolder folder;
+  EXPECT_EQ(problem_of({"plot", 320, 200, "plot x\n"}, folder.path(), "npdr-no-gnuplot"),
             "npdr-no-gnuplot: not found; install gnuplot (Debian package gnuplot-nox), which draws "
             "the figures");
 }
 
 TEST(Gnuplot, RejectsNamesThatAreNoFileNames) {
-  const ScratchFolder folder;
-  EXPECT_NE(message_of({"../plot", 320, 200, ""}, folder.path()).find("figure: name '../plot'"),
+  const TempFolder folder;
+  EXPECT_NE(problem_of({"../plot", 320, 200, ""}, folder.path()).find("figure: name '../plot'"),
             std::string::npos);
 }
 
 TEST(Gnuplot, StringsStandForThemselves) {
   EXPECT_EQ(gnuplot_string("it's"), "'it’s'");
   EXPECT_EQ(gnuplot_string("a\nb\t\x7f"), "'a b  '");
-  const ScratchFolder folder;
+  const TempFolder folder;
   const std::string nasty = "''`touch broken`\" \\n $x @y {/Bold b} <&> 10⁻³";
   const FigureFiles files = render_figure(
       {"plot", 320, 200, "unset key\nset title " + gnuplot_string(nasty) + "\nplot x\n"},
@@ -87,7 +83,7 @@ TEST(Gnuplot, StringsStandForThemselves) {
 }
 
 TEST(Gnuplot, DataFilesHaveAllDigits) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   RowMatrix values(2, 2);
   values << 0.1, 1.0 / 3.0, std::numeric_limits<double>::infinity(), -2e-300;
   write_data_file(folder.path() / "data.dat", "one\ntwo", values);

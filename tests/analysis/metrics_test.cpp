@@ -9,6 +9,7 @@
 #include "analysis/dtw.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "tests/message_of.h"
 
 namespace npdr::analysis {
 namespace {
@@ -159,29 +160,24 @@ TEST(Metrics, SameBitsForAnyThreadCountAndBatch) {
   }
 }
 
-std::string message_of(const Target& target, const MetricsConfig& config) {
-  try {
-    const Metrics metrics(target, config);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string problem_of(const Target& target, const MetricsConfig& config) {
+  return message_of<InputError>([&] { const Metrics metrics(target, config); });
 }
 
 TEST(Metrics, NameTheChannelThatTheyCannotNormalize) {
   Target target = small_target();
   target.rollouts[1].states.col(1).setZero();
-  EXPECT_EQ(message_of(target, {}),
+  EXPECT_EQ(problem_of(target, {}),
             "metrics: channel 'rate' of recorded rollout 'second' is 0 throughout, so errors can't "
             "be divided by its maximum; leave the channel out of the compared ones");
-  EXPECT_EQ(message_of(target, {{0}, 0}), "");
+  EXPECT_EQ(problem_of(target, {{0}, 0}), "");
 }
 
 TEST(Metrics, RejectWrongChannelsSegmentsAndShapes) {
-  EXPECT_EQ(message_of(small_target(), {{2}, 0}), "metrics: channel 2, must be in [0, 1]");
-  EXPECT_EQ(message_of(small_target(), {{0, 0}, 0}),
+  EXPECT_EQ(problem_of(small_target(), {{2}, 0}), "metrics: channel 2, must be in [0, 1]");
+  EXPECT_EQ(problem_of(small_target(), {{0, 0}, 0}),
             "metrics: channel 0 ('angle') is listed twice");
-  EXPECT_EQ(message_of(small_target(), {{}, -1}), "metrics: segment_length = -1, must be >= 0");
+  EXPECT_EQ(problem_of(small_target(), {{}, -1}), "metrics: segment_length = -1, must be >= 0");
   const std::vector<float> values(8);
   const Metrics metrics(small_target());
   EXPECT_THROW(metrics.rmse({values, 1, 1, 4, 2}), ShapeError);

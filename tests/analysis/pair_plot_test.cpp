@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "tests/analysis/markup_check.h"
-#include "tests/analysis/scratch_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::analysis {
 namespace {
@@ -30,7 +30,7 @@ PairPlot plot_of(Index dimension) {
 }
 
 TEST(PairPlot, ShowsTheSamplesOfEverySetInEveryPanel) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const FigureFiles files = write_pair_plot(plot_of(3), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
@@ -46,7 +46,7 @@ TEST(PairPlot, ShowsTheSamplesOfEverySetInEveryPanel) {
 }
 
 TEST(PairPlot, ScattersEvenlyStridedSamples) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   PairPlot plot = plot_of(2);
   plot.sets = {{"only", RowMatrix(10, 2)}};
   for (Index i = 0; i < 10; ++i) plot.sets[0].samples.row(i).setConstant(0.1 * (1.0 + double(i)));
@@ -59,7 +59,7 @@ TEST(PairPlot, ScattersEvenlyStridedSamples) {
 }
 
 TEST(PairPlot, ShowsFewerSamplesWhenThereAreFewer) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   PairPlot plot = plot_of(2);
   plot.sets = {{"few", samples(1, 7, 2)}, {"none", RowMatrix(0, 2)}};
   const FigureFiles files = write_pair_plot(plot, folder.path());
@@ -67,7 +67,7 @@ TEST(PairPlot, ShowsFewerSamplesWhenThereAreFewer) {
 }
 
 TEST(PairPlot, LimitsAxesToThePriorAndLeavesOutMarksBeyond) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   PairPlot plot = plot_of(2);
   plot.sets = {{"outside", samples(1, 50, 2)}};
   plot.sets[0].samples.col(0).array() += 10.0;
@@ -81,7 +81,7 @@ TEST(PairPlot, LimitsAxesToThePriorAndLeavesOutMarksBeyond) {
 }
 
 TEST(PairPlot, ShowsTheSelectedParameters) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   PairPlot plot = plot_of(20);
   plot.selection = {17, 3};
   const FigureFiles files = write_pair_plot(plot, folder.path());
@@ -92,7 +92,7 @@ TEST(PairPlot, ShowsTheSelectedParameters) {
 }
 
 TEST(PairPlot, FitsFifteenParameters) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   PairPlot plot = plot_of(15);
   plot.num_points = 5;
   const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
@@ -100,7 +100,7 @@ TEST(PairPlot, FitsFifteenParameters) {
 }
 
 TEST(PairPlot, NamesAreTextAndNothingElse) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   PairPlot plot = plot_of(2);
   plot.parameters[0].label = "a'`touch broken`<b>&{/Bold";
   plot.sets[0].name = "\"quoted\"\nset output 'elsewhere'";
@@ -112,7 +112,7 @@ TEST(PairPlot, NamesAreTextAndNothingElse) {
 }
 
 TEST(PairPlot, RejectsWhatItCannotShow) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const auto expect_input_error = [&](const PairPlot& plot) {
     EXPECT_THROW(write_pair_plot(plot, folder.path()), InputError);
   };

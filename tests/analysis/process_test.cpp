@@ -4,13 +4,13 @@
 
 #include "analysis/text_file.h"
 #include "core/error.h"
-#include "tests/analysis/scratch_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::analysis {
 namespace {
 
 TEST(Process, ReportsExitStatusAndStandardError) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const auto result =
       run_process("sh", {"-c", "echo dropped; echo kept >&2; exit 3"}, folder.path());
   EXPECT_TRUE(result.found);
@@ -20,12 +20,12 @@ TEST(Process, ReportsExitStatusAndStandardError) {
 }
 
 TEST(Process, ReportsTheSignalThatEndedIt) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   EXPECT_EQ(run_process("sh", {"-c", "kill -9 $$"}, folder.path()).exit_status, 128 + 9);
 }
 
 TEST(Process, RunsInItsFolderWithItsArgumentsUntouched) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const std::string nasty = "a b; $(touch broken) `touch broken` 'q' \"d\" *\n";
   run_process("sh", {"-c", "printf %s \"$1\" > out", "sh", nasty}, folder.path());
   EXPECT_EQ(read_text_file(folder.path() / "out"), nasty);
@@ -33,14 +33,14 @@ TEST(Process, RunsInItsFolderWithItsArgumentsUntouched) {
 }
 
 TEST(Process, TakesMoreErrorsThanAPipeHolds) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const auto result =
       run_process("sh", {"-c", "head -c 300000 /dev/zero | tr '\\0' x >&2"}, folder.path());
   EXPECT_EQ(result.errors.size(), 300'000u);
 }
 
 TEST(Process, TellsAMissingProgramFromAMissingFolder) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   EXPECT_FALSE(run_process("npdr-no-such-program", {}, folder.path()).found);
   EXPECT_THROW(run_process("true", {}, folder.path() / "missing"), Error);
 }

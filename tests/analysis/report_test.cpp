@@ -6,7 +6,7 @@
 #include "analysis/text_file.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
-#include "tests/analysis/scratch_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::analysis {
 namespace {
@@ -35,7 +35,7 @@ Report small_report(const std::filesystem::path& directory) {
 }
 
 TEST(Report, IsOneWellFormedPage) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const Report report = small_report(folder.path());
   write_report(report, folder.path() / "out" / "report.html");
   const std::string html = read_text_file(folder.path() / "out" / "report.html");
@@ -49,7 +49,7 @@ TEST(Report, IsOneWellFormedPage) {
 }
 
 TEST(Report, RemarksStandBelowTheTables) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   Report report = small_report(folder.path());
   report.sections[0].remarks = "Remark <1>.\n\nRemark 2.";
   const std::string html = to_html(report);
@@ -59,7 +59,7 @@ TEST(Report, RemarksStandBelowTheTables) {
 }
 
 TEST(Report, LoadsNothingFromElsewhere) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const std::string html = to_html(small_report(folder.path()));
   EXPECT_EQ(count_of(html, "<script"), 0);
   EXPECT_EQ(count_of(html, "<link"), 0);
@@ -71,7 +71,7 @@ TEST(Report, LoadsNothingFromElsewhere) {
 }
 
 TEST(Report, EscapesEveryText) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const std::string html = to_html(small_report(folder.path()));
   EXPECT_NE(html.find("<title>Results of &lt;furuta&gt; &amp; &quot;friends&quot;</title>"),
             std::string::npos);
@@ -86,7 +86,7 @@ TEST(Report, EscapesEveryText) {
 }
 
 TEST(Report, FiguresDoNotShareIds) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const std::string html = to_html(small_report(folder.path()));
   EXPECT_EQ(count_of(html, "id='figure-1-1-gpPt6'"), 1);
   EXPECT_EQ(count_of(html, "id='figure-2-1-gpPt6'"), 1);
@@ -102,7 +102,7 @@ TEST(Report, LeavesOutWhatIsEmpty) {
 }
 
 TEST(Report, SaysWhichFigureIsMissingOrNoSvg) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   Report report{"Title", "", {{"Section", "", {}, {{folder.path() / "no.svg", "x"}}}}};
   EXPECT_THROW(to_html(report), Error);
   write_text_file(folder.path() / "no.svg", "text");

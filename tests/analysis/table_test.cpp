@@ -7,7 +7,7 @@
 #include "analysis/table_writers.h"
 #include "analysis/text_file.h"
 #include "core/error.h"
-#include "tests/analysis/scratch_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::analysis {
 namespace {
@@ -104,7 +104,7 @@ TEST(Table, AsHtmlEscapesItsText) {
 }
 
 TEST(Table, IsWrittenInEveryFormat) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const Table table = small_table();
   write_table(table, folder.path() / "tables");
   EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.md"), to_markdown(table));

@@ -8,7 +8,7 @@
 #include "analysis/text_file.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
-#include "tests/analysis/scratch_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::analysis {
 namespace {
@@ -38,15 +38,15 @@ Prediction prediction_of(const std::string& name, const Target& target, Index st
       median.row(t) = rollout.states.row((t + 1) * store_every);
     }
     prediction.bands.median.push_back(median);
-    prediction.bands.lower.push_back(median.array() - 0.1);
-    prediction.bands.upper.push_back(median.array() + 0.2);
+    prediction.bands.lower.emplace_back(median.array() - 0.1);
+    prediction.bands.upper.emplace_back(median.array() + 0.2);
   }
   prediction.bands.num_samples = 12;
   return prediction;
 }
 
 TEST(TrajectoryPlot, DrawsAPanelPerChannelAndRollout) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const Target target = target_of(2);
   const TrajectoryPlot plot{"motion", {prediction_of("A", target), prediction_of("B <&>", target)}};
   const FigureFiles files = write_trajectory_plot(plot, target, folder.path());
@@ -63,7 +63,7 @@ TEST(TrajectoryPlot, DrawsAPanelPerChannelAndRollout) {
 }
 
 TEST(TrajectoryPlot, DataHoldRecordedAndPredictedSideBySide) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const Target target = target_of(1);
   TrajectoryPlot plot{"motion", {prediction_of("A", target, 2)}};
   plot.store_every = 2;
@@ -78,7 +78,7 @@ TEST(TrajectoryPlot, DataHoldRecordedAndPredictedSideBySide) {
       << data;
   // The second line is stored state 2, that is recorded state 6, at 0.3 s.
   const double value = std::cos(0.6);
-  double time, recorded, lower, median, upper;
+  double time = 0.0, recorded = 0.0, lower = 0.0, median = 0.0, upper = 0.0;
   const std::string line = data.substr(data.find("\n0.30") + 1);
   ASSERT_EQ(
       std::sscanf(line.c_str(), "%lf %lf %lf %lf %lf", &time, &recorded, &lower, &median, &upper),
@@ -91,7 +91,7 @@ TEST(TrajectoryPlot, DataHoldRecordedAndPredictedSideBySide) {
 }
 
 TEST(TrajectoryPlot, ShowsTheFirstSixRolloutsOrTheSelectedOnes) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const Target target = target_of(7);
   TrajectoryPlot plot{"motion", {}};
   std::string svg = read_text_file(write_trajectory_plot(plot, target, folder.path()).svg);
@@ -105,7 +105,7 @@ TEST(TrajectoryPlot, ShowsTheFirstSixRolloutsOrTheSelectedOnes) {
 
 // A constant recorded channel has no range of its own, and bands may be wild or missing.
 TEST(TrajectoryPlot, CopesWithConstantSeriesAndWildBands) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   Target target = target_of(1);
   target.rollouts[0].states.col(0).setZero();
   Prediction wild = prediction_of("wild", target);
@@ -122,7 +122,7 @@ TEST(TrajectoryPlot, CopesWithConstantSeriesAndWildBands) {
 }
 
 TEST(TrajectoryPlot, RejectsWhatItCannotShow) {
-  const ScratchFolder folder;
+  const TempFolder folder;
   const Target target = target_of(2);
   const auto expect_input_error = [&](const TrajectoryPlot& plot) {
     EXPECT_THROW(write_trajectory_plot(plot, target, folder.path()), InputError);

@@ -56,9 +56,9 @@ bool lies_below(const fs::path& path, const fs::path& folder) {
 // The file as the compiler finds it: with quotes next to the file that includes it, else below the
 // root. Empty for headers of the system and generated ones.
 fs::path resolve(const fs::path& root, const fs::path& file, bool quoted, const std::string& text) {
-  const fs::path beside = (file.parent_path() / text).lexically_normal();
+  fs::path beside = (file.parent_path() / text).lexically_normal();
   if (quoted && fs::exists(root / beside)) return beside;
-  const fs::path below = fs::path(text).lexically_normal();
+  fs::path below = fs::path(text).lexically_normal();
   return fs::exists(root / below) ? below : fs::path();
 }
 

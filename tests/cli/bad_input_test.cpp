@@ -1,6 +1,7 @@
 #include <sys/resource.h>
 
 #include "tests/cli/program.h"
+#include "tests/pipeline/study_text.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -9,11 +10,7 @@ class BadInput : public ::testing::Test {
  protected:
   // The outcome of a run of the small study with `from` replaced by `to`.
   Outcome run_with(const std::string& from, const std::string& to) {
-    std::string text = small_study();
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    text.replace(at, from.size(), to);
-    std::ofstream(folder_.path() / "small.toml") << text;
+    std::ofstream(folder_.path() / "small.toml") << edited(small_study(), from, to);
     return run(folder_.path(), {"npdr", "run", "small.toml"});
   }
 

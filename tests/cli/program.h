@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "pipeline/store/artefact.h"
-#include "tests/pipeline/temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 

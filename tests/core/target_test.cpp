@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "tests/message_of.h"
 
 namespace npdr {
 namespace {
@@ -20,24 +21,19 @@ Target two_rollouts() {
   return target;
 }
 
-std::string message_of(const Target& target) {
-  try {
-    target.check("file.h5");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string problem_of(const Target& target) {
+  return message_of<InputError>([&] { target.check("file.h5"); });
 }
 
 TEST(Target, AcceptsAgreeingShapes) {
-  EXPECT_EQ(message_of(two_rollouts()), "");
+  EXPECT_EQ(problem_of(two_rollouts()), "");
   EXPECT_EQ(two_rollouts().num_steps(), 3);
 }
 
 TEST(Target, NamesTheNanItFinds) {
   Target target = two_rollouts();
   target.rollouts[1].states(2, 1) = std::numeric_limits<double>::quiet_NaN();
-  const std::string message = message_of(target);
+  const std::string message = problem_of(target);
   EXPECT_NE(message.find("file.h5: state of rollout 1 ('b') of channel 'rate' is nan at step 2"),
             std::string::npos)
       << message;
@@ -46,12 +42,12 @@ TEST(Target, NamesTheNanItFinds) {
 TEST(Target, RejectsAWrongShapeAndABadTimeStep) {
   Target target = two_rollouts();
   target.rollouts[0].actions.resize(2, 1);
-  EXPECT_NE(message_of(target), "");
+  EXPECT_NE(problem_of(target), "");
   target = two_rollouts();
   target.dt = 0.0;
-  EXPECT_NE(message_of(target).find("dt"), std::string::npos);
+  EXPECT_NE(problem_of(target).find("dt"), std::string::npos);
   target.dt = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(message_of(target).find("dt"), std::string::npos);
+  EXPECT_NE(problem_of(target).find("dt"), std::string::npos);
 }
 
 TEST(Target, FirstKeepsTheFirstRolloutsAndRejectsMoreThanThereAre) {

@@ -6,7 +6,7 @@
 #include "file_size_limit.h"
 #include "pipeline/store/build_info.h"
 #include "pipeline/store/content_key.h"
-#include "temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

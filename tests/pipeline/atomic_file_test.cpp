@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "file_size_limit.h"
-#include "temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -8,7 +8,7 @@
 #include "counted.h"
 #include "file_size_limit.h"
 #include "pipeline/store/h5.h"
-#include "temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

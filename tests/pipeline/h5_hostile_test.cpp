@@ -2,7 +2,7 @@
 #include <hdf5.h>
 
 #include "pipeline/store/h5.h"
-#include "temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "counted.h"
-#include "temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

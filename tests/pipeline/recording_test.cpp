@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "pipeline/store/h5.h"
-#include "temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -3,7 +3,7 @@
 #include "pipeline/config/study_keys.h"
 #include "pipeline/config/study_template.h"
 #include "study_text.h"
-#include "temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

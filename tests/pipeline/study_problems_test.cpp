@@ -3,7 +3,7 @@
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
 #include "study_text.h"
-#include "temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

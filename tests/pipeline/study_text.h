@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
+#include "tests/message_of.h"
 
 namespace npdr::pipeline {
 
@@ -46,12 +47,7 @@ inline std::string edited(const std::string& text, const std::string& from, cons
 /// The problems of a study's text, as the reader reports them; "" when there are none.
 inline std::string problems_of(const std::string& text,
                                const std::vector<std::string>& overrides = {}) {
-  try {
-    parse_study(text, "s.toml", overrides);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return message_of<InputError>([&] { parse_study(text, "s.toml", overrides); });
 }
 
 /// The problems of the small study after one edit.

@@ -140,13 +140,10 @@ TEST(Furuta, EveryMethodHasItsOrderAlthoughVoltagesJump) {
   const Furuta model;
   const Vector theta = theta_of(model, {{"cable_stiffness", 2e-3}, {"action_delay", 1.5}});
   const Excitation excitation = two_seconds(model);
-  const RowMatrix reference = reference_states(model, theta, excitation);
-  const auto error = [&](const char* integrator, Index substeps) {
-    return error_by(integrator, substeps, model, theta, excitation, reference);
-  };
-  EXPECT_NEAR(std::log2(error("erk2", 4) / error("erk2", 8)), 2.0, 0.1);
-  EXPECT_NEAR(std::log2(error("erk4", 1) / error("erk4", 2)), 4.0, 0.2);
-  EXPECT_NEAR(std::log2(error("erk5", 1) / error("erk5", 2)), 5.0, 0.4);
+  const IntegrationError error(model, theta, excitation);
+  EXPECT_NEAR(std::log2(error.of("erk2", 4) / error.of("erk2", 8)), 2.0, 0.1);
+  EXPECT_NEAR(std::log2(error.of("erk4", 1) / error.of("erk4", 2)), 4.0, 0.2);
+  EXPECT_NEAR(std::log2(error.of("erk5", 1) / error.of("erk5", 2)), 5.0, 0.4);
 }
 
 TEST(Furuta, AgreesWithAnAdaptiveReference) {
@@ -155,11 +152,11 @@ TEST(Furuta, AgreesWithAnAdaptiveReference) {
   for (std::uint64_t trial = 0; trial < 5; ++trial) {
     Stream stream({2, "furuta_test", 0, trial, 0});
     const Vector theta = random_theta(model, stream);
-    const RowMatrix reference = reference_states(model, theta, excitation);
+    const IntegrationError error(model, theta, excitation);
     // Rates are tens of rad/s. With one step, smoothed dry friction limits the accuracy.
-    EXPECT_LT(error_by("erk4", 1, model, theta, excitation, reference), 1e-2);
-    EXPECT_LT(error_by("erk4", 16, model, theta, excitation, reference), 1e-7);
-    EXPECT_LT(error_by("cvode", 1, model, theta, excitation, reference), 1e-3);
+    EXPECT_LT(error.of("erk4", 1), 1e-2);
+    EXPECT_LT(error.of("erk4", 16), 1e-7);
+    EXPECT_LT(error.of("cvode", 1), 1e-3);
   }
 }
 

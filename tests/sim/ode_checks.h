@@ -46,13 +46,27 @@ inline RowMatrix reference_states(const OdeModel& model, const Vector& theta,
   return states;
 }
 
-/// The largest difference to the reference of the states after the first.
-inline double error_by(const std::string& integrator, Index substeps, const OdeModel& model,
-                       const Vector& theta, const Excitation& excitation,
-                       const RowMatrix& reference) {
-  const RowMatrix states = states_by(integrator, substeps, model, theta, excitation);
-  return (states.bottomRows(reference.rows()) - reference).cwiseAbs().maxCoeff();
-}
+/// Errors of integrators on one rollout: the largest difference of a state after the first to the
+/// reference.
+class IntegrationError {
+ public:
+  IntegrationError(const OdeModel& model, const Vector& theta, const Excitation& excitation)
+      : model_(model),
+        theta_(theta),
+        excitation_(excitation),
+        reference_(reference_states(model, theta, excitation)) {}
+
+  double of(const std::string& integrator, Index substeps) const {
+    const RowMatrix states = states_by(integrator, substeps, model_, theta_, excitation_);
+    return (states.bottomRows(reference_.rows()) - reference_).cwiseAbs().maxCoeff();
+  }
+
+ private:
+  const OdeModel& model_;
+  Vector theta_;
+  Excitation excitation_;
+  RowMatrix reference_;
+};
 
 /// f(y, applied; theta) of one lane, by the vectorised right-hand side.
 inline Vector rhs_of(const OdeModel& model, const Vector& theta, const Vector& applied,

@@ -74,16 +74,13 @@ TEST(Pendulum, AgreesWithAnAdaptiveReferenceToTheOrderOfEachMethod) {
   const Pendulum model;
   const Vector theta = theta_of(model, {{"damping", 0.1}});
   const Excitation excitation = model.excite(0, 1);
-  const RowMatrix reference = reference_states(model, theta, excitation);
-  const auto error = [&](const char* integrator, Index substeps) {
-    return error_by(integrator, substeps, model, theta, excitation, reference);
-  };
-  EXPECT_NEAR(std::log2(error("erk2", 4) / error("erk2", 8)), 2.0, 0.1);
-  EXPECT_NEAR(std::log2(error("erk4", 2) / error("erk4", 4)), 4.0, 0.2);
-  EXPECT_NEAR(std::log2(error("erk5", 1) / error("erk5", 2)), 5.0, 0.4);
-  EXPECT_LT(error("erk4", 1), 1e-4);
-  EXPECT_LT(error("erk4", 16), 1e-9);
-  EXPECT_LT(error("cvode", 1), 1e-5);
+  const IntegrationError error(model, theta, excitation);
+  EXPECT_NEAR(std::log2(error.of("erk2", 4) / error.of("erk2", 8)), 2.0, 0.1);
+  EXPECT_NEAR(std::log2(error.of("erk4", 2) / error.of("erk4", 4)), 4.0, 0.2);
+  EXPECT_NEAR(std::log2(error.of("erk5", 1) / error.of("erk5", 2)), 5.0, 0.4);
+  EXPECT_LT(error.of("erk4", 1), 1e-4);
+  EXPECT_LT(error.of("erk4", 16), 1e-9);
+  EXPECT_LT(error.of("cvode", 1), 1e-5);
 }
 
 }  // namespace

@@ -8,22 +8,13 @@
 #include <string>
 
 #include "core/error.h"
+#include "tests/message_of.h"
 
 namespace npdr::sim {
 namespace {
 
-// What the InputError that `action` throws says; "" when it throws none.
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-std::string message_of(const SimulatorConfig& config) {
-  return message_of([&] { make_simulator(config); });
+std::string problem_of(const SimulatorConfig& config) {
+  return message_of<InputError>([&] { make_simulator(config); });
 }
 
 void expect_part(const std::string& message, const std::string& part) {
@@ -93,19 +84,19 @@ TEST(Simulator, ParametersThatAreImpossibleFailTheirRow) {
 }
 
 TEST(Simulator, RejectsAConfigThatIsOutOfRange) {
-  expect_part(message_of({.name = "furta"}), "unknown simulator 'furta' (did you mean 'furuta'?)");
-  expect_part(message_of({.name = "furuta", .integrator = "erk3"}), "unknown integrator 'erk3'");
-  expect_part(message_of({.name = "furuta", .segment_length = -1}),
+  expect_part(problem_of({.name = "furta"}), "unknown simulator 'furta' (did you mean 'furuta'?)");
+  expect_part(problem_of({.name = "furuta", .integrator = "erk3"}), "unknown integrator 'erk3'");
+  expect_part(problem_of({.name = "furuta", .segment_length = -1}),
               "simulator.segment_length = -1, must be >= 0");
-  expect_part(message_of({.name = "furuta", .substeps = 0}),
+  expect_part(problem_of({.name = "furuta", .substeps = 0}),
               "simulator.substeps = 0, must be >= 1");
-  expect_part(message_of({.name = "furuta", .integrator = "cvode", .substeps = 4}),
+  expect_part(problem_of({.name = "furuta", .integrator = "cvode", .substeps = 4}),
               "simulator.substeps = 4, must be 1 with integrator 'cvode'");
-  expect_part(message_of({.name = "furuta", .store_every = 0}),
+  expect_part(problem_of({.name = "furuta", .store_every = 0}),
               "simulator.store_every = 0, must be >= 1");
-  expect_part(message_of({.name = "furuta", .parameters = {{"pole_lenght", 0.1}}}),
+  expect_part(problem_of({.name = "furuta", .parameters = {{"pole_lenght", 0.1}}}),
               "did you mean 'pole_length'?");
-  expect_part(message_of({.name = "furuta", .parameters = {{"pole_mass", -0.1}}}),
+  expect_part(problem_of({.name = "furuta", .parameters = {{"pole_mass", -0.1}}}),
               "simulator.parameters.pole_mass = -0.1, must be in [0.0001, 10] kg");
 }
 
@@ -118,7 +109,7 @@ TEST(Simulator, ParametersHaveTheirPositionInTheta) {
 
 TEST(Simulator, CompleteThetaNamesTheNearestParameter) {
   const auto simulator = make_simulator({.name = "pendulum"});
-  expect_part(message_of([&] {
+  expect_part(message_of<InputError>([&] {
                 complete_theta(*simulator, {{"pole_mas", 1.0}});
               }),
               "unknown pendulum parameter 'pole_mas' (did you mean 'pole_mass'?)");
@@ -131,7 +122,7 @@ TEST(Simulator, RejectsATargetWithOtherChannels) {
   const auto message = [&](const std::function<void(Target&)>& change) {
     Target changed = target;
     change(changed);
-    return message_of([&] { simulator->replay(changed, theta); });
+    return message_of<InputError>([&] { simulator->replay(changed, theta); });
   };
   EXPECT_EQ(message([](Target&) {}), "");
   expect_part(message([](Target& t) { t.state_channels[1].label = "omega"; }),
@@ -147,7 +138,7 @@ TEST(Simulator, RejectsMoreStepsBetweenStoredStatesThanThereAre) {
   const auto simulator = make_simulator({.name = "pendulum", .store_every = 401});
   const Vector theta = complete_theta(*simulator, {});
   const Target target = simulator->behave(theta, 1, 1);
-  expect_part(message_of([&] { simulator->replay(target, theta.transpose()); }),
+  expect_part(message_of<InputError>([&] { simulator->replay(target, theta.transpose()); }),
               "simulator.store_every = 401, must be <= 400");
 }
 

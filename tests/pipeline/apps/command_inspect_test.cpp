@@ -5,7 +5,7 @@
 
 #include "pipeline/apps/commands.h"
 #include "pipeline/store/artefact.h"
-#include "tests/pipeline/temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 #include "pipeline/plan/schemas.h"
-#include "tests/pipeline/temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

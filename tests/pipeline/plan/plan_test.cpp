@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/store/recording.h"
-#include "tests/pipeline/temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,7 +1,7 @@
 #include "pipeline/plan/work_folder.h"
 
 #include "core/error.h"
-#include "tests/pipeline/temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,6 +1,6 @@
 #include "pipeline/stages/row_store.h"
 
-#include "tests/pipeline/temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -5,7 +5,7 @@
 #include "pipeline/stages/posterior_file.h"
 #include "pipeline/stages/report_data.h"
 #include "tests/pipeline/study_text.h"
-#include "tests/pipeline/temp_folder.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
