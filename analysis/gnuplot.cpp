@@ -5,9 +5,10 @@
 #include <cmath>
 #include <iterator>
 
+#include "analysis/file_stem.h"
 #include "analysis/process.h"
 #include "analysis/svg.h"
-#include "analysis/text_file.h"
+#include "core/atomic_file.h"
 #include "core/error.h"
 
 namespace npdr::analysis {
@@ -37,25 +38,24 @@ std::string script_of(const Figure& figure) {
 void run(const std::string& program, const Figure& figure, const std::filesystem::path& directory,
          const std::string& format) {
   const std::string output = figure.name + "." + format;
-  const std::string temporary = output + ".tmp";
+  AtomicFile file(directory / output);  // another report may be drawing the same figure
   // -d: without the user's settings, so that a figure looks the same for everybody.
-  const ProcessResult result =
-      run_process(program, {"-d", "-c", figure.name + ".gp", format, temporary}, directory);
+  const ProcessResult result = run_process(
+      program, {"-d", "-c", figure.name + ".gp", format, file.temporary().filename().string()},
+      directory);
   if (!result.found) {
     throw Error(program +
                 ": not found; install gnuplot (Debian package gnuplot-nox), which draws "
                 "the figures");
   }
-  std::error_code ignored;
-  const bool complete = result.exit_status == 0 &&
-                        std::filesystem::file_size(directory / temporary, ignored) > 0 && !ignored;
-  if (!complete) {
-    std::filesystem::remove(directory / temporary, ignored);
+  std::error_code missing;
+  if (result.exit_status != 0 || std::filesystem::file_size(file.temporary(), missing) == 0 ||
+      missing) {
     throw Error(fmt::format("{}: {} failed with status {} on {}:\n{}",
                             (directory / output).string(), program, result.exit_status,
                             figure.name + ".gp", result.errors));
   }
-  std::filesystem::rename(directory / temporary, directory / output);
+  file.commit();
 }
 
 }  // namespace

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "analysis/file_stem.h"
 #include "analysis/kernel_density.h"
 #include "analysis/pair_plot_script.h"
 #include "analysis/plot_layout.h"
-#include "analysis/text_file.h"
 #include "core/error.h"
 
 namespace npdr::analysis {

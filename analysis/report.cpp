@@ -8,7 +8,7 @@
 #include "analysis/report_style.h"
 #include "analysis/svg.h"
 #include "analysis/table_writers.h"
-#include "analysis/text_file.h"
+#include "core/atomic_file.h"
 
 namespace npdr::analysis {
 namespace {

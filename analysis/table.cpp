@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "analysis/text_file.h"
+#include "analysis/file_stem.h"
 #include "core/error.h"
 
 namespace npdr::analysis {

@@ -7,7 +7,7 @@
 
 #include "analysis/escape.h"
 #include "analysis/number_text.h"
-#include "analysis/text_file.h"
+#include "core/atomic_file.h"
 
 namespace npdr::analysis {
 namespace {
@@ -198,6 +198,13 @@ void write_table(const Table& table, const std::filesystem::path& directory) {
   write_text_file(directory / (table.name + ".md"), to_markdown(table));
   write_text_file(directory / (table.name + ".csv"), to_csv(table));
   write_text_file(directory / (table.name + ".tex"), to_latex(table));
+}
+
+void remove_table(std::string_view name, const std::filesystem::path& directory) {
+  for (const char* extension : {".md", ".csv", ".tex"}) {
+    std::error_code ignored;
+    std::filesystem::remove(directory / (std::string(name) + extension), ignored);
+  }
 }
 
 }  // namespace npdr::analysis

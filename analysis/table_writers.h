@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "analysis/table.h"
 
@@ -26,5 +27,8 @@ std::string to_html(const Table& table);
 
 /// Writes <name>.md, <name>.csv and <name>.tex into `directory`.
 void write_table(const Table& table, const std::filesystem::path& directory);
+
+/// Removes these files of a table, where there are any.
+void remove_table(std::string_view name, const std::filesystem::path& directory);
 
 }  // namespace npdr::analysis

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "analysis/file_stem.h"
 #include "analysis/plot_layout.h"
-#include "analysis/text_file.h"
 #include "analysis/trajectory_plot_script.h"
 #include "core/error.h"
 

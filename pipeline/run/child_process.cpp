@@ -14,8 +14,8 @@
 #include <sstream>
 #include <utility>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
-#include "pipeline/store/atomic_file.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -219,6 +219,9 @@ Checkpoint read_checkpoint(const Plan& plan, const Node& node) {
   Checkpoint checkpoint{.training = {}, .seconds = wall_seconds(file)};
   inference::TrainingState& state = checkpoint.training;
   state.epoch = file.attribute<Index>("epoch");
+  if (state.epoch < 0) {
+    throw InputError(fmt::format("{}: epoch = {}, must be >= 0", file.where(), state.epoch));
+  }
   state.epochs_without_improvement = file.attribute<Index>("epochs_without_improvement");
   state.best_validation_loss = file.attribute<double>("best_validation_loss");
   state.adam.num_steps = file.attribute<Index>("num_steps");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "analysis/table_writers.h"
+#include "core/atomic_file.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/stages/report_figures.h"
 #include "pipeline/stages/report_marker.h"
@@ -10,7 +11,6 @@
 #include "pipeline/stages/simulation_file.h"
 #include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
-#include "pipeline/store/atomic_file.h"
 #include "pipeline/store/build_info.h"
 #include "pipeline/store/recording.h"
 
@@ -85,6 +85,8 @@ void run_report(const Plan& plan, const Node& node) {
                      prediction_section(data, read_report_target(plan), figures)};
   report.commands = {plan.command};
   report.provenance = provenance(plan, node);
+  // An earlier report may have had this one, with figures that are no longer true.
+  analysis::remove_table("rounds", folder / "tables");
   for (const analysis::ReportSection& section : report.sections) {
     for (const analysis::Table& table : section.tables) {
       analysis::write_table(table, folder / "tables");

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/store/atomic_file.h"
+#include "core/atomic_file.h"
 
 namespace npdr::pipeline {
 

@@ -7,8 +7,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
-#include "pipeline/store/atomic_file.h"
 
 namespace npdr::pipeline {
 namespace {

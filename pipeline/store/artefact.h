@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "pipeline/store/atomic_file.h"
+#include "core/atomic_file.h"
 #include "pipeline/store/h5.h"
 
 namespace npdr::pipeline {

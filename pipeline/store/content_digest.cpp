@@ -74,16 +74,25 @@ void add_dataset(Hasher& hasher, const h5::Dataset& dataset) {
 
 // A file whose groups hold each other would never end.
 constexpr int kMaxDepth = 32;
+constexpr int kMaxGroups = 10'000;
 
-void add_group(Hasher& hasher, const h5::Group& group, int depth) {
-  if (depth > kMaxDepth) throw InputError(group.where() + ": groups are nested too deeply");
+struct Walk {
+  Hasher hasher;
+  int num_groups = 0;
+};
+
+void add_group(Walk& walk, const h5::Group& group, int depth) {
+  if (depth > kMaxDepth || ++walk.num_groups > kMaxGroups) {
+    throw InputError(group.where() + ": too many groups in groups");
+  }
+  Hasher& hasher = walk.hasher;
   add_attributes(hasher, group);
   for (const std::string& name : group.names()) {
     if (group.is_group(name)) {
       const h5::Group member = group.group(name);
       if (is_volatile(member)) continue;
       hasher.add("group " + name);
-      add_group(hasher, member, depth + 1);
+      add_group(walk, member, depth + 1);
     } else {
       const h5::Dataset member = group.dataset(name);
       if (is_volatile(member)) continue;
@@ -97,9 +106,9 @@ void add_group(Hasher& hasher, const h5::Group& group, int depth) {
 }  // namespace
 
 std::string content_digest(const std::filesystem::path& path) {
-  Hasher hasher;
-  add_group(hasher, h5::File::open(path), 0);
-  return hasher.hex();
+  Walk walk;
+  add_group(walk, h5::File::open(path), 0);
+  return walk.hasher.hex();
 }
 
 }  // namespace npdr::pipeline

@@ -7,7 +7,7 @@
 #include <limits>
 #include <system_error>
 
-#include "pipeline/store/file_error.h"
+#include "core/file_error.h"
 
 namespace npdr::pipeline::h5 {
 namespace {

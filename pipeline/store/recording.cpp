@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
-#include "pipeline/store/atomic_file.h"
+#include "pipeline/store/forked_trial.h"
 #include "pipeline/store/h5.h"
 #include "pipeline/store/hash.h"
 
@@ -78,9 +79,7 @@ void add_matrix(Hasher& hasher, const RowMatrix& values) {
   hasher.add_bytes(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double));
 }
 
-}  // namespace
-
-Target read_recording(const std::filesystem::path& path, const std::optional<Channels>& expected) {
+Target read_target(const std::filesystem::path& path, const std::optional<Channels>& expected) {
   const h5::File file = h5::File::open(path);
   const h5::Dataset states = file.dataset("states");
   const h5::Dataset actions = file.dataset("actions");
@@ -105,6 +104,18 @@ Target read_recording(const std::filesystem::path& path, const std::optional<Cha
   }
   target.check(file.where());
   return target;
+}
+
+}  // namespace
+
+// Files of the format before HDF5 1.10 have no checksums on their metadata, and HDF5's reader of
+// variable-length texts follows a damaged pointer to wherever it leads.
+Target read_recording(const std::filesystem::path& path, const std::optional<Channels>& expected) {
+  if (!survives([&] { read_target(path, expected); })) {
+    throw InputError(path.string() +
+                     ": is damaged: the HDF5 library crashes on it; copy it again from its source");
+  }
+  return read_target(path, expected);
 }
 
 void write_recording(const Target& target, const std::filesystem::path& path) {

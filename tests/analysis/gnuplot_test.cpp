@@ -5,7 +5,7 @@
 #include <iterator>
 #include <limits>
 
-#include "analysis/text_file.h"
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
 #include "tests/message_of.h"

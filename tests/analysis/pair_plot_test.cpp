@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/text_file.h"
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "tests/analysis/markup_check.h"

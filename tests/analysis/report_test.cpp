@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/gnuplot.h"
-#include "analysis/text_file.h"
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
 #include "tests/temp_folder.h"

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "analysis/table_writers.h"
-#include "analysis/text_file.h"
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "tests/temp_folder.h"
 

@@ -3,9 +3,9 @@
 #include <unistd.h>
 
 #include "core/error.h"
-#include "file_size_limit.h"
 #include "pipeline/store/build_info.h"
 #include "pipeline/store/content_key.h"
+#include "tests/file_size_limit.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

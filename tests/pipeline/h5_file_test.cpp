@@ -6,8 +6,8 @@
 #include <cerrno>
 
 #include "counted.h"
-#include "file_size_limit.h"
 #include "pipeline/store/h5.h"
+#include "tests/file_size_limit.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

@@ -1,4 +1,4 @@
-#include "pipeline/store/file_error.h"
+#include "core/file_error.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 
 std::string file_advice(int error_number) {
   switch (error_number) {
@@ -32,4 +32,4 @@ void throw_file_error(const std::filesystem::path& path, const std::string& acti
                           file_advice(error_number)));
 }
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

@@ -3,8 +3,9 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
-namespace npdr::pipeline {
+namespace npdr {
 
 /// A folder and those above it, unless they are there. Throws Error as AtomicFile.
 void make_folder(const std::filesystem::path& folder);
@@ -37,7 +38,10 @@ class AtomicFile {
 };
 
 /// Writes a text as a whole or not at all. Throws Error.
-void write_text_file(const std::filesystem::path& path, const std::string& text);
+void write_text_file(const std::filesystem::path& path, std::string_view text);
+
+/// The whole file. Throws Error.
+std::string read_text_file(const std::filesystem::path& path);
 
 /// Removes the temporaries in `folder` of processes of this host that no longer run. Returns how
 /// many.
@@ -46,4 +50,4 @@ int remove_stale_temporaries(const std::filesystem::path& folder);
 /// Name of this machine.
 std::string host_name();
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

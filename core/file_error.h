@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace npdr::pipeline {
+namespace npdr {
 
 /// What to do about the error number of a failed system call; "" when there is nothing to advise.
 std::string file_advice(int error_number);
@@ -13,4 +13,4 @@ std::string file_advice(int error_number);
 [[noreturn]] void throw_file_error(const std::filesystem::path& path, const std::string& action,
                                    int error_number);
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

@@ -1,4 +1,4 @@
-#include "pipeline/store/atomic_file.h"
+#include "core/atomic_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,11 +9,13 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
-#include "pipeline/store/file_error.h"
+#include "core/file_error.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,7 +103,7 @@ void AtomicFile::commit() {
   sync(folder_of(path_), O_RDONLY | O_DIRECTORY);
 }
 
-void write_text_file(const fs::path& path, const std::string& text) {
+void write_text_file(const fs::path& path, std::string_view text) {
   AtomicFile file(path);
   Descriptor descriptor(file.temporary(), O_WRONLY | O_TRUNC);
   if (!descriptor.open()) throw_file_error(path, "be written", errno);
@@ -113,6 +115,13 @@ void write_text_file(const fs::path& path, const std::string& text) {
   }
   if (descriptor.close() != 0) throw_file_error(path, "be written", errno);
   file.commit();
+}
+
+std::string read_text_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  if (!file.is_open() || file.bad()) throw_file_error(path, "be read", errno);
+  return text;
 }
 
 int remove_stale_temporaries(const fs::path& folder) {
@@ -134,4 +143,4 @@ std::string host_name() {
   return name.data();
 }
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

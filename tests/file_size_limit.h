@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-namespace npdr::pipeline {
+namespace npdr {
 
 /// While it lives, no file of this process can grow beyond `bytes`: writes fail with EFBIG.
 class FileSizeLimit {
@@ -27,4 +27,4 @@ class FileSizeLimit {
   void (*handler_)(int);
 };
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

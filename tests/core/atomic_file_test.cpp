@@ -1,14 +1,14 @@
-#include "pipeline/store/atomic_file.h"
+#include "core/atomic_file.h"
 
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/error.h"
-#include "file_size_limit.h"
+#include "tests/file_size_limit.h"
 #include "tests/temp_folder.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 namespace {
 
 TEST(AtomicFile, HasItsNameOnlyAfterCommit) {
@@ -55,6 +55,22 @@ TEST(AtomicFile, MakesTheFolder) {
   const TempFolder folder;
   write_text_file(folder / "x/y/a.txt", "text");
   EXPECT_EQ(text_of(folder / "x/y/a.txt"), "text");
+}
+
+TEST(AtomicFile, ReadsBackWhatItWroteAndSaysWhatCantBeRead) {
+  const TempFolder folder;
+  const std::string text("bytes\0\n", 7);
+  write_text_file(folder / "a.txt", text);
+  EXPECT_EQ(read_text_file(folder / "a.txt"), text);
+  EXPECT_EQ(message_of<Error>([&] { read_text_file(folder / "b.txt"); }, &folder),
+            "b.txt: can't be read: No such file or directory");
+}
+
+TEST(AtomicFile, CantReplaceAFolderAndLeavesNothingBehind) {
+  const TempFolder folder;
+  std::filesystem::create_directories(folder / "a" / "child");
+  EXPECT_THROW(write_text_file(folder / "a", "text"), Error);
+  EXPECT_EQ(folder.size(), 1);
 }
 
 TEST(AtomicFile, TwoWritersOfOneFileDontMeet) {
@@ -117,4 +133,4 @@ TEST(AtomicFile, RemovesWhatDeadProcessesOfThisHostLeftBehindAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace npdr::pipeline
+}  // namespace npdr

@@ -1,0 +1,26 @@
+#include "pipeline/store/forked_trial.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <stdexcept>
+
+namespace npdr::pipeline {
+namespace {
+
+TEST(ForkedTrial, TellsACrashFromAnEnd) {
+  EXPECT_TRUE(survives([] {}));
+  EXPECT_TRUE(survives([] { throw std::runtime_error("no crash"); }));
+  EXPECT_FALSE(survives([] { std::raise(SIGSEGV); }));
+  EXPECT_FALSE(survives([] { std::abort(); }));
+}
+
+TEST(ForkedTrial, LeavesThisProcessAsItWas) {
+  int value = 1;
+  EXPECT_TRUE(survives([&] { value = 2; }));
+  EXPECT_EQ(value, 1);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
