@@ -55,6 +55,8 @@ void run(const std::string& program, const Figure& figure, const std::filesystem
                             (directory / output).string(), program, result.exit_status,
                             figure.name + ".gp", result.errors));
   }
+  if (format == "svg")
+    write_text_file(file.temporary(), tidy_svg(read_text_file(file.temporary())));
   file.commit();
 }
 
@@ -67,7 +69,6 @@ FigureFiles render_figure(const Figure& figure, const std::filesystem::path& dir
                        directory / (figure.name + ".png")};
   write_text_file(files.script, script_of(figure));
   run(program, figure, directory, "svg");
-  write_text_file(files.svg, tidy_svg(read_text_file(files.svg)));
   run(program, figure, directory, "png");
   return files;
 }

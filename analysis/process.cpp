@@ -72,9 +72,10 @@ class FileActions {
   posix_spawn_file_actions_t actions_;
 };
 
-int wait_for(pid_t process) {
+int wait_for(pid_t process, const std::string& program) {
   int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  while (waitpid(process, &status, 0) < 0) {
+    if (errno != EINTR) fail(program, errno);
   }
   return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
 }
@@ -101,7 +102,7 @@ ProcessResult run_process(const std::string& program, const std::vector<std::str
   ProcessResult result;
   result.found = true;
   result.errors = errors.read_all();
-  result.exit_status = wait_for(process);
+  result.exit_status = wait_for(process, program);
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include "analysis/escape.h"
 #include "analysis/number_text.h"
 #include "core/atomic_file.h"
+#include "core/file_error.h"
 
 namespace npdr::analysis {
 namespace {
@@ -202,8 +203,10 @@ void write_table(const Table& table, const std::filesystem::path& directory) {
 
 void remove_table(std::string_view name, const std::filesystem::path& directory) {
   for (const char* extension : {".md", ".csv", ".tex"}) {
-    std::error_code ignored;
-    std::filesystem::remove(directory / (std::string(name) + extension), ignored);
+    const std::filesystem::path path = directory / (std::string(name) + extension);
+    std::error_code error;
+    std::filesystem::remove(path, error);
+    if (error) throw_file_error(path, "be removed", error.value());
   }
 }
 

@@ -28,7 +28,7 @@ std::string to_html(const Table& table);
 /// Writes <name>.md, <name>.csv and <name>.tex into `directory`.
 void write_table(const Table& table, const std::filesystem::path& directory);
 
-/// Removes these files of a table, where there are any.
+/// Removes these files of a table, where there are any. Throws Error.
 void remove_table(std::string_view name, const std::filesystem::path& directory);
 
 }  // namespace npdr::analysis

@@ -9,8 +9,6 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "core/file_error.h"
@@ -118,10 +116,17 @@ void write_text_file(const fs::path& path, std::string_view text) {
 }
 
 std::string read_text_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(file)), {});
-  if (!file.is_open() || file.bad()) throw_file_error(path, "be read", errno);
-  return text;
+  const Descriptor file(path, O_RDONLY);
+  if (!file.open()) throw_file_error(path, "be read", errno);
+  std::string text;
+  std::array<char, 65536> buffer;
+  for (;;) {
+    const ssize_t count = ::read(file.value(), buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw_file_error(path, "be read", errno);
+    if (count == 0) return text;
+    text.append(buffer.data(), static_cast<std::size_t>(count));
+  }
 }
 
 int remove_stale_temporaries(const fs::path& folder) {

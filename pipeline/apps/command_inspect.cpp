@@ -10,6 +10,7 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verify.h"
 #include "pipeline/store/artefact.h"
+#include "pipeline/store/forked_trial.h"
 #include "pipeline/store/recording.h"
 
 namespace npdr::pipeline {
@@ -83,7 +84,7 @@ void print_own_attributes(const h5::File& file) {
   }
 }
 
-void inspect(const std::string& path, bool study, bool digest) {
+void print_file(const std::string& path, bool study, bool digest) {
   const h5::File file = h5::File::open(path);
   if (!file.has_attribute("schema")) {
     const Target target = read_recording(path);
@@ -111,6 +112,12 @@ void inspect(const std::string& path, bool study, bool digest) {
   print_own_attributes(file);
   fmt::print("  datasets\n");
   Tree().print(file, "    ");
+}
+
+// Any HDF5 file may be looked at, and some crash the library: a child goes first.
+void inspect(const std::string& path, bool study, bool digest) {
+  if (!survives([&] { print_file(path, study, digest); })) throw damaged_file(path);
+  print_file(path, study, digest);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <system_error>
 
@@ -45,6 +46,8 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
 }
 
 bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
+  // A launcher may have left it ignored: then no child could be waited for.
+  std::signal(SIGCHLD, SIG_DFL);
   app.set_version_flag("--version", fmt::format("npdr {} ({})", creator_version(), git_revision()));
   app.get_formatter()->column_width(34);
   try {

@@ -123,7 +123,9 @@ void ChildProcess::send_signal(int signal) const {
 bool ChildProcess::has_ended() {
   if (pid_ < 0) return true;
   int status = 0;
-  if (waitpid(pid_, &status, WNOHANG) != pid_) return false;
+  const pid_t ended = waitpid(pid_, &status, WNOHANG);
+  if (ended == 0 || (ended < 0 && errno == EINTR)) return false;
+  if (ended < 0) throw Error(std::string("can't wait for a stage: ") + std::strerror(errno));
   exit_status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   pid_ = -1;
   return true;

@@ -219,12 +219,12 @@ Checkpoint read_checkpoint(const Plan& plan, const Node& node) {
   Checkpoint checkpoint{.training = {}, .seconds = wall_seconds(file)};
   inference::TrainingState& state = checkpoint.training;
   state.epoch = file.attribute<Index>("epoch");
-  if (state.epoch < 0) {
-    throw InputError(fmt::format("{}: epoch = {}, must be >= 0", file.where(), state.epoch));
-  }
   state.epochs_without_improvement = file.attribute<Index>("epochs_without_improvement");
   state.best_validation_loss = file.attribute<double>("best_validation_loss");
   state.adam.num_steps = file.attribute<Index>("num_steps");
+  if (state.epoch < 0 || state.epochs_without_improvement < 0 || state.adam.num_steps < 0) {
+    throw InputError(file.where() + ": counts of epochs and steps must be >= 0; remove this file");
+  }
   state.parameters = file.read_vector<float>("parameters");
   const Index size = state.parameters.size();
   state.average = file.read_vector<float>("average", size);

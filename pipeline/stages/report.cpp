@@ -78,6 +78,7 @@ void run_report(const Plan& plan, const Node& node) {
   const std::filesystem::path figures = folder / "figures";
   make_folder(figures);
   make_folder(folder / "tables");
+  unmark_report(node);  // from here on it is neither the old one nor the new one
 
   analysis::Report report;
   report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;
@@ -85,13 +86,13 @@ void run_report(const Plan& plan, const Node& node) {
                      prediction_section(data, read_report_target(plan), figures)};
   report.commands = {plan.command};
   report.provenance = provenance(plan, node);
-  // An earlier report may have had this one, with figures that are no longer true.
-  analysis::remove_table("rounds", folder / "tables");
   for (const analysis::ReportSection& section : report.sections) {
     for (const analysis::Table& table : section.tables) {
       analysis::write_table(table, folder / "tables");
     }
   }
+  // An earlier report may have had it, with figures that are no longer true.
+  if (plan.study.evaluate.rounds != "all") analysis::remove_table("rounds", folder / "tables");
   analysis::write_report(report, report_path(plan));
   mark_report(plan, node);
 }

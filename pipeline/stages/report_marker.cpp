@@ -11,8 +11,10 @@ bool report_is_current(const Plan& plan, const Node& node) {
   if (!std::filesystem::exists(report_path(plan))) return false;
   std::ifstream file(node.path);
   const auto json = nlohmann::json::parse(file, nullptr, false);
-  return json.is_object() && json.value("key", "") == node.key;
+  return json.is_object() && json.contains("key") && json["key"] == node.key;
 }
+
+void unmark_report(const Node& node) { std::filesystem::remove(node.path); }
 
 void mark_report(const Plan&, const Node& node) {
   const nlohmann::ordered_json json = {{"key", node.key},

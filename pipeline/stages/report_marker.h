@@ -7,6 +7,8 @@ namespace npdr::pipeline {
 
 bool report_is_current(const Plan& plan, const Node& node);
 void mark_report(const Plan& plan, const Node& node);
+/// Takes the mark away, where there is one.
+void unmark_report(const Node& node);
 
 /// <work>/<study>/report.html
 std::filesystem::path report_path(const Plan& plan);

@@ -31,11 +31,13 @@ RowStore::RowStore(Index num_rows, Index width, const std::filesystem::path& fol
   }
   make_folder(folder);
   std::string name = (folder / "rows-XXXXXX").string();
-  file_ = mkstemp(name.data());
+  file_ = mkostemp(name.data(), O_CLOEXEC);
   if (file_ < 0) fail("make '" + name + "'");
   unlink(name.c_str());
   // Claims the space now, rather than failing half way.
-  errno = posix_fallocate(file_, 0, static_cast<off_t>(count * sizeof(float)));
+  do {
+    errno = posix_fallocate(file_, 0, static_cast<off_t>(count * sizeof(float)));
+  } while (errno == EINTR);
   if (errno != 0) fail("reserve " + std::to_string((count * sizeof(float)) >> 20) + " MiB");
 }
 

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "pipeline/store/artefact.h"
@@ -82,8 +84,12 @@ struct Walk {
 };
 
 void add_group(Walk& walk, const h5::Group& group, int depth) {
-  if (depth > kMaxDepth || ++walk.num_groups > kMaxGroups) {
-    throw InputError(group.where() + ": too many groups in groups");
+  if (depth > kMaxDepth) {
+    throw InputError(fmt::format("{}: groups are nested {} deep, must be <= {}", group.where(),
+                                 depth, kMaxDepth));
+  }
+  if (++walk.num_groups > kMaxGroups) {
+    throw InputError(fmt::format("{}: more than {} groups", group.where(), kMaxGroups));
   }
   Hasher& hasher = walk.hasher;
   add_attributes(hasher, group);

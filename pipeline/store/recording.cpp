@@ -84,6 +84,9 @@ Target read_target(const std::filesystem::path& path, const std::optional<Channe
   const h5::Dataset states = file.dataset("states");
   const h5::Dataset actions = file.dataset("actions");
   states.require_shape({-1, -1, -1});
+  if (states.num_rows() < 1 || states.row_size() < 1) {
+    throw InputError(states.where() + " is empty; record a rollout");
+  }
   actions.require_shape({states.shape()[0], states.shape()[1] - 1, -1});
   states.require_readable(h5::ElementType::f64);
   actions.require_readable(h5::ElementType::f64);
@@ -109,12 +112,9 @@ Target read_target(const std::filesystem::path& path, const std::optional<Channe
 }  // namespace
 
 // Files of the format before HDF5 1.10 have no checksums on their metadata, and HDF5's reader of
-// variable-length texts follows a damaged pointer to wherever it leads.
+// variable-length texts follows a damaged pointer to wherever it leads. So a child goes first.
 Target read_recording(const std::filesystem::path& path, const std::optional<Channels>& expected) {
-  if (!survives([&] { read_target(path, expected); })) {
-    throw InputError(path.string() +
-                     ": is damaged: the HDF5 library crashes on it; copy it again from its source");
-  }
+  if (!survives([&] { read_target(path, expected); })) throw damaged_file(path);
   return read_target(path, expected);
 }
 

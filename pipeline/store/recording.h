@@ -20,7 +20,8 @@ namespace npdr::pipeline {
 /// Reads a recording. With `expected` channels (those of the simulator), others are an error.
 /// Rollouts without names are called "0", "1", ... Throws InputError that names the file and what
 /// is wrong with it: shapes, types, channels, dt, NaN (with rollout, channel and step), a truncated
-/// file.
+/// file. A child process reads it first, so that a file that crashes HDF5 is an InputError, too; no
+/// other thread may be using HDF5.
 Target read_recording(const std::filesystem::path& path,
                       const std::optional<Channels>& expected = std::nullopt);
 

@@ -4,6 +4,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <vector>
+
 #include "core/error.h"
 #include "tests/file_size_limit.h"
 #include "tests/temp_folder.h"
@@ -64,6 +66,8 @@ TEST(AtomicFile, ReadsBackWhatItWroteAndSaysWhatCantBeRead) {
   EXPECT_EQ(read_text_file(folder / "a.txt"), text);
   EXPECT_EQ(message_of<Error>([&] { read_text_file(folder / "b.txt"); }, &folder),
             "b.txt: can't be read: No such file or directory");
+  EXPECT_EQ(message_of<Error>([&] { read_text_file(folder.path()); }),
+            folder.path().string() + ": can't be read: Is a directory");
 }
 
 TEST(AtomicFile, CantReplaceAFolderAndLeavesNothingBehind) {

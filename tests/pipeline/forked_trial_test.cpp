@@ -14,6 +14,12 @@ TEST(ForkedTrial, TellsACrashFromAnEnd) {
   EXPECT_TRUE(survives([] { throw std::runtime_error("no crash"); }));
   EXPECT_FALSE(survives([] { std::raise(SIGSEGV); }));
   EXPECT_FALSE(survives([] { std::abort(); }));
+  EXPECT_FALSE(survives([] { std::raise(SIGXCPU); })) << "it never ends";
+  EXPECT_FALSE(survives([] { std::_Exit(1); })) << "a sanitizer found an error";
+}
+
+TEST(ForkedTrial, WhatComesFromOutsideIsNoCrash) {
+  EXPECT_TRUE(survives([] { std::raise(SIGKILL); }));
 }
 
 TEST(ForkedTrial, LeavesThisProcessAsItWas) {
