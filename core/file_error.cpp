@@ -13,13 +13,13 @@ std::string file_advice(int error_number) {
   switch (error_number) {
     case ENOSPC:
     case EDQUOT:
-      return "; free some space there or choose another folder with --work";
+      return "; free some space there or choose another folder";
     case EFBIG:
       return "; raise the limit on the size of a file (ulimit -f)";
     case EACCES:
     case EPERM:
     case EROFS:
-      return "; make the folder writable or choose another one with --work";
+      return "; make the folder writable or choose another one";
     default:
       return "";
   }

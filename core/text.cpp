@@ -48,12 +48,28 @@ std::string join(const std::vector<std::string>& parts, std::string_view separat
   return joined;
 }
 
+namespace {
+
+// "column 'thet' (did you mean 'theta'?)"
+std::string with_guess(std::string_view kind, std::string_view name,
+                       const std::vector<std::string>& known) {
+  std::string text = std::string(kind) + " '" + std::string(name) + "'";
+  const std::string guess = nearest_name(name, known);
+  if (!guess.empty() && guess != name) text += " (did you mean '" + guess + "'?)";
+  return text;
+}
+
+}  // namespace
+
 std::string unknown_name(std::string_view kind, std::string_view name,
                          const std::vector<std::string>& known) {
-  std::string message = "unknown " + std::string(kind) + " '" + std::string(name) + "'";
-  const std::string guess = nearest_name(name, known);
-  if (!guess.empty()) message += " (did you mean '" + guess + "'?)";
-  return message + "; known: " + join(known);
+  return "unknown " + with_guess(kind, name, known) + "; known: " + join(known);
+}
+
+std::string missing_name(std::string_view kind, std::string_view name,
+                         const std::vector<std::string>& present) {
+  return "has no " + with_guess(kind, name, present) + "; it has " +
+         (present.empty() ? "nothing" : join(present));
 }
 
 }  // namespace npdr

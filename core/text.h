@@ -18,4 +18,8 @@ std::string join(const std::vector<std::string>& parts, std::string_view separat
 std::string unknown_name(std::string_view kind, std::string_view name,
                          const std::vector<std::string>& known);
 
+/// `has no column 'thet' (did you mean 'theta'?); it has t, theta`.
+std::string missing_name(std::string_view kind, std::string_view name,
+                         const std::vector<std::string>& present);
+
 }  // namespace npdr

@@ -19,7 +19,25 @@ struct ImportArguments {
   std::vector<std::string> states, actions;
   std::optional<double> dt;
   std::string source;
+  bool force = false;
 };
+
+// Nothing that was measured may get lost: `-o run_*.csv` names a CSV file first.
+void check_output(const ImportArguments& arguments) {
+  const std::filesystem::path output = arguments.output;
+  if (output.extension() == ".csv") {
+    throw InputError(output.string() + ": is to hold HDF5, must not end in .csv");
+  }
+  std::error_code error;
+  for (const std::string& input : arguments.files) {
+    if (std::filesystem::equivalent(input, output, error)) {
+      throw InputError(output.string() + ": is one of the inputs, must be another file");
+    }
+  }
+  if (std::filesystem::exists(output, error) && !arguments.force) {
+    throw InputError(output.string() + ": is there already; choose another name or add --force");
+  }
+}
 
 // "theta" or "theta [rad]".
 Channel parse_channel(const std::string& text) {
@@ -52,6 +70,7 @@ Channels channels_of_arguments(const ImportArguments& arguments) {
 }
 
 void import(const ImportArguments& arguments) {
+  check_output(arguments);
   CsvOptions options;
   options.channels = channels_of_arguments(arguments);
   options.dt = arguments.dt;
@@ -79,6 +98,7 @@ void add_import_command(CLI::App& app, int& result) {
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--dt", arguments->dt, "[s] where there is no column 't [s]'");
+  command->add_flag("--force", arguments->force, "replace an output file that is there already");
   command->add_option("--source", arguments->source, "where the recordings come from, for people");
   command->callback([&result, arguments] {
     result = guarded_main("npdr import", [&] {

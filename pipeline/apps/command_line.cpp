@@ -70,8 +70,18 @@ void StudyArguments::add_to(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--work", work, "folder of results and cache")->capture_default_str();
   app.add_option("--only", methods, "only this method; may be repeated")->allow_extra_args(false);
-  app.add_option("--seeds", seeds, "only these seeds, such as 1,2")
-      ->delimiter(',')
+  app.add_option_function<std::vector<std::string>>(
+         "--seeds",
+         [this](const std::vector<std::string>& texts) {
+           try {
+             const std::vector<Index> ranges =
+                 parse_ranges(fmt::format("{}", fmt::join(texts, ",")));
+             seeds.assign(ranges.begin(), ranges.end());
+           } catch (const InputError& error) {
+             throw CLI::ValidationError("--seeds", error.what());
+           }
+         },
+         "only these seeds, such as 1-3,5")
       ->allow_extra_args(false);
 }
 

@@ -24,9 +24,10 @@ void print_work(const Plan& plan) {
   const Index num_rollouts = is_recorded ? plan.target.num_rollouts() : study.target.num_rollouts;
   const Index num_steps = is_recorded ? plan.target.num_steps() : info.num_steps;
   const auto num_states = static_cast<Index>(info.state_channels.size());
-  Index rows = 0, posteriors = 0, bytes = 0, rollouts = 0;
+  Index evaluations = 0, rows = 0, posteriors = 0, bytes = 0, rollouts = 0;
   for (const Node& node : plan.nodes) {
     if (node.stage == Stage::infer) ++posteriors;
+    if (node.stage == Stage::evaluate) ++evaluations;
     if (node.stage != Stage::simulate) continue;
     const MethodConfig& method = study.method(node.uses.front().method);
     const Index h = method.num_rollouts > 0 ? method.num_rollouts : num_rollouts;
@@ -40,6 +41,12 @@ void print_work(const Plan& plan) {
       "at most {} of trajectories\n",
       plan.nodes.size(), rows, rollouts, num_steps, posteriors,
       size_text(static_cast<std::uintmax_t>(bytes)));
+  fmt::print("to judge them: {} evaluations of {} samples{}\n", evaluations,
+             study.evaluate.num_samples,
+             is_recorded && study.evaluate.floor
+                 ? fmt::format(", and a search for the floor (some {} simulations)",
+                               10'000 * study.prior.size())
+                 : "");
 }
 
 void list_simulators() {
@@ -81,8 +88,9 @@ void list(const std::string& what) {
 }
 
 void write_new_study(const std::string& name) {
-  const std::filesystem::path path = name + ".toml";
-  const std::string text = study_template(name);
+  const std::string stem = name.ends_with(".toml") ? name.substr(0, name.size() - 5) : name;
+  const std::filesystem::path path = stem + ".toml";
+  const std::string text = study_template(stem);
   if (std::filesystem::exists(path)) {
     throw InputError(path.string() + ": is there already; choose another name or remove it");
   }

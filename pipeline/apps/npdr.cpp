@@ -1,8 +1,27 @@
 // The front door: `npdr <command>`.
-#include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+
+namespace {
+
+// CLI11 only says that a command is missing.
+bool is_unknown_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return false;
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  if (std::ranges::find(known, argv[1]) != known.end()) return false;
+  fmt::print(stderr, "npdr: {}\n", npdr::unknown_name("command", argv[1], known));
+  return true;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace npdr::pipeline;
@@ -23,6 +42,7 @@ int main(int argc, char** argv) {
   add_verify_command(app, result);
   add_sample_command(app, result);
   add_log_prob_command(app, result);
+  if (is_unknown_command(app, argc, argv)) return static_cast<int>(npdr::ExitStatus::invalid_input);
   int status = 0;
   if (!parse_command_line(app, argc, argv, status)) return status;
   return result;

@@ -17,13 +17,14 @@ constexpr const char* kTemplate =
 name = "@NAME@"                 # names the folder of the results
 seeds = [1, 2, 3]               # one experiment each; tables report mean and standard deviation
 
-# The target domain: whose motion to explain. Either recorded rollouts ...
-#   recording = "rollouts.h5"   # HDF5, relative to this file; `npdr import` makes one from CSV files
-# ... or, as here, rollouts that the simulator itself makes at a known truth:
+# The target domain: whose motion to explain. Either recorded rollouts, or, as here, rollouts that the
+# simulator itself makes at a known truth:
 [target]
 truth = { pole_mass = 1.2, pole_length = 0.8 }  # parameters that aren't nominal; {}: all nominal
-num_rollouts = 1                # use the first k; 0: all of a recording; default of a truth: 5
+num_rollouts = 1                # how many; of a recording: use the first k, 0: all
 # seed = 0                      # picks a truth's random behaviour (the pendulum has none)
+# Recorded rollouts take the place of these three:
+#   recording = "rollouts.h5"   # HDF5, relative to this file; `npdr import` makes one from CSV files
 
 [simulator]
 name = "pendulum"

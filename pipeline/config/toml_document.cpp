@@ -153,9 +153,9 @@ void assign(toml::table& table, std::span<const std::string> path, const Assignm
 void remove_rival(toml::table& document, const Path& path) {
   toml::table* target = document["target"].as_table();
   if (path.size() < 2 || path[0] != "target" || target == nullptr) return;
-  if (path[1] == "recording") {
-    target->erase("truth");
-    target->erase("seed");
+  if (path[1] == "recording" && target->contains("truth")) {
+    // They are of the truth: how many rollouts to simulate isn't how many to use of a recording.
+    for (const char* key : {"truth", "seed", "num_rollouts"}) target->erase(key);
   }
   if (path[1] == "truth") target->erase("recording");
 }

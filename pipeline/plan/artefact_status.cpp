@@ -86,6 +86,12 @@ void compare(const std::string& path, const Json& now, const Json& before,
     }
     return;
   }
+  if (now.is_array() && before.is_array() && now.size() == before.size()) {
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      compare(fmt::format("{}[{}]", path, i), now[i], before[i], lines);
+    }
+    return;
+  }
   if (path.starts_with("inputs.")) {
     lines.push_back(fmt::format("input '{}' is another one", path.substr(7)));
     return;
@@ -109,6 +115,20 @@ std::string to_string(ArtefactState state) {
   return "";
 }
 
+namespace {
+
+// A damaged file must not hide how the others stand.
+void read_cost(const Node& node, ArtefactStatus& status) {
+  try {
+    status.wall_seconds = read_artefact_info(node.path).provenance.wall_seconds;
+  } catch (const InputError&) {
+    status.state = ArtefactState::stale;
+    status.detail = "damaged: remove " + node.path.string();
+  }
+}
+
+}  // namespace
+
 ArtefactStatus status_of(const Plan& plan, const Node& node) {
   ArtefactStatus status;
   status.bytes = size_of_tree(node.path);
@@ -117,9 +137,7 @@ ArtefactStatus status_of(const Plan& plan, const Node& node) {
   }
   if (is_complete(plan, node)) {
     status.state = ArtefactState::up_to_date;
-    if (node.stage != Stage::report) {
-      status.wall_seconds = read_artefact_info(node.path).provenance.wall_seconds;
-    }
+    if (node.stage != Stage::report) read_cost(node, status);
     return status;
   }
   status.detail = partial_detail(plan, node);

@@ -86,15 +86,18 @@ void run_report(const Plan& plan, const Node& node) {
                      prediction_section(data, read_report_target(plan), figures)};
   report.commands = {plan.command};
   report.provenance = provenance(plan, node);
+  std::vector<std::filesystem::path> files;
   for (const analysis::ReportSection& section : report.sections) {
+    for (const analysis::ReportFigure& figure : section.figures) files.push_back(figure.svg);
     for (const analysis::Table& table : section.tables) {
       analysis::write_table(table, folder / "tables");
+      files.push_back(folder / "tables" / (table.name + ".md"));
     }
   }
   // An earlier report may have had it, with figures that are no longer true.
   if (plan.study.evaluate.rounds != "all") analysis::remove_table("rounds", folder / "tables");
   analysis::write_report(report, report_path(plan));
-  mark_report(plan, node);
+  mark_report(node, files);
 }
 
 }  // namespace npdr::pipeline

@@ -119,9 +119,23 @@ void ArtefactWriter::finish() {
   atomic_.commit();
 }
 
+namespace {
+
+// What we made can be made again.
+h5::File open_made_file(const std::filesystem::path& path) {
+  try {
+    return h5::File::open(path);
+  } catch (const InputError& error) {
+    if (!std::filesystem::exists(path)) throw;
+    throw InputError(std::string(error.what()) + "; remove it and run again");
+  }
+}
+
+}  // namespace
+
 h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
                        const std::string& key) {
-  h5::File file = h5::File::open(path);
+  h5::File file = open_made_file(path);
   require_complete(file);
   require_schema(file, schema);
   const auto found = file.attribute<std::string>("key");

@@ -22,7 +22,7 @@ std::vector<std::size_t> find_columns(const CsvFile& file, const std::vector<Cha
   for (const Channel& channel : wanted) {
     const auto column = file.find(channel.label);
     if (!column) {
-      throw InputError(file.name() + ":1: " + unknown_name("column", channel.label, labels));
+      throw InputError(file.name() + ":1: " + missing_name("column", channel.label, labels));
     }
     const std::string& unit = file.columns()[*column].unit;
     if (!channel.unit.empty() && unit != channel.unit) {
@@ -50,6 +50,24 @@ RowMatrix read_rows(const CsvFile& file, const std::vector<std::size_t>& columns
   return values;
 }
 
+// A lost line is found where it is missing.
+void check_steps(const CsvFile& file, std::size_t column) {
+  std::vector<double> steps;
+  for (Index row = 1; row < file.num_rows(); ++row) {
+    steps.push_back(file.number(row, column) - file.number(row - 1, column));
+  }
+  std::vector<double> sorted = steps;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i] > 0.0 && std::abs(steps[i] - *middle) <= 2.0 * kTimeTolerance * *middle) continue;
+    throw InputError(fmt::format(
+        "{}:{}: column {} '{}' is {:.6g} after the line before, elsewhere {:.6g}: times must be "
+        "equally spaced and increase",
+        file.name(), i + 3, column + 1, file.columns()[column].label, steps[i], *middle));
+  }
+}
+
 // Mean step of equally spaced times.
 double time_step(const CsvFile& file, std::size_t column) {
   if (file.columns()[column].unit != "s") {
@@ -57,6 +75,7 @@ double time_step(const CsvFile& file, std::size_t column) {
                                  column + 1, file.columns()[column].label,
                                  file.columns()[column].unit));
   }
+  check_steps(file, column);
   const Index last = file.num_rows() - 1;
   const double start = file.number(0, column);
   const double dt = (file.number(last, column) - start) / static_cast<double>(last);

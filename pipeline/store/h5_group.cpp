@@ -83,7 +83,9 @@ bool Group::is_group(const std::string& name) const {
 
 Group Group::group(const std::string& name) const {
   const std::string path = path_.empty() ? name : path_ + "/" + name;
-  if (!is_group(name)) throw InputError(where() + ": " + unknown_name("group", name, names()));
+  if (!is_group(name)) {
+    throw InputError(where() + ": " + missing_name("group", name, names()));
+  }
   return {
       opened(H5Gopen2(id(), name.c_str(), H5P_DEFAULT), located(file_, "group", path), "be opened"),
       file_, path};
@@ -92,7 +94,7 @@ Group Group::group(const std::string& name) const {
 Dataset Group::dataset(const std::string& name) const {
   const std::string at = located(file_, "dataset", path_.empty() ? name : path_ + "/" + name);
   if (!has(name) || is_group(name)) {
-    throw InputError(where() + ": " + unknown_name("dataset", name, names()));
+    throw InputError(where() + ": " + missing_name("dataset", name, names()));
   }
   return {opened(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), at, "be opened"), at};
 }

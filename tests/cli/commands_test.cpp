@@ -159,10 +159,31 @@ TEST_F(Commands, ImportRefusesWhatItWouldIgnore) {
   EXPECT_EQ(rejected({"--dt", "0"}), "npdr import: --dt = 0, must be a time > 0 [s]\n");
 }
 
+TEST_F(Commands, ImportLosesNothing) {
+  std::ofstream(file("b.csv")) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,0,0\n";
+  std::ofstream(file("b.data")) << text_of(file("b.csv"));
+  const std::string before = text_of(file("b.csv"));
+  const auto problem = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all = {"import", "--simulator", "pendulum", "--dt", "0.1"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome outcome = npdr(all);
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.err;
+  };
+  EXPECT_EQ(problem({"b.csv", "-o", "b.csv"}),
+            "npdr import: b.csv: is to hold HDF5, must not end in .csv\n");
+  EXPECT_EQ(problem({"b.data", "--force", "-o", "./b.data"}),
+            "npdr import: ./b.data: is one of the inputs, must be another file\n");
+  EXPECT_EQ(problem({"b.csv", "-o", "b.data"}),
+            "npdr import: b.data: is there already; choose another name or add --force\n");
+  EXPECT_EQ(text_of(file("b.csv")), before);
+  EXPECT_EQ(text_of(file("b.data")), before);
+}
+
 TEST_F(Commands, ListsMayComeBeforeWhatTheyBelongTo) {
   std::ofstream(file("b.csv")) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,0,0\n";
   const auto imported = [](std::vector<std::string> words) {
-    words.insert(words.begin(), {"import", "-o", "b.h5", "--dt", "0.1"});
+    words.insert(words.begin(), {"import", "--force", "-o", "b.h5", "--dt", "0.1"});
     const Outcome outcome = npdr(words);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return outcome.out;

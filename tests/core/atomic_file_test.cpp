@@ -103,7 +103,7 @@ TEST(AtomicFile, SaysWhenTheFolderCantBeWrittenTo) {
   EXPECT_EQ(
       message_of<Error>([&] { AtomicFile file(folder / "a.txt"); }, &folder),
       "a.txt: can't be written: Permission denied; make the folder writable or choose another "
-      "one with --work");
+      "one");
 }
 
 // The id of a process that no longer runs.

@@ -120,17 +120,22 @@ TEST_F(CsvImport, TakesTheTimeStepFromTheOptionWithoutATimeColumn) {
 
 TEST_F(CsvImport, TimesMustBeEquallySpaced) {
   EXPECT_EQ(imported(replaced(kCsv, "0.1,0.2", "0.103,0.2")).num_steps(), 2) << "rounded times";
-  EXPECT_EQ(problem(replaced(kCsv, "0.1,0.2", "0.12,0.2")),
-            "a.csv:3: column 1 't' = 0.12, must be 0.1: times must be equally spaced and increase");
-  EXPECT_EQ(problem(replaced(kCsv, "0.2,0.3", "0.0,0.3")).substr(0, 28),
-            "a.csv:3: column 1 't' = 0.1,");
+  const std::string more = kCsv + "0.3,0.4,4,8\n0.4,0.5,5,9\n0.5,0.6,6,10\n";
+  EXPECT_EQ(
+      problem(replaced(more, "0.3,0.4,4,8\n", "")),
+      "a.csv:5: column 1 't' is 0.2 after the line before, elsewhere 0.1: times must be equally "
+      "spaced and increase")
+      << "a lost line";
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,0.3", "0.0,0.3")),
+            "a.csv:4: column 1 't' is -0.1 after the line before, elsewhere 0.1: times must be "
+            "equally spaced and increase");
   EXPECT_EQ(problem(replaced(kCsv, "t [s]", "t [ms]")),
             "a.csv:1: column 1 't' is in [ms], must be in [s]");
 }
 
 TEST_F(CsvImport, ChecksLabelsAndUnitsOfTheHeader) {
   EXPECT_EQ(problem(replaced(kCsv, "theta [rad]", "thet [rad]")),
-            "a.csv:1: unknown column 'theta' (did you mean 'thet'?); known: t, thet, theta_dot, "
+            "a.csv:1: has no column 'theta' (did you mean 'thet'?); it has t, thet, theta_dot, "
             "torque");
   EXPECT_EQ(problem(replaced(kCsv, "[rad]", "[deg]")),
             "a.csv:1: column 2 'theta' is in [deg], must be in [rad]");

@@ -151,9 +151,8 @@ TEST(H5, SaysWhatIsMissing) {
   file.write("theta", counted(2, 2));
   const auto message = [&](const auto& body) { return message_of<InputError>(body, &folder); };
   EXPECT_EQ(message([&] { file.dataset("thet"); }),
-            "a.h5: unknown dataset 'thet' (did you mean 'theta'?); known: theta");
-  EXPECT_EQ(message([&] { file.group("theta"); }),
-            "a.h5: unknown group 'theta' (did you mean 'theta'?); known: theta");
+            "a.h5: has no dataset 'thet' (did you mean 'theta'?); it has theta");
+  EXPECT_EQ(message([&] { file.group("theta"); }), "a.h5: has no group 'theta'; it has theta");
   EXPECT_EQ(message([&] { file.dataset("theta").attribute<double>("dt"); }),
             "a.h5: dataset 'theta': attribute 'dt' is missing");
   EXPECT_EQ(message([&] { File::open(folder / "b.h5"); }), "b.h5: doesn't exist");

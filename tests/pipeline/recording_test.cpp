@@ -145,7 +145,7 @@ void replace_dataset(hid_t file, const char* name, hid_t type, std::vector<hsize
 
 TEST_F(EditedRecording, NamesMissingParts) {
   EXPECT_EQ(reading([](hid_t file) { H5Ldelete(file, "states", H5P_DEFAULT); }),
-            "a.h5: unknown dataset 'states'; known: actions, rollout");
+            "a.h5: has no dataset 'states'; it has actions, rollout");
   EXPECT_EQ(reading([](hid_t file) { H5Adelete(file, "dt"); }), "a.h5: attribute 'dt' is missing");
   EXPECT_EQ(reading([](hid_t file) { H5Adelete_by_name(file, "actions", "units", H5P_DEFAULT); }),
             "a.h5: dataset 'actions': attribute 'units' is missing");
