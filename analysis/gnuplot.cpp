@@ -55,8 +55,9 @@ void run(const std::string& program, const Figure& figure, const std::filesystem
                             (directory / output).string(), program, result.exit_status,
                             figure.name + ".gp", result.errors));
   }
-  if (format == "svg")
+  if (format == "svg") {
     write_text_file(file.temporary(), tidy_svg(read_text_file(file.temporary())));
+  }
   file.commit();
 }
 
