@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "core/error.h"
-#include "core/text.h"
 #include "inference/embeddings/embedding.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
@@ -60,27 +59,13 @@ void print_samples(const PosteriorArguments& arguments) {
   }
 }
 
-std::vector<std::string> labels_of(const CsvFile& csv) {
-  std::vector<std::string> labels;
-  for (const Channel& column : csv.columns()) labels.push_back(column.label);
-  return labels;
-}
-
 RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
   const CsvFile csv(path);
   RowMatrix theta(csv.num_rows(), prior.dimension());
   for (Index d = 0; d < theta.cols(); ++d) {
     const inference::Marginal& marginal = prior.marginals()[static_cast<std::size_t>(d)];
-    const auto column = csv.find(marginal.name);
-    if (!column) {
-      throw InputError(path + ":1: " + missing_name("column", marginal.name, labels_of(csv)));
-    }
-    const std::string& unit = csv.columns()[*column].unit;
-    if (unit != marginal.unit) {
-      throw InputError(fmt::format("{}:1: column '{}' is in [{}], must be in [{}]", path,
-                                   marginal.name, unit, marginal.unit));
-    }
-    for (Index i = 0; i < theta.rows(); ++i) theta(i, d) = csv.number(i, *column);
+    const std::size_t column = csv.column_of({marginal.name, marginal.unit});
+    for (Index i = 0; i < theta.rows(); ++i) theta(i, d) = csv.number(i, column);
   }
   return theta;
 }

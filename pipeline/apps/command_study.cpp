@@ -43,10 +43,7 @@ void print_work(const Plan& plan) {
       size_text(static_cast<std::uintmax_t>(bytes)));
   fmt::print("to judge them: {} evaluations of {} samples{}\n", evaluations,
              study.evaluate.num_samples,
-             is_recorded && study.evaluate.floor
-                 ? fmt::format(", and a search for the floor (some {} simulations)",
-                               10'000 * study.prior.size())
-                 : "");
+             is_recorded && study.evaluate.floor ? ", and a search for the floor" : "");
 }
 
 void list_simulators() {

@@ -117,13 +117,20 @@ std::string to_string(ArtefactState state) {
 
 namespace {
 
-// A damaged file must not hide how the others stand.
-void read_cost(const Node& node, ArtefactStatus& status) {
-  try {
-    status.wall_seconds = read_artefact_info(node.path).provenance.wall_seconds;
-  } catch (const InputError&) {
+void read_status(const Plan& plan, const Node& node, ArtefactStatus& status) {
+  if (is_complete(plan, node)) {
+    if (node.stage != Stage::report) {
+      status.wall_seconds = read_artefact_info(node.path).provenance.wall_seconds;
+    }
+    status.state = ArtefactState::up_to_date;
+    return;
+  }
+  status.detail = partial_detail(plan, node);
+  status.earlier = earlier_artefact(plan, node);
+  if (!status.detail.empty()) {
+    status.state = ArtefactState::partial;
+  } else if (status.earlier) {
     status.state = ArtefactState::stale;
-    status.detail = "damaged: remove " + node.path.string();
   }
 }
 
@@ -135,17 +142,11 @@ ArtefactStatus status_of(const Plan& plan, const Node& node) {
   if (node.stage == Stage::simulate) {
     status.bytes += size_of_tree(fs::path(node.path).replace_extension());
   }
-  if (is_complete(plan, node)) {
-    status.state = ArtefactState::up_to_date;
-    if (node.stage != Stage::report) read_cost(node, status);
-    return status;
-  }
-  status.detail = partial_detail(plan, node);
-  status.earlier = earlier_artefact(plan, node);
-  if (!status.detail.empty()) {
-    status.state = ArtefactState::partial;
-  } else if (status.earlier) {
+  try {
+    read_status(plan, node, status);
+  } catch (const InputError& error) {  // must not hide how the others stand
     status.state = ArtefactState::stale;
+    status.detail = std::string("damaged, remove it: ") + error.what();
   }
   return status;
 }

@@ -135,7 +135,8 @@ h5::File open_made_file(const std::filesystem::path& path) {
 
 h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
                        const std::string& key) {
-  h5::File file = open_made_file(path);
+  // Without a key somebody named the file, and it needn't be one of ours.
+  h5::File file = key.empty() ? h5::File::open(path) : open_made_file(path);
   require_complete(file);
   require_schema(file, schema);
   const auto found = file.attribute<std::string>("key");

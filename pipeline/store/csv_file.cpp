@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/config/constraint.h"
 
 namespace npdr::pipeline {
@@ -113,6 +114,21 @@ std::optional<std::size_t> CsvFile::find(const std::string& label) const {
                                   [&](const Channel& c) { return c.label == label; });
   if (found == columns_.end()) return std::nullopt;
   return static_cast<std::size_t>(found - columns_.begin());
+}
+
+std::size_t CsvFile::column_of(const Channel& channel) const {
+  const auto column = find(channel.label);
+  if (!column) {
+    std::vector<std::string> labels;
+    for (const Channel& known : columns_) labels.push_back(known.label);
+    fail(1, missing_name("column", channel.label, labels));
+  }
+  const std::string& unit = columns_[*column].unit;
+  if (!channel.unit.empty() && unit != channel.unit) {
+    fail(1, fmt::format("column {} '{}' is in [{}], must be in [{}]", *column + 1, channel.label,
+                        unit, channel.unit));
+  }
+  return *column;
 }
 
 double CsvFile::number(Index row, std::size_t column) const {

@@ -1,4 +1,4 @@
-/// One CSV file of numbers with a header line. Private to the importer.
+/// One CSV file of numbers with a header line. Private to the pipeline.
 #pragma once
 
 #include <filesystem>
@@ -24,6 +24,10 @@ class CsvFile {
   Index num_rows() const { return static_cast<Index>(rows_.size()); }
 
   std::optional<std::size_t> find(const std::string& label) const;
+
+  /// The column of a channel; its unit may be any when the channel's is "". Throws InputError when
+  /// there is no such label, with those that there are, or it has another unit.
+  std::size_t column_of(const Channel& channel) const;
 
   /// The number in row `row` (counted from 0) of a column. Throws InputError with file, line and
   /// column for what isn't a finite number.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -17,20 +18,7 @@ constexpr double kTimeTolerance = 0.05;
 // Columns of one file, resolved from labels.
 std::vector<std::size_t> find_columns(const CsvFile& file, const std::vector<Channel>& wanted) {
   std::vector<std::size_t> columns;
-  std::vector<std::string> labels;
-  for (const Channel& column : file.columns()) labels.push_back(column.label);
-  for (const Channel& channel : wanted) {
-    const auto column = file.find(channel.label);
-    if (!column) {
-      throw InputError(file.name() + ":1: " + missing_name("column", channel.label, labels));
-    }
-    const std::string& unit = file.columns()[*column].unit;
-    if (!channel.unit.empty() && unit != channel.unit) {
-      throw InputError(fmt::format("{}:1: column {} '{}' is in [{}], must be in [{}]", file.name(),
-                                   *column + 1, channel.label, unit, channel.unit));
-    }
-    columns.push_back(*column);
-  }
+  for (const Channel& channel : wanted) columns.push_back(file.column_of(channel));
   return columns;
 }
 
@@ -70,11 +58,7 @@ void check_steps(const CsvFile& file, std::size_t column) {
 
 // Mean step of equally spaced times.
 double time_step(const CsvFile& file, std::size_t column) {
-  if (file.columns()[column].unit != "s") {
-    throw InputError(fmt::format("{}:1: column {} '{}' is in [{}], must be in [s]", file.name(),
-                                 column + 1, file.columns()[column].label,
-                                 file.columns()[column].unit));
-  }
+  file.column_of({file.columns()[column].label, "s"});
   check_steps(file, column);
   const Index last = file.num_rows() - 1;
   const double start = file.number(0, column);

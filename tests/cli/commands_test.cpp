@@ -71,6 +71,54 @@ TEST_F(Commands, SampleAndLogProbUseAPosterior) {
   ASSERT_EQ(densities.status, 0) << densities.err;
   EXPECT_EQ(std::count(densities.out.begin(), densities.out.end(), '\n'), 21);
   EXPECT_EQ(densities.out.find("inf"), std::string::npos);
+  std::ofstream(file("grams.csv")) << "pole_mass [g],pole_length [m]\n1000,1\n";
+  const Outcome wrong_unit = npdr({"log-prob", posterior, "grams.csv"});
+  EXPECT_EQ(wrong_unit.status, 2);
+  EXPECT_EQ(wrong_unit.err,
+            "npdr log-prob: grams.csv:1: column 1 'pole_mass' is in [g], must be in [kg]\n");
+}
+
+TEST_F(Commands, UnknownOnesAreNamed) {
+  const Outcome outcome = npdr({"runn", "small.toml"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(
+      outcome.err.starts_with("npdr: unknown command 'runn' (did you mean 'run'?); known: "))
+      << outcome.err;
+}
+
+TEST_F(Commands, SeedsMayBeRanges) {
+  EXPECT_EQ(npdr({"status", "--seeds", "1-1", "small.toml"}).out,
+            npdr({"status", "--seeds", "1", "small.toml"}).out);
+  const Outcome outcome = npdr({"status", "--seeds", "1-x", "small.toml"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("'1-x' is no list of numbers and ranges"), std::string::npos)
+      << outcome.err;
+}
+
+TEST_F(Commands, DeletedTablesAreMadeAgain) {
+  std::filesystem::remove_all(file("runs/small/tables"));
+  EXPECT_EQ(npdr({"run", "small.toml"}).out, run_output_);
+  EXPECT_TRUE(std::filesystem::exists(file("runs/small/tables/fit.csv")));
+}
+
+TEST_F(Commands, AReportWithoutTheRoundsRemovesTheirTable) {
+  ASSERT_EQ(npdr({"run", "small.toml", "--set", "evaluate.rounds=all"}).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(file("runs/small/tables/rounds.md")));
+  ASSERT_EQ(npdr({"run", "small.toml", "--set", "evaluate.rounds=last"}).status, 0);
+  EXPECT_FALSE(std::filesystem::exists(file("runs/small/tables/rounds.md")));
+  npdr({"run", "small.toml"});  // as the other tests expect it
+}
+
+TEST_F(Commands, ADamagedArtefactDoesNotHideTheOthers) {
+  const auto path =
+      std::filesystem::canonical(file("runs/small/npdr-maf/seed-1/round-2/evaluate.h5"));
+  const std::string whole = text_of(path);
+  std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() / 2);
+  const Outcome outcome = npdr({"status", "small.toml"});
+  std::ofstream(path, std::ios::binary) << whole;
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("damaged, remove it: "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("up to date"), std::string::npos) << outcome.out;
 }
 
 TEST_F(Commands, InspectShowsKindInputsAndContent) {

@@ -112,6 +112,14 @@ TEST(StudyReader, ATruthOfTheCommandLineReplacesTheRecordingOfTheFile) {
   EXPECT_EQ(study.target.truth->at("pole_mass"), 1.3);
 }
 
+TEST(StudyReader, ARecordingOfTheCommandLineTakesTheTruthsRolloutsAway) {
+  const std::filesystem::path recording = __FILE__;  // it only has to exist
+  const Study study =
+      small_study({"target.num_rollouts=1", "target.recording=" + recording.string()});
+  EXPECT_FALSE(study.target.truth);
+  EXPECT_EQ(study.target.num_rollouts, 0);
+}
+
 TEST(StudyReader, OverridesEveryMethodOrOne) {
   Study study = small_study({"method.num_rounds=2"});
   EXPECT_EQ(study.methods[0].algorithm.num_rounds, 2);
