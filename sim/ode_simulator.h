@@ -18,10 +18,6 @@ class OdeSimulator final : public Simulator {
   Target behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const override;
 
  private:
-  void check_theta(Index num_parameters) const;
-  bool is_possible(const Eigen::Ref<const Eigen::RowVectorXd>& theta) const;
-  void check_target(const Target& target) const;
-
   std::unique_ptr<OdeModel> model_;
   SimulatorConfig config_;
   SimulatorInfo info_;  // the model's, with the config's parameters as nominal values
