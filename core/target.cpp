@@ -60,4 +60,14 @@ Target Target::first(Index count) const {
   return result;
 }
 
+Target Target::after(Index count) const {
+  if (count < 0 || count >= num_rollouts()) {
+    throw InputError("no rollouts after the first " + std::to_string(count) +
+                     ": the target domain has " + std::to_string(num_rollouts()));
+  }
+  Target result = *this;
+  result.rollouts.erase(result.rollouts.begin(), result.rollouts.begin() + count);
+  return result;
+}
+
 }  // namespace npdr

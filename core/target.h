@@ -15,6 +15,14 @@ struct Channel {
   friend bool operator==(const Channel&, const Channel&) = default;
 };
 
+/// A place in state space that rollouts should end at.
+struct Goal {
+  std::string description;      ///< such as "rests within 5 cm of the hole"
+  std::vector<Index> channels;  ///< state channels that count
+  Vector place;                 ///< value of each of them, SI
+  double radius = 0.0;          ///< Euclidean, SI
+};
+
 /// One rollout: states before each action and after the last, and what was applied in between.
 struct Rollout {
   std::string name;
@@ -42,8 +50,9 @@ struct Target {
   /// rollout with at least one step. `where` (a file name) begins the message.
   void check(const std::string& where) const;
 
-  /// The first `count` rollouts. Throws InputError when there are fewer.
+  /// The first `count` rollouts, and those after them. Throws InputError when that leaves none.
   Target first(Index count) const;
+  Target after(Index count) const;
 };
 
 }  // namespace npdr

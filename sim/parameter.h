@@ -13,6 +13,7 @@ struct Parameter {
   double lower = 0.0;    ///< smallest physically meaningful value
   double upper = 0.0;    ///< largest physically meaningful value
   std::string description;
+  double period = 0.0;  ///< values this far apart are the same system; 0: none are
 };
 
 }  // namespace npdr::sim

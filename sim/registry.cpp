@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "sim/furuta.h"
+#include "sim/minigolf/minigolf.h"
 #include "sim/ode_simulator.h"
 #include "sim/pendulum.h"
 #include "sim/simulator.h"
@@ -18,6 +19,10 @@ SimulatorPtr make_ode_simulator(const SimulatorConfig& config) {
   return std::make_unique<OdeSimulator>(std::make_unique<Model>(), config);
 }
 
+SimulatorPtr make_minigolf(const SimulatorConfig& config) {
+  return std::make_unique<Minigolf>(config);
+}
+
 struct Entry {
   const char* name;
   SimulatorPtr (*make)(const SimulatorConfig&);
@@ -26,6 +31,7 @@ struct Entry {
 // Every simulator: to add one, write its file pair and a line here.
 constexpr std::array kSimulators = {
     Entry{"furuta", make_ode_simulator<Furuta>},
+    Entry{"minigolf", make_minigolf},
     Entry{"pendulum", make_ode_simulator<Pendulum>},
 };
 
@@ -43,6 +49,8 @@ std::unique_ptr<Simulator> make_simulator(const SimulatorConfig& config) {
   }
   throw InputError(unknown_name("simulator", config.name, simulator_names()));
 }
+
+std::vector<Outline> Simulator::outlines(const Vector& /*theta*/) const { return {}; }
 
 Index parameter_index(const SimulatorInfo& info, const std::string& name) {
   std::vector<std::string> names;

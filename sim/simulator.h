@@ -9,15 +9,32 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/outline.h"
 #include "core/target.h"
 #include "core/types.h"
 #include "sim/parameter.h"
 #include "sim/trajectories.h"
 
 namespace npdr::sim {
+
+/// Settings of the mini golf alone.
+struct MinigolfConfig {
+  std::string strike = "recorded";      ///< "recorded" actions, or Table A4's "policy"
+  std::string ball_start = "recorded";  ///< in each rollout, or "nominal"
+  std::string rolling = "exact";        ///< away from everything, or "engine": by Bullet, too
+  Index substeps = 2;                   ///< of Bullet per time step
+  Index substeps_near = 5;              ///< the same where the ball is near something
+  double linear_damping = 0.1;          ///< [1] v loses the factor (1 - damping)^(1 s) by itself
+  double angular_damping = 0.0;         ///< [1] of the ball's spin
+  Index solver_iterations = 100;        ///< of Bullet's contact solver, at most
+  double solver_cfm = 1e-4;             ///< constraint force mixing: softness of contacts
+  double solver_erp = 0.2;              ///< part of an overlap that a substep takes away
+  double restitution_threshold = 0.2;   ///< [m/s] contacts below it don't bounce
+};
 
 /// Settings of a simulator, as a study gives them.
 struct SimulatorConfig {
@@ -27,6 +44,7 @@ struct SimulatorConfig {
   std::string integrator = "erk4";                ///< a name of integrator_names()
   Index substeps = 1;                             ///< integrator steps per time step of the target
   Index store_every = 1;                          ///< keep every k-th state
+  MinigolfConfig minigolf = {};                   ///< of the simulator "minigolf"
 };
 
 /// What a simulator is about. `dt` and `num_steps` are those of its own behaviour policy.
@@ -38,6 +56,7 @@ struct SimulatorInfo {
   std::vector<Channel> action_channels;
   double dt = 0.0;      ///< [s]
   Index num_steps = 0;  ///< per rollout
+  std::optional<Goal> goal = {};
 };
 
 /// A simulator with its settings. Const calls are thread-safe.
@@ -58,7 +77,16 @@ class Simulator {
   /// Rollouts of a simulated target domain at the truth `theta` (P), under the simulator's own
   /// behaviour policy and initial states; `seed` picks them where they are random.
   virtual Target behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const = 0;
+
+  /// Shapes in the plane of the first two state channels, at all P parameters `theta`, for figures
+  /// from above. None: the system doesn't move on a plane.
+  virtual std::vector<Outline> outlines(const Vector& theta) const;
 };
+
+/// Names of MinigolfConfig::strike and ball_start.
+std::vector<std::string> strike_names();
+std::vector<std::string> ball_start_names();
+std::vector<std::string> rolling_names();
 
 /// Names that make_simulator() knows.
 std::vector<std::string> simulator_names();

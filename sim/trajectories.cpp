@@ -10,6 +10,8 @@ std::string_view to_string(RolloutStatus status) {
       return "diverged";
     case RolloutStatus::out_of_limits:
       return "out_of_limits";
+    case RolloutStatus::left_scene:
+      return "left_scene";
   }
   return "unknown";
 }

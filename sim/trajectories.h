@@ -14,10 +14,11 @@ namespace npdr::sim {
 enum class RolloutStatus : std::uint8_t {
   ok = 0,
   diverged = 1,       ///< a state became NaN or infinite
-  out_of_limits = 2,  ///< a parameter is outside of what is physically possible
+  out_of_limits = 2,  ///< parameters that are physically impossible
+  left_scene = 3,     ///< a body left the part of the world that the simulator knows
 };
 
-/// "ok", "diverged", "out_of_limits".
+/// "ok", "diverged", "out_of_limits", "left_scene".
 std::string_view to_string(RolloutStatus status);
 
 /// Trajectories of n rows: row i holds H rollouts of T stored states of C channels, row-major,

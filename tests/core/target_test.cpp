@@ -56,5 +56,14 @@ TEST(Target, FirstKeepsTheFirstRolloutsAndRejectsMoreThanThereAre) {
   EXPECT_THROW(two_rollouts().first(0), InputError);
 }
 
+TEST(Target, AfterKeepsTheOthersAndRejectsWhenNoneAreLeft) {
+  const Target rest = two_rollouts().after(1);
+  ASSERT_EQ(rest.num_rollouts(), 1);
+  EXPECT_EQ(rest.rollouts.front().name, two_rollouts().rollouts.back().name);
+  EXPECT_EQ(two_rollouts().after(0).num_rollouts(), 2);
+  EXPECT_THROW(two_rollouts().after(2), InputError);
+  EXPECT_THROW(two_rollouts().after(-1), InputError);
+}
+
 }  // namespace
 }  // namespace npdr

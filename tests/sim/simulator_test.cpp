@@ -22,7 +22,7 @@ void expect_part(const std::string& message, const std::string& part) {
 }
 
 TEST(Simulator, EveryNameMakesASimulatorOfThisName) {
-  EXPECT_EQ(simulator_names(), (std::vector<std::string>{"furuta", "pendulum"}));
+  EXPECT_EQ(simulator_names(), (std::vector<std::string>{"furuta", "minigolf", "pendulum"}));
   for (const std::string& name : simulator_names()) {
     const auto simulator = make_simulator({.name = name});
     EXPECT_EQ(simulator->info().name, name);

@@ -1,0 +1,334 @@
+#include "sim/minigolf/ball_world.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "sim/minigolf/head.h"
+
+namespace npdr::sim {
+namespace {
+
+constexpr double kGravity = 9.81;     // [m/s^2]
+constexpr double kNear = 0.002;       // [m] gap below which a step has the fine substeps
+constexpr double kRolling = 1e-4;     // [m], [m/s] off the ground, or slipping, that rolling may be
+constexpr double kClubMargin = 0.02;  // [m] gap below which the club is in the world
+constexpr double kRestSpeed = 1e-3;   // [m/s]
+constexpr int kRestSteps = 10;
+
+// Bullet's own default keeps contacts up to 20 mm apart, as far as this ball is wide. The variable
+// is global: set before any world exists.
+[[maybe_unused]] const double kContactBreakingThreshold = gContactBreakingThreshold = 5e-4;
+
+// Bullet limits the torque of rolling friction about two fixed axes, each by itself: a ball that
+// rolls obliquely slows down up to 1.41 times as fast, and turns. On the ground it comes from
+// BallWorld::resist_rolling() instead. Global, too.
+constexpr int kGround = 1;
+btScalar rolling_friction_off_ground(const btCollisionObject* a, const btCollisionObject* b) {
+  if (a->getUserIndex() == kGround || b->getUserIndex() == kGround) return 0.0;
+  return a->getRollingFriction() * b->getFriction() + b->getRollingFriction() * a->getFriction();
+}
+[[maybe_unused]] const auto kRollingFrictionCallback = gCalculateCombinedRollingFrictionCallback =
+    rolling_friction_off_ground;
+
+btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+Eigen::Vector3d from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+btTransform to_bullet(const Eigen::Isometry3d& pose) {
+  const auto r = pose.linear();
+  const btMatrix3x3 rotation(r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1),
+                             r(2, 2));
+  return btTransform(rotation, to_bullet(pose.translation()));
+}
+
+btDefaultCollisionConstructionInfo small_pools() {
+  btDefaultCollisionConstructionInfo info;
+  info.m_defaultMaxPersistentManifoldPoolSize = 32;
+  info.m_defaultMaxCollisionAlgorithmPoolSize = 32;
+  return info;
+}
+
+void set_surface(const Surface& surface, btRigidBody& body) {
+  body.setFriction(surface.friction);
+  body.setRollingFriction(surface.rolling_friction);
+  body.setRestitution(surface.restitution);
+}
+
+// Of two bodies in contact, as Bullet combines theirs (course.h).
+double friction(const Surface& a, const Surface& b) { return a.friction * b.friction; }
+double rolling_friction(const Surface& a, const Surface& b) {
+  return a.rolling_friction * b.friction + b.rolling_friction * a.friction;
+}
+
+// Rate [1/s] of a damping that takes the factor (1 - damping)^t.
+double rate(double damping) { return -std::log1p(-damping); }
+
+RollingLaw rolling_law(const MinigolfConfig& config, const Course& course) {
+  const double mu = rolling_friction(course.ball, course.ground);
+  return {5.0 / 7.0 * kGravity * mu / course.ball_radius,
+          (5.0 * rate(config.linear_damping) + 2.0 * rate(config.angular_damping)) / 7.0};
+}
+
+std::array<Footprint, 5> footprints(const Course& course) {
+  const auto& [outer, inner, end] = bounds();
+  const auto& [left, right] = course.obstacles;
+  return {Footprint(outer), Footprint(inner), Footprint(end), Footprint(left), Footprint(right)};
+}
+
+}  // namespace
+
+struct BallWorld::Bodies {
+  Bodies(const MinigolfConfig& config, const Course& course)
+      : configuration(small_pools()),
+        dispatcher(&configuration),
+        world(&dispatcher, &broadphase, &solver, &configuration),
+        ball_shape(course.ball_radius) {
+    set_solver(config, course);
+    add_ground(course);
+    for (const CourseBox& box : bounds()) add_box(box);
+    for (const CourseBox& box : course.obstacles) add_box(box);
+    add_ball(config, course);
+    make_club();
+  }
+  ~Bodies() {
+    for (int i = world.getNumCollisionObjects() - 1; i >= 0; --i) {
+      world.removeCollisionObject(world.getCollisionObjectArray()[i]);
+    }
+  }
+
+  void set_solver(const MinigolfConfig& config, const Course& course);
+  void add_ground(const Course& course);
+  void add_box(const CourseBox& box);
+  void add_ball(const MinigolfConfig& config, const Course& course);
+  void make_club();
+
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher;
+  btSimpleBroadphase broadphase{16};
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world;
+
+  btStaticPlaneShape ground_shape{btVector3(0, 0, 1), 0.0};
+  btSphereShape ball_shape;
+  std::unique_ptr<btMultiSphereShape> head_shape;
+  std::vector<std::unique_ptr<btBoxShape>> box_shapes;
+  std::vector<std::unique_ptr<btRigidBody>> boxes;
+  std::unique_ptr<btRigidBody> ground, ball, club;
+};
+
+void BallWorld::Bodies::set_solver(const MinigolfConfig& config, const Course& course) {
+  btContactSolverInfo& info = world.getSolverInfo();
+  info.m_numIterations = static_cast<int>(config.solver_iterations);
+  info.m_leastSquaresResidualThreshold = 1e-16;
+  // In units of 1 / mass: relative to it, the ball's mass changes nothing, as in nature.
+  info.m_globalCfm = config.solver_cfm * kNominalMass / course.ball_mass;
+  info.m_erp2 = config.solver_erp;
+  // Positions are corrected apart from velocities, from the first overlap on: otherwise the
+  // correction adds to the restitution.
+  info.m_splitImpulse = 1;
+  info.m_splitImpulsePenetrationThreshold = 0.0;
+  info.m_restitutionVelocityThreshold = config.restitution_threshold;
+  info.m_solverMode = SOLVER_FRICTION_SEPARATE | SOLVER_USE_2_FRICTION_DIRECTIONS;
+  world.setForceUpdateAllAabbs(false);
+  world.setGravity(btVector3(0, 0, -kGravity));
+}
+
+void BallWorld::Bodies::add_ground(const Course& course) {
+  ground = std::make_unique<btRigidBody>(0.0, nullptr, &ground_shape);
+  set_surface(course.ground, *ground);
+  ground->setUserIndex(kGround);
+  world.addRigidBody(ground.get());
+}
+
+void BallWorld::Bodies::add_box(const CourseBox& box) {
+  box_shapes.push_back(std::make_unique<btBoxShape>(btVector3(box.half_x, box.half_y, box.half_z)));
+  boxes.push_back(std::make_unique<btRigidBody>(0.0, nullptr, box_shapes.back().get()));
+  btRigidBody& body = *boxes.back();
+  set_surface(kFixtures, body);
+  body.setWorldTransform(
+      btTransform(btQuaternion(btVector3(0, 0, 1), box.yaw), btVector3(box.x, box.y, box.half_z)));
+  world.addRigidBody(&body);
+}
+
+void BallWorld::Bodies::add_ball(const MinigolfConfig& config, const Course& course) {
+  btVector3 inertia;
+  ball_shape.calculateLocalInertia(course.ball_mass, inertia);
+  ball = std::make_unique<btRigidBody>(course.ball_mass, nullptr, &ball_shape, inertia);
+  set_surface(course.ball, *ball);
+  ball->setDamping(config.linear_damping, config.angular_damping);
+  ball->setActivationState(DISABLE_DEACTIVATION);
+  world.addRigidBody(ball.get());
+}
+
+void BallWorld::Bodies::make_club() {
+  std::array<btVector3, 4> centres = {
+      btVector3(-kHeadHalfX, -kHeadHalfY, 0), btVector3(-kHeadHalfX, kHeadHalfY, 0),
+      btVector3(kHeadHalfX, -kHeadHalfY, 0), btVector3(kHeadHalfX, kHeadHalfY, 0)};
+  std::array<btScalar, 4> radii;
+  radii.fill(kHeadRadius);
+  head_shape = std::make_unique<btMultiSphereShape>(centres.data(), radii.data(), 4);
+  head_shape->setMargin(kHeadRadius);  // of points, whose margin is the sphere
+  club = std::make_unique<btRigidBody>(0.0, nullptr, head_shape.get());
+  set_surface(kFixtures, *club);
+  // Kinematic and nothing else: a static body has no velocity.
+  club->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  club->setActivationState(DISABLE_DEACTIVATION);
+}
+
+BallWorld::BallWorld(const MinigolfConfig& config, const Course& course, const ClubMotion& motion,
+                     double dt, const Eigen::Vector2d& start)
+    : config_(config),
+      course_(course),
+      motion_(motion),
+      dt_(dt),
+      footprints_(footprints(course)),
+      rolling_(rolling_law(config, course)),
+      bodies_(std::make_unique<Bodies>(config, course)) {
+  set_ball({start.x(), start.y(), course.ball_radius}, Eigen::Vector3d::Zero(),
+           Eigen::Vector3d::Zero());
+}
+
+BallWorld::~BallWorld() = default;
+
+void BallWorld::set_ball(const Eigen::Vector3d& position, const Eigen::Vector3d& velocity,
+                         const Eigen::Vector3d& spin) {
+  btRigidBody& ball = *bodies_->ball;
+  const btTransform pose(btQuaternion::getIdentity(), to_bullet(position));
+  ball.setWorldTransform(pose);
+  ball.setInterpolationWorldTransform(pose);
+  ball.setLinearVelocity(to_bullet(velocity));
+  ball.setAngularVelocity(to_bullet(spin));
+  ball.updateInertiaTensor();
+}
+
+Eigen::Vector3d BallWorld::ball_position() const {
+  return from_bullet(bodies_->ball->getWorldTransform().getOrigin());
+}
+
+Eigen::Vector3d BallWorld::ball_velocity() const {
+  return from_bullet(bodies_->ball->getLinearVelocity());
+}
+
+Eigen::Vector3d BallWorld::ball_spin() const {
+  return from_bullet(bodies_->ball->getAngularVelocity());
+}
+
+// Distance of the ball's surface from the next box or the hole's edge, seen from above.
+double BallWorld::gap() const {
+  const Eigen::Vector3d p = ball_position();
+  double nearest = std::abs(std::hypot(p.x() - kHoleX, p.y() - kHoleY) - kHoleRadius);
+  for (const Footprint& footprint : footprints_) {
+    nearest = std::min(nearest, footprint.distance(p.x(), p.y()) - course_.ball_radius);
+  }
+  return nearest;
+}
+
+void BallWorld::step(Index t) {
+  const Eigen::Vector3d position = ball_position();
+  const double reach = ball_velocity().norm() * dt_;
+  const double club_gap = motion_.clearance(t, position) - course_.ball_radius - reach;
+  const bool with_club = club_gap < kClubMargin;
+  const bool is_near = gap() < kNear + reach;
+  if (!with_club && !is_near && rolls()) {
+    roll_on();
+    ++counts_.rolled;
+  } else {
+    simulate(t, with_club, is_near || club_gap < kNear);
+  }
+  watch_rest(t);
+}
+
+// Whether the ball rolls without slipping and the ground can hold it so (rolling.h).
+bool BallWorld::rolls() const {
+  if (config_.rolling != "exact") return false;
+  const Eigen::Vector3d p = ball_position(), v = ball_velocity(), spin = ball_spin();
+  const double r = course_.ball_radius;
+  const double slip = std::hypot(v.x() - r * spin.y(), v.y() + r * spin.x());
+  if (std::max({std::abs(p.z() - r), std::abs(v.z()), slip}) > kRolling) return false;
+  const double held = rolling_.deceleration() +
+                      (rolling_.damping() - rate(config_.linear_damping)) * v.head<2>().norm();
+  return std::abs(held) < friction(course_.ball, course_.ground) * kGravity && !is_above_hole();
+}
+
+void BallWorld::roll_on() {
+  const Eigen::Vector3d p = ball_position(), v = ball_velocity();
+  const double speed = v.head<2>().norm();
+  if (speed == 0.0) return;
+  const Rolled rolled = rolling_.roll(speed, dt_);
+  const Eigen::Vector2d along = v.head<2>() / speed;
+  const Eigen::Vector2d place = p.head<2>() + rolled.distance * along;
+  const Eigen::Vector2d velocity = rolled.speed * along;
+  const double r = course_.ball_radius;
+  set_ball({place.x(), place.y(), p.z()}, {velocity.x(), velocity.y(), 0.0},
+           {-velocity.y() / r, velocity.x() / r, ball_spin().z()});
+}
+
+void BallWorld::simulate(Index t, bool with_club, bool is_fine) {
+  ++(is_fine ? counts_.fine : counts_.coarse);
+  set_club_present(with_club, t, is_fine);
+  const Index substeps = motion_.num_substeps(is_fine);
+  for (Index k = 0; k < substeps; ++k) {
+    if (with_club) bodies_->club->setWorldTransform(to_bullet(motion_.pose(t, k, is_fine)));
+    step_once(dt_ / static_cast<double>(substeps));
+  }
+}
+
+void BallWorld::watch_rest(Index t) {
+  const double speed = ball_velocity().norm();
+  const double rolling = ball_spin().head<2>().norm() * course_.ball_radius;
+  steps_at_rest_ = speed < kRestSpeed && rolling < kRestSpeed ? steps_at_rest_ + 1 : 0;
+  club_is_done_ = steps_at_rest_ > 0 &&
+                  motion_.clearance_from(t, ball_position()) - course_.ball_radius > kClubMargin;
+}
+
+// A club that joins at the beginning of step t has the velocity that it has from there on.
+void BallWorld::set_club_present(bool with_club, Index t, bool is_fine) {
+  if (with_club == club_is_here_) return;
+  club_is_here_ = with_club;
+  btRigidBody& club = *bodies_->club;
+  if (!with_club) {
+    bodies_->world.removeRigidBody(&club);
+    return;
+  }
+  const btTransform pose = to_bullet(motion_.pose(t, -1, is_fine));
+  club.setWorldTransform(pose);
+  club.setInterpolationWorldTransform(pose);
+  bodies_->world.addRigidBody(&club, btBroadphaseProxy::KinematicFilter,
+                              btBroadphaseProxy::DefaultFilter);
+}
+
+void BallWorld::step_once(double duration) {
+  // A rolling sphere would keep some stale contacts behind the true one, which push it.
+  for (int i = 0; i < bodies_->dispatcher.getNumManifolds(); ++i) {
+    bodies_->dispatcher.getManifoldByIndexInternal(i)->clearManifold();
+  }
+  const Surface& ground = is_above_hole() ? kHoleSurface : course_.ground;
+  set_surface(ground, *bodies_->ground);
+  resist_rolling(rolling_friction(course_.ball, ground), duration);
+  bodies_->world.stepSimulation(duration, 0);
+}
+
+bool BallWorld::is_above_hole() const {
+  const Eigen::Vector3d p = ball_position();
+  return std::hypot(p.x() - kHoleX, p.y() - kHoleY) < kHoleRadius;
+}
+
+// A torque of mu_c m g against the rolling, for as long as it takes to stop it: 7/5 m r^2 |w| about
+// the point of contact.
+void BallWorld::resist_rolling(double mu, double duration) {
+  const double r = course_.ball_radius;
+  if (ball_position().z() - r > kRolling) return;
+  const Eigen::Vector2d spin = ball_spin().head<2>();
+  const double size = spin.norm();
+  if (size == 0.0) return;
+  const double impulse = std::min(mu * kGravity * duration, 1.4 * r * r * size);
+  const Eigen::Vector2d change = -impulse * course_.ball_mass / size * spin;
+  bodies_->ball->applyTorqueImpulse(btVector3(change.x(), change.y(), 0.0));
+}
+
+bool BallWorld::has_come_to_rest() const { return steps_at_rest_ >= kRestSteps && club_is_done_; }
+
+}  // namespace npdr::sim

@@ -1,0 +1,210 @@
+#include "sim/minigolf/minigolf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <iomanip>
+#include <limits>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/random.h"
+#include "sim/minigolf/arm.h"
+#include "sim/minigolf/ball_world.h"
+#include "sim/simulator_check.h"
+
+namespace npdr::sim {
+namespace {
+
+constexpr double kTimeStep = 0.01;
+constexpr Index kSteps = 800;
+constexpr double kStartSpread = 0.005;  // [m] of the ball's place in a simulated target domain
+constexpr double kSunk = 0.5;           // radii below its place on the ground
+
+SimulatorInfo make_info() {
+  SimulatorInfo info;
+  info.name = "minigolf";
+  info.description = "a robot arm's strike of a mini golf ball";
+  info.parameters = course_parameters();
+  info.state_channels = {{"ball_x", "m"}, {"ball_y", "m"}};
+  for (std::size_t j = 1; j <= kNumJoints; ++j) {
+    info.action_channels.push_back({fmt::format("q{}_cmd", j), "rad"});
+  }
+  info.goal = Goal{"rests within 5 cm of the hole", {0, 1}, Eigen::Vector2d(kHoleX, kHoleY), 0.05};
+  info.dt = kTimeStep;
+  info.num_steps = kSteps;
+  return info;
+}
+
+std::string quoted(const std::string& word) {
+  std::ostringstream text;
+  text << std::quoted(word, '\'');
+  return text.str();
+}
+
+void check_one_of(const std::string& field, const std::string& found,
+                  const std::vector<std::string>& allowed) {
+  if (std::ranges::find(allowed, found) != allowed.end()) return;
+  reject_setting(field, quoted(found), quoted(allowed[0]) + " or " + quoted(allowed[1]));
+}
+
+void check_range(const std::string& field, double found, double lower, double upper) {
+  if (found >= lower && found <= upper) return;
+  std::ostringstream range;
+  range << "in [" << lower << ", " << upper << "]";
+  reject_setting(field, found, range.str());
+}
+
+void check_config(const SimulatorConfig& config) {
+  if (config.segment_length != 0) {
+    reject_setting("segment_length", config.segment_length,
+                   "0: a recording doesn't hold the ball's velocity, from which a segment begins");
+  }
+  if (config.store_every < 1) reject_setting("store_every", config.store_every, ">= 1");
+  const MinigolfConfig& golf = config.minigolf;
+  check_one_of("minigolf.strike", golf.strike, strike_names());
+  check_one_of("minigolf.ball_start", golf.ball_start, ball_start_names());
+  check_one_of("minigolf.rolling", golf.rolling, rolling_names());
+  check_range("minigolf.substeps", double(golf.substeps), 1, 1000);
+  check_range("minigolf.substeps_near", double(golf.substeps_near), 1, 1000);
+  check_range("minigolf.solver_iterations", double(golf.solver_iterations), 1, 10'000);
+  check_range("minigolf.linear_damping", golf.linear_damping, 0.0, 1.0);
+  check_range("minigolf.angular_damping", golf.angular_damping, 0.0, 1.0);
+  check_range("minigolf.solver_cfm", golf.solver_cfm, 0.0, 1.0);
+  check_range("minigolf.solver_erp", golf.solver_erp, 0.0, 1.0);
+  check_range("minigolf.restitution_threshold", golf.restitution_threshold, 0.0, 100.0);
+}
+
+RowMatrix policy_actions(Index num_steps, double dt) {
+  RowMatrix actions(num_steps, static_cast<Index>(kNumJoints));
+  for (Index t = 0; t < num_steps; ++t) {
+    std::ranges::copy(strike(static_cast<double>(t) * dt), actions.row(t).data());
+  }
+  return actions;
+}
+
+// What all simulations of one rollout of the target share.
+struct Task {
+  ClubMotion motion;
+  Eigen::Vector2d start;
+};
+
+Task make_task(const MinigolfConfig& config, const Rollout& rollout, double dt) {
+  const RowMatrix actions =
+      config.strike == "recorded" ? rollout.actions : policy_actions(rollout.num_steps(), dt);
+  Eigen::Vector2d start(kBallStartX, kBallStartY);
+  if (config.ball_start == "recorded") start = rollout.states.row(0).transpose();
+  return {{actions, config.substeps, config.substeps_near}, start};
+}
+
+// Receives the ball's place after step t, t = 1, ..., T.
+using Sink = std::function<void(Index t, const Eigen::Vector3d& ball)>;
+
+RolloutStatus status_of(const Eigen::Vector3d& ball, const Course& course) {
+  if (!ball.allFinite()) return RolloutStatus::diverged;
+  const bool is_above = ball.z() > (1.0 - kSunk) * course.ball_radius;
+  return is_above && is_on_ground(ball.x(), ball.y()) ? RolloutStatus::ok
+                                                      : RolloutStatus::left_scene;
+}
+
+RolloutStatus simulate(const MinigolfConfig& config, const Course& course, const Task& task,
+                       double dt, const Sink& sink) {
+  if (begins_inside(course, task.start.x(), task.start.y())) return RolloutStatus::out_of_limits;
+  BallWorld world(config, course, task.motion, dt, task.start);
+  const Index steps = task.motion.num_steps();
+  Eigen::Vector3d ball = world.ball_position();
+  for (Index t = 0; t < steps; ++t) {
+    if (!world.has_come_to_rest()) {
+      world.step(t);
+      ball = world.ball_position();
+      const RolloutStatus status = status_of(ball, course);
+      if (status != RolloutStatus::ok) return status;
+    }
+    sink(t + 1, ball);
+  }
+  return RolloutStatus::ok;
+}
+
+}  // namespace
+
+std::vector<std::string> strike_names() { return {"recorded", "policy"}; }
+std::vector<std::string> ball_start_names() { return {"recorded", "nominal"}; }
+std::vector<std::string> rolling_names() { return {"exact", "engine"}; }
+
+Minigolf::Minigolf(const SimulatorConfig& config) : config_(config), info_(make_info()) {
+  check_config(config_);
+  replace_nominal(config_.parameters, info_);
+}
+
+Trajectories Minigolf::replay(const Target& target, const RowMatrix& theta) const {
+  check_num_parameters(theta.cols(), info_);
+  check_target(target, info_, config_.store_every);
+  std::vector<Task> tasks;
+  for (const Rollout& rollout : target.rollouts) {
+    tasks.push_back(make_task(config_.minigolf, rollout, target.dt));
+  }
+  Trajectories result;
+  result.resize(theta.rows(), target.num_rollouts(), target.num_steps() / config_.store_every,
+                target.num_states());
+
+  parallel_for(theta.rows(), [&](Index i) {
+    RolloutStatus& status = result.status[static_cast<std::size_t>(i)];
+    if (!is_possible(theta.row(i), info_)) status = RolloutStatus::out_of_limits;
+    const Course course = course_at(theta.row(i));
+    float* out = result.row(i).data();
+    for (std::size_t h = 0; h < tasks.size() && status == RolloutStatus::ok; ++h) {
+      const auto keep = [&](Index t, const Eigen::Vector3d& ball) {
+        if (t % config_.store_every != 0) return;
+        *out++ = static_cast<float>(ball.x());
+        *out++ = static_cast<float>(ball.y());
+      };
+      status = simulate(config_.minigolf, course, tasks[h], target.dt, keep);
+    }
+    if (status != RolloutStatus::ok) {
+      std::ranges::fill(result.row(i), std::numeric_limits<float>::quiet_NaN());
+    }
+  });
+  return result;
+}
+
+std::vector<Outline> Minigolf::outlines(const Vector& theta) const {
+  std::vector<Outline> outlines;
+  for (const CourseBox& box : bounds()) outlines.push_back({corners(box), true});
+  outlines.push_back({hole_rim(), true});
+  for (const CourseBox& box : course_at(theta.transpose()).obstacles) {
+    outlines.push_back({corners(box), false});
+  }
+  return outlines;
+}
+
+Target Minigolf::behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const {
+  check_num_parameters(theta.size(), info_);
+  if (num_rollouts < 1) reject_setting("num_rollouts", num_rollouts, ">= 1");
+  Target target;
+  target.dt = info_.dt;
+  target.state_channels = info_.state_channels;
+  target.action_channels = info_.action_channels;
+  target.source = "simulated by 'minigolf'";
+  const MinigolfConfig& config = config_.minigolf;
+  for (Index h = 0; h < num_rollouts; ++h) {
+    Stream stream({seed, "behaviour", 0, static_cast<std::uint64_t>(h), 0});
+    Rollout rollout{"simulated " + std::to_string(h), RowMatrix(info_.num_steps + 1, 2),
+                    policy_actions(info_.num_steps, info_.dt)};
+    rollout.states(0, 0) = kBallStartX + kStartSpread * (2.0 * stream.uniform() - 1.0);
+    rollout.states(0, 1) = kBallStartY + kStartSpread * (2.0 * stream.uniform() - 1.0);
+    const Task task = make_task(config, rollout, info_.dt);
+    const RolloutStatus status = simulate(config, course_at(theta.transpose()), task, info_.dt,
+                                          [&](Index t, const Eigen::Vector3d& ball) {
+                                            rollout.states.row(t) = ball.head<2>().transpose();
+                                          });
+    if (status != RolloutStatus::ok) {
+      throw Error("the simulated target domain ends as " + std::string(to_string(status)) +
+                  "; check its parameters");
+    }
+    target.rollouts.push_back(std::move(rollout));
+  }
+  return target;
+}
+
+}  // namespace npdr::sim

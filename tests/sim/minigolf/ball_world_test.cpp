@@ -1,0 +1,236 @@
+#include "sim/minigolf/ball_world.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/minigolf/arm.h"
+
+namespace npdr::sim {
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr double kStep = 0.01;
+const Eigen::Vector2d kFarAway(-1.0, 1.3);  // on the ground, away from everything
+
+Course course_with(double radius, const Surface& ball, const Surface& ground) {
+  Course course;
+  course.ball_radius = radius;
+  course.ball_mass = 0.005;
+  course.ball = ball;
+  course.ground = ground;
+  course.obstacles = {CourseBox{0.29, 0.015, 0.015, 0.9, 1.45, 0.0},
+                      CourseBox{0.29, 0.015, 0.015, 0.6, 1.15, 0.0}};
+  return course;
+}
+
+// A club that stays where the strike ends.
+ClubMotion resting_club(Index num_steps, Index coarse = 2) {
+  RowMatrix actions(num_steps, static_cast<Index>(kNumJoints));
+  for (Index t = 0; t < num_steps; ++t) std::ranges::copy(strike(1.0), actions.row(t).data());
+  return {actions, coarse, 5};
+}
+
+ClubMotion striking_club(Index num_steps, Index coarse = 2, Index fine = 5) {
+  RowMatrix actions(num_steps, static_cast<Index>(kNumJoints));
+  for (Index t = 0; t < num_steps; ++t) {
+    std::ranges::copy(strike(static_cast<double>(t) * kStep), actions.row(t).data());
+  }
+  return {actions, coarse, fine};
+}
+
+MinigolfConfig with(double linear_damping, const std::string& rolling = "exact") {
+  MinigolfConfig config;
+  config.linear_damping = linear_damping;
+  config.rolling = rolling;
+  return config;
+}
+
+// A ball that rolls from the start in the direction of -x.
+void roll(BallWorld& world, const Course& course, double speed) {
+  world.set_ball({kFarAway.x(), kFarAway.y(), course.ball_radius}, {-speed, 0.0, 0.0},
+                 {0.0, -speed / course.ball_radius, 0.0});
+}
+
+// A rolling sphere: v(t) = v0 - (5/7) g mu_c / r t with mu_c = mu_roll,ball mu_ground +
+// mu_roll,ground mu_ball.
+TEST(BallWorld, RollingFrictionIsThatOfTheClosedForm) {
+  for (const auto& [radius, rolling] :
+       {std::pair{0.015, "exact"}, {0.025, "exact"}, {0.015, "engine"}, {0.025, "engine"}}) {
+    const Course course = course_with(radius, {0.6, 2e-4, 0.5}, {0.4, 1e-4, 0.0});
+    const double mu = 2e-4 * 0.4 + 1e-4 * 0.6;
+    const ClubMotion club = resting_club(200);
+    BallWorld world(with(0.0, rolling), course, club, kStep, kFarAway);
+    roll(world, course, 0.5);
+    for (Index t = 0; t < 200; ++t) world.step(t);
+    const double deceleration = 5.0 / 7.0 * kGravity * mu / radius;
+    EXPECT_NEAR(-world.ball_velocity().x(), 0.5 - 2.0 * deceleration, 0.01 * deceleration);
+    EXPECT_NEAR(kFarAway.x() - world.ball_position().x(), 1.0 - 2.0 * deceleration, 0.005);
+    EXPECT_NEAR(world.ball_position().z(), radius, 1e-5);
+    EXPECT_NEAR(world.ball_position().y(), kFarAway.y(), 1e-6);
+  }
+}
+
+// Linear damping d takes the factor (1 - d)^t of the velocity, friction gives 2/7 of that back from
+// the spin: dv/dt = (5/7) ln(1 - d) v.
+TEST(BallWorld, DampingIsThatOfTheClosedForm) {
+  const Course course = course_with(0.02, {0.6, 0.0, 0.5}, {0.4, 0.0, 0.0});
+  const ClubMotion club = resting_club(200);
+  for (const auto* rolling : {"exact", "engine"}) {
+    BallWorld world(with(0.1, rolling), course, club, kStep, kFarAway);
+    roll(world, course, 0.5);
+    for (Index t = 0; t < 200; ++t) world.step(t);
+    EXPECT_NEAR(-world.ball_velocity().x(), 0.5 * std::exp(5.0 / 7.0 * std::log(0.9) * 2.0), 5e-4)
+        << rolling;
+  }
+}
+
+// Oblique, with a spin about the vertical, damped, with friction, until it rests.
+TEST(BallWorld, RollsInClosedFormAsByTheEngine) {
+  const Course course = course_with(0.02, {0.6, 5e-4, 0.5}, {0.4, 1e-4, 0.0});
+  const ClubMotion club = resting_club(600);
+  BallWorld exact(with(0.1, "exact"), course, club, kStep, kFarAway);
+  BallWorld engine(with(0.1, "engine"), course, club, kStep, kFarAway);
+  for (BallWorld* world : {&exact, &engine}) {
+    world->set_ball({kFarAway.x(), kFarAway.y(), 0.02}, {-0.3, 0.2, 0.0}, {-10.0, -15.0, 4.0});
+  }
+  for (Index t = 0; t < 600; ++t) {
+    exact.step(t);
+    engine.step(t);
+    // The engine's first-order steps of 5 ms: half a step of deceleration, 0.2 mm/s.
+    ASSERT_LT((exact.ball_velocity() - engine.ball_velocity()).norm(), 1e-3) << t;
+    ASSERT_LT((exact.ball_position() - engine.ball_position()).norm(), 2e-3) << t;
+  }
+  EXPECT_LT(exact.ball_velocity().norm(), 1e-3);
+  EXPECT_EQ(exact.step_counts().rolled, 600);
+  EXPECT_EQ(engine.step_counts().rolled, 0);
+}
+
+// Ground that is too smooth for the ball's rolling friction can't make it roll: it slides.
+TEST(BallWorld, SlidesWhereTheGroundCantHoldIt) {
+  const Course course = course_with(0.02, {1.0, 0.01, 0.5}, {0.01, 0.01, 0.0});
+  const ClubMotion club = resting_club(50);
+  BallWorld world(with(0.0), course, club, kStep, kFarAway);
+  roll(world, course, 0.5);
+  for (Index t = 0; t < 50; ++t) world.step(t);
+  EXPECT_LT(world.ball_spin().norm() * 0.02, 0.4);
+  EXPECT_NEAR(-world.ball_velocity().x(), 0.5 - 0.01 * kGravity * 0.5, 0.01);
+}
+
+// Without sliding friction a ball keeps its velocity and doesn't begin to spin.
+TEST(BallWorld, ABallOnSmoothGroundSlides) {
+  const Course course = course_with(0.02, {0.6, 0.0, 0.5}, {0.0, 0.0, 0.0});
+  const ClubMotion club = resting_club(100);
+  BallWorld world(with(0.0), course, club, kStep, kFarAway);
+  world.set_ball({kFarAway.x(), kFarAway.y(), 0.02}, {-0.5, 0.0, 0.0}, Eigen::Vector3d::Zero());
+  for (Index t = 0; t < 100; ++t) world.step(t);
+  EXPECT_NEAR(world.ball_velocity().x(), -0.5, 1e-9);
+  EXPECT_NEAR(world.ball_spin().norm(), 0.0, 1e-9);
+}
+
+// A sliding ball begins to roll; its speed is then 5/7 of what it was, whatever the friction.
+TEST(BallWorld, ASlidingBallBeginsToRollAtFiveSeventhsOfItsSpeed) {
+  const Course course = course_with(0.02, {0.6, 0.0, 0.5}, {0.4, 0.0, 0.0});
+  const ClubMotion club = resting_club(100);
+  BallWorld world(with(0.0), course, club, kStep, kFarAway);
+  world.set_ball({kFarAway.x(), kFarAway.y(), 0.02}, {-0.7, 0.0, 0.0}, Eigen::Vector3d::Zero());
+  for (Index t = 0; t < 100; ++t) world.step(t);
+  EXPECT_NEAR(world.ball_velocity().x(), -0.5, 0.005);
+  EXPECT_NEAR(world.ball_spin().y(), -0.5 / 0.02, 0.25);
+}
+
+// Dropped from h above the ground, a ball comes back to e^2 h; steps of 2 ms cost some per cent.
+TEST(BallWorld, BouncesAsHighAsItsRestitutionSays) {
+  for (const double restitution : {0.3, 0.5, 0.8}) {
+    const Course course = course_with(0.02, {0.6, 0.0, restitution}, {0.4, 0.0, 1.0});
+    const ClubMotion club = resting_club(200, 20);
+    BallWorld world(with(0.0), course, club, kStep, kFarAway);
+    const double height = 0.3;
+    world.set_ball({kFarAway.x(), kFarAway.y(), 0.02 + height}, Eigen::Vector3d::Zero(),
+                   Eigen::Vector3d::Zero());
+    double highest = 0.0;
+    bool has_bounced = false;
+    for (Index t = 0; t < 100; ++t) {
+      world.step(t);
+      if (!has_bounced && world.ball_velocity().z() > 0.0) has_bounced = true;
+      if (has_bounced && world.ball_velocity().z() < 0.0) break;
+      if (has_bounced) highest = std::max(highest, world.ball_position().z() - 0.02);
+    }
+    EXPECT_NEAR(highest / (restitution * restitution * height), 1.0, 0.06) << restitution;
+  }
+}
+
+// The club is infinitely heavy: along the normal n of its face the ball leaves with (1 + e) v_n.
+TEST(BallWorld, TheStrikeGivesTheBallTheClubsVelocity) {
+  for (const double restitution : {0.0, 0.5, 1.0}) {
+    const Course course = course_with(0.02, {0.0, 0.0, restitution}, {0.0, 0.0, 0.0});
+    const ClubMotion club = striking_club(30, 2, 20);
+    BallWorld world(with(0.0), course, club, kStep, {kBallStartX, kBallStartY});
+    Index contact = 0;
+    for (Index t = 0; t < 15; ++t) {
+      world.step(t);
+      if (contact == 0 && world.ball_velocity().norm() > 0.1) contact = t;
+    }
+    const auto tip = [](Index t) { return head_pose(strike(double(t) * kStep)).translation(); };
+    const Eigen::Vector3d normal = head_pose(strike(double(contact) * kStep)).linear().col(2);
+    const double club_speed = (tip(contact + 1) - tip(contact)).dot(normal) / kStep;
+    EXPECT_NEAR(double(contact), 9.0, 1.0);
+    EXPECT_NEAR(world.ball_velocity().dot(normal) / ((1.0 + restitution) * club_speed), 1.0, 0.05)
+        << restitution;
+  }
+}
+
+double energy(const BallWorld& world, const Course& course) {
+  const double r = course.ball_radius;
+  return 0.5 * world.ball_velocity().squaredNorm() + 0.2 * r * r * world.ball_spin().squaredNorm() +
+         kGravity * (world.ball_position().z() - r);
+}
+
+// Nothing but the club adds energy, also not where the ball hits obstacles and bounds: but for what
+// lifting the ball out of an overlap takes, 50 um at most, a thousandth of the strike's.
+TEST(BallWorld, EnergyNeverGrowsOnceTheClubIsDone) {
+  for (const double restitution : {0.2, 0.6, 1.0}) {
+    const Course course = course_with(0.02, {0.6, 1e-5, restitution}, {0.4, 1e-5, 0.0});
+    const ClubMotion club = striking_club(800);
+    BallWorld world({}, course, club, kStep, {kBallStartX, kBallStartY});
+    double before = 1e9;
+    for (Index t = 0; t < 800; ++t) {
+      world.step(t);
+      if (t < 60) continue;
+      const double now = energy(world, course);
+      EXPECT_LE(now, before + 5e-4) << t;
+      before = now;
+    }
+  }
+}
+
+TEST(BallWorld, ABallAtRestStaysWhereItIs) {
+  const Course course = course_with(0.02, {0.6, 5e-4, 0.1}, {0.4, 1e-5, 0.0});
+  const ClubMotion club = striking_club(1600);
+  BallWorld world({}, course, club, kStep, {kBallStartX, kBallStartY});
+  Index t = 0;
+  while (t < 800 && !world.has_come_to_rest()) world.step(t++);
+  ASSERT_LT(t, 800);
+  ASSERT_GT(t, 50) << "the ball rests before the strike, too, but not for good";
+  const Eigen::Vector3d place = world.ball_position();
+  for (Index k = 0; k < 200; ++k) world.step(t++);
+  EXPECT_LT((world.ball_position() - place).norm(), 1e-4);
+}
+
+// A club that was removed from the world and comes back strikes with its own velocity.
+TEST(BallWorld, TheClubComesBackWithItsVelocity) {
+  const Course course = course_with(0.02, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0});
+  const ClubMotion club = striking_club(30);
+  BallWorld world(with(0.0), course, club, kStep, {kBallStartX, kBallStartY});
+  world.set_ball({kFarAway.x(), kFarAway.y(), 0.02}, Eigen::Vector3d::Zero(),
+                 Eigen::Vector3d::Zero());
+  for (Index t = 0; t < 7; ++t) world.step(t);
+  world.set_ball({kBallStartX, kBallStartY, 0.02}, Eigen::Vector3d::Zero(),
+                 Eigen::Vector3d::Zero());
+  for (Index t = 7; t < 15; ++t) world.step(t);
+  EXPECT_NEAR(world.ball_velocity().x(), 0.645, 0.05);
+}
+
+}  // namespace
+}  // namespace npdr::sim

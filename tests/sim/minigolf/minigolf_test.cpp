@@ -1,0 +1,166 @@
+#include "sim/minigolf/minigolf.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "sim/minigolf/course.h"
+#include "tests/message_of.h"
+
+namespace npdr::sim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// Table A4's prior, obstacles within half a turn, everything else nominal.
+RowMatrix prior_draws(const Simulator& simulator, Index count) {
+  constexpr std::array<std::array<double, 2>, 10> ranges = {{{0.014, 0.026},
+                                                             {0.0025, 0.0075},
+                                                             {0.0, 1.0},
+                                                             {0.0, 5e-4},
+                                                             {-0.08, 0.08},
+                                                             {-0.08, 0.08},
+                                                             {-0.08, 0.08},
+                                                             {-0.08, 0.08},
+                                                             {-kPi / 2, kPi / 2},
+                                                             {-kPi / 2, kPi / 2}}};
+  RowMatrix theta = complete_theta(simulator, {}).transpose().replicate(count, 1);
+  for (Index i = 0; i < count; ++i) {
+    Stream stream({1, "draws", 0, static_cast<std::uint64_t>(i), 0});
+    for (std::size_t p = 0; p < ranges.size(); ++p) {
+      const auto [lower, upper] = ranges[p];
+      theta(i, static_cast<Index>(p)) = lower + (upper - lower) * stream.uniform();
+    }
+  }
+  return theta;
+}
+
+void expect_same(std::span<const float> a, std::span<const float> b) {
+  EXPECT_TRUE(std::ranges::equal(
+      a, b, [](float x, float y) { return std::bit_cast<int>(x) == std::bit_cast<int>(y); }));
+}
+
+TEST(Minigolf, ARowDependsOnNothingButItsTheta) {
+  const Minigolf simulator({.name = "minigolf"});
+  const Target target = simulator.behave(complete_theta(simulator, {}), 2, 1);
+  const RowMatrix theta = prior_draws(simulator, 24);
+  omp_set_num_threads(2);
+  const Trajectories together = simulator.replay(target, theta);
+  omp_set_num_threads(1);
+  const RowMatrix reversed = theta.colwise().reverse();
+  const Trajectories backwards = simulator.replay(target, reversed);
+  for (Index i = 0; i < theta.rows(); ++i) {
+    EXPECT_EQ(together.status[std::size_t(i)], backwards.status[std::size_t(23 - i)]);
+    expect_same(together.row(i), backwards.row(23 - i));
+    expect_same(together.row(i), simulator.replay(target, theta.row(i)).row(0));
+  }
+  omp_set_num_threads(omp_get_num_procs());
+}
+
+TEST(Minigolf, TheTruthReplaysItsOwnTarget) {
+  const Minigolf simulator({.name = "minigolf"});
+  const Vector truth = complete_theta(simulator, {{"ball_radius", 0.0231}});
+  const Target target = simulator.behave(truth, 2, 7);
+  const Trajectories result = simulator.replay(target, truth.transpose());
+  ASSERT_EQ(result.status[0], RolloutStatus::ok);
+  for (Index h = 0; h < 2; ++h) {
+    const RowMatrix expected = target.rollouts[std::size_t(h)].states.bottomRows(800);
+    EXPECT_LT((result.rollout(0, h).cast<double>() - expected).cwiseAbs().maxCoeff(), 1e-6);
+  }
+  EXPECT_NE(target.rollouts[0].states, target.rollouts[1].states);
+}
+
+TEST(Minigolf, AnObstacleTurnedByPiIsTheSame) {
+  const Minigolf simulator({.name = "minigolf"});
+  const Target target = simulator.behave(complete_theta(simulator, {}), 1, 1);
+  RowMatrix theta = complete_theta(simulator, {}).transpose().replicate(2, 1);
+  theta(1, parameter_index(simulator.info(), "obstacle1_dyaw")) += kPi;
+  theta(1, parameter_index(simulator.info(), "obstacle2_dyaw")) -= kPi;
+  const Trajectories result = simulator.replay(target, theta);
+  // Rounding differs, and the path is sensitive where it touches an edge.
+  EXPECT_LT((result.rollout(0, 0) - result.rollout(1, 0)).cwiseAbs().maxCoeff(), 2e-3f);
+}
+
+// The ball is the only body that moves by itself, and gravity and friction scale with its mass.
+TEST(Minigolf, MassChangesNothing) {
+  const Minigolf simulator({.name = "minigolf"});
+  const Target target = simulator.behave(complete_theta(simulator, {}), 1, 1);
+  RowMatrix theta = complete_theta(simulator, {}).transpose().replicate(2, 1);
+  theta(1, parameter_index(simulator.info(), "ball_mass")) = 0.0075;
+  const Trajectories result = simulator.replay(target, theta);
+  EXPECT_LT((result.rollout(0, 0) - result.rollout(1, 0)).cwiseAbs().maxCoeff(), 1e-6f);
+}
+
+TEST(Minigolf, ABallInsideAnObstacleIsOutOfLimits) {
+  const Minigolf simulator({.name = "minigolf"});
+  const Target target = simulator.behave(complete_theta(simulator, {}), 1, 1);
+  const Vector theta = complete_theta(
+      simulator, {{"obstacle2_dx", kBallStartX - 0.6}, {"obstacle2_dy", kBallStartY - 1.2}});
+  const Trajectories result = simulator.replay(target, theta.transpose());
+  EXPECT_EQ(result.status[0], RolloutStatus::out_of_limits);
+  EXPECT_TRUE(std::isnan(result.values.front()) && std::isnan(result.values.back()));
+}
+
+TEST(Minigolf, ABallThatLeavesTheGroundSaysSo) {
+  const Minigolf simulator({.name = "minigolf"});
+  Target target = simulator.behave(complete_theta(simulator, {}), 1, 1);
+  target.rollouts[0].states(0, 0) = 4.0;
+  const Trajectories result = simulator.replay(target, complete_theta(simulator, {}).transpose());
+  EXPECT_EQ(result.status[0], RolloutStatus::left_scene);
+}
+
+TEST(Minigolf, NanIsOutOfLimits) {
+  const Minigolf simulator({.name = "minigolf"});
+  const Target target = simulator.behave(complete_theta(simulator, {}), 1, 1);
+  RowMatrix theta = complete_theta(simulator, {}).transpose();
+  theta(0, 3) = std::nan("");
+  EXPECT_EQ(simulator.replay(target, theta).status[0], RolloutStatus::out_of_limits);
+}
+
+TEST(Minigolf, KeepsEveryKthState) {
+  const Minigolf all({.name = "minigolf"}), fourth({.name = "minigolf", .store_every = 4});
+  const Target target = all.behave(complete_theta(all, {}), 1, 1);
+  const RowMatrix theta = complete_theta(all, {}).transpose();
+  const Trajectories every = all.replay(target, theta), some = fourth.replay(target, theta);
+  ASSERT_EQ(some.num_steps, 200);
+  for (Index t = 0; t < 200; ++t) {
+    EXPECT_EQ(some.rollout(0, 0)(t, 0), every.rollout(0, 0)(4 * t + 3, 0));
+  }
+}
+
+TEST(Minigolf, TakesStrikeAndStartFromWhereTheConfigSays) {
+  const Minigolf recorded({.name = "minigolf"});
+  const Minigolf policy(
+      {.name = "minigolf", .minigolf = {.strike = "policy", .ball_start = "nominal"}});
+  Target target = recorded.behave(complete_theta(recorded, {}), 1, 1);
+  const RowMatrix theta = complete_theta(recorded, {}).transpose();
+  const Trajectories before = policy.replay(target, theta);
+  target.rollouts[0].states(0, 1) += 0.01;
+  target.rollouts[0].actions.colwise() = target.rollouts[0].actions.col(0).eval();
+  expect_same(policy.replay(target, theta).row(0), before.row(0));
+}
+
+TEST(Minigolf, RejectsSettingsThatCannotBe) {
+  const auto problem_of = [](const SimulatorConfig& config) {
+    return message_of<InputError>([&] { const Minigolf simulator(config); });
+  };
+  EXPECT_EQ(problem_of({.name = "minigolf", .minigolf = {.strike = "soft"}}),
+            "simulator.minigolf.strike = 'soft', must be 'recorded' or 'policy'");
+  EXPECT_EQ(problem_of({.name = "minigolf", .minigolf = {.substeps = 0}}),
+            "simulator.minigolf.substeps = 0, must be in [1, 1000]");
+  EXPECT_EQ(problem_of({.name = "minigolf", .segment_length = 100}),
+            "simulator.segment_length = 100, must be 0: a recording doesn't hold the ball's "
+            "velocity, from which a segment begins");
+  EXPECT_EQ(problem_of({.name = "minigolf", .minigolf = {.linear_damping = 1.5}}),
+            "simulator.minigolf.linear_damping = 1.5, must be in [0, 1]");
+}
+
+}  // namespace
+}  // namespace npdr::sim
