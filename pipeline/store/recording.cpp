@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "pipeline/store/forked_trial.h"
@@ -20,7 +22,14 @@ std::vector<Channel> read_channels(const h5::Dataset& dataset) {
                                  count, labels.size(), units.size()));
   }
   std::vector<Channel> channels;
-  for (std::size_t c = 0; c < count; ++c) channels.push_back({labels[c], units[c]});
+  for (std::size_t c = 0; c < count; ++c) {
+    if (std::ranges::find(labels.begin(), labels.begin() + std::ptrdiff_t(c), labels[c]) !=
+        labels.begin() + std::ptrdiff_t(c)) {
+      throw InputError(fmt::format("{} has two channels with the label '{}'; rename one",
+                                   dataset.where(), labels[c]));
+    }
+    channels.push_back({labels[c], units[c]});
+  }
   return channels;
 }
 
@@ -45,11 +54,24 @@ std::vector<std::string> read_names(const h5::File& file, Index num_rollouts) {
   return dataset.read_texts();
 }
 
-// Row h of an (H, rows, cols) dataset.
-RowMatrix read_rollout(const h5::Dataset& dataset, Index h) {
+// The columns of the `expected` channels among those that were found; all, when nothing is
+// expected.
+std::vector<Index> columns_of(const std::string& where, const std::vector<Channel>& found,
+                              const std::vector<Channel>* expected) {
+  std::vector<Index> columns;
+  for (const Channel& channel : expected != nullptr ? *expected : found) {
+    const auto column = std::ranges::find(found, channel);
+    if (column == found.end()) check_channels(where + ": channels", found, *expected);
+    columns.push_back(column - found.begin());
+  }
+  return columns;
+}
+
+// Some columns of row h of an (H, rows, cols) dataset.
+RowMatrix read_rollout(const h5::Dataset& dataset, Index h, const std::vector<Index>& columns) {
   RowMatrix values(dataset.shape()[1], dataset.shape()[2]);
   dataset.read_rows<double>(h, 1, {values.data(), static_cast<std::size_t>(values.size())});
-  return values;
+  return values(Eigen::all, columns);
 }
 
 void write_rollouts(h5::File& file, const Target& target, const std::string& name,
@@ -94,15 +116,18 @@ Target read_target(const std::filesystem::path& path, const std::optional<Channe
   Target target;
   target.dt = file.attribute<double>("dt");
   if (file.has_attribute("source")) target.source = file.attribute<std::string>("source");
-  target.state_channels = read_channels(states);
-  target.action_channels = read_channels(actions);
-  if (expected) {
-    check_channels(states.where() + ": channels", target.state_channels, expected->states);
-    check_channels(actions.where() + ": channels", target.action_channels, expected->actions);
-  }
+  const std::vector<Channel> found_states = read_channels(states);
+  const std::vector<Channel> found_actions = read_channels(actions);
+  const std::vector<Index> state_columns =
+      columns_of(states.where(), found_states, expected ? &expected->states : nullptr);
+  const std::vector<Index> action_columns =
+      columns_of(actions.where(), found_actions, expected ? &expected->actions : nullptr);
+  target.state_channels = expected ? expected->states : found_states;
+  target.action_channels = expected ? expected->actions : found_actions;
   Index h = 0;
   for (const std::string& name : read_names(file, states.num_rows())) {
-    target.rollouts.push_back({name, read_rollout(states, h), read_rollout(actions, h)});
+    target.rollouts.push_back(
+        {name, read_rollout(states, h, state_columns), read_rollout(actions, h, action_columns)});
     ++h;
   }
   target.check(file.where());

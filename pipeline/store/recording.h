@@ -17,7 +17,8 @@
 
 namespace npdr::pipeline {
 
-/// Reads a recording. With `expected` channels (those of the simulator), others are an error.
+/// Reads a recording. With `expected` channels (those of the simulator), these are picked by label
+/// and unit, in their order; further channels are left out, and one that is missing is an error.
 /// Rollouts without names are called "0", "1", ... Throws InputError that names the file and what
 /// is wrong with it: shapes, types, channels, dt, NaN (with rollout, channel and step), a truncated
 /// file. A child process reads it first, so that a file that crashes HDF5 is an InputError, too; no
