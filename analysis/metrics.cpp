@@ -76,7 +76,8 @@ Metrics::Metrics(const Target& target, const MetricsConfig& config)
     for (Index c = 0; c < scale.size(); ++c) scale(c) = states.col(c).lpNorm<Eigen::Infinity>();
     check_scale(scale, channels_, target, rollout);
     for (Index c = 0; c < scale.size(); ++c) states.col(c) /= scale(c);
-    recorded_.push_back({std::move(states), scale});
+    const Vector last = rollout.states(Eigen::last, channels_).transpose();
+    recorded_.push_back({std::move(states), scale, last});
   }
 }
 
@@ -124,6 +125,33 @@ Vector Metrics::rmse(const TrajectoryView& simulated) const {
     result(i) = sum / static_cast<double>(num_rollouts);
   });
   return result;
+}
+
+Vector Metrics::mean_of_last(const TrajectoryView& simulated,
+                             const std::function<double(const Vector&, Index)>& score) const {
+  check(simulated);
+  Vector result = Vector::Constant(simulated.num_samples, kNaN);
+  for (Index i = 0; i < result.size(); ++i) {
+    if (!simulated.finite(i)) continue;
+    double sum = 0.0;
+    for (Index h = 0; h < simulated.num_rollouts; ++h) {
+      sum += score(simulated.rollout(i, h).bottomRows(1).transpose().cast<double>(), h);
+    }
+    result(i) = sum / static_cast<double>(simulated.num_rollouts);
+  }
+  return result;
+}
+
+Vector Metrics::final_error(const TrajectoryView& simulated) const {
+  return mean_of_last(simulated, [&](const Vector& last, Index h) {
+    return (last(channels_) - recorded_[static_cast<std::size_t>(h)].last).norm();
+  });
+}
+
+Vector Metrics::goal(const TrajectoryView& simulated, const Goal& goal) const {
+  return mean_of_last(simulated, [&](const Vector& last, Index) {
+    return (last(goal.channels) - goal.place).norm() <= goal.radius ? 1.0 : 0.0;
+  });
 }
 
 Vector Metrics::dtw(const TrajectoryView& simulated) const {

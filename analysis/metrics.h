@@ -7,9 +7,13 @@
 /// channel by channel. With e = simulated - recorded after that,
 ///   rmse = mean_c sqrt( mean_t e(t, c)^2 )
 ///   dtw  = accumulated cost of the open-end warping path of analysis/dtw.h
-/// both averaged over the H rollouts. Both are dimensionless.
+/// both averaged over the H rollouts. Both are dimensionless. For what matters is where a rollout
+/// ends, with y_T the state after the last action, not divided by anything:
+///   final_error = || y_T simulated - y_T recorded ||_2 over the channels, averaged over rollouts
+///   goal        = fraction of the rollouts whose y_T is within the goal's radius of its place.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -42,12 +46,22 @@ class Metrics {
   /// (n) dynamic time warping distances; about 0.3 ns n H T^2 on one core. Throws as rmse() does.
   Vector dtw(const TrajectoryView& simulated) const;
 
+  /// (n) distances of the last states, in the channels' unit. Throws as rmse() does.
+  Vector final_error(const TrajectoryView& simulated) const;
+
+  /// (n) fractions of the H rollouts that reach the goal. Throws as rmse() does.
+  Vector goal(const TrajectoryView& simulated, const Goal& goal) const;
+
  private:
   struct Recorded {
     RowMatrix states;  // (T, selected channels), normalised
     Vector scale;      // (selected channels), SI
+    Vector last;       // (selected channels) state T, SI
   };
 
+  /// Mean over the rollouts of score(last simulated state, h); NaN where a rollout failed.
+  Vector mean_of_last(const TrajectoryView& simulated,
+                      const std::function<double(const Vector&, Index)>& score) const;
   void check(const TrajectoryView& simulated) const;
   /// The compared states of a simulated rollout, whose row t is the state after action t + 1.
   void normalize_rollout(const Eigen::Ref<const RowMatrixF>& states, Index h,

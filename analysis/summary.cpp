@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace npdr::analysis {
 
@@ -22,6 +23,23 @@ Summary summarize(const Eigen::Ref<const Vector>& values) {
     if (std::isfinite(v)) squares += (v - summary.mean) * (v - summary.mean);
   }
   summary.std = summary.n > 1 ? std::sqrt(squares / (n - 1.0)) : nan;
+  return summary;
+}
+
+Summary summarize_periodic(const Eigen::Ref<const Vector>& values, double period) {
+  if (period <= 0.0) return summarize(values);
+  const double to_angle = 2.0 * std::numbers::pi / period;
+  double sine = 0.0, cosine = 0.0;
+  for (const double v : values) {
+    if (!std::isfinite(v)) continue;
+    sine += std::sin(v * to_angle);
+    cosine += std::cos(v * to_angle);
+  }
+  const double mean = std::atan2(sine, cosine) / to_angle;
+  const Vector differences =
+      values.unaryExpr([&](double v) { return std::remainder(v - mean, period); });
+  Summary summary = summarize(differences);
+  summary.mean += mean;
   return summary;
 }
 

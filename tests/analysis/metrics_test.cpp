@@ -57,6 +57,36 @@ TEST(Metrics, OnlySelectedChannelsCount) {
               std::sqrt(1.0 / 3.0) / 2, 1e-15);
 }
 
+// The states after the last action: recorded (100, 100) twice, simulated (97, 96) and (100, 99), in
+// SI.
+TEST(Metrics, FinalErrorIsTheMeanDistanceOfTheLastStates) {
+  const std::vector<float> simulated = {2, 4, 1, 0, 97, 96, 1, 1, 1, 3, 100, 99};
+  EXPECT_NEAR(Metrics(small_target()).final_error(view_of(simulated, 1))(0), (5.0 + 1.0) / 2,
+              1e-12);
+  MetricsConfig config;
+  config.channels = {1};
+  EXPECT_NEAR(Metrics(small_target(), config).final_error(view_of(simulated, 1))(0), 2.5, 1e-12);
+}
+
+TEST(Metrics, GoalIsTheShareOfTheRolloutsThatEndThere) {
+  const std::vector<float> simulated = {2, 4, 1, 0, 97, 96, 1, 1, 1, 3, 100, 99};
+  const auto reached = [&](const Goal& goal) {
+    return Metrics(small_target()).goal(view_of(simulated, 1), goal)(0);
+  };
+  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 0.5}), 0.0);
+  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 2.0}), 0.5);
+  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 5.0}), 1.0);
+  EXPECT_EQ(reached({"", {0}, Vector::Constant(1, 97.0), 0.1}), 0.5);
+}
+
+TEST(Metrics, FailedRolloutsHaveNoEnd) {
+  std::vector<float> simulated = kSimulated;
+  simulated[3] = kNaN;
+  const Metrics metrics(small_target());
+  EXPECT_TRUE(std::isnan(metrics.final_error(view_of(simulated, 1))(0)));
+  EXPECT_TRUE(std::isnan(metrics.goal(view_of(simulated, 1), {"", {0}, Vector::Zero(1), 1.0})(0)));
+}
+
 // With a restart before action 3, the last compared state is the recorded one.
 TEST(Metrics, StatesAtARestartAreTheRecordedOnes) {
   MetricsConfig config;

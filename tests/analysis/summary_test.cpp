@@ -32,5 +32,33 @@ TEST(Summary, OfTooFewValuesIsNan) {
   EXPECT_EQ(none.n_failed, 2);
 }
 
+TEST(SummarizePeriodic, SeesThatBothEndsOfAPeriodAreOne) {
+  constexpr double pi = 3.14159265358979323846;
+  Vector values(4);
+  values << pi / 2 - 0.1, -pi / 2 + 0.1, pi / 2 - 0.1, -pi / 2 + 0.1;
+  const Summary summary = summarize_periodic(values, pi);
+  EXPECT_NEAR(std::abs(summary.mean), pi / 2, 1e-12);
+  EXPECT_NEAR(summary.std, 0.1 * std::sqrt(4.0 / 3.0), 1e-12);
+  EXPECT_EQ(summary.n, 4);
+}
+
+TEST(SummarizePeriodic, IsSummarizeForANarrowSetAndWithoutAPeriod) {
+  Vector values(3);
+  values << 0.1, 0.2, 0.3;
+  const Summary plain = summarize(values);
+  const Summary periodic = summarize_periodic(values, 3.0);
+  EXPECT_NEAR(periodic.mean, plain.mean, 1e-3);  // a circular mean weighs a little differently
+  EXPECT_NEAR(periodic.std, plain.std, 1e-5);
+  EXPECT_EQ(summarize_periodic(values, 0.0).mean, plain.mean);
+}
+
+TEST(SummarizePeriodic, ShiftingByPeriodsChangesNothing) {
+  Vector values(3), shifted(3);
+  values << 0.1, 0.9, 1.4;
+  shifted << 0.1 + 2.0, 0.9 - 4.0, 1.4;
+  EXPECT_NEAR(summarize_periodic(values, 2.0).mean, summarize_periodic(shifted, 2.0).mean, 1e-12);
+  EXPECT_NEAR(summarize_periodic(values, 2.0).std, summarize_periodic(shifted, 2.0).std, 1e-12);
+}
+
 }  // namespace
 }  // namespace npdr::analysis

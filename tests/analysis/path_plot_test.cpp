@@ -1,0 +1,72 @@
+#include "analysis/path_plot.h"
+
+#include <gtest/gtest.h>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "tests/analysis/markup_check.h"
+#include "tests/message_of.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+RowMatrix square(double x, double y, double size) {
+  RowMatrix points(4, 2);
+  points << x, y, x + size, y, x + size, y + size, x, y + size;
+  return points;
+}
+
+RowMatrix line() {
+  RowMatrix points(3, 2);
+  points << 0.1, 0.1, 0.5, 0.2, 0.9, 0.9;
+  return points;
+}
+
+PathPlot plot_of(const std::vector<std::string>& methods) {
+  PathPlot plot;
+  plot.name = "paths";
+  plot.fixed = {square(0.0, 0.0, 2.0)};
+  plot.recorded = {line()};
+  for (const std::string& method : methods) {
+    plot.predictions.push_back({method, {line(), line()}, {square(0.5, 0.5, 0.25)}});
+  }
+  return plot;
+}
+
+TEST(PathPlot, DrawsAPanelPerMethod) {
+  const TempFolder folder;
+  PathPlot plot = plot_of({"A", "B <&>"});
+  plot.held_out = {line()};
+  const FigureFiles files = write_path_plot(plot, folder.path());
+  const std::string svg = read_text_file(files.svg);
+  EXPECT_EQ(markup_error(svg), "");
+  // Shapes, paths, fixed, held out and recorded in each of two panels.
+  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 5);
+  for (const char* words :
+       {">A<", ">B &lt;&amp;><", ">x [m]<", ">y [m]<", ">recorded<", ">held out<"}) {
+    EXPECT_NE(svg.find(words), std::string::npos) << words;
+  }
+  EXPECT_TRUE(is_png(read_text_file(files.png)));
+}
+
+TEST(PathPlot, PolygonsEndWhereTheyBeginAndPathsDont) {
+  const TempFolder folder;
+  write_path_plot(plot_of({"A"}), folder.path());
+  EXPECT_EQ(read_text_file(folder.path() / "paths_outlines_1.dat"),
+            "0.5 0.5\n0.75 0.5\n0.75 0.75\n0.5 0.75\n0.5 0.5\n\n");
+  EXPECT_EQ(read_text_file(folder.path() / "paths_recorded.dat"), "0.1 0.1\n0.5 0.2\n0.9 0.9\n\n");
+}
+
+TEST(PathPlot, RejectsWhatItCantDraw) {
+  const TempFolder folder;
+  EXPECT_EQ(message_of<InputError>([&] { write_path_plot(plot_of({}), folder.path()); }),
+            "path plot 'paths': 0 methods and 1 fixed polygons, must be 1 to 6 and at least 1");
+  PathPlot plot = plot_of({"A"});
+  plot.recorded = {RowMatrix::Zero(3, 3)};
+  EXPECT_EQ(message_of<ShapeError>([&] { write_path_plot(plot, folder.path()); }),
+            "path plot 'paths': points have 3 coordinates, must have 2");
+}
+
+}  // namespace
+}  // namespace npdr::analysis
