@@ -26,8 +26,8 @@ struct RunArguments {
 std::optional<Stage> parse_stage(const std::string& name) {
   if (name.empty()) return std::nullopt;
   std::vector<std::string> known;
-  for (const Stage stage : {Stage::target, Stage::propose, Stage::simulate, Stage::infer,
-                            Stage::baseline, Stage::evaluate, Stage::report}) {
+  for (const Stage stage : {Stage::target, Stage::held_out, Stage::propose, Stage::simulate,
+                            Stage::infer, Stage::baseline, Stage::evaluate, Stage::report}) {
     if (to_string(stage) == name) return stage;
     known.push_back(to_string(stage));
   }

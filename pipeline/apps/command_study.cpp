@@ -21,7 +21,8 @@ void print_work(const Plan& plan) {
   const Study& study = plan.study;
   const bool is_recorded = study.target.recording.has_value();
   const sim::SimulatorInfo info = sim::make_simulator(study.simulator)->info();
-  const Index num_rollouts = is_recorded ? plan.target.num_rollouts() : study.target.num_rollouts;
+  const Index num_rollouts =
+      is_recorded ? plan.target.num_rollouts() - study.target.held_out : study.target.num_rollouts;
   const Index num_steps = is_recorded ? plan.target.num_steps() : info.num_steps;
   const auto num_states = static_cast<Index>(info.state_channels.size());
   Index evaluations = 0, rows = 0, posteriors = 0, bytes = 0, rollouts = 0;

@@ -5,6 +5,6 @@ int main(int argc, char** argv) {
   return npdr::pipeline::stage_main(
       {"npdr-propose",
        "Draws the parameters of a round's simulations, from the prior or the last posterior.",
-       {Stage::target, Stage::propose}},
+       {Stage::target, Stage::held_out, Stage::propose}},
       argc, argv);
 }

@@ -47,8 +47,8 @@ class JsonWriter {
   }
 
   template <class T, class Body>
-  void list(const std::string& key, std::vector<T>& values, std::string_view /*doc*/,
-            const Body& body) {
+  void list(const std::string& key, std::vector<T>& values, int /*minimum*/,
+            std::string_view /*doc*/, const Body& body) {
     json_[key] = Json::array();
     for (T& value : values) {
       JsonWriter members;
@@ -92,6 +92,16 @@ class JsonReader {
     if (!satisfies(value, allowed)) {
       throw InputError(where_ + ": " + must_be(key, text, allowed.words, allowed.names));
     }
+  }
+
+  template <class Body>
+  void table(const std::string& key, std::string_view /*doc*/, const Body& body) {
+    known_.push_back(key);
+    const auto found = json_.find(key);
+    if (found == json_.end()) return;
+    JsonReader members(*found, where_ + ": " + key);
+    body(members);
+    members.reject_unknown_keys();
   }
 
   void reject_unknown_keys() const;

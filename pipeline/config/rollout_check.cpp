@@ -17,8 +17,12 @@ class RolloutChecker {
       : study_(study), shape_(shape), reading_(reading) {}
 
   void check() {
-    check_at_most("target.num_rollouts", study_.target.num_rollouts, shape_.num_rollouts,
-                  "what the recording holds");
+    if (check_at_most("target.num_rollouts", study_.target.num_rollouts, shape_.num_rollouts,
+                      "what the recording holds")) {
+      check_at_most("target.held_out", study_.target.held_out,
+                    shape_.num_rollouts - study_.target.num_rollouts,
+                    "what the recording holds after target.num_rollouts");
+    }
     check_at_most("simulator.store_every", study_.simulator.store_every, shape_.num_steps,
                   "the steps of a rollout");
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {

@@ -16,7 +16,25 @@ const MethodConfig& Study::method(const std::string& method_name) const {
   throw InputError(unknown_name("method", method_name, names));
 }
 
-std::vector<std::string> metric_names() { return {"dtw", "rmse"}; }
+std::vector<std::string> metric_names() { return {"dtw", "rmse", "final_error", "goal"}; }
+
+namespace {
+
+std::vector<std::string> with_held_out(std::vector<std::string> names) {
+  const std::size_t count = names.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    names.push_back(std::string(kHeldOutPrefix) + names[i]);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> measured_names(const Study& study) {
+  return study.target.held_out > 0 ? with_held_out(study.evaluate.metrics) : study.evaluate.metrics;
+}
+
+std::vector<std::string> all_measured_names() { return with_held_out(metric_names()); }
 
 std::string folder_name(const std::string& name) {
   std::string folder;

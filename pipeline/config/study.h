@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/types.h"
@@ -23,7 +24,8 @@ namespace npdr::pipeline {
 struct TargetConfig {
   std::optional<std::string> recording;                ///< path, as seen from the current folder
   std::optional<std::map<std::string, double>> truth;  ///< parameters that aren't nominal
-  Index num_rollouts = 0;                              ///< 0: all of a recording
+  Index num_rollouts = 0;                              ///< that inference sees; 0: all
+  Index held_out = 0;                                  ///< after those, for evaluation alone
   std::uint64_t seed = 0;                              ///< of a truth's random behaviour
 };
 
@@ -42,6 +44,12 @@ struct EvaluateConfig {
   std::vector<std::string> metrics = {"dtw", "rmse"};
   std::string rounds = "last";  ///< "last" or "all"
   bool floor = true;            ///< of a recording: also search for the smallest RMSE in the prior
+};
+
+/// A named parameter vector to compare posteriors with.
+struct ReferenceConfig {
+  std::string name;
+  std::map<std::string, double> parameters;  ///< that aren't the study's nominal ones
 };
 
 struct LimitsConfig {
@@ -81,6 +89,7 @@ struct Study {
   SimulateConfig simulate;
   std::vector<MethodConfig> methods;
   EvaluateConfig evaluate;
+  std::vector<ReferenceConfig> references;
   LimitsConfig limits;
   ReportConfig report;
   Places places;  ///< where each key stands in what the study was read from
@@ -91,6 +100,13 @@ struct Study {
 
 /// What evaluate.metrics may hold.
 std::vector<std::string> metric_names();
+
+/// The names of what a study measures: its metrics, and again with the prefix "held_out_" when
+/// there are held-out rollouts.
+std::vector<std::string> measured_names(const Study& study);
+/// All that measured_names() can have.
+std::vector<std::string> all_measured_names();
+inline constexpr std::string_view kHeldOutPrefix = "held_out_";
 
 /// A name as a folder: lower case letters, digits and '-': "NPDR (MAF)" is "npdr-maf".
 std::string folder_name(const std::string& name);

@@ -34,6 +34,9 @@ class StudyChecker {
     for (Marginal& marginal : study_.prior) check_marginal(marginal);
     check_method_names();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) check_method(i);
+    check_references();
+    check_goal();
+    check_held_out();
     check_report();
     check_truths_rollouts();
     check_simulator();
@@ -57,6 +60,9 @@ class StudyChecker {
   void check_training(const std::string& path, const MethodConfig& method);
   void check_split(const std::string& path, const MethodConfig& method);
   void check_loss(const std::string& path, const MethodConfig& method);
+  void check_references();
+  void check_goal();
+  void check_held_out();
   void check_report();
 
   // nullptr, and the problem noted down, for a name that isn't a parameter of the simulator.
@@ -116,10 +122,10 @@ void StudyChecker::check_recording(const std::string& recording) {
 // Those of a recording are known when it has been read.
 void StudyChecker::check_truths_rollouts() {
   if (!study_.target.truth || !info_ || !reading_.good("target.num_rollouts")) return;
-  check_rollouts(
-      study_,
-      {study_.target.num_rollouts, info_->num_steps, info_->state_channels, info_->action_channels},
-      reading_);
+  check_rollouts(study_,
+                 {study_.target.num_rollouts + study_.target.held_out, info_->num_steps,
+                  info_->state_channels, info_->action_channels},
+                 reading_);
 }
 
 const sim::Parameter* StudyChecker::find_parameter(const std::string& path,
@@ -160,6 +166,32 @@ void StudyChecker::check_marginal(Marginal& marginal) {
   if (parameter == nullptr || !reading_.good(path)) return;
   marginal.unit = parameter->unit;
   check_bounds(marginal, *parameter, reading_);
+}
+
+void StudyChecker::check_references() {
+  std::set<std::string> names = {"nominal", "truth", "floor"};
+  for (std::size_t i = 0; i < study_.references.size(); ++i) {
+    const std::string path = fmt::format("reference[{}]", i);
+    const ReferenceConfig& reference = study_.references[i];
+    check_values(path + ".parameters", reference.parameters);
+    if (!reading_.good(path + ".name") || names.insert(reference.name).second) continue;
+    fail(path + ".name", quoted(reference.name), "unique, and not nominal, truth or floor");
+  }
+}
+
+void StudyChecker::check_goal() {
+  const auto& metrics = study_.evaluate.metrics;
+  const bool is_asked_for = std::find(metrics.begin(), metrics.end(), "goal") != metrics.end();
+  if (!is_asked_for || !info_ || info_->goal || !reading_.good("evaluate.metrics")) return;
+  fail("evaluate.metrics", "\"goal\"",
+       fmt::format("left out: the simulator '{}' has no goal", info_->name));
+}
+
+// Which rollouts are held out is a count from the first that inference sees.
+void StudyChecker::check_held_out() {
+  const TargetConfig& target = study_.target;
+  if (target.held_out == 0 || target.num_rollouts > 0 || !reading_.good("target.held_out")) return;
+  fail("target.num_rollouts", "0", ">= 1 with held_out: the rollouts after those are held out");
 }
 
 void StudyChecker::check_method_names() {

@@ -29,6 +29,27 @@ Constraint<std::vector<std::string>> metrics_constraint();
 Constraint<std::vector<inference::Marginal>> prior_constraint();
 
 template <class Fields>
+void describe(Fields& f, sim::MinigolfConfig& c) {
+  f("strike", c.strike, one_of(sim::strike_names()),
+    "the recorded joint angles, or the policy of Table A4");
+  f("ball_start", c.ball_start, one_of(sim::ball_start_names()),
+    "where the ball begins: as recorded, or at its nominal place");
+  f("rolling", c.rolling, one_of(sim::rolling_names()),
+    "away from everything: in closed form, or by Bullet as all else");
+  f("substeps", c.substeps, between(1, 1000), "of Bullet per time step of the target");
+  f("substeps_near", c.substeps_near, between(1, 1000),
+    "the same where the ball is near something");
+  f("linear_damping", c.linear_damping, between(0.0, 1.0),
+    "part of its velocity that the ball loses in a second by itself");
+  f("angular_damping", c.angular_damping, between(0.0, 1.0), "the same of its spin");
+  f("solver_iterations", c.solver_iterations, between(1, 10'000), "of Bullet's solver, at most");
+  f("solver_cfm", c.solver_cfm, between(0.0, 1.0), "constraint force mixing: softness of contacts");
+  f("solver_erp", c.solver_erp, between(0.0, 1.0), "part of an overlap that a substep takes away");
+  f("restitution_threshold", c.restitution_threshold, between(0.0, 100.0),
+    "slower contacts don't bounce [m/s]");
+}
+
+template <class Fields>
 void describe(Fields& f, sim::SimulatorConfig& c) {
   f("name", c.name, one_of(sim::simulator_names()), "the simulator");
   f("parameters", c.parameters, anything<std::map<std::string, double>>(),
@@ -38,6 +59,8 @@ void describe(Fields& f, sim::SimulatorConfig& c) {
   f("integrator", c.integrator, one_of(sim::integrator_names()), "method for the ODE");
   f("substeps", c.substeps, count_from(1), "integrator steps per time step of the target");
   f("store_every", c.store_every, count_from(1), "keep every k-th state of a simulated rollout");
+  f.table("minigolf", "settings of the simulator \"minigolf\"",
+          [&](auto& t) { describe(t, c.minigolf); });
 }
 
 template <class Fields>
@@ -112,6 +135,13 @@ void describe(Fields& f, MethodConfig& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, ReferenceConfig& c) {
+  f("name", c.name, label(), "column title in the tables; unique");
+  f("parameters", c.parameters, anything<std::map<std::string, double>>(),
+    "values that differ from the study's nominal ones");
+}
+
+template <class Fields>
 void describe(Fields& f, TargetConfig& c) {
   f("recording", c.recording, file_path(),
     "HDF5 file of recorded rollouts, relative to the study file's folder");
@@ -119,6 +149,8 @@ void describe(Fields& f, TargetConfig& c) {
     "parameters of a simulated target domain that aren't nominal; {}: all nominal");
   f("num_rollouts", c.num_rollouts, count_from(0),
     "use the first k rollouts; 0: all of a recording; 5 for a truth when left out");
+  f("held_out", c.held_out, count_from(0),
+    "so many rollouts after those, which only the evaluation sees");
   f("seed", c.seed, not_negative(), "picks a truth's random behaviour");
 }
 
@@ -163,8 +195,10 @@ void describe(Fields& f, Study& c) {
   f.table("simulate", "how simulations are cut into jobs", [&](auto& t) {
     t("shard_size", c.simulate.shard_size, count_from(1), "simulations per job");
   });
-  f.list("method", c.methods, "a method to compare", [](auto& t, auto& m) { describe(t, m); });
+  f.list("method", c.methods, 1, "a method to compare", [](auto& t, auto& m) { describe(t, m); });
   f.table("evaluate", "how posteriors are judged", [&](auto& t) { describe(t, c.evaluate); });
+  f.list("reference", c.references, 0, "a parameter vector to compare posteriors with",
+         [](auto& t, auto& r) { describe(t, r); });
   f.table("limits", "when to give up", [&](auto& t) {
     t("max_failed_fraction", c.limits.max_failed_fraction, between(0, 1),
       "share of failed simulations above which the study stops");

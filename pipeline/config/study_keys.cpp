@@ -36,8 +36,8 @@ class KeyLister {
   }
 
   template <class T, class Body>
-  void list(const std::string& key, std::vector<T>& /*values*/, std::string_view /*doc*/,
-            const Body& body) {
+  void list(const std::string& key, std::vector<T>& /*values*/, int /*minimum*/,
+            std::string_view /*doc*/, const Body& body) {
     KeyLister members(prefix_ + key + ".", keys_);
     T element;
     body(members, element);

@@ -22,8 +22,9 @@ seeds = [1, 2, 3]               # one experiment each; tables report mean and st
 [target]
 truth = { pole_mass = 1.2, pole_length = 0.8 }  # parameters that aren't nominal; {}: all nominal
 num_rollouts = 1                # how many; of a recording: use the first k, 0: all
+# held_out = 0                  # so many rollouts after those, which only the evaluation sees
 # seed = 0                      # picks a truth's random behaviour (the pendulum has none)
-# Recorded rollouts take the place of these three:
+# Recorded rollouts take the place of truth and seed:
 #   recording = "rollouts.h5"   # HDF5, relative to this file; `npdr import` makes one from CSV files
 
 [simulator]
@@ -33,6 +34,19 @@ name = "pendulum"
 # integrator = "erk4"           # method for the ODE
 # substeps = 1                  # integrator steps per time step of the target
 # store_every = 1               # keep every k-th state
+# The simulator "minigolf" has settings of its own:
+#   [simulator.minigolf]
+#   strike = "recorded"         # the recorded joint angles, or Table A4's "policy"
+#   ball_start = "recorded"     # where the ball begins: as recorded, or "nominal"
+#   rolling = "exact"           # away from everything in closed form, or all by Bullet: "engine"
+#   substeps = 2                # of Bullet per time step of the target
+#   substeps_near = 5           # the same where the ball is near something
+#   linear_damping = 0.1        # part of its velocity that the ball loses in a second by itself
+#   angular_damping = 0.0       # the same of its spin
+#   solver_iterations = 100     # of Bullet's solver, at most
+#   solver_cfm = 1e-4           # constraint force mixing: softness of contacts
+#   solver_erp = 0.2            # part of an overlap that a substep takes away
+#   restitution_threshold = 0.2 # slower contacts don't bounce [m/s]
 
 # What to infer: parameter = { uniform = [low, high] }, { log_uniform = [low, high] } or
 # { normal = [mean, std] }, in the simulator's units. The rest stay nominal.
@@ -93,9 +107,14 @@ density_estimator = { kind = "mdn", num_components = 5, hidden_features = 20 }
 
 [evaluate]
 num_samples = 100               # posterior samples that are simulated and measured
-# metrics = ["dtw", "rmse"]
+# metrics = ["dtw", "rmse"]     # also "final_error", and "goal" where the simulator has one
 # rounds = "last"               # or "all": every round's posterior
 # floor = true                  # of a recording: also search for the smallest RMSE in the prior
+
+# Named parameters to compare with, such as measured ones: a column in the tables each.
+#   [[reference]]
+#   name = "measured"
+#   parameters = {}             # values that differ from the nominal ones
 
 [limits]
 # max_failed_fraction = 0.05    # share of failed simulations above which the study stops

@@ -53,13 +53,15 @@ class TomlFields {
     fields.reject_unknown_keys();
   }
 
-  /// A list of tables, [[key]]; `body` describes one element. It needs at least one.
+  /// A list of tables, [[key]]; `body` describes one element. It may be empty where `minimum` is 0.
   template <class T, class Body>
-  void list(const std::string& key, std::vector<T>& values, std::string_view /*doc*/,
+  void list(const std::string& key, std::vector<T>& values, int minimum, std::string_view /*doc*/,
             const Body& body) {
     const toml::node* node = look_up(key);
+    if (node == nullptr && minimum == 0) return;
     if (node == nullptr || !node->is_array_of_tables()) {
-      reading_.fail(below(key), "needs at least one [[" + key + "]] table");
+      reading_.fail(below(key), minimum > 0 ? "needs at least one [[" + key + "]] table"
+                                            : "must be made of [[" + key + "]] tables");
       return;
     }
     std::size_t i = 0;

@@ -12,6 +12,8 @@ std::string to_string(Stage stage) {
   switch (stage) {
     case Stage::target:
       return "target";
+    case Stage::held_out:
+      return "held_out";
     case Stage::propose:
       return "propose";
     case Stage::simulate:
@@ -31,6 +33,7 @@ std::string to_string(Stage stage) {
 std::string program_of(Stage stage) {
   switch (stage) {
     case Stage::target:
+    case Stage::held_out:
       return "npdr-propose";
     case Stage::baseline:
       return "npdr-evaluate";

@@ -15,7 +15,7 @@
 
 namespace npdr::pipeline {
 
-enum class Stage { target, propose, simulate, infer, baseline, evaluate, report };
+enum class Stage { target, held_out, propose, simulate, infer, baseline, evaluate, report };
 
 /// "target", "propose", ...
 std::string to_string(Stage stage);
@@ -52,7 +52,7 @@ struct Selection {
 struct Plan {
   Study study;
   WorkFolder work;
-  Target target;        ///< the recording; empty for a simulated truth
+  Target target;        ///< the recording, held-out rollouts last; empty for a simulated truth
   std::string command;  ///< that makes all of it, for people
   std::vector<Node> nodes;
 

@@ -18,9 +18,22 @@ std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& 
   return plan.work.artefact(to_string(stage), key);
 }
 
+// The settings without those of other simulators.
+Json simulator_json(const sim::SimulatorConfig& config) {
+  Json json = to_json(config);
+  if (config.name != "minigolf") {
+    json.erase("minigolf");
+    return json;
+  }
+  for (const char* of_the_odes : {"segment_length", "integrator", "substeps"}) {
+    json.erase(of_the_odes);
+  }
+  return json;
+}
+
 // The part of the simulator's settings that decides what a simulation of every state holds.
 Json dynamics_json(const sim::SimulatorConfig& config) {
-  Json json = to_json(config);
+  Json json = simulator_json(config);
   json.erase("store_every");
   return json;
 }
@@ -30,6 +43,13 @@ Json behaviour_json(const sim::SimulatorConfig& config) {
   Json json = dynamics_json(config);
   json.erase("segment_length");
   return json;
+}
+
+void describe_truth(const Study& study, Json& json) {
+  json["simulator"] = behaviour_json(study.simulator);
+  json["truth"] = *study.target.truth;
+  json["num_rollouts"] = study.target.num_rollouts;
+  json["seed"] = study.target.seed;
 }
 
 }  // namespace
@@ -52,6 +72,7 @@ void PlanBuilder::check_selection(const Selection& selection) const {
 
 Plan PlanBuilder::build() {
   const std::size_t target = add_target();
+  held_out_ = add_held_out();
   std::vector<std::size_t> evaluations;
   const auto selected = [](const auto& wanted, const auto& value) {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
@@ -83,25 +104,49 @@ std::size_t PlanBuilder::add_target() {
         Channels{simulator->info().state_channels, simulator->info().action_channels});
     check_recording(study, plan_.target);
     if (study.target.num_rollouts > 0) {
-      plan_.target = plan_.target.first(study.target.num_rollouts);
+      plan_.target = plan_.target.first(study.target.num_rollouts + study.target.held_out);
     }
-    json["content"] = content_hash(plan_.target);
+    json["content"] =
+        content_hash(plan_.target.first(plan_.target.num_rollouts() - study.target.held_out));
   } else {
-    json["simulator"] = behaviour_json(study.simulator);
-    json["truth"] = *study.target.truth;
-    json["num_rollouts"] = study.target.num_rollouts;
-    json["seed"] = study.target.seed;
+    describe_truth(study, json);
   }
   return add(Stage::target, json, {}, {});
 }
 
+// The rollouts after those of the target; none: nothing is held out.
+std::optional<std::size_t> PlanBuilder::add_held_out() {
+  const Study& study = plan_.study;
+  if (study.target.held_out == 0) return std::nullopt;
+  Json json = key_document(kTargetSchema);
+  json["held_out"] = study.target.held_out;
+  if (study.target.recording) {
+    json["content"] =
+        content_hash(plan_.target.after(plan_.target.num_rollouts() - study.target.held_out));
+  } else {
+    describe_truth(study, json);
+  }
+  return add(Stage::held_out, json, {}, {});
+}
+
+// What baselines and posteriors are measured by.
+PlanBuilder::Inputs PlanBuilder::add_judgement(std::size_t target, Json& json) const {
+  json["simulator"] = dynamics_json(plan_.study.simulator);
+  json["metrics"] = plan_.study.evaluate.metrics;
+  for (const ReferenceConfig& reference : plan_.study.references) {
+    json["references"][reference.name] = reference.parameters;
+  }
+  Inputs inputs = {{"target", target}};
+  if (held_out_) inputs.emplace_back("held_out", *held_out_);
+  return inputs;
+}
+
 std::size_t PlanBuilder::add_baseline(std::size_t target) {
   Json json = key_document(kBaselineSchema);
-  json["simulator"] = dynamics_json(plan_.study.simulator);
+  const Inputs inputs = add_judgement(target, json);
   json["prior"] = to_json(plan_.study.prior);
-  json["metrics"] = plan_.study.evaluate.metrics;
   if (plan_.study.target.recording) json["floor"] = plan_.study.evaluate.floor;
-  return add(Stage::baseline, json, {}, {{"target", target}});
+  return add(Stage::baseline, json, {}, inputs);
 }
 
 std::vector<std::size_t> PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
@@ -138,7 +183,7 @@ std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use
 std::size_t PlanBuilder::add_simulation(const MethodConfig& method, const Use& use,
                                         std::size_t target, std::size_t proposal) {
   Json json = key_document(kSimulationSchema);
-  json["simulator"] = to_json(plan_.study.simulator);
+  json["simulator"] = simulator_json(plan_.study.simulator);
   json["num_rollouts"] = method.num_rollouts;
   return add(Stage::simulate, json, use, {{"target", target}, {"proposal", proposal}});
 }
@@ -158,7 +203,7 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   json["observation_noise"] = to_json(plan_.study.observation_noise);
   json["seed"] = use.seed;
   json["round"] = use.round;
-  std::vector<std::pair<std::string, std::size_t>> inputs = {{"target", target}};
+  Inputs inputs = {{"target", target}};
   for (std::size_t r = 0; r < simulations.size(); ++r) {
     inputs.emplace_back("simulation_" + std::to_string(r + 1), simulations[r]);
   }
@@ -170,26 +215,25 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
 
 std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std::size_t posterior) {
   Json json = key_document(kEvaluationSchema);
-  json["simulator"] = dynamics_json(plan_.study.simulator);
+  Inputs inputs = add_judgement(target, json);
+  inputs.emplace_back("posterior", posterior);
   json["num_samples"] = plan_.study.evaluate.num_samples;
-  json["metrics"] = plan_.study.evaluate.metrics;
   if (plan_.study.target.truth) json["truth"] = *plan_.study.target.truth;
   json["seed"] = use.seed;
-  return add(Stage::evaluate, json, use, {{"target", target}, {"posterior", posterior}});
+  return add(Stage::evaluate, json, use, inputs);
 }
 
 void PlanBuilder::add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations) {
   Json json = key_document(kReportSchema);
   json["study"] = study_json_;
-  std::vector<std::pair<std::string, std::size_t>> inputs = {{"baseline", baseline}};
+  Inputs inputs = {{"baseline", baseline}};
   for (std::size_t i = 0; i < evaluations.size(); ++i) {
     inputs.emplace_back("evaluation_" + std::to_string(i + 1), evaluations[i]);
   }
   add(Stage::report, json, {}, inputs);
 }
 
-std::size_t PlanBuilder::add(Stage stage, Json document, const Use& use,
-                             const std::vector<std::pair<std::string, std::size_t>>& inputs) {
+std::size_t PlanBuilder::add(Stage stage, Json document, const Use& use, const Inputs& inputs) {
   Node node;
   node.stage = stage;
   for (const auto& [name, index] : inputs) {

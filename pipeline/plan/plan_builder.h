@@ -13,6 +13,8 @@ class PlanBuilder {
   Plan build();
 
  private:
+  using Inputs = std::vector<std::pair<std::string, std::size_t>>;  // by name, positions
+
   void check_selection(const Selection& selection) const;
   std::size_t add_target();
   std::size_t add_baseline(std::size_t target);
@@ -26,14 +28,18 @@ class PlanBuilder {
   std::size_t add_inference(const MethodConfig& method, const Use& use, std::size_t target,
                             const std::vector<std::size_t>& simulations,
                             const std::vector<std::size_t>& posteriors);
+  std::optional<std::size_t> add_held_out();
+  /// Notes down in `json` what a judgement depends on, and returns its inputs.
+  Inputs add_judgement(std::size_t target, nlohmann::ordered_json& json) const;
   std::size_t add_evaluation(const Use& use, std::size_t target, std::size_t posterior);
   void add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations);
 
   /// Adds a node, or another use to the node that has the same key.
   std::size_t add(Stage stage, nlohmann::ordered_json document, const Use& use,
-                  const std::vector<std::pair<std::string, std::size_t>>& inputs);
+                  const Inputs& inputs);
 
   Plan plan_;
+  std::optional<std::size_t> held_out_;
   Selection selection_;
   nlohmann::ordered_json study_json_;
   std::map<std::string, std::size_t> by_key_;

@@ -13,8 +13,8 @@ inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
 inline const Schema kPosteriorSchema{"posterior", 2, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 2, "infer"};
-inline const Schema kBaselineSchema{"baseline", 2, "baseline"};
-inline const Schema kEvaluationSchema{"evaluation", 1, "evaluate"};
+inline const Schema kBaselineSchema{"baseline", 3, "baseline"};
+inline const Schema kEvaluationSchema{"evaluation", 2, "evaluate"};
 inline const Schema kReportSchema{"report", 1, "report"};
 
 }  // namespace npdr::pipeline

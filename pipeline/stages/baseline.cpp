@@ -3,25 +3,21 @@
 #include "pipeline/run/progress.h"
 #include "pipeline/run/stop_request.h"
 #include "pipeline/stages/baseline_file.h"
-#include "pipeline/stages/prediction.h"
+#include "pipeline/stages/judge.h"
 #include "pipeline/stages/search_box.h"
-#include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
 
-BaselinePoint measure(const Predictor& predictor, const std::string& name, const Vector& theta) {
-  BaselinePoint point{name, theta, {}};
-  for (const auto& [metric, values] : predictor.measure(predictor.simulate(theta.transpose()))) {
-    point.metrics[metric] = values(0);
-  }
-  return point;
+BaselinePoint measure(const Judge& judge, const std::string& name, const Vector& complete) {
+  return {name, judge.seen().pick(complete), judge.measure_one(complete)};
 }
 
-BaselinePoint find_floor(const Plan& plan, const Node& node, const Predictor& predictor) {
+BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge) {
+  const Predictor& predictor = judge.seen();
   const SearchBox box = search_box(plan.study.prior, predictor.simulator().info());
-  const Vector start = predictor.nominal().cwiseMax(box.lower).cwiseMin(box.upper);
+  const Vector start = predictor.pick(predictor.nominal()).cwiseMax(box.lower).cwiseMin(box.upper);
   Progress progress(node.label() + ", floor evaluations", 0);
   Index num_evaluations = 0;
   const auto objective = [&](const RowMatrix& theta) {
@@ -32,19 +28,23 @@ BaselinePoint find_floor(const Plan& plan, const Node& node, const Predictor& pr
   };
   const analysis::FloorResult floor =
       analysis::find_floor(objective, box.lower, box.upper, start.transpose());
-  return measure(predictor, "floor", floor.theta);
+  return measure(judge, "floor", predictor.complete(floor.theta.transpose()).transpose());
 }
 
 }  // namespace
 
 void run_baseline(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
-  const Predictor predictor(plan, read_target(plan, node));
-  std::vector<BaselinePoint> points = {measure(predictor, "nominal", predictor.nominal())};
+  const Judge judge(plan, node);
+  const Predictor& predictor = judge.seen();
+  std::vector<BaselinePoint> points = {measure(judge, "nominal", predictor.nominal())};
+  for (const ReferenceConfig& reference : plan.study.references) {
+    points.push_back(measure(judge, reference.name, predictor.nominal_with(reference.parameters)));
+  }
   if (plan.study.target.truth) {
-    points.push_back(measure(predictor, "truth", predictor.truth()));
+    points.push_back(measure(judge, "truth", predictor.truth()));
   } else if (plan.study.evaluate.floor) {
-    points.push_back(find_floor(plan, node, predictor));
+    points.push_back(find_floor(plan, node, judge));
   }
   write_baseline(writer.file(), plan, points);
   writer.finish();

@@ -34,7 +34,7 @@ std::vector<BaselinePoint> read_baseline(const Node& node) {
   for (Index i = 0; i < n; ++i) {
     points.push_back({names[static_cast<std::size_t>(i)], theta.row(i).transpose(), {}});
   }
-  for (const std::string& metric : metric_names()) {
+  for (const std::string& metric : all_measured_names()) {
     if (!file.has(metric)) continue;
     const Vector values = file.read_vector<double>(metric, n);
     for (Index i = 0; i < n; ++i) points[static_cast<std::size_t>(i)].metrics[metric] = values(i);

@@ -1,9 +1,8 @@
 #include "pipeline/plan/schemas.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/stages/evaluation_file.h"
+#include "pipeline/stages/judge.h"
 #include "pipeline/stages/posterior_file.h"
-#include "pipeline/stages/prediction.h"
-#include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -14,25 +13,31 @@ void run_evaluate(const Plan& plan, const Node& node) {
   const auto round = static_cast<std::uint64_t>(use.round);
   const inference::DirectPosterior posterior =
       read_posterior(*plan.inputs(node, Stage::infer).front());
-  const Predictor predictor(plan, read_target(plan, node));
+  const Judge judge(plan, node);
+  const Predictor& predictor = judge.seen();
+  const auto log_prob_of = [&](const Vector& complete) {
+    return posterior.log_prob(predictor.pick(complete).transpose())(0);
+  };
 
   Evaluation evaluation;
   evaluation.theta =
       posterior.sample(plan.study.evaluate.num_samples, {use.seed, "posterior", round, 0, 0});
   evaluation.log_prob = posterior.log_prob(evaluation.theta);
-  const sim::Trajectories trajectories = predictor.simulate(evaluation.theta);
-  evaluation.metrics = predictor.measure(trajectories);
+  const RowMatrix complete = predictor.complete(evaluation.theta);
+  const sim::Trajectories trajectories = predictor.simulate(complete);
+  evaluation.metrics = judge.measure(complete, trajectories);
   evaluation.bands = analysis::quantile_bands(view_of(trajectories));
 
   evaluation.map_theta = posterior.map({use.seed, "map", round, 0, 0});
   const RowMatrix map_row = evaluation.map_theta.transpose();
   evaluation.map_log_prob = posterior.log_prob(map_row)(0);
-  for (const auto& [metric, values] : predictor.measure(predictor.simulate(map_row))) {
-    evaluation.map_metrics[metric] = values(0);
-  }
-  evaluation.nominal_log_prob = posterior.log_prob(predictor.nominal().transpose())(0);
-  if (plan.study.target.truth) {
-    evaluation.truth_log_prob = posterior.log_prob(predictor.truth().transpose())(0);
+  evaluation.map_metrics = judge.measure_one(predictor.complete(map_row).transpose());
+
+  evaluation.nominal_log_prob = log_prob_of(predictor.nominal());
+  if (plan.study.target.truth) evaluation.truth_log_prob = log_prob_of(predictor.truth());
+  for (const ReferenceConfig& reference : plan.study.references) {
+    evaluation.reference_log_prob[reference.name] =
+        log_prob_of(predictor.nominal_with(reference.parameters));
   }
   write_evaluation(writer.file(), plan, evaluation);
   writer.finish();

@@ -30,6 +30,25 @@ std::vector<RowMatrix> read_band(const h5::Group& group, const std::string& name
   return band;
 }
 
+void write_references(h5::File& file, const Evaluation& evaluation) {
+  std::vector<std::string> names;
+  Vector log_prob(static_cast<Index>(evaluation.reference_log_prob.size()));
+  for (const auto& [name, value] : evaluation.reference_log_prob) {
+    log_prob(static_cast<Index>(names.size())) = value;
+    names.push_back(name);
+  }
+  h5::Group group = file.create_group("reference");
+  group.write_texts("name", names);
+  group.write("log_prob", log_prob);
+}
+
+void read_references(const h5::Group& group, Evaluation& evaluation) {
+  const std::vector<std::string> names = group.read_texts("name");
+  const Vector log_prob = group.read_vector<double>("log_prob", static_cast<Index>(names.size()));
+  Index i = 0;
+  for (const std::string& name : names) evaluation.reference_log_prob[name] = log_prob(i++);
+}
+
 }  // namespace
 
 void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evaluation) {
@@ -40,6 +59,7 @@ void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evalua
   }
   file.write_scalar("nominal_log_prob", evaluation.nominal_log_prob);
   if (evaluation.truth_log_prob) file.write_scalar("truth_log_prob", *evaluation.truth_log_prob);
+  if (!evaluation.reference_log_prob.empty()) write_references(file, evaluation);
   h5::Group map = file.create_group("map");
   map.write("theta", evaluation.map_theta).label_dimensions({"parameter"});
   map.write_scalar("log_prob", evaluation.map_log_prob);
@@ -65,7 +85,8 @@ Evaluation read_evaluation(const Node& node) {
   const h5::Group map = file.group("map");
   evaluation.map_theta = map.read_vector<double>("theta", evaluation.theta.cols());
   evaluation.map_log_prob = map.read_scalar<double>("log_prob");
-  for (const std::string& metric : metric_names()) {
+  if (file.has("reference")) read_references(file.group("reference"), evaluation);
+  for (const std::string& metric : all_measured_names()) {
     if (!file.has(metric)) continue;
     evaluation.metrics[metric] = file.read_vector<double>(metric, n);
     evaluation.map_metrics[metric] = map.read_scalar<double>(metric);

@@ -2,9 +2,11 @@
 ///
 ///   theta     (n, D) float64: posterior samples
 ///   log_prob  (n): their posterior density, nats
-///   one dataset (n) per metric: "rmse", "dtw"; NaN where the rollouts failed
+///   one dataset (n) per metric: "rmse", "dtw", ...; NaN where the rollouts failed; those of
+///   held-out rollouts are "held_out_rmse", ...
 ///   map/theta (D), map/log_prob and one number per metric: the most likely parameters
 ///   nominal_log_prob, and truth_log_prob for a simulated target
+///   reference/name (k) and reference/log_prob (k) of the study's references, where it has any
 ///   bands/lower, bands/median, bands/upper (H, T, C) float32: 5, 50, 95 % of the rollouts
 #pragma once
 
@@ -26,6 +28,7 @@ struct Evaluation {
   std::map<std::string, double> map_metrics;
   double nominal_log_prob = 0.0;
   std::optional<double> truth_log_prob;
+  std::map<std::string, double> reference_log_prob;
   analysis::Bands bands;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "analysis/metrics.h"
 #include "pipeline/stages/stage_files.h"
 
 namespace npdr::pipeline {
@@ -20,44 +19,51 @@ Predictor::Predictor(const Plan& plan, Target target)
       target_(std::move(target)),
       simulator_(sim::make_simulator(keeping_every_state(plan.study.simulator))) {}
 
-sim::Trajectories Predictor::simulate(const RowMatrix& theta) const {
-  return simulator_->replay(target_, complete_theta(plan_, *simulator_, theta));
+sim::Trajectories Predictor::simulate(const RowMatrix& complete) const {
+  return simulator_->replay(target_, complete);
 }
 
 std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajectories) const {
-  analysis::MetricsConfig config;
-  config.segment_length = plan_.study.simulator.segment_length;
-  const analysis::Metrics metrics(target_, config);
+  const analysis::Metrics metrics(target_, metrics_config());
+  const analysis::TrajectoryView view = view_of(trajectories);
   std::map<std::string, Vector> values;
   for (const std::string& name : plan_.study.evaluate.metrics) {
-    values[name] =
-        name == "dtw" ? metrics.dtw(view_of(trajectories)) : metrics.rmse(view_of(trajectories));
+    if (name == "dtw") values[name] = metrics.dtw(view);
+    if (name == "rmse") values[name] = metrics.rmse(view);
+    if (name == "final_error") values[name] = metrics.final_error(view);
+    if (name == "goal") values[name] = metrics.goal(view, *simulator_->info().goal);
   }
   return values;
 }
 
 Vector Predictor::rmse(const RowMatrix& theta) const {
+  const sim::Trajectories trajectories = simulate(complete(theta));
+  return analysis::Metrics(target_, metrics_config()).rmse(view_of(trajectories));
+}
+
+analysis::MetricsConfig Predictor::metrics_config() const {
   analysis::MetricsConfig config;
   config.segment_length = plan_.study.simulator.segment_length;
-  return analysis::Metrics(target_, config).rmse(view_of(simulate(theta)));
+  return config;
 }
 
-Vector Predictor::nominal() const { return pick(plan_.study.simulator.parameters); }
-
-Vector Predictor::truth() const {
-  std::map<std::string, double> values = plan_.study.simulator.parameters;
-  for (const auto& [name, value] : *plan_.study.target.truth) values[name] = value;
-  return pick(values);
+RowMatrix Predictor::complete(const RowMatrix& theta) const {
+  return complete_theta(plan_, *simulator_, theta);
 }
 
-Vector Predictor::pick(const std::map<std::string, double>& values) const {
-  const Vector all = sim::complete_theta(*simulator_, values);
+Vector Predictor::pick(const Vector& complete) const {
   Vector picked(static_cast<Index>(plan_.study.prior.size()));
   Index d = 0;
   for (const inference::Marginal& marginal : plan_.study.prior) {
-    picked(d++) = all(sim::parameter_index(simulator_->info(), marginal.name));
+    picked(d++) = complete(sim::parameter_index(simulator_->info(), marginal.name));
   }
   return picked;
+}
+
+Vector Predictor::nominal_with(const std::map<std::string, double>& values) const {
+  std::map<std::string, double> all = plan_.study.simulator.parameters;
+  for (const auto& [name, value] : values) all[name] = value;
+  return sim::complete_theta(*simulator_, all);
 }
 
 analysis::TrajectoryView view_of(const sim::Trajectories& t) {

@@ -7,6 +7,7 @@
 #include "pipeline/config/study_json.h"
 #include "pipeline/stages/report_figures.h"
 #include "pipeline/stages/report_marker.h"
+#include "pipeline/stages/report_paths.h"
 #include "pipeline/stages/report_tables.h"
 #include "pipeline/stages/simulation_file.h"
 #include "pipeline/stages/stage_files.h"
@@ -20,6 +21,11 @@ namespace {
 Target read_report_target(const Plan& plan) {
   const Node& node = plan.node(Stage::target, {});
   return read_recording(node.path);
+}
+
+std::optional<Target> read_report_held_out(const Plan& plan) {
+  if (plan.study.target.held_out == 0) return std::nullopt;
+  return read_recording(plan.node(Stage::held_out, {}).path);
 }
 
 std::vector<std::pair<std::string, std::string>> provenance(const Plan& plan, const Node& node) {
@@ -41,7 +47,8 @@ analysis::ReportSection fit_section(const ReportData& data) {
 
 analysis::ReportSection posterior_section(const ReportData& data,
                                           const std::filesystem::path& folder) {
-  analysis::ReportSection section{"Posteriors", "", {parameters_table(data)}, {}};
+  analysis::ReportSection section{
+      "Posteriors", "", {parameters_table(data), contraction_table(data)}, {}};
   if (data.plan.study.prior.size() > 1) {
     section.figures.push_back(
         {write_pair_figure(data, folder),
@@ -54,12 +61,20 @@ analysis::ReportSection posterior_section(const ReportData& data,
 
 analysis::ReportSection prediction_section(const ReportData& data, const Target& target,
                                            const std::filesystem::path& folder) {
-  return {"Recorded and predicted trajectories",
-          "",
-          {},
-          {{write_trajectory_figure(data, target, folder),
-            fmt::format("Recorded states, predictive median and 90 % band of seed {}.{}",
-                        data.seeds.front(), left_out_methods(data))}}};
+  analysis::ReportSection section{
+      "Recorded and predicted trajectories",
+      "",
+      {},
+      {{write_trajectory_figure(data, target, folder),
+        fmt::format("Recorded states, predictive median and 90 % band of seed {}.{}",
+                    data.seeds.front(), left_out_methods(data))}}};
+  if (const auto paths = write_path_figure(data, target, read_report_held_out(data.plan), folder)) {
+    section.figures.push_back(
+        {*paths, fmt::format("Seen from above: recorded paths, and paths and shapes at posterior "
+                             "samples of seed {}.{}",
+                             data.seeds.front(), left_out_methods(data))});
+  }
+  return section;
 }
 
 // A limit that was lowered after the posteriors were made stops the study all the same.

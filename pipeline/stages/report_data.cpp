@@ -14,7 +14,8 @@ std::vector<const EvaluatedRun*> ReportData::runs_of(const std::string& method, 
 }
 
 ReportData read_report_data(const Plan& plan, const Node& node) {
-  ReportData data{plan, {}, {}, {}, read_baseline(*plan.inputs(node, Stage::baseline).front())};
+  ReportData data{plan, sim::make_simulator(plan.study.simulator)->info(),         {}, {},
+                  {},   read_baseline(*plan.inputs(node, Stage::baseline).front())};
   for (const Node* evaluation : plan.inputs(node, Stage::evaluate)) {
     const Node& posterior = *plan.inputs(*evaluation, Stage::infer).front();
     for (const Use& use : evaluation->uses) {

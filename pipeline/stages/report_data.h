@@ -19,6 +19,7 @@ struct EvaluatedRun {
 
 struct ReportData {
   const Plan& plan;
+  sim::SimulatorInfo info;
   std::vector<std::string> methods;  ///< in the study's order
   std::vector<std::uint64_t> seeds;
   std::vector<EvaluatedRun> runs;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace npdr::pipeline {
@@ -13,8 +14,16 @@ using analysis::MeanStd;
 using analysis::Row;
 using analysis::Table;
 
-std::string title_of(const std::string& metric) {
-  return metric == "dtw" ? "DTW dist." : metric == "rmse" ? "RMSE" : metric;
+std::string title_of(const ReportData& data, const std::string& metric) {
+  if (metric.starts_with(kHeldOutPrefix)) {
+    return title_of(data, metric.substr(kHeldOutPrefix.size())) + ", held out";
+  }
+  if (metric == "dtw") return "DTW dist.";
+  if (metric == "rmse") return "RMSE";
+  if (metric == "final_error") {
+    return fmt::format("Final error [{}]", data.info.state_channels.front().unit);
+  }
+  return fmt::format("P({})", data.info.goal->description);
 }
 
 // All samples of all seeds, one after the other.
@@ -70,7 +79,7 @@ void add_fit_columns(Table& table, const ReportData& data) {
 }
 
 Row fit_row(Table& table, const ReportData& data, const std::string& metric) {
-  Row row{title_of(metric), {}};
+  Row row{title_of(data, metric), {}};
   for (const std::string& method : data.methods) {
     row.cells.push_back(cell_of(table, analysis::summarize(pooled(data.runs_of(method), metric))));
     const auto& published = data.plan.study.method(method).published;
@@ -85,7 +94,7 @@ Row fit_row(Table& table, const ReportData& data, const std::string& metric) {
 }
 
 Row seed_means_row(const ReportData& data, const std::string& metric) {
-  Row row{title_of(metric) + ", seed means", {}};
+  Row row{title_of(data, metric) + ", seed means", {}};
   for (const std::string& method : data.methods) {
     row.cells.emplace_back(analysis::summarize(seed_means(data.runs_of(method), metric)));
     if (!data.plan.study.method(method).published.empty()) row.cells.emplace_back();
@@ -112,6 +121,42 @@ std::string prior_text(const inference::Marginal& m) {
   return "";
 }
 
+double period_of(const ReportData& data, const std::string& parameter) {
+  return data.info.parameters[static_cast<std::size_t>(sim::parameter_index(data.info, parameter))]
+      .period;
+}
+
+std::string period_note(double period) {
+  return fmt::format("modulo {:.4g}: values that far apart are the same system", period);
+}
+
+// Parameter d of all samples of all seeds.
+Vector pooled_theta(const std::vector<const EvaluatedRun*>& runs, Index d) {
+  std::vector<double> values;
+  for (const EvaluatedRun* run : runs) {
+    const auto column = run->evaluation.theta.col(d);
+    values.insert(values.end(), column.begin(), column.end());
+  }
+  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
+}
+
+// Of a uniform prior that covers the period of a periodic parameter, the period's.
+double prior_variance(const inference::Marginal& m, double period) {
+  switch (m.kind) {
+    case inference::Marginal::Kind::uniform: {
+      const double width = period > 0.0 ? std::min(m.b - m.a, period) : m.b - m.a;
+      return width * width / 12.0;
+    }
+    case inference::Marginal::Kind::log_uniform: {
+      const double log_ratio = std::log(m.b / m.a), mean = (m.b - m.a) / log_ratio;
+      return (m.b * m.b - m.a * m.a) / (2.0 * log_ratio) - mean * mean;
+    }
+    case inference::Marginal::Kind::normal:
+      return m.b * m.b;
+  }
+  return 0.0;
+}
+
 }  // namespace
 
 Table fit_table(const ReportData& data) {
@@ -125,7 +170,7 @@ Table fit_table(const ReportData& data) {
   table.row_header = "Metric";
   table.command = data.plan.command;
   add_fit_columns(table, data);
-  for (const std::string& metric : evaluate.metrics) {
+  for (const std::string& metric : measured_names(data.plan.study)) {
     table.rows.push_back(fit_row(table, data, metric));
     if (data.seeds.size() > 1) table.rows.push_back(seed_means_row(data, metric));
   }
@@ -141,11 +186,14 @@ Table seeds_table(const ReportData& data) {
   table.row_header = "Method, seed";
   table.command = data.plan.command;
   for (const std::string& metric : data.plan.study.evaluate.metrics) {
-    table.columns.push_back({title_of(metric), false});
-    table.columns.push_back({title_of(metric) + " of MAP", false});
+    table.columns.push_back({title_of(data, metric), false});
+    table.columns.push_back({title_of(data, metric) + " of MAP", false});
   }
   table.columns.push_back({"log p(nominal)", false});
   if (has_truth) table.columns.push_back({"log p(truth)", false});
+  for (const ReferenceConfig& reference : data.plan.study.references) {
+    table.columns.push_back({fmt::format("log p({})", reference.name), false});
+  }
   for (const char* title : {"simulations", "failed", "epochs"}) {
     table.columns.push_back({title, false});
   }
@@ -159,6 +207,9 @@ Table seeds_table(const ReportData& data) {
       }
       row.cells.emplace_back(run->evaluation.nominal_log_prob);
       if (has_truth) row.cells.emplace_back(*run->evaluation.truth_log_prob);
+      for (const ReferenceConfig& reference : data.plan.study.references) {
+        row.cells.emplace_back(run->evaluation.reference_log_prob.at(reference.name));
+      }
       row.cells.emplace_back(std::to_string(run->notes.rows.used + run->notes.rows.failed));
       row.cells.emplace_back(std::to_string(run->notes.rows.failed));
       row.cells.emplace_back(std::to_string(run->notes.training_loss.size()));
@@ -174,7 +225,7 @@ Table rounds_table(const ReportData& data) {
       std::find(metrics.begin(), metrics.end(), "rmse") != metrics.end() ? "rmse" : metrics.front();
   Table table;
   table.name = "rounds";
-  table.caption = title_of(metric) + " of posterior samples after each round, all seeds.";
+  table.caption = title_of(data, metric) + " of posterior samples after each round, all seeds.";
   table.row_header = "Method";
   table.command = data.plan.command;
   Index most_rounds = 0;
@@ -203,23 +254,47 @@ Table parameters_table(const ReportData& data) {
   table.columns = {{"unit", false}, {"prior", false}};
   for (const BaselinePoint& point : data.baseline) table.columns.push_back({point.name, false});
   for (const std::string& method : data.methods) table.columns.push_back({method, false});
-  Index d = 0;
-  for (const inference::Marginal& marginal : data.plan.study.prior) {
+  for (Index d = 0; d < static_cast<Index>(data.plan.study.prior.size()); ++d) {
+    const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
     Row row{marginal.name, {}};
     row.cells.emplace_back(marginal.unit);
     row.cells.emplace_back(prior_text(marginal));
     for (const BaselinePoint& point : data.baseline) row.cells.emplace_back(point.theta(d));
+    const double period = period_of(data, marginal.name);
     for (const std::string& method : data.methods) {
-      std::vector<double> values;
-      for (const EvaluatedRun* run : data.runs_of(method)) {
-        const auto column = run->evaluation.theta.col(d);
-        values.insert(values.end(), column.begin(), column.end());
-      }
-      row.cells.emplace_back(analysis::summarize(
-          Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()))));
+      Cell cell(analysis::summarize_periodic(pooled_theta(data.runs_of(method), d), period));
+      if (period > 0.0) cell.notes.push_back(table.footnote(period_note(period)));
+      row.cells.push_back(std::move(cell));
     }
     table.rows.push_back(std::move(row));
-    ++d;
+  }
+  return table;
+}
+
+Table contraction_table(const ReportData& data) {
+  Table table;
+  table.name = "contraction";
+  table.caption =
+      "What the data tell about each parameter: 1 - posterior variance / prior variance, mean and "
+      "standard deviation over seeds. 0: nothing, 1: all.";
+  table.row_header = "Parameter";
+  table.command = data.plan.command;
+  for (const std::string& method : data.methods) table.columns.push_back({method, false});
+  for (Index d = 0; d < static_cast<Index>(data.plan.study.prior.size()); ++d) {
+    const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
+    const double period = period_of(data, marginal.name);
+    Row row{marginal.name, {}};
+    for (const std::string& method : data.methods) {
+      const auto runs = data.runs_of(method);
+      Vector contraction(static_cast<Index>(runs.size()));
+      for (Index i = 0; i < contraction.size(); ++i) {
+        const auto& theta = runs[static_cast<std::size_t>(i)]->evaluation.theta;
+        const double std = analysis::summarize_periodic(theta.col(d), period).std;
+        contraction(i) = 1.0 - std * std / prior_variance(marginal, period);
+      }
+      row.cells.emplace_back(analysis::summarize(contraction));
+    }
+    table.rows.push_back(std::move(row));
   }
   return table;
 }

@@ -5,11 +5,24 @@
 
 namespace npdr::pipeline {
 
-Target read_target(const Plan& plan, const Node& node, Index num_rollouts) {
-  const Node& source = *plan.inputs(node, Stage::target).front();
+namespace {
+
+Target read_rollouts(const Node& source) {
   open_artefact(source.path, kTargetSchema, source.key);
-  Target target = read_recording(source.path);
+  return read_recording(source.path);
+}
+
+}  // namespace
+
+Target read_target(const Plan& plan, const Node& node, Index num_rollouts) {
+  Target target = read_rollouts(*plan.inputs(node, Stage::target).front());
   return num_rollouts > 0 ? target.first(num_rollouts) : target;
+}
+
+std::optional<Target> read_held_out(const Plan& plan, const Node& node) {
+  const auto sources = plan.inputs(node, Stage::held_out);
+  if (sources.empty()) return std::nullopt;
+  return read_rollouts(*sources.front());
 }
 
 RowMatrix read_proposal(const Node& node, RowRange rows) {

@@ -1,6 +1,8 @@
 /// What several stages read from artefacts.
 #pragma once
 
+#include <optional>
+
 #include "pipeline/plan/plan.h"
 #include "pipeline/store/h5.h"
 #include "sim/simulator.h"
@@ -9,6 +11,9 @@ namespace npdr::pipeline {
 
 /// The target domain that `node` needs; `num_rollouts` > 0: only the first ones.
 Target read_target(const Plan& plan, const Node& node, Index num_rollouts = 0);
+
+/// The rollouts that inference doesn't see, where the study has any.
+std::optional<Target> read_held_out(const Plan& plan, const Node& node);
 
 /// Rows [begin, end) of the proposal `node`, (n, D) in the order of the prior.
 RowMatrix read_proposal(const Node& node, RowRange rows);

@@ -13,6 +13,7 @@ void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& sha
   require_inputs(plan, node);
   switch (node.stage) {
     case Stage::target:
+    case Stage::held_out:
       run_target(plan, node);
       break;
     case Stage::propose:

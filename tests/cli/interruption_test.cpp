@@ -10,8 +10,10 @@ using std::chrono::milliseconds;
 
 class Interruption : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::ofstream(folder_.path() / "small.toml") << small_study();
+  void SetUp() override { prepare(small_study()); }
+
+  void prepare(const std::string& study) {
+    std::ofstream(folder_.path() / "small.toml") << study;
     const Outcome whole = run(folder_.path(), {"npdr", "run", "small.toml", "--work", "whole"});
     ASSERT_EQ(whole.status, 0) << whole.err;
     reference_ = digests(folder_.path() / "whole" / "small");
@@ -39,6 +41,12 @@ class Interruption : public ::testing::Test {
 };
 
 TEST_F(Interruption, KilledRunsGoOnWithTheSameBits) { interrupt_and_finish(SIGKILL, "killed"); }
+
+TEST_F(Interruption, KilledMinigolfGoesOnWithTheSameBits) {
+  std::filesystem::remove_all(folder_.path() / "whole");
+  prepare(small_minigolf_study());
+  interrupt_and_finish(SIGKILL, "golf");
+}
 
 TEST_F(Interruption, StoppedRunsGoOnWithTheSameBits) { interrupt_and_finish(SIGTERM, "stopped"); }
 

@@ -131,6 +131,42 @@ num_samples = 50
 )toml";
 }
 
+/// A small mini golf study that takes seconds: two strikes seen, one held out.
+inline std::string small_minigolf_study() {
+  return R"toml([study]
+name = "small"
+seeds = [1]
+[target]
+truth = { ball_radius = 0.0231 }
+num_rollouts = 2
+held_out = 1
+[simulator]
+name = "minigolf"
+store_every = 2
+[prior]
+ball_restitution = { uniform = [0.0, 1.0] }
+obstacle2_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }
+[observation_noise]
+scale = 0.01
+[[method]]
+name = "NPDR (MAF)"
+algorithm = "npe_c"
+num_rounds = 2
+num_simulations = 100
+embedding = { kind = "linear", features = 8, downsample = 20 }
+density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
+training = { max_epochs = 20 }
+[evaluate]
+num_samples = 30
+metrics = ["dtw", "rmse", "final_error", "goal"]
+[[reference]]
+name = "heavy"
+parameters = { ball_mass = 0.007 }
+[limits]
+max_failed_fraction = 0.5
+)toml";
+}
+
 /// Digests of all artefacts of a work folder, by their place in the study's readable folder.
 inline std::map<std::string, std::string> digests(const std::filesystem::path& study_folder) {
   std::map<std::string, std::string> found;

@@ -34,6 +34,17 @@ TEST_F(Reproducibility, SameBitsForAnyThreadCountAndShardSize) {
   EXPECT_EQ(shards, reference);
 }
 
+TEST_F(Reproducibility, SameBitsOfTheMinigolf) {
+  std::ofstream(folder_.path() / "small.toml") << small_minigolf_study();
+  setenv("OMP_NUM_THREADS", "1", 1);
+  const auto reference = digests_of("one", {"--jobs", "1", "--set", "simulate.shard_size=64"});
+  setenv("OMP_NUM_THREADS", "3", 1);
+  const auto threads = digests_of("three", {"--jobs", "3", "--set", "simulate.shard_size=1000"});
+  unsetenv("OMP_NUM_THREADS");
+  EXPECT_EQ(reference.size(), 10u);  // target, held_out, baseline, and 2 x 3 + 1 of the method
+  EXPECT_EQ(threads, reference);
+}
+
 TEST_F(Reproducibility, AnotherSeedGivesOtherBits) {
   const auto first = digests_of("a", {});
   const auto second = digests_of("b", {"--set", "study.seeds=[2]"});

@@ -31,7 +31,8 @@ TEST(StudyJson, HoldsEveryFieldInTheOrderOfTheDescription) {
   for (const StudyKey& key : keys) {
     if (key.path != "target.recording") expected.push_back(key.path);
   }
-  list_paths(to_json(parse_study(kStudyText, "s.toml")), "", keys, found);
+  const std::string text = std::string(kStudyText) + "\n[[reference]]\nname = 'measured'";
+  list_paths(to_json(parse_study(text, "s.toml")), "", keys, found);
   EXPECT_EQ(found, expected);
 }
 

@@ -39,7 +39,8 @@ TEST(StudyProblems, NamesTheNearestKeyAndTheKnownOnes) {
             "s.toml: simulator.name is missing, must be text, one of " +
                 join(sim::simulator_names()) +
                 "\ns.toml:8:2: unknown key 'simulater' (did you mean 'simulator'?); known: study, "
-                "target, simulator, prior, observation_noise, simulate, method, evaluate, limits, "
+                "target, simulator, prior, observation_noise, simulate, method, evaluate, "
+                "reference, limits, "
                 "report");
   EXPECT_EQ(problems_after(kMaf, "training.batchsize = 3"),
             "s.toml:17:10: method.training: unknown key 'batchsize' (did you mean 'batch_size'?); "
@@ -177,7 +178,7 @@ TEST(StudyProblems, MethodsFitTheStudy) {
             "simulator.store_every = 2");
   EXPECT_EQ(problems_after(kMaf, "published.rms = { mean = 1.0 }"),
             "s.toml:17:17: method.published: unknown metric 'rms' (did you mean 'rmse'?); known: "
-            "dtw, rmse");
+            "dtw, rmse, final_error, goal");
 }
 
 TEST(StudyProblems, TrainingFitsTheNumberOfSimulations) {
@@ -250,7 +251,7 @@ TEST(StudyProblems, OfTheCommandLineNameTheOverride) {
   EXPECT_EQ(problems_of(kStudyText, {"simulte.shard_size=3"}),
             "--set simulte.shard_size=3: unknown key 'simulte' (did you mean 'simulate'?); known: "
             "study, target, simulator, prior, observation_noise, simulate, method, evaluate, "
-            "limits, report");
+            "reference, limits, report");
   EXPECT_EQ(problems_of(kStudyText, {"target.recording=no.h5"}),
             "--set target.recording=no.h5: target.recording = 'no.h5', must be an existing HDF5 "
             "file");
@@ -341,6 +342,22 @@ TEST(StudyProblems, ManyDotsThatAreAllowedDontOverflowTheStack) {
             std::string::npos);
   EXPECT_NE(problems_of(kStudyText, {deep.substr(0, 2002) + "a=1"}).find("holds 1001 dots"),
             std::string::npos);
+}
+
+TEST(StudyProblems, OfReferencesAndHeldOutRollouts) {
+  const auto with = [](const std::string& tables) {
+    return problems_of(std::string(kStudyText) + "\n" + tables);
+  };
+  EXPECT_EQ(with("[[reference]]\nname = 'a'\nparameters = { pole_mass = 1.3 }"), "");
+  EXPECT_EQ(
+      with("[[reference]]\nname = 'truth'"),
+      "s.toml:24:8: reference.name = 'truth', must be unique, and not nominal, truth or floor");
+  EXPECT_EQ(with("[[reference]]\nname = 'a'\nparameters = { pole_mas = 1.3 }"),
+            "s.toml:25:27: reference.parameters: unknown parameter 'pole_mas' (did you mean "
+            "'pole_mass'?); known: pole_mass, pole_length, gravity, damping");
+  EXPECT_EQ(with("[reference]\nname = 'a'"), "s.toml:23:1: must be made of [[reference]] tables");
+  EXPECT_EQ(problems_of(kStudyText, {"target.held_out=-1"}),
+            "--set target.held_out=-1: target.held_out = -1, must be >= 0 and <= 10^9");
 }
 
 }  // namespace

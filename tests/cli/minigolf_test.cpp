@@ -1,0 +1,81 @@
+#include "pipeline/store/recording.h"
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// A quick version of the mini golf, from the first draw to the report.
+class MinigolfStudy : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
+    std::ofstream(folder_->path() / "small.toml") << small_minigolf_study();
+    const Outcome outcome = run(folder_->path(), {"npdr", "run", "small.toml"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static h5::File open(const std::string& name) {
+    return h5::File::open(folder_->path() / "runs/small" / name);
+  }
+  static std::string text(const std::string& name) {
+    return text_of(folder_->path() / "runs/small" / name);
+  }
+  // A metric of a baseline point.
+  static double baseline(const std::string& point, const std::string& metric) {
+    const h5::File file = open("baseline.h5");
+    const std::vector<std::string> names = file.read_texts("name");
+    const auto found = std::find(names.begin(), names.end(), point);
+    EXPECT_NE(found, names.end()) << point;
+    return file.read_vector<double>(metric, Index(names.size()))(found - names.begin());
+  }
+
+  static TempFolder* folder_;
+};
+TempFolder* MinigolfStudy::folder_ = nullptr;
+
+TEST_F(MinigolfStudy, HoldsRolloutsOutOfTheTarget) {
+  EXPECT_EQ(read_recording(folder_->path() / "runs/small/target.h5", std::nullopt).num_rollouts(), 2);
+  const Target rest = read_recording(folder_->path() / "runs/small/held_out.h5", std::nullopt);
+  ASSERT_EQ(rest.num_rollouts(), 1);
+  EXPECT_EQ(rest.rollouts.front().name, "simulated 2");
+}
+
+TEST_F(MinigolfStudy, TheTruthExplainsHeldOutRolloutsToo) {
+  for (const char* metric : {"rmse", "held_out_rmse", "final_error", "held_out_final_error"}) {
+    EXPECT_LT(baseline("truth", metric), 1e-6) << metric;
+    EXPECT_GT(baseline("nominal", metric), 1e-3) << metric;
+  }
+}
+
+// The reference differs from nominal in the ball's mass, which changes nothing.
+TEST_F(MinigolfStudy, MeasuresReferences) {
+  EXPECT_NEAR(baseline("heavy", "held_out_rmse"), baseline("nominal", "held_out_rmse"), 1e-6);
+  const h5::File file = open("npdr-maf/seed-1/round-2/evaluate.h5");
+  EXPECT_EQ(file.group("reference").read_texts("name"), std::vector<std::string>{"heavy"});
+  EXPECT_EQ(file.group("reference").read_vector<double>("log_prob", 1)(0),
+            file.read_scalar<double>("nominal_log_prob"));
+}
+
+TEST_F(MinigolfStudy, ReportsWhatItMeasured) {
+  const std::string fit = text("tables/fit.md");
+  for (const char* words : {"| RMSE, held out ", "| Final error [m] ", "| P(rests within 5 cm of the hole), held out ",
+                            " nominal ", " heavy ", " truth "}) {
+    EXPECT_NE(fit.find(words), std::string::npos) << words << "\n" << fit;
+  }
+  EXPECT_NE(text("tables/seeds.md").find("log p(heavy)"), std::string::npos);
+  EXPECT_NE(text("tables/contraction.md").find("| obstacle2_dyaw"), std::string::npos);
+  EXPECT_NE(text("tables/parameters.md").find("modulo 3.142"), std::string::npos);
+  EXPECT_NE(text("figures/paths.svg").find(">held out<"), std::string::npos);
+}
+
+TEST_F(MinigolfStudy, GoalsAreForSimulatorsThatHaveOne) {
+  std::ofstream(folder_->path() / "pendulum.toml") << small_study();
+  const Outcome outcome = run(folder_->path(), {"npdr", "validate", "pendulum.toml", "--set",
+                                                "evaluate.metrics=['goal']"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("the simulator 'pendulum' has no goal"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
