@@ -49,6 +49,11 @@ void check(const PairPlot& plot) {
         fmt::format("pair plot '{}': samples of '{}' have {} columns for {} parameters", plot.name,
                     set.name, set.samples.cols(), plot.parameters.size()));
   }
+  for (const PairPoint& point : plot.points) {
+    if (point.theta.size() == static_cast<Index>(plot.parameters.size())) continue;
+    throw ShapeError(fmt::format("pair plot '{}': '{}' has {} values for {} parameters", plot.name,
+                                 point.name, point.theta.size(), plot.parameters.size()));
+  }
 }
 
 // Evenly strided rows in the shown columns: chains of an MCMC sampler are all represented.

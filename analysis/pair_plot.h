@@ -2,11 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/gnuplot.h"
+#include "analysis/plot_layout.h"
 #include "core/types.h"
 
 namespace npdr::analysis {
@@ -20,8 +20,15 @@ struct PairParameter {
   std::string unit;   ///< SI; "1": dimensionless
   double lower = 0.0;
   double upper = 0.0;
-  std::optional<double> nominal = {};
-  std::optional<double> truth = {};
+};
+
+/// One parameter vector that is marked, such as the nominal one.
+struct PairPoint {
+  std::string name;
+  Vector theta;  ///< (D), SI; what lies outside of the axes isn't marked
+  LegendMark mark = LegendMark::triangle;
+  std::string color;
+  int dash = 1;  ///< gnuplot's dash type of its line in the marginals
 };
 
 /// Samples of one posterior.
@@ -33,17 +40,19 @@ struct SampleSet {
 struct PairPlot {
   std::string name;  ///< of the files: letters, digits, '_' and '-'
   std::vector<PairParameter> parameters;
-  std::vector<SampleSet> sets;        ///< blue, orange, purple, ...; the first is drawn on top
+  std::vector<SampleSet> sets;  ///< blue, orange, purple, ...; the first is drawn on top
+  std::vector<PairPoint> points = {};
   std::vector<Index> selection = {};  ///< parameters to show, 2 to 15; empty: all
   Index num_points = 200;             ///< of each set in an off-diagonal panel
 };
 
 /// Draws the lower triangle of scatter plots, with the marginal densities of all samples on the
-/// diagonal (analysis/kernel_density.h), axes limited to the prior's box, nominal values and truth
+/// diagonal (analysis/kernel_density.h), axes limited to the prior's box, single points
 /// marked. Off the diagonal every panel shows the same samples, evenly strided. Samples outside the
 /// box are not shown and lower the marginal's area. Writes the figure's files and its data files
 /// into `directory`. Throws InputError for fewer than 2 or more than 15 parameters, more sets than
-/// there are colours, or a selection that doesn't exist; ShapeError for samples of another width.
+/// there are colours, or a selection that doesn't exist; ShapeError for samples or points of
+/// another width.
 FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& directory);
 
 }  // namespace npdr::analysis

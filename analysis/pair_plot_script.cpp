@@ -12,9 +12,7 @@ constexpr double kTickGap = 10.0;      // [px] between tick labels and what is b
 constexpr double kLineHeight = 1.25;   // of labels, in font sizes
 constexpr double kLegendHeight = 1.7;  // of an entry, in font sizes
 
-bool inside(const PairParameter& p, const std::optional<double>& value) {
-  return value && *value >= p.lower && *value <= p.upper;
-}
+bool inside(const PairParameter& p, double value) { return value >= p.lower && value <= p.upper; }
 
 std::size_t most_lines(const std::vector<std::vector<std::string>>& labels) {
   std::size_t most = 0;
@@ -37,22 +35,25 @@ PairPlotScript::Sizes PairPlotScript::sizes_for(std::size_t num_parameters) {
 }
 
 PairPlotScript::PairPlotScript(const PairPlot& plot, const std::vector<Index>& shown)
-    : plot_(plot), sizes_(sizes_for(shown.size())) {
-  bool has_nominal = false, has_truth = false;
+    : plot_(plot), shown_(shown), sizes_(sizes_for(shown.size())) {
   for (const Index d : shown) {
     const PairParameter& p = plot.parameters[static_cast<std::size_t>(d)];
     parameters_.push_back(&p);
     axes_.push_back(make_axis(p.lower, p.upper, p.unit));
     labels_.push_back(wrap_text(p.label, sizes_.panel, sizes_.font));
     if (!axes_.back().unit.empty()) labels_.back().push_back(axes_.back().unit);
-    has_nominal = has_nominal || inside(p, p.nominal);
-    has_truth = has_truth || inside(p, p.truth);
   }
   for (std::size_t k = 0; k < plot.sets.size(); ++k) {
     entries_.push_back({LegendMark::dot, kMethodColors[k], plot.sets[k].name});
   }
-  if (has_nominal) entries_.push_back({LegendMark::triangle, kNominalColor, "nominal"});
-  if (has_truth) entries_.push_back({LegendMark::diamond, kTruthColor, "truth"});
+  for (const PairPoint& point : plot.points) {
+    const auto is_shown = [&](Index d) {
+      return inside(plot.parameters[static_cast<std::size_t>(d)], point.theta(d));
+    };
+    if (std::ranges::any_of(shown, is_shown)) {
+      entries_.push_back({point.mark, point.color, point.name});
+    }
+  }
   set_margins();
   make_room_for_legend();
 }
@@ -169,29 +170,28 @@ std::string PairPlotScript::scatter(std::size_t r, std::size_t c) const {
 }
 
 std::string PairPlotScript::vertical_marks(std::size_t c) const {
-  const PairParameter& p = *parameters_[c];
-  const auto mark = [&](const std::optional<double>& value, const char* color, int dash) {
-    if (!inside(p, value)) return std::string();
-    return fmt::format(
+  std::string script;
+  for (const PairPoint& point : plot_.points) {
+    const double x = point.theta(shown_[c]);
+    if (!inside(*parameters_[c], x)) continue;
+    script += fmt::format(
         "set arrow from first {0}, graph 0 to first {0}, graph 1 nohead front lw 1.4 dt {1} "
         "lc rgb '{2}'\n",
-        *value * axes_[c].scale, dash, color);
-  };
-  return mark(p.nominal, kNominalColor, 2) + mark(p.truth, kTruthColor, 1);
+        x * axes_[c].scale, point.dash, point.color);
+  }
+  return script;
 }
 
 std::string PairPlotScript::point_marks(std::size_t r, std::size_t c) const {
-  const PairParameter& px = *parameters_[c];
-  const PairParameter& py = *parameters_[r];
-  const auto mark = [&](const std::optional<double>& x, const std::optional<double>& y,
-                        LegendMark shape, const char* color) {
-    if (!inside(px, x) || !inside(py, y)) return std::string();
+  std::string script;
+  for (const PairPoint& point : plot_.points) {
+    const double x = point.theta(shown_[c]), y = point.theta(shown_[r]);
+    if (!inside(*parameters_[c], x) || !inside(*parameters_[r], y)) continue;
     const std::string position =
-        fmt::format("first {}, first {}", *x * axes_[c].scale, *y * axes_[r].scale);
-    return mark_command(shape, position, sizes_.mark, color);
-  };
-  return mark(px.nominal, py.nominal, LegendMark::triangle, kNominalColor) +
-         mark(px.truth, py.truth, LegendMark::diamond, kTruthColor);
+        fmt::format("first {}, first {}", x * axes_[c].scale, y * axes_[r].scale);
+    script += mark_command(point.mark, position, sizes_.mark, point.color);
+  }
+  return script;
 }
 
 std::string PairPlotScript::x_label(std::size_t c) const {

@@ -11,7 +11,8 @@
 namespace npdr::analysis {
 
 /// Lays out the lower triangle of panels, its labels and its legend, for `shown` parameters of a
-/// plot that has been checked. Row r and column c of the triangle show shown[r] over shown[c].
+/// plot that has been checked, both of which must outlive it. Row r and column c of the triangle
+/// show shown[r] over shown[c].
 class PairPlotScript {
  public:
   PairPlotScript(const PairPlot& plot, const std::vector<Index>& shown);
@@ -47,6 +48,7 @@ class PairPlotScript {
   std::string tics_options() const;
 
   const PairPlot& plot_;
+  const std::vector<Index>& shown_;
   Sizes sizes_;
   std::vector<const PairParameter*> parameters_;  // the shown ones
   std::vector<Axis> axes_;

@@ -17,6 +17,20 @@ bool begins_character(char c) {
   return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
 }  // in UTF-8
 
+// Gnuplot's number of a filled mark.
+int point_type(LegendMark mark) {
+  switch (mark) {
+    case LegendMark::triangle:
+      return 9;
+    case LegendMark::diamond:
+      return 13;
+    case LegendMark::square:
+      return 5;
+    default:
+      return 7;
+  }
+}
+
 }  // namespace
 
 std::string translucent(std::string_view color, double opacity) {
@@ -48,7 +62,7 @@ double text_width(std::string_view words, double font_size) {
 
 std::string mark_command(LegendMark mark, const std::string& position, double size,
                          std::string_view color) {
-  const int type = mark == LegendMark::triangle ? 9 : mark == LegendMark::diamond ? 13 : 7;
+  const int type = point_type(mark);
   const auto point = [&](double point_size, std::string_view point_color) {
     return fmt::format("set label '' at {} point pt {} ps {} lc rgb '{}' front\n", position, type,
                        point_size, point_color);

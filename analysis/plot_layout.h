@@ -16,6 +16,8 @@ inline constexpr const char* kMethodColors[] = {"#0072b2", "#e69f00", "#8e44ad",
 inline constexpr std::size_t kMaxMethods = std::size(kMethodColors);
 inline constexpr const char* kTruthColor = "#000000";
 inline constexpr const char* kNominalColor = "#1b7837";
+inline constexpr const char* kReferenceColors[] = {"#b2182b", "#8c510a", "#35978f"};
+inline constexpr std::size_t kMaxReferences = std::size(kReferenceColors);
 
 /// "#rrggbb" with an opacity in [0, 1], as gnuplot's "'#aarrggbb'" (where aa is the transparency).
 std::string translucent(std::string_view color, double opacity);
@@ -52,6 +54,7 @@ enum class LegendMark {
   dot,       ///< filled circle
   triangle,  ///< filled triangle
   diamond,   ///< filled diamond
+  square,    ///< filled square
   line,      ///< a line
   band,      ///< a line on a translucent band
 };

@@ -54,8 +54,8 @@ void replay(benchmark::State& state, const std::string& rolling) {
   const Target target = simulator->behave(complete_theta(*simulator, {}), 1, 1);
   const RowMatrix theta = prior_draws(*simulator, 512);
   for (auto _ : state) benchmark::DoNotOptimize(simulator->replay(target, theta));
-  state.counters["rollouts/s"] = benchmark::Counter(
-      static_cast<double>(theta.rows()), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["rollouts/s"] = benchmark::Counter(static_cast<double>(theta.rows()),
+                                                    benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK_CAPTURE(replay, exact, "exact")
     ->ArgName("substeps_near")

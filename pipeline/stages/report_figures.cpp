@@ -24,11 +24,24 @@ const BaselinePoint* find_point(const ReportData& data, const std::string& name)
 analysis::PairParameter axis_of(const ReportData& data, Index d) {
   const inference::Marginal& m = data.plan.study.prior[static_cast<std::size_t>(d)];
   const bool is_normal = m.kind == inference::Marginal::Kind::normal;
-  analysis::PairParameter axis{
-      m.name, m.unit, is_normal ? m.a - 3.0 * m.b : m.a, is_normal ? m.a + 3.0 * m.b : m.b, {}, {}};
-  if (const BaselinePoint* nominal = find_point(data, "nominal")) axis.nominal = nominal->theta(d);
-  if (const BaselinePoint* truth = find_point(data, "truth")) axis.truth = truth->theta(d);
-  return axis;
+  return {m.name, m.unit, is_normal ? m.a - 3.0 * m.b : m.a, is_normal ? m.a + 3.0 * m.b : m.b};
+}
+
+// Nominal, truth and the first references.
+std::vector<analysis::PairPoint> marked_points(const ReportData& data) {
+  using analysis::LegendMark;
+  std::vector<analysis::PairPoint> points;
+  const auto mark = [&](const std::string& name, LegendMark shape, const char* color, int dash) {
+    const BaselinePoint* point = find_point(data, name);
+    if (point != nullptr) points.push_back({name, point->theta, shape, color, dash});
+  };
+  mark("nominal", LegendMark::triangle, analysis::kNominalColor, 2);
+  mark("truth", LegendMark::diamond, analysis::kTruthColor, 1);
+  const auto& references = data.plan.study.references;
+  for (std::size_t i = 0; i < std::min(references.size(), analysis::kMaxReferences); ++i) {
+    mark(references[i].name, LegendMark::square, analysis::kReferenceColors[i], 4);
+  }
+  return points;
 }
 
 std::span<const std::string> drawn_methods(const ReportData& data) {
@@ -73,6 +86,7 @@ std::filesystem::path write_pair_figure(const ReportData& data,
   for (const std::string& method : drawn_methods(data)) {
     plot.sets.push_back({method, data.runs_of(method).front()->evaluation.theta});
   }
+  plot.points = marked_points(data);
   plot.selection = shown_parameters(data.plan.study);
   return analysis::write_pair_plot(plot, folder).svg;
 }

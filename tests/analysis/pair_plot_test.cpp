@@ -23,8 +23,10 @@ PairPlot plot_of(Index dimension) {
   PairPlot plot;
   plot.name = "pairs";
   for (Index d = 0; d < dimension; ++d) {
-    plot.parameters.push_back({"p_" + std::to_string(d), "kg", 0.0, 2.0, 1.0, 1.5});
+    plot.parameters.push_back({"p_" + std::to_string(d), "kg", 0.0, 2.0});
   }
+  plot.points = {{"nominal", Vector::Constant(dimension, 1.0), LegendMark::triangle, "#1b7837", 2},
+                 {"truth", Vector::Constant(dimension, 1.5), LegendMark::diamond, "#000000", 1}};
   plot.sets = {{"first", samples(1, 1000, dimension)}, {"second", samples(2, 500, dimension)}};
   return plot;
 }
@@ -71,10 +73,7 @@ TEST(PairPlot, LimitsAxesToThePriorAndLeavesOutMarksBeyond) {
   PairPlot plot = plot_of(2);
   plot.sets = {{"outside", samples(1, 50, 2)}};
   plot.sets[0].samples.col(0).array() += 10.0;
-  for (PairParameter& p : plot.parameters) {
-    p.nominal.reset();
-    p.truth = 7.0;
-  }
+  for (PairPoint& point : plot.points) point.theta.setConstant(7.0);
   const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
   EXPECT_EQ(count_of(svg, "<circle cx="), 2);  // the legend's
   EXPECT_EQ(svg.find("truth"), std::string::npos);
@@ -103,6 +102,7 @@ TEST(PairPlot, NamesAreTextAndNothingElse) {
   const TempFolder folder;
   PairPlot plot = plot_of(2);
   plot.parameters[0].label = "a'`touch broken`<b>&{/Bold";
+  plot.points[0].name = "'\nset output 'elsewhere'";
   plot.sets[0].name = "\"quoted\"\nset output 'elsewhere'";
   const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
   EXPECT_NE(svg.find("broken`&lt;b>&amp;{/Bold"), std::string::npos);
@@ -135,6 +135,9 @@ TEST(PairPlot, RejectsWhatItCannotShow) {
   expect_input_error(plot);
   plot = plot_of(2);
   plot.sets[1].samples.resize(5, 3);
+  EXPECT_THROW(write_pair_plot(plot, folder.path()), ShapeError);
+  plot = plot_of(2);
+  plot.points[0].theta.resize(3);
   EXPECT_THROW(write_pair_plot(plot, folder.path()), ShapeError);
 }
 

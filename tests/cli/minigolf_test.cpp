@@ -35,7 +35,8 @@ class MinigolfStudy : public ::testing::Test {
 TempFolder* MinigolfStudy::folder_ = nullptr;
 
 TEST_F(MinigolfStudy, HoldsRolloutsOutOfTheTarget) {
-  EXPECT_EQ(read_recording(folder_->path() / "runs/small/target.h5", std::nullopt).num_rollouts(), 2);
+  EXPECT_EQ(read_recording(folder_->path() / "runs/small/target.h5", std::nullopt).num_rollouts(),
+            2);
   const Target rest = read_recording(folder_->path() / "runs/small/held_out.h5", std::nullopt);
   ASSERT_EQ(rest.num_rollouts(), 1);
   EXPECT_EQ(rest.rollouts.front().name, "simulated 2");
@@ -59,8 +60,9 @@ TEST_F(MinigolfStudy, MeasuresReferences) {
 
 TEST_F(MinigolfStudy, ReportsWhatItMeasured) {
   const std::string fit = text("tables/fit.md");
-  for (const char* words : {"| RMSE, held out ", "| Final error [m] ", "| P(rests within 5 cm of the hole), held out ",
-                            " nominal ", " heavy ", " truth "}) {
+  for (const char* words :
+       {"| RMSE, held out ", "| Final error [m] ", "| P(rests within 5 cm of the hole), held out ",
+        " nominal ", " heavy ", " truth "}) {
     EXPECT_NE(fit.find(words), std::string::npos) << words << "\n" << fit;
   }
   EXPECT_NE(text("tables/seeds.md").find("log p(heavy)"), std::string::npos);
@@ -71,10 +73,11 @@ TEST_F(MinigolfStudy, ReportsWhatItMeasured) {
 
 TEST_F(MinigolfStudy, GoalsAreForSimulatorsThatHaveOne) {
   std::ofstream(folder_->path() / "pendulum.toml") << small_study();
-  const Outcome outcome = run(folder_->path(), {"npdr", "validate", "pendulum.toml", "--set",
-                                                "evaluate.metrics=['goal']"});
+  const Outcome outcome = run(
+      folder_->path(), {"npdr", "validate", "pendulum.toml", "--set", "evaluate.metrics=['goal']"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("the simulator 'pendulum' has no goal"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("the simulator 'pendulum' has no goal"), std::string::npos)
+      << outcome.err;
 }
 
 }  // namespace
