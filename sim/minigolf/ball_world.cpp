@@ -1,61 +1,18 @@
 #include "sim/minigolf/ball_world.h"
 
-#include <btBulletDynamicsCommon.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <vector>
 
-#include "sim/minigolf/head.h"
+#include "sim/minigolf/bullet_scene.h"
 
 namespace npdr::sim {
 namespace {
 
-constexpr double kGravity = 9.81;     // [m/s^2]
 constexpr double kNear = 0.002;       // [m] gap below which a step has the fine substeps
 constexpr double kRolling = 1e-4;     // [m], [m/s] off the ground, or slipping, that rolling may be
 constexpr double kClubMargin = 0.02;  // [m] gap below which the club is in the world
 constexpr double kRestSpeed = 1e-3;   // [m/s]
 constexpr int kRestSteps = 10;
-
-// Bullet's own default keeps contacts up to 20 mm apart, as far as this ball is wide. The variable
-// is global: set before any world exists.
-[[maybe_unused]] const double kContactBreakingThreshold = gContactBreakingThreshold = 5e-4;
-
-// Bullet limits the torque of rolling friction about two fixed axes, each by itself: a ball that
-// rolls obliquely slows down up to 1.41 times as fast, and turns. On the ground it comes from
-// BallWorld::resist_rolling() instead. Global, too.
-constexpr int kGround = 1;
-btScalar rolling_friction_off_ground(const btCollisionObject* a, const btCollisionObject* b) {
-  if (a->getUserIndex() == kGround || b->getUserIndex() == kGround) return 0.0;
-  return a->getRollingFriction() * b->getFriction() + b->getRollingFriction() * a->getFriction();
-}
-[[maybe_unused]] const auto kRollingFrictionCallback = gCalculateCombinedRollingFrictionCallback =
-    rolling_friction_off_ground;
-
-btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Eigen::Vector3d from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-
-btTransform to_bullet(const Eigen::Isometry3d& pose) {
-  const auto r = pose.linear();
-  const btMatrix3x3 rotation(r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1),
-                             r(2, 2));
-  return btTransform(rotation, to_bullet(pose.translation()));
-}
-
-btDefaultCollisionConstructionInfo small_pools() {
-  btDefaultCollisionConstructionInfo info;
-  info.m_defaultMaxPersistentManifoldPoolSize = 32;
-  info.m_defaultMaxCollisionAlgorithmPoolSize = 32;
-  return info;
-}
-
-void set_surface(const Surface& surface, btRigidBody& body) {
-  body.setFriction(surface.friction);
-  body.setRollingFriction(surface.rolling_friction);
-  body.setRestitution(surface.restitution);
-}
 
 // Of two bodies in contact, as Bullet combines theirs (course.h).
 double friction(const Surface& a, const Surface& b) { return a.friction * b.friction; }
@@ -80,104 +37,6 @@ std::array<Footprint, 5> footprints(const Course& course) {
 
 }  // namespace
 
-struct BallWorld::Bodies {
-  Bodies(const MinigolfConfig& config, const Course& course)
-      : configuration(small_pools()),
-        dispatcher(&configuration),
-        world(&dispatcher, &broadphase, &solver, &configuration),
-        ball_shape(course.ball_radius) {
-    set_solver(config, course);
-    add_ground(course);
-    for (const CourseBox& box : bounds()) add_box(box);
-    for (const CourseBox& box : course.obstacles) add_box(box);
-    add_ball(config, course);
-    make_club();
-  }
-  ~Bodies() {
-    for (int i = world.getNumCollisionObjects() - 1; i >= 0; --i) {
-      world.removeCollisionObject(world.getCollisionObjectArray()[i]);
-    }
-  }
-
-  void set_solver(const MinigolfConfig& config, const Course& course);
-  void add_ground(const Course& course);
-  void add_box(const CourseBox& box);
-  void add_ball(const MinigolfConfig& config, const Course& course);
-  void make_club();
-
-  btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher;
-  btSimpleBroadphase broadphase{16};
-  btSequentialImpulseConstraintSolver solver;
-  btDiscreteDynamicsWorld world;
-
-  btStaticPlaneShape ground_shape{btVector3(0, 0, 1), 0.0};
-  btSphereShape ball_shape;
-  std::unique_ptr<btMultiSphereShape> head_shape;
-  std::vector<std::unique_ptr<btBoxShape>> box_shapes;
-  std::vector<std::unique_ptr<btRigidBody>> boxes;
-  std::unique_ptr<btRigidBody> ground, ball, club;
-};
-
-void BallWorld::Bodies::set_solver(const MinigolfConfig& config, const Course& course) {
-  btContactSolverInfo& info = world.getSolverInfo();
-  info.m_numIterations = static_cast<int>(config.solver_iterations);
-  info.m_leastSquaresResidualThreshold = 1e-16;
-  // In units of 1 / mass: relative to it, the ball's mass changes nothing, as in nature.
-  info.m_globalCfm = config.solver_cfm * kNominalMass / course.ball_mass;
-  info.m_erp2 = config.solver_erp;
-  // Positions are corrected apart from velocities, from the first overlap on: otherwise the
-  // correction adds to the restitution.
-  info.m_splitImpulse = 1;
-  info.m_splitImpulsePenetrationThreshold = 0.0;
-  info.m_restitutionVelocityThreshold = config.restitution_threshold;
-  info.m_solverMode = SOLVER_FRICTION_SEPARATE | SOLVER_USE_2_FRICTION_DIRECTIONS;
-  world.setForceUpdateAllAabbs(false);
-  world.setGravity(btVector3(0, 0, -kGravity));
-}
-
-void BallWorld::Bodies::add_ground(const Course& course) {
-  ground = std::make_unique<btRigidBody>(0.0, nullptr, &ground_shape);
-  set_surface(course.ground, *ground);
-  ground->setUserIndex(kGround);
-  world.addRigidBody(ground.get());
-}
-
-void BallWorld::Bodies::add_box(const CourseBox& box) {
-  box_shapes.push_back(std::make_unique<btBoxShape>(btVector3(box.half_x, box.half_y, box.half_z)));
-  boxes.push_back(std::make_unique<btRigidBody>(0.0, nullptr, box_shapes.back().get()));
-  btRigidBody& body = *boxes.back();
-  set_surface(kFixtures, body);
-  body.setWorldTransform(
-      btTransform(btQuaternion(btVector3(0, 0, 1), box.yaw), btVector3(box.x, box.y, box.half_z)));
-  world.addRigidBody(&body);
-}
-
-void BallWorld::Bodies::add_ball(const MinigolfConfig& config, const Course& course) {
-  btVector3 inertia;
-  ball_shape.calculateLocalInertia(course.ball_mass, inertia);
-  ball = std::make_unique<btRigidBody>(course.ball_mass, nullptr, &ball_shape, inertia);
-  set_surface(course.ball, *ball);
-  ball->setDamping(config.linear_damping, config.angular_damping);
-  ball->setActivationState(DISABLE_DEACTIVATION);
-  world.addRigidBody(ball.get());
-}
-
-void BallWorld::Bodies::make_club() {
-  std::array<btVector3, 4> centres = {
-      btVector3(-kHeadHalfX, -kHeadHalfY, 0), btVector3(-kHeadHalfX, kHeadHalfY, 0),
-      btVector3(kHeadHalfX, -kHeadHalfY, 0), btVector3(kHeadHalfX, kHeadHalfY, 0)};
-  std::array<btScalar, 4> radii;
-  radii.fill(kHeadRadius);
-  head_shape = std::make_unique<btMultiSphereShape>(centres.data(), radii.data(), 4);
-  head_shape->setMargin(kHeadRadius);  // of points, whose margin is the sphere
-  club = std::make_unique<btRigidBody>(0.0, nullptr, head_shape.get());
-  set_surface(kFixtures, *club);
-  // Kinematic and nothing else: a static body has no velocity.
-  club->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  club->setActivationState(DISABLE_DEACTIVATION);
-}
-
 BallWorld::BallWorld(const MinigolfConfig& config, const Course& course, const ClubMotion& motion,
                      double dt, const Eigen::Vector2d& start)
     : config_(config),
@@ -186,7 +45,7 @@ BallWorld::BallWorld(const MinigolfConfig& config, const Course& course, const C
       dt_(dt),
       footprints_(footprints(course)),
       rolling_(rolling_law(config, course)),
-      bodies_(std::make_unique<Bodies>(config, course)) {
+      scene_(std::make_unique<BulletScene>(config, course)) {
   set_ball({start.x(), start.y(), course.ball_radius}, Eigen::Vector3d::Zero(),
            Eigen::Vector3d::Zero());
 }
@@ -195,7 +54,7 @@ BallWorld::~BallWorld() = default;
 
 void BallWorld::set_ball(const Eigen::Vector3d& position, const Eigen::Vector3d& velocity,
                          const Eigen::Vector3d& spin) {
-  btRigidBody& ball = *bodies_->ball;
+  btRigidBody& ball = scene_->ball();
   const btTransform pose(btQuaternion::getIdentity(), to_bullet(position));
   ball.setWorldTransform(pose);
   ball.setInterpolationWorldTransform(pose);
@@ -205,15 +64,15 @@ void BallWorld::set_ball(const Eigen::Vector3d& position, const Eigen::Vector3d&
 }
 
 Eigen::Vector3d BallWorld::ball_position() const {
-  return from_bullet(bodies_->ball->getWorldTransform().getOrigin());
+  return from_bullet(scene_->ball().getWorldTransform().getOrigin());
 }
 
 Eigen::Vector3d BallWorld::ball_velocity() const {
-  return from_bullet(bodies_->ball->getLinearVelocity());
+  return from_bullet(scene_->ball().getLinearVelocity());
 }
 
 Eigen::Vector3d BallWorld::ball_spin() const {
-  return from_bullet(bodies_->ball->getAngularVelocity());
+  return from_bullet(scene_->ball().getAngularVelocity());
 }
 
 // Distance of the ball's surface from the next box or the hole's edge, seen from above.
@@ -271,7 +130,7 @@ void BallWorld::simulate(Index t, bool with_club, bool is_fine) {
   set_club_present(with_club, t, is_fine);
   const Index substeps = motion_.num_substeps(is_fine);
   for (Index k = 0; k < substeps; ++k) {
-    if (with_club) bodies_->club->setWorldTransform(to_bullet(motion_.pose(t, k, is_fine)));
+    if (with_club) scene_->club().setWorldTransform(to_bullet(motion_.pose(t, k, is_fine)));
     step_once(dt_ / static_cast<double>(substeps));
   }
 }
@@ -288,27 +147,27 @@ void BallWorld::watch_rest(Index t) {
 void BallWorld::set_club_present(bool with_club, Index t, bool is_fine) {
   if (with_club == club_is_here_) return;
   club_is_here_ = with_club;
-  btRigidBody& club = *bodies_->club;
+  btRigidBody& club = scene_->club();
   if (!with_club) {
-    bodies_->world.removeRigidBody(&club);
+    scene_->world().removeRigidBody(&club);
     return;
   }
   const btTransform pose = to_bullet(motion_.pose(t, -1, is_fine));
   club.setWorldTransform(pose);
   club.setInterpolationWorldTransform(pose);
-  bodies_->world.addRigidBody(&club, btBroadphaseProxy::KinematicFilter,
-                              btBroadphaseProxy::DefaultFilter);
+  scene_->world().addRigidBody(&club, btBroadphaseProxy::KinematicFilter,
+                               btBroadphaseProxy::DefaultFilter);
 }
 
 void BallWorld::step_once(double duration) {
   // A rolling sphere would keep some stale contacts behind the true one, which push it.
-  for (int i = 0; i < bodies_->dispatcher.getNumManifolds(); ++i) {
-    bodies_->dispatcher.getManifoldByIndexInternal(i)->clearManifold();
+  for (int i = 0; i < scene_->dispatcher().getNumManifolds(); ++i) {
+    scene_->dispatcher().getManifoldByIndexInternal(i)->clearManifold();
   }
   const Surface& ground = is_above_hole() ? kHoleSurface : course_.ground;
-  set_surface(ground, *bodies_->ground);
+  set_surface(ground, scene_->ground());
   resist_rolling(rolling_friction(course_.ball, ground), duration);
-  bodies_->world.stepSimulation(duration, 0);
+  scene_->world().stepSimulation(duration, 0);
 }
 
 bool BallWorld::is_above_hole() const {
@@ -326,7 +185,7 @@ void BallWorld::resist_rolling(double mu, double duration) {
   if (size == 0.0) return;
   const double impulse = std::min(mu * kGravity * duration, 1.4 * r * r * size);
   const Eigen::Vector2d change = -impulse * course_.ball_mass / size * spin;
-  bodies_->ball->applyTorqueImpulse(btVector3(change.x(), change.y(), 0.0));
+  scene_->ball().applyTorqueImpulse(btVector3(change.x(), change.y(), 0.0));
 }
 
 bool BallWorld::has_come_to_rest() const { return steps_at_rest_ >= kRestSteps && club_is_done_; }

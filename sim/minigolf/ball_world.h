@@ -19,6 +19,8 @@
 
 namespace npdr::sim {
 
+class BulletScene;
+
 /// How many steps of a world went which way: along the closed form, with `substeps`, and with
 /// `substeps_near`.
 struct StepCounts {
@@ -52,8 +54,6 @@ class BallWorld {
                 const Eigen::Vector3d& spin);
 
  private:
-  struct Bodies;
-
   double gap() const;
   bool rolls() const;
   void roll_on();
@@ -70,7 +70,7 @@ class BallWorld {
   const double dt_;
   const std::array<Footprint, 5> footprints_;
   const RollingLaw rolling_;
-  std::unique_ptr<Bodies> bodies_;
+  std::unique_ptr<BulletScene> scene_;
   StepCounts counts_;
   bool club_is_here_ = false;
   bool club_is_done_ = false;

@@ -41,7 +41,8 @@ struct Course {
 
 inline constexpr Surface kFixtures = {0.8, 0.0, 1.0};  ///< bounds, obstacles and the club
 inline constexpr Surface kHoleSurface = {10.0, 10.0, 0.0};
-inline constexpr double kNominalMass = 0.005;
+inline constexpr double kGravity = 9.81;       // [m/s^2]
+inline constexpr double kNominalMass = 0.005;  // [kg] of the ball
 inline constexpr double kHoleRadius = 0.025;
 inline constexpr double kHoleX = 1.18977, kHoleY = 1.37017;
 inline constexpr double kGroundX = 0.5, kGroundY = 1.3, kGroundHalf = 2.5;  ///< a square

@@ -10,7 +10,6 @@
 namespace npdr::sim {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kStep = 0.01;
 const Eigen::Vector2d kFarAway(-1.0, 1.3);  // on the ground, away from everything
 
