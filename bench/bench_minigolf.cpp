@@ -37,11 +37,7 @@ RowMatrix prior_draws(const Simulator& simulator, Index count) {
 }
 
 ClubMotion strike_motion(const MinigolfConfig& config) {
-  RowMatrix actions(kSteps, static_cast<Index>(kNumJoints));
-  for (Index t = 0; t < kSteps; ++t) {
-    std::ranges::copy(strike(static_cast<double>(t) * kStep), actions.row(t).data());
-  }
-  return {actions, config.substeps, config.substeps_near};
+  return {strike_actions(kSteps, kStep), config.substeps, config.substeps_near};
 }
 
 // Argument: substeps_near.

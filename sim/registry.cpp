@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "core/error.h"
 #include "core/text.h"
@@ -26,14 +27,26 @@ SimulatorPtr make_minigolf(const SimulatorConfig& config) {
 struct Entry {
   const char* name;
   SimulatorPtr (*make)(const SimulatorConfig&);
+  std::span<const char* const> unused_settings;
 };
+
+constexpr std::array kNotOfOdes = {"minigolf"};
+constexpr std::array kOfOdes = {"segment_length", "integrator", "substeps"};
 
 // Every simulator: to add one, write its file pair and a line here.
 constexpr std::array kSimulators = {
-    Entry{"furuta", make_ode_simulator<Furuta>},
-    Entry{"minigolf", make_minigolf},
-    Entry{"pendulum", make_ode_simulator<Pendulum>},
+    Entry{"furuta", make_ode_simulator<Furuta>, kNotOfOdes},
+    Entry{"minigolf", make_minigolf, kOfOdes},
+    Entry{"pendulum", make_ode_simulator<Pendulum>, kNotOfOdes},
 };
+
+const Entry& find_entry(const std::string& name) {
+  const auto found = std::ranges::find(kSimulators, name, &Entry::name);
+  if (found == kSimulators.end()) {
+    throw InputError(unknown_name("simulator", name, simulator_names()));
+  }
+  return *found;
+}
 
 }  // namespace
 
@@ -44,10 +57,12 @@ std::vector<std::string> simulator_names() {
 }
 
 std::unique_ptr<Simulator> make_simulator(const SimulatorConfig& config) {
-  for (const Entry& entry : kSimulators) {
-    if (config.name == entry.name) return entry.make(config);
-  }
-  throw InputError(unknown_name("simulator", config.name, simulator_names()));
+  return find_entry(config.name).make(config);
+}
+
+std::vector<std::string> unused_settings(const std::string& name) {
+  const Entry& entry = find_entry(name);
+  return {entry.unused_settings.begin(), entry.unused_settings.end()};
 }
 
 std::vector<Outline> Simulator::outlines(const Vector& /*theta*/) const { return {}; }

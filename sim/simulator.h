@@ -16,25 +16,11 @@
 #include "core/outline.h"
 #include "core/target.h"
 #include "core/types.h"
+#include "sim/minigolf/minigolf_config.h"
 #include "sim/parameter.h"
 #include "sim/trajectories.h"
 
 namespace npdr::sim {
-
-/// Settings of the mini golf alone.
-struct MinigolfConfig {
-  std::string strike = "recorded";      ///< "recorded" actions, or Table A4's "policy"
-  std::string ball_start = "recorded";  ///< in each rollout, or "nominal"
-  std::string rolling = "exact";        ///< away from everything, or "engine": by Bullet, too
-  Index substeps = 2;                   ///< of Bullet per time step
-  Index substeps_near = 5;              ///< the same where the ball is near something
-  double linear_damping = 0.1;          ///< [1] v loses the factor (1 - damping)^(1 s) by itself
-  double angular_damping = 0.0;         ///< [1] of the ball's spin
-  Index solver_iterations = 100;        ///< of Bullet's contact solver, at most
-  double solver_cfm = 1e-4;             ///< constraint force mixing: softness of contacts
-  double solver_erp = 0.2;              ///< part of an overlap that a substep takes away
-  double restitution_threshold = 0.2;   ///< [m/s] contacts below it don't bounce
-};
 
 /// Settings of a simulator, as a study gives them.
 struct SimulatorConfig {
@@ -83,13 +69,10 @@ class Simulator {
   virtual std::vector<Outline> outlines(const Vector& theta) const;
 };
 
-/// Names of MinigolfConfig::strike and ball_start.
-std::vector<std::string> strike_names();
-std::vector<std::string> ball_start_names();
-std::vector<std::string> rolling_names();
-
 /// Names that make_simulator() knows.
 std::vector<std::string> simulator_names();
+/// Fields of SimulatorConfig that mean nothing to the simulator `name`, one of simulator_names().
+std::vector<std::string> unused_settings(const std::string& name);
 /// Names of integrators: "erk4" and the others of the ODE simulators.
 std::vector<std::string> integrator_names();
 

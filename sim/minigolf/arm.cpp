@@ -80,4 +80,12 @@ JointAngles strike(double time) {
   return between(begin, end, std::min(time / kStrikeDuration, 1.0));
 }
 
+RowMatrix strike_actions(Index num_steps, double dt) {
+  RowMatrix actions(num_steps, static_cast<Index>(kNumJoints));
+  for (Index t = 0; t < num_steps; ++t) {
+    std::ranges::copy(strike(static_cast<double>(t) * dt), actions.row(t).data());
+  }
+  return actions;
+}
+
 }  // namespace npdr::sim

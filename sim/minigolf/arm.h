@@ -29,4 +29,7 @@ JointAngles between(const JointAngles& begin, const JointAngles& end, double fra
 /// The behaviour policy of Table A4: q_init + (q_end - q_init) min(t / 0.5 s, 1).
 JointAngles strike(double time);
 
+/// The policy's actions at t dt, t = 0, ..., T - 1: (T, 7).
+RowMatrix strike_actions(Index num_steps, double dt);
+
 }  // namespace npdr::sim

@@ -12,7 +12,7 @@ constexpr double kNear = 0.002;       // [m] gap below which a step has the fine
 constexpr double kRolling = 1e-4;     // [m], [m/s] off the ground, or slipping, that rolling may be
 constexpr double kClubMargin = 0.02;  // [m] gap below which the club is in the world
 constexpr double kRestSpeed = 1e-3;   // [m/s]
-constexpr int kRestSteps = 10;
+constexpr double kRestTime = 0.1;     // [s]
 
 // Of two bodies in contact, as Bullet combines theirs (course.h).
 double friction(const Surface& a, const Surface& b) { return a.friction * b.friction; }
@@ -166,7 +166,7 @@ void BallWorld::step_once(double duration) {
   }
   const Surface& ground = is_above_hole() ? kHoleSurface : course_.ground;
   set_surface(ground, scene_->ground());
-  resist_rolling(rolling_friction(course_.ball, ground), duration);
+  resist_rolling(ground, duration);
   scene_->world().stepSimulation(duration, 0);
 }
 
@@ -175,19 +175,27 @@ bool BallWorld::is_above_hole() const {
   return std::hypot(p.x() - kHoleX, p.y() - kHoleY) < kHoleRadius;
 }
 
-// A torque of mu_c m g against the rolling, for as long as it takes to stop it: 7/5 m r^2 |w| about
-// the point of contact.
-void BallWorld::resist_rolling(double mu, double duration) {
+// A torque of at most mu_c m g against the rolling, and no more than what takes the spin and, with
+// the ground's friction in this substep, the velocity that goes with it. More would turn the spin
+// around: a rolling ball's momentum about the point of contact is 7/5 m r^2 |w|, but where friction
+// doesn't hold it, only the 2/5 of its spin are there to be taken.
+void BallWorld::resist_rolling(const Surface& ground, double duration) {
   const double r = course_.ball_radius;
   if (ball_position().z() - r > kRolling) return;
   const Eigen::Vector2d spin = ball_spin().head<2>();
   const double size = spin.norm();
   if (size == 0.0) return;
-  const double impulse = std::min(mu * kGravity * duration, 1.4 * r * r * size);
+  const Eigen::Vector2d forward(spin.y() / size, -spin.x() / size);
+  const double grip = std::clamp(ball_velocity().head<2>().dot(forward), 0.0,
+                                 friction(course_.ball, ground) * kGravity * duration);
+  const double torque = rolling_friction(course_.ball, ground) * kGravity;
+  const double impulse = std::min(torque * duration, 0.4 * r * r * size + r * grip);
   const Eigen::Vector2d change = -impulse * course_.ball_mass / size * spin;
   scene_->ball().applyTorqueImpulse(btVector3(change.x(), change.y(), 0.0));
 }
 
-bool BallWorld::has_come_to_rest() const { return steps_at_rest_ >= kRestSteps && club_is_done_; }
+bool BallWorld::has_come_to_rest() const {
+  return static_cast<double>(steps_at_rest_) * dt_ > kRestTime - 0.5 * dt_ && club_is_done_;
+}
 
 }  // namespace npdr::sim

@@ -43,8 +43,8 @@ class BallWorld {
   Eigen::Vector3d ball_velocity() const;  ///< [m/s]
   Eigen::Vector3d ball_spin() const;      ///< [rad/s]
 
-  /// Whether the ball has rested for ten steps and the club won't touch it any more, so that it
-  /// stays where it is.
+  /// Whether the ball has rested for 0.1 s and the club won't touch it any more, so that it stays
+  /// where it is.
   bool has_come_to_rest() const;
 
   const StepCounts& step_counts() const { return counts_; }
@@ -61,7 +61,7 @@ class BallWorld {
   void set_club_present(bool with_club, Index t, bool is_fine);
   void step_once(double duration);
   bool is_above_hole() const;
-  void resist_rolling(double mu, double duration);
+  void resist_rolling(const Surface& ground, double duration);
   void watch_rest(Index t);
 
   const MinigolfConfig config_;

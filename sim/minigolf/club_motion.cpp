@@ -56,4 +56,11 @@ double ClubMotion::clearance_from(Index t, const Eigen::Vector3d& point) const {
   return from_[static_cast<std::size_t>(t)].exteriorDistance(point) - kHeadBoundingRadius;
 }
 
+double ClubMotion::gap_at_start(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d local = fine_poses_.front().inverse() * point;
+  const Eigen::Vector3d nearest(std::clamp(local.x(), -kHeadHalfX, kHeadHalfX),
+                                std::clamp(local.y(), -kHeadHalfY, kHeadHalfY), 0.0);
+  return (local - nearest).norm() - kHeadRadius;
+}
+
 }  // namespace npdr::sim

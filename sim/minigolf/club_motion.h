@@ -27,6 +27,9 @@ class ClubMotion {
   double clearance(Index t, const Eigen::Vector3d& point) const;
   double clearance_from(Index t, const Eigen::Vector3d& point) const;
 
+  /// Distance of `point` from the head's surface before the first step; negative inside.
+  double gap_at_start(const Eigen::Vector3d& point) const;
+
  private:
   Index coarse_, fine_;
   std::vector<Eigen::Isometry3d> coarse_poses_, fine_poses_;  // (T n + 1)

@@ -126,7 +126,7 @@ bool begins_inside(const Course& course, double x, double y) {
     const double r = course.ball_radius, above = std::max(r - 2.0 * box.half_z, 0.0);
     return Footprint(box).distance(x, y) < std::sqrt(std::max(r * r - above * above, 0.0));
   };
-  return std::ranges::any_of(course.obstacles, overlaps);
+  return std::ranges::any_of(course.obstacles, overlaps) || std::ranges::any_of(bounds(), overlaps);
 }
 
 bool is_on_ground(double x, double y) {

@@ -74,7 +74,7 @@ class Footprint {
   double x_, y_, cos_, sin_, half_x_, half_y_;
 };
 
-/// Whether the ball at (x, y) would begin inside an obstacle.
+/// Whether the ball at (x, y) would begin inside an obstacle or a bound.
 bool begins_inside(const Course& course, double x, double y);
 
 /// Whether (x, y) is on the ground, which reaches beyond the open end of the course: a ball that

@@ -19,8 +19,11 @@ namespace {
 
 constexpr double kTimeStep = 0.01;
 constexpr Index kSteps = 800;
-constexpr double kStartSpread = 0.005;  // [m] of the ball's place in a simulated target domain
-constexpr double kSunk = 0.5;           // radii below its place on the ground
+constexpr double kStartSpread = 0.005;    // [m] of the ball's place in a simulated target domain
+constexpr double kSunk = 0.5;             // radii below its place on the ground
+constexpr double kMaxJointAngle = 100.0;  // [rad]
+constexpr double kMinTimeStep = 1e-4, kMaxTimeStep = 1.0;  // [s]
+constexpr double kGoalRadius = 0.05, kGoalSpeed = 0.01;    // [m], [m/s]
 
 SimulatorInfo make_info() {
   SimulatorInfo info;
@@ -31,7 +34,11 @@ SimulatorInfo make_info() {
   for (std::size_t j = 1; j <= kNumJoints; ++j) {
     info.action_channels.push_back({fmt::format("q{}_cmd", j), "rad"});
   }
-  info.goal = Goal{"rests within 5 cm of the hole", {0, 1}, Eigen::Vector2d(kHoleX, kHoleY), 0.05};
+  info.goal = Goal{"rests within 5 cm of the hole",
+                   {0, 1},
+                   Eigen::Vector2d(kHoleX, kHoleY),
+                   kGoalRadius,
+                   kGoalSpeed};
   info.dt = kTimeStep;
   info.num_steps = kSteps;
   return info;
@@ -61,6 +68,9 @@ void check_config(const SimulatorConfig& config) {
     reject_setting("segment_length", config.segment_length,
                    "0: a recording doesn't hold the ball's velocity, from which a segment begins");
   }
+  if (config.substeps != 1) {
+    reject_setting("substeps", config.substeps, "1 with 'minigolf', which has minigolf.substeps");
+  }
   if (config.store_every < 1) reject_setting("store_every", config.store_every, ">= 1");
   const MinigolfConfig& golf = config.minigolf;
   check_one_of("minigolf.strike", golf.strike, strike_names());
@@ -76,14 +86,6 @@ void check_config(const SimulatorConfig& config) {
   check_range("minigolf.restitution_threshold", golf.restitution_threshold, 0.0, 100.0);
 }
 
-RowMatrix policy_actions(Index num_steps, double dt) {
-  RowMatrix actions(num_steps, static_cast<Index>(kNumJoints));
-  for (Index t = 0; t < num_steps; ++t) {
-    std::ranges::copy(strike(static_cast<double>(t) * dt), actions.row(t).data());
-  }
-  return actions;
-}
-
 // What all simulations of one rollout of the target share.
 struct Task {
   ClubMotion motion;
@@ -92,10 +94,24 @@ struct Task {
 
 Task make_task(const MinigolfConfig& config, const Rollout& rollout, double dt) {
   const RowMatrix actions =
-      config.strike == "recorded" ? rollout.actions : policy_actions(rollout.num_steps(), dt);
+      config.strike == "recorded" ? rollout.actions : strike_actions(rollout.num_steps(), dt);
   Eigen::Vector2d start(kBallStartX, kBallStartY);
   if (config.ball_start == "recorded") start = rollout.states.row(0).transpose();
   return {{actions, config.substeps, config.substeps_near}, start};
+}
+
+// Values that are finite and no recording has: Bullet would make nonsense of them.
+void check_magnitudes(const Target& target) {
+  if (!(target.dt >= kMinTimeStep && target.dt <= kMaxTimeStep)) {
+    throw InputError(fmt::format("{}: dt = {} s, must be between {} and {} s for 'minigolf'",
+                                 target.source, target.dt, kMinTimeStep, kMaxTimeStep));
+  }
+  for (const Rollout& rollout : target.rollouts) {
+    const double largest = rollout.actions.cwiseAbs().maxCoeff();
+    if (largest <= kMaxJointAngle) continue;
+    throw InputError(fmt::format("rollout '{}': a joint angle of {} rad, must be within {} rad",
+                                 rollout.name, largest, kMaxJointAngle));
+  }
 }
 
 // Receives the ball's place after step t, t = 1, ..., T.
@@ -110,7 +126,9 @@ RolloutStatus status_of(const Eigen::Vector3d& ball, const Course& course) {
 
 RolloutStatus simulate(const MinigolfConfig& config, const Course& course, const Task& task,
                        double dt, const Sink& sink) {
-  if (begins_inside(course, task.start.x(), task.start.y())) return RolloutStatus::out_of_limits;
+  const Eigen::Vector3d start(task.start.x(), task.start.y(), course.ball_radius);
+  const bool is_free = task.motion.gap_at_start(start) > course.ball_radius;
+  if (!is_free || begins_inside(course, start.x(), start.y())) return RolloutStatus::out_of_limits;
   BallWorld world(config, course, task.motion, dt, task.start);
   const Index steps = task.motion.num_steps();
   Eigen::Vector3d ball = world.ball_position();
@@ -140,6 +158,7 @@ Minigolf::Minigolf(const SimulatorConfig& config) : config_(config), info_(make_
 Trajectories Minigolf::replay(const Target& target, const RowMatrix& theta) const {
   check_num_parameters(theta.cols(), info_);
   check_target(target, info_, config_.store_every);
+  check_magnitudes(target);
   std::vector<Task> tasks;
   for (const Rollout& rollout : target.rollouts) {
     tasks.push_back(make_task(config_.minigolf, rollout, target.dt));
@@ -190,10 +209,11 @@ Target Minigolf::behave(const Vector& theta, Index num_rollouts, std::uint64_t s
   for (Index h = 0; h < num_rollouts; ++h) {
     Stream stream({seed, "behaviour", 0, static_cast<std::uint64_t>(h), 0});
     Rollout rollout{"simulated " + std::to_string(h), RowMatrix(info_.num_steps + 1, 2),
-                    policy_actions(info_.num_steps, info_.dt)};
+                    strike_actions(info_.num_steps, info_.dt)};
     rollout.states(0, 0) = kBallStartX + kStartSpread * (2.0 * stream.uniform() - 1.0);
     rollout.states(0, 1) = kBallStartY + kStartSpread * (2.0 * stream.uniform() - 1.0);
     const Task task = make_task(config, rollout, info_.dt);
+    rollout.states.row(0) = task.start.transpose();
     const RolloutStatus status = simulate(config, course_at(theta.transpose()), task, info_.dt,
                                           [&](Index t, const Eigen::Vector3d& ball) {
                                             rollout.states.row(t) = ball.head<2>().transpose();

@@ -7,10 +7,10 @@
 /// angles q1_cmd to q7_cmd [rad], between which the joints move on straight lines. dt = 0.01 s, 800
 /// steps.
 ///
-/// Status: a ball that would begin inside an obstacle is out_of_limits; one that leaves the ground
-/// or sinks into the ground left_scene; NaN diverged. A ball that has come to rest, and that the
-/// club won't reach any more, isn't simulated further: its last position fills the rest of the
-/// rollout.
+/// Status: a ball that would begin inside an obstacle, a bound or the club is out_of_limits; one
+/// that leaves the ground or sinks into the ground left_scene; NaN diverged. A ball that has come
+/// to rest, and that the club won't reach any more, isn't simulated further: its last position
+/// fills the rest of the rollout.
 #pragma once
 
 #include "sim/simulator.h"
@@ -25,8 +25,9 @@ class Minigolf final : public Simulator {
   const SimulatorInfo& info() const override { return info_; }
   Trajectories replay(const Target& target, const RowMatrix& theta) const override;
 
-  /// Table A4's strike. The ball begins within 5 mm of its nominal place, uniformly, as a function
-  /// of (seed, rollout): recordings differ by as much.
+  /// Table A4's strike. The ball begins within 5 mm of its nominal place in x and in y, uniformly,
+  /// as a function of (seed, rollout): recordings differ by as much. With ball_start = "nominal" it
+  /// begins there, and all rollouts are the same.
   Target behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const override;
 
   /// The bounds and the hole, then the obstacles.

@@ -56,6 +56,13 @@ TEST(Course, ABallThatTouchesAnObstacleBeginsInside) {
                              box.y + std::cos(box.yaw) * (box.half_y + 0.047)));
 }
 
+TEST(Course, ABallInABoundBeginsInside) {
+  const Course course = course_at(nominal());
+  const CourseBox& bound = bounds()[0];
+  EXPECT_TRUE(begins_inside(course, bound.x, bound.y - bound.half_y - 0.019));
+  EXPECT_FALSE(begins_inside(course, bound.x, bound.y - bound.half_y - 0.021));
+}
+
 TEST(Course, OffsetsCountFromTheNominalPoses) {
   Eigen::RowVectorXd theta = nominal();
   theta.segment(4, 6) << 0.01, 0.02, 0.03, 0.04, 0.5, 0.6;  // dx1 dy1 dx2 dy2 dyaw1 dyaw2

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "sim/minigolf/arm.h"
 #include "sim/minigolf/course.h"
 #include "tests/message_of.h"
 
@@ -108,12 +109,70 @@ TEST(Minigolf, ABallInsideAnObstacleIsOutOfLimits) {
   EXPECT_TRUE(std::isnan(result.values.front()) && std::isnan(result.values.back()));
 }
 
+// Struck back by an obstacle that stands across its way, on ground without friction, the ball
+// leaves by the open end of the course and reaches the edge of the ground.
 TEST(Minigolf, ABallThatLeavesTheGroundSaysSo) {
+  const Minigolf simulator({.name = "minigolf", .minigolf = {.linear_damping = 0.0}});
+  const Target target = simulator.behave(complete_theta(simulator, {}), 1, 1);
+  const Vector theta = complete_theta(simulator, {{"obstacle2_dyaw", kPi / 2 - 25.0 * kPi / 180.0},
+                                                  {"obstacle2_dy", 0.1},
+                                                  {"ball_restitution", 1.0},
+                                                  {"ball_rolling_friction", 0.0},
+                                                  {"ground_rolling_friction", 0.0},
+                                                  {"ground_friction", 0.0}});
+  const Trajectories result = simulator.replay(target, theta.transpose());
+  EXPECT_EQ(result.status[0], RolloutStatus::left_scene);
+  EXPECT_TRUE(std::isnan(result.values.front()) && std::isnan(result.values.back()));
+}
+
+TEST(Minigolf, ABallInsideTheClubIsOutOfLimits) {
   const Minigolf simulator({.name = "minigolf"});
   Target target = simulator.behave(complete_theta(simulator, {}), 1, 1);
-  target.rollouts[0].states(0, 0) = 4.0;
-  const Trajectories result = simulator.replay(target, complete_theta(simulator, {}).transpose());
-  EXPECT_EQ(result.status[0], RolloutStatus::left_scene);
+  const Eigen::Vector3d head = head_pose(strike(0.0)).translation();
+  const RowMatrix theta = complete_theta(simulator, {}).transpose();
+  target.rollouts[0].states.row(0) << head.x() + 0.02, head.y();
+  EXPECT_EQ(simulator.replay(target, theta).status[0], RolloutStatus::out_of_limits);
+  target.rollouts[0].states.row(0) << head.x() + 0.03, head.y();
+  EXPECT_EQ(simulator.replay(target, theta).status[0], RolloutStatus::ok);
+}
+
+TEST(Minigolf, RejectsAbsurdRecordings) {
+  const Minigolf simulator({.name = "minigolf"});
+  const Target target = simulator.behave(complete_theta(simulator, {}), 1, 1);
+  const auto problem_of = [&](const Target& absurd) {
+    return message_of<InputError>(
+        [&] { simulator.replay(absurd, complete_theta(simulator, {}).transpose()); });
+  };
+  Target fast = target;
+  fast.dt = 1e-17;
+  EXPECT_EQ(problem_of(fast),
+            "simulated by 'minigolf': dt = 1e-17 s, must be between 0.0001 and 1 s for 'minigolf'");
+  Target far = target;
+  far.rollouts[0].actions(7, 3) = -1e308;
+  EXPECT_EQ(problem_of(far),
+            "rollout 'simulated 0': a joint angle of 1e+308 rad, must be within 100 rad");
+}
+
+// Whatever the strike and the start, a simulated target begins where its ball does: no step moves
+// the ball further than it rolls in 10 ms.
+TEST(Minigolf, TargetsBeginWhereTheirBallDoes) {
+  for (const std::string& strike : strike_names()) {
+    for (const std::string& start : ball_start_names()) {
+      const Minigolf simulator(
+          {.name = "minigolf", .minigolf = {.strike = strike, .ball_start = start}});
+      const Vector theta = complete_theta(simulator, {});
+      const Target target = simulator.behave(theta, 2, 3);
+      for (const Rollout& rollout : target.rollouts) {
+        EXPECT_LT((rollout.states.row(1) - rollout.states.row(0)).norm(), 1e-6) << strike << start;
+      }
+      EXPECT_EQ(target.rollouts[0].states == target.rollouts[1].states, start == "nominal");
+      const Trajectories again = simulator.replay(target, theta.transpose());
+      EXPECT_LT((again.rollout(0, 1).cast<double>() - target.rollouts[1].states.bottomRows(800))
+                    .cwiseAbs()
+                    .maxCoeff(),
+                1e-6);
+    }
+  }
 }
 
 TEST(Minigolf, NanIsOutOfLimits) {
