@@ -65,7 +65,8 @@ Metrics::Metrics(const Target& target, const MetricsConfig& config)
     : channels_(select_channels(target, config.channels)),
       num_states_(target.num_states()),
       num_steps_(target.num_steps()),
-      segment_length_(config.segment_length) {
+      segment_length_(config.segment_length),
+      dt_(target.dt) {
   if (config.segment_length < 0) {
     throw InputError(
         fmt::format("metrics: segment_length = {}, must be >= 0", config.segment_length));
@@ -76,8 +77,8 @@ Metrics::Metrics(const Target& target, const MetricsConfig& config)
     for (Index c = 0; c < scale.size(); ++c) scale(c) = states.col(c).lpNorm<Eigen::Infinity>();
     check_scale(scale, channels_, target, rollout);
     for (Index c = 0; c < scale.size(); ++c) states.col(c) /= scale(c);
-    const Vector last = rollout.states(Eigen::last, channels_).transpose();
-    recorded_.push_back({std::move(states), scale, last});
+    recorded_.push_back(
+        {std::move(states), scale, rollout.states.row(0), rollout.states(Eigen::last, channels_)});
   }
 }
 
@@ -127,15 +128,20 @@ Vector Metrics::rmse(const TrajectoryView& simulated) const {
   return result;
 }
 
-Vector Metrics::mean_of_last(const TrajectoryView& simulated,
-                             const std::function<double(const Vector&, Index)>& score) const {
+Vector Metrics::mean_over_ends(const TrajectoryView& simulated,
+                               const std::function<double(const RowMatrix&, Index)>& score) const {
   check(simulated);
   Vector result = Vector::Constant(simulated.num_samples, kNaN);
+  RowMatrix end(2, num_states_);
   for (Index i = 0; i < result.size(); ++i) {
     if (!simulated.finite(i)) continue;
     double sum = 0.0;
     for (Index h = 0; h < simulated.num_rollouts; ++h) {
-      sum += score(simulated.rollout(i, h).bottomRows(1).transpose().cast<double>(), h);
+      const auto states = simulated.rollout(i, h);
+      end.row(0) = recorded_[static_cast<std::size_t>(h)].first;
+      end.bottomRows(std::min<Index>(2, num_steps_)) =
+          states.bottomRows(std::min<Index>(2, num_steps_)).cast<double>();
+      sum += score(end, h);
     }
     result(i) = sum / static_cast<double>(simulated.num_rollouts);
   }
@@ -143,14 +149,16 @@ Vector Metrics::mean_of_last(const TrajectoryView& simulated,
 }
 
 Vector Metrics::final_error(const TrajectoryView& simulated) const {
-  return mean_of_last(simulated, [&](const Vector& last, Index h) {
-    return (last(channels_) - recorded_[static_cast<std::size_t>(h)].last).norm();
+  return mean_over_ends(simulated, [&](const RowMatrix& end, Index h) {
+    return (end(1, channels_) - recorded_[static_cast<std::size_t>(h)].last).norm();
   });
 }
 
 Vector Metrics::goal(const TrajectoryView& simulated, const Goal& goal) const {
-  return mean_of_last(simulated, [&](const Vector& last, Index) {
-    return (last(goal.channels) - goal.place).norm() <= goal.radius ? 1.0 : 0.0;
+  return mean_over_ends(simulated, [&](const RowMatrix& end, Index) {
+    const double distance = (end(1, goal.channels) - goal.place.transpose()).norm();
+    const double speed = (end(1, goal.channels) - end(0, goal.channels)).norm() / dt_;
+    return distance <= goal.radius && speed <= goal.speed ? 1.0 : 0.0;
   });
 }
 

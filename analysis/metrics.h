@@ -10,7 +10,8 @@
 /// both averaged over the H rollouts. Both are dimensionless. For what matters is where a rollout
 /// ends, with y_T the state after the last action, not divided by anything:
 ///   final_error = || y_T simulated - y_T recorded ||_2 over the channels, averaged over rollouts
-///   goal        = fraction of the rollouts whose y_T is within the goal's radius of its place.
+///   goal        = fraction of the rollouts whose y_T is within the goal's radius of its place,
+///                 and | y_T - y_{T-1} | / dt is at most its speed.
 #pragma once
 
 #include <functional>
@@ -56,12 +57,14 @@ class Metrics {
   struct Recorded {
     RowMatrix states;  // (T, selected channels), normalised
     Vector scale;      // (selected channels), SI
-    Vector last;       // (selected channels) state T, SI
+    RowMatrix first;   // (1, C) state 0, SI
+    RowMatrix last;    // (1, selected channels) state T, SI
   };
 
-  /// Mean over the rollouts of score(last simulated state, h); NaN where a rollout failed.
-  Vector mean_of_last(const TrajectoryView& simulated,
-                      const std::function<double(const Vector&, Index)>& score) const;
+  /// Mean over the rollouts h of score(end, h); NaN where a rollout failed. `end` (2, C) holds the
+  /// last two states, SI.
+  Vector mean_over_ends(const TrajectoryView& simulated,
+                        const std::function<double(const RowMatrix&, Index)>& score) const;
   void check(const TrajectoryView& simulated) const;
   /// The compared states of a simulated rollout, whose row t is the state after action t + 1.
   void normalize_rollout(const Eigen::Ref<const RowMatrixF>& states, Index h,
@@ -71,6 +74,7 @@ class Metrics {
   Index num_states_;
   Index num_steps_;
   Index segment_length_;
+  double dt_;
   std::vector<Recorded> recorded_;
 };
 

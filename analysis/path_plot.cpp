@@ -40,9 +40,11 @@ void check(const PathPlot& plot) {
   }
   const auto check_lines = [&](const Lines& lines) {
     for (const RowMatrix& line : lines) {
-      if (line.cols() == 2) continue;
-      throw ShapeError(fmt::format("path plot '{}': points have {} coordinates, must have 2",
-                                   plot.name, line.cols()));
+      if (line.cols() == 2 && line.rows() > 0) continue;
+      throw ShapeError(
+          fmt::format("path plot '{}': {} points of {} coordinates, must be at least 1 "
+                      "of 2",
+                      plot.name, line.rows(), line.cols()));
     }
   };
   for (const Lines* lines : {&plot.fixed, &plot.recorded, &plot.held_out}) check_lines(*lines);

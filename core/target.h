@@ -15,12 +15,13 @@ struct Channel {
   friend bool operator==(const Channel&, const Channel&) = default;
 };
 
-/// A place in state space that rollouts should end at.
+/// A place in state space that rollouts should come to rest at.
 struct Goal {
   std::string description;      ///< such as "rests within 5 cm of the hole"
   std::vector<Index> channels;  ///< state channels that count
   Vector place;                 ///< value of each of them, SI
   double radius = 0.0;          ///< Euclidean, SI
+  double speed = 0.0;           ///< largest, over the last step: SI per second
 };
 
 /// One rollout: states before each action and after the last, and what was applied in between.

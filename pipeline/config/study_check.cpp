@@ -34,8 +34,9 @@ class StudyChecker {
     for (Marginal& marginal : study_.prior) check_marginal(marginal);
     check_method_names();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) check_method(i);
+    check_unused_settings();
     check_references();
-    check_goal();
+    check_metrics();
     check_held_out();
     check_report();
     check_truths_rollouts();
@@ -60,8 +61,9 @@ class StudyChecker {
   void check_training(const std::string& path, const MethodConfig& method);
   void check_split(const std::string& path, const MethodConfig& method);
   void check_loss(const std::string& path, const MethodConfig& method);
+  void check_unused_settings();
   void check_references();
-  void check_goal();
+  void check_metrics();
   void check_held_out();
   void check_report();
 
@@ -168,23 +170,47 @@ void StudyChecker::check_marginal(Marginal& marginal) {
   check_bounds(marginal, *parameter, reading_);
 }
 
+void StudyChecker::check_unused_settings() {
+  if (!info_) return;
+  for (const std::string& setting : sim::unused_settings(info_->name)) {
+    const std::string path = "simulator." + setting;
+    if (!reading_.has(path)) continue;
+    reading_.fail(path, fmt::format("{} must be left out: it means nothing to the simulator '{}'",
+                                    path, info_->name));
+  }
+}
+
+// They share the columns of tables with methods and baselines.
 void StudyChecker::check_references() {
   std::set<std::string> names = {"nominal", "truth", "floor"};
+  for (const MethodConfig& method : study_.methods) names.insert(folder_name(method.name));
   for (std::size_t i = 0; i < study_.references.size(); ++i) {
     const std::string path = fmt::format("reference[{}]", i);
     const ReferenceConfig& reference = study_.references[i];
     check_values(path + ".parameters", reference.parameters);
-    if (!reading_.good(path + ".name") || names.insert(reference.name).second) continue;
-    fail(path + ".name", quoted(reference.name), "unique, and not nominal, truth or floor");
+    if (!reading_.good(path + ".name")) continue;
+    if (names.insert(folder_name(reference.name)).second) continue;
+    fail(path + ".name", quoted(reference.name),
+         "unlike other references, methods, 'nominal', 'truth' and 'floor' in its letters a-z and "
+         "digits");
   }
 }
 
-void StudyChecker::check_goal() {
+void StudyChecker::check_metrics() {
+  if (!info_ || !reading_.good("evaluate.metrics")) return;
   const auto& metrics = study_.evaluate.metrics;
-  const bool is_asked_for = std::find(metrics.begin(), metrics.end(), "goal") != metrics.end();
-  if (!is_asked_for || !info_ || info_->goal || !reading_.good("evaluate.metrics")) return;
-  fail("evaluate.metrics", "\"goal\"",
-       fmt::format("left out: the simulator '{}' has no goal", info_->name));
+  const auto asks_for = [&](const char* name) { return std::ranges::count(metrics, name) > 0; };
+  if (asks_for("goal") && !info_->goal) {
+    fail("evaluate.metrics", "'goal'",
+         fmt::format("left out: the simulator '{}' has no goal", info_->name));
+  }
+  const auto differs = [&](const Channel& channel) {
+    return channel.unit != info_->state_channels.front().unit;
+  };
+  if (asks_for("final_error") && std::ranges::any_of(info_->state_channels, differs)) {
+    fail("evaluate.metrics", "'final_error'",
+         fmt::format("left out: the states of the simulator '{}' have several units", info_->name));
+  }
 }
 
 // Which rollouts are held out is a count from the first that inference sees.

@@ -18,16 +18,10 @@ std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& 
   return plan.work.artefact(to_string(stage), key);
 }
 
-// The settings without those of other simulators.
+// The settings without those that mean nothing to the simulator.
 Json simulator_json(const sim::SimulatorConfig& config) {
   Json json = to_json(config);
-  if (config.name != "minigolf") {
-    json.erase("minigolf");
-    return json;
-  }
-  for (const char* of_the_odes : {"segment_length", "integrator", "substeps"}) {
-    json.erase(of_the_odes);
-  }
+  for (const std::string& setting : sim::unused_settings(config.name)) json.erase(setting);
   return json;
 }
 

@@ -7,6 +7,7 @@
 #include "pipeline/config/study_json.h"
 #include "pipeline/stages/report_figures.h"
 #include "pipeline/stages/report_marker.h"
+#include "pipeline/stages/report_parameters.h"
 #include "pipeline/stages/report_paths.h"
 #include "pipeline/stages/report_tables.h"
 #include "pipeline/stages/simulation_file.h"

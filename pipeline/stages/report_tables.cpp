@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/text.h"
+
 namespace npdr::pipeline {
 namespace {
 
@@ -69,6 +71,24 @@ void note_failed_rows(Table& table, const ReportData& data) {
   }
 }
 
+// A reference may also set what the posterior takes for known.
+void note_fixed_parameters(Table& table, const ReportData& data) {
+  const auto& prior = data.plan.study.prior;
+  for (const ReferenceConfig& reference : data.plan.study.references) {
+    std::vector<std::string> fixed;
+    for (const auto& [name, value] : reference.parameters) {
+      const bool is_inferred =
+          std::ranges::any_of(prior, [&](const auto& marginal) { return marginal.name == name; });
+      if (!is_inferred) fixed.push_back(name);
+    }
+    if (fixed.empty()) continue;
+    table.footnote(fmt::format(
+        "log p({}) is the density of its parameters in the prior alone; the posterior has others "
+        "of {}",
+        reference.name, join(fixed)));
+  }
+}
+
 // Columns of the fit table: ours, published, then single parameter vectors.
 void add_fit_columns(Table& table, const ReportData& data) {
   for (const std::string& method : data.methods) {
@@ -109,54 +129,6 @@ std::string noise_text(const ObservationNoise& noise) {
                      noise.redraw ? "redrawn in every epoch" : "drawn once per simulation");
 }
 
-std::string prior_text(const inference::Marginal& m) {
-  switch (m.kind) {
-    case inference::Marginal::Kind::uniform:
-      return fmt::format("[{:.4g}, {:.4g}]", m.a, m.b);
-    case inference::Marginal::Kind::log_uniform:
-      return fmt::format("[{:.4g}, {:.4g}], log-uniform", m.a, m.b);
-    case inference::Marginal::Kind::normal:
-      return fmt::format("N({:.4g}, {:.4g}²)", m.a, m.b);
-  }
-  return "";
-}
-
-double period_of(const ReportData& data, const std::string& parameter) {
-  return data.info.parameters[static_cast<std::size_t>(sim::parameter_index(data.info, parameter))]
-      .period;
-}
-
-std::string period_note(double period) {
-  return fmt::format("modulo {:.4g}: values that far apart are the same system", period);
-}
-
-// Parameter d of all samples of all seeds.
-Vector pooled_theta(const std::vector<const EvaluatedRun*>& runs, Index d) {
-  std::vector<double> values;
-  for (const EvaluatedRun* run : runs) {
-    const auto column = run->evaluation.theta.col(d);
-    values.insert(values.end(), column.begin(), column.end());
-  }
-  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
-}
-
-// Of a uniform prior that covers the period of a periodic parameter, the period's.
-double prior_variance(const inference::Marginal& m, double period) {
-  switch (m.kind) {
-    case inference::Marginal::Kind::uniform: {
-      const double width = period > 0.0 ? std::min(m.b - m.a, period) : m.b - m.a;
-      return width * width / 12.0;
-    }
-    case inference::Marginal::Kind::log_uniform: {
-      const double log_ratio = std::log(m.b / m.a), mean = (m.b - m.a) / log_ratio;
-      return (m.b * m.b - m.a * m.a) / (2.0 * log_ratio) - mean * mean;
-    }
-    case inference::Marginal::Kind::normal:
-      return m.b * m.b;
-  }
-  return 0.0;
-}
-
 }  // namespace
 
 Table fit_table(const ReportData& data) {
@@ -194,6 +166,7 @@ Table seeds_table(const ReportData& data) {
   for (const ReferenceConfig& reference : data.plan.study.references) {
     table.columns.push_back({fmt::format("log p({})", reference.name), false});
   }
+  note_fixed_parameters(table, data);
   for (const char* title : {"simulations", "failed", "epochs"}) {
     table.columns.push_back({title, false});
   }
@@ -239,60 +212,6 @@ Table rounds_table(const ReportData& data) {
       const auto runs = data.runs_of(method, round);
       row.cells.push_back(runs.empty() ? Cell()
                                        : cell_of(table, analysis::summarize(pooled(runs, metric))));
-    }
-    table.rows.push_back(std::move(row));
-  }
-  return table;
-}
-
-Table parameters_table(const ReportData& data) {
-  Table table;
-  table.name = "parameters";
-  table.caption = "Domain parameters: mean and standard deviation of the posterior, all seeds.";
-  table.row_header = "Parameter";
-  table.command = data.plan.command;
-  table.columns = {{"unit", false}, {"prior", false}};
-  for (const BaselinePoint& point : data.baseline) table.columns.push_back({point.name, false});
-  for (const std::string& method : data.methods) table.columns.push_back({method, false});
-  for (Index d = 0; d < static_cast<Index>(data.plan.study.prior.size()); ++d) {
-    const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
-    Row row{marginal.name, {}};
-    row.cells.emplace_back(marginal.unit);
-    row.cells.emplace_back(prior_text(marginal));
-    for (const BaselinePoint& point : data.baseline) row.cells.emplace_back(point.theta(d));
-    const double period = period_of(data, marginal.name);
-    for (const std::string& method : data.methods) {
-      Cell cell(analysis::summarize_periodic(pooled_theta(data.runs_of(method), d), period));
-      if (period > 0.0) cell.notes.push_back(table.footnote(period_note(period)));
-      row.cells.push_back(std::move(cell));
-    }
-    table.rows.push_back(std::move(row));
-  }
-  return table;
-}
-
-Table contraction_table(const ReportData& data) {
-  Table table;
-  table.name = "contraction";
-  table.caption =
-      "What the data tell about each parameter: 1 - posterior variance / prior variance, mean and "
-      "standard deviation over seeds. 0: nothing, 1: all.";
-  table.row_header = "Parameter";
-  table.command = data.plan.command;
-  for (const std::string& method : data.methods) table.columns.push_back({method, false});
-  for (Index d = 0; d < static_cast<Index>(data.plan.study.prior.size()); ++d) {
-    const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
-    const double period = period_of(data, marginal.name);
-    Row row{marginal.name, {}};
-    for (const std::string& method : data.methods) {
-      const auto runs = data.runs_of(method);
-      Vector contraction(static_cast<Index>(runs.size()));
-      for (Index i = 0; i < contraction.size(); ++i) {
-        const auto& theta = runs[static_cast<std::size_t>(i)]->evaluation.theta;
-        const double std = analysis::summarize_periodic(theta.col(d), period).std;
-        contraction(i) = 1.0 - std * std / prior_variance(marginal, period);
-      }
-      row.cells.emplace_back(analysis::summarize(contraction));
     }
     table.rows.push_back(std::move(row));
   }

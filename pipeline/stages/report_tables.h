@@ -19,11 +19,4 @@ analysis::Table seeds_table(const ReportData& data);
 /// that evaluate all rounds.
 analysis::Table rounds_table(const ReportData& data);
 
-/// One row a parameter: prior, nominal value, floor or truth, posterior of each method. Periodic
-/// parameters have a circular mean and deviation.
-analysis::Table parameters_table(const ReportData& data);
-
-/// One row a parameter, one column a method: prior-to-posterior contraction.
-analysis::Table contraction_table(const ReportData& data);
-
 }  // namespace npdr::pipeline

@@ -68,15 +68,18 @@ TEST(Metrics, FinalErrorIsTheMeanDistanceOfTheLastStates) {
   EXPECT_NEAR(Metrics(small_target(), config).final_error(view_of(simulated, 1))(0), 2.5, 1e-12);
 }
 
-TEST(Metrics, GoalIsTheShareOfTheRolloutsThatEndThere) {
-  const std::vector<float> simulated = {2, 4, 1, 0, 97, 96, 1, 1, 1, 3, 100, 99};
+// Over the last step of 0.1 s, rollout 1 moves by 5 and rollout 2 by 1.
+TEST(Metrics, GoalIsTheShareOfTheRolloutsThatComeToRestThere) {
+  const std::vector<float> simulated = {2, 4, 93, 93, 97, 96, 1, 1, 100, 98, 100, 99};
   const auto reached = [&](const Goal& goal) {
     return Metrics(small_target()).goal(view_of(simulated, 1), goal)(0);
   };
-  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 0.5}), 0.0);
-  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 2.0}), 0.5);
-  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 5.0}), 1.0);
-  EXPECT_EQ(reached({"", {0}, Vector::Constant(1, 97.0), 0.1}), 0.5);
+  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 0.5, 60.0}), 0.0);
+  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 2.0, 60.0}), 0.5);
+  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 5.0, 60.0}), 1.0);
+  EXPECT_EQ(reached({"", {0}, Vector::Constant(1, 97.0), 0.1, 60.0}), 0.5);
+  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 5.0, 40.0}), 0.5);
+  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 5.0, 5.0}), 0.0);
 }
 
 TEST(Metrics, FailedRolloutsHaveNoEnd) {
@@ -84,7 +87,8 @@ TEST(Metrics, FailedRolloutsHaveNoEnd) {
   simulated[3] = kNaN;
   const Metrics metrics(small_target());
   EXPECT_TRUE(std::isnan(metrics.final_error(view_of(simulated, 1))(0)));
-  EXPECT_TRUE(std::isnan(metrics.goal(view_of(simulated, 1), {"", {0}, Vector::Zero(1), 1.0})(0)));
+  EXPECT_TRUE(
+      std::isnan(metrics.goal(view_of(simulated, 1), {"", {0}, Vector::Zero(1), 1.0, 1.0})(0)));
 }
 
 // With a restart before action 3, the last compared state is the recorded one.

@@ -65,7 +65,9 @@ TEST(PathPlot, RejectsWhatItCantDraw) {
   PathPlot plot = plot_of({"A"});
   plot.recorded = {RowMatrix::Zero(3, 3)};
   EXPECT_EQ(message_of<ShapeError>([&] { write_path_plot(plot, folder.path()); }),
-            "path plot 'paths': points have 3 coordinates, must have 2");
+            "path plot 'paths': 3 points of 3 coordinates, must be at least 1 of 2");
+  plot.recorded = {RowMatrix::Zero(0, 2)};
+  EXPECT_THROW(write_path_plot(plot, folder.path()), ShapeError);
 }
 
 }  // namespace

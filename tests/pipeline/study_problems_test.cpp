@@ -349,13 +349,21 @@ TEST(StudyProblems, OfReferencesAndHeldOutRollouts) {
     return problems_of(std::string(kStudyText) + "\n" + tables);
   };
   EXPECT_EQ(with("[[reference]]\nname = 'a'\nparameters = { pole_mass = 1.3 }"), "");
-  EXPECT_EQ(
-      with("[[reference]]\nname = 'truth'"),
-      "s.toml:24:8: reference.name = 'truth', must be unique, and not nominal, truth or floor");
+  EXPECT_EQ(with("[[reference]]\nname = 'truth'"),
+            "s.toml:24:8: reference.name = 'truth', must be unlike other references, methods, "
+            "'nominal', 'truth' and 'floor' in its letters a-z and digits");
+  EXPECT_NE(with("[[reference]]\nname = 'npdr maf'").find("must be unlike"), std::string::npos);
   EXPECT_EQ(with("[[reference]]\nname = 'a'\nparameters = { pole_mas = 1.3 }"),
             "s.toml:25:27: reference.parameters: unknown parameter 'pole_mas' (did you mean "
             "'pole_mass'?); known: pole_mass, pole_length, gravity, damping");
   EXPECT_EQ(with("[reference]\nname = 'a'"), "s.toml:23:1: must be made of [[reference]] tables");
+  EXPECT_EQ(
+      problems_of(kStudyText, {"evaluate.metrics=['final_error']"}),
+      "--set evaluate.metrics=['final_error']: evaluate.metrics = 'final_error', must be left "
+      "out: the states of the simulator 'pendulum' have several units");
+  EXPECT_EQ(problems_after("name = \"pendulum\"", "name = 'pendulum'\nminigolf = { substeps = 3 }"),
+            "s.toml:10:12: simulator.minigolf must be left out: it means nothing to the simulator "
+            "'pendulum'");
   EXPECT_EQ(problems_of(kStudyText, {"target.held_out=-1"}),
             "--set target.held_out=-1: target.held_out = -1, must be >= 0 and <= 10^9");
 }

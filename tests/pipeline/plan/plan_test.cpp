@@ -111,6 +111,39 @@ TEST(Plan, MoreRoundsAndAnotherShardSizeKeepWhatIsThere) {
   EXPECT_EQ(shards(after, after.node(Stage::simulate, {"A", 1, 1})).size(), 15u);
 }
 
+// The keys of `stages` differ between the plans, and no others.
+void expect_only_differ(const Plan& a, const Plan& b, const std::set<Stage>& stages) {
+  for (const Stage stage : {Stage::target, Stage::held_out, Stage::propose, Stage::simulate,
+                            Stage::infer, Stage::baseline, Stage::evaluate, Stage::report}) {
+    EXPECT_EQ(keys(a, stage) != keys(b, stage), stages.contains(stage)) << to_string(stage);
+  }
+}
+
+TEST(Plan, HeldOutRolloutsAreForBaselinesAndEvaluations) {
+  const std::set<Stage> judged = {Stage::held_out, Stage::baseline, Stage::evaluate, Stage::report};
+  expect_only_differ(plan_of(), plan_of({"target.held_out=1"}), judged);
+  expect_only_differ(plan_of({"target.held_out=2"}), plan_of({"target.held_out=1"}), judged);
+}
+
+TEST(Plan, ReferencesAreForBaselinesAndEvaluations) {
+  const std::set<Stage> judged = {Stage::baseline, Stage::evaluate, Stage::report};
+  const std::string name = "reference=[{name='measured'";
+  const Plan measured = plan_of({name + ", parameters={pole_mass=1.1}}]"});
+  expect_only_differ(plan_of(), measured, judged);
+  expect_only_differ(measured, plan_of({name + ", parameters={pole_mass=1.2}}]"}), judged);
+}
+
+TEST(Plan, SettingsOfAnotherSimulatorAreInNoKey) {
+  const auto document = [](const Plan& plan) {
+    return plan.node(Stage::simulate, {"A", 1, 1}).identity.key_document.dump();
+  };
+  EXPECT_EQ(document(plan_of()).find("minigolf"), std::string::npos);
+  const Plan golf =
+      plan_of({"simulator.name=minigolf", "prior={ball_radius={uniform=[0.01,0.03]}}"});
+  EXPECT_NE(document(golf).find("solver_erp"), std::string::npos);
+  EXPECT_EQ(document(golf).find("integrator"), std::string::npos);
+}
+
 TEST(Plan, SegmentsDontChangeASimulatedTarget) {
   const Plan before = plan_of();
   const Plan segments = plan_of({"simulator.segment_length=50"});
