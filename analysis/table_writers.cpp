@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "analysis/escape.h"
 #include "analysis/number_text.h"
@@ -20,7 +21,21 @@ struct Format {
   std::string note;  // fmt pattern of a footnote mark
 };
 
-std::string cell_text(const Cell& cell, const Format& format) {
+// The mark of each footnote: a, b, ... of those that cells refer to; none of those that are about
+// the table as a whole.
+std::vector<std::string> footnote_marks(const Table& table) {
+  std::vector<std::string> marks(table.footnotes.size());
+  std::set<std::size_t> referred;
+  for (const Row& row : table.rows) {
+    for (const Cell& cell : row.cells) referred.insert(cell.notes.begin(), cell.notes.end());
+  }
+  std::size_t count = 0;
+  for (const std::size_t note : referred) marks[note] = footnote_mark(count++);
+  return marks;
+}
+
+std::string cell_text(const Cell& cell, const Format& format,
+                      const std::vector<std::string>& marks) {
   std::string text;
   if (const auto* words = std::get_if<std::string>(&cell.value)) {
     text = format.escape(*words);
@@ -30,7 +45,22 @@ std::string cell_text(const Cell& cell, const Format& format) {
     text = mean_std_text(mean_std->mean, mean_std->std, format.numbers);
   }
   for (const std::size_t note : cell.notes) {
-    text += fmt::format(fmt::runtime(format.note), footnote_mark(note));
+    text += fmt::format(fmt::runtime(format.note), marks[note]);
+  }
+  return text;
+}
+
+// The footnotes, each begun by `note` with its mark and a blank, where it has one, in `line`.
+std::string footnote_lines(const Table& table, const Format& format, const char* line) {
+  const std::vector<std::string> marks = footnote_marks(table);
+  std::string text;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    std::string words = format.escape(table.footnotes[i]);
+    if (!marks[i].empty()) {
+      const std::string mark = fmt::format(fmt::runtime(format.note), marks[i]);
+      words = mark.substr(mark.find_first_not_of(' ')) + ' ' + words;
+    }
+    text += fmt::format(fmt::runtime(line), words);
   }
   return text;
 }
@@ -51,9 +81,10 @@ using Grid = std::vector<std::vector<std::string>>;
 Grid text_grid(const Table& table, const Format& format) {
   Grid grid(1, {format.escape(table.row_header)});
   for (const Column& column : table.columns) grid[0].push_back(format.escape(column_title(column)));
+  const std::vector<std::string> marks = footnote_marks(table);
   for (const Row& row : table.rows) {
     grid.push_back({format.escape(row.label)});
-    for (const Cell& cell : row.cells) grid.back().push_back(cell_text(cell, format));
+    for (const Cell& cell : row.cells) grid.back().push_back(cell_text(cell, format, marks));
   }
   return grid;
 }
@@ -116,9 +147,7 @@ std::string to_markdown(const Table& table) {
     }
     text += "|\n";
   }
-  for (std::size_t i = 0; i < table.footnotes.size(); ++i) {
-    text += fmt::format("\n({}) {}\n", footnote_mark(i), escape_markdown(table.footnotes[i]));
-  }
+  text += footnote_lines(table, format, "\n{}\n");
   if (!table.command.empty()) text += "\nMade by:\n\n" + prefixed_lines(table.command, "    ");
   return text;
 }
@@ -161,10 +190,7 @@ std::string to_latex(const Table& table) {
     if (r == 0) text += "    \\midrule\n";
   }
   text += "    \\bottomrule\n  \\end{tabular}\n";
-  for (std::size_t i = 0; i < table.footnotes.size(); ++i) {
-    text += fmt::format("\n  {{\\footnotesize \\textsuperscript{{{}}} {}\\par}}\n",
-                        footnote_mark(i), escape_latex(table.footnotes[i]));
-  }
+  text += footnote_lines(table, format, "\n  {{\\footnotesize {}\\par}}\n");
   return text + "\\end{table}\n";
 }
 
@@ -185,10 +211,7 @@ std::string to_html(const Table& table) {
     text += r == 0 ? "</tr>\n</thead>\n<tbody>\n" : "</tr>\n";
   }
   text += "</tbody>\n</table></div>\n";
-  for (std::size_t i = 0; i < table.footnotes.size(); ++i) {
-    text += fmt::format("<p class=\"note\"><sup>{}</sup> {}</p>\n", footnote_mark(i),
-                        escape_html(table.footnotes[i]));
-  }
+  text += footnote_lines(table, format, "<p class=\"note\">{}</p>\n");
   if (!table.command.empty()) {
     text += "<pre class=\"command\"><code>" + escape_html(table.command) + "</code></pre>\n";
   }
