@@ -8,6 +8,13 @@ std::string Place::str() const {
 }
 
 Place Places::of(const std::string& path) const {
+  const auto exact = places_.find(path);
+  const bool is_known =
+      exact != places_.end() && (exact->second.line > 0 || exact->second.origin != origin_);
+  const auto below = places_.lower_bound(path + ".");
+  if (!is_known && below != places_.end() && below->first.starts_with(path + ".")) {
+    return below->second;
+  }
   std::string ancestor = path;
   while (!ancestor.empty()) {
     const auto found = places_.find(ancestor);

@@ -26,7 +26,8 @@ class Places {
   void add(const std::string& path, const Place& place) { places_[path] = place; }
   bool has(const std::string& path) const { return places_.contains(path); }
 
-  /// Where `path` stands; for a key that was left out, where its table stands.
+  /// Where `path` stands; for a table that only overrides mention, where the first of its keys
+  /// stands; for a key that was left out, where its table stands.
   Place of(const std::string& path) const;
 
   const std::string& origin() const { return origin_; }

@@ -364,6 +364,9 @@ TEST(StudyProblems, OfReferencesAndHeldOutRollouts) {
   EXPECT_EQ(problems_after("name = \"pendulum\"", "name = 'pendulum'\nminigolf = { substeps = 3 }"),
             "s.toml:10:12: simulator.minigolf must be left out: it means nothing to the simulator "
             "'pendulum'");
+  EXPECT_EQ(problems_of(kStudyText, {"simulator.minigolf.substeps=3"}),
+            "--set simulator.minigolf.substeps=3: simulator.minigolf must be left out: it means "
+            "nothing to the simulator 'pendulum'");
   EXPECT_EQ(problems_of(kStudyText, {"target.held_out=-1"}),
             "--set target.held_out=-1: target.held_out = -1, must be >= 0 and <= 10^9");
 }
