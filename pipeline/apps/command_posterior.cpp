@@ -33,7 +33,7 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
       parse_json(file.attribute<std::string>("embedding"), posterior), posterior);
   const auto simulator = from_json<sim::SimulatorConfig>(info.identity.study.at("simulator"),
                                                          posterior + ": study.simulator");
-  const Target target = read_recording(recording);
+  const Target target = read_recording(recording, observed_channels(posterior));
   require_like_observation(recording, target, posterior);
   return inference::observed_features(
       *inference::make_embedding(embedding, target, simulator.store_every), target,

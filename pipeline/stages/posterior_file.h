@@ -13,6 +13,7 @@
 #include "inference/algorithms/posterior_estimation.h"
 #include "pipeline/config/study.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/store/recording.h"
 
 namespace npdr::pipeline {
 
@@ -35,9 +36,12 @@ inference::DirectPosterior read_posterior(const std::filesystem::path& path,
                                           const std::string& key = "");
 inference::DirectPosterior read_posterior(const Node& node);
 
-/// Throws InputError unless `found` could be observed in place of what the posterior in the file
-/// was trained for: the same channels, dt (to 0.1 %), numbers of rollouts and steps. `where` (a
-/// file) begins the message.
+/// The channels of the rollouts that x_o was made of.
+Channels observed_channels(const std::filesystem::path& posterior);
+
+/// Throws InputError unless `found`, with the observed_channels(), could be observed in place of
+/// what the posterior in the file was trained for: the same dt (to 0.1 %), numbers of rollouts and
+/// steps. `where` (a file) begins the message.
 void require_like_observation(const std::string& where, const Target& found,
                               const std::filesystem::path& posterior);
 

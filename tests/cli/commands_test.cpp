@@ -182,11 +182,23 @@ TEST_F(Commands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
             "npdr sample: x.h5: 1 rollouts, must be 2; 399 steps, must be 400; it must be like "
             "what '" +
                 posterior + "' was trained for\n");
-  EXPECT_EQ(rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
-            "npdr sample: x.h5: states are theta [deg], theta_dot [rad/s], must be theta [rad], "
-            "theta_dot [rad/s]: only units differ; convert its values\n");
-  EXPECT_EQ(rejected([](Target& t) { t.action_channels[0].label = "force"; }),
-            "npdr sample: x.h5: actions are force [N m], must be torque [N m]\n");
+  EXPECT_EQ(
+      rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
+      "npdr sample: x.h5: dataset 'states': channels are theta [deg], theta_dot [rad/s], must "
+      "be theta [rad], theta_dot [rad/s]: only units differ; convert its values\n");
+  EXPECT_EQ(
+      rejected([](Target& t) { t.action_channels[0].label = "force"; }),
+      "npdr sample: x.h5: dataset 'actions': channels are force [N m], must be torque [N m]\n");
+  const Outcome wider = sample([](Target& t) {
+    t.state_channels.push_back({"battery", "V"});
+    for (Rollout& rollout : t.rollouts) {
+      rollout.states.conservativeResize(Eigen::NoChange, 3);
+      rollout.states.col(2).setConstant(12.0);
+    }
+  });
+  EXPECT_EQ(wider.status, 0) << "channels that the posterior doesn't know are left out\n"
+                             << wider.err;
+  EXPECT_EQ(wider.out, sample([](Target&) {}).out);
 }
 
 TEST_F(Commands, ImportRefusesWhatItWouldIgnore) {
