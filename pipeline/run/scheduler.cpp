@@ -180,7 +180,7 @@ void Scheduler::end_of(const Job& job) {
 void Scheduler::pass_on_stop_request() {
   stopping_ = true;
   passed_on_ = true;
-  print(fmt::format("{}npdr: stopping; work in progress is saved\n", terminal_ ? "\r\033[K" : ""));
+  print(fmt::format("{}npdr: stopping; run it again to go on\n", terminal_ ? "\r\033[K" : ""));
   for (const Job& job : jobs_) job.process.send_signal(SIGTERM);
 }
 

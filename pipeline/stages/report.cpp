@@ -38,8 +38,10 @@ std::vector<std::pair<std::string, std::string>> provenance(const Plan& plan, co
           {"host", host_name()}};
 }
 
-analysis::ReportSection fit_section(const ReportData& data) {
+analysis::ReportSection fit_section(const ReportData& data, const Target& target,
+                                    const std::optional<Target>& held_out) {
   analysis::ReportSection section{"Fit to the target domain", "", {fit_table(data)}};
+  note_recorded_goal(data, target, held_out, section.tables.front());
   section.remarks = data.plan.study.report.caption;
   if (data.plan.study.evaluate.rounds == "all") section.tables.push_back(rounds_table(data));
   section.tables.push_back(seeds_table(data));
@@ -61,6 +63,7 @@ analysis::ReportSection posterior_section(const ReportData& data,
 }
 
 analysis::ReportSection prediction_section(const ReportData& data, const Target& target,
+                                           const std::optional<Target>& held_out,
                                            const std::filesystem::path& folder) {
   analysis::ReportSection section{
       "Recorded and predicted trajectories",
@@ -69,11 +72,12 @@ analysis::ReportSection prediction_section(const ReportData& data, const Target&
       {{write_trajectory_figure(data, target, folder),
         fmt::format("Recorded states, predictive median and 90 % band of seed {}.{}",
                     data.seeds.front(), left_out_methods(data))}}};
-  if (const auto paths = write_path_figure(data, target, read_report_held_out(data.plan), folder)) {
+  if (const auto paths = write_path_figure(data, target, held_out, folder)) {
     section.figures.push_back(
-        {*paths, fmt::format("Seen from above: recorded paths, and paths and shapes at posterior "
-                             "samples of seed {}.{}",
-                             data.seeds.front(), left_out_methods(data))});
+        {*paths,
+         fmt::format("Seen from above: the target's paths, and paths and shapes at the first "
+                     "{} posterior samples of seed {}. Black: what no parameter moves.{}",
+                     kDrawnSamples, data.seeds.front(), left_out_methods(data))});
   }
   return section;
 }
@@ -98,8 +102,10 @@ void run_report(const Plan& plan, const Node& node) {
 
   analysis::Report report;
   report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;
-  report.sections = {fit_section(data), posterior_section(data, figures),
-                     prediction_section(data, read_report_target(plan), figures)};
+  const Target target = read_report_target(plan);
+  const std::optional<Target> held_out = read_report_held_out(plan);
+  report.sections = {fit_section(data, target, held_out), posterior_section(data, figures),
+                     prediction_section(data, target, held_out, figures)};
   report.commands = {plan.command};
   report.provenance = provenance(plan, node);
   std::vector<std::filesystem::path> files;

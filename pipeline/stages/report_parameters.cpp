@@ -86,7 +86,7 @@ Table contraction_table(const ReportData& data) {
   table.name = "contraction";
   table.caption =
       "What the data tell about each parameter: 1 - posterior variance / prior variance, mean and "
-      "standard deviation over seeds. 0: nothing, 1: all.";
+      "standard deviation over seeds. 0: nothing, 1: all; below 0: the posterior is wider.";
   table.row_header = "Parameter";
   table.command = data.plan.command;
   for (const std::string& method : data.methods) table.columns.push_back({method, false});

@@ -9,8 +9,6 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Index kSamples = 30;  // of each method that are drawn
-
 std::vector<RowMatrix> recorded_paths(const Target& target) {
   std::vector<RowMatrix> paths;
   for (const Rollout& rollout : target.rollouts) paths.push_back(rollout.states.leftCols(2));
@@ -53,7 +51,7 @@ std::optional<std::filesystem::path> write_path_figure(const ReportData& data, c
   for (std::size_t k = 0; k < drawn; ++k) {
     const RowMatrix& theta = data.runs_of(data.methods[k]).front()->evaluation.theta;
     plot.predictions.push_back(
-        predict(data.methods[k], predictor, theta.topRows(std::min(kSamples, theta.rows()))));
+        predict(data.methods[k], predictor, theta.topRows(std::min(kDrawnSamples, theta.rows()))));
   }
   return analysis::write_path_plot(plot, folder).svg;
 }

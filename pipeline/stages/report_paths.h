@@ -8,6 +8,8 @@
 
 namespace npdr::pipeline {
 
+inline constexpr Index kDrawnSamples = 30;  ///< of each method
+
 /// Paths and shapes at posterior samples of the first seed, against `target` and, where there are
 /// any, the held-out rollouts; returns the SVG. Nothing for a simulator without outlines.
 std::optional<std::filesystem::path> write_path_figure(const ReportData& data, const Target& target,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "analysis/metrics.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
@@ -148,6 +149,27 @@ Table fit_table(const ReportData& data) {
   }
   note_failed_rows(table, data);
   return table;
+}
+
+void note_recorded_goal(const ReportData& data, const Target& target,
+                        const std::optional<Target>& held_out, Table& table) {
+  if (std::ranges::count(data.plan.study.evaluate.metrics, "goal") == 0) return;
+  const auto reached = [&](const Target& rollouts) {
+    std::vector<float> states;  // as if they had been simulated
+    for (const Rollout& rollout : rollouts.rollouts) {
+      const RowMatrixF after = rollout.states.bottomRows(rollout.num_steps()).cast<float>();
+      states.insert(states.end(), after.data(), after.data() + after.size());
+    }
+    const analysis::TrajectoryView view{states, 1, rollouts.num_rollouts(), rollouts.num_steps(),
+                                        rollouts.num_states()};
+    const double share = analysis::Metrics(rollouts).goal(view, *data.info.goal)(0);
+    return fmt::format("{:.0f} of {}", share * static_cast<double>(rollouts.num_rollouts()),
+                       rollouts.num_rollouts());
+  };
+  std::string text = fmt::format("P({}): of the target's own rollouts {}",
+                                 data.info.goal->description, reached(target));
+  if (held_out) text += fmt::format(", of the held-out ones {}", reached(*held_out));
+  table.footnote(text);
 }
 
 Table seeds_table(const ReportData& data) {

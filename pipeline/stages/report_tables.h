@@ -1,7 +1,7 @@
 /// The tables of a study's report.
 #pragma once
 
-#include <vector>
+#include <optional>
 
 #include "analysis/table.h"
 #include "pipeline/stages/report_data.h"
@@ -11,6 +11,11 @@ namespace npdr::pipeline {
 /// How well each method's posterior samples fit the target domain: the twin of Tables 2 and A2,
 /// with the published figures, the nominal parameters and the floor beside them.
 analysis::Table fit_table(const ReportData& data);
+
+/// Says below the fit table how many of the target's rollouts, and of the held-out ones, reach the
+/// goal themselves; nothing unless the study measures that.
+void note_recorded_goal(const ReportData& data, const Target& target,
+                        const std::optional<Target>& held_out, analysis::Table& table);
 
 /// One row a method and seed: fit, densities, simulations, epochs.
 analysis::Table seeds_table(const ReportData& data);

@@ -65,6 +65,9 @@ TEST_F(MinigolfStudy, ReportsWhatItMeasured) {
         " nominal ", " heavy ", " truth "}) {
     EXPECT_NE(fit.find(words), std::string::npos) << words << "\n" << fit;
   }
+  EXPECT_NE(fit.find("of the target's own rollouts 0 of 2, of the held-out ones 0 of 1"),
+            std::string::npos)
+      << fit;
   EXPECT_NE(text("tables/seeds.md").find("log p(heavy)"), std::string::npos);
   EXPECT_NE(text("tables/contraction.md").find("| obstacle2_dyaw"), std::string::npos);
   EXPECT_NE(text("tables/parameters.md").find("modulo 3.142"), std::string::npos);
