@@ -213,7 +213,8 @@ Target Minigolf::behave(const Vector& theta, Index num_rollouts, std::uint64_t s
     rollout.states(0, 0) = kBallStartX + kStartSpread * (2.0 * stream.uniform() - 1.0);
     rollout.states(0, 1) = kBallStartY + kStartSpread * (2.0 * stream.uniform() - 1.0);
     const Task task = make_task(config, rollout, info_.dt);
-    rollout.states.row(0) = task.start.transpose();
+    rollout.states(0, 0) = task.start.x();
+    rollout.states(0, 1) = task.start.y();
     const RolloutStatus status = simulate(config, course_at(theta.transpose()), task, info_.dt,
                                           [&](Index t, const Eigen::Vector3d& ball) {
                                             rollout.states.row(t) = ball.head<2>().transpose();
