@@ -42,7 +42,7 @@ TEST(MinigolfRecording, CommandsAreTheJointsAngles) {
   for (const Rollout& rollout : read_recording(kReal, std::nullopt).rollouts) {
     double worst = 0.0;
     for (Index t = 0; t < rollout.num_steps(); ++t) {
-      const auto head = [t](const RowMatrix& values) {
+      const auto head = [t](const RowMatrix& values) -> Eigen::Vector3d {
         return sim::head_pose(joints(values, t)).translation();
       };
       worst = std::max(worst, (head(rollout.states) - head(rollout.actions)).norm());

@@ -168,7 +168,9 @@ TEST(BallWorld, TheStrikeGivesTheBallTheClubsVelocity) {
       world.step(t);
       if (contact == 0 && world.ball_velocity().norm() > 0.1) contact = t;
     }
-    const auto tip = [](Index t) { return head_pose(strike(double(t) * kStep)).translation(); };
+    const auto tip = [](Index t) -> Eigen::Vector3d {
+      return head_pose(strike(double(t) * kStep)).translation();
+    };
     const Eigen::Vector3d normal = head_pose(strike(double(contact) * kStep)).linear().col(2);
     const double club_speed = (tip(contact + 1) - tip(contact)).dot(normal) / kStep;
     EXPECT_NEAR(double(contact), 9.0, 1.0);
