@@ -39,12 +39,13 @@ std::array<Footprint, 5> footprints(const Course& course) {
 
 BallWorld::BallWorld(const MinigolfConfig& config, const Course& course, const ClubMotion& motion,
                      double dt, const Eigen::Vector2d& start)
-    : config_(config),
-      course_(course),
+    : course_(course),
       motion_(motion),
       dt_(dt),
       footprints_(footprints(course)),
       rolling_(rolling_law(config, course)),
+      rolls_exactly_(config.rolling == "exact"),
+      linear_rate_(rate(config.linear_damping)),
       scene_(std::make_unique<BulletScene>(config, course)) {
   set_ball({start.x(), start.y(), course.ball_radius}, Eigen::Vector3d::Zero(),
            Eigen::Vector3d::Zero());
@@ -102,13 +103,13 @@ void BallWorld::step(Index t) {
 
 // Whether the ball rolls without slipping and the ground can hold it so (rolling.h).
 bool BallWorld::rolls() const {
-  if (config_.rolling != "exact") return false;
+  if (!rolls_exactly_) return false;
   const Eigen::Vector3d p = ball_position(), v = ball_velocity(), spin = ball_spin();
   const double r = course_.ball_radius;
   const double slip = std::hypot(v.x() - r * spin.y(), v.y() + r * spin.x());
   if (std::max({std::abs(p.z() - r), std::abs(v.z()), slip}) > kRolling) return false;
-  const double held = rolling_.deceleration() +
-                      (rolling_.damping() - rate(config_.linear_damping)) * v.head<2>().norm();
+  const double held =
+      rolling_.deceleration() + (rolling_.damping() - linear_rate_) * v.head<2>().norm();
   return std::abs(held) < friction(course_.ball, course_.ground) * kGravity && !is_above_hole();
 }
 

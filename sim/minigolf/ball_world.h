@@ -64,12 +64,13 @@ class BallWorld {
   void resist_rolling(const Surface& ground, double duration);
   void watch_rest(Index t);
 
-  const MinigolfConfig config_;
   const Course course_;
   const ClubMotion& motion_;
   const double dt_;
   const std::array<Footprint, 5> footprints_;
   const RollingLaw rolling_;
+  const bool rolls_exactly_;
+  const double linear_rate_;  // [1/s] at which damping takes velocity
   std::unique_ptr<BulletScene> scene_;
   StepCounts counts_;
   bool club_is_here_ = false;
