@@ -43,13 +43,7 @@ Trajectories OdeSimulator::replay(const Target& target, const RowMatrix& theta) 
 }
 
 Target OdeSimulator::behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const {
-  check_num_parameters(theta.size(), info_);
-  if (num_rollouts < 1) reject_setting("num_rollouts", num_rollouts, ">= 1");
-  Target target;
-  target.dt = info_.dt;
-  target.state_channels = info_.state_channels;
-  target.action_channels = info_.action_channels;
-  target.source = "simulated by '" + info_.name + "'";
+  Target target = begin_target(theta, num_rollouts, info_);
   for (Index h = 0; h < num_rollouts; ++h) {
     target.rollouts.push_back(simulate(*model_, config_, theta, model_->excite(h, seed)));
     target.rollouts.back().name = "simulated " + std::to_string(h);

@@ -54,6 +54,17 @@ void check_num_parameters(Index num_parameters, const SimulatorInfo& info) {
                    info.name + "' has " + std::to_string(expected));
 }
 
+Target begin_target(const Vector& theta, Index num_rollouts, const SimulatorInfo& info) {
+  check_num_parameters(theta.size(), info);
+  if (num_rollouts < 1) reject_setting("num_rollouts", num_rollouts, ">= 1");
+  Target target;
+  target.dt = info.dt;
+  target.state_channels = info.state_channels;
+  target.action_channels = info.action_channels;
+  target.source = "simulated by '" + info.name + "'";
+  return target;
+}
+
 bool is_possible(const Eigen::Ref<const Eigen::RowVectorXd>& theta, const SimulatorInfo& info) {
   for (Index p = 0; p < theta.size(); ++p) {
     const Parameter& parameter = info.parameters[static_cast<std::size_t>(p)];

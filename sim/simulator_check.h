@@ -1,4 +1,4 @@
-/// What every simulator checks of its settings, its parameters and its target.
+/// What every simulator does with its settings, its parameters and its target.
 #pragma once
 
 #include <map>
@@ -30,6 +30,10 @@ void check_target(const Target& target, const SimulatorInfo& info, Index store_e
 
 /// Throws ShapeError unless there are as many parameters as the simulator has.
 void check_num_parameters(Index num_parameters, const SimulatorInfo& info);
+
+/// The target that behave(theta, num_rollouts) fills: its dt, channels and source. Throws
+/// ShapeError for a theta of another length, InputError for fewer than one rollout.
+Target begin_target(const Vector& theta, Index num_rollouts, const SimulatorInfo& info);
 
 /// Whether each of the P parameters is within its limits; NaN isn't.
 bool is_possible(const Eigen::Ref<const Eigen::RowVectorXd>& theta, const SimulatorInfo& info);

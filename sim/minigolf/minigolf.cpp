@@ -198,13 +198,7 @@ std::vector<Outline> Minigolf::outlines(const Vector& theta) const {
 }
 
 Target Minigolf::behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const {
-  check_num_parameters(theta.size(), info_);
-  if (num_rollouts < 1) reject_setting("num_rollouts", num_rollouts, ">= 1");
-  Target target;
-  target.dt = info_.dt;
-  target.state_channels = info_.state_channels;
-  target.action_channels = info_.action_channels;
-  target.source = "simulated by 'minigolf'";
+  Target target = begin_target(theta, num_rollouts, info_);
   const MinigolfConfig& config = config_.minigolf;
   for (Index h = 0; h < num_rollouts; ++h) {
     Stream stream({seed, "behaviour", 0, static_cast<std::uint64_t>(h), 0});

@@ -28,6 +28,17 @@ TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
             (std::vector<std::string>{"[0.3, 1.7]", "[0.3, 1.7], log-uniform", "N(9.81, 0.05²)"}));
 }
 
+// The small study, of the mini golf with another prior.
+Plan golf_plan_of(const std::string& prior) {
+  std::string text = edited(kStudyText, "pendulum", "minigolf");
+  text = edited(text, "truth = { pole_mass = 1.1 }", "truth = {}");
+  text = edited(text,
+                "pole_mass = { uniform = [0.3, 1.7] }\n"
+                "pole_length = { log_uniform = [0.3, 1.7] }",
+                prior);
+  return make_plan(parse_study(text, "s.toml"), WorkFolder("runs"));
+}
+
 // One run whose posterior samples are `theta`.
 EvaluatedRun run_of(const RowMatrix& theta) {
   EvaluatedRun run;
@@ -44,16 +55,10 @@ double contraction(const analysis::Table& table, std::size_t parameter) {
 // Samples +-s of [-pi/2, pi/2], an obstacle's angle: at its middle, and the same around its end,
 // where the copies modulo pi lie on the other side. Variance 2 s^2 (two values, n - 1).
 TEST(ReportTables, ContractionKnowsPeriods) {
-  const Plan plan = make_plan(
-      parse_study(
-          edited(edited(edited(kStudyText, "pendulum", "minigolf"), "truth = { pole_mass = 1.1 }",
-                        "truth = {}"),
-                 "pole_mass = { uniform = [0.3, 1.7] }\npole_length = { log_uniform = [0.3, 1.7] }",
-                 "ball_restitution = { uniform = [0.0, 1.0] }\n"
-                 "obstacle1_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }\n"
-                 "obstacle2_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }"),
-          "s.toml"),
-      WorkFolder("runs"));
+  const Plan plan = golf_plan_of(
+      "ball_restitution = { uniform = [0.0, 1.0] }\n"
+      "obstacle1_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }\n"
+      "obstacle2_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }");
   const double s = 0.01, end = std::numbers::pi / 2;
   RowMatrix theta(2, 3);
   theta << 0.5 - s, -s, end - s, 0.5 + s, s, -end + s;
@@ -68,14 +73,7 @@ TEST(ReportTables, ContractionKnowsPeriods) {
 // A normal prior far wider than the period says nothing about the angle: nor does a posterior that
 // is even over it.
 TEST(ReportTables, ContractionOfAWideNormalIsThatOfItsAngle) {
-  const Plan plan = make_plan(
-      parse_study(
-          edited(edited(edited(kStudyText, "pendulum", "minigolf"), "truth = { pole_mass = 1.1 }",
-                        "truth = {}"),
-                 "pole_mass = { uniform = [0.3, 1.7] }\npole_length = { log_uniform = [0.3, 1.7] }",
-                 "obstacle2_dyaw = { normal = [0.0, 1.5] }"),
-          "s.toml"),
-      WorkFolder("runs"));
+  const Plan plan = golf_plan_of("obstacle2_dyaw = { normal = [0.0, 1.5] }");
   RowMatrix theta(1000, 1);
   for (Index i = 0; i < 1000; ++i) theta(i, 0) = std::numbers::pi * (double(i) / 1000.0 - 0.5);
   const analysis::Table table =
