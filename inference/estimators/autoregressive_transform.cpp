@@ -1,30 +1,14 @@
 #include "inference/estimators/autoregressive_transform.h"
 
-#include <cmath>
-
 #include "inference/estimators/dense.h"
 
 namespace npdr::inference {
-namespace {
-
-constexpr double kSmallestScale = 1e-3;
-// softplus(kScaleOffset) + kSmallestScale = 1.
-const double kScaleOffset = std::log(std::expm1(1.0 - kSmallestScale));
-
-// log(1 + e^a) without overflow, vectorised.
-template <typename Derived>
-auto softplus(const Eigen::ArrayBase<Derived>& a) {
-  using S = typename Derived::Scalar;
-  return a.max(S(0)) + (-a.abs()).exp().log1p();
-}
-
-}  // namespace
-
 template <typename S>
 AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidden_features,
                                                     Index num_hidden_layers,
+                                                    std::shared_ptr<const ElementMap<S>> map,
                                                     ParameterLayout& layout)
-    : dimension_(dimension), hidden_(hidden_features) {
+    : dimension_(dimension), hidden_(hidden_features), map_(std::move(map)) {
   const auto degree = [&](Index unit) { return unit * dimension / hidden_features; };
   for (Index g = 0; g <= dimension; ++g) {
     Index first = 0;
@@ -36,15 +20,16 @@ AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidde
     hidden_weight_.push_back(layout.add(hidden_, hidden_));
     hidden_bias_.push_back(layout.add(1, hidden_));
   }
-  output_weight_ = layout.add(hidden_, 2 * dimension);
-  output_bias_ = layout.add(1, 2 * dimension);
+  const Index num_outputs = map_->num_parameters() * dimension;
+  output_weight_ = layout.add(hidden_, num_outputs);
+  output_bias_ = layout.add(1, num_outputs);
 
   input_mask_ = RowMatrixX<S>::NullaryExpr(dimension, hidden_,
                                            [&](Index d, Index j) { return S(d + 1 <= degree(j)); });
   hidden_mask_ = RowMatrixX<S>::NullaryExpr(
       hidden_, hidden_, [&](Index i, Index j) { return S(degree(i) <= degree(j)); });
   output_mask_ = RowMatrixX<S>::NullaryExpr(
-      hidden_, 2 * dimension, [&](Index j, Index d) { return S(degree(j) <= d % dimension); });
+      hidden_, num_outputs, [&](Index j, Index d) { return S(degree(j) <= d % dimension); });
 }
 
 template <typename S>
@@ -78,11 +63,8 @@ void AutoregressiveTransform<S>::forward(const Parameters<S>& parameters,
                view(parameters, hidden_bias_[l]), scratch.hidden[l + 1]);
   }
   dense(scratch.hidden.back(), view(parameters, output_weight_), view(parameters, output_bias_),
-        scratch.raw);
-  scratch.scale =
-      softplus(scratch.raw.leftCols(dimension_).array() + S(kScaleOffset)) + S(kSmallestScale);
-  z = u.array() * scratch.scale.array() + scratch.raw.rightCols(dimension_).array();
-  log_det += scratch.scale.array().log().matrix().rowwise().sum();
+        scratch.element.raw);
+  map_->forward(u, scratch.element, z, log_det);
 }
 
 template <typename S>
@@ -91,19 +73,13 @@ void AutoregressiveTransform<S>::backward(const Parameters<S>& parameters,
                                           const VectorX<S>& d_log_det, RowMatrixX<S>& d_z,
                                           Parameters<S>& gradient,
                                           Eigen::Ref<RowMatrixX<S>> d_context) const {
-  const Index m = d_z.rows();
-  scratch.d_raw.resize(m, 2 * dimension_);
-  // ds/da = sigmoid(a + a_0) = 1 - exp(-softplus(a + a_0)).
-  scratch.d_raw.leftCols(dimension_) =
-      (d_z.array() * scratch.input.array() +
-       scratch.scale.array().inverse().colwise() * d_log_det.array()) *
-      (S(1) - (S(kSmallestScale) - scratch.scale.array()).exp());
-  scratch.d_raw.rightCols(dimension_) = d_z;
+  map_->backward(scratch.input, d_log_det, scratch.element, d_z);
 
-  dense_gradient(scratch.hidden.back(), scratch.d_raw, view(gradient, output_weight_),
+  const RowMatrixX<S>& d_raw = scratch.element.d_raw;
+  dense_gradient(scratch.hidden.back(), d_raw, view(gradient, output_weight_),
                  view(gradient, output_bias_));
   view(gradient, output_weight_).array() *= output_mask_.array();
-  scratch.d_hidden.noalias() = scratch.d_raw * view(parameters, output_weight_).transpose();
+  scratch.d_hidden.noalias() = d_raw * view(parameters, output_weight_).transpose();
   for (std::size_t l = hidden_weight_.size(); l-- > 0;) {
     tanh_backward(scratch.hidden[l + 1], scratch.d_hidden);
     dense_gradient(scratch.hidden[l], scratch.d_hidden, view(gradient, hidden_weight_[l]),
@@ -116,7 +92,6 @@ void AutoregressiveTransform<S>::backward(const Parameters<S>& parameters,
   view(gradient, input_weight_).noalias() = scratch.input.transpose() * scratch.d_hidden;
   view(gradient, input_weight_).array() *= input_mask_.array();
   sum_groups(scratch.d_hidden, d_context);
-  d_z = d_z.cwiseProduct(scratch.scale);
   d_z.noalias() += scratch.d_hidden * view(parameters, input_weight_).transpose();
 }
 
@@ -128,7 +103,7 @@ RowMatrixX<S> AutoregressiveTransform<S>::inverse(const Parameters<S>& parameter
   const auto w_out = view(parameters, output_weight_);
   const auto b_out = view(parameters, output_bias_);
   const Index m = z.rows();
-  RowMatrixX<S> u(m, dimension_);
+  RowMatrixX<S> u(m, dimension_), raw(m, map_->num_parameters());
   std::vector<RowMatrixX<S>> hidden(hidden_weight_.size() + 1, RowMatrixX<S>(m, hidden_));
   for (Index d = 0; d < dimension_; ++d) {
     // u_1..u_d are known, so the hidden units of degree d can be computed, and they never change.
@@ -152,10 +127,11 @@ RowMatrixX<S> AutoregressiveTransform<S>::inverse(const Parameters<S>& parameter
       }
     }
     const auto& top = hidden.back();
-    const VectorX<S> a = (top.leftCols(end) * w_out.block(0, d, end, 1)).array() + b_out(0, d);
-    const VectorX<S> t = (top.leftCols(end) * w_out.block(0, d + dimension_, end, 1)).array() +
-                         b_out(0, d + dimension_);
-    u.col(d) = (z.col(d) - t).array() / (softplus(a.array() + S(kScaleOffset)) + S(kSmallestScale));
+    for (Index p = 0; p < raw.cols(); ++p) {
+      const Index column = p * dimension_ + d;
+      raw.col(p) = (top.leftCols(end) * w_out.block(0, column, end, 1)).array() + b_out(0, column);
+    }
+    u.col(d) = map_->inverse(z.col(d), raw);
   }
   return u;
 }

@@ -1,19 +1,20 @@
-/// One masked affine autoregressive transform: the building block of a masked autoregressive flow.
+/// One masked autoregressive transform: the building block of autoregressive flows.
 ///
 /// Source: Papamakarios, Pavlakou and Murray 2017, "Masked autoregressive flow for density
 /// estimation", eqs. 3-6; masks as in Germain et al. 2015, "MADE". For u in R^D and context c
-///   z_d = s_d(u_1..u_{d-1}, c) u_d + t_d(u_1..u_{d-1}, c),     log |det dz/du| = sum_d log s_d,
-///   h_1 = tanh(u W_1 + c W_c + b_1),   h_l = tanh(h_{l-1} W_l + b_l),   (a, t) = h_L W_o + b_o,
-///   s = softplus(a + a_0) + 1e-3 with a_0 such that s = 1 at a = 0.
-/// A softplus scale (not an exponential one) grows linearly: contexts far from the training data
-/// don't blow up. Hidden units are sorted by their degree 0..D-1: a unit of degree g sees
-/// u_1..u_g (degree 0: the context alone, so that even z_1 depends on the context).
+///   z_d = g(u_d; p_d),   p_d = p_d(u_1..u_{d-1}, c),     log |det dz/du| = sum_d log g'(u_d; p_d),
+///   h_1 = tanh(u W_1 + c W_c + b_1),   h_l = tanh(h_{l-1} W_l + b_l),   p = h_L W_o + b_o,
+/// with g an affine map or a spline (element_map.h). Hidden units are sorted by their degree
+/// 0..D-1: a unit of degree g sees u_1..u_g (degree 0: the context alone, so that even z_1 depends
+/// on the context).
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/random.h"
 #include "core/types.h"
+#include "inference/estimators/element_map.h"
 #include "inference/estimators/parameters.h"
 
 namespace npdr::inference {
@@ -23,20 +24,18 @@ template <typename S>
 struct AutoregressiveScratch {
   RowMatrixX<S> input;                ///< (m, D)
   std::vector<RowMatrixX<S>> hidden;  ///< L x (m, hidden)
-  RowMatrixX<S> raw;                  ///< (m, 2 D): a, then t
-  RowMatrixX<S> scale;                ///< (m, D)
-  RowMatrixX<S> d_raw;                ///< (m, 2 D)
-  RowMatrixX<S> d_hidden;             ///< (m, hidden)
-  RowMatrixX<S> d_below;              ///< (m, hidden)
+  ElementScratch<S> element;
+  RowMatrixX<S> d_hidden;  ///< (m, hidden)
+  RowMatrixX<S> d_below;   ///< (m, hidden)
 };
 
 template <typename S>
 class AutoregressiveTransform {
  public:
-  /// Takes its blocks from `layout`. The context product c W_c is computed by the owner, for all
-  /// transforms at once.
+  /// Takes its blocks from `layout`; `map` is g. The context product c W_c is computed by the
+  /// owner, for all transforms at once.
   AutoregressiveTransform(Index dimension, Index hidden_features, Index num_hidden_layers,
-                          ParameterLayout& layout);
+                          std::shared_ptr<const ElementMap<S>> map, ParameterLayout& layout);
 
   Index hidden_features() const { return hidden_; }
 
@@ -69,8 +68,9 @@ class AutoregressiveTransform {
   Block input_weight_;                ///< (D, hidden)
   std::vector<Block> hidden_weight_;  ///< L - 1 x (hidden, hidden)
   std::vector<Block> hidden_bias_;    ///< L - 1 x (1, hidden)
-  Block output_weight_;               ///< (hidden, 2 D)
-  Block output_bias_;                 ///< (1, 2 D)
+  std::shared_ptr<const ElementMap<S>> map_;
+  Block output_weight_;  ///< (hidden, P D)
+  Block output_bias_;    ///< (1, P D)
   RowMatrixX<S> input_mask_;
   RowMatrixX<S> hidden_mask_;
   RowMatrixX<S> output_mask_;

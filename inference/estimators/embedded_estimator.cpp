@@ -14,7 +14,7 @@ std::unique_ptr<DensityEstimator<S>> make_estimator(const EstimatorConfig& confi
                                                     Index context_features,
                                                     const StreamId& structure,
                                                     ParameterLayout& layout) {
-  if (config.kind == "maf") {
+  if (config.kind == "maf" || config.kind == "nsf") {
     return std::make_unique<MaskedAutoregressiveFlow<S>>(config, dimension, context_features,
                                                          structure, layout);
   }

@@ -10,13 +10,15 @@ namespace npdr::inference {
 
 struct EstimatorConfig {
   std::string kind = "maf";     ///< a name of estimator_names()
-  Index num_transforms = 5;     ///< "maf": autoregressive transforms
+  Index num_transforms = 5;     ///< "maf", "nsf": autoregressive transforms
+  Index num_bins = 8;           ///< "nsf": bins of each spline
   Index num_components = 10;    ///< "mdn": Gaussians in the mixture
   Index hidden_features = 50;   ///< width of each hidden layer
   Index num_hidden_layers = 2;  ///< hidden layers (per transform)
 };
 
-/// "maf" (masked autoregressive flow), "mdn" (mixture of Gaussians; also spelt "mog").
+/// "maf" (masked autoregressive flow), "mdn" (mixture of Gaussians; also spelt "mog"), "nsf"
+/// (neural spline flow).
 std::vector<std::string> estimator_names();
 
 }  // namespace npdr::inference

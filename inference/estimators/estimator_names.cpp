@@ -2,6 +2,6 @@
 
 namespace npdr::inference {
 
-std::vector<std::string> estimator_names() { return {"maf", "mdn"}; }
+std::vector<std::string> estimator_names() { return {"maf", "mdn", "nsf"}; }
 
 }  // namespace npdr::inference

@@ -4,7 +4,9 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "inference/estimators/affine_map.h"
 #include "inference/estimators/dense.h"
+#include "inference/estimators/spline_map.h"
 
 namespace npdr::inference {
 namespace {
@@ -27,6 +29,12 @@ void permute_back(const RowMatrixX<S>& from, const std::vector<std::uint32_t>& o
                   RowMatrixX<S>& to) {
   to.resize(from.rows(), from.cols());
   for (Index j = 0; j < from.cols(); ++j) to.col(order[static_cast<std::size_t>(j)]) = from.col(j);
+}
+
+template <typename S>
+std::shared_ptr<const ElementMap<S>> make_map(const EstimatorConfig& config) {
+  if (config.kind == "nsf") return std::make_shared<SplineMap<S>>(config.num_bins);
+  return std::make_shared<AffineMap<S>>();
 }
 
 }  // namespace
@@ -52,9 +60,11 @@ MaskedAutoregressiveFlow<S>::MaskedAutoregressiveFlow(const EstimatorConfig& con
   check_size("num_hidden_layers", config.num_hidden_layers);
   context_weight_ = layout.add(context_features, config.num_transforms * config.hidden_features);
   context_bias_ = layout.add(1, config.num_transforms * config.hidden_features);
+  const auto map = make_map<S>(config);
   Stream stream(structure);
   for (Index k = 0; k < config.num_transforms; ++k) {
-    transforms_.emplace_back(dimension, config.hidden_features, config.num_hidden_layers, layout);
+    transforms_.emplace_back(dimension, config.hidden_features, config.num_hidden_layers, map,
+                             layout);
     order_.push_back(stream.permutation(static_cast<std::uint32_t>(dimension)));
   }
 }

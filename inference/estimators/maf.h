@@ -1,8 +1,9 @@
-/// Masked autoregressive flow as a conditional density estimator.
+/// Masked autoregressive flows as conditional density estimators: "maf" with affine transforms,
+/// "nsf" (neural spline flow) with splines.
 ///
-/// Source: Papamakarios, Pavlakou and Murray 2017, eqs. 3-6 and section 3.4 (conditional MAF). With
-/// K transforms f_1..f_K (autoregressive_transform.h), each after a permutation P_k of the
-/// variables,
+/// Sources: Papamakarios, Pavlakou and Murray 2017, eqs. 3-6 and section 3.4 (conditional MAF);
+/// Durkan et al. 2019, section 3.2 (RQ-NSF, autoregressive). With K transforms f_1..f_K
+/// (autoregressive_transform.h), each after a permutation P_k of the variables,
 ///   z = f_K(P_K ... f_1(P_1 u)),   log q(u | c) = log N(z; 0, I) + sum_k log |det df_k|.
 #pragma once
 
@@ -14,7 +15,7 @@ namespace npdr::inference {
 template <typename S>
 class MaskedAutoregressiveFlow : public DensityEstimator<S> {
  public:
-  /// Throws InputError for sizes below 1.
+  /// Throws InputError for sizes that can't be.
   MaskedAutoregressiveFlow(const EstimatorConfig& config, Index dimension, Index context_features,
                            const StreamId& structure, ParameterLayout& layout);
 

@@ -77,9 +77,11 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, inference::EstimatorConfig& c) {
-  f("kind", c.kind, estimator_constraint(), "masked autoregressive flow or mixture of Gaussians");
+  f("kind", c.kind, estimator_constraint(),
+    "masked autoregressive flow, mixture of Gaussians, or neural spline flow");
   f("num_transforms", c.num_transforms, between(1, kMaxLayers),
-    "autoregressive transforms (\"maf\" only)");
+    "autoregressive transforms (not of \"mdn\")");
+  f("num_bins", c.num_bins, between(2, 100), "bins of each spline (\"nsf\" only)");
   f("num_components", c.num_components, between(1, kMaxLayers),
     "Gaussians in the mixture (\"mdn\" only)");
   f("hidden_features", c.hidden_features, between(1, kMaxWidth), "width of each hidden layer");

@@ -83,10 +83,11 @@ kind = "bayessim"
 # channels = []                 # state channels to keep; empty: all
 
 [method.density_estimator]      # the network that learns the posterior
-kind = "maf"                    # masked autoregressive flow, or "mdn": mixture of Gaussians
-num_transforms = 2              # autoregressive transforms ("maf" only)
+kind = "maf"                    # masked autoregressive flow; "mdn": mixture of Gaussians; "nsf": splines
+num_transforms = 2              # autoregressive transforms (not of "mdn")
 hidden_features = 20            # width of each hidden layer
 # num_hidden_layers = 2
+# num_bins = 8                  # bins of each spline ("nsf" only)
 # num_components = 10           # Gaussians in the mixture ("mdn" only)
 
 [method.training]

@@ -4,6 +4,8 @@
 
 #include "core/error.h"
 #include "core/normal.h"
+#include "inference/estimators/affine_map.h"
+#include "inference/estimators/spline_map.h"
 #include "tests/inference/estimators/estimator_checks.h"
 
 namespace npdr::inference {
@@ -11,15 +13,22 @@ namespace {
 
 const StreamId kStructure{1, "structure", 0, 0, 0};
 
-EstimatorConfig small_config(Index hidden_layers = 2) {
-  EstimatorConfig config;
-  config.num_transforms = 3;
-  config.hidden_features = 7;
-  config.num_hidden_layers = hidden_layers;
-  return config;
-}
+// Both kinds: with affine transforms and with splines.
+class Flow : public ::testing::TestWithParam<const char*> {
+ protected:
+  static EstimatorConfig small_config(Index hidden_layers = 2) {
+    EstimatorConfig config;
+    config.kind = GetParam();
+    config.num_bins = 4;
+    config.num_transforms = 3;
+    config.hidden_features = 7;
+    config.num_hidden_layers = hidden_layers;
+    return config;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Kinds, Flow, ::testing::Values("maf", "nsf"));
 
-TEST(Maf, BackwardPassEqualsCentralDifferences) {
+TEST_P(Flow, BackwardPassEqualsCentralDifferences) {
   for (const Index layers : {1, 2, 3}) {
     ParameterLayout layout;
     const MaskedAutoregressiveFlow<double> maf(small_config(layers), 4, 5, kStructure, layout);
@@ -27,7 +36,7 @@ TEST(Maf, BackwardPassEqualsCentralDifferences) {
   }
 }
 
-TEST(Maf, BackwardPassHoldsForOneVariableAndForMoreVariablesThanHiddenUnits) {
+TEST_P(Flow, BackwardPassHoldsForOneVariableAndForMoreVariablesThanHiddenUnits) {
   for (const Index dimension : {1, 9}) {
     ParameterLayout layout;
     const MaskedAutoregressiveFlow<double> maf(small_config(), dimension, 2, kStructure, layout);
@@ -35,16 +44,19 @@ TEST(Maf, BackwardPassHoldsForOneVariableAndForMoreVariablesThanHiddenUnits) {
   }
 }
 
-TEST(Maf, DensityIntegratesToOne) {
+TEST_P(Flow, DensityIntegratesToOne) {
   ParameterLayout layout;
   const MaskedAutoregressiveFlow<double> maf(small_config(), 2, 3, kStructure, layout);
-  // The integrand is smooth on the scale of the grid: the midpoint rule is exact to 1e-6.
+  // The integrand is smooth on the scale of the grid, but for the splines' knots: the midpoint rule
+  // is exact to 1e-6.
   EXPECT_NEAR(mass_on_a_grid(maf, random_parameters(maf, layout.size(), 2)), 1.0, 1e-5);
 }
 
-TEST(Maf, StartsNearThePrior) {
+TEST_P(Flow, StartsNearThePrior) {
   ParameterLayout layout;
-  const MaskedAutoregressiveFlow<double> maf({}, 9, 20, kStructure, layout);
+  EstimatorConfig config;
+  config.kind = GetParam();
+  const MaskedAutoregressiveFlow<double> maf(config, 9, 20, kStructure, layout);
   Vector parameters = Vector::Zero(layout.size());
   Stream stream({1, "initial", 0, 0, 0});
   maf.initialise(parameters, stream);
@@ -59,10 +71,12 @@ TEST(Maf, StartsNearThePrior) {
   EXPECT_LT((log_prob - expected).cwiseAbs().mean(), 0.5);
 }
 
-TEST(Maf, InverseOfATransformUndoesForward) {
+TEST_P(Flow, InverseOfATransformUndoesForward) {
   for (const Index dimension : {1, 3, 9}) {
     ParameterLayout layout;
-    const AutoregressiveTransform<double> transform(dimension, 7, 2, layout);
+    std::shared_ptr<const ElementMap<double>> map = std::make_shared<AffineMap<double>>();
+    if (GetParam() == std::string("nsf")) map = std::make_shared<SplineMap<double>>(5);
+    const AutoregressiveTransform<double> transform(dimension, 7, 2, map, layout);
     Vector parameters = Vector::Zero(layout.size());
     Stream stream({1, "initial", 0, 0, 0});
     transform.initialise(parameters, stream);
@@ -81,7 +95,7 @@ TEST(Maf, InverseOfATransformUndoesForward) {
 // If samples follow q, then the mean of log q(sample) is minus the entropy; with an importance
 // weight to another density of known mass the samples and the density check each other:
 // E_q[ N(u; 0, 0.5 I) / q(u) ] = 1 where q has mass wherever N does.
-TEST(Maf, SamplesFollowTheDensity) {
+TEST_P(Flow, SamplesFollowTheDensity) {
   ParameterLayout layout;
   const MaskedAutoregressiveFlow<double> maf(small_config(), 2, 3, kStructure, layout);
   const Vector parameters = random_parameters(maf, layout.size(), 5);
@@ -107,9 +121,10 @@ TEST(Maf, SamplesFollowTheDensity) {
   EXPECT_NEAR(average, 1.0, 4.0 * standard_error);  // false-alarm rate 6e-5, fixed seed
 }
 
-TEST(Maf, RejectsSizesBelowOne) {
+TEST_P(Flow, RejectsSizesBelowOne) {
   ParameterLayout layout;
   EstimatorConfig config;
+  config.kind = GetParam();
   config.num_transforms = 0;
   EXPECT_THROW(MaskedAutoregressiveFlow<float>(config, 2, 2, kStructure, layout), InputError);
 }

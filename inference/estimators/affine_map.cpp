@@ -1,0 +1,46 @@
+#include "inference/estimators/affine_map.h"
+
+#include <cmath>
+
+#include "inference/estimators/softplus.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr double kSmallestScale = 1e-3;
+// softplus(kScaleOffset) + kSmallestScale = 1.
+const double kScaleOffset = std::log(std::expm1(1.0 - kSmallestScale));
+
+}  // namespace
+
+template <typename S>
+void AffineMap<S>::forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, RowMatrixX<S>& z,
+                           VectorX<S>& log_det) const {
+  const Index d = u.cols();
+  scratch.scale = softplus(scratch.raw.leftCols(d).array() + S(kScaleOffset)) + S(kSmallestScale);
+  z = u.array() * scratch.scale.array() + scratch.raw.middleCols(d, d).array();
+  log_det += scratch.scale.array().log().matrix().rowwise().sum();
+}
+
+template <typename S>
+void AffineMap<S>::backward(const RowMatrixX<S>& u, const VectorX<S>& d_log_det,
+                            ElementScratch<S>& scratch, RowMatrixX<S>& d) const {
+  scratch.d_raw.resize(u.rows(), scratch.raw.cols());
+  // ds/da = sigmoid(a + a_0) = 1 - exp(-softplus(a + a_0)).
+  scratch.d_raw.leftCols(u.cols()) =
+      (d.array() * u.array() + scratch.scale.array().inverse().colwise() * d_log_det.array()) *
+      (S(1) - (S(kSmallestScale) - scratch.scale.array()).exp());
+  scratch.d_raw.middleCols(u.cols(), u.cols()) = d;
+  d = d.cwiseProduct(scratch.scale);
+}
+
+template <typename S>
+VectorX<S> AffineMap<S>::inverse(const VectorX<S>& z, const RowMatrixX<S>& raw) const {
+  return (z - raw.col(1)).array() /
+         (softplus(raw.col(0).array() + S(kScaleOffset)) + S(kSmallestScale));
+}
+
+template class AffineMap<float>;
+template class AffineMap<double>;
+
+}  // namespace npdr::inference
