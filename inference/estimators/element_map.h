@@ -1,8 +1,8 @@
 /// Invertible maps of one variable, z = g(u; p), whose parameters p a masked network gives: what
 /// makes an autoregressive transform affine or a spline.
 ///
-/// All matrices have a row per sample. `raw` (m, P D) holds what the network says, column p D + d the
-/// p-th of the P numbers of variable d.
+/// All matrices have a row per sample. `raw` (m, P D) holds what the network says, column p D + d
+/// the p-th of the P numbers of variable d.
 #pragma once
 
 #include "core/types.h"
@@ -13,10 +13,10 @@ namespace npdr::inference {
 /// spline's alone.
 template <typename S>
 struct ElementScratch {
-  RowMatrixX<S> raw, d_raw;  ///< (m, P D)
-  RowMatrixX<S> scale;       ///< (m, D)
-  RowMatrixX<S> moved;       ///< (m, D): what the spline maps
-  RowMatrixX<S> widths, heights, derivatives;  ///< (m, K D), (m, K D), (m, (K - 1) D)
+  RowMatrixX<S> raw, d_raw;                     ///< (m, P D)
+  RowMatrixX<S> scale;                          ///< (m, D)
+  RowMatrixX<S> moved;                          ///< (m, D): what the spline maps
+  RowMatrixX<S> widths, heights, derivatives;   ///< (m, K D), (m, K D), (m, (K - 1) D)
   RowMatrixX<S> slope, numerator, denominator;  ///< (m, D)
 };
 

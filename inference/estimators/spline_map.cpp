@@ -54,9 +54,9 @@ void softmax_backward(const S* sizes, S* d, Index bins, Index stride) {
 template <typename S>
 struct SplineMap<S>::Bin {
   Index k = 0;
-  S v, z;        // lower knot
-  S w, h;        // width, height
-  S d0, d1;      // derivatives at both knots
+  S v, z;    // lower knot
+  S w, h;    // width, height
+  S d0, d1;  // derivatives at both knots
 };
 
 template <typename S>
@@ -126,12 +126,12 @@ void SplineMap<S>::forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, R
       scratch.denominator(i, d) = denominator;
     }
   }
-  log_det += ((scratch.slope.array() / scratch.denominator.array()).square() *
-              scratch.numerator.array())
-                 .log()
-                 .matrix()
-                 .rowwise()
-                 .sum();
+  log_det +=
+      ((scratch.slope.array() / scratch.denominator.array()).square() * scratch.numerator.array())
+          .log()
+          .matrix()
+          .rowwise()
+          .sum();
 }
 
 // With N = h (s xi^2 + d_0 q), A = d_1 xi^2 + 2 s q + d_0 (1 - xi)^2 and D the denominator,

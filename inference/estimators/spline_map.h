@@ -1,9 +1,9 @@
 /// Monotonic rational-quadratic spline after an affine map: the map of a neural spline flow.
 ///
 /// Source: Durkan, Bekasov, Murray and Papamakarios 2019, "Neural spline flows", eqs. 4-8. First
-/// v = s u + t (affine_map.h), so that the spline sees its variable at unit scale however narrow the
-/// density is. Then, for v in [-B, B], B = 5, with K bins between the knots (v_k, z_k) and positive
-/// derivatives d_k there (d_0 = d_K = 1),
+/// v = s u + t (affine_map.h), so that the spline sees its variable at unit scale however narrow
+/// the density is. Then, for v in [-B, B], B = 5, with K bins between the knots (v_k, z_k) and
+/// positive derivatives d_k there (d_0 = d_K = 1),
 ///   xi = (v - v_k) / w_k,   s_k = h_k / w_k,   D = s_k + (d_{k+1} + d_k - 2 s_k) xi (1 - xi),
 ///   z = z_k + h_k (s_k xi^2 + d_k xi (1 - xi)) / D,
 ///   dz/dv = s_k^2 (d_{k+1} xi^2 + 2 s_k xi (1 - xi) + d_k (1 - xi)^2) / D^2;

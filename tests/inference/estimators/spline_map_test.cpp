@@ -41,9 +41,9 @@ TEST(SplineMap, LogDeterminantIsThatOfItsDerivative) {
   Vector log_det, unused;
   map_of(map, u, 1.0, log_det);
   const double step = 1e-6;
-  const RowMatrix slope = (map_of(map, u.array() + step, 1.0, unused) -
-                           map_of(map, u.array() - step, 1.0, unused)) /
-                          (2.0 * step);
+  const RowMatrix slope =
+      (map_of(map, u.array() + step, 1.0, unused) - map_of(map, u.array() - step, 1.0, unused)) /
+      (2.0 * step);
   EXPECT_GT(slope.minCoeff(), 0.0);
   EXPECT_LT((slope.array().log().matrix().rowwise().sum() - log_det).cwiseAbs().maxCoeff(), 1e-5);
 }
