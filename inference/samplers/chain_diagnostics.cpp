@@ -30,8 +30,7 @@ struct Variances {
 Variances variances_of(const Eigen::MatrixXd& halves) {
   const auto n = static_cast<double>(halves.rows()), m = static_cast<double>(halves.cols());
   const Eigen::RowVectorXd means = halves.colwise().mean();
-  const Eigen::RowVectorXd spreads =
-      (halves.rowwise() - means).colwise().squaredNorm() / (n - 1.0);
+  const Eigen::RowVectorXd spreads = (halves.rowwise() - means).colwise().squaredNorm() / (n - 1.0);
   const double between = (means.array() - means.mean()).square().sum() / (m - 1.0);
   return {spreads.mean(), (n - 1.0) / n * spreads.mean() + between};
 }
@@ -39,7 +38,10 @@ Variances variances_of(const Eigen::MatrixXd& halves) {
 // Mean over the columns of their autocovariance at `lag`, divided by n.
 double autocovariance(const Eigen::MatrixXd& centred, Index lag) {
   const Index n = centred.rows();
-  return (centred.topRows(n - lag).cwiseProduct(centred.bottomRows(n - lag))).colwise().sum().mean() /
+  return (centred.topRows(n - lag).cwiseProduct(centred.bottomRows(n - lag)))
+             .colwise()
+             .sum()
+             .mean() /
          static_cast<double>(n);
 }
 

@@ -36,8 +36,8 @@ class Chain {
 
   // Ends a stage in which widths were learnt.
   void keep_widths() {
-    width_ = (num_intervals_.array() > 0).select(interval_sum_.array() / num_intervals_.array().max(1.0),
-                                                 width_.array());
+    width_ = (num_intervals_.array() > 0)
+                 .select(interval_sum_.array() / num_intervals_.array().max(1.0), width_.array());
   }
   void forget_widths() { width_.setConstant(kFirstWidth); }
 
@@ -125,7 +125,8 @@ class Chain {
 class Population {
  public:
   Population(const LogDensity& log_density, const RowMatrix& start, const StreamId& id)
-      : log_density_(log_density), directions_(Eigen::MatrixXd::Identity(start.cols(), start.cols())) {
+      : log_density_(log_density),
+        directions_(Eigen::MatrixXd::Identity(start.cols(), start.cols())) {
     Vector log_p;
     log_density_(start, log_p);
     num_points_ += start.rows();

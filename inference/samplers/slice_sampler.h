@@ -30,9 +30,9 @@ using LogDensity = std::function<void(const RowMatrix& u, Vector& log_prob)>;
 
 /// Draws of C chains, S each.
 struct ChainDraws {
-  RowMatrix u;            ///< (S C, D): draw s of chain c in row s C + c
-  Index num_chains = 0;   ///< C
-  Index num_points = 0;   ///< how often the density was evaluated, over all chains
+  RowMatrix u;           ///< (S C, D): draw s of chain c in row s C + c
+  Index num_chains = 0;  ///< C
+  Index num_points = 0;  ///< how often the density was evaluated, over all chains
 };
 
 /// `num_draws` draws (S) of each chain; chain c begins at row c of `start` (C, D). A chain's draws

@@ -1,0 +1,113 @@
+#include "inference/estimators/ratio_estimator.h"
+
+#include "core/error.h"
+#include "core/matrix_blocking.h"
+#include "inference/estimators/dense.h"
+
+namespace npdr::inference {
+namespace {
+
+void check_size(const char* name, Index value) {
+  if (value >= 1) return;
+  throw InputError(std::string("density_estimator.") + name + " = " + std::to_string(value) +
+                   ", must be >= 1");
+}
+
+// Given y = max(0, a), turns dL/dy in `d` into dL/da.
+template <typename Y, typename D>
+void relu_backward(const Y& y, D& d) {
+  using S = typename Y::Scalar;
+  d = (y.array() > S(0)).select(d, S(0));
+}
+
+}  // namespace
+
+template <typename S>
+RatioEstimator<S>::RatioEstimator(const EstimatorConfig& config, Index dimension, Index x_features)
+    : dimension_(dimension), x_features_(x_features) {
+  check_size("hidden_features", config.hidden_features);
+  check_size("num_hidden_layers", config.num_hidden_layers);
+  fix_matrix_blocking();
+  const Index hidden = config.hidden_features;
+  u_weight_ = layout_.add(dimension, hidden);
+  x_weight_ = layout_.add(x_features, hidden);
+  bias_ = layout_.add(1, hidden);
+  for (Index l = 0; l < config.num_hidden_layers; ++l) {
+    blocks_.push_back({layout_.add(hidden, hidden), layout_.add(1, hidden),
+                       layout_.add(hidden, hidden), layout_.add(1, hidden)});
+  }
+  out_weight_ = layout_.add(hidden, 1);
+  out_bias_ = layout_.add(1, 1);
+}
+
+template <typename S>
+Parameters<S> RatioEstimator<S>::initial_parameters(const StreamId& id) const {
+  Parameters<S> parameters = Parameters<S>::Zero(num_parameters());
+  Stream stream(id);
+  RowMatrixX<S> no_bias;
+  initialise_dense(view(parameters, u_weight_), no_bias, stream);
+  initialise_dense(view(parameters, x_weight_), view(parameters, bias_), stream);
+  for (const ResidualBlock& block : blocks_) {
+    initialise_dense(view(parameters, block.a_weight), view(parameters, block.a_bias), stream);
+    initialise_dense(view(parameters, block.b_weight), view(parameters, block.b_bias), stream, 0.1);
+  }
+  initialise_dense(view(parameters, out_weight_), view(parameters, out_bias_), stream, 0.1);
+  return parameters;
+}
+
+template <typename S>
+void RatioEstimator<S>::logits(const Parameters<S>& parameters, const RowMatrixX<S>& u,
+                               const RowMatrixX<S>& x, RatioScratch<S>& scratch,
+                               VectorX<S>& logits) const {
+  scratch.hidden.resize(blocks_.size() + 1);
+  scratch.inner.resize(blocks_.size());
+  dense(x, view(parameters, x_weight_), view(parameters, bias_), scratch.context);
+  scratch.hidden[0].noalias() = u * view(parameters, u_weight_);
+  add_to_groups(scratch.context, scratch.hidden[0]);
+  for (std::size_t l = 0; l < blocks_.size(); ++l) {
+    const ResidualBlock& block = blocks_[l];
+    scratch.active = scratch.hidden[l].cwiseMax(S(0));
+    dense(scratch.active, view(parameters, block.a_weight), view(parameters, block.a_bias),
+          scratch.inner[l]);
+    scratch.inner[l] = scratch.inner[l].cwiseMax(S(0));
+    dense(scratch.inner[l], view(parameters, block.b_weight), view(parameters, block.b_bias),
+          scratch.hidden[l + 1]);
+    scratch.hidden[l + 1] += scratch.hidden[l];
+  }
+  scratch.active = scratch.hidden.back().cwiseMax(S(0));
+  logits.noalias() = scratch.active * view(parameters, out_weight_);
+  logits.array() += view(parameters, out_bias_)(0, 0);
+}
+
+template <typename S>
+void RatioEstimator<S>::backward(const Parameters<S>& parameters, const RowMatrixX<S>& u,
+                                 const RowMatrixX<S>& x, const VectorX<S>& d_logits,
+                                 RatioScratch<S>& scratch, Parameters<S>& gradient) const {
+  dense_gradient(scratch.active, d_logits, view(gradient, out_weight_), view(gradient, out_bias_));
+  scratch.d_hidden.noalias() = d_logits * view(parameters, out_weight_).transpose();
+  relu_backward(scratch.active, scratch.d_hidden);
+  for (std::size_t l = blocks_.size(); l-- > 0;) {
+    const ResidualBlock& block = blocks_[l];
+    dense_gradient(scratch.inner[l], scratch.d_hidden, view(gradient, block.b_weight),
+                   view(gradient, block.b_bias));
+    scratch.d_inner.noalias() = scratch.d_hidden * view(parameters, block.b_weight).transpose();
+    relu_backward(scratch.inner[l], scratch.d_inner);
+    scratch.active = scratch.hidden[l].cwiseMax(S(0));
+    dense_gradient(scratch.active, scratch.d_inner, view(gradient, block.a_weight),
+                   view(gradient, block.a_bias));
+    // The block's own input: past it, and through it.
+    RowMatrixX<S>& through = scratch.inner[l];
+    through.noalias() = scratch.d_inner * view(parameters, block.a_weight).transpose();
+    relu_backward(scratch.active, through);
+    scratch.d_hidden += through;
+  }
+  view(gradient, u_weight_).noalias() = u.transpose() * scratch.d_hidden;
+  scratch.d_context.resize(x.rows(), scratch.context.cols());
+  sum_groups(scratch.d_hidden, scratch.d_context);
+  dense_gradient(x, scratch.d_context, view(gradient, x_weight_), view(gradient, bias_));
+}
+
+template class RatioEstimator<float>;
+template class RatioEstimator<double>;
+
+}  // namespace npdr::inference
