@@ -36,6 +36,13 @@ void tanh_backward(const Y& y, D& d) {
   d.array() *= S(1) - y.array().square();
 }
 
+/// Given y = max(0, a), turns dL/dy in `d` into dL/da.
+template <typename Y, typename D>
+void relu_backward(const Y& y, D& d) {
+  using S = typename Y::Scalar;
+  d = (y.array() > S(0)).select(d, S(0));
+}
+
 /// Row i of `rows` (n k, w) += row i / k of `groups` (n, w).
 template <typename G, typename R>
 void add_to_groups(const G& groups, R& rows) {

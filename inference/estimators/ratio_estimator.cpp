@@ -13,13 +13,6 @@ void check_size(const char* name, Index value) {
                    ", must be >= 1");
 }
 
-// Given y = max(0, a), turns dL/dy in `d` into dL/da.
-template <typename Y, typename D>
-void relu_backward(const Y& y, D& d) {
-  using S = typename Y::Scalar;
-  d = (y.array() > S(0)).select(d, S(0));
-}
-
 }  // namespace
 
 template <typename S>

@@ -1,0 +1,25 @@
+/// What tests of two samples have in common.
+#pragma once
+
+#include <string>
+
+#include "core/types.h"
+
+namespace npdr::inference {
+
+/// Fewer rows of a sample than this say nothing.
+inline constexpr Index kFewestRowsOfSample = 10;
+
+/// Throws ShapeError unless both samples have the same columns, and InputError for fewer than
+/// kFewestRowsOfSample rows or what isn't finite; `test` begins the message.
+void require_two_samples(const std::string& test, const RowMatrix& first, const RowMatrix& second);
+
+/// Both samples, one below the other.
+RowMatrix pooled(const RowMatrix& first, const RowMatrix& second);
+
+/// (x - mean) / deviation, column by column, with mean and deviation (n - 1 in the denominator) of
+/// `reference`; a column that doesn't vary there is only shifted. Clamped to +-10^6, far enough for
+/// any test to tell it apart, and near enough for single precision.
+RowMatrixF standardised(const RowMatrix& x, const RowMatrix& reference);
+
+}  // namespace npdr::inference

@@ -1,0 +1,80 @@
+#include "inference/diagnostics/c2st.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/normal.h"
+#include "tests/inference/diagnostics/samples.h"
+
+namespace npdr::inference {
+namespace {
+
+const StreamId kId{1, "c2st", 0, 0, 0};
+
+// Four standard errors: false-alarm rate 6e-5, fixed seed.
+TEST(C2st, OfTheSameDistributionIsAHalf) {
+  const C2st found = c2st(gaussian(2000, 3, 1), gaussian(2000, 3, 2), kId);
+  EXPECT_NEAR(found.accuracy, 0.5, 4.0 * found.standard_error);
+}
+
+// The best classifier of N(0, I) against N(mu, I) is right with probability Phi(|mu| / 2). Ours may
+// beat it by luck alone (four standard errors, false-alarm rate 3e-5); what it doesn't learn from
+// 4000 rows costs it less than 0.02.
+TEST(C2st, OfShiftedGaussiansApproachesTheBestAccuracyFromBelow) {
+  for (const double shift : {0.5, 1.0, 2.0}) {
+    constexpr Index d = 2;
+    const C2st found = c2st(gaussian(2000, d, 1), gaussian(2000, d, 2, shift / std::sqrt(d)), kId);
+    const double best = normal_cdf(shift / 2.0);
+    EXPECT_LT(found.accuracy, best + 4.0 * found.standard_error) << shift;
+    EXPECT_GT(found.accuracy, best - 4.0 * found.standard_error - 0.02) << shift;
+  }
+}
+
+// The same mean, half the deviation: only the second sample's spread tells.
+TEST(C2st, SeesADifferenceInSpread) {
+  EXPECT_GT(c2st(gaussian(1000, 2, 1), gaussian(1000, 2, 2, 0.0, 0.5), kId).accuracy, 0.65);
+}
+
+TEST(C2st, OfDisjointSamplesIsOne) {
+  EXPECT_EQ(c2st(gaussian(200, 2, 1), gaussian(200, 2, 2, 100.0), kId).accuracy, 1.0);
+}
+
+TEST(C2st, UnitsDontMatter) {
+  const RowMatrix first = gaussian(200, 2, 1), second = gaussian(200, 2, 2, 0.5);
+  // A power of two: no rounding.
+  EXPECT_EQ(c2st(first * 0x1p-30, second * 0x1p-30, kId).accuracy,
+            c2st(first, second, kId).accuracy);
+}
+
+// The second sample lies 10^40 deviations of the first away, beyond single precision.
+TEST(C2st, OfAPointAndAnotherIsOne) {
+  const RowMatrix narrow = gaussian(50, 1, 1, 0.0, 1e-40);
+  EXPECT_EQ(c2st(narrow, RowMatrix::Ones(50, 1), kId).accuracy, 1.0);
+}
+
+TEST(C2st, SameBitsForAnyThreadCount) {
+  const RowMatrix first = gaussian(203, 2, 1), second = gaussian(203, 2, 2, 0.5);
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const Vector one = c2st(first, second, kId).fold_accuracy;
+  omp_set_num_threads(3);
+  EXPECT_EQ(c2st(first, second, kId).fold_accuracy, one);
+  omp_set_num_threads(threads);
+}
+
+TEST(C2st, RejectsWhatCantBeCompared) {
+  const RowMatrix good = gaussian(20, 2, 1);
+  EXPECT_THROW(c2st(good, gaussian(20, 3, 2), kId), ShapeError);
+  EXPECT_THROW(c2st(good, gaussian(19, 2, 2), kId), ShapeError);
+  EXPECT_THROW(c2st(good.topRows(9), good.topRows(9), kId), InputError);
+  RowMatrix broken = good;
+  broken(3, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(c2st(good, broken, kId), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::inference
