@@ -5,7 +5,7 @@
 
 #include "core/random.h"
 #include "inference/algorithms/posterior_estimation.h"
-#include "inference/posterior.h"
+#include "inference/direct_posterior.h"
 #include "inference/training/adam.h"
 
 namespace npdr::inference {
@@ -77,14 +77,13 @@ DirectPosterior untrained(const Network& n) {
   for (Index d = 0; d < n.dimension; ++d) {
     marginals.push_back({"theta_" + std::to_string(d), "1", Marginal::Kind::uniform, 0.0, 1.0});
   }
-  DirectPosteriorParts parts{
-      .prior = Prior(marginals),
-      .estimator = n.estimator,
-      .trained_features = n.trained_features,
-      .structure_seed = 1,
-      .transform = {VectorF::Zero(n.x_features), VectorF::Ones(n.x_features), {}},
-      .parameters = {},
-      .x_o = VectorF::Zero(n.x_features)};
+  NetworkParts parts{.prior = Prior(marginals),
+                     .estimator = n.estimator,
+                     .trained_features = n.trained_features,
+                     .structure_seed = 1,
+                     .transform = {VectorF::Zero(n.x_features), VectorF::Ones(n.x_features), {}},
+                     .parameters = {},
+                     .x_o = VectorF::Zero(n.x_features)};
   parts.parameters = make_network(n.estimator, n.x_features, n.trained_features, n.dimension, 1)
                          .initial_parameters({1, "initial", 0, 0, 0});
   return DirectPosterior(parts);

@@ -2,15 +2,25 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "core/random.h"
 #include "core/types.h"
-#include "inference/estimators/embedded_estimator.h"
-#include "inference/estimators/gaussian_mixture.h"
-#include "inference/feature_transform.h"
 #include "inference/prior.h"
 
 namespace npdr::inference {
+
+/// What can be said of samples that didn't come from the posterior directly.
+struct SamplerReport {
+  Vector r_hat;  ///< (D) of Markov chains, in the space of u; empty: there were none
+  Vector ess;    ///< (D) effective sample sizes of the chains; (1) that of importance weights
+  Index num_evaluations = 0;  ///< of the density
+};
+
+struct Samples {
+  RowMatrix theta;  ///< (n, D)
+  std::optional<SamplerReport> report = {};
+};
 
 /// Const calls are thread-safe.
 class Posterior {
@@ -18,9 +28,11 @@ class Posterior {
   virtual ~Posterior() = default;
   virtual const Prior& prior() const = 0;
 
-  /// (n, D) samples of theta, all inside of the prior's support. Sample i depends on `id` and i
-  /// alone: not on n, nor on the number of threads.
-  virtual RowMatrix sample(Index n, const StreamId& id) const = 0;
+  /// n samples of theta, all inside of the prior's support. Sample i depends on `id` and i alone:
+  /// not on n, nor on the number of threads.
+  virtual Samples draw(Index n, const StreamId& id) const = 0;
+  /// The samples alone, (n, D).
+  RowMatrix sample(Index n, const StreamId& id) const { return draw(n, id).theta; }
 
   /// log p(theta | x_o) in nats, (n); -infinity outside of the prior's support.
   virtual Vector log_prob(const RowMatrix& theta) const = 0;
@@ -29,46 +41,5 @@ class Posterior {
   /// (Rowan 1990, subplex) in the space where the prior is N(0, I).
   Vector map(const StreamId& id) const;
 };
-
-/// What a direct posterior consists of: everything that a file must hold.
-struct DirectPosteriorParts {
-  Prior prior;
-  EstimatorConfig estimator;
-  Index trained_features = 0;  ///< width of the linear layer, 0: none
-  std::uint64_t structure_seed = 0;
-  FeatureTransform transform;
-  Parameters<float> parameters;
-  VectorF x_o;  ///< (F), not transformed
-};
-
-/// A posterior that a density estimator gives directly (the NPE family):
-///   log p(theta | x_o) = log q(u(theta) | x_o) + log |du / dtheta|.
-class DirectPosterior : public Posterior {
- public:
-  /// Throws ShapeError when the parts don't go together.
-  explicit DirectPosterior(DirectPosteriorParts parts);
-
-  const Prior& prior() const override { return parts_.prior; }
-  RowMatrix sample(Index n, const StreamId& id) const override;
-  Vector log_prob(const RowMatrix& theta) const override;
-
-  const DirectPosteriorParts& parts() const { return parts_; }
-
-  /// The posterior given another observation (F).
-  DirectPosterior given(const VectorF& x) const;
-
-  /// The mixture at x_o in the space of u. Throws Error when the estimator is no mixture.
-  GaussianMixture mixture() const;
-
- private:
-  DirectPosteriorParts parts_;
-  std::shared_ptr<const EmbeddedEstimator<float>> network_;
-  RowMatrixF x_;  ///< (1, F or k), transformed
-};
-
-/// The network that a config and a structure seed stand for.
-EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index num_inputs,
-                                      Index trained_features, Index dimension,
-                                      std::uint64_t structure_seed);
 
 }  // namespace npdr::inference

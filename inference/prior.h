@@ -64,4 +64,7 @@ class Prior {
   std::vector<Marginal> marginals_;
 };
 
+/// (n, D) draws of the prior, of round 1; row i has the stream (seed, "prior", 1, i).
+RowMatrix sample_prior(const Prior& prior, Index n, std::uint64_t seed);
+
 }  // namespace npdr::inference

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -8,16 +9,52 @@
 namespace npdr::inference {
 namespace {
 
+struct Entry {
+  const char* name;
+  NetworkRole role;
+  std::vector<std::string> estimators;  // the usual one first
+};
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> all = {
+      {"npe_a", NetworkRole::posterior, {"mdn"}},
+      {"npe_b", NetworkRole::posterior, {"maf", "mdn", "nsf"}},
+      {"npe_c", NetworkRole::posterior, {"maf", "mdn", "nsf"}},
+      {"nle", NetworkRole::likelihood, {"maf", "mdn", "nsf"}},
+      {"nre_a", NetworkRole::ratio, {"resnet"}},
+      {"nre_b", NetworkRole::ratio, {"resnet"}},
+  };
+  return all;
+}
+
 // Names that older papers and tools use for the same algorithm.
-constexpr std::array<std::pair<const char*, const char*>, 3> kOlderSpellings = {{
+constexpr std::array<std::pair<const char*, const char*>, 12> kOlderSpellings = {{
+    {"snpe_a", "npe_a"},
+    {"snpe-a", "npe_a"},
+    {"bayessim", "npe_a"},
+    {"snpe_b", "npe_b"},
+    {"snpe-b", "npe_b"},
     {"snpe_c", "npe_c"},
     {"snpe-c", "npe_c"},
     {"apt", "npe_c"},
+    {"snle", "nle"},
+    {"aalr", "nre_a"},
+    {"snre_a", "nre_a"},
+    {"snre_b", "nre_b"},
 }};
+
+const Entry& find_entry(const std::string& spelling) {
+  const std::string name = canonical_algorithm(spelling);
+  return *std::ranges::find(entries(), name, &Entry::name);
+}
 
 }  // namespace
 
-std::vector<std::string> algorithm_names() { return {"npe_c"}; }
+std::vector<std::string> algorithm_names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : entries()) names.emplace_back(entry.name);
+  return names;
+}
 
 std::string canonical_algorithm(const std::string& spelling) {
   for (const std::string& name : algorithm_names()) {
@@ -27,6 +64,19 @@ std::string canonical_algorithm(const std::string& spelling) {
     if (spelling == older) return name;
   }
   throw InputError(unknown_name("algorithm", spelling, algorithm_names()));
+}
+
+NetworkRole role_of_algorithm(const std::string& name) { return find_entry(name).role; }
+
+std::vector<std::string> estimators_of_algorithm(const std::string& name) {
+  return find_entry(name).estimators;
+}
+
+void check_estimator(const std::string& algorithm, const EstimatorConfig& estimator) {
+  const std::vector<std::string>& allowed = find_entry(algorithm).estimators;
+  if (std::ranges::find(allowed, estimator.kind) != allowed.end()) return;
+  throw InputError("density_estimator.kind = '" + estimator.kind + "', must be one of " +
+                   join(allowed) + " with algorithm '" + algorithm + "'");
 }
 
 }  // namespace npdr::inference

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "inference/algorithms/atomic_loss.h"
+#include "inference/direct_posterior.h"
 #include "inference/estimators/mixture_density_network.h"
 
 namespace npdr::inference {
@@ -47,6 +48,10 @@ std::string resolve_loss(const AlgorithmConfig& config, const EstimatorConfig& e
   }
   if (config.loss == "auto") return is_mixture ? "analytic" : "atomic";
   return config.loss;
+}
+
+GaussianMixture proposal_mixture(const NetworkPosterior& posterior) {
+  return narrower_than_prior(dynamic_cast<const DirectPosterior&>(posterior).mixture());
 }
 
 NpeC::NpeC(const AlgorithmConfig& config, const EmbeddedEstimator<float>& network,

@@ -12,21 +12,16 @@
 
 #include "inference/algorithms/algorithm_config.h"
 #include "inference/algorithms/mixture_correction_loss.h"
+#include "inference/algorithms/training_data.h"
 #include "inference/estimators/embedded_estimator.h"
-#include "inference/estimators/gaussian_mixture.h"
-#include "inference/feature_source.h"
 #include "inference/feature_transform.h"
 #include "inference/training/trainer.h"
 
 namespace npdr::inference {
 
-/// The simulations of all rounds so far. Failed ones are left out before.
-struct TrainingData {
-  const FeatureSource* x = nullptr;        ///< (N, F)
-  RowMatrixF u;                            ///< (N, D)
-  std::vector<std::uint32_t> round;        ///< (N), counted from 1
-  std::vector<GaussianMixture> proposals;  ///< of rounds 2, 3, ...; "analytic" only
-};
+/// The mixture that propose() draws u from when the loss is analytic. Throws Error when the
+/// posterior's estimator isn't one.
+GaussianMixture proposal_mixture(const NetworkPosterior& posterior);
 
 /// Which loss a config means for this estimator and round: resolves "auto" to "analytic" for a
 /// mixture and "atomic" otherwise. Throws InputError for "analytic" with another estimator.

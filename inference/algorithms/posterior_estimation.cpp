@@ -1,68 +1,97 @@
 #include "inference/algorithms/posterior_estimation.h"
 
 #include "core/error.h"
+#include "inference/algorithms/component_growth.h"
+#include "inference/algorithms/round_task.h"
 
 namespace npdr::inference {
 namespace {
-
-DirectPosteriorParts untrained_parts(const PosteriorEstimationConfig& config, const RoundData& data,
-                                     const StreamId& id) {
-  return {.prior = *data.prior,
-          .estimator = config.estimator,
-          .trained_features = config.trained_features,
-          .structure_seed = id.seed,
-          .transform = fit_feature_transform(*data.x, config.principal_components),
-          .parameters = {},
-          .x_o = data.x_o};
-}
 
 StreamId named(StreamId id, std::string_view name) {
   id.name = name;
   return id;
 }
 
+bool is_npe_a(const PosteriorEstimationConfig& config) {
+  return canonical_algorithm(config.algorithm.name) == "npe_a";
+}
+
+// NPE-A has one Gaussian until its last round.
+EstimatorConfig estimator_of_round(const PosteriorEstimationConfig& config, std::uint64_t round) {
+  EstimatorConfig estimator = config.estimator;
+  const bool is_last = round >= static_cast<std::uint64_t>(config.algorithm.num_rounds);
+  if (is_npe_a(config) && !is_last) estimator.num_components = 1;
+  return estimator;
+}
+
+// What `data` and the last round's posterior give, but for the weights.
+NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const RoundData& data,
+                             const StreamId& id) {
+  NetworkParts parts{.prior = *data.prior,
+                     .role = role_of_algorithm(config.algorithm.name),
+                     .estimator = estimator_of_round(config, id.round),
+                     .trained_features = config.trained_features,
+                     .structure_seed = id.seed,
+                     .transform = {},
+                     .parameters = {},
+                     .x_o = data.x_o};
+  parts.sampler = config.sampler;
+  if (data.posteriors.empty()) {
+    parts.transform = fit_feature_transform(*data.x, config.principal_components);
+    return parts;
+  }
+  const NetworkPosterior& previous = *data.posteriors.back();
+  parts.transform = previous.parts().transform;
+  if (is_npe_a(config)) parts.proposal = dynamic_cast<const DirectPosterior&>(previous).mixture();
+  return parts;
+}
+
+Parameters<float> first_weights(const PosteriorEstimationConfig& config, const RoundTask& task,
+                                const NetworkParts& parts, const RoundData& data,
+                                const StreamId& id) {
+  if (data.posteriors.empty()) return task.initial_parameters(named(id, "initial_weights"));
+  const NetworkParts& previous = data.posteriors.back()->parts();
+  if (previous.estimator.num_components == parts.estimator.num_components) {
+    return previous.parameters;
+  }
+  return grow_components(previous, parts.estimator, config.algorithm.component_perturbation,
+                         named(id, "component_growth"));
+}
+
+void require_weights(const RoundTask& task, const TrainingState& state) {
+  if (state.parameters.size() == task.num_parameters()) return;
+  throw ShapeError("training state: " + std::to_string(state.parameters.size()) +
+                   " parameters, must be " + std::to_string(task.num_parameters()) +
+                   ", as many as the network's");
+}
+
 }  // namespace
 
-std::optional<DirectPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
-                                                  const RoundData& data,
-                                                  const DirectPosterior* previous,
-                                                  const StreamId& id, TrainingState& state,
-                                                  const EpochHook& hook) {
-  if (canonical_algorithm(config.algorithm.name) != "npe_c") {
-    throw InputError("algorithm '" + config.algorithm.name + "' doesn't estimate posteriors");
-  }
-  DirectPosteriorParts parts =
-      previous == nullptr ? untrained_parts(config, data, id) : previous->parts();
-  const EmbeddedEstimator<float> network =
-      make_network(parts.estimator, parts.transform.num_outputs(), parts.trained_features,
-                   parts.prior.dimension(), parts.structure_seed);
+std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
+                                                     const RoundData& data, const StreamId& id,
+                                                     TrainingState& state, const EpochHook& hook) {
+  check_estimator(config.algorithm.name, config.estimator);
+  NetworkParts parts = untrained_parts(config, data, id);
+  const auto task = make_round_task(config, data, parts, id);
   if (state.epoch == 0 && state.parameters.size() == 0) {
-    state.parameters = previous == nullptr
-                           ? network.initial_parameters(named(id, "initial_weights"))
-                           : parts.parameters;
-  } else if (state.parameters.size() != network.num_parameters()) {
-    throw ShapeError("training state: " + std::to_string(state.parameters.size()) +
-                     " parameters, must be " + std::to_string(network.num_parameters()) +
-                     ", as many as the network's");
+    state.parameters = first_weights(config, *task, parts, data, id);
   }
-  TrainingData training{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round,
-                        data.proposals};
-  NpeC objective(config.algorithm, network, parts.transform, training, id);
+  require_weights(*task, state);
   bool stopped = false;
-  train(objective, config.training, id, state, [&](const TrainingState& s) {
+  train(task->objective(), config.training, id, state, [&](const TrainingState& s) {
     stopped = !hook(s);
     return !stopped;
   });
-  if (stopped && !state.finished(config.training)) return std::nullopt;
+  if (stopped && !state.finished(config.training)) return nullptr;
   parts.parameters = state.best_parameters;
-  return DirectPosterior(std::move(parts));
+  return make_posterior(std::move(parts));
 }
 
-RowMatrix propose(const PosteriorEstimationConfig& config, const DirectPosterior& posterior,
+RowMatrix propose(const PosteriorEstimationConfig& config, const NetworkPosterior& posterior,
                   Index n, const StreamId& id) {
-  if (resolve_loss(config.algorithm, config.estimator) != "analytic") {
-    return posterior.sample(n, id);
-  }
+  const bool is_analytic = canonical_algorithm(config.algorithm.name) == "npe_c" &&
+                           resolve_loss(config.algorithm, config.estimator) == "analytic";
+  if (!is_analytic) return posterior.sample(n, id);
   const GaussianMixture mixture = proposal_mixture(posterior);
   RowMatrix u(n, posterior.prior().dimension());
   for (Index i = 0; i < n; ++i) {
@@ -72,10 +101,6 @@ RowMatrix propose(const PosteriorEstimationConfig& config, const DirectPosterior
     u.row(i) = mixture.sample(stream).transpose();
   }
   return posterior.prior().to_theta(u);
-}
-
-GaussianMixture proposal_mixture(const DirectPosterior& posterior) {
-  return narrower_than_prior(posterior.mixture());
 }
 
 }  // namespace npdr::inference

@@ -1,21 +1,30 @@
-/// One round of neural posterior estimation: simulations of all rounds so far -> posterior.
+/// One round of neural inference: simulations of all rounds so far -> posterior.
+///
+///  - npe_a: q(u | z), a mixture, by maximum likelihood on the last round's simulations; divided by
+///    their proposal (likelihood_objective.h, gaussian_mixture.h);
+///  - npe_b: q(u | z) by maximum likelihood weighted by p / p~ (likelihood_objective.h);
+///  - npe_c: q(u | z) by the atomic or the analytic loss (npe_c.h);
+///  - nle: q(z | u) by maximum likelihood (likelihood_objective.h);
+///  - nre_a, nre_b: p(z | u) / p(z) by a binary or a categorical cross-entropy (ratio_objective.h).
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "inference/algorithms/algorithm_config.h"
 #include "inference/algorithms/npe_c.h"
-#include "inference/posterior.h"
+#include "inference/direct_posterior.h"
 #include "inference/training/trainer.h"
 
 namespace npdr::inference {
 
-/// Settings of neural posterior estimation.
+/// Settings of neural inference.
 struct PosteriorEstimationConfig {
   AlgorithmConfig algorithm;
   EstimatorConfig estimator;
   TrainingConfig training;
+  SamplerConfig sampler;           ///< "nle", "nre_a", "nre_b"
   Index principal_components = 0;  ///< of x that the network sees; 0: x itself
   Index trained_features = 0;      ///< width of the linear layer; 0: none
 };
@@ -23,29 +32,26 @@ struct PosteriorEstimationConfig {
 /// The simulations of all rounds so far, the failed ones left out, and what was observed.
 struct RoundData {
   const Prior* prior = nullptr;
-  const FeatureSource* x = nullptr;        ///< (N, F)
-  RowMatrix theta;                         ///< (N, D)
-  std::vector<std::uint32_t> round;        ///< (N), counted from 1
-  std::vector<GaussianMixture> proposals;  ///< of rounds 2, 3, ... when the loss is analytic
-  VectorF x_o;                             ///< (F)
+  const FeatureSource* x = nullptr;  ///< (N, F)
+  RowMatrix theta;                   ///< (N, D)
+  std::vector<std::uint32_t> round;  ///< (N), counted from 1
+  VectorF x_o;                       ///< (F)
+  /// Of the rounds before: what the simulations of rounds 2, 3, ... were drawn from.
+  std::vector<std::shared_ptr<const NetworkPosterior>> posteriors;
 };
 
-/// Trains on `data` from the weights and the feature transform of `previous` (the last round's
-/// posterior) or from scratch in round 1. `id` names the seed and round. A `state` that a hook kept
-/// goes on from there with the same bits; an empty one starts. Returns nothing when the hook
-/// stopped training: `state` is the checkpoint. Throws ShapeError for the state of another network.
-std::optional<DirectPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
-                                                  const RoundData& data,
-                                                  const DirectPosterior* previous,
-                                                  const StreamId& id, TrainingState& state,
-                                                  const EpochHook& hook);
+/// Trains on `data` from the weights and the feature transform of the last round's posterior, or
+/// from scratch in round 1. `id` names the seed and round. A `state` that a hook kept goes on from
+/// there with the same bits; an empty one starts. Returns nothing when the hook stopped training:
+/// `state` is the checkpoint. Throws ShapeError for the state of another network, InputError for a
+/// density estimator that doesn't suit the algorithm.
+std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
+                                                     const RoundData& data, const StreamId& id,
+                                                     TrainingState& state, const EpochHook& hook);
 
 /// (n, D) proposals of theta for the next round, drawn from the posterior estimate; for the
-/// analytic loss from proposal_mixture(), which that loss can correct for.
-RowMatrix propose(const PosteriorEstimationConfig& config, const DirectPosterior& posterior,
+/// analytic loss from a mixture that the loss can correct for.
+RowMatrix propose(const PosteriorEstimationConfig& config, const NetworkPosterior& posterior,
                   Index n, const StreamId& id);
-
-/// The mixture that propose() draws u from when the loss is analytic.
-GaussianMixture proposal_mixture(const DirectPosterior& posterior);
 
 }  // namespace npdr::inference

@@ -14,11 +14,11 @@ struct EstimatorConfig {
   Index num_bins = 8;           ///< "nsf": bins of each spline
   Index num_components = 10;    ///< "mdn": Gaussians in the mixture
   Index hidden_features = 50;   ///< width of each hidden layer
-  Index num_hidden_layers = 2;  ///< hidden layers (per transform)
+  Index num_hidden_layers = 2;  ///< hidden layers (per transform); blocks of "resnet"
 };
 
 /// "maf" (masked autoregressive flow), "mdn" (mixture of Gaussians; also spelt "mog"), "nsf"
-/// (neural spline flow).
+/// (neural spline flow), "resnet" (residual network, for ratios alone).
 std::vector<std::string> estimator_names();
 
 }  // namespace npdr::inference

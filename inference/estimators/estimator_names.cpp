@@ -2,6 +2,6 @@
 
 namespace npdr::inference {
 
-std::vector<std::string> estimator_names() { return {"maf", "mdn", "nsf"}; }
+std::vector<std::string> estimator_names() { return {"maf", "mdn", "nsf", "resnet"}; }
 
 }  // namespace npdr::inference

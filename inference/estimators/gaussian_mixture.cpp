@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace npdr::inference {
@@ -49,6 +50,63 @@ GaussianMixture narrower_than_prior(const GaussianMixture& mixture) {
     narrow.precision_factors[static_cast<std::size_t>(k)] = precision.llt().matrixU();
   }
   return narrow;
+}
+
+namespace {
+
+// What a Gaussian N(mu, P^-1) says beyond another one N(m, S^-1), along the eigenvectors of P - S:
+// precisions, and shifts V' (P mu - S m). Directions in which it is wider than the other say
+// nothing.
+struct Surplus {
+  Eigen::MatrixXd axes;
+  Vector precision, shift;
+};
+
+Surplus surplus_of(const Eigen::MatrixXd& precision, const Vector& mean,
+                   const Eigen::MatrixXd& other_precision, const Vector& other_mean) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(precision - other_precision);
+  const Vector known = (eigen.eigenvalues().array() > 0.0).cast<double>();
+  const Vector shift =
+      eigen.eigenvectors().transpose() * (precision * mean - other_precision * other_mean);
+  return {eigen.eigenvectors(), known.cwiseProduct(eigen.eigenvalues()), known.cwiseProduct(shift)};
+}
+
+double log_det(const Eigen::LLT<Eigen::MatrixXd>& factor) {
+  return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+}
+
+}  // namespace
+
+GaussianMixture corrected_for_proposal(const GaussianMixture& mixture,
+                                       const GaussianMixture& proposal) {
+  const Eigen::MatrixXd other = proposal.precision(0);
+  const Vector& other_mean = proposal.means.front();
+  GaussianMixture result = mixture;
+  for (Index k = 0; k < mixture.num_components(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (mixture.log_weights(k) < std::log(kLeastDividedWeight)) {
+      result.log_weights(k) = -std::numeric_limits<double>::infinity();
+      continue;
+    }
+    const Surplus surplus = surplus_of(mixture.precision(k), mixture.means[i], other, other_mean);
+    const auto sum_with = [&](const Eigen::MatrixXd& precision) -> Eigen::MatrixXd {
+      return precision + surplus.axes * surplus.precision.asDiagonal() * surplus.axes.transpose();
+    };
+    const Vector shift = surplus.axes * surplus.shift;
+    // The component, nowhere wider than the proposal, and what is left of it after the division.
+    const Eigen::LLT<Eigen::MatrixXd> whole(sum_with(other));
+    const Vector whole_shift = other * other_mean + shift;
+    const Eigen::LLT<Eigen::MatrixXd> left(
+        sum_with(Eigen::MatrixXd::Identity(mixture.dimension(), mixture.dimension())));
+    result.means[i] = left.solve(shift);
+    result.precision_factors[i] = left.matrixU();
+    // log of the integral of N(whole) N(0, I) / N(m, S), but for what all components share.
+    result.log_weights(k) +=
+        0.5 * (log_det(whole) - log_det(left) - whole_shift.dot(whole.solve(whole_shift)) +
+               shift.dot(result.means[i]));
+  }
+  result.log_weights.array() -= log_sum_exp(result.log_weights);
+  return result;
 }
 
 double log_sum_exp(const Vector& values) {

@@ -29,6 +29,21 @@ struct GaussianMixture {
 /// correction below well defined: precision_k + precision_j - I stays positive definite.
 GaussianMixture narrower_than_prior(const GaussianMixture& mixture);
 
+/// The posterior mixture q(u) N(u; 0, I) / p~(u), where `mixture` q is the posterior of simulations
+/// that were drawn from the Gaussian `proposal` p~ (one component) instead of the prior N(0, I)
+/// (Papamakarios and Murray 2016, eqs. 10-13). Per component, with precisions P_k and S and means
+/// m_k and m,
+///   Lambda = P_k - S,   eta = P_k m_k - S m,   P'_k = I + Lambda,   m'_k = P'_k^-1 eta.
+/// Lambda is what the data say, so it has no negative eigenvalues; an estimate may have some, and
+/// then no Gaussian is left (their paper stops there). Along such directions the data are taken to
+/// say nothing: eigenvalue and eta become 0, q_k is as wide as p~, the prior remains. Weights are
+/// those of what q_k is then: proportional to w_k times the integral of q_k N(0, I) / p~.
+/// Components that say next to nothing of q are left out: in the tails of p~ its quotient could
+/// make everything of them. Weights sum to 1 and one of K is at least 1 / K, so some are left.
+inline constexpr double kLeastDividedWeight = 1e-4;  ///< of the components that count
+GaussianMixture corrected_for_proposal(const GaussianMixture& mixture,
+                                       const GaussianMixture& proposal);
+
 /// log sum_i exp(values_i) without overflow.
 double log_sum_exp(const Vector& values);
 

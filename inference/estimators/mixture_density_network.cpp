@@ -73,6 +73,30 @@ void MixtureDensityNetwork<S>::initialise(Parameters<S>& parameters, Stream& str
 }
 
 template <typename S>
+void MixtureDensityNetwork<S>::grow(const MixtureDensityNetwork& single,
+                                    const Parameters<S>& single_parameters, double perturbation,
+                                    Parameters<S>& parameters, Stream& stream) const {
+  // An embedding's layer and the trunk have the same place in both.
+  const Index before_head = weights_.back().offset;
+  parameters.head(before_head) = single_parameters.head(before_head);
+  const auto from_weight = view(single_parameters, single.weights_.back());
+  const auto from_bias = view(single_parameters, single.biases_.back());
+  auto weight = view(parameters, weights_.back());
+  auto bias = view(parameters, biases_.back());
+  for (Index column = 0; column < weight.cols(); ++column) {
+    const Index quantity = column / components_;
+    const bool is_weight = quantity == 0;  // all components begin with the same
+    const auto disturbed = [&](S value) {
+      return is_weight ? S(0) : value + static_cast<S>(perturbation * stream.normal());
+    };
+    for (Index i = 0; i < weight.rows(); ++i) {
+      weight(i, column) = disturbed(from_weight(i, quantity));
+    }
+    bias(0, column) = disturbed(from_bias(0, quantity));
+  }
+}
+
+template <typename S>
 std::unique_ptr<EstimatorScratch> MixtureDensityNetwork<S>::make_scratch() const {
   auto scratch = std::make_unique<MixtureScratch<S>>();
   scratch->hidden.resize(weights_.size() - 1);

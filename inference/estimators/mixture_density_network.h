@@ -48,6 +48,12 @@ class MixtureDensityNetwork : public DensityEstimator<S> {
   RowMatrixX<S> sample(const Parameters<S>& parameters, const RowMatrixX<S>& context, Index count,
                        const StreamId& id) const override;
 
+  /// `parameters` become those of `single`, a network of one component, copied for every component:
+  /// all that comes before the head as it is, the head's columns disturbed so that components can
+  /// become different (component_growth.h).
+  void grow(const MixtureDensityNetwork& single, const Parameters<S>& single_parameters,
+            double perturbation, Parameters<S>& parameters, Stream& stream) const;
+
   /// Fills scratch.heads with the mixtures of all contexts.
   void forward_heads(const Parameters<S>& parameters, const RowMatrixX<S>& context,
                      MixtureScratch<S>& scratch) const;

@@ -40,17 +40,17 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
       simulator.store_every);
 }
 
-inference::DirectPosterior load(const PosteriorArguments& arguments) {
-  inference::DirectPosterior posterior = read_posterior(arguments.posterior);
+std::unique_ptr<inference::NetworkPosterior> load(const PosteriorArguments& arguments) {
+  auto posterior = read_posterior(arguments.posterior);
   if (arguments.recording.empty()) return posterior;
-  return posterior.given(embed_recording(arguments.posterior, arguments.recording));
+  return posterior->given(embed_recording(arguments.posterior, arguments.recording));
 }
 
 void print_samples(const PosteriorArguments& arguments) {
-  const inference::DirectPosterior posterior = load(arguments);
-  const RowMatrix theta = posterior.sample(arguments.count, {arguments.seed, "sample", 0, 0, 0});
+  const auto posterior = load(arguments);
+  const RowMatrix theta = posterior->sample(arguments.count, {arguments.seed, "sample", 0, 0, 0});
   std::vector<std::string> header;
-  for (const auto& m : posterior.prior().marginals()) {
+  for (const auto& m : posterior->prior().marginals()) {
     header.push_back(fmt::format("{} [{}]", m.name, m.unit));
   }
   fmt::print("{}\n", fmt::join(header, ","));
@@ -71,8 +71,8 @@ RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
 }
 
 void print_log_prob(const PosteriorArguments& arguments) {
-  const inference::DirectPosterior posterior = load(arguments);
-  const Vector log_prob = posterior.log_prob(read_theta(arguments.theta, posterior.prior()));
+  const auto posterior = load(arguments);
+  const Vector log_prob = posterior->log_prob(read_theta(arguments.theta, posterior->prior()));
   fmt::print("log_prob\n");
   for (const double value : log_prob) fmt::print("{:.17g}\n", value);
 }

@@ -76,6 +76,7 @@ struct MethodConfig {
   inference::EmbeddingConfig embedding;
   inference::EstimatorConfig density_estimator;
   inference::TrainingConfig training;
+  inference::SamplerConfig sampler;
   std::map<std::string, PublishedFigure> published;  ///< by metric
 };
 

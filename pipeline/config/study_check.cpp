@@ -60,6 +60,7 @@ class StudyChecker {
   void check_embedding(const std::string& path, const inference::EmbeddingConfig& embedding);
   void check_training(const std::string& path, const MethodConfig& method);
   void check_split(const std::string& path, const MethodConfig& method);
+  void check_estimator(const std::string& path, MethodConfig& method);
   void check_loss(const std::string& path, const MethodConfig& method);
   void check_unused_settings();
   void check_references();
@@ -238,7 +239,7 @@ void StudyChecker::check_method_names() {
 }
 
 void StudyChecker::check_method(std::size_t i) {
-  const MethodConfig& method = study_.methods[i];
+  MethodConfig& method = study_.methods[i];
   const std::string path = fmt::format("method[{}]", i);
   const Index available = study_.target.num_rollouts;
   if (available > 0 && method.num_rollouts > available) {
@@ -247,6 +248,7 @@ void StudyChecker::check_method(std::size_t i) {
   }
   check_embedding(path + ".embedding", method.embedding);
   check_training(path, method);
+  check_estimator(path, method);
   check_loss(path, method);
   const std::vector<std::string> metrics = metric_names();
   for (const auto& [metric, figure] : method.published) {
@@ -311,20 +313,43 @@ void StudyChecker::check_split(const std::string& path, const MethodConfig& meth
                    fewest, rows));
 }
 
+void StudyChecker::check_estimator(const std::string& path, MethodConfig& method) {
+  const std::string kind_path = path + ".density_estimator.kind";
+  if (!reading_.good(path + ".algorithm") || !reading_.good(kind_path)) return;
+  const std::string& algorithm = method.algorithm.name;
+  const auto allowed = inference::estimators_of_algorithm(algorithm);
+  if (!reading_.has(kind_path)) method.density_estimator.kind = allowed.front();
+  const std::string& kind = method.density_estimator.kind;
+  if (std::ranges::count(allowed, kind) == 0) {
+    fail(kind_path, quoted(kind),
+         fmt::format("one of {} with algorithm '{}'", join(allowed), algorithm));
+  }
+  const bool trains_layer = method.embedding.kind == "linear";
+  if (trains_layer &&
+      inference::role_of_algorithm(algorithm) != inference::NetworkRole::posterior) {
+    fail(path + ".embedding.kind", "'linear'",
+         fmt::format("another with algorithm '{}', which can't train one: such as 'all_steps' with "
+                     "principal_components",
+                     algorithm));
+  }
+}
+
 void StudyChecker::check_loss(const std::string& path, const MethodConfig& method) {
   const inference::AlgorithmConfig& algorithm = method.algorithm;
   if (!reading_.good(path + ".algorithm") || !reading_.good(path + ".loss")) return;
   const std::string& kind = method.density_estimator.kind;
   if (!reading_.good(path + ".density_estimator.kind")) return;
-  if (algorithm.loss == "analytic" && kind != "mdn") {
+  if (algorithm.name == "npe_c" && algorithm.loss == "analytic" && kind != "mdn") {
     fail(path + ".loss", "'analytic'",
          "'auto' or 'atomic' with density_estimator.kind = '" + kind + "': only 'mdn' has one");
     return;
   }
-  if (inference::resolve_loss(algorithm, method.density_estimator) != "atomic") return;
+  const bool is_atomic = algorithm.name == "nre_b" ||
+                         (algorithm.name == "npe_c" &&
+                          inference::resolve_loss(algorithm, method.density_estimator) == "atomic");
   const bool readable =
       reading_.good(path + ".num_atoms") && reading_.good(path + ".training.batch_size");
-  if (algorithm.name == "npe_c" && readable && algorithm.num_atoms > method.training.batch_size) {
+  if (is_atomic && readable && algorithm.num_atoms > method.training.batch_size) {
     fail(path + ".num_atoms", std::to_string(algorithm.num_atoms),
          fmt::format("<= training.batch_size = {}", method.training.batch_size));
   }

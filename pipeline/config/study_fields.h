@@ -78,15 +78,15 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
 template <class Fields>
 void describe(Fields& f, inference::EstimatorConfig& c) {
   f("kind", c.kind, estimator_constraint(),
-    "masked autoregressive flow, mixture of Gaussians, or neural spline flow");
+    "masked autoregressive flow, mixture of Gaussians, neural spline flow, residual network");
   f("num_transforms", c.num_transforms, between(1, kMaxLayers),
-    "autoregressive transforms (not of \"mdn\")");
+    "autoregressive transforms (\"maf\" and \"nsf\" only)");
   f("num_bins", c.num_bins, between(2, 100), "bins of each spline (\"nsf\" only)");
   f("num_components", c.num_components, between(1, kMaxLayers),
     "Gaussians in the mixture (\"mdn\" only)");
   f("hidden_features", c.hidden_features, between(1, kMaxWidth), "width of each hidden layer");
   f("num_hidden_layers", c.num_hidden_layers, between(1, kMaxLayers),
-    "hidden layers (per transform)");
+    "hidden layers (per transform), or residual blocks");
 }
 
 template <class Fields>
@@ -104,12 +104,26 @@ void describe(Fields& f, inference::TrainingConfig& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, inference::SamplerConfig& c) {
+  f("kind", c.kind, one_of(inference::sampler_names()),
+    "Markov chains, or resampled draws of the prior");
+  f("num_chains", c.num_chains, between(1, 100'000), "chains side by side (\"slice\" only)");
+  f("num_warmup", c.num_warmup, between(0, 1'000'000),
+    "sweeps that each chain makes first (\"slice\" only)");
+  f("thin", c.thin, between(1, 100'000), "sweeps between two samples of a chain (\"slice\" only)");
+  f("num_candidates", c.num_candidates, between(1, 10'000'000),
+    "draws of the prior that chains begin from, or that are resampled");
+}
+
+template <class Fields>
 void describe(Fields& f, inference::AlgorithmConfig& c) {
   f("algorithm", c.name, algorithm_constraint(), "inference algorithm");
   f("num_rounds", c.num_rounds, count_from(1), "rounds of proposing, simulating and training");
   f("num_simulations", c.num_simulations, count_from(1), "simulations per round");
   f("num_atoms", c.num_atoms, count_from(2),
-    "parameter sets that the atomic loss compares per simulation, the true one included");
+    "parameter sets that the atomic loss and \"nre_b\" compare per simulation, its own included");
+  f("component_perturbation", c.component_perturbation, not_negative(),
+    "\"npe_a\": noise on the weights of the Gaussians that the last round makes of one");
   f("loss", c.loss, one_of({"auto", "atomic", "analytic"}),
     "loss of later rounds; \"analytic\" needs a mixture of Gaussians");
   f("combined_loss", c.combined_loss, anything<bool>(),
@@ -132,6 +146,8 @@ void describe(Fields& f, MethodConfig& c) {
   f.table("density_estimator", "the network that learns the posterior",
           [&](auto& t) { describe(t, c.density_estimator); });
   f.table("training", "how the network is trained", [&](auto& t) { describe(t, c.training); });
+  f.table("sampler", "how posteriors of a learnt likelihood or ratio are sampled",
+          [&](auto& t) { describe(t, c.sampler); });
   f("published", c.published, anything<std::map<std::string, PublishedFigure>>(),
     "figures to print beside ours: { rmse = { mean = 0.263, std = 0.004 } }");
 }

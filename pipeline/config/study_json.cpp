@@ -46,6 +46,7 @@ template Json to_json(const inference::EmbeddingConfig&);
 template Json to_json(const inference::EstimatorConfig&);
 template Json to_json(const inference::TrainingConfig&);
 template Json to_json(const inference::AlgorithmConfig&);
+template Json to_json(const inference::SamplerConfig&);
 template Json to_json(const TargetConfig&);
 template Json to_json(const ObservationNoise&);
 template Json to_json(const MethodConfig&);
@@ -57,5 +58,6 @@ template inference::EmbeddingConfig from_json(const Json&, const std::string&);
 template inference::EstimatorConfig from_json(const Json&, const std::string&);
 template inference::TrainingConfig from_json(const Json&, const std::string&);
 template inference::AlgorithmConfig from_json(const Json&, const std::string&);
+template inference::SamplerConfig from_json(const Json&, const std::string&);
 
 }  // namespace npdr::pipeline

@@ -71,6 +71,7 @@ num_rounds = 2                  # rounds of proposing, simulating and training
 num_simulations = 500           # per round
 # num_atoms = 10                # parameter sets that the atomic loss compares per simulation
 # loss = "auto"                 # or "atomic", "analytic" (mixtures of Gaussians only)
+# component_perturbation = 0.01 # "npe_a": noise on the Gaussians that its last round makes of one
 # combined_loss = false         # atomic loss: also fit the simulations of the prior
 # num_rollouts = 0              # use the first k rollouts of the target only; 0: all
 # published = { rmse = { mean = 0.263, std = 0.004 } }  # somebody's figures to print beside ours
@@ -84,9 +85,9 @@ kind = "bayessim"
 
 [method.density_estimator]      # the network that learns the posterior
 kind = "maf"                    # masked autoregressive flow; "mdn": mixture of Gaussians; "nsf": splines
-num_transforms = 2              # autoregressive transforms (not of "mdn")
+num_transforms = 2              # autoregressive transforms ("maf" and "nsf" only)
 hidden_features = 20            # width of each hidden layer
-# num_hidden_layers = 2
+# num_hidden_layers = 2         # per transform; residual blocks of "resnet"
 # num_bins = 8                  # bins of each spline ("nsf" only)
 # num_components = 10           # Gaussians in the mixture ("mdn" only)
 
@@ -98,6 +99,13 @@ learning_rate = 5e-4            # step size of Adam
 # max_epochs = 5000
 # clip_norm = 5.0               # largest norm of a gradient
 # average_epochs = 2.0          # memory of the moving average of the weights; 0: none
+
+[method.sampler]                # of "nle", "nre_a" and "nre_b", whose posteriors have to be sampled
+# kind = "slice"                # Markov chains, or "importance": resampled draws of the prior
+# num_chains = 200              # side by side
+# num_warmup = 100              # sweeps that each chain makes first
+# thin = 2                      # sweeps between two samples of a chain
+# num_candidates = 10000        # draws of the prior that chains begin from, or that are resampled
 
 [[method]]
 name = "NPDR (MoG)"

@@ -197,6 +197,8 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   json["observation_noise"] = to_json(plan_.study.observation_noise);
   json["seed"] = use.seed;
   json["round"] = use.round;
+  // Its last round has another network.
+  if (method.algorithm.name == "npe_a") json["is_last"] = use.round == method.algorithm.num_rounds;
   Inputs inputs = {{"target", target}};
   for (std::size_t r = 0; r < simulations.size(); ++r) {
     inputs.emplace_back("simulation_" + std::to_string(r + 1), simulations[r]);

@@ -11,10 +11,10 @@ inline const Schema kProposalSchema{"proposal", 1, "propose"};
 /// Shards lie in a folder with the key of their simulation: raise both versions together.
 inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
-inline const Schema kPosteriorSchema{"posterior", 2, "infer"};
-inline const Schema kCheckpointSchema{"training_checkpoint", 2, "infer"};
+inline const Schema kPosteriorSchema{"posterior", 3, "infer"};
+inline const Schema kCheckpointSchema{"training_checkpoint", 3, "infer"};
 inline const Schema kBaselineSchema{"baseline", 3, "baseline"};
-inline const Schema kEvaluationSchema{"evaluation", 2, "evaluate"};
+inline const Schema kEvaluationSchema{"evaluation", 3, "evaluate"};
 inline const Schema kReportSchema{"report", 1, "report"};
 
 }  // namespace npdr::pipeline

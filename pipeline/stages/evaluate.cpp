@@ -11,26 +11,27 @@ void run_evaluate(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kEvaluationSchema, node.identity);
   const Use& use = node.uses.front();
   const auto round = static_cast<std::uint64_t>(use.round);
-  const inference::DirectPosterior posterior =
-      read_posterior(*plan.inputs(node, Stage::infer).front());
+  const auto posterior = read_posterior(*plan.inputs(node, Stage::infer).front());
   const Judge judge(plan, node);
   const Predictor& predictor = judge.seen();
   const auto log_prob_of = [&](const Vector& complete) {
-    return posterior.log_prob(predictor.pick(complete).transpose())(0);
+    return posterior->log_prob(predictor.pick(complete).transpose())(0);
   };
 
   Evaluation evaluation;
-  evaluation.theta =
-      posterior.sample(plan.study.evaluate.num_samples, {use.seed, "posterior", round, 0, 0});
-  evaluation.log_prob = posterior.log_prob(evaluation.theta);
+  inference::Samples samples =
+      posterior->draw(plan.study.evaluate.num_samples, {use.seed, "posterior", round, 0, 0});
+  evaluation.theta = std::move(samples.theta);
+  evaluation.sampler = std::move(samples.report);
+  evaluation.log_prob = posterior->log_prob(evaluation.theta);
   const RowMatrix complete = predictor.complete(evaluation.theta);
   const sim::Trajectories trajectories = predictor.simulate(complete);
   evaluation.metrics = judge.measure(complete, trajectories);
   evaluation.bands = analysis::quantile_bands(view_of(trajectories));
 
-  evaluation.map_theta = posterior.map({use.seed, "map", round, 0, 0});
+  evaluation.map_theta = posterior->map({use.seed, "map", round, 0, 0});
   const RowMatrix map_row = evaluation.map_theta.transpose();
-  evaluation.map_log_prob = posterior.log_prob(map_row)(0);
+  evaluation.map_log_prob = posterior->log_prob(map_row)(0);
   evaluation.map_metrics = judge.measure_one(predictor.complete(map_row).transpose());
 
   evaluation.nominal_log_prob = log_prob_of(predictor.nominal());

@@ -49,6 +49,21 @@ void read_references(const h5::Group& group, Evaluation& evaluation) {
   for (const std::string& name : names) evaluation.reference_log_prob[name] = log_prob(i++);
 }
 
+void write_sampler(h5::File& file, const inference::SamplerReport& report) {
+  h5::Group group = file.create_group("sampler");
+  if (report.r_hat.size() > 0) group.write("r_hat", report.r_hat).label_dimensions({"parameter"});
+  group.write("ess", report.ess);
+  group.set_attribute("num_evaluations", report.num_evaluations);
+}
+
+inference::SamplerReport read_sampler(const h5::Group& group) {
+  inference::SamplerReport report;
+  if (group.has("r_hat")) report.r_hat = group.read_vector<double>("r_hat");
+  report.ess = group.read_vector<double>("ess");
+  report.num_evaluations = group.attribute<Index>("num_evaluations");
+  return report;
+}
+
 }  // namespace
 
 void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evaluation) {
@@ -60,6 +75,7 @@ void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evalua
   file.write_scalar("nominal_log_prob", evaluation.nominal_log_prob);
   if (evaluation.truth_log_prob) file.write_scalar("truth_log_prob", *evaluation.truth_log_prob);
   if (!evaluation.reference_log_prob.empty()) write_references(file, evaluation);
+  if (evaluation.sampler) write_sampler(file, *evaluation.sampler);
   h5::Group map = file.create_group("map");
   map.write("theta", evaluation.map_theta).label_dimensions({"parameter"});
   map.write_scalar("log_prob", evaluation.map_log_prob);
@@ -85,6 +101,7 @@ Evaluation read_evaluation(const Node& node) {
   const h5::Group map = file.group("map");
   evaluation.map_theta = map.read_vector<double>("theta", evaluation.theta.cols());
   evaluation.map_log_prob = map.read_scalar<double>("log_prob");
+  if (file.has("sampler")) evaluation.sampler = read_sampler(file.group("sampler"));
   if (file.has("reference")) read_references(file.group("reference"), evaluation);
   for (const std::string& metric : all_measured_names()) {
     if (!file.has(metric)) continue;

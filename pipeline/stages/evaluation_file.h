@@ -7,6 +7,8 @@
 ///   map/theta (D), map/log_prob and one number per metric: the most likely parameters
 ///   nominal_log_prob, and truth_log_prob for a simulated target
 ///   reference/name (k) and reference/log_prob (k) of the study's references, where it has any
+///   sampler/r_hat (D), sampler/ess (D, or 1 of importance weights), attribute num_evaluations:
+///   of posteriors that have to be sampled
 ///   bands/lower, bands/median, bands/upper (H, T, C) float32: 5, 50, 95 % of the rollouts
 #pragma once
 
@@ -15,6 +17,7 @@
 #include <string>
 
 #include "analysis/quantiles.h"
+#include "inference/posterior.h"
 #include "pipeline/plan/plan.h"
 
 namespace npdr::pipeline {
@@ -29,6 +32,7 @@ struct Evaluation {
   double nominal_log_prob = 0.0;
   std::optional<double> truth_log_prob;
   std::map<std::string, double> reference_log_prob;
+  std::optional<inference::SamplerReport> sampler;
   analysis::Bands bands;
 };
 

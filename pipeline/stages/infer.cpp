@@ -25,18 +25,6 @@ double seconds_between(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double>(end - begin).count();
 }
 
-// The mixtures that rounds 2, 3, ... were drawn from, when the loss corrects for them.
-std::vector<inference::GaussianMixture> read_proposals(
-    const inference::PosteriorEstimationConfig& config,
-    const std::vector<const Node*>& posteriors) {
-  std::vector<inference::GaussianMixture> proposals;
-  if (inference::resolve_loss(config.algorithm, config.estimator) != "analytic") return proposals;
-  for (const Node* node : posteriors) {
-    proposals.push_back(inference::proposal_mixture(read_posterior(*node)));
-  }
-  return proposals;
-}
-
 // Shapes that don't go together are a bug, unless they come from a checkpoint.
 template <class Work>
 auto blaming_checkpoint(const Plan& plan, const Node& node, const Work& work) {
@@ -99,17 +87,16 @@ void run_infer(const Plan& plan, const Node& node) {
   const SimulationFeatures features(plan, node, target, *embedding);
   const inference::Prior prior(plan.study.prior);
   const auto config = estimation_config(method);
-  const auto posteriors = plan.inputs(node, Stage::infer);
 
   inference::RoundData data;
   data.prior = &prior;
   data.x = &features;
   data.theta = features.theta();
   data.round = features.rounds();
-  data.proposals = read_proposals(config, posteriors);
   data.x_o = observation(plan, target, *embedding);
-  std::optional<inference::DirectPosterior> previous;
-  if (!posteriors.empty()) previous = read_posterior(*posteriors.back());
+  for (const Node* posterior : plan.inputs(node, Stage::infer)) {
+    data.posteriors.push_back(read_posterior(*posterior));
+  }
 
   Checkpoint checkpoint = read_checkpoint(plan, node);
   writer.add_wall_seconds(checkpoint.seconds);
@@ -117,8 +104,7 @@ void run_infer(const Plan& plan, const Node& node) {
   EpochReport report(plan, node, start, checkpoint.seconds);
   const auto posterior = blaming_checkpoint(plan, node, [&] {
     return inference::estimate_posterior(
-        config, data, previous ? &*previous : nullptr,
-        {use.seed, "training", static_cast<std::uint64_t>(use.round), 0, 0}, state,
+        config, data, {use.seed, "training", static_cast<std::uint64_t>(use.round), 0, 0}, state,
         std::ref(report));
   });
   if (!posterior) throw Checkpointed(node.label() + ": stopped on request, checkpoint written");

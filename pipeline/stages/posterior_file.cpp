@@ -54,6 +54,24 @@ void write_observation(h5::File& file, const VectorF& x, const Target& target) {
   write_channels(x_o, "action", target.action_channels);
 }
 
+void write_proposal(h5::File& file, const inference::GaussianMixture& proposal) {
+  h5::Group group = file.create_group("proposal");
+  group.write("mean", proposal.means.front()).label_dimensions({"parameter"});
+  const RowMatrix factor = proposal.precision_factors.front();
+  group.write("precision_factor", factor).label_dimensions({"parameter", "parameter"});
+}
+
+inference::GaussianMixture read_proposal(const h5::Group& group, const inference::Prior& prior) {
+  const Index d = prior.dimension();
+  const Vector mean = group.read_vector<double>("mean", d, h5::Values::finite);
+  const RowMatrix factor = group.read_matrix<double>("precision_factor", d, d, h5::Values::finite);
+  if (!(factor.diagonal().minCoeff() > 0.0)) {
+    throw InputError(group.where() +
+                     ": precision_factor must have a positive diagonal; rerun stage 'infer'");
+  }
+  return {Vector::Zero(1), {mean}, {factor.triangularView<Eigen::Upper>()}};
+}
+
 template <class Config>
 Config read_config(const h5::File& file, const std::string& name) {
   const std::string where = file.where() + ": attribute '" + name + "'";
@@ -80,12 +98,14 @@ Index read_trained_features(const h5::File& file) {
 
 // A network is made before its weights can be counted exactly. The large matrices of its estimator
 // alone tell a file that asks for much more than it holds.
-void require_enough_weights(const std::string& where,
-                            const inference::DirectPosteriorParts& parts) {
+void require_enough_weights(const std::string& where, const inference::NetworkParts& parts) {
   const inference::EstimatorConfig& c = parts.estimator;
-  const Index transforms = c.kind == "maf" ? c.num_transforms : 1;
-  const Index least = transforms * c.hidden_features *
-                      ((c.num_hidden_layers - 1) * c.hidden_features + parts.prior.dimension());
+  const bool is_flow = c.kind == "maf" || c.kind == "nsf";
+  const bool is_likelihood = parts.role == inference::NetworkRole::likelihood;
+  const Index width = is_likelihood ? parts.transform.num_outputs() : parts.prior.dimension();
+  const Index layers = c.kind == "resnet" ? 2 * c.num_hidden_layers : c.num_hidden_layers - 1;
+  const Index least =
+      (is_flow ? c.num_transforms : 1) * c.hidden_features * (layers * c.hidden_features + width);
   if (parts.parameters.size() >= least) return;
   throw InputError(
       fmt::format("{}: {} weights, but its density_estimator has more than {}; rerun "
@@ -100,14 +120,18 @@ inference::PosteriorEstimationConfig estimation_config(const MethodConfig& metho
   return {.algorithm = method.algorithm,
           .estimator = method.density_estimator,
           .training = method.training,
+          .sampler = method.sampler,
           .principal_components = method.embedding.principal_components,
           .trained_features = is_linear ? method.embedding.features : 0};
 }
 
 void write_posterior(h5::File& file, const MethodConfig& method,
-                     const inference::DirectPosterior& posterior, const Target& target,
+                     const inference::NetworkPosterior& posterior, const Target& target,
                      const inference::TrainingState& training, const RowCounts& rows) {
-  const inference::DirectPosteriorParts& parts = posterior.parts();
+  const inference::NetworkParts& parts = posterior.parts();
+  file.set_attribute("network_role", inference::to_string(parts.role));
+  file.set_attribute("sampler", to_json(parts.sampler).dump());
+  if (parts.proposal) write_proposal(file, *parts.proposal);
   file.set_attribute("prior", to_json(parts.prior.marginals()).dump());
   file.set_attribute("density_estimator", to_json(parts.estimator).dump());
   file.set_attribute("embedding", to_json(method.embedding).dump());
@@ -130,13 +154,14 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   curves.write("validation_loss", to_vector(training.validation_loss)).label_dimensions({"epoch"});
 }
 
-inference::DirectPosterior read_posterior(const std::filesystem::path& path,
-                                          const std::string& key) {
+std::unique_ptr<inference::NetworkPosterior> read_posterior(const std::filesystem::path& path,
+                                                            const std::string& key) {
   const h5::File file = open_artefact(path, kPosteriorSchema, key);
   const std::string prior = file.attribute<std::string>("prior");
   const h5::Group transform = file.group("transform");
-  inference::DirectPosteriorParts parts{
+  inference::NetworkParts parts{
       .prior = inference::Prior(prior_from_json(parse_json(prior, file.where()), file.where())),
+      .role = inference::network_role(file.attribute<std::string>("network_role")),
       .estimator = read_config<inference::EstimatorConfig>(file, "density_estimator"),
       .trained_features = read_trained_features(file),
       .structure_seed = read_structure_seed(file),
@@ -150,15 +175,17 @@ inference::DirectPosterior read_posterior(const std::filesystem::path& path,
   if (transform.has("basis")) {
     parts.transform.basis = transform.read_matrix<float>("basis", features, -1, h5::Values::finite);
   }
+  parts.sampler = read_config<inference::SamplerConfig>(file, "sampler");
+  if (file.has("proposal")) parts.proposal = read_proposal(file.group("proposal"), parts.prior);
   require_enough_weights(path.string(), parts);
   try {
-    return inference::DirectPosterior(std::move(parts));
+    return inference::make_posterior(std::move(parts));
   } catch (const ShapeError& error) {
     throw InputError(path.string() + ": " + error.what() + "; rerun stage 'infer'");
   }
 }
 
-inference::DirectPosterior read_posterior(const Node& node) {
+std::unique_ptr<inference::NetworkPosterior> read_posterior(const Node& node) {
   return read_posterior(node.path, node.key);
 }
 

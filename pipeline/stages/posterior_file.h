@@ -6,8 +6,10 @@
 ///                                  observed: dt, num_rollouts, num_steps, state_labels,
 ///                                  state_units, action_labels, action_units
 ///   training/training_loss, training/validation_loss (epochs)
-///   attributes: prior, density_estimator, embedding (JSON), trained_features, structure_seed,
-///   num_simulations, num_failed
+///   proposal/mean (D), proposal/precision_factor (D, D): NPE-A's, where the network's answer must
+///   be divided by it
+///   attributes: network_role, sampler (JSON), prior, density_estimator, embedding (JSON),
+///   trained_features, structure_seed, num_simulations, num_failed
 #pragma once
 
 #include "inference/algorithms/posterior_estimation.h"
@@ -28,13 +30,13 @@ struct RowCounts {
 
 /// `target`: the rollouts that x_o was made of.
 void write_posterior(h5::File& file, const MethodConfig& method,
-                     const inference::DirectPosterior& posterior, const Target& target,
+                     const inference::NetworkPosterior& posterior, const Target& target,
                      const inference::TrainingState& training, const RowCounts& rows);
 
 /// Reads the posterior of a file, whatever study made it. Throws InputError.
-inference::DirectPosterior read_posterior(const std::filesystem::path& path,
-                                          const std::string& key = "");
-inference::DirectPosterior read_posterior(const Node& node);
+std::unique_ptr<inference::NetworkPosterior> read_posterior(const std::filesystem::path& path,
+                                                            const std::string& key = "");
+std::unique_ptr<inference::NetworkPosterior> read_posterior(const Node& node);
 
 /// The channels of the rollouts that x_o was made of.
 Channels observed_channels(const std::filesystem::path& posterior);

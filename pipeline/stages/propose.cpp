@@ -5,19 +5,6 @@
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
-namespace {
-
-RowMatrix sample_prior(const Study& study, Index n, std::uint64_t seed) {
-  const inference::Prior prior(study.prior);
-  RowMatrix theta(n, prior.dimension());
-  for (Index i = 0; i < n; ++i) {
-    Stream stream({seed, "prior", 1, static_cast<std::uint64_t>(i), 0});
-    theta.row(i) = prior.sample(stream).transpose();
-  }
-  return theta;
-}
-
-}  // namespace
 
 void run_propose(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kProposalSchema, node.identity);
@@ -26,10 +13,10 @@ void run_propose(const Plan& plan, const Node& node) {
   const auto posteriors = plan.inputs(node, Stage::infer);
   RowMatrix theta;
   if (posteriors.empty()) {
-    theta = sample_prior(plan.study, n, use.seed);
+    theta = inference::sample_prior(inference::Prior(plan.study.prior), n, use.seed);
   } else {
-    const inference::DirectPosterior posterior = read_posterior(*posteriors.front());
-    theta = inference::propose(estimation_config(plan.study.method(use.method)), posterior, n,
+    const auto posterior = read_posterior(*posteriors.front());
+    theta = inference::propose(estimation_config(plan.study.method(use.method)), *posterior, n,
                                {use.seed, "proposal", static_cast<std::uint64_t>(use.round), 0, 0});
   }
   write_theta(writer.file(), plan, theta);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "analysis/metrics.h"
@@ -124,6 +125,24 @@ Row seed_means_row(const ReportData& data, const std::string& metric) {
   return row;
 }
 
+bool any_was_sampled(const ReportData& data) {
+  return std::ranges::any_of(
+      data.runs, [](const EvaluatedRun& run) { return run.evaluation.sampler.has_value(); });
+}
+
+// The worst of all parameters; NaN, in which chains were too short to say, is worst.
+Cell worst(const Vector& values, double sign) {
+  if (values.size() == 0) return {};
+  if (values.hasNaN()) return std::numeric_limits<double>::quiet_NaN();
+  return sign * (sign * values).maxCoeff();
+}
+
+void add_sampler_cells(const EvaluatedRun& run, Row& row) {
+  const auto& sampler = run.evaluation.sampler;
+  row.cells.push_back(sampler ? worst(sampler->r_hat, 1.0) : Cell());
+  row.cells.push_back(sampler ? worst(sampler->ess, -1.0) : Cell());
+}
+
 std::string noise_text(const ObservationNoise& noise) {
   if (noise.scale == 0.0) return "Without observation noise.";
   return fmt::format("Observation noise {} of each channel's maximum, {}.", noise.scale,
@@ -192,6 +211,11 @@ Table seeds_table(const ReportData& data) {
   for (const char* title : {"simulations", "failed", "epochs"}) {
     table.columns.push_back({title, false});
   }
+  const bool has_sampler = any_was_sampled(data);
+  if (has_sampler) {
+    table.columns.push_back({"largest R-hat", false});
+    table.columns.push_back({"smallest ESS", false});
+  }
   for (const std::string& method : data.methods) {
     for (const EvaluatedRun* run : data.runs_of(method)) {
       Row row{fmt::format("{}, {}", method, run->use.seed), {}};
@@ -208,6 +232,7 @@ Table seeds_table(const ReportData& data) {
       row.cells.emplace_back(std::to_string(run->notes.rows.used + run->notes.rows.failed));
       row.cells.emplace_back(std::to_string(run->notes.rows.failed));
       row.cells.emplace_back(std::to_string(run->notes.training_loss.size()));
+      if (has_sampler) add_sampler_cells(*run, row);
       table.rows.push_back(std::move(row));
     }
   }

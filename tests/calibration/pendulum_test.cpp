@@ -84,7 +84,8 @@ class NoisyFeatures : public inference::FeatureSource {
   RowMatrixF picked_;
 };
 
-inference::DirectPosterior train(const PendulumTask& task, const std::string& estimator) {
+std::unique_ptr<inference::NetworkPosterior> train(const PendulumTask& task,
+                                                   const std::string& estimator) {
   constexpr Index num_simulations = 5'000;
   inference::PosteriorEstimationConfig config;
   config.algorithm.num_simulations = num_simulations;
@@ -101,13 +102,13 @@ inference::DirectPosterior train(const PendulumTask& task, const std::string& es
   data.round.assign(num_simulations, 1);
   data.x_o = inference::observed_features(*task.embedding, task.target, 1);
   inference::TrainingState state;
-  return *inference::estimate_posterior(config, data, nullptr, {1, "train", 1, 0, 0}, state,
-                                        [](const inference::TrainingState&) { return true; });
+  return inference::estimate_posterior(config, data, {1, "train", 1, 0, 0}, state,
+                                       [](const inference::TrainingState&) { return true; });
 }
 
 // Ranks of each parameter over fresh truths from the prior.
 std::vector<std::vector<Index>> rank_truths(const PendulumTask& task,
-                                            const inference::DirectPosterior& posterior) {
+                                            const inference::NetworkPosterior& posterior) {
   const RowMatrix truths = inference::sample_prior(task.prior, kNumTruths, 2);
   std::vector<std::uint32_t> all_rows(kNumTruths);
   std::iota(all_rows.begin(), all_rows.end(), 0u);
@@ -117,7 +118,7 @@ std::vector<std::vector<Index>> rank_truths(const PendulumTask& task,
   for (Index i = 0; i < kNumTruths; ++i) {
     const RowMatrix samples =
         posterior.given(x.row(i).transpose())
-            .sample(kNumSamples, {2, "posterior", static_cast<std::uint64_t>(i), 0, 0});
+            ->sample(kNumSamples, {2, "posterior", static_cast<std::uint64_t>(i), 0, 0});
     const std::vector<Index> ranks = analysis::ranks(samples, truths.row(i).transpose());
     for (std::size_t d = 0; d < all.size(); ++d) all[d].push_back(ranks[d]);
   }
@@ -130,7 +131,7 @@ class PendulumCalibration : public testing::TestWithParam<const char*> {};
 
 TEST_P(PendulumCalibration, RanksOfTheTruthAreUniform) {
   const PendulumTask task = make_task();
-  const auto ranks = rank_truths(task, train(task, GetParam()));
+  const auto ranks = rank_truths(task, *train(task, GetParam()));
   for (std::size_t d = 0; d < ranks.size(); ++d) {
     const analysis::UniformityTest test =
         analysis::test_uniform_ranks(ranks[d], kNumSamples, kNumBins);

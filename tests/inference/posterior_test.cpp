@@ -1,4 +1,4 @@
-#include "inference/posterior.h"
+#include "inference/direct_posterior.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>
@@ -10,14 +10,14 @@ namespace npdr::inference {
 namespace {
 
 DirectPosterior untrained(const char* kind) {
-  DirectPosteriorParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
-                                             {"b", "1", Marginal::Kind::uniform, 0.0, 0.5}}),
-                             .estimator = {},
-                             .trained_features = 3,
-                             .structure_seed = 5,
-                             .transform = {VectorF::Zero(4), VectorF::Ones(4), {}},
-                             .parameters = {},
-                             .x_o = VectorF::Constant(4, 0.3f)};
+  NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
+                                     {"b", "1", Marginal::Kind::uniform, 0.0, 0.5}}),
+                     .estimator = {},
+                     .trained_features = 3,
+                     .structure_seed = 5,
+                     .transform = {VectorF::Zero(4), VectorF::Ones(4), {}},
+                     .parameters = {},
+                     .x_o = VectorF::Constant(4, 0.3f)};
   parts.estimator.kind = kind;
   parts.estimator.num_transforms = 2;
   parts.estimator.num_components = 3;
@@ -81,7 +81,7 @@ TEST(DirectPosterior, MapIsAtLeastAsLikelyAsAnySample) {
 }
 
 TEST(DirectPosterior, RejectsPartsThatDontGoTogether) {
-  DirectPosteriorParts parts = untrained("maf").parts();
+  NetworkParts parts = untrained("maf").parts();
   parts.parameters.conservativeResize(parts.parameters.size() - 1);
   EXPECT_THROW(DirectPosterior{parts}, ShapeError);
 }

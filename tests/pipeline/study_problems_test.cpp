@@ -205,6 +205,21 @@ TEST(StudyProblems, OnlyTheAtomicLossHasAtoms) {
             "s.toml:23:13: method.num_atoms = 11, must be <= training.batch_size = 10");
 }
 
+TEST(StudyProblems, AlgorithmsHaveNetworksAndEmbeddingsThatSuitThem) {
+  EXPECT_EQ(
+      problems_after(kMaf, "algorithm = 'npe_a'\ndensity_estimator = { kind = 'maf' }"),
+      "s.toml:18:30: method.density_estimator.kind = 'maf', must be one of mdn with algorithm "
+      "'npe_a'");
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'nle'\nembedding = { kind = 'linear' }"),
+            "s.toml:18:22: method.embedding.kind = 'linear', must be another with algorithm 'nle', "
+            "which can't train one: such as 'all_steps' with principal_components");
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'nre_b'\nembedding = { kind = 'bayessim' }"), "");
+  EXPECT_EQ(problems_after(kMaf,
+                           "algorithm = 'nre_b'\nembedding = { kind = 'bayessim' }\n"
+                           "num_atoms = 51"),
+            "s.toml:19:13: method.num_atoms = 51, must be <= training.batch_size = 50");
+}
+
 TEST(StudyProblems, EmbeddingsFitTheRolloutsOfATruth) {
   EXPECT_EQ(problems_after(kMaf, "embedding = { downsample = 200 }"), "");
   EXPECT_EQ(problems_after(kMaf, "embedding = { downsample = 201 }"),
@@ -279,7 +294,7 @@ TEST(StudyProblems, OverridesThatCantBeReadSaySo) {
   EXPECT_EQ(problems_of(kStudyText, {"method.\"NPDR (MOG)\".num_rounds=2"}),
             "--set method.\"NPDR (MOG)\".num_rounds=2: unknown method or table of one 'NPDR (MOG)' "
             "(did you mean 'NPDR (MoG)'?); known: embedding, density_estimator, training, "
-            "published, NPDR (MAF), NPDR (MoG)");
+            "sampler, published, NPDR (MAF), NPDR (MoG)");
   EXPECT_EQ(problems_of(kStudyText, {"study.name.x=2"}),
             "--set study.name.x=2: 'name' isn't a table, so nothing can be set in it");
   EXPECT_EQ(problems_of(kStudyText, {"report.title="}),

@@ -113,7 +113,7 @@ TEST(StudyReader, ATruthOfTheCommandLineReplacesTheRecordingOfTheFile) {
 }
 
 TEST(StudyReader, ARecordingOfTheCommandLineTakesTheTruthsRolloutsAway) {
-  const std::filesystem::path recording = __FILE__;  // it only has to exist
+  const std::filesystem::path recording = NPDR_SOURCE_DIR "/CMakeLists.txt";  // has to exist
   const Study study =
       small_study({"target.num_rollouts=1", "target.recording=" + recording.string()});
   EXPECT_FALSE(study.target.truth);

@@ -1,0 +1,145 @@
+#include "inference/algorithms/round_task.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/error.h"
+#include "inference/algorithms/likelihood_objective.h"
+#include "inference/algorithms/ratio_objective.h"
+
+namespace npdr::inference {
+namespace {
+
+std::vector<std::uint32_t> all_rows(const RoundData& data) {
+  std::vector<std::uint32_t> rows(data.round.size());
+  std::iota(rows.begin(), rows.end(), 0u);
+  return rows;
+}
+
+std::vector<std::uint32_t> rows_of_last_round(const RoundData& data) {
+  const std::uint32_t last = *std::ranges::max_element(data.round);
+  std::vector<std::uint32_t> rows = all_rows(data);
+  std::erase_if(rows, [&](std::uint32_t row) { return data.round[row] != last; });
+  return rows;
+}
+
+// w = p(theta) / p~(theta), with p~ the mixture of all that the rounds were drawn from, in
+// proportion to their rows (Veach and Guibas 1995, the balance heuristic): bounded by N / N_1,
+// however far a proposal is from the prior.
+VectorF importance_weights(const RoundData& data) {
+  if (data.posteriors.empty()) return {};
+  const Vector log_prior = data.prior->log_prob(data.theta);
+  const auto share = [&](std::uint32_t round) {
+    return static_cast<double>(std::ranges::count(data.round, round)) /
+           static_cast<double>(data.round.size());
+  };
+  Vector proposal = Vector::Constant(log_prior.size(), share(1));  // over the prior's density
+  for (std::size_t r = 0; r < data.posteriors.size(); ++r) {
+    const Vector log_prob = data.posteriors[r]->log_prob(data.theta);
+    proposal +=
+        share(static_cast<std::uint32_t>(r + 2)) * (log_prob - log_prior).array().exp().matrix();
+  }
+  return proposal.cwiseInverse().cast<float>();
+}
+
+std::vector<GaussianMixture> proposal_mixtures(const RoundData& data) {
+  std::vector<GaussianMixture> mixtures;
+  for (const auto& posterior : data.posteriors) mixtures.push_back(proposal_mixture(*posterior));
+  return mixtures;
+}
+
+class PosteriorTask : public RoundTask {
+ public:
+  PosteriorTask(const PosteriorEstimationConfig& config, const RoundData& data,
+                const NetworkParts& parts, const StreamId& id)
+      : network_(make_network(parts.estimator, parts.transform.num_outputs(),
+                              parts.trained_features, parts.prior.dimension(),
+                              parts.structure_seed)),
+        data_{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round, {}} {
+    const std::string algorithm = canonical_algorithm(config.algorithm.name);
+    const auto likelihood = [&](std::vector<std::uint32_t> rows, VectorF weights) {
+      objective_ = std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::u_given_z,
+                                                         network_, parts.transform, data_,
+                                                         std::move(rows), std::move(weights));
+    };
+    if (algorithm == "npe_a") {
+      likelihood(rows_of_last_round(data), {});
+    } else if (algorithm == "npe_b") {
+      likelihood(all_rows(data), importance_weights(data));
+    } else {
+      if (resolve_loss(config.algorithm, config.estimator) == "analytic") {
+        data_.proposals = proposal_mixtures(data);
+      }
+      objective_ = std::make_unique<NpeC>(config.algorithm, network_, parts.transform, data_, id);
+    }
+  }
+  Objective& objective() override { return *objective_; }
+  Index num_parameters() const override { return network_.num_parameters(); }
+  Parameters<float> initial_parameters(const StreamId& id) const override {
+    return network_.initial_parameters(id);
+  }
+
+ private:
+  EmbeddedEstimator<float> network_;
+  TrainingData data_;
+  std::unique_ptr<Objective> objective_;
+};
+
+class LikelihoodTask : public RoundTask {
+ public:
+  LikelihoodTask(const RoundData& data, const NetworkParts& parts)
+      : network_(make_network(parts.estimator, parts.prior.dimension(), 0,
+                              parts.transform.num_outputs(), parts.structure_seed)),
+        data_{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round, {}},
+        objective_(LikelihoodObjective::Of::z_given_u, network_, parts.transform, data_,
+                   all_rows(data), {}) {}
+  Objective& objective() override { return objective_; }
+  Index num_parameters() const override { return network_.num_parameters(); }
+  Parameters<float> initial_parameters(const StreamId& id) const override {
+    return network_.initial_parameters(id);
+  }
+
+ private:
+  EmbeddedEstimator<float> network_;
+  TrainingData data_;
+  LikelihoodObjective objective_;
+};
+
+class RatioTask : public RoundTask {
+ public:
+  RatioTask(const PosteriorEstimationConfig& config, const RoundData& data,
+            const NetworkParts& parts, const StreamId& id)
+      : network_(parts.estimator, parts.prior.dimension(), parts.transform.num_outputs()),
+        data_{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round, {}},
+        objective_(canonical_algorithm(config.algorithm.name) == "nre_a",
+                   config.algorithm.num_atoms, network_, parts.transform, data_, id) {}
+  Objective& objective() override { return objective_; }
+  Index num_parameters() const override { return network_.num_parameters(); }
+  Parameters<float> initial_parameters(const StreamId& id) const override {
+    return network_.initial_parameters(id);
+  }
+
+ private:
+  RatioEstimator<float> network_;
+  TrainingData data_;
+  RatioObjective objective_;
+};
+
+}  // namespace
+
+std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
+                                           const RoundData& data, const NetworkParts& parts,
+                                           const StreamId& id) {
+  switch (parts.role) {
+    case NetworkRole::posterior:
+      return std::make_unique<PosteriorTask>(config, data, parts, id);
+    case NetworkRole::likelihood:
+      return std::make_unique<LikelihoodTask>(data, parts);
+    case NetworkRole::ratio:
+      break;
+  }
+  return std::make_unique<RatioTask>(config, data, parts, id);
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,26 @@
+/// What one round trains: a network, its first weights, and the objective that belongs to the
+/// algorithm. Private to inference/algorithms.
+#pragma once
+
+#include <memory>
+
+#include "inference/algorithms/posterior_estimation.h"
+
+namespace npdr::inference {
+
+class RoundTask {
+ public:
+  virtual ~RoundTask() = default;
+  virtual Objective& objective() = 0;
+  virtual Index num_parameters() const = 0;
+  /// Of a network that hasn't been trained in an earlier round.
+  virtual Parameters<float> initial_parameters(const StreamId& id) const = 0;
+};
+
+/// The task of the algorithm for `parts`, whose estimator and transform are set. Keeps references
+/// to its arguments.
+std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
+                                           const RoundData& data, const NetworkParts& parts,
+                                           const StreamId& id);
+
+}  // namespace npdr::inference

@@ -1,0 +1,38 @@
+/// A posterior that a density estimator gives directly (the NPE family):
+///   log p(theta | x_o) = log q(u(theta) | z_o) + log |du / dtheta|.
+/// With a proposal p~ in its parts (NPE-A), q stands for the proposal's posterior, and
+///   p(u | x_o) ~ q(u | z_o) N(u; 0, I) / p~(u),
+/// a mixture of Gaussians again (gaussian_mixture.h).
+#pragma once
+
+#include "inference/estimators/embedded_estimator.h"
+#include "inference/network_posterior.h"
+
+namespace npdr::inference {
+
+class DirectPosterior : public NetworkPosterior {
+ public:
+  /// Throws ShapeError when the parts don't go together.
+  explicit DirectPosterior(NetworkParts parts);
+
+  Samples draw(Index n, const StreamId& id) const override;
+  Vector log_prob(const RowMatrix& theta) const override;
+
+  /// The mixture at x_o in the space of u. Throws Error when the estimator is no mixture.
+  const GaussianMixture& mixture() const;
+
+ private:
+  GaussianMixture mixture_of_network() const;
+  Vector network_log_prob(const RowMatrixF& u) const;
+
+  std::shared_ptr<const EmbeddedEstimator<float>> network_;
+  RowMatrixF z_;                            ///< (1, F or k): x_o, transformed
+  std::optional<GaussianMixture> mixture_;  ///< of mixtures, already divided by the proposal
+};
+
+/// The network that a config and a structure seed stand for.
+EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index num_inputs,
+                                      Index trained_features, Index dimension,
+                                      std::uint64_t structure_seed);
+
+}  // namespace npdr::inference

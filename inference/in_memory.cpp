@@ -1,0 +1,53 @@
+#include "inference/in_memory.h"
+
+namespace npdr::inference {
+
+void MatrixSource::gather(std::span<const std::uint32_t> rows, std::uint64_t /*epoch*/,
+                          RowMatrixF& x) const {
+  x.resize(static_cast<Index>(rows.size()), x_.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i) x.row(static_cast<Index>(i)) = x_.row(rows[i]);
+}
+
+RowMatrixF simulate(const SimulatorFunction& simulator, const RowMatrix& theta, std::uint64_t seed,
+                    std::uint64_t round) {
+  RowMatrixF x;
+  for (Index i = 0; i < theta.rows(); ++i) {
+    Stream stream({seed, "simulate", round, static_cast<std::uint64_t>(i), 0});
+    const VectorF row = simulator(theta.row(i).transpose(), stream);
+    if (i == 0) x.resize(theta.rows(), row.size());
+    x.row(i) = row.transpose();
+  }
+  return x;
+}
+
+std::shared_ptr<const NetworkPosterior> infer(const PosteriorEstimationConfig& config,
+                                              const Prior& prior,
+                                              const SimulatorFunction& simulator,
+                                              const VectorF& x_o, std::uint64_t seed) {
+  RoundData data;
+  data.prior = &prior;
+  data.x_o = x_o;
+  RowMatrixF x(0, x_o.size());
+  std::shared_ptr<const NetworkPosterior> posterior;
+  const Index n = config.algorithm.num_simulations;
+  for (Index round = 1; round <= config.algorithm.num_rounds; ++round) {
+    const auto r = static_cast<std::uint64_t>(round);
+    const RowMatrix theta = posterior ? propose(config, *posterior, n, {seed, "propose", r, 0, 0})
+                                      : sample_prior(prior, n, seed);
+    if (posterior) data.posteriors.push_back(posterior);
+    x.conservativeResize(x.rows() + n, Eigen::NoChange);
+    x.bottomRows(n) = simulate(simulator, theta, seed, r);
+    data.theta.conservativeResize(x.rows(), prior.dimension());
+    data.theta.bottomRows(n) = theta;
+    data.round.insert(data.round.end(), static_cast<std::size_t>(n),
+                      static_cast<std::uint32_t>(round));
+    const MatrixSource source(x);
+    data.x = &source;
+    TrainingState state;
+    posterior = estimate_posterior(config, data, {seed, "train", r, 0, 0}, state,
+                                   [](const TrainingState&) { return true; });
+  }
+  return posterior;
+}
+
+}  // namespace npdr::inference

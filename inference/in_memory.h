@@ -1,0 +1,39 @@
+/// Inference with everything in memory, for a simulator that is a function: rounds of proposing,
+/// simulating and training, as the pipeline makes them with files.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "inference/algorithms/posterior_estimation.h"
+
+namespace npdr::inference {
+
+/// x in memory.
+class MatrixSource : public FeatureSource {
+ public:
+  explicit MatrixSource(RowMatrixF x) : x_(std::move(x)) {}
+  Index num_rows() const override { return x_.rows(); }
+  Index num_features() const override { return x_.cols(); }
+  void gather(std::span<const std::uint32_t> rows, std::uint64_t epoch,
+              RowMatrixF& x) const override;
+
+ private:
+  RowMatrixF x_;
+};
+
+/// x (F) ~ p(x | theta), with the stream of its row.
+using SimulatorFunction = std::function<VectorF(const Vector& theta, Stream& stream)>;
+
+/// x (n, F) of theta (n, D); row i has the stream (seed, "simulate", round, i).
+RowMatrixF simulate(const SimulatorFunction& simulator, const RowMatrix& theta, std::uint64_t seed,
+                    std::uint64_t round);
+
+/// The posterior after all rounds of the config, each with its num_simulations, given x_o (F).
+std::shared_ptr<const NetworkPosterior> infer(const PosteriorEstimationConfig& config,
+                                              const Prior& prior,
+                                              const SimulatorFunction& simulator,
+                                              const VectorF& x_o, std::uint64_t seed);
+
+}  // namespace npdr::inference

@@ -1,0 +1,65 @@
+/// Posteriors that a trained network gives, in one of three roles.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "inference/estimators/estimator_config.h"
+#include "inference/estimators/gaussian_mixture.h"
+#include "inference/estimators/parameters.h"
+#include "inference/feature_transform.h"
+#include "inference/posterior.h"
+#include "inference/sampler_config.h"
+
+namespace npdr::inference {
+
+/// What the network says of u (the parameters where the prior is N(0, I)) and z (the transformed
+/// x).
+enum class NetworkRole {
+  posterior,   ///< log q(u | z): the NPE family
+  likelihood,  ///< log q(z | u): NLE
+  ratio,       ///< log p(z | u) / p(z): the NRE family
+};
+
+std::string to_string(NetworkRole role);
+std::vector<std::string> network_role_names();
+/// Throws InputError with the nearest known name.
+NetworkRole network_role(const std::string& name);
+
+/// Everything that such a posterior consists of: what a file must hold.
+struct NetworkParts {
+  Prior prior;
+  NetworkRole role = NetworkRole::posterior;
+  EstimatorConfig estimator;
+  Index trained_features = 0;  ///< width of the linear layer, 0: none; role posterior only
+  std::uint64_t structure_seed = 0;
+  FeatureTransform transform;
+  Parameters<float> parameters;
+  VectorF x_o;  ///< (F), not transformed
+  /// What the simulations were drawn from that the network saw, where its answer must still be
+  /// divided by it (NPE-A); role posterior of a mixture only.
+  std::optional<GaussianMixture> proposal = {};
+  SamplerConfig sampler = {};  ///< roles likelihood and ratio only
+};
+
+class NetworkPosterior : public Posterior {
+ public:
+  const Prior& prior() const override { return parts_.prior; }
+  const NetworkParts& parts() const { return parts_; }
+
+  /// The posterior given another observation (F).
+  std::unique_ptr<NetworkPosterior> given(const VectorF& x) const;
+
+ protected:
+  explicit NetworkPosterior(NetworkParts parts) : parts_(std::move(parts)) {}
+
+ private:
+  NetworkParts parts_;
+};
+
+/// The posterior of the parts' role. Throws ShapeError when they don't go together.
+std::unique_ptr<NetworkPosterior> make_posterior(NetworkParts parts);
+
+}  // namespace npdr::inference

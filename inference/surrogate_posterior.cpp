@@ -1,0 +1,182 @@
+#include "inference/surrogate_posterior.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+#include <numeric>
+
+#include "core/error.h"
+#include "inference/direct_posterior.h"
+#include "inference/row_blocks.h"
+#include "inference/samplers/chain_diagnostics.h"
+#include "inference/samplers/slice_sampler.h"
+
+namespace npdr::inference {
+namespace {
+
+Vector log_standard_normal(const RowMatrix& u) {
+  const double constant = -0.5 * std::log(2.0 * std::numbers::pi) * static_cast<double>(u.cols());
+  return (-0.5 * u.rowwise().squaredNorm()).array() + constant;
+}
+
+StreamId named(StreamId id, std::string_view name) {
+  id.name = name;
+  return id;
+}
+
+// Draws from weights exp(log_weights) by inversion.
+class Resampler {
+ public:
+  explicit Resampler(const Vector& log_weights) : cumulative_(log_weights.size()) {
+    const Vector weights = (log_weights.array() - log_weights.maxCoeff()).exp();
+    std::partial_sum(weights.begin(), weights.end(), cumulative_.begin());
+    const double sum = cumulative_(cumulative_.size() - 1);
+    effective_size_ = sum * sum / weights.squaredNorm();
+    cumulative_ /= sum;
+  }
+  Index draw(double uniform) const {
+    const auto found = std::lower_bound(cumulative_.begin(), cumulative_.end(), uniform);
+    return std::min<Index>(found - cumulative_.begin(), cumulative_.size() - 1);
+  }
+  double effective_size() const { return effective_size_; }
+
+ private:
+  Vector cumulative_;
+  double effective_size_;
+};
+
+// Row i of the result is a row of `candidates`, drawn with the stream of row id.row + i.
+RowMatrix resample(const RowMatrix& candidates, const Resampler& resampler, Index n, StreamId id) {
+  RowMatrix result(n, candidates.cols());
+  for (Index i = 0; i < n; ++i, ++id.row) {
+    Stream stream(id);
+    result.row(i) = candidates.row(resampler.draw(stream.uniform()));
+  }
+  return result;
+}
+
+}  // namespace
+
+// Written once, by whoever needs it first.
+struct SurrogatePosterior::Normaliser {
+  std::once_flag once;
+  double log_z = 0.0;
+};
+
+SurrogatePosterior::SurrogatePosterior(NetworkParts given)
+    : NetworkPosterior(std::move(given)), normaliser_(std::make_unique<Normaliser>()) {
+  const Index dimension = prior().dimension(), features = parts().transform.num_outputs();
+  Index num_parameters = 0;
+  if (parts().role == NetworkRole::likelihood) {
+    likelihood_ = std::make_shared<const EmbeddedEstimator<float>>(
+        make_network(parts().estimator, dimension, 0, features, parts().structure_seed));
+    num_parameters = likelihood_->num_parameters();
+  } else {
+    ratio_ = std::make_shared<const RatioEstimator<float>>(parts().estimator, dimension, features);
+    num_parameters = ratio_->num_parameters();
+  }
+  if (parts().parameters.size() != num_parameters ||
+      parts().x_o.size() != parts().transform.num_inputs()) {
+    throw ShapeError("posterior: " + std::to_string(parts().parameters.size()) + " weights and " +
+                     std::to_string(parts().x_o.size()) + " features, must be " +
+                     std::to_string(num_parameters) + " and " +
+                     std::to_string(parts().transform.num_inputs()));
+  }
+  parts().transform.apply(parts().x_o.transpose(), z_);
+}
+
+SurrogatePosterior::~SurrogatePosterior() = default;
+
+Vector SurrogatePosterior::surrogate(const RowMatrix& u) const {
+  Vector result;
+  const RowMatrixF z = z_.replicate(kBlockRows, 1);
+  evaluate_in_blocks(
+      u.cast<float>(),
+      [&](const RowMatrixF& block, VectorF& values) {
+        if (ratio_) {
+          RatioScratch<float> scratch;
+          ratio_->logits(parts().parameters, block, z_, scratch, values);
+        } else {
+          auto scratch = likelihood_->make_scratch();
+          likelihood_->log_prob(parts().parameters, z, block, scratch, values);
+        }
+      },
+      result);
+  return result;
+}
+
+Vector SurrogatePosterior::log_density(const RowMatrix& u) const {
+  return surrogate(u) + log_standard_normal(u);
+}
+
+RowMatrix SurrogatePosterior::draw_prior(const StreamId& id) const {
+  RowMatrix u(parts().sampler.num_candidates, prior().dimension());
+  for (Index i = 0; i < u.rows(); ++i) {
+    StreamId row = named(id, "candidates");
+    row.row += static_cast<std::uint64_t>(i);
+    Stream stream(row);
+    for (double& value : u.row(i)) value = stream.normal();
+  }
+  return u;
+}
+
+Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
+  const SamplerConfig& sampler = parts().sampler;
+  const RowMatrix candidates = draw_prior(id);
+  const Resampler resampler(surrogate(candidates));
+  SamplerReport report;
+  if (sampler.kind == "importance") {
+    report.ess = Vector::Constant(1, resampler.effective_size());
+    report.num_evaluations = candidates.rows();
+    return {prior().to_theta(resample(candidates, resampler, n, id)), report};
+  }
+  const Index chains = sampler.num_chains;
+  const RowMatrix start = resample(candidates, resampler, chains, named(id, "starts"));
+  const ChainDraws draws =
+      slice_sample([&](const RowMatrix& u, Vector& log_p) { log_p = log_density(u); }, start,
+                   (n + chains - 1) / chains, {sampler.num_warmup, sampler.thin}, id);
+  const ChainDiagnostics diagnostics = diagnose(draws);
+  report = {diagnostics.r_hat, diagnostics.ess, candidates.rows() + draws.num_points};
+  return {prior().to_theta(draws.u.topRows(n)), report};
+}
+
+double SurrogatePosterior::log_normaliser() const {
+  std::call_once(normaliser_->once, [&] { normaliser_->log_z = estimate_log_normaliser(); });
+  return normaliser_->log_z;
+}
+
+double SurrogatePosterior::estimate_log_normaliser() const {
+  constexpr Index num_samples = 1000, num_points = 20'000;
+  constexpr double wider = 1.5, prior_share = 0.1;
+  const StreamId id{parts().structure_seed, "normaliser", 0, 0, 0};
+  const Index d = prior().dimension();
+  const RowMatrix samples = prior().to_normal(sample(num_samples, id));
+  const Eigen::RowVectorXd mean = samples.colwise().mean();
+  const RowMatrix centred = samples.rowwise() - mean;
+  const Eigen::MatrixXd covariance =
+      wider * wider * (centred.transpose() * centred) / static_cast<double>(num_samples - 1) +
+      1e-10 * Eigen::MatrixXd::Identity(d, d);
+  const Eigen::MatrixXd precision = covariance.llt().solve(Eigen::MatrixXd::Identity(d, d));
+  GaussianMixture around{Vector(2),
+                         {mean.transpose(), Vector::Zero(d)},
+                         {precision.llt().matrixU(), Eigen::MatrixXd::Identity(d, d)}};
+  around.log_weights << std::log(1.0 - prior_share), std::log(prior_share);
+  RowMatrix points(num_points, d);
+  for (Index i = 0; i < num_points; ++i) {
+    StreamId row = named(id, "normaliser_points");
+    row.row = static_cast<std::uint64_t>(i);
+    Stream stream(row);
+    points.row(i) = around.sample(stream).transpose();
+  }
+  return log_sum_exp(log_density(points) - around.log_prob(points)) -
+         std::log(static_cast<double>(num_points));
+}
+
+Vector SurrogatePosterior::log_prob(const RowMatrix& theta) const {
+  return (log_density(prior().to_normal(theta)).array() - log_normaliser()).matrix() +
+         prior().log_det_to_normal(theta);
+}
+
+}  // namespace npdr::inference

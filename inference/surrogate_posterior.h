@@ -1,0 +1,44 @@
+/// A posterior whose likelihood, or ratio of likelihood to evidence, a network has learnt:
+///   log p(u | x_o) = l(u) + log N(u; 0, I) - log Z,
+///   l(u) = log q(z_o | u)   (NLE; Papamakarios, Sterratt and Murray 2019),
+///   l(u) = f(u, z_o)        (NRE; ratio_loss.h).
+/// It is sampled by Markov chains (slice_sampler.h) that begin at draws of the prior, resampled by
+/// their weight exp l; or, with sampler "importance", those draws are the samples.
+///
+/// log Z, which only log_prob() needs, is estimated once by importance sampling: from a Gaussian
+/// around 1000 samples, 1.5 times as wide, mixed with the prior.
+#pragma once
+
+#include "inference/estimators/embedded_estimator.h"
+#include "inference/estimators/ratio_estimator.h"
+#include "inference/network_posterior.h"
+
+namespace npdr::inference {
+
+class SurrogatePosterior : public NetworkPosterior {
+ public:
+  /// Throws ShapeError when the parts don't go together.
+  explicit SurrogatePosterior(NetworkParts parts);
+  ~SurrogatePosterior() override;
+
+  Samples draw(Index n, const StreamId& id) const override;
+  Vector log_prob(const RowMatrix& theta) const override;
+
+  /// l(u) + log N(u; 0, I) of each row of u, (n).
+  Vector log_density(const RowMatrix& u) const;
+
+ private:
+  struct Normaliser;
+
+  Vector surrogate(const RowMatrix& u) const;
+  RowMatrix draw_prior(const StreamId& id) const;
+  double log_normaliser() const;
+  double estimate_log_normaliser() const;
+
+  std::shared_ptr<const EmbeddedEstimator<float>> likelihood_;  ///< of z given u
+  std::shared_ptr<const RatioEstimator<float>> ratio_;
+  RowMatrixF z_;  ///< (1, F or k): x_o, transformed
+  std::unique_ptr<Normaliser> normaliser_;
+};
+
+}  // namespace npdr::inference

@@ -1,0 +1,89 @@
+#include <cstdlib>
+
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// All algorithms beside NPE-C, in two rounds.
+std::string all_algorithms_study() {
+  std::string text = R"toml([study]
+name = "all"
+seeds = [1]
+[target]
+truth = {}
+num_rollouts = 1
+[simulator]
+name = "pendulum"
+[prior]
+pole_mass = { uniform = [0.3, 1.7] }
+pole_length = { uniform = [0.3, 1.7] }
+[observation_noise]
+scale = 0.1
+[evaluate]
+num_samples = 40
+metrics = ["rmse"]
+)toml";
+  for (const auto& [algorithm, kind] : {std::pair{"npe_a", "mdn"},
+                                        {"npe_b", "nsf"},
+                                        {"nle", "maf"},
+                                        {"nre_a", "resnet"},
+                                        {"nre_b", "resnet"}}) {
+    text += "[[method]]\nname = \"" + std::string(algorithm) + "\"\nalgorithm = \"" + algorithm +
+            "\"\nnum_rounds = 2\nnum_simulations = 60\n"
+            "embedding = { kind = \"all_steps\", downsample = 20, principal_components = 4 }\n"
+            "density_estimator = { kind = \"" +
+            kind +
+            "\", num_transforms = 2, num_components = 2, hidden_features = 8 }\n"
+            "training = { max_epochs = 10, batch_size = 20 }\n"
+            "sampler = { num_chains = 10, num_warmup = 10, thin = 2, num_candidates = 100 }\n";
+  }
+  return text;
+}
+
+class Methods : public ::testing::Test {
+ protected:
+  void SetUp() override { std::ofstream(folder_.path() / "all.toml") << all_algorithms_study(); }
+  TempFolder folder_;
+};
+
+TEST_F(Methods, EveryAlgorithmRunsWithTheSameBitsForAnyThreadCount) {
+  setenv("OMP_NUM_THREADS", "1", 1);
+  const Outcome one = run(folder_.path(), {"npdr", "run", "all.toml", "--work", "one", "-j", "1"});
+  setenv("OMP_NUM_THREADS", "3", 1);
+  const Outcome three =
+      run(folder_.path(), {"npdr", "run", "all.toml", "--work", "three", "-j", "3"});
+  unsetenv("OMP_NUM_THREADS");
+  ASSERT_EQ(one.status, 0) << one.err;
+  ASSERT_EQ(three.status, 0) << three.err;
+  const auto reference = digests(folder_.path() / "one" / "all");
+  EXPECT_EQ(reference.size(), 37u);  // target, baseline, and 5 x (2 x 3 + 1) of the methods
+  EXPECT_EQ(digests(folder_.path() / "three" / "all"), reference);
+}
+
+TEST_F(Methods, TheTableOfSeedsSaysHowWellChainsAgree) {
+  const Outcome outcome =
+      run(folder_.path(), {"npdr", "run", "all.toml", "--only", "nle", "--only", "npe_a"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  std::ifstream file(folder_.path() / "runs" / "all" / "tables" / "seeds.csv");
+  std::string header, npe_a, nle;
+  std::getline(file, header);
+  std::getline(file, npe_a);
+  std::getline(file, nle);
+  EXPECT_TRUE(header.ends_with("largest R-hat,smallest ESS")) << header;
+  EXPECT_TRUE(npe_a.ends_with(",,")) << npe_a;
+  EXPECT_FALSE(nle.ends_with(",")) << nle;
+}
+
+TEST_F(Methods, PosteriorsOfALikelihoodCanBeSampledFromTheCommandLine) {
+  const Outcome outcome =
+      run(folder_.path(), {"npdr", "run", "all.toml", "--only", "nle", "--until", "infer"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string posterior = "runs/all/nle/seed-1/round-2/infer.h5";
+  const Outcome samples = run(folder_.path(), {"npdr", "sample", posterior, "-n", "5"});
+  EXPECT_EQ(samples.status, 0) << samples.err;
+  EXPECT_EQ(std::ranges::count(samples.out, '\n'), 6) << samples.out;
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
