@@ -50,9 +50,13 @@ function(npdr_test name)
   gtest_discover_tests(${name} TEST_PREFIX ${name}/ DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
 endfunction()
 
-# npdr_bench(<name> SOURCES <...> LINK <...>): a Google Benchmark program; run by hand, never by ctest.
+# npdr_bench(<name> SOURCES <...> LINK <...> [OWN_MAIN]): a Google Benchmark program, or with OWN_MAIN
+# any other; run by hand, never by ctest.
 function(npdr_bench name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "OWN_MAIN" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE ${ARG_LINK} benchmark::benchmark_main)
+  target_link_libraries(${name} PRIVATE ${ARG_LINK})
+  if(NOT ARG_OWN_MAIN)
+    target_link_libraries(${name} PRIVATE benchmark::benchmark_main)
+  endif()
 endfunction()

@@ -1,0 +1,149 @@
+// Every method against posteriors that are known: C2ST of posterior samples (0.5: can't be told
+// from exact ones, 1: they don't overlap) for several budgets of simulations, and what it cost.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+
+#include "analysis/table_writers.h"
+#include "bench/known_posteriors.h"
+#include "core/error.h"
+#include "core/text.h"
+#include "inference/diagnostics/c2st.h"
+
+namespace npdr::bench {
+namespace {
+
+using inference::PosteriorEstimationConfig;
+using Clock = std::chrono::steady_clock;
+
+struct Method {
+  std::string name;
+  PosteriorEstimationConfig config;
+};
+
+Method method(const std::string& name, const std::string& algorithm, const std::string& estimator,
+              Index num_rounds) {
+  PosteriorEstimationConfig config;
+  config.algorithm.name = algorithm;
+  config.algorithm.num_rounds = num_rounds;
+  config.estimator.kind = estimator;
+  config.sampler.num_chains = 1000;
+  config.sampler.num_warmup = 50;
+  return {name, config};
+}
+
+std::vector<Method> all_methods() {
+  return {
+      method("NPE-A, MoG", "npe_a", "mdn", 1), method("NPE-A, MoG, 2 rounds", "npe_a", "mdn", 2),
+      method("NPE-B, MAF", "npe_b", "maf", 4), method("NPE-C, MAF", "npe_c", "maf", 4),
+      method("NPE-C, MoG", "npe_c", "mdn", 4), method("NPE-C, splines", "npe_c", "nsf", 4),
+      method("NLE, MAF", "nle", "maf", 4),     method("NLE, splines", "nle", "nsf", 4),
+      method("NRE-A", "nre_a", "resnet", 4),   method("NRE-B", "nre_b", "resnet", 4)};
+}
+
+struct Score {
+  double c2st = 0.0;
+  double train_seconds = 0.0;  ///< and simulations, which cost next to nothing here
+  double sample_seconds = 0.0;
+};
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Score score(const KnownPosterior& task, PosteriorEstimationConfig config, Index num_simulations,
+            Index num_samples, std::uint64_t seed) {
+  config.algorithm.num_simulations = num_simulations / config.algorithm.num_rounds;
+  Score score;
+  auto start = Clock::now();
+  const auto posterior = inference::infer(config, task.prior, task.simulator, task.x_o, seed);
+  score.train_seconds = seconds_since(start);
+  start = Clock::now();
+  const RowMatrix samples = posterior->sample(num_samples, {seed, "posterior", 0, 0, 0});
+  score.sample_seconds = seconds_since(start);
+  const RowMatrix exact = exact_samples(task, num_samples, seed);
+  score.c2st = inference::c2st(exact, samples, {seed, "c2st", 0, 0, 0}).accuracy;
+  return score;
+}
+
+struct Options {
+  std::vector<std::string> tasks = known_posterior_names();
+  std::vector<std::string> methods;
+  std::vector<Index> num_simulations = {1'000, 10'000};
+  Index num_samples = 10'000;
+  std::uint64_t seed = 1;
+};
+
+analysis::Table empty_table(const KnownPosterior& task, const Options& options) {
+  analysis::Table table;
+  table.name = task.name;
+  table.caption = fmt::format("{}, {} parameters: C2ST of {} posterior samples, seed {}.",
+                              task.name, task.prior.dimension(), options.num_samples, options.seed);
+  table.row_header = "Method";
+  for (const Index n : options.num_simulations) {
+    table.columns.push_back({fmt::format("{} simulations", n), false});
+  }
+  table.columns.push_back({fmt::format("training, {} [s]", options.num_simulations.back()), false});
+  table.columns.push_back({fmt::format("{} samples [s]", options.num_samples), false});
+  return table;
+}
+
+bool is_wanted(const std::vector<std::string>& wanted, const std::string& name) {
+  return wanted.empty() || std::ranges::find(wanted, name) != wanted.end();
+}
+
+void print_task(const KnownPosterior& task, const Options& options) {
+  analysis::Table table = empty_table(task, options);
+  for (const Method& m : all_methods()) {
+    if (!is_wanted(options.methods, m.name)) continue;
+    analysis::Row row{m.name, {}};
+    Score last;
+    for (const Index n : options.num_simulations) {
+      last = score(task, m.config, n, options.num_samples, options.seed);
+      row.cells.emplace_back(fmt::format("{:.3f}", last.c2st));
+      fmt::print(stderr, "{}, {}, {} simulations: C2ST {:.3f}, {:.1f} s, {:.1f} s\n", task.name,
+                 m.name, n, last.c2st, last.train_seconds, last.sample_seconds);
+    }
+    row.cells.emplace_back(fmt::format("{:.1f}", last.train_seconds));
+    row.cells.emplace_back(fmt::format("{:.2f}", last.sample_seconds));
+    table.rows.push_back(std::move(row));
+  }
+  std::cout << analysis::to_markdown(table) << '\n';
+}
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const Method& m : all_methods()) names.push_back(m.name);
+  return names;
+}
+
+}  // namespace
+}  // namespace npdr::bench
+
+int main(int argc, char** argv) {
+  using namespace npdr;
+  bench::Options options;
+  CLI::App app("C2ST of every method on tasks whose posterior is known");
+  app.add_option("--task", options.tasks, "tasks")
+      ->check(CLI::IsMember(bench::known_posterior_names()));
+  app.add_option("--method", options.methods, "methods; all when left out")
+      ->check(CLI::IsMember(bench::method_names()));
+  app.add_option("--num-simulations", options.num_simulations, "budgets, over all rounds")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  app.add_option("--num-samples", options.num_samples, "posterior samples")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", options.seed, "of everything random");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    for (const std::string& name : options.tasks) {
+      bench::print_task(bench::known_posterior(name), options);
+    }
+  } catch (const Error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+  return 0;
+}
