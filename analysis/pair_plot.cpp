@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "analysis/file_stem.h"
@@ -74,11 +75,26 @@ RowMatrix marginal_densities(const PairPlot& plot, const RowMatrix& samples,
   RowMatrix curves;
   for (std::size_t k = 0; k < shown.size(); ++k) {
     const PairParameter& p = plot.parameters[static_cast<std::size_t>(shown[k])];
-    const RowMatrix curve = kernel_density(samples.col(shown[k]), p.lower, p.upper);
+    RowMatrix curve = kernel_density(samples.col(shown[k]), p.lower, p.upper);
+    if (is_constant(samples.col(shown[k]))) curve.col(1).setZero();
     curves.conservativeResize(curve.rows(), 2 * static_cast<Index>(k) + 2);
     curves.rightCols(2) = curve;
   }
   return curves;
+}
+
+// Where the axis of shown parameter k ends: at the highest peak, but for spikes that would flatten
+// the curves of the other sets. Curves with little of their samples inside the box don't count.
+double top_of(const std::vector<RowMatrix>& curves, Index k) {
+  constexpr double tallest_ratio = 8.0, headroom = 1.05;
+  double highest = 0.0, lowest = std::numeric_limits<double>::infinity();
+  for (const RowMatrix& curve : curves) {
+    const double peak = curve.col(2 * k + 1).maxCoeff();
+    const double share = curve.col(2 * k + 1).sum() * (curve(1, 2 * k) - curve(0, 2 * k));
+    highest = std::max(highest, peak);
+    if (share > 0.5) lowest = std::min(lowest, peak);
+  }
+  return highest > 0.0 ? headroom * std::min(highest, tallest_ratio * lowest) : 1.0;
 }
 
 }  // namespace
@@ -86,7 +102,13 @@ RowMatrix marginal_densities(const PairPlot& plot, const RowMatrix& samples,
 FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& directory) {
   check(plot);
   const std::vector<Index> shown = check_selection(plot);
-  const PairPlotScript script(plot, shown);
+  std::vector<RowMatrix> curves;
+  for (const SampleSet& set : plot.sets) {
+    curves.push_back(marginal_densities(plot, set.samples, shown));
+  }
+  std::vector<double> tops;
+  for (Index k = 0; k < static_cast<Index>(shown.size()); ++k) tops.push_back(top_of(curves, k));
+  const PairPlotScript script(plot, shown, tops);
   std::string columns;
   for (const Index d : shown) {
     const PairParameter& p = plot.parameters[static_cast<std::size_t>(d)];
@@ -97,8 +119,7 @@ FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& d
     write_data_file(directory / script.samples_file(k), set.name + ", samples of " + columns,
                     shown_samples(set.samples, shown, plot.num_points));
     write_data_file(directory / script.density_file(k),
-                    set.name + ", position and marginal density of each of " + columns,
-                    marginal_densities(plot, set.samples, shown));
+                    set.name + ", position and marginal density of each of " + columns, curves[k]);
   }
   return render_figure({plot.name, static_cast<int>(std::lround(script.width())),
                         static_cast<int>(std::lround(script.height())), script.commands()},

@@ -49,10 +49,11 @@ struct PairPlot {
 /// Draws the lower triangle of scatter plots, with the marginal densities of all samples on the
 /// diagonal (analysis/kernel_density.h), axes limited to the prior's box, single points
 /// marked. Off the diagonal every panel shows the same samples, evenly strided. Samples outside the
-/// box are not shown and lower the marginal's area. Writes the figure's files and its data files
-/// into `directory`. Throws InputError for fewer than 2 or more than 15 parameters, more sets than
-/// there are colours, or a selection that doesn't exist; ShapeError for samples or points of
-/// another width.
+/// box are not shown and lower the marginal's area; a parameter that doesn't vary within a set has
+/// no density, and gets a line. Spikes of more than 8 times the lowest peak are cut off. Writes the
+/// figure's files and its data files into `directory`. Throws InputError for fewer than 2 or more
+/// than 15 parameters, more sets than there are colours, or a selection that doesn't exist;
+/// ShapeError for samples or points of another width.
 FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& directory);
 
 }  // namespace npdr::analysis

@@ -26,6 +26,10 @@ std::string label_options(const char* placement, double font_size) {
 
 }  // namespace
 
+bool is_constant(const Eigen::Ref<const Vector>& samples) {
+  return samples.size() > 1 && (samples.array() == samples(0)).all();
+}
+
 // Smaller with more parameters, so that fifteen still fit on a screen.
 PairPlotScript::Sizes PairPlotScript::sizes_for(std::size_t num_parameters) {
   if (num_parameters <= 4) return {150, 9, 11, 9, 0.35, 0.8};
@@ -34,8 +38,9 @@ PairPlotScript::Sizes PairPlotScript::sizes_for(std::size_t num_parameters) {
   return {76, 6, 8.5, 7.5, 0.22, 0.55};
 }
 
-PairPlotScript::PairPlotScript(const PairPlot& plot, const std::vector<Index>& shown)
-    : plot_(plot), shown_(shown), sizes_(sizes_for(shown.size())) {
+PairPlotScript::PairPlotScript(const PairPlot& plot, const std::vector<Index>& shown,
+                               const std::vector<double>& tops)
+    : plot_(plot), shown_(shown), tops_(tops), sizes_(sizes_for(shown.size())) {
   for (const Index d : shown) {
     const PairParameter& p = plot.parameters[static_cast<std::size_t>(d)];
     parameters_.push_back(&p);
@@ -143,7 +148,8 @@ std::string PairPlotScript::panel(std::size_t r, std::size_t c) const {
 
 // Only the shape of a density is shown, so its own axis has no ticks.
 std::string PairPlotScript::marginal(std::size_t c) const {
-  std::string script = "unset ytics\nset yrange [0:*]\n" + vertical_marks(c) + "plot ";
+  std::string script = fmt::format("unset ytics\nset yrange [0:{}]\n", tops_[c]);
+  script += vertical_marks(c) + constant_marks(c) + "plot ";
   for (std::size_t k = plot_.sets.size(); k-- > 0;) {
     const std::string curve = fmt::format("{} using (${}*{}):{}", gnuplot_string(density_file(k)),
                                           2 * c + 1, axes_[c].scale, 2 * c + 2);
@@ -178,6 +184,19 @@ std::string PairPlotScript::vertical_marks(std::size_t c) const {
         "set arrow from first {0}, graph 0 to first {0}, graph 1 nohead front lw 1.4 dt {1} "
         "lc rgb '{2}'\n",
         x * axes_[c].scale, point.dash, point.color);
+  }
+  return script;
+}
+
+// A value that a method took as known has no density: a line stands for it.
+std::string PairPlotScript::constant_marks(std::size_t c) const {
+  std::string script;
+  for (std::size_t k = 0; k < plot_.sets.size(); ++k) {
+    const auto samples = plot_.sets[k].samples.col(shown_[c]);
+    if (!is_constant(samples) || !inside(*parameters_[c], samples(0))) continue;
+    script += fmt::format(
+        "set arrow from first {0}, graph 0 to first {0}, graph 1 nohead back lw 1.6 lc rgb '{1}'\n",
+        samples(0) * axes_[c].scale, kMethodColors[k]);
   }
   return script;
 }

@@ -10,12 +10,17 @@
 
 namespace npdr::analysis {
 
+/// Whether samples (n) of a parameter all have the same value: a method took it as known.
+bool is_constant(const Eigen::Ref<const Vector>& samples);
+
 /// Lays out the lower triangle of panels, its labels and its legend, for `shown` parameters of a
 /// plot that has been checked, both of which must outlive it. Row r and column c of the triangle
 /// show shown[r] over shown[c].
 class PairPlotScript {
  public:
-  PairPlotScript(const PairPlot& plot, const std::vector<Index>& shown);
+  /// `tops`: where the axis of each shown parameter's marginal density ends.
+  PairPlotScript(const PairPlot& plot, const std::vector<Index>& shown,
+                 const std::vector<double>& tops);
 
   double width() const { return width_; }    ///< [px]
   double height() const { return height_; }  ///< [px]
@@ -42,6 +47,7 @@ class PairPlotScript {
   std::string marginal(std::size_t c) const;
   std::string scatter(std::size_t r, std::size_t c) const;
   std::string vertical_marks(std::size_t c) const;
+  std::string constant_marks(std::size_t c) const;
   std::string point_marks(std::size_t r, std::size_t c) const;
   std::string x_label(std::size_t c) const;
   std::string y_label(std::size_t r) const;
@@ -49,6 +55,7 @@ class PairPlotScript {
 
   const PairPlot& plot_;
   const std::vector<Index>& shown_;
+  std::vector<double> tops_;
   Sizes sizes_;
   std::vector<const PairParameter*> parameters_;  // the shown ones
   std::vector<Axis> axes_;

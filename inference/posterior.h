@@ -28,7 +28,8 @@ class Posterior {
   virtual ~Posterior() = default;
   virtual const Prior& prior() const = 0;
 
-  /// n samples of theta, all inside of the prior's support. Sample i depends on `id` and i alone:
+  /// n samples of theta, all inside of the prior's support unless the method says otherwise
+  /// (particle_posterior.h). Sample i depends on `id` and i alone:
   /// not on n, nor on the number of threads.
   virtual Samples draw(Index n, const StreamId& id) const = 0;
   /// The samples alone, (n, D).
@@ -39,7 +40,7 @@ class Posterior {
 
   /// The theta (D) with the largest posterior density: the best of 1000 samples, refined by NLopt
   /// (Rowan 1990, subplex) in the space where the prior is N(0, I).
-  Vector map(const StreamId& id) const;
+  virtual Vector map(const StreamId& id) const;
 };
 
 }  // namespace npdr::inference

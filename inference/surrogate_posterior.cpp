@@ -5,12 +5,12 @@
 #include <cmath>
 #include <mutex>
 #include <numbers>
-#include <numeric>
 
 #include "core/error.h"
 #include "inference/direct_posterior.h"
 #include "inference/row_blocks.h"
 #include "inference/samplers/chain_diagnostics.h"
+#include "inference/samplers/resampler.h"
 #include "inference/samplers/slice_sampler.h"
 
 namespace npdr::inference {
@@ -25,27 +25,6 @@ StreamId named(StreamId id, std::string_view name) {
   id.name = name;
   return id;
 }
-
-// Draws from weights exp(log_weights) by inversion.
-class Resampler {
- public:
-  explicit Resampler(const Vector& log_weights) : cumulative_(log_weights.size()) {
-    const Vector weights = (log_weights.array() - log_weights.maxCoeff()).exp();
-    std::partial_sum(weights.begin(), weights.end(), cumulative_.begin());
-    const double sum = cumulative_(cumulative_.size() - 1);
-    effective_size_ = sum * sum / weights.squaredNorm();
-    cumulative_ /= sum;
-  }
-  Index draw(double uniform) const {
-    const auto found = std::lower_bound(cumulative_.begin(), cumulative_.end(), uniform);
-    return std::min<Index>(found - cumulative_.begin(), cumulative_.size() - 1);
-  }
-  double effective_size() const { return effective_size_; }
-
- private:
-  Vector cumulative_;
-  double effective_size_;
-};
 
 // Row i of the result is a row of `candidates`, drawn with the stream of row id.row + i.
 RowMatrix resample(const RowMatrix& candidates, const Resampler& resampler, Index n, StreamId id) {
@@ -125,7 +104,8 @@ RowMatrix SurrogatePosterior::draw_prior(const StreamId& id) const {
 Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
   const SamplerConfig& sampler = parts().sampler;
   const RowMatrix candidates = draw_prior(id);
-  const Resampler resampler(surrogate(candidates));
+  const Vector log_weights = surrogate(candidates);
+  const Resampler resampler((log_weights.array() - log_weights.maxCoeff()).exp().matrix());
   SamplerReport report;
   if (sampler.kind == "importance") {
     report.ess = Vector::Constant(1, resampler.effective_size());

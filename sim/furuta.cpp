@@ -43,8 +43,7 @@ enum Constant : Index {
   kNumConstants
 };
 
-constexpr double kMaxVoltage = 4.5;          // [V]
-constexpr double kCoulombSlope = 1.0 / 0.3;  // [s/rad] of tanh, which smooths the sign of theta_dot
+constexpr double kMaxVoltage = 4.5;  // [V]
 
 std::vector<Parameter> furuta_parameters() {
   return {

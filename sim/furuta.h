@@ -31,6 +31,9 @@
 
 namespace npdr::sim {
 
+/// [s/rad] of the tanh that smooths the sign of theta_dot in dry friction.
+inline constexpr double kCoulombSlope = 1.0 / 0.3;
+
 class Furuta final : public OdeModel {
  public:
   Furuta();
@@ -46,6 +49,9 @@ class Furuta final : public OdeModel {
   /// (furuta_behaviour.cpp says why), from an initial state uniform within +-(2 deg, 1 deg,
   /// 0.5 deg/s, 0.5 deg/s). Both are functions of (seed, rollout).
   Excitation excite(Index rollout, std::uint64_t seed) const override;
+
+  /// furuta_regression.h
+  std::unique_ptr<RegressionForm> regression_form() const override;
 
  private:
   SimulatorInfo info_;

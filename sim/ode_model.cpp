@@ -11,4 +11,6 @@ void OdeModel::apply_action(const RowMatrix& actions, Index t, ConstLanes /*cons
   }
 }
 
+std::unique_ptr<RegressionForm> OdeModel::regression_form() const { return nullptr; }
+
 }  // namespace npdr::sim

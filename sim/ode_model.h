@@ -47,6 +47,9 @@ class OdeModel {
 
   /// The behaviour policy and initial state of rollout `rollout` of a simulated target domain.
   virtual Excitation excite(Index rollout, std::uint64_t seed) const = 0;
+
+  /// As Simulator::regression_form().
+  virtual std::unique_ptr<RegressionForm> regression_form() const;
 };
 
 }  // namespace npdr::sim

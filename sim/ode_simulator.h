@@ -16,6 +16,9 @@ class OdeSimulator final : public Simulator {
   const SimulatorInfo& info() const override { return info_; }
   Trajectories replay(const Target& target, const RowMatrix& theta) const override;
   Target behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const override;
+  std::unique_ptr<RegressionForm> regression_form() const override {
+    return model_->regression_form();
+  }
 
  private:
   std::unique_ptr<OdeModel> model_;

@@ -67,6 +67,16 @@ std::vector<std::string> unused_settings(const std::string& name) {
 
 std::vector<Outline> Simulator::outlines(const Vector& /*theta*/) const { return {}; }
 
+std::unique_ptr<RegressionForm> Simulator::regression_form() const { return nullptr; }
+
+std::vector<std::string> simulators_with_regression() {
+  std::vector<std::string> names;
+  for (const std::string& name : simulator_names()) {
+    if (make_simulator({.name = name})->regression_form()) names.push_back(name);
+  }
+  return names;
+}
+
 Index parameter_index(const SimulatorInfo& info, const std::string& name) {
   std::vector<std::string> names;
   for (const Parameter& parameter : info.parameters) names.push_back(parameter.name);

@@ -18,6 +18,7 @@
 #include "core/types.h"
 #include "sim/minigolf/minigolf_config.h"
 #include "sim/parameter.h"
+#include "sim/regression_form.h"
 #include "sim/trajectories.h"
 
 namespace npdr::sim {
@@ -67,12 +68,17 @@ class Simulator {
   /// Shapes in the plane of the first two state channels, at all P parameters `theta`, for figures
   /// from above. None: the system doesn't move on a plane.
   virtual std::vector<Outline> outlines(const Vector& theta) const;
+
+  /// The equations of motion as a linear regression; nullptr: they aren't one.
+  virtual std::unique_ptr<RegressionForm> regression_form() const;
 };
 
 /// Names that make_simulator() knows.
 std::vector<std::string> simulator_names();
 /// Fields of SimulatorConfig that mean nothing to the simulator `name`, one of simulator_names().
 std::vector<std::string> unused_settings(const std::string& name);
+/// Those of simulator_names() that have a regression_form().
+std::vector<std::string> simulators_with_regression();
 /// Names of integrators: "erk4" and the others of the ODE simulators.
 std::vector<std::string> integrator_names();
 

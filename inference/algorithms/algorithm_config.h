@@ -20,13 +20,23 @@ struct AlgorithmConfig {
   bool combined_loss = false;  ///< "npe_c": add -log q on the rows of the prior, when atomic
 };
 
-/// "npe_a", "npe_b", "npe_c", "nle", "nre_a", "nre_b" (posterior_estimation.h).
+/// "npe_a", "npe_b", "npe_c", "nle", "nre_a", "nre_b" (posterior_estimation.h), "abc_rejection",
+/// "abc_mcmc", "abc_smc" (abc.h), "linear_regression" (bayesian_linear_regression.h).
 std::vector<std::string> algorithm_names();
 
-/// What the algorithm's network says (network_posterior.h).
+/// What an algorithm makes its posterior of.
+enum class AlgorithmFamily {
+  network,     ///< a network that is trained on simulations
+  abc,         ///< the simulations that are near the observation
+  regression,  ///< the equations of motion and the recordings, no simulation
+};
+AlgorithmFamily family_of_algorithm(const std::string& name);
+
+/// What the algorithm's network says (network_posterior.h). Throws Error for one that has none.
 NetworkRole role_of_algorithm(const std::string& name);
 
-/// The kinds of density estimators that the algorithm can use, the usual one first.
+/// The kinds of density estimators that the algorithm can use, the usual one first; none without a
+/// network.
 std::vector<std::string> estimators_of_algorithm(const std::string& name);
 
 /// Throws InputError for another kind, and says which are allowed.

@@ -11,24 +11,29 @@ namespace {
 
 struct Entry {
   const char* name;
-  NetworkRole role;
+  AlgorithmFamily family;
+  NetworkRole role;                     // of a network
   std::vector<std::string> estimators;  // the usual one first
 };
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
-      {"npe_a", NetworkRole::posterior, {"mdn"}},
-      {"npe_b", NetworkRole::posterior, {"maf", "mdn", "nsf"}},
-      {"npe_c", NetworkRole::posterior, {"maf", "mdn", "nsf"}},
-      {"nle", NetworkRole::likelihood, {"maf", "mdn", "nsf"}},
-      {"nre_a", NetworkRole::ratio, {"resnet"}},
-      {"nre_b", NetworkRole::ratio, {"resnet"}},
+      {"npe_a", AlgorithmFamily::network, NetworkRole::posterior, {"mdn"}},
+      {"npe_b", AlgorithmFamily::network, NetworkRole::posterior, {"maf", "mdn", "nsf"}},
+      {"npe_c", AlgorithmFamily::network, NetworkRole::posterior, {"maf", "mdn", "nsf"}},
+      {"nle", AlgorithmFamily::network, NetworkRole::likelihood, {"maf", "mdn", "nsf"}},
+      {"nre_a", AlgorithmFamily::network, NetworkRole::ratio, {"resnet"}},
+      {"nre_b", AlgorithmFamily::network, NetworkRole::ratio, {"resnet"}},
+      {"abc_rejection", AlgorithmFamily::abc, {}, {}},
+      {"abc_mcmc", AlgorithmFamily::abc, {}, {}},
+      {"abc_smc", AlgorithmFamily::abc, {}, {}},
+      {"linear_regression", AlgorithmFamily::regression, {}, {}},
   };
   return all;
 }
 
 // Names that older papers and tools use for the same algorithm.
-constexpr std::array<std::pair<const char*, const char*>, 12> kOlderSpellings = {{
+constexpr std::array<std::pair<const char*, const char*>, 19> kOlderSpellings = {{
     {"snpe_a", "npe_a"},
     {"snpe-a", "npe_a"},
     {"bayessim", "npe_a"},
@@ -41,6 +46,13 @@ constexpr std::array<std::pair<const char*, const char*>, 12> kOlderSpellings = 
     {"aalr", "nre_a"},
     {"snre_a", "nre_a"},
     {"snre_b", "nre_b"},
+    {"abc", "abc_rejection"},
+    {"rejection_abc", "abc_rejection"},
+    {"mcabc", "abc_rejection"},
+    {"mcmc_abc", "abc_mcmc"},
+    {"smc_abc", "abc_smc"},
+    {"blr", "linear_regression"},
+    {"bayesian_linear_regression", "linear_regression"},
 }};
 
 const Entry& find_entry(const std::string& spelling) {
@@ -66,7 +78,13 @@ std::string canonical_algorithm(const std::string& spelling) {
   throw InputError(unknown_name("algorithm", spelling, algorithm_names()));
 }
 
-NetworkRole role_of_algorithm(const std::string& name) { return find_entry(name).role; }
+AlgorithmFamily family_of_algorithm(const std::string& name) { return find_entry(name).family; }
+
+NetworkRole role_of_algorithm(const std::string& name) {
+  const Entry& entry = find_entry(name);
+  if (entry.family == AlgorithmFamily::network) return entry.role;
+  throw Error(std::string("algorithm '") + entry.name + "' has no network");
+}
 
 std::vector<std::string> estimators_of_algorithm(const std::string& name) {
   return find_entry(name).estimators;

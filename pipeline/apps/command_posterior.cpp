@@ -40,9 +40,9 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
       simulator.store_every);
 }
 
-std::unique_ptr<inference::NetworkPosterior> load(const PosteriorArguments& arguments) {
-  auto posterior = read_posterior(arguments.posterior);
-  if (arguments.recording.empty()) return posterior;
+std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) {
+  if (arguments.recording.empty()) return read_posterior(arguments.posterior);
+  const auto posterior = read_network_posterior(arguments.posterior);
   return posterior->given(embed_recording(arguments.posterior, arguments.recording));
 }
 

@@ -43,6 +43,12 @@ class RolloutChecker {
   void check_method(const std::string& path, const MethodConfig& method) {
     const bool some_fit = check_at_most(path + ".num_rollouts", method.num_rollouts,
                                         used_rollouts(), "the rollouts of the target");
+    if (inference::family_of_algorithm(method.algorithm.name) ==
+        inference::AlgorithmFamily::regression) {
+      check_at_most(path + ".linear_regression.window", method.linear_regression.window,
+                    shape_.num_steps + 1, "the states of a rollout");
+      return;
+    }
     const bool states_are_left = check_at_most(
         path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
         fmt::format("so that two of the {} states of a rollout are left", shape_.num_steps));

@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "core/types.h"
+#include "inference/abc/abc_config.h"
 #include "inference/algorithms/algorithm_config.h"
 #include "inference/embeddings/embedding_config.h"
 #include "inference/estimators/estimator_config.h"
+#include "inference/linear_regression/linear_regression_config.h"
 #include "inference/prior.h"
 #include "inference/training_config.h"
 #include "pipeline/config/places.h"
@@ -77,6 +79,8 @@ struct MethodConfig {
   inference::EstimatorConfig density_estimator;
   inference::TrainingConfig training;
   inference::SamplerConfig sampler;
+  inference::AbcConfig abc;
+  inference::LinearRegressionConfig linear_regression;
   std::map<std::string, PublishedFigure> published;  ///< by metric
 };
 

@@ -16,12 +16,29 @@
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/prior_check.h"
 #include "pipeline/config/rollout_check.h"
+#include "pipeline/config/toml_document.h"
 
 namespace npdr::pipeline {
 namespace {
 
 using inference::Marginal;
 using Numbers = std::map<std::string, double>;
+
+// Keys of a method that mean nothing to its algorithm.
+std::vector<std::string> unused_settings(const std::string& algorithm) {
+  using inference::AlgorithmFamily;
+  switch (inference::family_of_algorithm(algorithm)) {
+    case AlgorithmFamily::network:
+      return {"abc", "linear_regression"};
+    case AlgorithmFamily::abc:
+      return {"num_atoms", "loss",    "combined_loss",    "density_estimator",
+              "training",  "sampler", "linear_regression"};
+    case AlgorithmFamily::regression:
+      return {"num_rounds", "num_simulations",   "num_atoms", "loss",    "combined_loss",
+              "embedding",  "density_estimator", "training",  "sampler", "abc"};
+  }
+  return {};
+}
 
 class StudyChecker {
  public:
@@ -62,6 +79,9 @@ class StudyChecker {
   void check_split(const std::string& path, const MethodConfig& method);
   void check_estimator(const std::string& path, MethodConfig& method);
   void check_loss(const std::string& path, const MethodConfig& method);
+  void check_abc(const std::string& path, const MethodConfig& method);
+  void check_regression(const std::string& path);
+  void check_unused_settings(const std::string& path, const MethodConfig& method);
   void check_unused_settings();
   void check_references();
   void check_metrics();
@@ -246,10 +266,21 @@ void StudyChecker::check_method(std::size_t i) {
     fail(path + ".num_rollouts", std::to_string(method.num_rollouts),
          fmt::format("<= target.num_rollouts = {}", available));
   }
+  check_unused_settings(path, method);
   check_embedding(path + ".embedding", method.embedding);
-  check_training(path, method);
-  check_estimator(path, method);
-  check_loss(path, method);
+  switch (inference::family_of_algorithm(method.algorithm.name)) {
+    case inference::AlgorithmFamily::network:
+      check_training(path, method);
+      check_estimator(path, method);
+      check_loss(path, method);
+      break;
+    case inference::AlgorithmFamily::abc:
+      check_abc(path, method);
+      break;
+    case inference::AlgorithmFamily::regression:
+      check_regression(path);
+      break;
+  }
   const std::vector<std::string> metrics = metric_names();
   for (const auto& [metric, figure] : method.published) {
     if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) {
@@ -353,6 +384,61 @@ void StudyChecker::check_loss(const std::string& path, const MethodConfig& metho
     fail(path + ".num_atoms", std::to_string(algorithm.num_atoms),
          fmt::format("<= training.batch_size = {}", method.training.batch_size));
   }
+}
+
+// Settings that a file gives one method on purpose; those of --set may be meant for others.
+void StudyChecker::check_unused_settings(const std::string& path, const MethodConfig& method) {
+  if (!reading_.good(path + ".algorithm")) return;
+  for (const std::string& setting : unused_settings(method.algorithm.name)) {
+    const std::string member = path + "." + setting;
+    if (!reading_.has(member) || is_override(reading_.place(member))) continue;
+    reading_.fail(member, fmt::format("{} must be left out: it means nothing to the algorithm '{}'",
+                                      display(member), method.algorithm.name));
+  }
+}
+
+void StudyChecker::check_abc(const std::string& path, const MethodConfig& method) {
+  const std::string kind = path + ".embedding.kind", rounds = path + ".num_rounds";
+  if (reading_.good(kind) && method.embedding.kind == "linear") {
+    fail(kind, "'linear'",
+         fmt::format("another with algorithm '{}', which trains no layer: such as 'all_steps'",
+                     method.algorithm.name));
+  }
+  if (!reading_.good(rounds)) return;
+  const std::string found = std::to_string(method.algorithm.num_rounds);
+  if (method.algorithm.name == "abc_rejection" && method.algorithm.num_rounds != 1) {
+    fail(rounds, found,
+         "1 with algorithm 'abc_rejection', whose simulations all come from the prior: raise "
+         "num_simulations");
+  }
+  if (method.algorithm.name == "abc_mcmc" && method.algorithm.num_rounds < 2) {
+    fail(rounds, found, ">= 2 with algorithm 'abc_mcmc': chains take one step in each round");
+  }
+}
+
+void StudyChecker::check_regression(const std::string& path) {
+  if (!info_ || !reading_.good(path + ".algorithm")) return;
+  const auto form = sim::make_simulator({.name = info_->name})->regression_form();
+  if (!form) {
+    const std::string needed = join(sim::simulators_with_regression(), "' or '");
+    reading_.fail(path + ".algorithm",
+                  fmt::format("algorithm 'linear_regression' needs simulator.name = '{}', found "
+                              "'{}': only its equations are a linear regression",
+                              needed, info_->name));
+    return;
+  }
+  std::vector<std::string> identified;
+  for (const Index p : form->identified()) {
+    identified.push_back(info_->parameters[static_cast<std::size_t>(p)].name);
+  }
+  const auto is_identified = [&](const Marginal& m) {
+    return std::ranges::count(identified, m.name) > 0;
+  };
+  if (std::ranges::any_of(study_.prior, is_identified)) return;
+  reading_.fail(path + ".algorithm",
+                fmt::format("algorithm 'linear_regression' identifies {}; the prior must have one "
+                            "of them at least",
+                            join(identified)));
 }
 
 void StudyChecker::check_report() {

@@ -35,6 +35,15 @@ Constraint<std::string> estimator_constraint() {
   return constraint;
 }
 
+Constraint<double> quantile_constraint() {
+  return {"> 0 and <= 1", [](double v) { return v > 0.0 && v <= 1.0; }};
+}
+
+Constraint<double> window_constraint() {
+  return {"odd, >= 5 and <= 1001",
+          [](double v) { return v >= 5.0 && v <= 1001.0 && static_cast<Index>(v) % 2 == 1; }};
+}
+
 Constraint<std::vector<std::uint64_t>> seeds_constraint() {
   return {"distinct and >= 0, at least one of them",
           [](const auto& seeds) { return !seeds.empty() && all_distinct(seeds); }};

@@ -24,6 +24,10 @@ inline constexpr double kMaxLayers = 128;
 
 Constraint<std::string> algorithm_constraint();
 Constraint<std::string> estimator_constraint();
+/// > 0 and <= 1.
+Constraint<double> quantile_constraint();
+/// Of a smoother: odd, 5 to 1001.
+Constraint<double> window_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
 Constraint<std::vector<std::string>> metrics_constraint();
 Constraint<std::vector<inference::Marginal>> prior_constraint();
@@ -116,6 +120,25 @@ void describe(Fields& f, inference::SamplerConfig& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, inference::AbcConfig& c) {
+  f("distance", c.distance, one_of(inference::distance_names()),
+    "of simulations from the target: of features, or a metric of trajectories");
+  f("quantile", c.quantile, quantile_constraint(),
+    "the nearest simulations that are accepted, as a share of all");
+  f("epsilon", c.epsilon, not_negative(),
+    "largest distance that is accepted; 0: by quantile; \"abc_smc\" ends there");
+  f("smooth", c.smooth, anything<bool>(),
+    "move posterior samples by a draw of the density's kernel");
+}
+
+template <class Fields>
+void describe(Fields& f, inference::LinearRegressionConfig& c) {
+  f("window", c.window, window_constraint(),
+    "states that are smoothed over to differentiate a recording");
+  f("num_samples", c.num_samples, between(2, 10'000'000), "of the regression's weights");
+}
+
+template <class Fields>
 void describe(Fields& f, inference::AlgorithmConfig& c) {
   f("algorithm", c.name, algorithm_constraint(), "inference algorithm");
   f("num_rounds", c.num_rounds, count_from(1), "rounds of proposing, simulating and training");
@@ -148,6 +171,10 @@ void describe(Fields& f, MethodConfig& c) {
   f.table("training", "how the network is trained", [&](auto& t) { describe(t, c.training); });
   f.table("sampler", "how posteriors of a learnt likelihood or ratio are sampled",
           [&](auto& t) { describe(t, c.sampler); });
+  f.table("abc", "approximate Bayesian computation: \"abc_rejection\", \"abc_mcmc\", \"abc_smc\"",
+          [&](auto& t) { describe(t, c.abc); });
+  f.table("linear_regression", "of the algorithm \"linear_regression\"",
+          [&](auto& t) { describe(t, c.linear_regression); });
   f("published", c.published, anything<std::map<std::string, PublishedFigure>>(),
     "figures to print beside ours: { rmse = { mean = 0.263, std = 0.004 } }");
 }

@@ -43,12 +43,28 @@ void resolve_target(TargetConfig& target, const fs::path& file, const Reading& r
   if (target.truth && !reading.has("target.num_rollouts")) target.num_rollouts = kTruthRollouts;
 }
 
+// Without a network there is no layer to train, and no reason to look at fewer states than are
+// there.
+void resolve_without_network(Study& study, std::size_t i, const Reading& reading) {
+  MethodConfig& method = study.methods[i];
+  const auto family = inference::family_of_algorithm(method.algorithm.name);
+  if (family == inference::AlgorithmFamily::network) return;
+  const std::string embedding = "method[" + std::to_string(i) + "].embedding.";
+  if (!reading.has(embedding + "kind")) method.embedding.kind = "all_steps";
+  if (!reading.has(embedding + "downsample")) {
+    method.embedding.downsample = study.simulator.store_every;
+  }
+  if (family == inference::AlgorithmFamily::regression) method.algorithm.num_rounds = 1;
+}
+
 // Defaults that depend on other keys, and one spelling for each name.
 void resolve(Study& study, const fs::path& file, const Reading& reading) {
   resolve_target(study.target, file, reading);
+  std::size_t i = 0;
   for (MethodConfig& method : study.methods) {
     method.algorithm.name = inference::canonical_algorithm(method.algorithm.name);
     if (method.density_estimator.kind == "mog") method.density_estimator.kind = "mdn";
+    resolve_without_network(study, i++, reading);
   }
 }
 

@@ -107,6 +107,18 @@ learning_rate = 5e-4            # step size of Adam
 # thin = 2                      # sweeps between two samples of a chain
 # num_candidates = 10000        # draws of the prior that chains begin from, or that are resampled
 
+# Methods without a network. Of "abc_rejection", "abc_mcmc" and "abc_smc", in place of
+# density_estimator, training and sampler:
+#   [method.abc]
+#   distance = "euclidean"      # of features; or a metric of trajectories, "dtw" or "rmse"
+#   quantile = 0.1              # the nearest simulations that are accepted, as a share of all
+#   epsilon = 0.0               # largest distance that is accepted; 0: by quantile
+#   smooth = false              # move posterior samples by a draw of the density's kernel
+# Of "linear_regression", which needs no simulations (simulator "furuta" only):
+#   [method.linear_regression]
+#   window = 11                 # states that are smoothed over to differentiate a recording
+#   num_samples = 1000          # of the regression's weights
+
 [[method]]
 name = "NPDR (MoG)"
 num_rounds = 2

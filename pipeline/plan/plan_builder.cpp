@@ -39,11 +39,33 @@ Json behaviour_json(const sim::SimulatorConfig& config) {
   return json;
 }
 
+// Whether a posterior depends on this key of its method: what names the method, its figures in a
+// paper or its number of rounds changes none, nor does what is another family's.
+bool concerns(inference::AlgorithmFamily family, const std::string& key) {
+  using inference::AlgorithmFamily;
+  if (key == "algorithm" || key == "num_rollouts") return true;
+  if (family == AlgorithmFamily::regression) return key == "linear_regression";
+  if (family == AlgorithmFamily::abc) return key == "embedding" || key == "abc";
+  return key != "name" && key != "published" && key != "num_rounds" && key != "num_simulations" &&
+         key != "abc" && key != "linear_regression";
+}
+
+// What a posterior without simulations takes from the study.
+void describe_known(const Study& study, Json& json) {
+  json["simulator"] = {{"name", study.simulator.name}, {"parameters", study.simulator.parameters}};
+  json["prior"] = to_json(study.prior);
+}
+
 void describe_truth(const Study& study, Json& json) {
   json["simulator"] = behaviour_json(study.simulator);
   json["truth"] = *study.target.truth;
   json["num_rollouts"] = study.target.num_rollouts;
   json["seed"] = study.target.seed;
+}
+
+bool needs_simulations(const MethodConfig& method) {
+  return inference::family_of_algorithm(method.algorithm.name) !=
+         inference::AlgorithmFamily::regression;
 }
 
 }  // namespace
@@ -150,8 +172,10 @@ std::vector<std::size_t> PlanBuilder::add_experiment(const MethodConfig& method,
     const Use use{method.name, seed, round};
     const auto previous =
         posteriors.empty() ? std::nullopt : std::optional<std::size_t>(posteriors.back());
-    const std::size_t proposal = add_proposal(method, use, previous);
-    simulations.push_back(add_simulation(method, use, target, proposal));
+    if (needs_simulations(method)) {
+      const std::size_t proposal = add_proposal(method, use, previous);
+      simulations.push_back(add_simulation(method, use, target, proposal));
+    }
     posteriors.push_back(add_inference(method, use, target, simulations, posteriors));
     const bool is_last = round == method.algorithm.num_rounds;
     if (is_last || plan_.study.evaluate.rounds == "all") {
@@ -187,23 +211,28 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
                                        const std::vector<std::size_t>& simulations,
                                        const std::vector<std::size_t>& posteriors) {
   Json json = key_document(kPosteriorSchema);
+  const auto family = inference::family_of_algorithm(method.algorithm.name);
   const Json all = to_json(method);
-  // What names the method, its figures in a paper or its number of rounds changes no posterior.
   for (const auto& [key, value] : all.items()) {
-    if (key != "name" && key != "published" && key != "num_rounds" && key != "num_simulations") {
-      json[key] = value;
-    }
+    if (concerns(family, key)) json[key] = value;
   }
-  json["observation_noise"] = to_json(plan_.study.observation_noise);
+  if (needs_simulations(method)) {
+    json["observation_noise"] = to_json(plan_.study.observation_noise);
+  } else {
+    describe_known(plan_.study, json);
+  }
   json["seed"] = use.seed;
   json["round"] = use.round;
   // Its last round has another network.
   if (method.algorithm.name == "npe_a") json["is_last"] = use.round == method.algorithm.num_rounds;
   Inputs inputs = {{"target", target}};
-  for (std::size_t r = 0; r < simulations.size(); ++r) {
+  // A population has all that matters of the rounds before it.
+  const bool is_abc = family == inference::AlgorithmFamily::abc;
+  for (std::size_t r = is_abc ? simulations.size() - 1 : 0; r < simulations.size(); ++r) {
     inputs.emplace_back("simulation_" + std::to_string(r + 1), simulations[r]);
   }
-  for (std::size_t r = 0; r < posteriors.size(); ++r) {
+  const std::size_t first = is_abc && !posteriors.empty() ? posteriors.size() - 1 : 0;
+  for (std::size_t r = first; r < posteriors.size(); ++r) {
     inputs.emplace_back("posterior_" + std::to_string(r + 1), posteriors[r]);
   }
   return add(Stage::infer, json, use, inputs);

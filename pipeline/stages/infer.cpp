@@ -8,6 +8,7 @@
 #include "pipeline/plan/schemas.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/stop_request.h"
+#include "pipeline/stages/infer_methods.h"
 #include "pipeline/stages/posterior_file.h"
 #include "pipeline/stages/simulation_features.h"
 #include "pipeline/stages/simulation_file.h"
@@ -71,11 +72,9 @@ class EpochReport {
   Clock::time_point saved_ = Clock::now();
 };
 
-}  // namespace
-
-void run_infer(const Plan& plan, const Node& node) {
+// Trains a network on all rounds' simulations.
+void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const auto start = Clock::now();
-  ArtefactWriter writer(node.path, kPosteriorSchema, node.identity);
   const Use& use = node.uses.front();
   const MethodConfig& method = plan.study.method(use.method);
   for (const Node* simulation : plan.inputs(node, Stage::simulate)) {
@@ -95,7 +94,7 @@ void run_infer(const Plan& plan, const Node& node) {
   data.round = features.rounds();
   data.x_o = observation(plan, target, *embedding);
   for (const Node* posterior : plan.inputs(node, Stage::infer)) {
-    data.posteriors.push_back(read_posterior(*posterior));
+    data.posteriors.push_back(read_network_posterior(posterior->path, posterior->key));
   }
 
   Checkpoint checkpoint = read_checkpoint(plan, node);
@@ -111,6 +110,24 @@ void run_infer(const Plan& plan, const Node& node) {
 
   write_posterior(writer.file(), method, *posterior, target, state,
                   {features.num_rows(), features.num_failed()});
+}
+
+}  // namespace
+
+void run_infer(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kPosteriorSchema, node.identity);
+  const MethodConfig& method = plan.study.method(node.uses.front().method);
+  switch (inference::family_of_algorithm(method.algorithm.name)) {
+    case inference::AlgorithmFamily::network:
+      infer_network(plan, node, writer);
+      break;
+    case inference::AlgorithmFamily::abc:
+      infer_abc(plan, node, writer.file());
+      break;
+    case inference::AlgorithmFamily::regression:
+      infer_regression(plan, node, writer.file());
+      break;
+  }
   writer.finish();
   std::filesystem::remove(plan.work.checkpoint("infer", node.key));
 }

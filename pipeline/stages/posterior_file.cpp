@@ -11,6 +11,8 @@
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/schemas.h"
+#include "pipeline/stages/particle_file.h"
+#include "pipeline/stages/transform_file.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -141,24 +143,29 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   file.set_attribute("num_failed", rows.failed);
   file.write("weights", parts.parameters, kPlain).label_dimensions({"weight"});
   write_observation(file, parts.x_o, target);
-  h5::Group transform = file.create_group("transform");
-  transform.write("mean", parts.transform.mean).label_dimensions({"feature"});
-  transform.write("inverse_deviation", parts.transform.inverse_deviation)
-      .label_dimensions({"feature"});
-  if (parts.transform.basis.cols() > 0) {
-    transform.write("basis", parts.transform.basis, kPlain)
-        .label_dimensions({"feature", "component"});
-  }
+  write_transform(file, parts.transform);
   h5::Group curves = file.create_group("training");
   curves.write("training_loss", to_vector(training.training_loss)).label_dimensions({"epoch"});
   curves.write("validation_loss", to_vector(training.validation_loss)).label_dimensions({"epoch"});
 }
 
-std::unique_ptr<inference::NetworkPosterior> read_posterior(const std::filesystem::path& path,
-                                                            const std::string& key) {
+std::unique_ptr<inference::Posterior> read_posterior(const std::filesystem::path& path,
+                                                     const std::string& key) {
   const h5::File file = open_artefact(path, kPosteriorSchema, key);
+  if (holds_particles(file)) return read_particles(file);
+  return read_network_posterior(path, key);
+}
+
+std::unique_ptr<inference::NetworkPosterior> read_network_posterior(
+    const std::filesystem::path& path, const std::string& key) {
+  const h5::File file = open_artefact(path, kPosteriorSchema, key);
+  if (holds_particles(file)) {
+    throw InputError(fmt::format(
+        "{}: a posterior of '{}' has no network and holds for its own observation alone; infer "
+        "from another one in a study of its own",
+        path.string(), file.attribute<std::string>("algorithm")));
+  }
   const std::string prior = file.attribute<std::string>("prior");
-  const h5::Group transform = file.group("transform");
   inference::NetworkParts parts{
       .prior = inference::Prior(prior_from_json(parse_json(prior, file.where()), file.where())),
       .role = inference::network_role(file.attribute<std::string>("network_role")),
@@ -168,13 +175,7 @@ std::unique_ptr<inference::NetworkPosterior> read_posterior(const std::filesyste
       .transform = {},
       .parameters = file.read_vector<float>("weights", -1, h5::Values::finite),
       .x_o = file.read_vector<float>("x_o", -1, h5::Values::finite)};
-  const Index features = parts.x_o.size();
-  parts.transform.mean = transform.read_vector<float>("mean", features, h5::Values::finite);
-  parts.transform.inverse_deviation =
-      transform.read_vector<float>("inverse_deviation", features, h5::Values::finite);
-  if (transform.has("basis")) {
-    parts.transform.basis = transform.read_matrix<float>("basis", features, -1, h5::Values::finite);
-  }
+  parts.transform = read_transform(file, parts.x_o.size());
   parts.sampler = read_config<inference::SamplerConfig>(file, "sampler");
   if (file.has("proposal")) parts.proposal = read_proposal(file.group("proposal"), parts.prior);
   require_enough_weights(path.string(), parts);
@@ -185,7 +186,7 @@ std::unique_ptr<inference::NetworkPosterior> read_posterior(const std::filesyste
   }
 }
 
-std::unique_ptr<inference::NetworkPosterior> read_posterior(const Node& node) {
+std::unique_ptr<inference::Posterior> read_posterior(const Node& node) {
   return read_posterior(node.path, node.key);
 }
 
@@ -216,10 +217,16 @@ void require_like_observation(const std::string& where, const Target& found,
 
 PosteriorNotes read_posterior_notes(const Node& node) {
   const h5::File file = open_artefact(node.path, kPosteriorSchema, node.key);
+  PosteriorNotes notes{
+      .rows = {file.attribute<Index>("num_simulations"), file.attribute<Index>("num_failed")},
+      .regression = read_regression_counts(file),
+      .training_loss = {},
+      .validation_loss = {}};
+  if (holds_particles(file)) return notes;
   const h5::Group curves = file.group("training");
-  return {{file.attribute<Index>("num_simulations"), file.attribute<Index>("num_failed")},
-          curves.read_vector<double>("training_loss"),
-          curves.read_vector<double>("validation_loss")};
+  notes.training_loss = curves.read_vector<double>("training_loss");
+  notes.validation_loss = curves.read_vector<double>("validation_loss");
+  return notes;
 }
 
 void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state,

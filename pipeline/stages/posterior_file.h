@@ -33,10 +33,15 @@ void write_posterior(h5::File& file, const MethodConfig& method,
                      const inference::NetworkPosterior& posterior, const Target& target,
                      const inference::TrainingState& training, const RowCounts& rows);
 
-/// Reads the posterior of a file, whatever study made it. Throws InputError.
-std::unique_ptr<inference::NetworkPosterior> read_posterior(const std::filesystem::path& path,
-                                                            const std::string& key = "");
-std::unique_ptr<inference::NetworkPosterior> read_posterior(const Node& node);
+/// Reads the posterior of a file, whatever study and algorithm made it. Throws InputError.
+std::unique_ptr<inference::Posterior> read_posterior(const std::filesystem::path& path,
+                                                     const std::string& key = "");
+std::unique_ptr<inference::Posterior> read_posterior(const Node& node);
+
+/// The same of one that a network gives: an InputError for any other (particle_file.h), which holds
+/// for its own observation alone.
+std::unique_ptr<inference::NetworkPosterior> read_network_posterior(
+    const std::filesystem::path& path, const std::string& key = "");
 
 /// The channels of the rollouts that x_o was made of.
 Channels observed_channels(const std::filesystem::path& posterior);
@@ -47,10 +52,19 @@ Channels observed_channels(const std::filesystem::path& posterior);
 void require_like_observation(const std::string& where, const Target& found,
                               const std::filesystem::path& posterior);
 
+/// Samples of a regression's weights: how many there are, give parameters that the simulator's
+/// limits exclude, and lie outside of the prior.
+struct RegressionCounts {
+  Index samples = 0;
+  Index non_physical = 0;
+  Index outside_prior = 0;
+};
+
 /// What stands beside the posterior.
 struct PosteriorNotes {
   RowCounts rows;
-  Vector training_loss;    ///< (epochs)
+  std::optional<RegressionCounts> regression;
+  Vector training_loss;    ///< (epochs); empty without a network
   Vector validation_loss;  ///< (epochs)
 };
 PosteriorNotes read_posterior_notes(const Node& node);

@@ -1,10 +1,27 @@
+#include "inference/abc/abc.h"
 #include "inference/algorithms/posterior_estimation.h"
 #include "pipeline/plan/schemas.h"
+#include "pipeline/stages/particle_file.h"
 #include "pipeline/stages/posterior_file.h"
 #include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
+namespace {
+
+RowMatrix propose_from(const Plan& plan, const Node& posterior, Index n, const StreamId& id,
+                       const MethodConfig& method) {
+  const std::string& algorithm = method.algorithm.name;
+  if (inference::family_of_algorithm(algorithm) == inference::AlgorithmFamily::network) {
+    const auto network = read_network_posterior(posterior.path, posterior.key);
+    return inference::propose(estimation_config(method), *network, n, id);
+  }
+  const h5::File file = open_artefact(posterior.path, kPosteriorSchema, posterior.key);
+  return inference::propose(algorithm, inference::Prior(plan.study.prior), read_population(file), n,
+                            id);
+}
+
+}  // namespace
 
 void run_propose(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kProposalSchema, node.identity);
@@ -15,9 +32,9 @@ void run_propose(const Plan& plan, const Node& node) {
   if (posteriors.empty()) {
     theta = inference::sample_prior(inference::Prior(plan.study.prior), n, use.seed);
   } else {
-    const auto posterior = read_posterior(*posteriors.front());
-    theta = inference::propose(estimation_config(plan.study.method(use.method)), *posterior, n,
-                               {use.seed, "proposal", static_cast<std::uint64_t>(use.round), 0, 0});
+    theta = propose_from(plan, *posteriors.front(), n,
+                         {use.seed, "proposal", static_cast<std::uint64_t>(use.round), 0, 0},
+                         plan.study.method(use.method));
   }
   write_theta(writer.file(), plan, theta);
   writer.finish();

@@ -13,6 +13,14 @@ std::vector<const EvaluatedRun*> ReportData::runs_of(const std::string& method, 
   return found;
 }
 
+bool ReportData::is_inferred(const std::string& method, Index d) const {
+  const auto varies = [&](const EvaluatedRun* run) {
+    const auto column = run->evaluation.theta.col(d);
+    return column.size() < 2 || (column.array() != column(0)).any();
+  };
+  return std::ranges::any_of(runs_of(method), varies);
+}
+
 ReportData read_report_data(const Plan& plan, const Node& node) {
   ReportData data{plan, sim::make_simulator(plan.study.simulator)->info(),         {}, {},
                   {},   read_baseline(*plan.inputs(node, Stage::baseline).front())};

@@ -27,6 +27,10 @@ struct ReportData {
 
   /// Runs of the method, in the order of seeds: of its last round, or of `round` when that is > 0.
   std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;
+
+  /// Whether the method's samples differ in parameter d of the prior: some methods take parameters
+  /// as known that others infer.
+  bool is_inferred(const std::string& method, Index d) const;
 };
 
 ReportData read_report_data(const Plan& plan, const Node& node);

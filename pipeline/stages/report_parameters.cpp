@@ -53,6 +53,10 @@ Vector quantiles_of(const inference::Marginal& marginal) {
   return inference::Prior({marginal}).to_theta(u).col(0);
 }
 
+std::size_t note_known(Table& table) {
+  return table.footnote("not inferred by this method, which takes it as known");
+}
+
 }  // namespace
 
 Table parameters_table(const ReportData& data) {
@@ -73,6 +77,10 @@ Table parameters_table(const ReportData& data) {
     const double period = period_of(data, marginal.name);
     for (const std::string& method : data.methods) {
       Cell cell(analysis::summarize_periodic(pooled_theta(data.runs_of(method), d), period));
+      if (!data.is_inferred(method, d)) {
+        cell = Cell(data.runs_of(method).front()->evaluation.theta(0, d));
+        cell.notes.push_back(note_known(table));
+      }
       if (period > 0.0) cell.notes.push_back(table.footnote(period_note(period)));
       row.cells.push_back(std::move(cell));
     }
@@ -96,6 +104,11 @@ Table contraction_table(const ReportData& data) {
     const double prior_std = analysis::summarize_periodic(quantiles_of(marginal), period).std;
     Row row{marginal.name, {}};
     for (const std::string& method : data.methods) {
+      if (!data.is_inferred(method, d)) {
+        row.cells.emplace_back();
+        row.cells.back().notes.push_back(note_known(table));
+        continue;
+      }
       const auto runs = data.runs_of(method);
       Vector contraction(static_cast<Index>(runs.size()));
       for (Index i = 0; i < contraction.size(); ++i) {

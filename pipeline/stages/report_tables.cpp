@@ -73,6 +73,37 @@ void note_failed_rows(Table& table, const ReportData& data) {
   }
 }
 
+// What a regression's samples are like, which nothing keeps inside of the prior.
+void note_regressions(Table& table, const ReportData& data) {
+  for (const std::string& method : data.methods) {
+    RegressionCounts sum;
+    for (const EvaluatedRun* run : data.runs_of(method)) {
+      const RegressionCounts counts = run->notes.regression.value_or(RegressionCounts{});
+      sum.samples += counts.samples;
+      sum.non_physical += counts.non_physical;
+      sum.outside_prior += counts.outside_prior;
+    }
+    if (sum.samples == 0) continue;
+    table.footnote(
+        fmt::format("{}: {} of {} samples lie outside of the prior, {} are physically impossible",
+                    method, sum.outside_prior, sum.samples, sum.non_physical));
+  }
+}
+
+// Densities of fewer parameters can't be compared with those of all.
+void note_known_parameters(Table& table, const ReportData& data) {
+  for (const std::string& method : data.methods) {
+    std::vector<std::string> known;
+    for (std::size_t d = 0; d < data.plan.study.prior.size(); ++d) {
+      if (data.is_inferred(method, static_cast<Index>(d))) continue;
+      known.push_back(data.plan.study.prior[d].name);
+    }
+    if (known.empty()) continue;
+    table.footnote(fmt::format("{} takes as known: {}; its log p is the density of the others",
+                               method, join(known)));
+  }
+}
+
 // A reference may also set what the posterior takes for known.
 void note_fixed_parameters(Table& table, const ReportData& data) {
   const auto& prior = data.plan.study.prior;
@@ -167,6 +198,7 @@ Table fit_table(const ReportData& data) {
     if (data.seeds.size() > 1) table.rows.push_back(seed_means_row(data, metric));
   }
   note_failed_rows(table, data);
+  note_regressions(table, data);
   return table;
 }
 
@@ -208,6 +240,7 @@ Table seeds_table(const ReportData& data) {
     table.columns.push_back({fmt::format("log p({})", reference.name), false});
   }
   note_fixed_parameters(table, data);
+  note_known_parameters(table, data);
   for (const char* title : {"simulations", "failed", "epochs"}) {
     table.columns.push_back({title, false});
   }
@@ -231,7 +264,8 @@ Table seeds_table(const ReportData& data) {
       }
       row.cells.emplace_back(std::to_string(run->notes.rows.used + run->notes.rows.failed));
       row.cells.emplace_back(std::to_string(run->notes.rows.failed));
-      row.cells.emplace_back(std::to_string(run->notes.training_loss.size()));
+      const auto epochs = run->notes.training_loss.size();
+      row.cells.push_back(epochs > 0 ? Cell(std::to_string(epochs)) : Cell());
       if (has_sampler) add_sampler_cells(*run, row);
       table.rows.push_back(std::move(row));
     }

@@ -20,6 +20,11 @@ RowMatrix picked_amplitude(const Target& target, const inference::SeriesSelectio
   return picked;
 }
 
+// All uses of a simulation are in the same round.
+std::uint32_t round_of(const Node& simulation) {
+  return static_cast<std::uint32_t>(simulation.uses.front().round);
+}
+
 }  // namespace
 
 SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
@@ -48,7 +53,7 @@ void SimulationFeatures::read_theta(const std::vector<const Node*>& simulations)
         ++num_failed_;
         continue;
       }
-      origin_.push_back({static_cast<std::uint32_t>(s + 1), static_cast<std::uint32_t>(i)});
+      origin_.push_back({round_of(*simulations[s]), static_cast<std::uint32_t>(i)});
     }
     theta_.conservativeResize(num_rows(), theta.cols());
     for (Index i = before; i < num_rows(); ++i) {
@@ -73,7 +78,7 @@ void SimulationFeatures::read_series(const std::vector<const Node*>& simulations
       trajectories.read_rows<float>(begin, count, block);
       for (; next < num_rows(); ++next) {
         const Origin& origin = origin_[static_cast<std::size_t>(next)];
-        if (origin.round != s + 1 || origin.row >= begin + count) break;
+        if (origin.round != round_of(*simulations[s]) || origin.row >= begin + count) break;
         const std::span<const float> series(block.data() + (origin.row - begin) * width,
                                             static_cast<std::size_t>(width));
         embedding_.selection().pick(series, picked);
@@ -117,6 +122,12 @@ std::vector<std::uint32_t> SimulationFeatures::rounds() const {
   std::vector<std::uint32_t> rounds;
   for (const Origin& origin : origin_) rounds.push_back(origin.round);
   return rounds;
+}
+
+std::vector<Index> SimulationFeatures::rows() const {
+  std::vector<Index> rows;
+  for (const Origin& origin : origin_) rows.push_back(origin.row);
+  return rows;
 }
 
 VectorF observation(const Plan& plan, const Target& target, const inference::Embedding& embedding) {

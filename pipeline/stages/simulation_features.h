@@ -17,7 +17,7 @@ namespace npdr::pipeline {
 
 class SimulationFeatures : public inference::FeatureSource {
  public:
-  /// Reads the simulations of `infer`'s inputs, one a round, in blocks.
+  /// Reads the simulations among `infer`'s inputs, in blocks.
   SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
                      const inference::Embedding& embedding);
 
@@ -28,6 +28,7 @@ class SimulationFeatures : public inference::FeatureSource {
 
   const RowMatrix& theta() const { return theta_; }  ///< (N, D)
   std::vector<std::uint32_t> rounds() const;         ///< (N), counted from 1
+  std::vector<Index> rows() const;                   ///< (N), in the simulation of their round
   Index num_failed() const { return num_failed_; }
 
  private:

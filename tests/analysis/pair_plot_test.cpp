@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/random.h"
@@ -96,6 +98,45 @@ TEST(PairPlot, FitsFifteenParameters) {
   plot.num_points = 5;
   const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
   EXPECT_EQ(count_of(svg, "<circle cx="), 105 * 2 * 5 + 4);
+}
+
+// Of marginal c (from 0), in the order in which panels are drawn.
+std::string marginal_commands(const std::string& script, int c) {
+  std::size_t begin = script.find("unset ytics");
+  for (int k = 0; k < c; ++k) begin = script.find("unset ytics", begin + 1);
+  return script.substr(begin, script.find("unset label", begin) - begin);
+}
+
+// What a method takes as known is a line, not a spike that flattens the others' densities; sets
+// that lie outside of the box, in whole, leave an empty panel.
+TEST(PairPlot, KeepsItsScaleWithConstantAndFarSamples) {
+  const TempFolder folder;
+  PairPlot plot = plot_of(3);
+  plot.sets[1].samples.col(1).setConstant(0.75);
+  plot.sets[0].samples.col(2).array() += 10.0;
+  plot.sets[1].samples.col(2).array() -= 10.0;
+  plot.sets[1].samples(0, 2) = std::numeric_limits<double>::quiet_NaN();
+  const FigureFiles files = write_pair_plot(plot, folder.path());
+  const std::string script = read_text_file(files.script);
+  const std::string line = "set arrow from first 0.75, graph 0 to first 0.75, graph 1 nohead back";
+  EXPECT_EQ(marginal_commands(script, 0).find(line), std::string::npos);
+  EXPECT_NE(marginal_commands(script, 1).find(line), std::string::npos);
+  EXPECT_NE(marginal_commands(script, 2).find("set yrange [0:1]"), std::string::npos);
+  // Uniform on an interval of 1: a density of 1, and at most 20 % more by chance.
+  const std::string top = marginal_commands(script, 1);
+  EXPECT_LT(std::stod(top.substr(top.find("[0:") + 3)), 1.3);
+  EXPECT_EQ(markup_error(read_text_file(files.svg)), "");
+}
+
+TEST(PairPlot, CutsOffSpikes) {
+  const TempFolder folder;
+  PairPlot plot = plot_of(2);
+  plot.sets[1].samples.col(0) = 1.0 + 1e-3 * plot.sets[1].samples.col(0).array();
+  const std::string script = read_text_file(write_pair_plot(plot, folder.path()).script);
+  const std::string first = marginal_commands(script, 0);
+  const double top = std::stod(first.substr(first.find("[0:") + 3));
+  EXPECT_GT(top, 7.0);
+  EXPECT_LT(top, 11.0) << "8 times the other's 1 to 1.2, with 5 % of room";
 }
 
 TEST(PairPlot, NamesAreTextAndNothingElse) {

@@ -45,6 +45,74 @@ TEST_F(Reproducibility, SameBitsOfTheMinigolf) {
   EXPECT_EQ(threads, reference);
 }
 
+// One method of each kind without a network, each with a distance of its own.
+constexpr const char* kAbcStudy = R"toml([study]
+name = "small"
+[target]
+truth = { pole_length = 0.09 }
+num_rollouts = 1
+[simulator]
+name = "furuta"
+store_every = 25
+[prior]
+pole_length = { uniform = [0.065, 0.194] }
+gravity = { uniform = [8.34, 11.28] }
+[observation_noise]
+scale = 0.1
+[[method]]
+name = "SMC"
+algorithm = "abc_smc"
+num_rounds = 2
+num_simulations = 150
+abc = { quantile = 0.2, smooth = true }
+[[method]]
+name = "MCMC"
+algorithm = "abc_mcmc"
+num_rounds = 2
+num_simulations = 150
+abc = { distance = "dtw" }
+[[method]]
+name = "Regression"
+algorithm = "linear_regression"
+[evaluate]
+num_samples = 30
+metrics = ["rmse"]
+)toml";
+
+TEST_F(Reproducibility, SameBitsWithoutNetworks) {
+  std::ofstream(folder_.path() / "small.toml") << kAbcStudy;
+  setenv("OMP_NUM_THREADS", "1", 1);
+  const auto reference = digests_of("one", {"--jobs", "1", "--set", "simulate.shard_size=64"});
+  setenv("OMP_NUM_THREADS", "3", 1);
+  const auto threads = digests_of("three", {"--jobs", "3"});
+  unsetenv("OMP_NUM_THREADS");
+  EXPECT_EQ(reference.size(), 18u);  // target, baseline, 2 x (2 x 3 + 1), and 2 of the regression
+  EXPECT_EQ(threads, reference);
+
+  const auto sample = [&](const std::string& method, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"npdr", "sample", "-n", "20",
+                                      "one/small/" + method + "/infer.h5"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(folder_.path(), words);
+  };
+  for (const char* method :
+       {"smc/seed-1/round-2", "mcmc/seed-1/round-2", "regression/seed-1/round-1"}) {
+    const Outcome samples = sample(method, {});
+    EXPECT_EQ(samples.status, 0) << samples.err;
+    std::ofstream(folder_.path() / "theta.csv") << samples.out;
+    const Outcome densities =
+        run(folder_.path(),
+            {"npdr", "log-prob", std::string("one/small/") + method + "/infer.h5", "theta.csv"});
+    EXPECT_EQ(densities.status, 0) << densities.err;
+    EXPECT_EQ(densities.out.find("nan"), std::string::npos) << densities.out;
+    const Outcome other = sample(method, {"--x", "one/small/target.h5"});
+    EXPECT_EQ(other.status, 2);
+    EXPECT_NE(other.err.find("has no network and holds for its own observation alone"),
+              std::string::npos)
+        << other.err;
+  }
+}
+
 TEST_F(Reproducibility, AnotherSeedGivesOtherBits) {
   const auto first = digests_of("a", {});
   const auto second = digests_of("b", {"--set", "study.seeds=[2]"});

@@ -294,7 +294,7 @@ TEST(StudyProblems, OverridesThatCantBeReadSaySo) {
   EXPECT_EQ(problems_of(kStudyText, {"method.\"NPDR (MOG)\".num_rounds=2"}),
             "--set method.\"NPDR (MOG)\".num_rounds=2: unknown method or table of one 'NPDR (MOG)' "
             "(did you mean 'NPDR (MoG)'?); known: embedding, density_estimator, training, "
-            "sampler, published, NPDR (MAF), NPDR (MoG)");
+            "sampler, abc, linear_regression, published, NPDR (MAF), NPDR (MoG)");
   EXPECT_EQ(problems_of(kStudyText, {"study.name.x=2"}),
             "--set study.name.x=2: 'name' isn't a table, so nothing can be set in it");
   EXPECT_EQ(problems_of(kStudyText, {"report.title="}),
@@ -384,6 +384,63 @@ TEST(StudyProblems, OfReferencesAndHeldOutRollouts) {
             "nothing to the simulator 'pendulum'");
   EXPECT_EQ(problems_of(kStudyText, {"target.held_out=-1"}),
             "--set target.held_out=-1: target.held_out = -1, must be >= 0 and <= 10^9");
+}
+
+TEST(StudyProblems, OfMethodsWithoutANetwork) {
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'abc'\nabc = { quantile = 0.02 }"), "");
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'abc'\nabc = { quantile = 0 }"),
+            "s.toml:18:20: method.abc.quantile = 0, must be > 0 and <= 1");
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'abc'\nabc = { distance = 'dwt' }"),
+            "s.toml:18:20: method.abc.distance = 'dwt', must be one of euclidean, dtw, rmse (did "
+            "you mean 'dtw'?)");
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'abc'\nnum_rounds = 2"),
+            "s.toml:18:14: method.num_rounds = 2, must be 1 with algorithm 'abc_rejection', whose "
+            "simulations all come from the prior: raise num_simulations");
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'mcmc_abc'"),
+            "s.toml:15:1: method.num_rounds = 1, must be >= 2 with algorithm 'abc_mcmc': chains "
+            "take one step in each round");
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'smc_abc'\nembedding = { kind = 'linear' }"),
+            "s.toml:18:22: method.embedding.kind = 'linear', must be another with algorithm "
+            "'abc_smc', which trains no layer: such as 'all_steps'");
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'blr'"),
+            "s.toml:17:13: algorithm 'linear_regression' needs simulator.name = 'furuta', found "
+            "'pendulum': only its equations are a linear regression");
+}
+
+TEST(StudyProblems, SettingsOfOtherAlgorithmsMustBeLeftOut) {
+  EXPECT_EQ(problems_after(kMaf, "algorithm = 'abc'\ntraining = { batch_size = 10 }"),
+            "s.toml:18:12: method.training must be left out: it means nothing to the algorithm "
+            "'abc_rejection'");
+  EXPECT_EQ(problems_after(kMaf, "abc = {}"),
+            "s.toml:17:7: method.abc must be left out: it means nothing to the algorithm 'npe_c'");
+  // One for all methods may be meant for the others.
+  EXPECT_EQ(problems_of(edited(kStudyText, kMaf, "algorithm = 'abc'"),
+                        {"method.training.batch_size=10", "method.abc.quantile=0.2"}),
+            "");
+}
+
+std::string problems_of_furuta(const std::string& prior, const std::string& method) {
+  std::string text = edited(kStudyText, "pendulum", "furuta");
+  text = edited(text, "{ pole_mass = 1.1 }", "{}");
+  text = edited(text,
+                "pole_mass = { uniform = [0.3, 1.7] }\n"
+                "pole_length = { log_uniform = [0.3, 1.7] }",
+                prior);
+  return problems_of(edited(text, kMaf, "algorithm = 'linear_regression'\n" + method));
+}
+
+TEST(StudyProblems, OfRegressions) {
+  const std::string pole = "pole_mass = { uniform = [0.01, 0.03] }";
+  EXPECT_EQ(problems_of_furuta(pole, ""), "");
+  EXPECT_EQ(problems_of_furuta(pole, "linear_regression.window = 6"),
+            "s.toml:17:28: method.linear_regression.window = 6, must be odd, >= 5 and <= 1001");
+  EXPECT_EQ(problems_of_furuta("gravity = { uniform = [9.0, 10.0] }", ""),
+            "s.toml:16:13: algorithm 'linear_regression' identifies rotary_damping, pole_damping, "
+            "rotary_mass, pole_mass, rotary_length, pole_length; the prior must have one of them "
+            "at least");
+  EXPECT_EQ(problems_of_furuta(pole, "num_rounds = 3"),
+            "s.toml:17:14: method.num_rounds must be left out: it means nothing to the algorithm "
+            "'linear_regression'");
 }
 
 }  // namespace

@@ -225,5 +225,66 @@ TEST(Plan, NodesAreFoundByTheBeginningOfTheirKey) {
   EXPECT_THROW(plan.node_by_key(""), InputError);  // all begin like this
 }
 
+std::vector<Stage> inputs_of(const Plan& plan, const Node& node) {
+  std::vector<Stage> stages;
+  for (const std::size_t i : node.needs) stages.push_back(plan.nodes[i].stage);
+  return stages;
+}
+
+// What a population needs of the rounds before the last is in the last one's posterior.
+TEST(Plan, APopulationNeedsTheLastRoundAlone) {
+  const Plan plan = plan_of({"method.\"A\".algorithm=abc_smc", "method.\"A\".num_rounds=3"});
+  const Node& third = plan.node(Stage::infer, {"A", 1, 3});
+  EXPECT_EQ(inputs_of(plan, third),
+            (std::vector<Stage>{Stage::target, Stage::simulate, Stage::infer}));
+  EXPECT_EQ(plan.inputs(third, Stage::infer).front(), &plan.node(Stage::infer, {"A", 1, 2}));
+  EXPECT_EQ(plan.inputs(third, Stage::simulate).front(), &plan.node(Stage::simulate, {"A", 1, 3}));
+}
+
+TEST(Plan, PosteriorsDependOnTheSettingsOfTheirOwnFamily) {
+  const auto key = [](const char* method, const std::vector<std::string>& overrides) {
+    std::vector<std::string> all = {"method.\"A\".algorithm=abc_smc"};
+    all.insert(all.end(), overrides.begin(), overrides.end());
+    return plan_of(all).node(Stage::infer, {method, 1, 1}).key;
+  };
+  for (const char* abc : {"method.abc.quantile=0.3", "method.abc.distance=rmse"}) {
+    EXPECT_NE(key("A", {abc}), key("A", {})) << abc;
+    EXPECT_EQ(key("B", {abc}), key("B", {})) << abc;
+  }
+  EXPECT_EQ(key("A", {"method.training.learning_rate=0.1"}), key("A", {}));
+  EXPECT_NE(key("B", {"method.training.learning_rate=0.1"}), key("B", {}));
+}
+
+TEST(Plan, ARegressionNeedsTheTargetAlone) {
+  const char* text = R"toml(
+[study]
+name = "r"
+[target]
+truth = {}
+[simulator]
+name = "furuta"
+[prior]
+pole_mass = { uniform = [0.01, 0.03] }
+[[method]]
+name = "R"
+algorithm = "linear_regression"
+)toml";
+  const auto plan = [&](const std::vector<std::string>& overrides) {
+    return make_plan(parse_study(text, "r.toml", overrides), WorkFolder("runs"));
+  };
+  const Plan first = plan({});
+  EXPECT_EQ(first.nodes.size(), 5u) << "target, infer, evaluate, baseline, report";
+  const Node& infer = first.node(Stage::infer, {"R", 1, 1});
+  EXPECT_EQ(inputs_of(first, infer), std::vector<Stage>{Stage::target});
+  const auto key = [&](const std::string& assignment) {
+    return plan({assignment}).node(Stage::infer, {"R", 1, 1}).key;
+  };
+  EXPECT_NE(key("simulator.parameters={ gravity = 9.7 }"), infer.key);
+  EXPECT_NE(key("prior.pole_mass={ uniform = [0.01, 0.04] }"), infer.key);
+  EXPECT_NE(key("method.linear_regression.window=7"), infer.key);
+  EXPECT_EQ(key("observation_noise.scale=0.3"), infer.key);
+  EXPECT_EQ(key("method.num_rounds=4"), infer.key);
+}
+
 }  // namespace
 }  // namespace npdr::pipeline

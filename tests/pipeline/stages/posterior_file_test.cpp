@@ -65,7 +65,7 @@ class PosteriorFile : public ::testing::Test {
     write_posterior(writer.file(), method_, small_posterior(method_), {}, {}, {});
     change(writer.file());
     writer.finish();
-    return read_posterior(folder_ / "p.h5");
+    return read_network_posterior(folder_ / "p.h5");
   }
 
   template <class T>
@@ -87,7 +87,7 @@ class PosteriorFile : public ::testing::Test {
     write_posterior(writer.file(), method_, *inference::make_posterior(parts), {}, {}, {});
     change(writer.file());
     writer.finish();
-    return read_posterior(folder_ / "p.h5");
+    return read_network_posterior(folder_ / "p.h5");
   }
 
   MethodConfig method_;

@@ -115,7 +115,7 @@ TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
   const Plan plan = plan_of();
   const Node& infer = plan.node(Stage::infer, {"A", 1, 1});
   run_all(plan, Stage::infer);
-  const VectorF weights = read_posterior(infer)->parts().parameters;
+  const VectorF weights = read_network_posterior(infer.path)->parts().parameters;
   std::filesystem::remove(infer.path);
 
   write_checkpoint(plan, infer, state_of(VectorF::Zero(weights.size() + 16)), 0.0);

@@ -1,0 +1,34 @@
+#include "inference/abc/feature_distance.h"
+
+#include <numeric>
+#include <vector>
+
+#include "core/error.h"
+#include "inference/row_blocks.h"
+
+namespace npdr::inference {
+
+Vector feature_distances(const FeatureSource& x, const FeatureTransform& transform,
+                         const VectorF& x_o) {
+  if (x_o.size() != transform.num_inputs() || x.num_features() != x_o.size()) {
+    throw ShapeError("distances: " + std::to_string(x.num_features()) + " simulated and " +
+                     std::to_string(x_o.size()) + " observed features, must be " +
+                     std::to_string(transform.num_inputs()));
+  }
+  RowMatrixF observed;
+  transform.apply(x_o.transpose(), observed);
+  Vector distances(x.num_rows());
+  parallel_for(num_blocks(x.num_rows()), [&](Index b) {
+    const Index begin = b * kBlockRows, count = std::min(kBlockRows, x.num_rows() - begin);
+    std::vector<std::uint32_t> rows(static_cast<std::size_t>(count));
+    std::iota(rows.begin(), rows.end(), static_cast<std::uint32_t>(begin));
+    RowMatrixF features, z;
+    x.gather(rows, 0, features);
+    transform.apply(features, z);
+    distances.segment(begin, count) =
+        (z.rowwise() - observed.row(0)).cast<double>().rowwise().norm();
+  });
+  return distances;
+}
+
+}  // namespace npdr::inference

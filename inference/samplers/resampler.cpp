@@ -1,0 +1,21 @@
+#include "inference/samplers/resampler.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "inference/weighted_moments.h"
+
+namespace npdr::inference {
+
+Resampler::Resampler(const Vector& weights)
+    : cumulative_(weights.size()), effective_size_(inference::effective_size(weights)) {
+  std::partial_sum(weights.begin(), weights.end(), cumulative_.begin());
+  cumulative_ /= cumulative_(cumulative_.size() - 1);
+}
+
+Index Resampler::draw(double uniform) const {
+  const auto found = std::lower_bound(cumulative_.begin(), cumulative_.end(), uniform);
+  return std::min<Index>(found - cumulative_.begin(), cumulative_.size() - 1);
+}
+
+}  // namespace npdr::inference

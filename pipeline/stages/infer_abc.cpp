@@ -1,0 +1,95 @@
+#include <limits>
+#include <optional>
+
+#include "inference/abc/abc.h"
+#include "inference/abc/feature_distance.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/stages/infer_methods.h"
+#include "pipeline/stages/particle_file.h"
+#include "pipeline/stages/simulation_distances.h"
+#include "pipeline/stages/simulation_features.h"
+#include "pipeline/stages/simulation_file.h"
+#include "pipeline/stages/stage_files.h"
+#include "pipeline/stages/transform_file.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// What the round before left behind, and how many rows all rounds before had.
+struct Previous {
+  inference::AbcPopulation population;
+  RowCounts rows;
+  std::optional<inference::FeatureTransform> transform;
+};
+
+std::optional<Previous> read_previous(const Plan& plan, const Node& node) {
+  const auto posteriors = plan.inputs(node, Stage::infer);
+  if (posteriors.empty()) return std::nullopt;
+  const Node& posterior = *posteriors.front();
+  const h5::File file = open_artefact(posterior.path, kPosteriorSchema, posterior.key);
+  Previous previous{read_population(file), read_posterior_notes(posterior).rows, {}};
+  if (file.has("transform")) previous.transform = read_transform(file);
+  return previous;
+}
+
+// Distances of features. `transform`: that of round 1, fitted here when it is empty.
+Vector euclidean_distances(const Plan& plan, const Node& node, const Target& target, Index num_rows,
+                           std::optional<inference::FeatureTransform>& transform) {
+  const MethodConfig& method = plan.study.method(node.uses.front().method);
+  const auto embedding =
+      inference::make_embedding(method.embedding, target, plan.study.simulator.store_every);
+  const SimulationFeatures features(plan, node, target, *embedding);
+  Vector distances = Vector::Constant(num_rows, std::numeric_limits<double>::infinity());
+  if (features.num_rows() == 0) return distances;
+  if (!transform) {
+    transform = inference::fit_feature_transform(features, method.embedding.principal_components);
+  }
+  distances(features.rows()) =
+      inference::feature_distances(features, *transform, observation(plan, target, *embedding));
+  return distances;
+}
+
+Index count_infinite(const Vector& distances) {
+  return (distances.array() == std::numeric_limits<double>::infinity()).count();
+}
+
+}  // namespace
+
+void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
+  const Use& use = node.uses.front();
+  const MethodConfig& method = plan.study.method(use.method);
+  const Node& simulation = *plan.inputs(node, Stage::simulate).front();
+  check_failed_rows(plan, simulation);
+  const Target target = read_target(plan, node, method.num_rollouts);
+  std::optional<Previous> previous = read_previous(plan, node);
+
+  const h5::File rows = open_artefact(simulation.path, kSimulationSchema, simulation.key);
+  inference::AbcRound round{rows.read_matrix<double>("theta", -1, -1, h5::Values::finite), {}};
+  std::optional<inference::FeatureTransform> transform;
+  if (previous) transform = previous->transform;
+  round.distances = method.abc.distance == "euclidean"
+                        ? euclidean_distances(plan, node, target, round.theta.rows(), transform)
+                        : metric_distances(plan, simulation, target, method.abc.distance);
+
+  const inference::Prior prior(plan.study.prior);
+  const auto last = previous ? std::optional(previous->population) : std::nullopt;
+  const inference::AbcPopulation population =
+      inference::advance(method.algorithm.name, method.abc, prior, round, last,
+                         {use.seed, "abc", static_cast<std::uint64_t>(use.round), 0, 0});
+
+  RowCounts counts = previous ? previous->rows : RowCounts{};
+  const Index failed = count_infinite(round.distances);
+  counts.used += round.theta.rows() - failed;
+  counts.failed += failed;
+  write_particles(file, method.algorithm.name,
+                  {.prior = prior,
+                   .theta = population.theta,
+                   .weights = population.weights,
+                   .smooth = method.abc.smooth,
+                   .num_chains = population.num_chains},
+                  counts);
+  write_population(file, population);
+  if (transform) write_transform(file, *transform);
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,59 @@
+#include "pipeline/stages/infer_methods.h"
+#include "pipeline/stages/particle_file.h"
+#include "pipeline/stages/stage_files.h"
+#include "sim/simulator_check.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// The columns of the prior among all P parameters.
+RowMatrix pick(const Plan& plan, const sim::SimulatorInfo& info, const RowMatrix& complete) {
+  RowMatrix theta(complete.rows(), static_cast<Index>(plan.study.prior.size()));
+  Index d = 0;
+  for (const inference::Marginal& marginal : plan.study.prior) {
+    theta.col(d++) = complete.col(sim::parameter_index(info, marginal.name));
+  }
+  return theta;
+}
+
+RegressionCounts count(const inference::Prior& prior, const sim::SimulatorInfo& info,
+                       const RowMatrix& complete, const RowMatrix& theta) {
+  RegressionCounts counts{.samples = theta.rows()};
+  for (Index i = 0; i < theta.rows(); ++i) {
+    if (!sim::is_possible(complete.row(i), info)) ++counts.non_physical;
+    if (!prior.contains(theta.row(i).transpose())) ++counts.outside_prior;
+  }
+  return counts;
+}
+
+}  // namespace
+
+void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
+  const Use& use = node.uses.front();
+  const MethodConfig& method = plan.study.method(use.method);
+  const Target target = read_target(plan, node, method.num_rollouts);
+  const auto simulator = sim::make_simulator(plan.study.simulator);
+  const auto form = simulator->regression_form();
+  const Vector known = sim::complete_theta(*simulator, plan.study.simulator.parameters);
+
+  const sim::RegressionRows rows = form->rows(target, known, method.linear_regression.window);
+  const inference::WeightPosterior weights =
+      inference::maximise_evidence(rows.regressors, rows.response);
+  const Index n = method.linear_regression.num_samples;
+  const RowMatrix w = weights.sample(n, {use.seed, "regression_weights", 0, 0, 0});
+  RowMatrix complete(n, known.size());
+  for (Index i = 0; i < n; ++i) {
+    complete.row(i) = form->recover(w.row(i).transpose(), known).transpose();
+  }
+
+  const inference::Prior prior(plan.study.prior);
+  const RowMatrix theta = pick(plan, simulator->info(), complete);
+  inference::ParticleParts parts{.prior = prior,
+                                 .theta = theta,
+                                 .weights = Vector::Constant(n, 1.0 / static_cast<double>(n)),
+                                 .space = inference::ParticleSpace::theta};
+  write_particles(file, method.algorithm.name, parts, {});
+  write_regression(file, weights, count(prior, simulator->info(), complete, theta));
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,50 @@
+#include "inference/abc/feature_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "tests/inference/tasks.h"
+
+namespace npdr::inference {
+namespace {
+
+// 200 rows, so that there is a whole block, and one that isn't.
+RowMatrixF features() {
+  RowMatrixF x(200, 3);
+  for (Index i = 0; i < x.rows(); ++i) {
+    Stream stream({1, "features", 0, static_cast<std::uint64_t>(i), 0});
+    x(i, 0) = static_cast<float>(stream.normal());
+    x(i, 1) = static_cast<float>(100.0 + 50.0 * stream.normal());
+    x(i, 2) = 7.0f;
+  }
+  return x;
+}
+
+TEST(FeatureDistance, CountsEveryFeatureInItsDeviations) {
+  const RowMatrixF x = features();
+  const MatrixSource source(x);
+  const FeatureTransform transform = fit_feature_transform(source, 0);
+  VectorF x_o(3);
+  x_o << 0.5f, 80.0f, 7000.0f;  // the last one doesn't vary: it tells nothing
+  const Vector distances = feature_distances(source, transform, x_o);
+  const auto deviation = [&](Index f) {
+    const Vector column = x.col(f).cast<double>();
+    return std::sqrt((column.array() - column.mean()).square().mean());
+  };
+  for (const Index i : {0, 63, 64, 199}) {
+    const double expected =
+        std::hypot((x(i, 0) - 0.5) / deviation(0), (x(i, 1) - 80.0) / deviation(1));
+    EXPECT_NEAR(distances(i), expected, 1e-5) << i;
+  }
+}
+
+TEST(FeatureDistance, RejectsAnotherNumberOfFeatures) {
+  const MatrixSource source(features());
+  const FeatureTransform transform = fit_feature_transform(source, 0);
+  EXPECT_THROW(feature_distances(source, transform, VectorF::Zero(2)), ShapeError);
+}
+
+}  // namespace
+}  // namespace npdr::inference
