@@ -37,6 +37,8 @@ class Posterior {
 
   /// log p(theta | x_o) in nats, (n); -infinity outside of the prior's support.
   virtual Vector log_prob(const RowMatrix& theta) const = 0;
+  /// The same up to a constant, (n): cheaper where the constant has to be estimated.
+  virtual Vector relative_log_prob(const RowMatrix& theta) const { return log_prob(theta); }
 
   /// The theta (D) with the largest posterior density: the best of 1000 samples, refined by NLopt
   /// (Rowan 1990, subplex) in the space where the prior is N(0, I).

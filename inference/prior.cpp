@@ -144,10 +144,10 @@ bool Prior::contains(const Vector& theta) const {
   return true;
 }
 
-RowMatrix sample_prior(const Prior& prior, Index n, std::uint64_t seed) {
+RowMatrix sample_prior(const Prior& prior, Index n, std::uint64_t seed, std::uint64_t round) {
   RowMatrix theta(n, prior.dimension());
   for (Index i = 0; i < n; ++i) {
-    Stream stream({seed, "prior", 1, static_cast<std::uint64_t>(i), 0});
+    Stream stream({seed, "prior", round, static_cast<std::uint64_t>(i), 0});
     theta.row(i) = prior.sample(stream).transpose();
   }
   return theta;

@@ -64,7 +64,7 @@ class Prior {
   std::vector<Marginal> marginals_;
 };
 
-/// (n, D) draws of the prior, of round 1; row i has the stream (seed, "prior", 1, i).
-RowMatrix sample_prior(const Prior& prior, Index n, std::uint64_t seed);
+/// (n, D) draws of the prior; row i has the stream (seed, "prior", round, i).
+RowMatrix sample_prior(const Prior& prior, Index n, std::uint64_t seed, std::uint64_t round = 1);
 
 }  // namespace npdr::inference

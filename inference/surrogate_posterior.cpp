@@ -154,9 +154,12 @@ double SurrogatePosterior::estimate_log_normaliser() const {
          std::log(static_cast<double>(num_points));
 }
 
+Vector SurrogatePosterior::relative_log_prob(const RowMatrix& theta) const {
+  return log_density(prior().to_normal(theta)) + prior().log_det_to_normal(theta);
+}
+
 Vector SurrogatePosterior::log_prob(const RowMatrix& theta) const {
-  return (log_density(prior().to_normal(theta)).array() - log_normaliser()).matrix() +
-         prior().log_det_to_normal(theta);
+  return relative_log_prob(theta).array() - log_normaliser();
 }
 
 }  // namespace npdr::inference

@@ -23,6 +23,7 @@ class SurrogatePosterior : public NetworkPosterior {
 
   Samples draw(Index n, const StreamId& id) const override;
   Vector log_prob(const RowMatrix& theta) const override;
+  Vector relative_log_prob(const RowMatrix& theta) const override;
 
   /// l(u) + log N(u; 0, I) of each row of u, (n).
   Vector log_density(const RowMatrix& u) const;

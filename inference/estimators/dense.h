@@ -22,6 +22,14 @@ void dense_tanh(const X& x, const W& weight, const B& bias, Y& y) {
   y = (y.rowwise() + bias.row(0)).array().tanh();
 }
 
+/// y = max(0, x W + b).
+template <typename X, typename W, typename B, typename Y>
+void dense_relu(const X& x, const W& weight, const B& bias, Y& y) {
+  using S = typename Y::Scalar;
+  y.noalias() = x * weight;
+  y = (y.rowwise() + bias.row(0)).cwiseMax(S(0));
+}
+
 /// dL/dW = x^T dL/dy and dL/db = sum over rows of dL/dy, overwritten.
 template <typename X, typename D, typename W, typename B>
 void dense_gradient(const X& x, const D& d_y, W&& d_weight, B&& d_bias) {
@@ -36,11 +44,15 @@ void tanh_backward(const Y& y, D& d) {
   d.array() *= S(1) - y.array().square();
 }
 
-/// Given y = max(0, a), turns dL/dy in `d` into dL/da.
-template <typename Y, typename D>
-void relu_backward(const Y& y, D& d) {
-  using S = typename Y::Scalar;
-  d = (y.array() > S(0)).select(d, S(0));
+/// Given y = max(0, a), turns dL/dy in `d` into dL/da. A loop, because Eigen 3.4's select() isn't
+/// vectorised.
+template <typename S>
+void relu_backward(const RowMatrixX<S>& y, RowMatrixX<S>& d) {
+  const S* value = y.data();
+  S* derivative = d.data();
+  const Index count = d.size();
+#pragma omp simd
+  for (Index i = 0; i < count; ++i) derivative[i] = value[i] > S(0) ? derivative[i] : S(0);
 }
 
 /// Row i of `rows` (n k, w) += row i / k of `groups` (n, w).

@@ -27,7 +27,8 @@ std::optional<Stage> parse_stage(const std::string& name) {
   if (name.empty()) return std::nullopt;
   std::vector<std::string> known;
   for (const Stage stage : {Stage::target, Stage::held_out, Stage::propose, Stage::simulate,
-                            Stage::infer, Stage::baseline, Stage::evaluate, Stage::report}) {
+                            Stage::infer, Stage::baseline, Stage::evaluate, Stage::diagnose,
+                            Stage::report}) {
     if (to_string(stage) == name) return stage;
     known.push_back(to_string(stage));
   }

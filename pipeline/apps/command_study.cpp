@@ -25,10 +25,11 @@ void print_work(const Plan& plan) {
       is_recorded ? plan.target.num_rollouts() - study.target.held_out : study.target.num_rollouts;
   const Index num_steps = is_recorded ? plan.target.num_steps() : info.num_steps;
   const auto num_states = static_cast<Index>(info.state_channels.size());
-  Index evaluations = 0, rows = 0, posteriors = 0, bytes = 0, rollouts = 0;
+  Index evaluations = 0, diagnoses = 0, rows = 0, posteriors = 0, bytes = 0, rollouts = 0;
   for (const Node& node : plan.nodes) {
     if (node.stage == Stage::infer) ++posteriors;
     if (node.stage == Stage::evaluate) ++evaluations;
+    if (node.stage == Stage::diagnose) ++diagnoses;
     if (node.stage != Stage::simulate) continue;
     const MethodConfig& method = study.method(node.uses.front().method);
     const Index h = method.num_rollouts > 0 ? method.num_rollouts : num_rollouts;
@@ -45,6 +46,9 @@ void print_work(const Plan& plan) {
   fmt::print("to judge them: {} evaluations of {} samples{}\n", evaluations,
              study.evaluate.num_samples,
              is_recorded && study.evaluate.floor ? ", and a search for the floor" : "");
+  if (diagnoses == 0) return;
+  fmt::print("to check them: {} diagnoses, {} samples of each posterior\n", diagnoses,
+             study.diagnose.num_samples);
 }
 
 void list_simulators() {
@@ -80,9 +84,10 @@ void list(const std::string& what) {
   if (what == "estimators") return list_names(inference::estimator_names());
   if (what == "integrators") return list_names(sim::integrator_names());
   if (what == "metrics") return list_names(metric_names());
-  throw InputError(unknown_name(
-      "list", what,
-      {"simulators", "methods", "embeddings", "estimators", "integrators", "metrics", "keys"}));
+  if (what == "checks") return list_names(check_names());
+  throw InputError(unknown_name("list", what,
+                                {"simulators", "methods", "embeddings", "estimators", "integrators",
+                                 "metrics", "checks", "keys"}));
 }
 
 void write_new_study(const std::string& name) {
@@ -131,8 +136,9 @@ void add_list_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("list", "what a study can choose from");
   auto what = std::make_shared<std::string>();
   command
-      ->add_option("WHAT", *what,
-                   "simulators, methods, embeddings, estimators, integrators, metrics or keys")
+      ->add_option(
+          "WHAT", *what,
+          "simulators, methods, embeddings, estimators, integrators, metrics, checks or keys")
       ->required();
   command->callback([&result, what] {
     result = guarded_main("npdr list", [&] {

@@ -19,5 +19,6 @@ void add_inspect_command(CLI::App& app, int& result);
 void add_verify_command(CLI::App& app, int& result);
 void add_sample_command(CLI::App& app, int& result);
 void add_log_prob_command(CLI::App& app, int& result);
+void add_compare_command(CLI::App& app, int& result);
 
 }  // namespace npdr::pipeline

@@ -85,8 +85,9 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
   const RowMatrix theta = file.read_matrix<double>("theta", -1, prior.dimension());
   Verification result;
   result.num_rows = theta.rows();
+  const auto round = document.value("round", std::uint64_t{1});
   for (const Index row : pick_rows(result.num_rows, count, pick)) {
-    Stream stream({info.identity.seed, "prior", 1, static_cast<std::uint64_t>(row), 0});
+    Stream stream({info.identity.seed, "prior", round, static_cast<std::uint64_t>(row), 0});
     ++result.num_checked;
     if (prior.sample(stream).transpose() != theta.row(row)) result.different.push_back(row);
   }

@@ -1,5 +1,6 @@
 #include "pipeline/config/study.h"
 
+#include <algorithm>
 #include <cctype>
 
 #include "core/error.h"
@@ -14,6 +15,30 @@ const MethodConfig& Study::method(const std::string& method_name) const {
     names.push_back(m.name);
   }
   throw InputError(unknown_name("method", method_name, names));
+}
+
+DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
+  using inference::AlgorithmFamily;
+  const AlgorithmFamily family = inference::family_of_algorithm(method.algorithm.name);
+  DiagnoseConfig config = diagnose;
+  std::erase_if(config.checks, [&](const std::string& check) {
+    if (check == "predictive") return false;
+    if (check == "ood") return family == AlgorithmFamily::regression;
+    return family != AlgorithmFamily::network;
+  });
+  return config;
+}
+
+bool DiagnoseConfig::has(std::string_view check) const {
+  return std::ranges::find(checks, check) != checks.end();
+}
+
+bool DiagnoseConfig::calibrates() const {
+  return has("sbc") || has("coverage") || has("tarp") || has("local_c2st");
+}
+
+std::vector<std::string> check_names() {
+  return {"sbc", "coverage", "tarp", "local_c2st", "predictive", "ood", "training"};
 }
 
 std::vector<std::string> metric_names() { return {"dtw", "rmse", "final_error", "goal"}; }

@@ -48,6 +48,18 @@ struct EvaluateConfig {
   bool floor = true;            ///< of a recording: also search for the smallest RMSE in the prior
 };
 
+/// How posteriors are checked.
+struct DiagnoseConfig {
+  std::vector<std::string> checks;  ///< of check_names(); all where the study has a [diagnose]
+  Index num_simulations = 300;      ///< fresh draws of the prior, to calibrate with
+  Index num_samples = 1000;         ///< of each posterior
+  double alpha = 0.01;  ///< probability that a method without fault fails any of its checks
+
+  bool has(std::string_view check) const;
+  /// Whether any of the checks needs fresh simulations.
+  bool calibrates() const;
+};
+
 /// A named parameter vector to compare posteriors with.
 struct ReferenceConfig {
   std::string name;
@@ -94,6 +106,7 @@ struct Study {
   SimulateConfig simulate;
   std::vector<MethodConfig> methods;
   EvaluateConfig evaluate;
+  DiagnoseConfig diagnose;
   std::vector<ReferenceConfig> references;
   LimitsConfig limits;
   ReportConfig report;
@@ -101,10 +114,17 @@ struct Study {
 
   /// Throws InputError with the nearest name when no method is called `method_name`.
   const MethodConfig& method(const std::string& method_name) const;
+
+  /// The checks that mean something to a method: without a network nothing can be calibrated, and
+  /// without simulations nothing lies among them.
+  DiagnoseConfig diagnose_of(const MethodConfig& method) const;
 };
 
 /// What evaluate.metrics may hold.
 std::vector<std::string> metric_names();
+
+/// What diagnose.checks may hold: those of a network over many simulations, then those at x_o.
+std::vector<std::string> check_names();
 
 /// The names of what a study measures: its metrics, and again with the prefix "held_out_" when
 /// there are held-out rollouts.

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/algorithms/npe_c.h"
+#include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/prior_check.h"
 #include "pipeline/config/rollout_check.h"
@@ -52,6 +53,7 @@ class StudyChecker {
     check_method_names();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) check_method(i);
     check_unused_settings();
+    check_diagnose();
     check_references();
     check_metrics();
     check_held_out();
@@ -83,6 +85,7 @@ class StudyChecker {
   void check_regression(const std::string& path);
   void check_unused_settings(const std::string& path, const MethodConfig& method);
   void check_unused_settings();
+  void check_diagnose();
   void check_references();
   void check_metrics();
   void check_held_out();
@@ -198,6 +201,23 @@ void StudyChecker::check_unused_settings() {
     if (!reading_.has(path)) continue;
     reading_.fail(path, fmt::format("{} must be left out: it means nothing to the simulator '{}'",
                                     path, info_->name));
+  }
+}
+
+// An observation is judged by the simulations of all rounds.
+void StudyChecker::check_diagnose() {
+  constexpr Index fewest = inference::kFewestSimulations;
+  for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+    const std::string path = fmt::format("method[{}].num_simulations", i);
+    const inference::AlgorithmConfig& algorithm = study_.methods[i].algorithm;
+    if (!reading_.good(fmt::format("method[{}].algorithm", i)) ||
+        !study_.diagnose_of(study_.methods[i]).has("ood")) {
+      continue;
+    }
+    if (algorithm.num_simulations >= fewest || !reading_.good(path)) continue;
+    if (algorithm.num_rounds * algorithm.num_simulations >= fewest) continue;
+    fail(path, std::to_string(algorithm.num_simulations),
+         fmt::format("such that all rounds have {} or more with the check 'ood'", fewest));
   }
 }
 

@@ -19,6 +19,14 @@ bool is_algorithm(const std::string& spelling) {
   }
 }
 
+Constraint<std::vector<std::string>> distinct_of(const std::vector<std::string>& known) {
+  return {"distinct, each one of " + join(known), [known](const auto& names) {
+            return all_distinct(names) && std::ranges::all_of(names, [&](const std::string& name) {
+                     return std::ranges::find(known, name) != known.end();
+                   });
+          }};
+}
+
 }  // namespace
 
 Constraint<std::string> algorithm_constraint() {
@@ -50,15 +58,15 @@ Constraint<std::vector<std::uint64_t>> seeds_constraint() {
 }
 
 Constraint<std::vector<std::string>> metrics_constraint() {
-  const std::vector<std::string> known = metric_names();
-  return {"distinct, each one of " + join(known) + ", at least one of them",
-          [known](const auto& metrics) {
-            return !metrics.empty() && all_distinct(metrics) &&
-                   std::all_of(metrics.begin(), metrics.end(), [&](const std::string& metric) {
-                     return std::find(known.begin(), known.end(), metric) != known.end();
-                   });
-          }};
+  Constraint<std::vector<std::string>> constraint = distinct_of(metric_names());
+  constraint.words += ", at least one of them";
+  constraint.allows = [allows = constraint.allows](const auto& metrics) {
+    return !metrics.empty() && allows(metrics);
+  };
+  return constraint;
 }
+
+Constraint<std::vector<std::string>> checks_constraint() { return distinct_of(check_names()); }
 
 Constraint<std::vector<inference::Marginal>> prior_constraint() {
   return {"of at least one parameter", [](const auto& prior) { return !prior.empty(); }};

@@ -30,6 +30,7 @@ Constraint<double> quantile_constraint();
 Constraint<double> window_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
 Constraint<std::vector<std::string>> metrics_constraint();
+Constraint<std::vector<std::string>> checks_constraint();
 Constraint<std::vector<inference::Marginal>> prior_constraint();
 
 template <class Fields>
@@ -217,6 +218,17 @@ void describe(Fields& f, EvaluateConfig& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, DiagnoseConfig& c) {
+  f("checks", c.checks, checks_constraint(),
+    "what posteriors are checked by; all of them in a [diagnose] without this key");
+  f("num_simulations", c.num_simulations, between(40, 1'000'000),
+    "fresh draws of the prior that are simulated, to calibrate with");
+  f("num_samples", c.num_samples, between(40, 1'000'000), "posterior samples per observation");
+  f("alpha", c.alpha, strictly_between(0, 1),
+    "probability that a method without fault fails any of its checks");
+}
+
+template <class Fields>
 void describe(Fields& f, ReportConfig& c) {
   f("title", c.title, anything<std::string>(), "title of the report; empty: the study's name");
   f("caption", c.caption, anything<std::string>(), "text below the main tables");
@@ -242,6 +254,7 @@ void describe(Fields& f, Study& c) {
   });
   f.list("method", c.methods, 1, "a method to compare", [](auto& t, auto& m) { describe(t, m); });
   f.table("evaluate", "how posteriors are judged", [&](auto& t) { describe(t, c.evaluate); });
+  f.table("diagnose", "how posteriors are checked", [&](auto& t) { describe(t, c.diagnose); });
   f.list("reference", c.references, 0, "a parameter vector to compare posteriors with",
          [](auto& t, auto& r) { describe(t, r); });
   f.table("limits", "when to give up", [&](auto& t) {

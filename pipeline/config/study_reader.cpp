@@ -60,6 +60,9 @@ void resolve_without_network(Study& study, std::size_t i, const Reading& reading
 // Defaults that depend on other keys, and one spelling for each name.
 void resolve(Study& study, const fs::path& file, const Reading& reading) {
   resolve_target(study.target, file, reading);
+  if (reading.has("diagnose") && !reading.has("diagnose.checks")) {
+    study.diagnose.checks = check_names();
+  }
   std::size_t i = 0;
   for (MethodConfig& method : study.methods) {
     method.algorithm.name = inference::canonical_algorithm(method.algorithm.name);

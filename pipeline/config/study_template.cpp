@@ -132,6 +132,14 @@ num_samples = 100               # posterior samples that are simulated and measu
 # rounds = "last"               # or "all": every round's posterior
 # floor = true                  # of a recording: also search for the smallest RMSE in the prior
 
+# Checks of the posteriors: calibration over fresh simulations, and whether the observation is like
+# what was simulated. Without this table there are none.
+#   [diagnose]
+#   checks = ["sbc", "coverage", "tarp", "local_c2st", "predictive", "ood", "training"]
+#   num_simulations = 300       # fresh draws of the prior that are simulated, to calibrate with
+#   num_samples = 1000          # posterior samples per observation
+#   alpha = 0.01                # probability that a method without fault fails any of its checks
+
 # Named parameters to compare with, such as measured ones: a column in the tables each.
 #   [[reference]]
 #   name = "measured"

@@ -24,6 +24,8 @@ std::string to_string(Stage stage) {
       return "baseline";
     case Stage::evaluate:
       return "evaluate";
+    case Stage::diagnose:
+      return "diagnose";
     case Stage::report:
       return "report";
   }
@@ -47,6 +49,7 @@ std::string Node::label() const {
   std::string text = to_string(stage);
   if (!use.method.empty()) text += " " + use.method + ", seed " + std::to_string(use.seed);
   if (use.round > 0) text += ", round " + std::to_string(use.round);
+  if (is_calibration(*this)) text += ", calibration";
   return text;
 }
 
@@ -95,6 +98,7 @@ std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use
     folder = folder / folder_name(use.method) / ("seed-" + std::to_string(use.seed));
   }
   if (use.round > 0) folder /= "round-" + std::to_string(use.round);
+  if (is_calibration(node)) folder /= "calibration";
   return folder / (to_string(node.stage) + ".h5");
 }
 
@@ -113,7 +117,13 @@ std::vector<RowRange> shards(const Plan& plan, const Node& simulate) {
   return ranges;
 }
 
+bool is_calibration(const Node& node) {
+  const bool has_rows = node.stage == Stage::propose || node.stage == Stage::simulate;
+  return has_rows && node.uses.front().round == 0;
+}
+
 Index num_rows(const Plan& plan, const Node& node) {
+  if (is_calibration(node)) return plan.study.diagnose.num_simulations;
   return plan.study.method(node.uses.front().method).algorithm.num_simulations;
 }
 

@@ -15,7 +15,17 @@
 
 namespace npdr::pipeline {
 
-enum class Stage { target, held_out, propose, simulate, infer, baseline, evaluate, report };
+enum class Stage {
+  target,
+  held_out,
+  propose,
+  simulate,
+  infer,
+  baseline,
+  evaluate,
+  diagnose,
+  report
+};
 
 /// "target", "propose", ...
 std::string to_string(Stage stage);
@@ -27,7 +37,8 @@ std::string program_of(Stage stage);
 struct Use {
   std::string method;  ///< "": the whole study
   std::uint64_t seed = 0;
-  Index round = 0;  ///< counted from 1; 0: none
+  /// Counted from 1; 0: none, or, of proposals and simulations, that of calibration.
+  Index round = 0;
 };
 
 /// One artefact.
@@ -80,6 +91,9 @@ struct RowRange {
   Index end = 0;
 };
 std::vector<RowRange> shards(const Plan& plan, const Node& simulate);
+
+/// Whether a node proposes or simulates what posteriors are calibrated with.
+bool is_calibration(const Node& node);
 
 /// The simulations of a node's round.
 Index num_rows(const Plan& plan, const Node& node);

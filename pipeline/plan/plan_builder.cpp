@@ -89,7 +89,11 @@ void PlanBuilder::check_selection(const Selection& selection) const {
 Plan PlanBuilder::build() {
   const std::size_t target = add_target();
   held_out_ = add_held_out();
-  std::vector<std::size_t> evaluations;
+  std::vector<std::size_t> evaluations, diagnoses;
+  // Methods that differ only in what changes no posterior share what is made of them.
+  const auto note = [](std::vector<std::size_t>& nodes, std::size_t added) {
+    if (std::ranges::find(nodes, added) == nodes.end()) nodes.push_back(added);
+  };
   const auto selected = [](const auto& wanted, const auto& value) {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
   };
@@ -97,16 +101,12 @@ Plan PlanBuilder::build() {
     if (!selected(selection_.seeds, seed)) continue;
     for (const MethodConfig& method : plan_.study.methods) {
       if (!selected(selection_.methods, method.name)) continue;
-      const auto added = add_experiment(method, seed, target);
-      // Methods that differ only in what changes no posterior share their evaluations.
-      for (const std::size_t evaluation : added) {
-        if (std::find(evaluations.begin(), evaluations.end(), evaluation) == evaluations.end()) {
-          evaluations.push_back(evaluation);
-        }
-      }
+      const Experiment added = add_experiment(method, seed, target);
+      for (const std::size_t evaluation : added.evaluations) note(evaluations, evaluation);
+      if (added.diagnosis) note(diagnoses, *added.diagnosis);
     }
   }
-  add_report(add_baseline(target), evaluations);
+  add_report(add_baseline(target), evaluations, diagnoses);
   return std::move(plan_);
 }
 
@@ -165,9 +165,10 @@ std::size_t PlanBuilder::add_baseline(std::size_t target) {
   return add(Stage::baseline, json, {}, inputs);
 }
 
-std::vector<std::size_t> PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
-                                                     std::size_t target) {
-  std::vector<std::size_t> simulations, posteriors, evaluations;
+PlanBuilder::Experiment PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
+                                                    std::size_t target) {
+  Experiment added;
+  std::vector<std::size_t> simulations, posteriors;
   for (Index round = 1; round <= method.algorithm.num_rounds; ++round) {
     const Use use{method.name, seed, round};
     const auto previous =
@@ -179,16 +180,20 @@ std::vector<std::size_t> PlanBuilder::add_experiment(const MethodConfig& method,
     posteriors.push_back(add_inference(method, use, target, simulations, posteriors));
     const bool is_last = round == method.algorithm.num_rounds;
     if (is_last || plan_.study.evaluate.rounds == "all") {
-      evaluations.push_back(add_evaluation(use, target, posteriors.back()));
+      added.evaluations.push_back(add_evaluation(use, target, posteriors.back()));
     }
   }
-  return evaluations;
+  if (!plan_.study.diagnose_of(method).checks.empty()) {
+    added.diagnosis = add_diagnosis(method, seed, target, simulations, posteriors);
+  }
+  return added;
 }
 
 std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use,
                                       std::optional<std::size_t> posterior) {
   Json json = key_document(kProposalSchema);
-  json["num_simulations"] = method.algorithm.num_simulations;
+  json["num_simulations"] =
+      use.round == 0 ? plan_.study.diagnose.num_simulations : method.algorithm.num_simulations;
   json["seed"] = use.seed;
   json["round"] = use.round;
   if (!posterior) {
@@ -248,12 +253,45 @@ std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std:
   return add(Stage::evaluate, json, use, inputs);
 }
 
-void PlanBuilder::add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations) {
+// Calibration asks the network of round 1, which has learnt from the whole prior; what concerns x_o
+// alone, that of the last round.
+std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, std::uint64_t seed,
+                                       std::size_t target,
+                                       const std::vector<std::size_t>& simulations,
+                                       const std::vector<std::size_t>& posteriors) {
+  const Use use{method.name, seed, 0};
+  Json json = key_document(kDiagnosisSchema);
+  const DiagnoseConfig diagnose = plan_.study.diagnose_of(method);
+  const Json settings = to_json(diagnose);
+  for (const auto& [key, value] : settings.items()) {
+    if (key != "alpha") json[key] = value;  // the verdict is the report's
+  }
+  json["simulator"] = simulator_json(plan_.study.simulator);
+  json["seed"] = seed;
+  Inputs inputs = {{"target", target}, {"posterior", posteriors.back()}};
+  if (diagnose.calibrates()) {
+    if (posteriors.size() > 1) inputs.emplace_back("posterior_1", posteriors.front());
+    const std::size_t proposal = add_proposal(method, use, {});
+    inputs.emplace_back("calibration", add_simulation(method, use, target, proposal));
+  }
+  if (diagnose.has("ood")) {
+    for (std::size_t r = 0; r < simulations.size(); ++r) {
+      inputs.emplace_back("simulation_" + std::to_string(r + 1), simulations[r]);
+    }
+  }
+  return add(Stage::diagnose, json, use, inputs);
+}
+
+void PlanBuilder::add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations,
+                             const std::vector<std::size_t>& diagnoses) {
   Json json = key_document(kReportSchema);
   json["study"] = study_json_;
   Inputs inputs = {{"baseline", baseline}};
   for (std::size_t i = 0; i < evaluations.size(); ++i) {
     inputs.emplace_back("evaluation_" + std::to_string(i + 1), evaluations[i]);
+  }
+  for (std::size_t i = 0; i < diagnoses.size(); ++i) {
+    inputs.emplace_back("diagnosis_" + std::to_string(i + 1), diagnoses[i]);
   }
   add(Stage::report, json, {}, inputs);
 }

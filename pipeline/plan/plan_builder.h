@@ -18,9 +18,13 @@ class PlanBuilder {
   void check_selection(const Selection& selection) const;
   std::size_t add_target();
   std::size_t add_baseline(std::size_t target);
-  /// All rounds of one method and seed; returns its evaluations.
-  std::vector<std::size_t> add_experiment(const MethodConfig& method, std::uint64_t seed,
-                                          std::size_t target);
+  /// What the report needs of one method and seed.
+  struct Experiment {
+    std::vector<std::size_t> evaluations;
+    std::optional<std::size_t> diagnosis;
+  };
+  /// All rounds of one method and seed.
+  Experiment add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target);
   std::size_t add_proposal(const MethodConfig& method, const Use& use,
                            std::optional<std::size_t> posterior);
   std::size_t add_simulation(const MethodConfig& method, const Use& use, std::size_t target,
@@ -32,7 +36,11 @@ class PlanBuilder {
   /// Notes down in `json` what a judgement depends on, and returns its inputs.
   Inputs add_judgement(std::size_t target, nlohmann::ordered_json& json) const;
   std::size_t add_evaluation(const Use& use, std::size_t target, std::size_t posterior);
-  void add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations);
+  std::size_t add_diagnosis(const MethodConfig& method, std::uint64_t seed, std::size_t target,
+                            const std::vector<std::size_t>& simulations,
+                            const std::vector<std::size_t>& posteriors);
+  void add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations,
+                  const std::vector<std::size_t>& diagnoses);
 
   /// Adds a node, or another use to the node that has the same key.
   std::size_t add(Stage stage, nlohmann::ordered_json document, const Use& use,

@@ -15,6 +15,7 @@ inline const Schema kPosteriorSchema{"posterior", 3, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 3, "infer"};
 inline const Schema kBaselineSchema{"baseline", 3, "baseline"};
 inline const Schema kEvaluationSchema{"evaluation", 3, "evaluate"};
+inline const Schema kDiagnosisSchema{"diagnosis", 1, "diagnose"};
 inline const Schema kReportSchema{"report", 1, "report"};
 
 }  // namespace npdr::pipeline

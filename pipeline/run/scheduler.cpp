@@ -23,7 +23,8 @@ double seconds_since(Clock::time_point start) {
 }
 
 bool uses_threads(Stage stage) {
-  return stage == Stage::simulate || stage == Stage::evaluate || stage == Stage::baseline;
+  return stage == Stage::simulate || stage == Stage::evaluate || stage == Stage::baseline ||
+         stage == Stage::diagnose;
 }
 
 // Unlike fmt::print(), doesn't throw: a terminal that was closed or a full disk end no run.

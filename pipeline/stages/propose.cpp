@@ -30,7 +30,9 @@ void run_propose(const Plan& plan, const Node& node) {
   const auto posteriors = plan.inputs(node, Stage::infer);
   RowMatrix theta;
   if (posteriors.empty()) {
-    theta = inference::sample_prior(inference::Prior(plan.study.prior), n, use.seed);
+    // Calibration, round 0, has draws of its own.
+    theta = inference::sample_prior(inference::Prior(plan.study.prior), n, use.seed,
+                                    static_cast<std::uint64_t>(use.round));
   } else {
     theta = propose_from(plan, *posteriors.front(), n,
                          {use.seed, "proposal", static_cast<std::uint64_t>(use.round), 0, 0},

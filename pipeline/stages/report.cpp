@@ -5,6 +5,7 @@
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/stages/report_diagnostics.h"
 #include "pipeline/stages/report_figures.h"
 #include "pipeline/stages/report_marker.h"
 #include "pipeline/stages/report_parameters.h"
@@ -106,6 +107,9 @@ void run_report(const Plan& plan, const Node& node) {
   const std::optional<Target> held_out = read_report_held_out(plan);
   report.sections = {fit_section(data, target, held_out), posterior_section(data, figures),
                      prediction_section(data, target, held_out, figures)};
+  if (auto section = diagnostics_section(data, figures)) {
+    report.sections.push_back(std::move(*section));
+  }
   report.commands = {plan.command};
   report.provenance = provenance(plan, node);
   std::vector<std::filesystem::path> files;
@@ -118,6 +122,7 @@ void run_report(const Plan& plan, const Node& node) {
   }
   // An earlier report may have had it, with figures that are no longer true.
   if (plan.study.evaluate.rounds != "all") analysis::remove_table("rounds", folder / "tables");
+  if (plan.study.diagnose.checks.empty()) analysis::remove_table("diagnostics", folder / "tables");
   analysis::write_report(report, report_path(plan));
   mark_report(node, files);
 }

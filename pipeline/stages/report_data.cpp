@@ -32,6 +32,10 @@ ReportData read_report_data(const Plan& plan, const Node& node) {
           {use, is_last, read_evaluation(*evaluation), read_posterior_notes(posterior)});
     }
   }
+  for (const Node* diagnosis : plan.inputs(node, Stage::diagnose)) {
+    for (const Use& use : diagnosis->uses)
+      data.diagnoses.push_back({use, read_diagnosis(*diagnosis)});
+  }
   const auto has_run = [&](const auto& matches) {
     return std::any_of(data.runs.begin(), data.runs.end(), matches);
   };

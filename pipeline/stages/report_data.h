@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/stages/baseline_file.h"
+#include "pipeline/stages/diagnosis_file.h"
 #include "pipeline/stages/evaluation_file.h"
 #include "pipeline/stages/posterior_file.h"
 
@@ -17,6 +18,12 @@ struct EvaluatedRun {
   PosteriorNotes notes;
 };
 
+/// One method and seed.
+struct DiagnosedRun {
+  Use use;
+  Diagnosis diagnosis;
+};
+
 struct ReportData {
   const Plan& plan;
   sim::SimulatorInfo info;
@@ -24,6 +31,7 @@ struct ReportData {
   std::vector<std::uint64_t> seeds;
   std::vector<EvaluatedRun> runs;
   std::vector<BaselinePoint> baseline;
+  std::vector<DiagnosedRun> diagnoses = {};  ///< where the study asks for any
 
   /// Runs of the method, in the order of seeds: of its last round, or of `round` when that is > 0.
   std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;

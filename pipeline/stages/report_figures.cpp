@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <span>
 
 #include "analysis/pair_plot.h"
 #include "analysis/plot_layout.h"
@@ -44,10 +43,6 @@ std::vector<analysis::PairPoint> marked_points(const ReportData& data) {
   return points;
 }
 
-std::span<const std::string> drawn_methods(const ReportData& data) {
-  return std::span(data.methods).first(std::min(data.methods.size(), analysis::kMaxMethods));
-}
-
 std::vector<Index> shown_parameters(const Study& study) {
   std::vector<Index> shown;
   if (study.report.parameters.empty()) {
@@ -63,6 +58,10 @@ std::vector<Index> shown_parameters(const Study& study) {
 }
 
 }  // namespace
+
+std::span<const std::string> drawn_methods(const ReportData& data) {
+  return std::span(data.methods).first(std::min(data.methods.size(), analysis::kMaxMethods));
+}
 
 std::string left_out_methods(const ReportData& data) {
   const std::size_t drawn = drawn_methods(data).size();

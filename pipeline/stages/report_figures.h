@@ -2,11 +2,15 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "pipeline/stages/report_data.h"
 
 namespace npdr::pipeline {
+
+/// The methods that figures draw: the first, as many as there are colours.
+std::span<const std::string> drawn_methods(const ReportData& data);
 
 /// What figures leave out, as sentences to end a caption with; "": nothing. They draw the first
 /// methods, as many as there are colours, and those parameters that the study picks, or the first.

@@ -10,7 +10,13 @@ namespace {
 
 constexpr Index kBlock = 256;
 
-// Noise amplitude of the channels that the embedding picks, (H, C').
+// All uses of a simulation are in the same round.
+std::uint32_t round_of(const Node& simulation) {
+  return static_cast<std::uint32_t>(simulation.uses.front().round);
+}
+
+}  // namespace
+
 RowMatrix picked_amplitude(const Target& target, const inference::SeriesSelection& selection) {
   const RowMatrix all = sim::reference_amplitude(target);
   RowMatrix picked(all.rows(), selection.num_channels());
@@ -20,23 +26,21 @@ RowMatrix picked_amplitude(const Target& target, const inference::SeriesSelectio
   return picked;
 }
 
-// All uses of a simulation are in the same round.
-std::uint32_t round_of(const Node& simulation) {
-  return static_cast<std::uint32_t>(simulation.uses.front().round);
-}
-
-}  // namespace
-
 SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
+                                       const inference::Embedding& embedding)
+    : SimulationFeatures(plan, plan.inputs(infer, Stage::simulate), target, embedding) {}
+
+SimulationFeatures::SimulationFeatures(const Plan& plan,
+                                       const std::vector<const Node*>& simulations,
+                                       const Target& target,
                                        const inference::Embedding& embedding)
     : embedding_(embedding),
       noise_(plan.study.observation_noise),
-      seed_(infer.uses.front().seed),
+      seed_(simulations.front()->uses.front().seed),
       amplitude_(picked_amplitude(target, embedding.selection())) {
-  const auto simulations = plan.inputs(infer, Stage::simulate);
   read_theta(simulations);
   const Index width = redraws() ? embedding_.selection().num_values() : embedding_.num_features();
-  rows_ = std::make_unique<RowStore>(num_rows(), width, infer.path.parent_path());
+  rows_ = std::make_unique<RowStore>(num_rows(), width, simulations.front()->path.parent_path());
   read_series(simulations);
 }
 
@@ -130,19 +134,23 @@ std::vector<Index> SimulationFeatures::rows() const {
   return rows;
 }
 
-VectorF observation(const Plan& plan, const Target& target, const inference::Embedding& embedding) {
+std::vector<float> picked_observation(const Plan& plan, const Target& target,
+                                      const inference::Embedding& embedding) {
   const Study& study = plan.study;
-  const Index store_every = study.simulator.store_every;
-  if (study.target.recording || study.observation_noise.scale == 0.0) {
-    return inference::observed_features(embedding, target, store_every);
-  }
-  std::vector<float> picked(static_cast<std::size_t>(embedding.selection().num_values()));
-  embedding.selection().pick(inference::observed_series(target, store_every), picked);
+  const inference::SeriesSelection& selection = embedding.selection();
+  std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
+  selection.pick(inference::observed_series(target, study.simulator.store_every), picked);
+  if (study.target.recording || study.observation_noise.scale == 0.0) return picked;
   Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
-  sim::add_observation_noise(picked, picked_amplitude(target, embedding.selection()),
+  sim::add_observation_noise(picked, picked_amplitude(target, selection),
                              study.observation_noise.scale, stream);
+  return picked;
+}
+
+VectorF observation(const Plan& plan, const Target& target, const inference::Embedding& embedding) {
   VectorF x(embedding.num_features());
-  embedding.embed(picked, {x.data(), static_cast<std::size_t>(x.size())});
+  embedding.embed(picked_observation(plan, target, embedding),
+                  {x.data(), static_cast<std::size_t>(x.size())});
   return x;
 }
 

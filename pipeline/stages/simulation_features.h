@@ -1,4 +1,4 @@
-/// x of the simulations of all rounds, with observation noise.
+/// x of simulations, with observation noise.
 ///
 /// Rows that failed are left out. Where the noise is redrawn, the picked states are kept and every
 /// gather() adds the noise of its epoch to them before the embedding; otherwise x itself is kept,
@@ -17,9 +17,12 @@ namespace npdr::pipeline {
 
 class SimulationFeatures : public inference::FeatureSource {
  public:
-  /// Reads the simulations among `infer`'s inputs, in blocks.
+  /// Of the simulations among `infer`'s inputs.
   SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
                      const inference::Embedding& embedding);
+  /// Of `simulations`, which are read in blocks.
+  SimulationFeatures(const Plan& plan, const std::vector<const Node*>& simulations,
+                     const Target& target, const inference::Embedding& embedding);
 
   Index num_rows() const override { return static_cast<Index>(origin_.size()); }
   Index num_features() const override { return embedding_.num_features(); }
@@ -27,7 +30,7 @@ class SimulationFeatures : public inference::FeatureSource {
               RowMatrixF& x) const override;
 
   const RowMatrix& theta() const { return theta_; }  ///< (N, D)
-  std::vector<std::uint32_t> rounds() const;         ///< (N), counted from 1
+  std::vector<std::uint32_t> rounds() const;         ///< (N); 0: of calibration
   std::vector<Index> rows() const;                   ///< (N), in the simulation of their round
   Index num_failed() const { return num_failed_; }
 
@@ -50,6 +53,14 @@ class SimulationFeatures : public inference::FeatureSource {
   Index num_failed_ = 0;
   std::unique_ptr<RowStore> rows_;
 };
+
+/// Standard deviation of the noise on the states that an embedding picks, over the study's scale:
+/// (H, C') for H rollouts.
+RowMatrix picked_amplitude(const Target& target, const inference::SeriesSelection& selection);
+
+/// The states of the target that the embedding picks, (H, K, C') as they are observed.
+std::vector<float> picked_observation(const Plan& plan, const Target& target,
+                                      const inference::Embedding& embedding);
 
 /// x_o: the target's own features. A simulated target domain is observed with the same noise as the
 /// simulations (its own random stream), a recording as it is.

@@ -31,6 +31,9 @@ void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& sha
     case Stage::evaluate:
       run_evaluate(plan, node);
       break;
+    case Stage::diagnose:
+      run_diagnose(plan, node);
+      break;
     case Stage::report:
       run_report(plan, node);
       break;

@@ -20,6 +20,8 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
 void run_infer(const Plan& plan, const Node& node);
 void run_baseline(const Plan& plan, const Node& node);
 void run_evaluate(const Plan& plan, const Node& node);
+/// Checks a method's posteriors of one seed.
+void run_diagnose(const Plan& plan, const Node& node);
 void run_report(const Plan& plan, const Node& node);
 
 /// The stage of the node; throws what it throws.

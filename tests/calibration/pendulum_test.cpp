@@ -5,7 +5,7 @@
 #include <iostream>
 #include <numeric>
 
-#include "analysis/calibration.h"
+#include "inference/diagnostics/sbc.h"
 #include "inference/embeddings/embedding.h"
 #include "sim/observation_noise.h"
 #include "sim/simulator.h"
@@ -119,7 +119,7 @@ std::vector<std::vector<Index>> rank_truths(const PendulumTask& task,
     const RowMatrix samples =
         posterior.given(x.row(i).transpose())
             ->sample(kNumSamples, {2, "posterior", static_cast<std::uint64_t>(i), 0, 0});
-    const std::vector<Index> ranks = analysis::ranks(samples, truths.row(i).transpose());
+    const std::vector<Index> ranks = inference::ranks(samples, truths.row(i).transpose());
     for (std::size_t d = 0; d < all.size(); ++d) all[d].push_back(ranks[d]);
   }
   return all;
@@ -133,12 +133,12 @@ TEST_P(PendulumCalibration, RanksOfTheTruthAreUniform) {
   const PendulumTask task = make_task();
   const auto ranks = rank_truths(task, *train(task, GetParam()));
   for (std::size_t d = 0; d < ranks.size(); ++d) {
-    const analysis::UniformityTest test =
-        analysis::test_uniform_ranks(ranks[d], kNumSamples, kNumBins);
+    const inference::ChiSquare test = inference::test_chi_square(
+        inference::spread_ranks(ranks[d], kNumSamples, {2, "spread", d, 0, 0}), kNumBins);
     const std::string& name = task.prior.marginals()[d].name;
     std::cout << GetParam() << ", " << name << ": " << kNumTruths << " truths, ranks";
     for (const Index count : test.counts) std::cout << ' ' << count;
-    std::cout << ", chi^2 = " << test.chi_square << ", p = " << test.p_value << '\n';
+    std::cout << ", chi^2 = " << test.statistic << ", p = " << test.p_value << '\n';
     EXPECT_GT(test.p_value, 0.01) << name;
   }
 }

@@ -443,5 +443,39 @@ TEST(StudyProblems, OfRegressions) {
             "'linear_regression'");
 }
 
+TEST(StudyProblems, ChecksAreKnownAndDistinct) {
+  const auto problem = [](const std::string& table) {
+    return problems_of(std::string(kStudyText) + "[diagnose]\n" + table + "\n");
+  };
+  const std::string all =
+      "distinct, each one of sbc, coverage, tarp, local_c2st, predictive, ood, "
+      "training";
+  EXPECT_NE(problem("checks = ['sbc', 'sbc']").find(all), std::string::npos);
+  EXPECT_NE(problem("checks = ['rank']").find(all), std::string::npos);
+  EXPECT_NE(problem("num_simulations = 39").find("diagnose.num_simulations = 39"),
+            std::string::npos);
+  EXPECT_NE(problem("alpha = 0.0").find("diagnose.alpha = 0.0"), std::string::npos);
+  EXPECT_NE(problem("sample = 3").find("diagnose"), std::string::npos);
+}
+
+TEST(StudyProblems, AnObservationCantBeJudgedByAFewSimulations) {
+  const std::string few = edited(kStudyText, "num_simulations = 200",
+                                 "num_simulations = 30\ntraining = { batch_size = 10 }");
+  EXPECT_EQ(problems_of(few + "[diagnose]\nchecks = ['sbc']\n"), "");
+  EXPECT_NE(problems_of(few + "[diagnose]\n")
+                .find("method.num_simulations = 30, must be such that all rounds have 40 or more "
+                      "with the check 'ood'"),
+            std::string::npos);
+}
+
+TEST(StudyProblems, ATableOfChecksMeansAllOfThem) {
+  const auto checks = [](const std::string& text) {
+    return parse_study(kStudyText + text, "s.toml", {}).diagnose.checks.size();
+  };
+  EXPECT_EQ(checks(""), 0u);
+  EXPECT_EQ(checks("[diagnose]\n"), 7u);
+  EXPECT_EQ(checks("[diagnose]\nchecks = ['sbc']\n"), 1u);
+}
+
 }  // namespace
 }  // namespace npdr::pipeline

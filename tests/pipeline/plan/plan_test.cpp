@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "core/error.h"
@@ -208,6 +209,38 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
       }),
       "two.toml:24:28: method.embedding.downsample = 30, must be <= 20, so that two of the 40 "
       "states of a rollout are left");
+}
+
+Index count(const Plan& plan, Stage stage) {
+  return std::ranges::count(plan.nodes, stage, &Node::stage);
+}
+
+TEST(Plan, MethodsShareTheSimulationsOfCalibration) {
+  const Plan without = plan_of(), with = plan_of({"diagnose={}"});
+  EXPECT_EQ(count(without, Stage::diagnose), 0);
+  EXPECT_EQ(count(with, Stage::diagnose), 4);  // two methods, two seeds
+  // One a seed more than without.
+  EXPECT_EQ(count(with, Stage::simulate), count(without, Stage::simulate) + 2);
+  const Node& simulation = with.node(Stage::simulate, {"A", 1, 0});
+  EXPECT_EQ(&simulation, &with.node(Stage::simulate, {"B", 1, 0}));
+  EXPECT_TRUE(is_calibration(simulation));
+  EXPECT_EQ(num_rows(with, simulation), 300);
+  EXPECT_EQ(simulation.label(), "simulate A, seed 1, calibration");
+  EXPECT_EQ(link_of(with, simulation, simulation.uses.front()),
+            "runs/two/a/seed-1/calibration/simulate.h5");
+}
+
+TEST(Plan, ChecksOfTheObservationAloneNeedNoCalibration) {
+  const Plan plan = plan_of({"diagnose.checks=['ood', 'predictive', 'training']"});
+  EXPECT_EQ(count(plan, Stage::diagnose), 4);
+  EXPECT_EQ(count(plan, Stage::simulate), count(plan_of(), Stage::simulate));
+}
+
+TEST(Plan, TheLevelOfTheChecksIsTheReportsAlone) {
+  const Plan one = plan_of({"diagnose={}"}), other = plan_of({"diagnose.alpha=0.1"});
+  EXPECT_EQ(one.node(Stage::diagnose, {"A", 1, 0}).key,
+            other.node(Stage::diagnose, {"A", 1, 0}).key);
+  EXPECT_NE(one.node(Stage::report, {}).key, other.node(Stage::report, {}).key);
 }
 
 TEST(Plan, ASelectionLeavesOutTheRest) {

@@ -1,4 +1,6 @@
 #include "pipeline/stages/stages.h"
+#include "pipeline/stages/diagnosis_file.h"
+#include "pipeline/stages/stage_files.h"
 
 #include "pipeline/config/study_reader.h"
 #include "pipeline/plan/schemas.h"
@@ -97,6 +99,40 @@ TEST_F(SmallStages, TheLimitOfFailuresHoldsForSimulationsThatAreThere) {
   run_all(lenient, Stage::evaluate);
   // The posteriors are there now; the report is what is made anew.
   EXPECT_THROW(run_stage(strict, strict.node(Stage::report, {})), FailedRolloutsError);
+}
+
+TEST_F(SmallStages, ADiagnosisHoldsWhatItWasAskedFor) {
+  const Plan plan = plan_of({"diagnose={ num_simulations = 40, num_samples = 50 }",
+                             "method.num_simulations=60", "study.seeds=[1]"});
+  run_all(plan, Stage::diagnose);
+  const Diagnosis all = read_diagnosis(plan.node(Stage::diagnose, {"A", 1, 0}));
+  EXPECT_EQ(all.num_simulations + all.num_failed, 40);
+  EXPECT_EQ(all.sbc->ranks.rows(), all.num_simulations);
+  EXPECT_EQ(all.sbc->ranks.cols(), 1);
+  EXPECT_LE(all.sbc->ranks.maxCoeff(), 50);
+  EXPECT_EQ(all.coverage->levels.size(), all.num_simulations);
+  EXPECT_EQ(all.local_c2st->null.size(), 200);
+  EXPECT_EQ(all.predictive->names.size(), 10u);
+  EXPECT_EQ(all.training->num_epochs, 2);
+  EXPECT_FALSE(all.training->is_converged) << "max_epochs = 2";
+  EXPECT_EQ(all.p_values().size(), 6u);
+
+  const Plan some = plan_of({"diagnose={ checks = ['training', 'coverage'], num_simulations = 40 }",
+                             "method.num_simulations=60", "study.seeds=[1]"});
+  run_all(some, Stage::diagnose);
+  const Diagnosis two = read_diagnosis(some.node(Stage::diagnose, {"A", 1, 0}));
+  EXPECT_TRUE(two.coverage && two.training);
+  EXPECT_FALSE(two.sbc || two.tarp || two.local_c2st || two.predictive || two.ood);
+}
+
+// Draws of the prior for calibration are others than those of training, and so is their noise.
+TEST_F(SmallStages, CalibrationHasDrawsOfItsOwn) {
+  const Plan plan = plan_of(
+      {"diagnose={ num_simulations = 40 }", "method.num_simulations=40", "study.seeds=[1]"});
+  run_all(plan, Stage::simulate);
+  const RowMatrix first = read_proposal(plan.node(Stage::propose, {"A", 1, 1}), {0, 40});
+  const RowMatrix fresh = read_proposal(plan.node(Stage::propose, {"A", 1, 0}), {0, 40});
+  EXPECT_EQ((first.array() == fresh.array()).count(), 0);
 }
 
 // A checkpoint after one epoch.

@@ -1,0 +1,34 @@
+/// What an amortised posterior says of many simulations with known parameters: the raw material of
+/// sbc.h, coverage.h and local_c2st.h. Each observation is sampled once for all of them.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "inference/posterior.h"
+
+namespace npdr::inference {
+
+/// Of n simulations, in their order. Ranks count among `num_samples` samples.
+struct CalibrationRanks {
+  Index num_samples = 0;
+  RowMatrixX<std::int64_t> parameter;  ///< (n, D) how many samples are smaller, per parameter
+  VectorX<std::int64_t> density;       ///< (n) how many samples are more likely
+  VectorX<std::int64_t> distance;      ///< (n) how many are nearer to a random draw of the prior
+  RowMatrix theta;                     ///< (n, D) one sample of each posterior
+};
+
+/// The posterior given x (F).
+using AmortisedPosterior = std::function<std::unique_ptr<Posterior>(const VectorF& x)>;
+
+/// Called after each simulation with their number; may throw to stop.
+using CalibrationHook = std::function<void(Index done)>;
+
+/// Draws from the posterior given each row of x (n, F), whose parameters are the rows of theta
+/// (n, D). Densities are those of theta; distances are taken where the prior is N(0, I). Simulation
+/// i depends on `id` and i alone. Throws ShapeError when shapes don't go together.
+CalibrationRanks rank_truths(const AmortisedPosterior& posterior_given, const RowMatrix& theta,
+                             const RowMatrixF& x, Index num_samples, const StreamId& id,
+                             const CalibrationHook& hook = {});
+
+}  // namespace npdr::inference

@@ -1,0 +1,43 @@
+/// Whether an observation looks like the simulations that a network has seen. Outside of them it
+/// extrapolates, and its posterior means nothing (Cannon, Ward and Schmon 2022, "Investigating the
+/// impact of model misspecification in neural simulation-based inference").
+///
+/// x is standardised and projected on principal components of unit variance, z, as many as have 99
+/// % of the variance, at most 20; half of the simulations make that map, the other half say what is
+/// usual. Three distances:
+/// - |z|, Mahalanobis' within the components (Lee et al. 2018, "A simple unified framework for
+///   detecting out-of-distribution samples and adversarial attacks"): far out in known directions;
+/// - the residual beyond the components (Jackson and Mudholkar 1979, "Control procedures for
+///   residuals associated with principal component analysis"): a direction that no simulation has;
+/// - to the nearest simulation of the first half, in z: a hole or a bend of the distribution.
+#pragma once
+
+#include "core/types.h"
+
+namespace npdr::inference {
+
+/// One distance of the observation.
+struct Distance {
+  double observed = 0.0;
+  double median = 0.0;   ///< of simulations
+  double p_value = 1.0;  ///< P(a simulation is as far), tail_probability.h
+};
+
+struct OutOfDistribution {
+  Index num_components = 0;  ///< k
+  Index num_reference = 0;   ///< simulations that say what is usual
+  Distance mahalanobis;
+  Distance residual;
+  Distance nearest;
+  double p_value = 1.0;  ///< three times the smallest of the three, at most 1
+};
+
+/// Fewer simulations than this say nothing.
+inline constexpr Index kFewestSimulations = 40;
+
+/// Of x_o (F) among simulations x (n, F), which are independent draws in any order. At most
+/// one component for each 40 rows. Throws ShapeError when the widths differ and InputError for
+/// fewer than kFewestSimulations rows, or what isn't finite.
+OutOfDistribution test_out_of_distribution(const RowMatrixF& x, const VectorF& x_o);
+
+}  // namespace npdr::inference

@@ -1,0 +1,45 @@
+#include "inference/diagnostics/tail_probability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "core/error.h"
+
+namespace npdr::inference {
+namespace {
+
+// P(excess >= y) of a generalised Pareto distribution with the mean and variance of `excess`.
+double pareto_tail(const Eigen::ArrayXd& excess, double y) {
+  const double mean = excess.mean(), variance = (excess - mean).square().mean();
+  const double shape = std::max(0.0, 0.5 * (1.0 - mean * mean / variance));
+  const double scale = mean * (1.0 - shape);
+  return shape > 1e-6 ? std::pow(1.0 + shape * y / scale, -1.0 / shape) : std::exp(-y / scale);
+}
+
+}  // namespace
+
+double tail_probability(const Vector& reference, double observed) {
+  constexpr Index fewest_above = 10, fewest_for_tail = 40;
+  if (reference.size() < 1) throw InputError("tail probability: no reference values");
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto numbered = [](double value) { return std::isnan(value) ? infinity : value; };
+  Vector sorted = reference.unaryExpr(numbered);
+  std::sort(sorted.begin(), sorted.end(), std::greater<>());
+  const double value = numbered(observed);
+  const Index n = sorted.size(), above = (sorted.array() >= value).count();
+  const double counted = static_cast<double>(1 + above) / static_cast<double>(1 + n);
+  if (above >= fewest_above || n < fewest_for_tail) return counted;
+  const Index in_tail = std::max(fewest_above, n / 10);
+  const double threshold = 0.5 * (sorted(in_tail - 1) + sorted(in_tail));
+  const Eigen::ArrayXd excess = sorted.head(in_tail).array() - threshold;
+  if (!excess.allFinite() || excess.maxCoeff() <= excess.minCoeff()) return counted;
+  const double share = static_cast<double>(in_tail) / static_cast<double>(n);
+  const double fitted = share * pareto_tail(excess, std::max(0.0, value - threshold));
+  // A tail of a few values says nothing of what is much rarer than all of them.
+  const double smallest = 1e-3 / static_cast<double>(n);
+  return std::clamp(fitted, smallest, counted);
+}
+
+}  // namespace npdr::inference

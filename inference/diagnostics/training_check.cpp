@@ -1,0 +1,25 @@
+#include "inference/diagnostics/training_check.h"
+
+#include "core/error.h"
+
+namespace npdr::inference {
+
+TrainingCheck check_training(const Vector& training_loss, const Vector& validation_loss,
+                             const TrainingConfig& config) {
+  const Index epochs = validation_loss.size();
+  if (epochs < 1 || training_loss.size() != epochs) {
+    throw InputError("training check: " + std::to_string(training_loss.size()) + " training and " +
+                     std::to_string(epochs) + " validation losses, must be as many, at least one");
+  }
+  TrainingCheck check{.num_epochs = epochs};
+  Index best = 0;
+  check.validation_loss = validation_loss.minCoeff<Eigen::PropagateNumbers>(&best);
+  check.best_epoch = best + 1;
+  // Where no epoch is better than the weights it began with, the count began before the best one.
+  check.is_converged =
+      epochs < config.max_epochs || epochs - check.best_epoch >= config.stop_after_epochs;
+  check.generalisation_gap = check.validation_loss - training_loss(best);
+  return check;
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,144 @@
+// The command that compares two sets of samples: how far apart are two posteriors?
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "inference/diagnostics/c2st.h"
+#include "inference/diagnostics/mmd.h"
+#include "inference/diagnostics/two_samples.h"
+#include "pipeline/apps/command_line.h"
+#include "pipeline/apps/commands.h"
+#include "pipeline/store/sample_set.h"
+
+namespace npdr::pipeline {
+namespace {
+
+struct CompareArguments {
+  std::string first, second;
+  std::vector<std::string> datasets = {"theta"};  ///< one for both, or one for each
+  Index most_rows = 10'000;
+  std::uint64_t seed = 0;
+  bool json = false;
+};
+
+struct Comparison {
+  SampleSet first, second;
+  inference::C2st c2st;
+  inference::Mmd mmd;
+};
+
+Index smaller_size(const CompareArguments& arguments, const SampleSet& first,
+                   const SampleSet& second) {
+  for (const SampleSet* set : {&first, &second}) {
+    if (set->rows.rows() >= inference::kFewestRowsOfSample) continue;
+    throw InputError(fmt::format("{}: {} rows, must be at least {}", set->where, set->rows.rows(),
+                                 inference::kFewestRowsOfSample));
+  }
+  return std::min({arguments.most_rows, first.rows.rows(), second.rows.rows()});
+}
+
+Comparison compare(const CompareArguments& arguments) {
+  SampleSet first =
+      read_sample_set(arguments.first, arguments.datasets.front(), arguments.most_rows);
+  SampleSet second = in_order_of(
+      first, read_sample_set(arguments.second, arguments.datasets.back(), arguments.most_rows));
+  const Index n = smaller_size(arguments, first, second);
+  first.rows.conservativeResize(n, Eigen::NoChange);
+  second.rows.conservativeResize(n, Eigen::NoChange);
+  const inference::C2st c2st =
+      inference::c2st(first.rows, second.rows, {arguments.seed, "c2st", 0, 0, 0});
+  const inference::Mmd mmd =
+      inference::mmd(first.rows, second.rows, {arguments.seed, "mmd", 0, 0, 0});
+  return {std::move(first), std::move(second), c2st, mmd};
+}
+
+struct Moments {
+  double mean, std;
+};
+
+Moments moments(const RowMatrix& rows, Index column) {
+  const double mean = rows.col(column).mean();
+  const double squares = (rows.col(column).array() - mean).square().sum();
+  return {mean, std::sqrt(squares / static_cast<double>(rows.rows() - 1))};
+}
+
+Channel column_name(const Comparison& c, Index column) {
+  const auto& columns = c.first.columns.empty() ? c.second.columns : c.first.columns;
+  if (columns.empty()) return {fmt::format("column {}", column + 1), ""};
+  return columns[static_cast<std::size_t>(column)];
+}
+
+void print_json(const Comparison& c) {
+  nlohmann::ordered_json json = {
+      {"first", c.first.where},
+      {"second", c.second.where},
+      {"num_rows", c.first.rows.rows()},
+      {"c2st", {{"accuracy", c.c2st.accuracy}, {"standard_error", c.c2st.standard_error}}},
+      {"mmd",
+       {{"squared", c.mmd.squared}, {"p_value", c.mmd.p_value}, {"bandwidth", c.mmd.bandwidth}}}};
+  for (Index d = 0; d < c.first.rows.cols(); ++d) {
+    const Channel name = column_name(c, d);
+    const Moments a = moments(c.first.rows, d), b = moments(c.second.rows, d);
+    json["parameters"].push_back({{"name", name.label},
+                                  {"unit", name.unit},
+                                  {"first", {{"mean", a.mean}, {"std", a.std}}},
+                                  {"second", {{"mean", b.mean}, {"std", b.std}}}});
+  }
+  fmt::print("{}\n", json.dump(2));
+}
+
+void print_text(const Comparison& c) {
+  fmt::print("first   {}\nsecond  {}\n", c.first.where, c.second.where);
+  fmt::print("the first {} rows of each\n\n", c.first.rows.rows());
+  fmt::print("C2ST   {:.4f} ± {:.4f}  (0.5: can't be told apart, 1: don't overlap)\n",
+             c.c2st.accuracy, c.c2st.standard_error);
+  fmt::print("MMD^2  {:.3g}, p = {:.2g}  (p: as large by chance, when both are the same)\n\n",
+             c.mmd.squared, c.mmd.p_value);
+  fmt::print("{:<28} {:>11} {:>11} {:>11} {:>11}\n", "", "mean first", "mean second", "std first",
+             "std second");
+  for (Index d = 0; d < c.first.rows.cols(); ++d) {
+    const Channel name = column_name(c, d);
+    const Moments a = moments(c.first.rows, d), b = moments(c.second.rows, d);
+    const std::string title =
+        name.unit.empty() ? name.label : fmt::format("{} [{}]", name.label, name.unit);
+    fmt::print("{:<28} {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g}\n", title, a.mean, b.mean, a.std,
+               b.std);
+  }
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, int& result) {
+  auto* command =
+      app.add_subcommand("compare", "how far apart two sets of samples are: C2ST, MMD, moments");
+  auto arguments = std::make_shared<CompareArguments>();
+  command
+      ->add_option("FIRST", arguments->first,
+                   "HDF5 with a dataset (rows, parameters), such as evaluate.h5, or CSV")
+      ->required();
+  command->add_option("SECOND", arguments->second, "the same")->required();
+  command
+      ->add_option("--dataset", arguments->datasets,
+                   "of the HDF5 files: one name for both, or one for each")
+      ->expected(1, 2)
+      ->capture_default_str();
+  command->add_option("-n,--num-samples", arguments->most_rows, "rows of each, at most")
+      ->capture_default_str()
+      ->check(CLI::Range(inference::kFewestRowsOfSample, Index{1'000'000}));
+  command->add_option("--seed", arguments->seed)->capture_default_str();
+  command->add_flag("--json", arguments->json, "for programs");
+  command->callback([&result, arguments] {
+    result = guarded_main("npdr compare", [&] {
+      const Comparison comparison = compare(*arguments);
+      arguments->json ? print_json(comparison) : print_text(comparison);
+      return ExitStatus::done;
+    });
+  });
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,246 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/error.h"
+#include "inference/diagnostics/calibration.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/run/progress.h"
+#include "pipeline/run/stop_request.h"
+#include "pipeline/stages/diagnosis_file.h"
+#include "pipeline/stages/posterior_file.h"
+#include "pipeline/stages/series_summary.h"
+#include "pipeline/stages/simulation_features.h"
+#include "pipeline/stages/simulation_file.h"
+#include "pipeline/stages/stage_files.h"
+#include "pipeline/stages/stages.h"
+#include "sim/observation_noise.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using inference::NetworkPosterior;
+
+// What the checks of one method and seed share.
+struct Case {
+  const Plan& plan;
+  const Node& node;
+  const MethodConfig& method;
+  Target target;
+  DiagnoseConfig config;
+  std::unique_ptr<inference::Embedding> embedding;
+  VectorF x_o;
+
+  StreamId stream(std::string_view name) const { return {node.uses.front().seed, name, 0, 0, 0}; }
+};
+
+Case make_case(const Plan& plan, const Node& node) {
+  const MethodConfig& method = plan.study.method(node.uses.front().method);
+  Case c{.plan = plan,
+         .node = node,
+         .method = method,
+         .target = read_target(plan, node, method.num_rollouts),
+         .config = plan.study.diagnose_of(method),
+         .embedding = nullptr,
+         .x_o = {}};
+  c.embedding =
+      inference::make_embedding(method.embedding, c.target, plan.study.simulator.store_every);
+  c.x_o = observation(plan, c.target, *c.embedding);
+  return c;
+}
+
+// The simulations that `node` needs: those of calibration, or those of the rounds.
+std::vector<const Node*> simulations_of(const Case& c, bool of_calibration) {
+  std::vector<const Node*> found;
+  for (const Node* simulation : c.plan.inputs(c.node, Stage::simulate)) {
+    if (is_calibration(*simulation) == of_calibration) found.push_back(simulation);
+  }
+  return found;
+}
+
+void require_rows(const Case& c, const std::string& what, Index found, Index failed,
+                  const std::string& advice) {
+  if (found >= inference::kFewestSimulations) return;
+  throw InputError(fmt::format("{}: {} {} and {} failed ones, must be at least {} good ones; {}",
+                               c.node.label(), found, what, failed, inference::kFewestSimulations,
+                               advice));
+}
+
+RowMatrixF features_of(const SimulationFeatures& source, const std::vector<std::uint32_t>& rows) {
+  RowMatrixF x;
+  source.gather(rows, 0, x);
+  return x;
+}
+
+std::vector<std::uint32_t> all_rows(Index count) {
+  std::vector<std::uint32_t> rows(static_cast<std::size_t>(count));
+  std::iota(rows.begin(), rows.end(), 0u);
+  return rows;
+}
+
+Vector spread(const Case& c, const VectorX<std::int64_t>& ranks, std::string_view name,
+              Index column = 0) {
+  StreamId id = c.stream(name);
+  id.epoch = static_cast<std::uint64_t>(column);
+  return inference::spread_ranks({ranks.begin(), ranks.end()}, c.config.num_samples, id);
+}
+
+CoverageResult coverage_of(const Case& c, const VectorX<std::int64_t>& ranks,
+                           std::string_view name) {
+  CoverageResult result{ranks, spread(c, ranks, name), {}};
+  result.coverage = inference::measure_coverage(result.levels);
+  return result;
+}
+
+SbcResult sbc_of(const Case& c, const RowMatrixX<std::int64_t>& ranks) {
+  SbcResult result{ranks, RowMatrix(ranks.rows(), ranks.cols()), {}};
+  for (Index d = 0; d < ranks.cols(); ++d) {
+    result.levels.col(d) = spread(c, ranks.col(d), "diagnose_sbc", d);
+  }
+  result.test = inference::test_sbc(result.levels);
+  return result;
+}
+
+inference::LocalC2st local_c2st_of(const Case& c, const NetworkPosterior& posterior,
+                                   const RowMatrix& theta, const RowMatrix& sampled,
+                                   const RowMatrixF& x) {
+  const inference::Prior& prior = posterior.prior();
+  const RowMatrix at_x_o =
+      posterior.sample(c.config.num_samples, c.stream("diagnose_local_c2st_samples"));
+  return inference::local_c2st(
+      {prior.to_normal(theta), prior.to_normal(sampled), x, prior.to_normal(at_x_o), c.x_o},
+      c.stream("diagnose_local_c2st"));
+}
+
+// Of the network of round 1, which has learnt from the whole prior.
+void calibrate(const Case& c, Diagnosis& diagnosis) {
+  const auto simulations = simulations_of(c, true);
+  check_failed_rows(c.plan, *simulations.front());
+  const SimulationFeatures features(c.plan, simulations, c.target, *c.embedding);
+  diagnosis.num_simulations = features.num_rows();
+  diagnosis.num_failed = features.num_failed();
+  require_rows(c, "simulations of calibration", features.num_rows(), features.num_failed(),
+               "raise diagnose.num_simulations");
+  const RowMatrixF x = features_of(features, all_rows(features.num_rows()));
+  const Node& first = *c.plan.inputs(c.node, Stage::infer).back();
+  const auto posterior = read_network_posterior(first.path, first.key);
+  Progress progress(c.node.label(), features.num_rows());
+  const inference::CalibrationRanks ranks =
+      inference::rank_truths([&](const VectorF& observed) { return posterior->given(observed); },
+                             features.theta(), x, c.config.num_samples, c.stream(""),
+                             [&](Index done) {
+                               stop_here_if_requested();
+                               progress.update(done);
+                             });
+  if (c.config.has("sbc")) diagnosis.sbc = sbc_of(c, ranks.parameter);
+  if (c.config.has("coverage")) {
+    diagnosis.coverage = coverage_of(c, ranks.density, "diagnose_coverage");
+  }
+  if (c.config.has("tarp")) diagnosis.tarp = coverage_of(c, ranks.distance, "diagnose_tarp");
+  if (c.config.has("local_c2st")) {
+    diagnosis.local_c2st = local_c2st_of(c, *posterior, features.theta(), ranks.theta, x);
+  }
+}
+
+// Predictions of posterior samples, as the inference would see them.
+struct Predictions {
+  RowMatrix summaries;  // (n, S)
+  RowMatrixF features;  // (n, F)
+  Index num_failed = 0;
+};
+
+Predictions predict(const Case& c, const RowMatrix& theta) {
+  constexpr Index block = 256;
+  const auto simulator = sim::make_simulator(c.plan.study.simulator);
+  const inference::SeriesSelection& selection = c.embedding->selection();
+  const RowMatrix amplitude = picked_amplitude(c.target, selection);
+  const double scale = c.plan.study.observation_noise.scale;
+  std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
+  Predictions result{{}, {theta.rows(), c.embedding->num_features()}, 0};
+  Index next = 0;
+  for (Index begin = 0; begin < theta.rows(); begin += block) {
+    stop_here_if_requested();
+    const Index count = std::min(block, theta.rows() - begin);
+    const sim::Trajectories trajectories = simulator->replay(
+        c.target, complete_theta(c.plan, *simulator, theta.middleRows(begin, count)));
+    for (Index i = 0; i < count; ++i) {
+      if (trajectories.status[static_cast<std::size_t>(i)] != sim::RolloutStatus::ok) continue;
+      selection.pick(trajectories.row(i), picked);
+      StreamId id = c.stream("diagnose_predictive_noise");
+      id.row = static_cast<std::uint64_t>(begin + i);
+      Stream stream(id);
+      if (scale > 0.0) sim::add_observation_noise(picked, amplitude, scale, stream);
+      const Vector summary = summarise(picked, selection);
+      if (next == 0) result.summaries.resize(theta.rows(), summary.size());
+      result.summaries.row(next) = summary.transpose();
+      c.embedding->embed(picked, {result.features.row(next).data(),
+                                  static_cast<std::size_t>(result.features.cols())});
+      ++next;
+    }
+  }
+  result.num_failed = theta.rows() - next;
+  result.summaries.conservativeResize(next, Eigen::NoChange);
+  result.features.conservativeResize(next, Eigen::NoChange);
+  return result;
+}
+
+PredictiveResult check_predictions(const Case& c, const inference::Posterior& posterior) {
+  const RowMatrix theta = posterior.sample(c.config.num_samples, c.stream("diagnose_predictive"));
+  const Predictions predictions = predict(c, theta);
+  require_rows(c, "predictions", predictions.features.rows(), predictions.num_failed,
+               "raise diagnose.num_samples, or narrow the prior");
+  const inference::SeriesSelection& selection = c.embedding->selection();
+  PredictiveResult result;
+  result.names = summary_names(selection, c.target.state_channels);
+  result.observed = summarise(picked_observation(c.plan, c.target, *c.embedding), selection);
+  result.num_failed = predictions.num_failed;
+  result.median.resize(result.observed.size());
+  for (Index s = 0; s < result.median.size(); ++s) {
+    Vector values = predictions.summaries.col(s);
+    std::sort(values.begin(), values.end());
+    result.median(s) = values(values.size() / 2);
+  }
+  result.check = inference::check_prediction(predictions.summaries, result.observed,
+                                             predictions.features, c.x_o);
+  return result;
+}
+
+// Among what the network of the last round was trained on.
+inference::OutOfDistribution check_observation(const Case& c) {
+  // At most 4000 rows, and 160 MB of features.
+  constexpr Index most_rows = 4000, most_values = 40'000'000;
+  const SimulationFeatures features(c.plan, simulations_of(c, false), c.target, *c.embedding);
+  require_rows(c, "simulations", features.num_rows(), features.num_failed(),
+               "raise method.num_simulations");
+  const Index allowed = std::clamp(most_values / features.num_features(),
+                                   2 * inference::kFewestSimulations, most_rows);
+  auto rows =
+      Stream(c.stream("diagnose_ood")).permutation(static_cast<std::uint32_t>(features.num_rows()));
+  rows.resize(static_cast<std::size_t>(std::min(allowed, features.num_rows())));
+  return inference::test_out_of_distribution(features_of(features, rows), c.x_o);
+}
+
+}  // namespace
+
+void run_diagnose(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kDiagnosisSchema, node.identity);
+  const Case c = make_case(plan, node);
+  const Node& last = *plan.inputs(node, Stage::infer).front();
+  Diagnosis diagnosis;
+  diagnosis.num_samples = c.config.num_samples;
+  if (c.config.calibrates()) calibrate(c, diagnosis);
+  if (c.config.has("predictive")) {
+    diagnosis.predictive = check_predictions(c, *read_posterior(last));
+  }
+  if (c.config.has("ood")) diagnosis.ood = check_observation(c);
+  if (c.config.has("training")) {
+    const PosteriorNotes notes = read_posterior_notes(last);
+    diagnosis.training =
+        inference::check_training(notes.training_loss, notes.validation_loss, c.method.training);
+  }
+  write_diagnosis(writer.file(), plan, node, diagnosis);
+  writer.finish();
+}
+
+}  // namespace npdr::pipeline

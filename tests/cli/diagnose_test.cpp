@@ -1,0 +1,158 @@
+#include <cstdlib>
+#include <functional>
+
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Checks of one method over two rounds, and of one whose posterior has to be sampled.
+std::string diagnosed_study() {
+  return R"toml([study]
+name = "checked"
+[target]
+truth = { pole_mass = 1.2 }
+num_rollouts = 1
+[simulator]
+name = "pendulum"
+[prior]
+pole_mass = { uniform = [0.3, 1.7] }
+pole_length = { uniform = [0.3, 1.7] }
+[observation_noise]
+scale = 0.2
+[[method]]
+name = "NPE"
+num_rounds = 2
+num_simulations = 150
+embedding = { kind = "all_steps", downsample = 50 }
+density_estimator = { kind = "mdn", num_components = 2, hidden_features = 10 }
+training = { max_epochs = 20 }
+[[method]]
+name = "NRE"
+algorithm = "nre_b"
+num_simulations = 150
+embedding = { kind = "all_steps", downsample = 50 }
+density_estimator = { kind = "resnet", hidden_features = 10, num_hidden_layers = 1 }
+training = { max_epochs = 20 }
+sampler = { kind = "importance", num_candidates = 500 }
+[evaluate]
+num_samples = 30
+[diagnose]
+num_simulations = 60
+num_samples = 50
+)toml";
+}
+
+class Diagnose : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
+    std::ofstream(file("checked.toml")) << diagnosed_study();
+    setenv("OMP_NUM_THREADS", "1", 1);
+    const Outcome outcome = npdr({"run", "checked.toml"});
+    unsetenv("OMP_NUM_THREADS");
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static Outcome npdr(std::vector<std::string> words) {
+    words.insert(words.begin(), "npdr");
+    return run(folder_->path(), words);
+  }
+  static std::filesystem::path file(const std::string& name) { return folder_->path() / name; }
+
+  static TempFolder* folder_;
+};
+TempFolder* Diagnose::folder_ = nullptr;
+
+TEST_F(Diagnose, TheReportHasATableAndFigures) {
+  const std::string table = text_of(file("runs/checked/tables/diagnostics.md"));
+  for (const char* words :
+       {"| Check ", "| NPE ", "| NRE ", "| SBC ranks, round 1 ", "| TARP coverage, round 1 ",
+        "| Local C2ST at x_o, round 1 ", "| Posterior predictive ", "| x_o among simulations ",
+        "| Training ", "with a probability of at most 0.01"}) {
+    EXPECT_NE(table.find(words), std::string::npos) << words << "\n" << table;
+  }
+  const std::string report = text_of(file("runs/checked/report.html"));
+  EXPECT_NE(report.find("Can the posteriors be trusted?"), std::string::npos);
+  for (const char* name : {"sbc_ranks.svg", "coverage.svg", "sbc_ranks.png", "coverage.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(file("runs/checked/figures") / name)) << name;
+  }
+}
+
+TEST_F(Diagnose, NothingIsMadeTwice) {
+  // Target, baseline, report; (2 x 3 + 3) of training, 2 evaluations, 2 of calibration, 2
+  // diagnoses, less what the methods share: the first proposal and simulation.
+  const Outcome status = npdr({"status", "checked.toml"});
+  EXPECT_NE(status.out.find("16 artefacts: 16 up to date"), std::string::npos) << status.out;
+  EXPECT_NE(npdr({"run", "checked.toml", "--dry-run", "--set", "diagnose.alpha=0.05"})
+                .out.find("# report"),
+            std::string::npos);
+}
+
+TEST_F(Diagnose, SameBitsForAnyThreadCountAndShardSize) {
+  setenv("OMP_NUM_THREADS", "3", 1);
+  const Outcome outcome = npdr({"run", "checked.toml", "--work", "three", "--only", "NPE", "--set",
+                                "simulate.shard_size=17"});
+  unsetenv("OMP_NUM_THREADS");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(content_digest(file("three/checked/npe/seed-1/diagnose.h5")),
+            content_digest(file("runs/checked/npe/seed-1/diagnose.h5")));
+}
+
+TEST_F(Diagnose, CalibrationCanBeVerified) {
+  for (const char* name : {"propose.h5", "simulate.h5"}) {
+    const Outcome outcome =
+        npdr({"verify", "runs/checked/npe/seed-1/calibration/" + std::string(name)});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("10 of 60 rows recomputed, 0 differ"), std::string::npos);
+  }
+}
+
+TEST_F(Diagnose, AStudyWithoutChecksRemovesTheirTable) {
+  ASSERT_EQ(npdr({"run", "checked.toml", "--set", "diagnose.checks=[]"}).status, 0);
+  EXPECT_FALSE(std::filesystem::exists(file("runs/checked/tables/diagnostics.md")));
+  ASSERT_EQ(npdr({"run", "checked.toml"}).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(file("runs/checked/tables/diagnostics.md")));
+}
+
+TEST_F(Diagnose, CompareSaysHowFarApartSamplesAre) {
+  const std::string posterior = "runs/checked/npe/seed-1/round-2/infer.h5";
+  std::ofstream(file("one.csv")) << npdr({"sample", posterior, "-n", "400"}).out;
+  std::ofstream(file("two.csv")) << npdr({"sample", posterior, "-n", "500", "--seed", "2"}).out;
+  const Outcome same = npdr({"compare", "one.csv", "two.csv", "--json"});
+  ASSERT_EQ(same.status, 0) << same.err;
+  const auto json = nlohmann::json::parse(same.out);
+  EXPECT_EQ(json["num_rows"], 400);
+  // Five standard errors of 800 rows; false-alarm rate 6e-7, and 1 % of the p-value; fixed seeds.
+  EXPECT_NEAR(json["c2st"]["accuracy"].get<double>(), 0.5, 5.0 * 0.018);
+  EXPECT_GT(json["mmd"]["p_value"].get<double>(), 0.01);
+  EXPECT_EQ(json["parameters"][0]["name"], "pole_mass");
+  const Outcome other = npdr({"compare", "one.csv", "runs/checked/npe/seed-1/round-1/propose.h5"});
+  ASSERT_EQ(other.status, 0) << other.err;
+  EXPECT_NE(other.out.find("the first 150 rows of each"), std::string::npos) << other.out;
+  EXPECT_NE(other.out.find("pole_length [m]"), std::string::npos) << other.out;
+}
+
+TEST_F(Diagnose, CompareRejectsWhatCantBeCompared) {
+  const std::string evaluation = "runs/checked/npe/seed-1/round-2/evaluate.h5";
+  const auto error = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all = {"compare"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome outcome = npdr(all);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    return outcome.err;
+  };
+  std::ofstream(file("few.csv")) << "pole_mass [kg],pole_length [m]\n1,1\n1,2\n";
+  EXPECT_EQ(error({"few.csv", evaluation}), "npdr compare: few.csv: 2 rows, must be at least 10\n");
+  std::ofstream(file("nan.csv")) << "pole_mass [kg],pole_length [m]\n1,nan\n";
+  EXPECT_NE(error({evaluation, "nan.csv"}).find("nan.csv:2: column 2 'pole_length' = 'nan'"),
+            std::string::npos);
+  std::ofstream(file("other.csv")) << "mass [kg],pole_length [m]\n1,1\n";
+  EXPECT_NE(error({evaluation, "other.csv"}).find("has no column 'pole_mass'"), std::string::npos);
+  EXPECT_NE(error({evaluation, evaluation, "--dataset", "bands"}).find("bands"), std::string::npos);
+  EXPECT_NE(error({evaluation, "missing.h5"}).find("missing.h5"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,93 @@
+#include "inference/diagnostics/calibration.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "inference/diagnostics/coverage.h"
+#include "inference/diagnostics/sbc.h"
+#include "tests/inference/diagnostics/exact_posterior.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr Index kNumSimulations = 300;
+const StreamId kId{1, "", 0, 0, 0};
+
+struct Verdicts {
+  Sbc sbc;
+  Coverage density;
+  Coverage distance;
+};
+
+Vector spread(const VectorX<std::int64_t>& ranks, Index num_samples, std::string_view name) {
+  return spread_ranks({ranks.begin(), ranks.end()}, num_samples, {1, name, 0, 0, 0});
+}
+
+Verdicts judge(const Fault& fault) {
+  const LinearGaussian task(2);
+  const RowMatrix theta = sample_prior(task.prior(), kNumSimulations, 1);
+  const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
+  const CalibrationRanks ranks = rank_truths(amortised(task, fault), theta, x, 200, kId);
+  RowMatrix of_parameters(kNumSimulations, 2);
+  of_parameters << spread(ranks.parameter.col(0), 200, "first"),
+      spread(ranks.parameter.col(1), 200, "second");
+  return {test_sbc(of_parameters), measure_coverage(spread(ranks.density, 200, "density")),
+          measure_coverage(spread(ranks.distance, 200, "distance"))};
+}
+
+// Each p-value is below 1 % in 1 % of all seeds; three of them, a fixed seed.
+TEST(Calibration, TheExactPosteriorPasses) {
+  const Verdicts found = judge({});
+  EXPECT_GT(found.sbc.p_value, 0.01);
+  EXPECT_GT(found.density.kolmogorov_smirnov.p_value, 0.01);
+  EXPECT_GT(found.distance.kolmogorov_smirnov.p_value, 0.01);
+}
+
+// In D = 2 the highest density region of level c of a Gaussian that is w times as wide as the right
+// one has coverage 1 - (1 - c)^(w^2).
+TEST(Calibration, CoverageOfAWrongWidthIsKnown) {
+  for (const double width : {0.6, 1.0, 1.6}) {
+    const Coverage found = judge({.width = width}).density;
+    for (Index i = 10; i < 100; i += 20) {
+      const double expected = 1.0 - std::pow(1.0 - found.level(i), width * width);
+      // Four standard errors (false-alarm rate 6e-5 each), and the ranks' own width.
+      const double error = std::sqrt(expected * (1.0 - expected) / kNumSimulations);
+      EXPECT_NEAR(found.coverage(i), expected, 4.0 * error + 0.005) << width << ' ' << i;
+    }
+  }
+}
+
+TEST(Calibration, AWrongWidthFailsEveryCheck) {
+  for (const double width : {0.6, 1.6}) {
+    const Verdicts found = judge({.width = width});
+    EXPECT_LT(found.sbc.p_value, 1e-3) << width;
+    EXPECT_LT(found.density.kolmogorov_smirnov.p_value, 1e-3) << width;
+    EXPECT_LT(found.distance.kolmogorov_smirnov.p_value, 1e-3) << width;
+    EXPECT_EQ(found.density.area > 0.0, width > 1.0);
+    EXPECT_EQ(found.distance.area > 0.0, width > 1.0);
+  }
+}
+
+TEST(Calibration, AShiftFailsSbcAndCoverage) {
+  const Verdicts found = judge({.shift = 1.0});
+  EXPECT_LT(found.sbc.p_value, 1e-4);
+  EXPECT_LT(found.density.kolmogorov_smirnov.p_value, 1e-4);
+}
+
+TEST(Calibration, ASimulationDependsOnItsOwnNumberAlone) {
+  const LinearGaussian task(2);
+  const RowMatrix theta = sample_prior(task.prior(), 10, 1);
+  const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
+  const CalibrationRanks all = rank_truths(amortised(task), theta, x, 50, kId);
+  const CalibrationRanks some =
+      rank_truths(amortised(task), theta.topRows(4), x.topRows(4), 50, kId);
+  EXPECT_EQ(some.parameter, all.parameter.topRows(4));
+  EXPECT_EQ(some.density, all.density.head(4));
+  EXPECT_EQ(some.distance, all.distance.head(4));
+  EXPECT_EQ(some.theta, all.theta.topRows(4));
+  EXPECT_NE(all.theta.row(0), all.theta.row(1));
+  EXPECT_THROW(rank_truths(amortised(task), theta, x.topRows(3), 50, kId), ShapeError);
+}
+
+}  // namespace
+}  // namespace npdr::inference

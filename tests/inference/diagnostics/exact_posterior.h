@@ -1,0 +1,55 @@
+/// The exact posterior of the linear-Gaussian task, and wrong ones.
+#pragma once
+
+#include <Eigen/Cholesky>
+
+#include "inference/diagnostics/calibration.h"
+#include "tests/inference/tasks.h"
+
+namespace npdr::inference {
+
+/// What is wrong with it.
+struct Fault {
+  double width = 1.0;  ///< times the right deviation
+  double shift = 0.0;  ///< of the mean, in right deviations of each parameter
+};
+
+class GaussianPosterior : public Posterior {
+ public:
+  GaussianPosterior(const LinearGaussian& task, const VectorF& x, const Fault& fault)
+      : prior_(task.prior()),
+        factor_(Eigen::MatrixXd(task.covariance().llt().matrixL()) * fault.width),
+        mean_(task.mean(x) + fault.shift * task.covariance().diagonal().cwiseSqrt()) {}
+
+  const Prior& prior() const override { return prior_; }
+  Samples draw(Index n, const StreamId& id) const override {
+    RowMatrix theta(n, mean_.size());
+    for (Index i = 0; i < n; ++i) {
+      StreamId row = id;
+      row.row += static_cast<std::uint64_t>(i);
+      Stream stream(row);
+      const Vector z = Vector::NullaryExpr(mean_.size(), [&](Index) { return stream.normal(); });
+      theta.row(i) = (mean_ + factor_ * z).transpose();
+    }
+    return {theta};
+  }
+  /// Without its constant.
+  Vector log_prob(const RowMatrix& theta) const override {
+    const RowMatrix centred = theta.rowwise() - mean_.transpose();
+    const auto triangle = factor_.triangularView<Eigen::Lower>();
+    return -0.5 * triangle.solve(centred.transpose()).colwise().squaredNorm().transpose();
+  }
+
+ private:
+  Prior prior_;
+  Eigen::MatrixXd factor_;
+  Vector mean_;
+};
+
+inline AmortisedPosterior amortised(const LinearGaussian& task, const Fault& fault = {}) {
+  return [task, fault](const VectorF& x) {
+    return std::make_unique<GaussianPosterior>(task, x, fault);
+  };
+}
+
+}  // namespace npdr::inference

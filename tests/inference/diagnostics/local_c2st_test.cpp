@@ -1,0 +1,62 @@
+#include "inference/diagnostics/local_c2st.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include "core/error.h"
+#include "tests/inference/diagnostics/exact_posterior.h"
+
+namespace npdr::inference {
+namespace {
+
+const StreamId kId{1, "local_c2st", 0, 0, 0};
+constexpr Index kNumSimulations = 300;
+
+// Of the linear-Gaussian task, whose prior is N(0, I) already, at its tenth simulation.
+LocalC2stData data_of(const Fault& fault) {
+  const LinearGaussian task(2);
+  LocalC2stData data;
+  data.u = sample_prior(task.prior(), kNumSimulations, 1);
+  data.x = simulate(task.simulator(), data.u, 1, 1);
+  data.u_sampled = rank_truths(amortised(task, fault), data.u, data.x, 1, {1, "", 0, 0, 0}).theta;
+  data.x_o = data.x.row(10).transpose();
+  data.u_at_x_o = GaussianPosterior(task, data.x_o, fault).sample(300, {1, "x_o", 0, 0, 0});
+  return data;
+}
+
+// False-alarm rate 1 %, fixed seed.
+TEST(LocalC2st, TheExactPosteriorPasses) {
+  EXPECT_GT(local_c2st(data_of({}), kId, {.num_trials = 60}).p_value, 0.01);
+}
+
+TEST(LocalC2st, AWrongPosteriorFails) {
+  EXPECT_LT(local_c2st(data_of({.width = 0.4}), kId, {.num_trials = 60}).p_value, 0.01);
+  EXPECT_LT(local_c2st(data_of({.shift = 1.5}), kId, {.num_trials = 60}).p_value, 0.01);
+}
+
+TEST(LocalC2st, SameBitsForAnyThreadCount) {
+  const LocalC2stData data = data_of({});
+  const LocalC2stConfig config{.num_trials = 3, .max_epochs = 5};
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const LocalC2st one = local_c2st(data, kId, config);
+  omp_set_num_threads(3);
+  const LocalC2st three = local_c2st(data, kId, config);
+  omp_set_num_threads(threads);
+  EXPECT_EQ(one.statistic, three.statistic);
+  EXPECT_EQ(one.null, three.null);
+}
+
+TEST(LocalC2st, RejectsWhatDoesntGoTogether) {
+  LocalC2stData data = data_of({});
+  data.x_o.conservativeResize(1);
+  EXPECT_THROW(local_c2st(data, kId), ShapeError);
+  data = data_of({});
+  data.u.conservativeResize(39, Eigen::NoChange);
+  data.u_sampled.conservativeResize(39, Eigen::NoChange);
+  data.x.conservativeResize(39, Eigen::NoChange);
+  EXPECT_THROW(local_c2st(data, kId), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::inference

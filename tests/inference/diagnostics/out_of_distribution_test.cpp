@@ -1,0 +1,76 @@
+#include "inference/diagnostics/out_of_distribution.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/error.h"
+#include "tests/inference/diagnostics/samples.h"
+
+namespace npdr::inference {
+namespace {
+
+// 30 features of two parameters, with noise of 0.05: simulations fill a plane but for the noise.
+constexpr Index kFeatures = 30;
+
+RowMatrixF features(const RowMatrix& theta, std::uint64_t seed) {
+  const RowMatrix map = gaussian(2, kFeatures, 99);
+  return (theta * map + gaussian(theta.rows(), kFeatures, seed, 0.0, 0.05)).cast<float>();
+}
+
+VectorF observation(double first, double second) {
+  RowMatrix theta(1, 2);
+  theta << first, second;
+  return features(theta, 7).row(0).transpose();
+}
+
+// Of 100 simulations among others at most 8 have p < 0.02: P(more) = 1e-3 by chance for 2 expected,
+// fixed seed; p is three times the smallest of three, so fewer are likely.
+TEST(OutOfDistribution, ASimulationLooksLikeTheOthers) {
+  int alarms = 0;
+  for (std::uint64_t trial = 1; trial <= 100; ++trial) {
+    const RowMatrixF x = features(gaussian(401, 2, 2 * trial), 2 * trial + 1);
+    alarms +=
+        test_out_of_distribution(x.topRows(400), x.row(400).transpose()).p_value < 0.02 ? 1 : 0;
+  }
+  EXPECT_LE(alarms, 8);
+}
+
+TEST(OutOfDistribution, FindsWhatIsFarOutInAKnownDirection) {
+  const RowMatrixF x = features(gaussian(1000, 2, 1), 2);
+  const OutOfDistribution found = test_out_of_distribution(x, observation(8.0, 0.0));
+  EXPECT_LT(found.mahalanobis.p_value, 1e-4);
+  EXPECT_GT(found.mahalanobis.observed, 4.0 * found.mahalanobis.median);
+  EXPECT_LT(found.p_value, 1e-3);
+}
+
+TEST(OutOfDistribution, FindsADirectionThatNoSimulationHas) {
+  const RowMatrixF x = features(gaussian(1000, 2, 1), 2);
+  VectorF off = observation(0.0, 0.0);
+  off += gaussian(1, kFeatures, 5, 0.0, 0.5).row(0).transpose().cast<float>();
+  const OutOfDistribution found = test_out_of_distribution(x, off);
+  EXPECT_LT(found.residual.p_value, 1e-4);
+  EXPECT_LT(found.p_value, 1e-3);
+}
+
+// Parameters on a ring: its centre is near the mean, but no simulation is near it.
+TEST(OutOfDistribution, FindsAHole) {
+  RowMatrix theta = gaussian(1000, 2, 1);
+  theta = theta.rowwise().normalized().eval();
+  const OutOfDistribution found =
+      test_out_of_distribution(features(theta, 2), observation(0.0, 0.0));
+  EXPECT_GT(found.mahalanobis.p_value, 0.01);
+  EXPECT_LT(found.nearest.p_value, 1e-3);
+}
+
+TEST(OutOfDistribution, RejectsWhatCantBeJudged) {
+  const RowMatrixF x = features(gaussian(100, 2, 1), 2);
+  EXPECT_THROW(test_out_of_distribution(x, VectorF::Zero(3)), ShapeError);
+  EXPECT_THROW(test_out_of_distribution(x.topRows(39), VectorF::Zero(kFeatures)), InputError);
+  VectorF broken = VectorF::Zero(kFeatures);
+  broken(4) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(test_out_of_distribution(x, broken), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::inference

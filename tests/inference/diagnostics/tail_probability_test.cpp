@@ -1,0 +1,56 @@
+#include "inference/diagnostics/tail_probability.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/random.h"
+
+namespace npdr::inference {
+namespace {
+
+Vector exponentials(Index n, std::uint64_t seed) {
+  Stream stream({seed, "exponentials", 0, 0, 0});
+  return Vector::NullaryExpr(n, [&](Index) { return -std::log(stream.uniform()); });
+}
+
+TEST(TailProbability, CountsWhereThereIsEnoughToCount) {
+  const Vector reference = Vector::LinSpaced(100, 1.0, 100.0);
+  EXPECT_DOUBLE_EQ(tail_probability(reference, 0.0), 1.0);
+  EXPECT_DOUBLE_EQ(tail_probability(reference, 51.0), 51.0 / 101.0);
+  EXPECT_DOUBLE_EQ(tail_probability(reference, 91.0), 11.0 / 101.0);
+}
+
+// P(X >= x) = exp(-x) is estimated from 1000 values to well within a factor of 10 where it is 1e-5.
+TEST(TailProbability, GoesOnBeyondTheLargestValue) {
+  const double found = tail_probability(exponentials(1000, 1), -std::log(1e-5));
+  EXPECT_GT(found, 1e-6);
+  EXPECT_LT(found, 1e-4);
+}
+
+// p < 0.002 in a share of 0.002 of all trials: 20 of 10,000 are expected with 200 values each, far
+// below the 1 / 201 that counting could show. The fit of a tail to 20 values is biased; more than
+// twice as many would be too many.
+TEST(TailProbability, FalseAlarmsInTheTailAreRare) {
+  int alarms = 0;
+  for (std::uint64_t trial = 1; trial <= 10'000; ++trial) {
+    const Vector values = exponentials(201, trial);
+    alarms += tail_probability(values.head(200), values(200)) < 0.002 ? 1 : 0;
+  }
+  EXPECT_LT(alarms, 40);
+  EXPECT_GT(alarms, 5);
+}
+
+TEST(TailProbability, WhatIsNoNumberIsFarOut) {
+  const Vector reference = exponentials(100, 1);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_DOUBLE_EQ(tail_probability(reference, nan), 1e-5);
+  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, nan), 1.0), 1.0);
+  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, 2.0), 3.0), 1.0 / 101.0);
+  EXPECT_THROW(tail_probability(Vector(), 1.0), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::inference
