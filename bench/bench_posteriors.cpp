@@ -21,6 +21,7 @@ using Clock = std::chrono::steady_clock;
 struct Method {
   std::string name;
   PosteriorEstimationConfig config;
+  inference::AbcConfig abc = {};
 };
 
 Method method(const std::string& name, const std::string& algorithm, const std::string& estimator,
@@ -29,18 +30,33 @@ Method method(const std::string& name, const std::string& algorithm, const std::
   config.algorithm.name = algorithm;
   config.algorithm.num_rounds = num_rounds;
   config.estimator.kind = estimator;
-  config.sampler.num_chains = 1000;
-  config.sampler.num_warmup = 50;
   return {name, config};
 }
 
+// Particles are smoothed by the density's kernel: otherwise samples repeat them, which any
+// classifier sees.
+Method abc_method(const std::string& name, const std::string& algorithm, Index num_rounds,
+                  double quantile) {
+  Method m = method(name, algorithm, "", num_rounds);
+  m.abc.quantile = quantile;
+  m.abc.smooth = true;
+  return m;
+}
+
 std::vector<Method> all_methods() {
-  return {
-      method("NPE-A, MoG", "npe_a", "mdn", 1), method("NPE-A, MoG, 2 rounds", "npe_a", "mdn", 2),
-      method("NPE-B, MAF", "npe_b", "maf", 4), method("NPE-C, MAF", "npe_c", "maf", 4),
-      method("NPE-C, MoG", "npe_c", "mdn", 4), method("NPE-C, splines", "npe_c", "nsf", 4),
-      method("NLE, MAF", "nle", "maf", 4),     method("NLE, splines", "nle", "nsf", 4),
-      method("NRE-A", "nre_a", "resnet", 4),   method("NRE-B", "nre_b", "resnet", 4)};
+  return {method("NPE-A, MoG", "npe_a", "mdn", 1),
+          method("NPE-A, MoG, 2 rounds", "npe_a", "mdn", 2),
+          method("NPE-B, MAF", "npe_b", "maf", 4),
+          method("NPE-C, MAF", "npe_c", "maf", 4),
+          method("NPE-C, MoG", "npe_c", "mdn", 4),
+          method("NPE-C, splines", "npe_c", "nsf", 4),
+          method("NLE, MAF", "nle", "maf", 4),
+          method("NLE, splines", "nle", "nsf", 4),
+          method("NRE-A", "nre_a", "resnet", 4),
+          method("NRE-B", "nre_b", "resnet", 4),
+          abc_method("ABC, rejection", "abc_rejection", 1, 0.02),
+          abc_method("ABC, SMC", "abc_smc", 4, 0.3),
+          abc_method("ABC, MCMC", "abc_mcmc", 10, 0.1)};
 }
 
 struct Score {
@@ -53,12 +69,23 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Score score(const KnownPosterior& task, PosteriorEstimationConfig config, Index num_simulations,
-            Index num_samples, std::uint64_t seed) {
-  config.algorithm.num_simulations = num_simulations / config.algorithm.num_rounds;
+std::shared_ptr<const inference::Posterior> infer(const KnownPosterior& task, const Method& method,
+                                                  std::uint64_t seed) {
+  const std::string& algorithm = method.config.algorithm.name;
+  if (inference::family_of_algorithm(algorithm) == inference::AlgorithmFamily::abc) {
+    return inference::infer_abc(method.config.algorithm, method.abc, task.prior, task.simulator,
+                                task.x_o, seed);
+  }
+  return inference::infer(method.config, task.prior, task.simulator, task.x_o, seed);
+}
+
+Score score(const KnownPosterior& task, Method method, Index num_simulations, Index num_samples,
+            std::uint64_t seed) {
+  inference::AlgorithmConfig& algorithm = method.config.algorithm;
+  algorithm.num_simulations = num_simulations / algorithm.num_rounds;
   Score score;
   auto start = Clock::now();
-  const auto posterior = inference::infer(config, task.prior, task.simulator, task.x_o, seed);
+  const auto posterior = infer(task, method, seed);
   score.train_seconds = seconds_since(start);
   start = Clock::now();
   const RowMatrix samples = posterior->sample(num_samples, {seed, "posterior", 0, 0, 0});
@@ -101,7 +128,7 @@ void print_task(const KnownPosterior& task, const Options& options) {
     analysis::Row row{m.name, {}};
     Score last;
     for (const Index n : options.num_simulations) {
-      last = score(task, m.config, n, options.num_samples, options.seed);
+      last = score(task, m, n, options.num_samples, options.seed);
       row.cells.emplace_back(fmt::format("{:.3f}", last.c2st));
       fmt::print(stderr, "{}, {}, {} simulations: C2ST {:.3f}, {:.1f} s, {:.1f} s\n", task.name,
                  m.name, n, last.c2st, last.train_seconds, last.sample_seconds);

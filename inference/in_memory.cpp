@@ -1,5 +1,10 @@
 #include "inference/in_memory.h"
 
+#include <optional>
+
+#include "inference/abc/abc.h"
+#include "inference/abc/feature_distance.h"
+
 namespace npdr::inference {
 
 void MatrixSource::gather(std::span<const std::uint32_t> rows, std::uint64_t /*epoch*/,
@@ -48,6 +53,32 @@ std::shared_ptr<const NetworkPosterior> infer(const PosteriorEstimationConfig& c
                                    [](const TrainingState&) { return true; });
   }
   return posterior;
+}
+
+std::shared_ptr<const ParticlePosterior> infer_abc(const AlgorithmConfig& algorithm,
+                                                   const AbcConfig& config, const Prior& prior,
+                                                   const SimulatorFunction& simulator,
+                                                   const VectorF& x_o, std::uint64_t seed) {
+  std::optional<AbcPopulation> population;
+  FeatureTransform transform;
+  const Index n = algorithm.num_simulations;
+  for (Index round = 1; round <= algorithm.num_rounds; ++round) {
+    const auto r = static_cast<std::uint64_t>(round);
+    const RowMatrix theta =
+        population ? propose(algorithm.name, prior, *population, n, {seed, "propose", r, 0, 0})
+                   : sample_prior(prior, n, seed);
+    const MatrixSource x(simulate(simulator, theta, seed, r));
+    if (!population) transform = fit_feature_transform(x, 0);
+    const AbcRound simulations{theta, feature_distances(x, transform, x_o)};
+    population =
+        advance(algorithm.name, config, prior, simulations, population, {seed, "abc", r, 0, 0});
+  }
+  return std::make_shared<const ParticlePosterior>(
+      ParticleParts{.prior = prior,
+                    .theta = population->theta,
+                    .weights = population->weights,
+                    .smooth = config.smooth,
+                    .num_chains = population->num_chains});
 }
 
 }  // namespace npdr::inference

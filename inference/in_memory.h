@@ -6,7 +6,9 @@
 #include <memory>
 #include <span>
 
+#include "inference/abc/abc_config.h"
 #include "inference/algorithms/posterior_estimation.h"
+#include "inference/particle_posterior.h"
 
 namespace npdr::inference {
 
@@ -35,5 +37,11 @@ std::shared_ptr<const NetworkPosterior> infer(const PosteriorEstimationConfig& c
                                               const Prior& prior,
                                               const SimulatorFunction& simulator,
                                               const VectorF& x_o, std::uint64_t seed);
+
+/// The same by approximate Bayesian computation, with the Euclidean distance of features.
+std::shared_ptr<const ParticlePosterior> infer_abc(const AlgorithmConfig& algorithm,
+                                                   const AbcConfig& config, const Prior& prior,
+                                                   const SimulatorFunction& simulator,
+                                                   const VectorF& x_o, std::uint64_t seed);
 
 }  // namespace npdr::inference

@@ -86,7 +86,10 @@ Index parameter_index(const SimulatorInfo& info, const std::string& name) {
 }
 
 Vector complete_theta(const Simulator& simulator, const std::map<std::string, double>& values) {
-  const SimulatorInfo& info = simulator.info();
+  return complete_theta(simulator.info(), values);
+}
+
+Vector complete_theta(const SimulatorInfo& info, const std::map<std::string, double>& values) {
   Vector theta(static_cast<Index>(info.parameters.size()));
   for (std::size_t p = 0; p < info.parameters.size(); ++p) {
     theta(static_cast<Index>(p)) = info.parameters[p].nominal;

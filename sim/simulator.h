@@ -93,5 +93,6 @@ Index parameter_index(const SimulatorInfo& info, const std::string& name);
 /// All P parameters: `values` where named there, the simulator's nominal ones elsewhere.
 /// Throws InputError for an unknown name.
 Vector complete_theta(const Simulator& simulator, const std::map<std::string, double>& values);
+Vector complete_theta(const SimulatorInfo& info, const std::map<std::string, double>& values);
 
 }  // namespace npdr::sim

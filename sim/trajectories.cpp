@@ -12,6 +12,12 @@ std::string_view to_string(RolloutStatus status) {
       return "out_of_limits";
     case RolloutStatus::left_scene:
       return "left_scene";
+    case RolloutStatus::crashed:
+      return "crashed";
+    case RolloutStatus::timed_out:
+      return "timed_out";
+    case RolloutStatus::bad_output:
+      return "bad_output";
   }
   return "unknown";
 }

@@ -16,9 +16,12 @@ enum class RolloutStatus : std::uint8_t {
   diverged = 1,       ///< a state became NaN or infinite
   out_of_limits = 2,  ///< parameters that are physically impossible
   left_scene = 3,     ///< a body left the part of the world that the simulator knows
+  crashed = 4,        ///< the program that simulates it failed
+  timed_out = 5,      ///< the program was ended after its time limit
+  bad_output = 6,     ///< the program wrote what isn't a row of numbers
 };
 
-/// "ok", "diverged", "out_of_limits", "left_scene".
+/// "ok", "diverged", "out_of_limits", "left_scene", "crashed", "timed_out", "bad_output".
 std::string_view to_string(RolloutStatus status);
 
 /// Trajectories of n rows: row i holds H rollouts of T stored states of C channels, row-major,

@@ -39,8 +39,8 @@ double accuracy_of(const RowMatrixF& x, const VectorF& classes, const Fold& fold
   classifier.train(x(fold.training, Eigen::all), classes(fold.training), id);
   const VectorF logits = classifier.logits(x(fold.validation, Eigen::all));
   const VectorF expected = classes(fold.validation);
-  const auto is_right = (logits.array() > 0.0f) == (expected.array() > 0.5f);
-  return static_cast<double>(is_right.count()) / static_cast<double>(expected.size());
+  const auto num_right = ((logits.array() > 0.0f) == (expected.array() > 0.5f)).count();
+  return static_cast<double>(num_right) / static_cast<double>(expected.size());
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ Index density_rank(const Vector& log_prob_of_samples, double log_prob_of_truth) 
 
 Index distance_rank(const RowMatrix& samples, const Vector& truth, const Vector& reference) {
   const double distance = (truth - reference).squaredNorm();
-  const auto distances = (samples.rowwise() - reference.transpose()).rowwise().squaredNorm();
+  const Vector distances = (samples.rowwise() - reference.transpose()).rowwise().squaredNorm();
   return (distances.array() < distance).count();
 }
 

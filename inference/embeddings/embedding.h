@@ -51,7 +51,7 @@ class Embedding {
 
 /// The embedding of a config for series of `target` that hold every `store_every`-th state.
 /// Throws InputError when a channel is unknown, the down-sampling is no multiple of store_every, or
-/// fewer than two states are left.
+/// fewer than two states are left, except for "identity": its series are single steps.
 std::unique_ptr<Embedding> make_embedding(const EmbeddingConfig& config, const Target& target,
                                           Index store_every);
 

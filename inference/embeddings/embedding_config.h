@@ -17,7 +17,9 @@ struct EmbeddingConfig {
   std::vector<std::string> channels;  ///< state channels to keep; empty: all
 };
 
-/// "linear", "all_steps", "delta_steps", "last_step", "bayessim".
+/// "linear", "all_steps", "delta_steps", "last_step", "bayessim", "identity".
 std::vector<std::string> embedding_names();
+/// The only one for simulators that give a vector x and no rollouts: x as it is.
+inline constexpr const char* kIdentityEmbedding = "identity";
 
 }  // namespace npdr::inference

@@ -6,7 +6,9 @@
 
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/config/features.h"
 #include "pipeline/store/csv_import.h"
+#include "pipeline/store/dataset_file.h"
 #include "pipeline/store/recording.h"
 
 namespace npdr::pipeline {
@@ -14,6 +16,7 @@ namespace {
 
 struct ImportArguments {
   std::vector<std::string> files;
+  std::string theta, x;  // in their place: a dataset
   std::string output;
   std::string simulator;
   std::vector<std::string> states, actions;
@@ -29,7 +32,9 @@ void check_output(const ImportArguments& arguments) {
     throw InputError(output.string() + ": is to hold HDF5, must not end in .csv");
   }
   std::error_code error;
-  for (const std::string& input : arguments.files) {
+  std::vector<std::string> inputs = arguments.files;
+  inputs.insert(inputs.end(), {arguments.theta, arguments.x});
+  for (const std::string& input : inputs) {
     if (std::filesystem::equivalent(input, output, error)) {
       throw InputError(output.string() + ": is one of the inputs, must be another file");
     }
@@ -69,8 +74,36 @@ Channels channels_of_arguments(const ImportArguments& arguments) {
   return channels;
 }
 
+// Finished simulations have no channels, times or rollouts.
+void check_dataset_arguments(const ImportArguments& arguments) {
+  if (arguments.theta.empty() || arguments.x.empty()) {
+    throw InputError("a dataset is made of two CSV files: --theta FILE and --x FILE");
+  }
+  const bool has_others = !arguments.files.empty() || !arguments.simulator.empty() ||
+                          !arguments.states.empty() || !arguments.actions.empty() || arguments.dt ||
+                          !arguments.source.empty();
+  if (!has_others) return;
+  throw InputError("--theta and --x make a dataset; leave out recordings and what belongs to them");
+}
+
+void import_simulations(const ImportArguments& arguments) {
+  check_dataset_arguments(arguments);
+  const DatasetCounts counts = import_dataset(arguments.theta, arguments.x, arguments.output);
+  fmt::print(
+      "wrote {}: {} rows; theta {}; x {}{}\n", arguments.output, counts.num_rows,
+      fmt::join(feature_names(counts.parameters), ", "),
+      fmt::join(feature_names(counts.features), ", "),
+      counts.num_failed == 0
+          ? ""
+          : fmt::format("; {} rows of x aren't finite and count as failed", counts.num_failed));
+}
+
 void import(const ImportArguments& arguments) {
   check_output(arguments);
+  if (!arguments.theta.empty() || !arguments.x.empty()) return import_simulations(arguments);
+  if (arguments.files.empty()) {
+    throw InputError("name recordings, CSV files with a rollout each, or --theta and --x");
+  }
   CsvOptions options;
   options.channels = channels_of_arguments(arguments);
   options.dt = arguments.dt;
@@ -85,10 +118,13 @@ void import(const ImportArguments& arguments) {
 }  // namespace
 
 void add_import_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("import", "CSV recordings to a recording file (HDF5)");
+  auto* command = app.add_subcommand(
+      "import", "CSV recordings to a recording file, or simulations to a dataset (HDF5)");
   auto arguments = std::make_shared<ImportArguments>();
-  command->add_option("CSV", arguments->files, "one file per rollout, header 'label [unit],...'")
-      ->required();
+  command->add_option("CSV", arguments->files, "one file per rollout, header 'label [unit],...'");
+  command->add_option("--theta", arguments->theta,
+                      "instead: parameters of finished simulations, a header with their names");
+  command->add_option("--x", arguments->x, "with --theta: features, as many rows");
   command->add_option("-o,--output", arguments->output, "the HDF5 file to write")->required();
   command->add_option("--simulator", arguments->simulator, "take this simulator's channels");
   command->add_option("--states", arguments->states, "columns, such as 'theta [rad],alpha [rad]'")

@@ -10,6 +10,7 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verify.h"
 #include "pipeline/store/artefact.h"
+#include "pipeline/store/dataset_file.h"
 #include "pipeline/store/forked_trial.h"
 #include "pipeline/store/recording.h"
 
@@ -86,6 +87,13 @@ void print_own_attributes(const h5::File& file) {
 
 void print_file(const std::string& path, bool study, bool digest) {
   const h5::File file = h5::File::open(path);
+  if (!file.has_attribute("schema") && file.has("theta") && file.has("x")) {
+    const DatasetFile dataset(path, {});
+    fmt::print("{}: a dataset of {} simulations of {} features\n", path, dataset.num_rows(),
+               dataset.features().size());
+    Tree().print(file, "  ");
+    return;
+  }
   if (!file.has_attribute("schema")) {
     const Target target = read_recording(path);
     fmt::print("{}: a recording of {} rollouts of {} steps of {} s\n", path, target.num_rollouts(),

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/external/command_text.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/stop_request.h"
 #include "pipeline/store/build_info.h"
@@ -108,17 +109,7 @@ std::string shell_text(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) {
     if (!text.empty()) text += ' ';
-    const bool is_plain =
-        !word.empty() && word.find_first_not_of(
-                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                             "-_./=,:+@%") == std::string::npos;
-    if (is_plain) {
-      text += word;
-      continue;
-    }
-    text += '\'';
-    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    text += '\'';
+    text += shell_word(word);
   }
   return text;
 }

@@ -8,10 +8,12 @@
 #include "inference/embeddings/embedding.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/posterior_file.h"
 #include "pipeline/store/csv_file.h"
+#include "pipeline/store/feature_file.h"
 #include "pipeline/store/recording.h"
 
 namespace npdr::pipeline {
@@ -31,9 +33,16 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
   const ArtefactInfo info = read_artefact_info(posterior);
   const auto embedding = from_json<inference::EmbeddingConfig>(
       parse_json(file.attribute<std::string>("embedding"), posterior), posterior);
-  const auto simulator = from_json<sim::SimulatorConfig>(info.identity.study.at("simulator"),
-                                                         posterior + ": study.simulator");
-  const Target target = read_recording(recording, observed_channels(posterior));
+  const auto table = from_json<SimulatorTable>(info.identity.study.at("simulator"),
+                                               posterior + ": study.simulator");
+  const Channels channels = observed_channels(posterior);
+  if (table.external.is_used()) {
+    const Target target = read_observation(recording, channels.states);
+    return inference::observed_features(*inference::make_embedding(embedding, target, 1), target,
+                                        1);
+  }
+  const sim::SimulatorConfig& simulator = table.built_in;
+  const Target target = read_recording(recording, channels);
   require_like_observation(recording, target, posterior);
   return inference::observed_features(
       *inference::make_embedding(embedding, target, simulator.store_every), target,
@@ -79,7 +88,8 @@ void print_log_prob(const PosteriorArguments& arguments) {
 
 void add_posterior_options(CLI::App& command, PosteriorArguments& arguments) {
   command.add_option("POSTERIOR", arguments.posterior, "posterior artefact (infer.h5)")->required();
-  command.add_option("--x", arguments.recording, "another recording to condition on");
+  command.add_option("--x", arguments.recording,
+                     "another recording, or file of x_o, to condition on");
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ struct RunArguments {
 std::optional<Stage> parse_stage(const std::string& name) {
   if (name.empty()) return std::nullopt;
   std::vector<std::string> known;
-  for (const Stage stage : {Stage::target, Stage::held_out, Stage::propose, Stage::simulate,
-                            Stage::infer, Stage::baseline, Stage::evaluate, Stage::diagnose,
-                            Stage::report}) {
+  for (const Stage stage :
+       {Stage::target, Stage::held_out, Stage::propose, Stage::simulate, Stage::infer,
+        Stage::baseline, Stage::evaluate, Stage::diagnose, Stage::report}) {
     if (to_string(stage) == name) return stage;
     known.push_back(to_string(stage));
   }
@@ -43,7 +43,8 @@ void print_commands(const Plan& plan, const SchedulerConfig& config) {
 
 // The study's main table, and where the rest is.
 void print_results(const Plan& plan) {
-  std::ifstream table(plan.work.study(plan.study.name) / "tables" / "fit.md");
+  const char* main = plan.study.external.dataset ? "parameters.md" : "fit.md";
+  std::ifstream table(plan.work.study(plan.study.name) / "tables" / main);
   std::cout << table.rdbuf() << std::flush;
   fmt::print("\nreport: {}\n", report_path(plan).string());
 }

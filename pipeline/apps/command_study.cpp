@@ -16,9 +16,32 @@
 namespace npdr::pipeline {
 namespace {
 
+// The same of a command or a dataset, whose simulations are vectors.
+void print_external_work(const Plan& plan) {
+  const Study& study = plan.study;
+  const auto num_features = static_cast<Index>(study.external.features.size());
+  Index rows = 0, calls = 0, posteriors = 0, evaluations = 0;
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::infer) ++posteriors;
+    if (node.stage == Stage::evaluate) ++evaluations;
+    if (node.stage != Stage::simulate) continue;
+    rows += num_rows(plan, node);
+    calls += static_cast<Index>(shards(plan, node).size());
+  }
+  const std::string source = study.external.dataset
+                                 ? "rows of the dataset"
+                                 : fmt::format("simulations in {} calls of the command", calls);
+  fmt::print("{} artefacts: {} {}, {} features each, {} posteriors to train, at most {} of x\n",
+             plan.nodes.size(), rows, source, num_features, posteriors,
+             size_text(static_cast<std::uintmax_t>(rows * num_features) * sizeof(float)));
+  fmt::print("to judge them: {} evaluations of {} samples{}\n", evaluations,
+             study.evaluate.num_samples, study.external.dataset ? ", none of them simulated" : "");
+}
+
 // The work and disk that a study implies.
 void print_work(const Plan& plan) {
   const Study& study = plan.study;
+  if (study.external.is_used()) return print_external_work(plan);
   const bool is_recorded = study.target.recording.has_value();
   const sim::SimulatorInfo info = sim::make_simulator(study.simulator)->info();
   const Index num_rollouts =

@@ -6,8 +6,12 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "inference/prior.h"
+#include "pipeline/config/features.h"
+#include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/external/external_simulator.h"
 #include "pipeline/plan/schemas.h"
+#include "pipeline/stages/row_simulator.h"
 #include "pipeline/store/recording.h"
 #include "sim/simulator.h"
 
@@ -41,17 +45,74 @@ Target target_of(const std::filesystem::path& simulation, const ArtefactInfo& in
   return read_recording(path);
 }
 
+// The round of a simulation's proposal, in the cache beside it.
+Index round_of(const std::filesystem::path& simulation, const ArtefactInfo& info) {
+  const std::string key = info.identity.inputs.at("proposal");
+  const auto path = simulation.parent_path().parent_path() / "propose" / (key + ".h5");
+  return read_artefact_info(path).identity.key_document.at("round").get<Index>();
+}
+
+// The study's simulator as its command is about it: of the resolved study, what that needs.
+Study study_of(const std::filesystem::path& path, const ArtefactInfo& info) {
+  const auto& json = info.identity.study;
+  const auto table =
+      from_json<SimulatorTable>(json.at("simulator"), path.string() + ": study.simulator");
+  Study study;
+  study.simulator = table.built_in;
+  study.external = table.external;
+  study.prior = prior_from_json(json.at("prior"), path.string());
+  return study;
+}
+
+// Rows of x, each in a call of its own.
+Verification verify_features(const std::filesystem::path& path, const ArtefactInfo& info,
+                             const h5::File& file, Index count, std::uint64_t pick) {
+  const Study study = study_of(path, info);
+  if (study.external.dataset) {
+    throw InputError(path.string() +
+                     ": its rows are those of a dataset; only simulations can be "
+                     "recomputed");
+  }
+  const h5::Dataset x = file.dataset("x");
+  x.require_shape({-1, static_cast<Index>(study.external.features.size())});
+  const RowMatrix theta =
+      file.read_matrix<double>("theta", x.num_rows(), static_cast<Index>(study.prior.size()));
+  const auto& document = info.identity.key_document;
+  const auto begin = document.contains("begin") ? document.at("begin").get<std::uint64_t>() : 0;
+  const auto round = static_cast<std::uint64_t>(round_of(simulation_of(path, info), info));
+  const sim::SimulatorInfo simulator_about = simulator_info(study);
+  ExternalSimulator simulator(study.external, simulator_about,
+                              std::filesystem::temp_directory_path() / "npdr-verify.log");
+
+  Verification result;
+  result.num_rows = x.num_rows();
+  std::vector<float> stored(static_cast<std::size_t>(x.row_size()));
+  for (const Index row : pick_rows(result.num_rows, count, pick)) {
+    RowMatrix all = sim::complete_theta(simulator_about, study.simulator.parameters).transpose();
+    all.leftCols(theta.cols()) = theta.row(row);  // the prior's parameters come first
+    const sim::Trajectories again = simulator.simulate(
+        all,
+        {info.identity.seed, kSimulationStream, round, begin + static_cast<std::uint64_t>(row), 0});
+    x.read_rows<float>(row, 1, stored);
+    ++result.num_checked;
+    if (!same(again.values, stored)) result.different.push_back(row);
+  }
+  return result;
+}
+
 Verification verify_simulation(const std::filesystem::path& path, const ArtefactInfo& info,
                                Index count, std::uint64_t pick) {
   const bool is_shard = info.schema.name == kSimulationShardSchema.name;
   const h5::File file = open_artefact(path, is_shard ? kSimulationShardSchema : kSimulationSchema);
+  const auto table = from_json<SimulatorTable>(info.identity.study.at("simulator"),
+                                               path.string() + ": study.simulator");
+  if (table.external.is_used()) return verify_features(path, info, file, count, pick);
   const h5::Dataset trajectories = file.dataset("trajectories");
   trajectories.require_shape({-1, -1, -1, -1});
   const auto labels = file.dataset("theta").attribute<std::vector<std::string>>("labels");
   const RowMatrix theta =
       file.read_matrix<double>("theta", trajectories.num_rows(), static_cast<Index>(labels.size()));
-  const auto config = from_json<sim::SimulatorConfig>(info.identity.study.at("simulator"),
-                                                      path.string() + ": study.simulator");
+  const sim::SimulatorConfig& config = table.built_in;
   const auto simulator = sim::make_simulator(config);
   // A shard's own document doesn't hold the number of rollouts; its trajectories do.
   const Target target = target_of(simulation_of(path, info), info).first(trajectories.shape()[1]);
@@ -77,6 +138,11 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
                              Index count, std::uint64_t pick) {
   const h5::File file = open_artefact(path, kProposalSchema);
   const auto& document = info.identity.key_document;
+  if (document.contains("dataset")) {
+    throw InputError(path.string() +
+                     ": its rows are those of a dataset; only simulations can be "
+                     "recomputed");
+  }
   if (!document.contains("prior")) {
     throw InputError(path.string() +
                      ": its rows come from a posterior; only those of the prior can be recomputed");

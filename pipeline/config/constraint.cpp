@@ -73,6 +73,23 @@ Constraint<std::string> file_path() {
   return {"a path", [](const std::string& text) { return is_plain(text, 4096); }};
 }
 
+Constraint<std::string> column_name() {
+  return {
+      "made of letters, digits, '_', '-' and '.', the first one a letter or '_'",
+      [](const std::string& text) {
+        return is_label(text) && std::all_of(text.begin(), text.end(), is_folder_character) &&
+               (std::isalpha(static_cast<unsigned char>(text.front())) != 0 || text.front() == '_');
+      }};
+}
+
+Constraint<std::string> shell_command() {
+  return {"a command for the shell", [](const std::string& text) {
+            const auto is_bad = [](char c) { return is_control(c) && c != '\n' && c != '\t'; };
+            return text.size() <= 65'536 && text.find_first_not_of(" \t\n") != std::string::npos &&
+                   std::none_of(text.begin(), text.end(), is_bad);
+          }};
+}
+
 std::string must_be(const std::string& key, const std::string& found, const std::string& words,
                     const std::vector<std::string>& names) {
   std::string message = key + " = " + found + ", must be " + words;

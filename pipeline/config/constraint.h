@@ -53,6 +53,13 @@ bool satisfies(const T& value, const Constraint<C>& allowed) {
   }
 }
 
+/// What a shell is to run: not blank, and without control characters other than line breaks and
+/// tabs; at most 65536 bytes.
+Constraint<std::string> shell_command();
+
+/// What can head a column of a CSV file as it stands: letters, digits, '_', '-' and '.'.
+Constraint<std::string> column_name();
+
 /// `key = found, must be words`, with the nearest of `names` when there are any.
 std::string must_be(const std::string& key, const std::string& found, const std::string& words,
                     const std::vector<std::string>& names = {});

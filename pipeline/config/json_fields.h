@@ -94,6 +94,14 @@ class JsonReader {
     }
   }
 
+  template <class T, class C>
+  void operator()(const std::string& key, std::optional<T>& value, const Constraint<C>& allowed,
+                  std::string_view doc) {
+    T read{};
+    (*this)(key, read, allowed, doc);
+    if (json_.contains(key)) value = std::move(read);
+  }
+
   template <class Body>
   void table(const std::string& key, std::string_view /*doc*/, const Body& body) {
     known_.push_back(key);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/text.h"
 #include "inference/embeddings/embedding.h"
 #include "inference/feature_transform.h"
 #include "pipeline/config/constraint.h"
@@ -17,6 +18,12 @@ class RolloutChecker {
       : study_(study), shape_(shape), reading_(reading) {}
 
   void check() {
+    if (study_.external.is_used()) {
+      for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+        check_features(fmt::format("method[{}]", i), study_.methods[i]);
+      }
+      return;
+    }
     if (check_at_most("target.num_rollouts", study_.target.num_rollouts, shape_.num_rollouts,
                       "what the recording holds")) {
       check_at_most("target.held_out", study_.target.held_out,
@@ -56,6 +63,20 @@ class RolloutChecker {
                           reading_.good(path + ".embedding") &&
                           reading_.good(path + ".num_simulations");
     if (some_fit && states_are_left && readable) check_components(path, method);
+  }
+
+  void check_features(const std::string& path, const MethodConfig& method) {
+    std::vector<std::string> labels;
+    for (const Channel& channel : shape_.state_channels) labels.push_back(channel.label);
+    for (const std::string& channel : method.embedding.channels) {
+      if (std::ranges::find(labels, channel) != labels.end()) continue;
+      reading_.fail(
+          path + ".embedding.channels",
+          "method.embedding.channels: " + unknown_name("feature", shortened(channel), labels));
+    }
+    const bool readable =
+        reading_.good(path + ".embedding") && reading_.good(path + ".num_simulations");
+    if (readable) check_components(path, method);
   }
 
   void check_components(const std::string& path, const MethodConfig& method) {

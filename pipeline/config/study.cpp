@@ -22,6 +22,8 @@ DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
   const AlgorithmFamily family = inference::family_of_algorithm(method.algorithm.name);
   DiagnoseConfig config = diagnose;
   std::erase_if(config.checks, [&](const std::string& check) {
+    const bool asks_simulator = check != "ood" && check != "training";
+    if (asks_simulator && external.dataset) return true;
     if (check == "predictive") return false;
     if (check == "ood") return family == AlgorithmFamily::regression;
     return family != AlgorithmFamily::network;
@@ -41,7 +43,11 @@ std::vector<std::string> check_names() {
   return {"sbc", "coverage", "tarp", "local_c2st", "predictive", "ood", "training"};
 }
 
-std::vector<std::string> metric_names() { return {"dtw", "rmse", "final_error", "goal"}; }
+std::vector<std::string> metric_names() {
+  return {"dtw", "rmse", "final_error", "goal", kFeatureMetric};
+}
+
+std::vector<std::string> exchange_formats() { return {"csv", "hdf5"}; }
 
 namespace {
 

@@ -17,14 +17,17 @@
 #include "inference/linear_regression/linear_regression_config.h"
 #include "inference/prior.h"
 #include "inference/training_config.h"
+#include "pipeline/config/external_config.h"
 #include "pipeline/config/places.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
 
-/// Where the target domain's rollouts come from: exactly one of `recording` and `truth`.
+/// Where the target domain's rollouts come from: exactly one of `recording`, `truth` and, where the
+/// simulator gives no rollouts, `observation`.
 struct TargetConfig {
   std::optional<std::string> recording;                ///< path, as seen from the current folder
+  std::optional<std::string> observation;              ///< the same, of a file that holds x_o
   std::optional<std::map<std::string, double>> truth;  ///< parameters that aren't nominal
   Index num_rollouts = 0;                              ///< that inference sees; 0: all
   Index held_out = 0;                                  ///< after those, for evaluation alone
@@ -101,6 +104,7 @@ struct Study {
   std::vector<std::uint64_t> seeds = {1};  ///< distinct experiments
   TargetConfig target;
   sim::SimulatorConfig simulator;
+  ExternalConfig external;                 ///< in the table of the simulator, in its place
   std::vector<inference::Marginal> prior;  ///< in the file's order; units are the simulator's
   ObservationNoise observation_noise;
   SimulateConfig simulate;
@@ -115,13 +119,15 @@ struct Study {
   /// Throws InputError with the nearest name when no method is called `method_name`.
   const MethodConfig& method(const std::string& method_name) const;
 
-  /// The checks that mean something to a method: without a network nothing can be calibrated, and
-  /// without simulations nothing lies among them.
+  /// The checks that mean something to a method: without a network nothing can be calibrated,
+  /// without simulations nothing lies among them, and a dataset can't be asked for more.
   DiagnoseConfig diagnose_of(const MethodConfig& method) const;
 };
 
 /// What evaluate.metrics may hold.
 std::vector<std::string> metric_names();
+/// The metric of features, the only one where the simulator gives no rollouts.
+inline constexpr const char* kFeatureMetric = "distance";
 
 /// What diagnose.checks may hold: those of a network over many simulations, then those at x_o.
 std::vector<std::string> check_names();

@@ -15,6 +15,8 @@
 #include "inference/algorithms/npe_c.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/config/external_check.h"
+#include "pipeline/config/features.h"
 #include "pipeline/config/prior_check.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/toml_document.h"
@@ -46,7 +48,9 @@ class StudyChecker {
   StudyChecker(Study& study, Reading& reading) : study_(study), reading_(reading) {}
 
   void check() {
+    check_source(study_, reading_);
     load_simulator();
+    check_external(study_, reading_);
     check_target();
     check_values("simulator.parameters", study_.simulator.parameters);
     for (Marginal& marginal : study_.prior) check_marginal(marginal);
@@ -101,15 +105,15 @@ class StudyChecker {
 
 // What the other checks need is known from the name alone.
 void StudyChecker::load_simulator() {
-  if (!reading_.good("simulator.name")) return;
-  sim::SimulatorConfig config;
-  config.name = study_.simulator.name;
-  info_ = sim::make_simulator(config)->info();
+  for (const char* source : {"name", "command", "dataset"}) {
+    if (!reading_.good(std::string("simulator.") + source)) return;
+  }
+  info_ = simulator_info(study_);
 }
 
 // The simulator has the last word on its settings; its message has no position.
 void StudyChecker::check_simulator() {
-  if (!reading_.problems().empty()) return;
+  if (!reading_.problems().empty() || study_.external.is_used()) return;
   try {
     sim::make_simulator(study_.simulator);
   } catch (const InputError& error) {
@@ -119,6 +123,10 @@ void StudyChecker::check_simulator() {
 
 void StudyChecker::check_target() {
   const TargetConfig& target = study_.target;
+  if (study_.external.is_used()) {
+    if (target.truth) check_values("target.truth", *target.truth);
+    return;
+  }
   const bool readable = reading_.good("target.recording") && reading_.good("target.truth");
   if (readable && target.recording.has_value() == target.truth.has_value()) {
     reading_.fail("target", std::string("target ") + (target.truth ? "has both" : "has neither") +
@@ -148,6 +156,7 @@ void StudyChecker::check_recording(const std::string& recording) {
 // Those of a recording are known when it has been read.
 void StudyChecker::check_truths_rollouts() {
   if (!study_.target.truth || !info_ || !reading_.good("target.num_rollouts")) return;
+  if (info_->state_channels.empty()) return;  // features that are missing
   check_rollouts(study_,
                  {study_.target.num_rollouts + study_.target.held_out, info_->num_steps,
                   info_->state_channels, info_->action_channels},
@@ -195,7 +204,7 @@ void StudyChecker::check_marginal(Marginal& marginal) {
 }
 
 void StudyChecker::check_unused_settings() {
-  if (!info_) return;
+  if (!info_ || study_.external.is_used()) return;
   for (const std::string& setting : sim::unused_settings(info_->name)) {
     const std::string path = "simulator." + setting;
     if (!reading_.has(path)) continue;
@@ -238,7 +247,7 @@ void StudyChecker::check_references() {
 }
 
 void StudyChecker::check_metrics() {
-  if (!info_ || !reading_.good("evaluate.metrics")) return;
+  if (!info_ || study_.external.is_used() || !reading_.good("evaluate.metrics")) return;
   const auto& metrics = study_.evaluate.metrics;
   const auto asks_for = [&](const char* name) { return std::ranges::count(metrics, name) > 0; };
   if (asks_for("goal") && !info_->goal) {
@@ -319,7 +328,7 @@ void StudyChecker::check_embedding(const std::string& path,
     fail(path + ".downsample", std::to_string(embedding.downsample),
          fmt::format("a multiple of simulator.store_every = {}", store_every));
   }
-  if (!info_) return;
+  if (!info_ || study_.external.is_used()) return;  // its features may not be known yet
   std::vector<std::string> labels;
   for (const Channel& channel : info_->state_channels) labels.push_back(channel.label);
   for (const std::string& channel : embedding.channels) {

@@ -35,6 +35,14 @@ Constraint<std::string> algorithm_constraint() {
   return constraint;
 }
 
+Constraint<std::string> simulator_constraint() {
+  Constraint<std::string> constraint = one_of(sim::simulator_names());
+  constraint.allows = [names = constraint.allows](const std::string& value) {
+    return value.empty() || names(value);
+  };
+  return constraint;
+}
+
 Constraint<std::string> estimator_constraint() {
   Constraint<std::string> constraint = one_of(inference::estimator_names());
   constraint.allows = [names = constraint.allows](const std::string& value) {

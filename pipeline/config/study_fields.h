@@ -23,6 +23,8 @@ inline constexpr double kMaxWidth = 4096;
 inline constexpr double kMaxLayers = 128;
 
 Constraint<std::string> algorithm_constraint();
+/// Of the simulator; "" where something else takes its place.
+Constraint<std::string> simulator_constraint();
 Constraint<std::string> estimator_constraint();
 /// > 0 and <= 1.
 Constraint<double> quantile_constraint();
@@ -56,7 +58,8 @@ void describe(Fields& f, sim::MinigolfConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, sim::SimulatorConfig& c) {
-  f("name", c.name, one_of(sim::simulator_names()), "the simulator");
+  f("name", c.name, simulator_constraint(),
+    "a built-in simulator; exactly one of name, command and dataset");
   f("parameters", c.parameters, anything<std::map<std::string, double>>(),
     "values that replace the simulator's nominal ones");
   f("segment_length", c.segment_length, count_from(0),
@@ -66,6 +69,35 @@ void describe(Fields& f, sim::SimulatorConfig& c) {
   f("store_every", c.store_every, count_from(1), "keep every k-th state of a simulated rollout");
   f.table("minigolf", "settings of the simulator \"minigolf\"",
           [&](auto& t) { describe(t, c.minigolf); });
+}
+
+template <class Fields>
+void describe(Fields& f, ExternalConfig& c) {
+  f("command", c.command, shell_command(),
+    "a simulator of one's own: a shell command that reads a file of theta and writes a file of x");
+  f("dataset", c.dataset, file_path(),
+    "HDF5 file of finished simulations, theta and x, relative to the study file's folder");
+  f("format", c.format, one_of(exchange_formats()), "of the command's files");
+  f("folder", c.folder, anything<std::string>(),
+    "where the command runs, relative to the study file's folder; empty: that folder");
+  f("time_limit", c.time_limit, positive(), "for a call with all rows of a shard [s]");
+  f("start_time", c.start_time, not_negative(),
+    "added to the share of the time limit that a call with fewer rows has [s]");
+  f("retries", c.retries, between(0, 100), "of a call that failed, before its rows are split");
+  f("features", c.features, anything<std::vector<std::string>>(),
+    "names of what x holds, such as [\"peak [m]\", \"mean\"]; empty: those of x_o, or x0, x1, ...");
+}
+
+/// The table [simulator] as a whole.
+struct SimulatorTable {
+  sim::SimulatorConfig built_in;
+  ExternalConfig external;
+};
+
+template <class Fields>
+void describe(Fields& f, SimulatorTable& c) {
+  describe(f, c.built_in);
+  describe(f, c.external);
 }
 
 template <class Fields>
@@ -191,6 +223,8 @@ template <class Fields>
 void describe(Fields& f, TargetConfig& c) {
   f("recording", c.recording, file_path(),
     "HDF5 file of recorded rollouts, relative to the study file's folder");
+  f("observation", c.observation, file_path(),
+    "CSV or HDF5 file that holds x_o, where the simulator gives features and no rollouts");
   f("truth", c.truth, anything<std::map<std::string, double>>(),
     "parameters of a simulated target domain that aren't nominal; {}: all nominal");
   f("num_rollouts", c.num_rollouts, count_from(0),
@@ -243,7 +277,10 @@ void describe(Fields& f, Study& c) {
     t("seeds", c.seeds, seeds_constraint(), "one experiment each; tables report mean and std");
   });
   f.table("target", "the target domain", [&](auto& t) { describe(t, c.target); });
-  f.table("simulator", "the simulator", [&](auto& t) { describe(t, c.simulator); });
+  f.table("simulator", "the simulator", [&](auto& t) {
+    describe(t, c.simulator);
+    describe(t, c.external);
+  });
   f("prior", c.prior, prior_constraint(),
     "parameter = { uniform = [low, high] }, { log_uniform = [low, high] } or "
     "{ normal = [mean, std] }; the rest stay nominal");

@@ -42,6 +42,7 @@ Json parse_json(const std::string& text, const std::string& where) {
 }
 
 template Json to_json(const sim::SimulatorConfig&);
+template Json to_json(const ExternalConfig&);
 template Json to_json(const inference::EmbeddingConfig&);
 template Json to_json(const inference::EstimatorConfig&);
 template Json to_json(const inference::TrainingConfig&);
@@ -55,6 +56,7 @@ template Json to_json(const DiagnoseConfig&);
 template Json to_json(const ReportConfig&);
 
 template sim::SimulatorConfig from_json(const Json&, const std::string&);
+template SimulatorTable from_json(const Json&, const std::string&);
 template inference::EmbeddingConfig from_json(const Json&, const std::string&);
 template inference::EstimatorConfig from_json(const Json&, const std::string&);
 template inference::TrainingConfig from_json(const Json&, const std::string&);

@@ -35,11 +35,17 @@ std::string read_text(const fs::path& file) {
   return text;
 }
 
+// A relative path of a study starts at its folder, one of the command line at the current folder.
+void resolve_path(std::optional<std::string>& value, const std::string& key, const fs::path& file,
+                  const Reading& reading) {
+  if (!value || is_override(reading.place(key))) return;
+  const fs::path path = *value;
+  if (path.is_relative()) value = (file.parent_path() / path).lexically_normal();
+}
+
 void resolve_target(TargetConfig& target, const fs::path& file, const Reading& reading) {
-  if (target.recording && !is_override(reading.place("target.recording"))) {
-    const fs::path path = *target.recording;
-    if (path.is_relative()) target.recording = (file.parent_path() / path).lexically_normal();
-  }
+  resolve_path(target.recording, "target.recording", file, reading);
+  resolve_path(target.observation, "target.observation", file, reading);
   if (target.truth && !reading.has("target.num_rollouts")) target.num_rollouts = kTruthRollouts;
 }
 
@@ -50,11 +56,36 @@ void resolve_without_network(Study& study, std::size_t i, const Reading& reading
   const auto family = inference::family_of_algorithm(method.algorithm.name);
   if (family == inference::AlgorithmFamily::network) return;
   const std::string embedding = "method[" + std::to_string(i) + "].embedding.";
-  if (!reading.has(embedding + "kind")) method.embedding.kind = "all_steps";
+  if (!reading.has(embedding + "kind") && !study.external.is_used()) {
+    method.embedding.kind = "all_steps";
+  }
   if (!reading.has(embedding + "downsample")) {
     method.embedding.downsample = study.simulator.store_every;
   }
   if (family == inference::AlgorithmFamily::regression) method.algorithm.num_rounds = 1;
+}
+
+// Where the simulator gives features of x: one rollout of one step, that is measured as a whole.
+void resolve_external(Study& study, const fs::path& file, const Reading& reading) {
+  ExternalConfig& external = study.external;
+  if (!external.is_used()) return;
+  resolve_path(external.dataset, "simulator.dataset", file, reading);
+  if (external.command) {
+    std::optional<std::string> folder = external.folder;
+    resolve_path(folder, "simulator.folder", file, reading);
+    std::error_code error;
+    external.folder = fs::absolute(folder->empty() ? "." : *folder, error).lexically_normal();
+  }
+  study.target.num_rollouts = 1;
+  study.evaluate.floor = false;
+  if (!reading.has("evaluate.metrics")) {
+    study.evaluate.metrics.clear();
+    if (external.command) study.evaluate.metrics = {kFeatureMetric};
+  }
+  for (std::size_t i = 0; i < study.methods.size(); ++i) {
+    const std::string kind = "method[" + std::to_string(i) + "].embedding.kind";
+    if (!reading.has(kind)) study.methods[i].embedding.kind = inference::kIdentityEmbedding;
+  }
 }
 
 // Defaults that depend on other keys, and one spelling for each name.
@@ -63,6 +94,7 @@ void resolve(Study& study, const fs::path& file, const Reading& reading) {
   if (reading.has("diagnose") && !reading.has("diagnose.checks")) {
     study.diagnose.checks = check_names();
   }
+  resolve_external(study, file, reading);
   std::size_t i = 0;
   for (MethodConfig& method : study.methods) {
     method.algorithm.name = inference::canonical_algorithm(method.algorithm.name);

@@ -26,6 +26,8 @@ num_rollouts = 1                # how many; of a recording: use the first k, 0: 
 # seed = 0                      # picks a truth's random behaviour (the pendulum has none)
 # Recorded rollouts take the place of truth and seed:
 #   recording = "rollouts.h5"   # HDF5, relative to this file; `npdr import` makes one from CSV files
+# Of a simulator that gives features x and no rollouts, x_o itself, or a truth:
+#   observation = "x_o.csv"     # one row, CSV or HDF5
 
 [simulator]
 name = "pendulum"
@@ -34,6 +36,15 @@ name = "pendulum"
 # integrator = "erk4"           # method for the ODE
 # substeps = 1                  # integrator steps per time step of the target
 # store_every = 1               # keep every k-th state
+# In place of a name, a program of your own or finished simulations: docs/external-simulators.md.
+#   command = "python3 sim.py {theta} {x}"  # reads a file of theta, writes a file of x
+#   dataset = "dataset.h5"      # or theta and x, as `npdr import --theta` writes them
+#   format = "csv"              # of the command's files, or "hdf5"
+#   folder = ""                 # where the command runs; empty: the folder of this file
+#   time_limit = 3600.0         # [s] of a call with all rows of a shard
+#   start_time = 2.0            # [s] added to the share of that for a call with fewer rows
+#   retries = 1                 # of a call that failed, before its rows are split
+#   features = ["peak [m]", "mean"]  # what x holds; empty: as x_o says, or x0, x1, ...
 # The simulator "minigolf" has settings of its own:
 #   [simulator.minigolf]
 #   strike = "recorded"         # the recorded joint angles, or Table A4's "policy"

@@ -150,14 +150,25 @@ void assign(toml::table& table, std::span<const std::string> path, const Assignm
   }
 }
 
-void remove_rival(toml::table& document, const Path& path) {
-  toml::table* target = document["target"].as_table();
-  if (path.size() < 2 || path[0] != "target" || target == nullptr) return;
-  if (path[1] == "recording" && target->contains("truth")) {
-    // They are of the truth: how many rollouts to simulate isn't how many to use of a recording.
-    for (const char* key : {"truth", "seed", "num_rollouts"}) target->erase(key);
+// Of keys that exclude each other, the one that was set stays.
+void keep_only(toml::table& table, const std::string& set, const std::vector<std::string>& rivals) {
+  if (std::find(rivals.begin(), rivals.end(), set) == rivals.end()) return;
+  for (const std::string& rival : rivals) {
+    if (rival != set) table.erase(rival);
   }
-  if (path[1] == "truth") target->erase("recording");
+}
+
+void remove_rival(toml::table& document, const Path& path) {
+  toml::table* table = document[path.front()].as_table();
+  if (path.size() < 2 || table == nullptr) return;
+  if (path[0] == "simulator") keep_only(*table, path[1], {"name", "command", "dataset"});
+  if (path[0] != "target") return;
+  if (path[1] != "truth" && table->contains("truth") &&
+      (path[1] == "recording" || path[1] == "observation")) {
+    // They are of the truth: how many rollouts to simulate isn't how many to use of a recording.
+    for (const char* key : {"seed", "num_rollouts"}) table->erase(key);
+  }
+  keep_only(*table, path[1], {"recording", "truth", "observation"});
 }
 
 }  // namespace

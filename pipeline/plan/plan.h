@@ -39,6 +39,7 @@ struct Use {
   std::uint64_t seed = 0;
   /// Counted from 1; 0: none, or, of proposals and simulations, that of calibration.
   Index round = 0;
+  friend bool operator==(const Use&, const Use&) = default;
 };
 
 /// One artefact.
@@ -63,7 +64,8 @@ struct Selection {
 struct Plan {
   Study study;
   WorkFolder work;
-  Target target;        ///< the recording, held-out rollouts last; empty for a simulated truth
+  /// The recording, held-out rollouts last, or x_o; empty for a simulated truth.
+  Target target;
   std::string command;  ///< that makes all of it, for people
   std::vector<Node> nodes;
 

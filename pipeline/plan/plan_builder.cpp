@@ -1,11 +1,17 @@
 #include "pipeline/plan/plan_builder.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/error.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/features.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/external/command_text.h"
+#include "pipeline/external/dataset_rows.h"
 #include "pipeline/plan/schemas.h"
+#include "pipeline/store/feature_file.h"
 #include "pipeline/store/recording.h"
 
 namespace npdr::pipeline {
@@ -56,8 +62,25 @@ void describe_known(const Study& study, Json& json) {
   json["prior"] = to_json(study.prior);
 }
 
+// Each seed uses other rows of a dataset, but never more than it has.
+void check_num_rows(const Study& study, Index num_rows) {
+  Reading reading(study.places);
+  for (std::size_t i = 0; i < study.methods.size(); ++i) {
+    const Index wanted = study.methods[i].algorithm.num_simulations;
+    if (wanted <= num_rows) continue;
+    const std::string path = "method[" + std::to_string(i) + "].num_simulations";
+    reading.fail(path, must_be(display(path), std::to_string(wanted),
+                               "<= " + std::to_string(num_rows) + ", the rows of the dataset"));
+  }
+  if (num_rows > std::numeric_limits<std::uint32_t>::max()) {
+    reading.fail(
+        "simulator.dataset",
+        must_be("simulator.dataset", std::to_string(num_rows) + " rows", "of < 2^32 rows"));
+  }
+  reading.problems().throw_if_any();
+}
+
 void describe_truth(const Study& study, Json& json) {
-  json["simulator"] = behaviour_json(study.simulator);
   json["truth"] = *study.target.truth;
   json["num_rollouts"] = study.target.num_rollouts;
   json["seed"] = study.target.seed;
@@ -73,7 +96,47 @@ bool needs_simulations(const MethodConfig& method) {
 PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& selection)
     : plan_{std::move(study), work, {}, {}, {}}, selection_(selection) {
   check_selection(selection);
+  if (plan_.study.external.is_used()) resolve_external();
   study_json_ = to_json(plan_.study);
+}
+
+void PlanBuilder::resolve_external() {
+  Study& study = plan_.study;
+  ExternalConfig& external = study.external;
+  std::vector<Channel> features = features_of(external.features);
+  if (external.dataset) {
+    const DatasetFile dataset = open_dataset(study);
+    features = dataset.features();
+    check_num_rows(study, dataset.num_rows());
+    external_files_["dataset"] = file_hash(*external.dataset);
+  } else {
+    external_files_ = named_files(*external.command, external.folder);
+  }
+  if (study.target.observation) {
+    plan_.target = read_observation(*study.target.observation, features);
+    features = plan_.target.state_channels;
+    check_recording(study, plan_.target);
+  }
+  external.features = feature_names(features);
+}
+
+Json PlanBuilder::external_json() const {
+  const ExternalConfig& external = plan_.study.external;
+  Json json;
+  json["files"] = external_files_;
+  json["features"] = external.features;
+  if (external.dataset) return json;
+  json["command"] = *external.command;
+  json["format"] = external.format;
+  json["time_limit"] = external.time_limit;
+  json["start_time"] = external.start_time;
+  json["retries"] = external.retries;
+  json["parameters"] = plan_.study.simulator.parameters;
+  return json;
+}
+
+Json PlanBuilder::simulation_json() const {
+  return plan_.study.external.is_used() ? external_json() : simulator_json(plan_.study.simulator);
 }
 
 void PlanBuilder::check_selection(const Selection& selection) const {
@@ -89,6 +152,7 @@ void PlanBuilder::check_selection(const Selection& selection) const {
 Plan PlanBuilder::build() {
   const std::size_t target = add_target();
   held_out_ = add_held_out();
+  if (plan_.study.external.command) scale_ = add_scale();
   std::vector<std::size_t> evaluations, diagnoses;
   // Methods that differ only in what changes no posterior share what is made of them.
   const auto note = [](std::vector<std::size_t>& nodes, std::size_t added) {
@@ -124,10 +188,20 @@ std::size_t PlanBuilder::add_target() {
     }
     json["content"] =
         content_hash(plan_.target.first(plan_.target.num_rollouts() - study.target.held_out));
+  } else if (study.target.observation) {
+    json["content"] = content_hash(plan_.target);
   } else {
+    json["simulator"] =
+        study.external.is_used() ? external_json() : behaviour_json(study.simulator);
     describe_truth(study, json);
   }
   return add(Stage::target, json, {}, {});
+}
+
+std::size_t PlanBuilder::add_scale() {
+  const MethodConfig& method = plan_.study.methods.front();
+  const Use use{method.name, plan_.study.seeds.front(), 1};
+  return add_simulation(method, use, 0, add_proposal(method, use, std::nullopt));
 }
 
 // The rollouts after those of the target; none: nothing is held out.
@@ -140,6 +214,7 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
     json["content"] =
         content_hash(plan_.target.after(plan_.target.num_rollouts() - study.target.held_out));
   } else {
+    json["simulator"] = behaviour_json(study.simulator);
     describe_truth(study, json);
   }
   return add(Stage::held_out, json, {}, {});
@@ -147,13 +222,15 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
 
 // What baselines and posteriors are measured by.
 PlanBuilder::Inputs PlanBuilder::add_judgement(std::size_t target, Json& json) const {
-  json["simulator"] = dynamics_json(plan_.study.simulator);
+  json["simulator"] =
+      plan_.study.external.is_used() ? external_json() : dynamics_json(plan_.study.simulator);
   json["metrics"] = plan_.study.evaluate.metrics;
   for (const ReferenceConfig& reference : plan_.study.references) {
     json["references"][reference.name] = reference.parameters;
   }
   Inputs inputs = {{"target", target}};
   if (held_out_) inputs.emplace_back("held_out", *held_out_);
+  if (scale_) inputs.emplace_back("prior_predictive", *scale_);
   return inputs;
 }
 
@@ -196,6 +273,7 @@ std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use
       use.round == 0 ? plan_.study.diagnose.num_simulations : method.algorithm.num_simulations;
   json["seed"] = use.seed;
   json["round"] = use.round;
+  if (plan_.study.external.dataset) json["dataset"] = external_files_.at("dataset");
   if (!posterior) {
     json["prior"] = to_json(plan_.study.prior);
     return add(Stage::propose, json, use, {});
@@ -206,7 +284,11 @@ std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use
 std::size_t PlanBuilder::add_simulation(const MethodConfig& method, const Use& use,
                                         std::size_t target, std::size_t proposal) {
   Json json = key_document(kSimulationSchema);
-  json["simulator"] = simulator_json(plan_.study.simulator);
+  json["simulator"] = simulation_json();
+  // Features don't depend on the target: with another x_o, the simulations of the prior stay.
+  if (plan_.study.external.is_used()) {
+    return add(Stage::simulate, json, use, {{"proposal", proposal}});
+  }
   json["num_rollouts"] = method.num_rollouts;
   return add(Stage::simulate, json, use, {{"target", target}, {"proposal", proposal}});
 }
@@ -309,7 +391,8 @@ std::size_t PlanBuilder::add(Stage stage, Json document, const Use& use, const I
   node.identity.seed = use.seed;
   node.key = node.identity.key();
   if (const auto known = by_key_.find(node.key); known != by_key_.end()) {
-    plan_.nodes[known->second].uses.push_back(use);
+    std::vector<Use>& uses = plan_.nodes[known->second].uses;
+    if (std::ranges::find(uses, use) == uses.end()) uses.push_back(use);
     return known->second;
   }
   node.path = path_of(plan_, stage, node.key);

@@ -16,6 +16,11 @@ class PlanBuilder {
   using Inputs = std::vector<std::pair<std::string, std::size_t>>;  // by name, positions
 
   void check_selection(const Selection& selection) const;
+  /// Reads what a study with a command or a dataset refers to: x_o, the features' names, hashes.
+  void resolve_external();
+  nlohmann::ordered_json external_json() const;
+  /// The settings that decide what a simulation holds.
+  nlohmann::ordered_json simulation_json() const;
   std::size_t add_target();
   std::size_t add_baseline(std::size_t target);
   /// What the report needs of one method and seed.
@@ -33,6 +38,8 @@ class PlanBuilder {
                             const std::vector<std::size_t>& simulations,
                             const std::vector<std::size_t>& posteriors);
   std::optional<std::size_t> add_held_out();
+  /// The simulations of the prior that features are compared in units of.
+  std::size_t add_scale();
   /// Notes down in `json` what a judgement depends on, and returns its inputs.
   Inputs add_judgement(std::size_t target, nlohmann::ordered_json& json) const;
   std::size_t add_evaluation(const Use& use, std::size_t target, std::size_t posterior);
@@ -48,6 +55,8 @@ class PlanBuilder {
 
   Plan plan_;
   std::optional<std::size_t> held_out_;
+  std::optional<std::size_t> scale_;
+  std::map<std::string, std::string> external_files_;  // hashes
   Selection selection_;
   nlohmann::ordered_json study_json_;
   std::map<std::string, std::size_t> by_key_;

@@ -10,13 +10,16 @@
 namespace npdr::pipeline {
 namespace {
 
-BaselinePoint measure(const Judge& judge, const std::string& name, const Vector& complete) {
-  return {name, judge.seen().pick(complete), judge.measure_one(complete)};
+// `number`: that of the point, which names the random numbers of a simulator that draws some.
+BaselinePoint measure(const Judge& judge, const std::string& name, const Vector& complete,
+                      std::size_t number) {
+  return {name, judge.seen().pick(complete),
+          judge.measure_one(complete, {0, "external_baseline", 0, number, 0})};
 }
 
 BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge) {
   const Predictor& predictor = judge.seen();
-  const SearchBox box = search_box(plan.study.prior, predictor.simulator().info());
+  const SearchBox box = search_box(plan.study.prior, predictor.info());
   const Vector start = predictor.pick(predictor.nominal()).cwiseMax(box.lower).cwiseMin(box.upper);
   Progress progress(node.label() + ", floor evaluations", 0);
   Index num_evaluations = 0;
@@ -28,7 +31,7 @@ BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge)
   };
   const analysis::FloorResult floor =
       analysis::find_floor(objective, box.lower, box.upper, start.transpose());
-  return measure(judge, "floor", predictor.complete(floor.theta.transpose()).transpose());
+  return measure(judge, "floor", predictor.complete(floor.theta.transpose()).transpose(), 0);
 }
 
 }  // namespace
@@ -37,12 +40,16 @@ void run_baseline(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
   const Judge judge(plan, node);
   const Predictor& predictor = judge.seen();
-  std::vector<BaselinePoint> points = {measure(judge, "nominal", predictor.nominal())};
+  std::vector<BaselinePoint> points;
+  const auto add = [&](const std::string& name, const Vector& complete) {
+    points.push_back(measure(judge, name, complete, points.size()));
+  };
+  if (!plan.study.external.is_used()) add("nominal", predictor.nominal());
   for (const ReferenceConfig& reference : plan.study.references) {
-    points.push_back(measure(judge, reference.name, predictor.nominal_with(reference.parameters)));
+    add(reference.name, predictor.nominal_with(reference.parameters));
   }
   if (plan.study.target.truth) {
-    points.push_back(measure(judge, "truth", predictor.truth()));
+    add("truth", predictor.truth());
   } else if (plan.study.evaluate.floor) {
     points.push_back(find_floor(plan, node, judge));
   }

@@ -5,11 +5,13 @@
 
 #include "core/error.h"
 #include "inference/diagnostics/calibration.h"
+#include "pipeline/config/features.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/stop_request.h"
 #include "pipeline/stages/diagnosis_file.h"
 #include "pipeline/stages/posterior_file.h"
+#include "pipeline/stages/row_simulator.h"
 #include "pipeline/stages/series_summary.h"
 #include "pipeline/stages/simulation_features.h"
 #include "pipeline/stages/simulation_file.h"
@@ -152,7 +154,9 @@ struct Predictions {
 
 Predictions predict(const Case& c, const RowMatrix& theta) {
   constexpr Index block = 256;
-  const auto simulator = sim::make_simulator(c.plan.study.simulator);
+  const auto simulator =
+      make_row_simulator(c.plan, c.plan.study.simulator, c.target, log_of(c.node.path));
+  const sim::SimulatorInfo info = simulator_info(c.plan.study);
   const inference::SeriesSelection& selection = c.embedding->selection();
   const RowMatrix amplitude = picked_amplitude(c.target, selection);
   const double scale = c.plan.study.observation_noise.scale;
@@ -162,8 +166,10 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
   for (Index begin = 0; begin < theta.rows(); begin += block) {
     stop_here_if_requested();
     const Index count = std::min(block, theta.rows() - begin);
-    const sim::Trajectories trajectories = simulator->replay(
-        c.target, complete_theta(c.plan, *simulator, theta.middleRows(begin, count)));
+    StreamId first = c.stream("diagnose_predictive_simulation");
+    first.row = static_cast<std::uint64_t>(begin);
+    const sim::Trajectories trajectories =
+        simulator->simulate(complete_theta(c.plan, info, theta.middleRows(begin, count)), first);
     for (Index i = 0; i < count; ++i) {
       if (trajectories.status[static_cast<std::size_t>(i)] != sim::RolloutStatus::ok) continue;
       selection.pick(trajectories.row(i), picked);

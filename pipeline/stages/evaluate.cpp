@@ -6,6 +6,23 @@
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
+namespace {
+
+// Simulates the posterior's samples; of a dataset nothing can be predicted.
+void predict(const Plan& plan, const Judge& judge, const StreamId& first, Evaluation& evaluation) {
+  const Predictor& predictor = judge.seen();
+  if (plan.study.external.dataset) return;
+  const RowMatrix complete = predictor.complete(evaluation.theta);
+  const sim::Trajectories trajectories = predictor.simulate(complete, first);
+  evaluation.metrics = judge.measure(complete, trajectories);
+  if (plan.study.external.command) {
+    evaluation.x = features_of(trajectories);
+  } else {
+    evaluation.bands = analysis::quantile_bands(view_of(trajectories));
+  }
+}
+
+}  // namespace
 
 void run_evaluate(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kEvaluationSchema, node.identity);
@@ -24,17 +41,17 @@ void run_evaluate(const Plan& plan, const Node& node) {
   evaluation.theta = std::move(samples.theta);
   evaluation.sampler = std::move(samples.report);
   evaluation.log_prob = posterior->log_prob(evaluation.theta);
-  const RowMatrix complete = predictor.complete(evaluation.theta);
-  const sim::Trajectories trajectories = predictor.simulate(complete);
-  evaluation.metrics = judge.measure(complete, trajectories);
-  evaluation.bands = analysis::quantile_bands(view_of(trajectories));
+  predict(plan, judge, {use.seed, "external_prediction", round, 0, 0}, evaluation);
 
   evaluation.map_theta = posterior->map({use.seed, "map", round, 0, 0});
   const RowMatrix map_row = evaluation.map_theta.transpose();
   evaluation.map_log_prob = posterior->log_prob(map_row)(0);
-  evaluation.map_metrics = judge.measure_one(predictor.complete(map_row).transpose());
+  evaluation.map_metrics = judge.measure_one(predictor.complete(map_row).transpose(),
+                                             {use.seed, "external_map", round, 0, 0});
 
-  evaluation.nominal_log_prob = log_prob_of(predictor.nominal());
+  if (!plan.study.external.is_used()) {
+    evaluation.nominal_log_prob = log_prob_of(predictor.nominal());
+  }
   if (plan.study.target.truth) evaluation.truth_log_prob = log_prob_of(predictor.truth());
   for (const ReferenceConfig& reference : plan.study.references) {
     evaluation.reference_log_prob[reference.name] =

@@ -1,5 +1,6 @@
 #include "pipeline/stages/evaluation_file.h"
 
+#include "pipeline/config/features.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/stage_files.h"
 
@@ -28,6 +29,37 @@ std::vector<RowMatrix> read_band(const h5::Group& group, const std::string& name
     band.push_back(values.cast<double>());
   }
   return band;
+}
+
+void write_bands(h5::File& file, const analysis::Bands& bands) {
+  h5::Group group = file.create_group("bands");
+  group.set_attribute("coverage", bands.coverage);
+  group.set_attribute("num_samples", bands.num_samples);
+  write_band(group, "lower", bands.lower);
+  write_band(group, "median", bands.median);
+  write_band(group, "upper", bands.upper);
+}
+
+analysis::Bands read_bands(const h5::Group& group) {
+  analysis::Bands bands;
+  bands.coverage = group.attribute<double>("coverage");
+  bands.num_samples = group.attribute<Index>("num_samples");
+  bands.lower = read_band(group, "lower");
+  bands.median = read_band(group, "median");
+  bands.upper = read_band(group, "upper");
+  return bands;
+}
+
+void write_x(h5::File& file, const Plan& plan, const RowMatrixF& x) {
+  h5::Dataset dataset = file.write("x", x);
+  std::vector<std::string> labels, units;
+  for (const Channel& feature : features_of(plan.study.external.features)) {
+    labels.push_back(feature.label);
+    units.push_back(feature.unit);
+  }
+  dataset.set_attribute("labels", labels);
+  dataset.set_attribute("units", units);
+  dataset.label_dimensions({"row", "feature"});
 }
 
 void write_references(h5::File& file, const Evaluation& evaluation) {
@@ -72,7 +104,9 @@ void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evalua
   for (const auto& [metric, values] : evaluation.metrics) {
     file.write(metric, values).label_dimensions({"row"});
   }
-  file.write_scalar("nominal_log_prob", evaluation.nominal_log_prob);
+  if (evaluation.nominal_log_prob) {
+    file.write_scalar("nominal_log_prob", *evaluation.nominal_log_prob);
+  }
   if (evaluation.truth_log_prob) file.write_scalar("truth_log_prob", *evaluation.truth_log_prob);
   if (!evaluation.reference_log_prob.empty()) write_references(file, evaluation);
   if (evaluation.sampler) write_sampler(file, *evaluation.sampler);
@@ -80,12 +114,8 @@ void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evalua
   map.write("theta", evaluation.map_theta).label_dimensions({"parameter"});
   map.write_scalar("log_prob", evaluation.map_log_prob);
   for (const auto& [metric, value] : evaluation.map_metrics) map.write_scalar(metric, value);
-  h5::Group bands = file.create_group("bands");
-  bands.set_attribute("coverage", evaluation.bands.coverage);
-  bands.set_attribute("num_samples", evaluation.bands.num_samples);
-  write_band(bands, "lower", evaluation.bands.lower);
-  write_band(bands, "median", evaluation.bands.median);
-  write_band(bands, "upper", evaluation.bands.upper);
+  if (evaluation.bands) write_bands(file, *evaluation.bands);
+  if (evaluation.x) write_x(file, plan, *evaluation.x);
 }
 
 Evaluation read_evaluation(const Node& node) {
@@ -94,7 +124,9 @@ Evaluation read_evaluation(const Node& node) {
   evaluation.theta = file.read_matrix<double>("theta");
   const Index n = evaluation.theta.rows();
   evaluation.log_prob = file.read_vector<double>("log_prob", n);
-  evaluation.nominal_log_prob = file.read_scalar<double>("nominal_log_prob");
+  if (file.has("nominal_log_prob")) {
+    evaluation.nominal_log_prob = file.read_scalar<double>("nominal_log_prob");
+  }
   if (file.has("truth_log_prob")) {
     evaluation.truth_log_prob = file.read_scalar<double>("truth_log_prob");
   }
@@ -108,12 +140,8 @@ Evaluation read_evaluation(const Node& node) {
     evaluation.metrics[metric] = file.read_vector<double>(metric, n);
     evaluation.map_metrics[metric] = map.read_scalar<double>(metric);
   }
-  const h5::Group bands = file.group("bands");
-  evaluation.bands.coverage = bands.attribute<double>("coverage");
-  evaluation.bands.num_samples = bands.attribute<Index>("num_samples");
-  evaluation.bands.lower = read_band(bands, "lower");
-  evaluation.bands.median = read_band(bands, "median");
-  evaluation.bands.upper = read_band(bands, "upper");
+  if (file.has("bands")) evaluation.bands = read_bands(file.group("bands"));
+  if (file.has("x")) evaluation.x = file.read_matrix<float>("x", n);
   return evaluation;
 }
 

@@ -5,11 +5,12 @@
 ///   one dataset (n) per metric: "rmse", "dtw", ...; NaN where the rollouts failed; those of
 ///   held-out rollouts are "held_out_rmse", ...
 ///   map/theta (D), map/log_prob and one number per metric: the most likely parameters
-///   nominal_log_prob, and truth_log_prob for a simulated target
+///   nominal_log_prob for a built-in simulator, and truth_log_prob for a simulated target
 ///   reference/name (k) and reference/log_prob (k) of the study's references, where it has any
 ///   sampler/r_hat (D), sampler/ess (D, or 1 of importance weights), attribute num_evaluations:
 ///   of posteriors that have to be sampled
 ///   bands/lower, bands/median, bands/upper (H, T, C) float32: 5, 50, 95 % of the rollouts
+///   x (n, F) float32: what a simulator that gives features predicts, in place of the bands
 #pragma once
 
 #include <map>
@@ -29,11 +30,12 @@ struct Evaluation {
   Vector map_theta;                       ///< (D)
   double map_log_prob = 0.0;
   std::map<std::string, double> map_metrics;
-  double nominal_log_prob = 0.0;
+  std::optional<double> nominal_log_prob;  ///< none: the simulator has no nominal parameters
   std::optional<double> truth_log_prob;
   std::map<std::string, double> reference_log_prob;
   std::optional<inference::SamplerReport> sampler;
-  analysis::Bands bands;
+  std::optional<RowMatrixF> x;           ///< (n, F), of a simulator that gives features
+  std::optional<analysis::Bands> bands;  ///< of one that gives rollouts
 };
 
 void write_evaluation(h5::File& file, const Plan& plan, const Evaluation& evaluation);

@@ -1,17 +1,51 @@
 #include "pipeline/stages/judge.h"
 
+#include <algorithm>
+
+#include "analysis/feature_distance.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/stages/simulation_file.h"
 #include "pipeline/stages/stage_files.h"
 
 namespace npdr::pipeline {
 
-Judge::Judge(const Plan& plan, const Node& node) : seen_(plan, read_target(plan, node)) {
+namespace {
+
+// The standard deviation of each feature over the simulations of the prior.
+Vector prior_deviation(const Node& simulation) {
+  constexpr Index rows_at_once = 1024;
+  const h5::File file = open_artefact(simulation.path, kSimulationSchema, simulation.key);
+  const h5::Dataset x = simulated_values(file);
+  const auto status = file.dataset("status").read<std::uint8_t>();
+  analysis::FeatureSpread spread(x.row_size());
+  RowMatrixF block;
+  for (Index begin = 0; begin < x.num_rows(); begin += rows_at_once) {
+    block.resize(std::min(rows_at_once, x.num_rows() - begin), x.row_size());
+    x.read_rows<float>(begin, block.rows(), {block.data(), static_cast<std::size_t>(block.size())});
+    for (Index i = 0; i < block.rows(); ++i) {
+      if (status[static_cast<std::size_t>(begin + i)] != 0) continue;
+      spread.add({block.row(i).data(), static_cast<std::size_t>(block.cols())});
+    }
+  }
+  return spread.deviation();
+}
+
+}  // namespace
+
+Judge::Judge(const Plan& plan, const Node& node)
+    : plan_(plan), seen_(plan, read_target(plan, node), log_of(node.path)) {
+  if (plan.study.external.command) {
+    seen_.set_feature_deviation(prior_deviation(*plan.inputs(node, Stage::simulate).front()));
+  }
   if (std::optional<Target> held_out = read_held_out(plan, node)) {
-    held_out_.emplace(plan, std::move(*held_out));
+    held_out_.emplace(plan, std::move(*held_out), log_of(node.path));
   }
 }
 
-std::map<std::string, Vector> Judge::measure(const RowMatrix& complete) const {
-  return measure(complete, seen_.simulate(complete));
+std::map<std::string, Vector> Judge::measure(const RowMatrix& complete,
+                                             const StreamId& first) const {
+  if (plan_.study.external.dataset) return {};
+  return measure(complete, seen_.simulate(complete, first));
 }
 
 std::map<std::string, Vector> Judge::measure(const RowMatrix& complete,
@@ -24,9 +58,9 @@ std::map<std::string, Vector> Judge::measure(const RowMatrix& complete,
   return values;
 }
 
-std::map<std::string, double> Judge::measure_one(const Vector& complete) const {
+std::map<std::string, double> Judge::measure_one(const Vector& complete, const StreamId& id) const {
   std::map<std::string, double> values;
-  for (const auto& [metric, column] : measure(complete.transpose())) values[metric] = column(0);
+  for (const auto& [metric, column] : measure(complete.transpose(), id)) values[metric] = column(0);
   return values;
 }
 

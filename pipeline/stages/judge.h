@@ -18,15 +18,17 @@ class Judge {
   /// Predicts the rollouts that inference saw.
   const Predictor& seen() const { return seen_; }
 
-  /// Metrics of complete parameters (n, P), by the names of measured_names(), (n) each.
-  std::map<std::string, Vector> measure(const RowMatrix& complete) const;
+  /// Metrics of complete parameters (n, P), by the names of measured_names(), (n) each; none for a
+  /// study with a dataset. `first`: see RowSimulator.
+  std::map<std::string, Vector> measure(const RowMatrix& complete, const StreamId& first) const;
   /// The same where the seen rollouts have been simulated already.
   std::map<std::string, Vector> measure(const RowMatrix& complete,
                                         const sim::Trajectories& seen) const;
   /// One parameter vector (P).
-  std::map<std::string, double> measure_one(const Vector& complete) const;
+  std::map<std::string, double> measure_one(const Vector& complete, const StreamId& id) const;
 
  private:
+  const Plan& plan_;
   Predictor seen_;
   std::optional<Predictor> held_out_;
 };

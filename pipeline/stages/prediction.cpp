@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "analysis/feature_distance.h"
+#include "pipeline/config/features.h"
 #include "pipeline/stages/stage_files.h"
 
 namespace npdr::pipeline {
@@ -14,24 +16,31 @@ sim::SimulatorConfig keeping_every_state(sim::SimulatorConfig config) {
 
 }  // namespace
 
-Predictor::Predictor(const Plan& plan, Target target)
-    : plan_(plan),
-      target_(std::move(target)),
-      simulator_(sim::make_simulator(keeping_every_state(plan.study.simulator))) {}
+Predictor::Predictor(const Plan& plan, Target target, const std::filesystem::path& log)
+    : plan_(plan), target_(std::move(target)), info_(simulator_info(plan.study)) {
+  if (plan.study.external.dataset) return;
+  simulator_ = make_row_simulator(plan, keeping_every_state(plan.study.simulator), target_, log);
+}
 
-sim::Trajectories Predictor::simulate(const RowMatrix& complete) const {
-  return simulator_->replay(target_, complete);
+sim::Trajectories Predictor::simulate(const RowMatrix& complete, const StreamId& first) const {
+  return simulator_->simulate(complete, first);
 }
 
 std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajectories) const {
+  std::map<std::string, Vector> values;
+  if (plan_.study.external.is_used()) {
+    const Vector x_o = target_.rollouts.front().states.row(1).transpose();
+    values[kFeatureMetric] =
+        analysis::feature_distance(features_of(trajectories), x_o, feature_deviation_);
+    return values;
+  }
   const analysis::Metrics metrics(target_, metrics_config());
   const analysis::TrajectoryView view = view_of(trajectories);
-  std::map<std::string, Vector> values;
   for (const std::string& name : plan_.study.evaluate.metrics) {
     if (name == "dtw") values[name] = metrics.dtw(view);
     if (name == "rmse") values[name] = metrics.rmse(view);
     if (name == "final_error") values[name] = metrics.final_error(view);
-    if (name == "goal") values[name] = metrics.goal(view, *simulator_->info().goal);
+    if (name == "goal") values[name] = metrics.goal(view, *info_.goal);
   }
   return values;
 }
@@ -48,14 +57,14 @@ analysis::MetricsConfig Predictor::metrics_config() const {
 }
 
 RowMatrix Predictor::complete(const RowMatrix& theta) const {
-  return complete_theta(plan_, *simulator_, theta);
+  return complete_theta(plan_, info_, theta);
 }
 
 Vector Predictor::pick(const Vector& complete) const {
   Vector picked(static_cast<Index>(plan_.study.prior.size()));
   Index d = 0;
   for (const inference::Marginal& marginal : plan_.study.prior) {
-    picked(d++) = complete(sim::parameter_index(simulator_->info(), marginal.name));
+    picked(d++) = complete(sim::parameter_index(info_, marginal.name));
   }
   return picked;
 }
@@ -63,7 +72,11 @@ Vector Predictor::pick(const Vector& complete) const {
 Vector Predictor::nominal_with(const std::map<std::string, double>& values) const {
   std::map<std::string, double> all = plan_.study.simulator.parameters;
   for (const auto& [name, value] : values) all[name] = value;
-  return sim::complete_theta(*simulator_, all);
+  return sim::complete_theta(info_, all);
+}
+
+Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x) {
+  return {x.values.data(), x.num_rows, x.row_size()};
 }
 
 analysis::TrajectoryView view_of(const sim::Trajectories& t) {

@@ -9,6 +9,7 @@
 #include "analysis/quantiles.h"
 #include "analysis/trajectory_view.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/stages/row_simulator.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
@@ -16,15 +17,20 @@ namespace npdr::pipeline {
 /// The study's simulator, keeping every state, against all rollouts of its target.
 class Predictor {
  public:
-  Predictor(const Plan& plan, Target target);
+  /// `log`: where a command's output goes.
+  Predictor(const Plan& plan, Target target, const std::filesystem::path& log);
 
   const Target& target() const { return target_; }
-  const sim::Simulator& simulator() const { return *simulator_; }
+  const sim::SimulatorInfo& info() const { return info_; }
 
-  /// Rollouts of complete parameters (n, P).
-  sim::Trajectories simulate(const RowMatrix& complete) const;
+  /// What the distance of features is measured in, (F); not needed for rollouts.
+  void set_feature_deviation(Vector deviation) { feature_deviation_ = std::move(deviation); }
 
-  /// The study's metrics of simulated rollouts by name, (n) each; NaN where a row failed.
+  /// Rollouts, or features, of complete parameters (n, P); `first`: see RowSimulator. Not for a
+  /// study with a dataset.
+  sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first = {}) const;
+
+  /// The study's metrics of what was simulated by name, (n) each; NaN where a row failed.
   std::map<std::string, Vector> measure(const sim::Trajectories& trajectories) const;
 
   /// RMSE of each row of theta (n, D), (n); NaN where it failed.
@@ -46,8 +52,13 @@ class Predictor {
 
   const Plan& plan_;
   Target target_;
-  std::unique_ptr<sim::Simulator> simulator_;
+  sim::SimulatorInfo info_;
+  std::unique_ptr<RowSimulator> simulator_;  // none: the study has a dataset
+  Vector feature_deviation_;
 };
+
+/// What a simulator that gives features has given, as (n, F).
+Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x);
 
 analysis::TrajectoryView view_of(const sim::Trajectories& trajectories);
 

@@ -1,5 +1,6 @@
 #include "inference/abc/abc.h"
 #include "inference/algorithms/posterior_estimation.h"
+#include "pipeline/external/dataset_rows.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/particle_file.h"
 #include "pipeline/stages/posterior_file.h"
@@ -29,7 +30,10 @@ void run_propose(const Plan& plan, const Node& node) {
   const Index n = num_rows(plan, node);
   const auto posteriors = plan.inputs(node, Stage::infer);
   RowMatrix theta;
-  if (posteriors.empty()) {
+  if (plan.study.external.dataset) {
+    const DatasetFile dataset = open_dataset(plan.study);
+    theta = dataset.theta(dataset_rows(use.seed, dataset.num_rows(), n));
+  } else if (posteriors.empty()) {
     // Calibration, round 0, has draws of its own.
     theta = inference::sample_prior(inference::Prior(plan.study.prior), n, use.seed,
                                     static_cast<std::uint64_t>(use.round));

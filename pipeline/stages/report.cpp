@@ -6,6 +6,7 @@
 #include "core/atomic_file.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/stages/report_diagnostics.h"
+#include "pipeline/stages/report_features.h"
 #include "pipeline/stages/report_figures.h"
 #include "pipeline/stages/report_marker.h"
 #include "pipeline/stages/report_parameters.h"
@@ -21,8 +22,7 @@ namespace npdr::pipeline {
 namespace {
 
 Target read_report_target(const Plan& plan) {
-  const Node& node = plan.node(Stage::target, {});
-  return read_recording(node.path);
+  return read_target_artefact(plan.node(Stage::target, {}));
 }
 
 std::optional<Target> read_report_held_out(const Plan& plan) {
@@ -39,12 +39,21 @@ std::vector<std::pair<std::string, std::string>> provenance(const Plan& plan, co
           {"host", host_name()}};
 }
 
+bool shows_rounds(const Study& study) {
+  return study.evaluate.rounds == "all" && !study.evaluate.metrics.empty();
+}
+
 analysis::ReportSection fit_section(const ReportData& data, const Target& target,
                                     const std::optional<Target>& held_out) {
-  analysis::ReportSection section{"Fit to the target domain", "", {fit_table(data)}};
-  note_recorded_goal(data, target, held_out, section.tables.front());
+  const bool is_dataset = data.plan.study.external.dataset.has_value();
+  analysis::ReportSection section{is_dataset ? "Experiments" : "Fit to the target domain", "", {}};
   section.remarks = data.plan.study.report.caption;
-  if (data.plan.study.evaluate.rounds == "all") section.tables.push_back(rounds_table(data));
+  if (!is_dataset) {
+    section.tables.push_back(fit_table(data));
+    note_recorded_goal(data, target, held_out, section.tables.front());
+  }
+  if (data.plan.study.external.command) section.tables.push_back(features_table(data, target));
+  if (shows_rounds(data.plan.study)) section.tables.push_back(rounds_table(data));
   section.tables.push_back(seeds_table(data));
   return section;
 }
@@ -105,8 +114,10 @@ void run_report(const Plan& plan, const Node& node) {
   report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;
   const Target target = read_report_target(plan);
   const std::optional<Target> held_out = read_report_held_out(plan);
-  report.sections = {fit_section(data, target, held_out), posterior_section(data, figures),
-                     prediction_section(data, target, held_out, figures)};
+  report.sections = {fit_section(data, target, held_out), posterior_section(data, figures)};
+  if (!plan.study.external.is_used()) {
+    report.sections.push_back(prediction_section(data, target, held_out, figures));
+  }
   if (auto section = diagnostics_section(data, figures)) {
     report.sections.push_back(std::move(*section));
   }
@@ -120,8 +131,10 @@ void run_report(const Plan& plan, const Node& node) {
       files.push_back(folder / "tables" / (table.name + ".md"));
     }
   }
-  // An earlier report may have had it, with figures that are no longer true.
-  if (plan.study.evaluate.rounds != "all") analysis::remove_table("rounds", folder / "tables");
+  // An earlier report may have had them, with figures that are no longer true.
+  if (!shows_rounds(plan.study)) analysis::remove_table("rounds", folder / "tables");
+  if (!plan.study.external.command) analysis::remove_table("features", folder / "tables");
+  if (plan.study.external.dataset) analysis::remove_table("fit", folder / "tables");
   if (plan.study.diagnose.checks.empty()) analysis::remove_table("diagnostics", folder / "tables");
   analysis::write_report(report, report_path(plan));
   mark_report(node, files);

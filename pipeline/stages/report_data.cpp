@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pipeline/config/features.h"
+
 namespace npdr::pipeline {
 
 std::vector<const EvaluatedRun*> ReportData::runs_of(const std::string& method, Index round) const {
@@ -22,7 +24,8 @@ bool ReportData::is_inferred(const std::string& method, Index d) const {
 }
 
 ReportData read_report_data(const Plan& plan, const Node& node) {
-  ReportData data{plan, sim::make_simulator(plan.study.simulator)->info(),         {}, {},
+  ReportData data{plan, simulator_info(plan.study),
+                  {},   {},
                   {},   read_baseline(*plan.inputs(node, Stage::baseline).front())};
   for (const Node* evaluation : plan.inputs(node, Stage::evaluate)) {
     const Node& posterior = *plan.inputs(*evaluation, Stage::infer).front();

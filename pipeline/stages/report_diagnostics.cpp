@@ -221,9 +221,9 @@ std::optional<analysis::ReportSection> diagnostics_section(const ReportData& dat
   if (config.checks.empty()) return std::nullopt;
   analysis::ReportSection section{
       "Can the posteriors be trusted?", "", {diagnostics_table(data)}, {}};
-  if (!drawn_methods_with(data, "sbc").empty()) section.figures.push_back(rank_figure(data, folder));
-  if (!drawn_methods_with(data, "coverage").empty() ||
-      !drawn_methods_with(data, "tarp").empty()) {
+  if (!drawn_methods_with(data, "sbc").empty())
+    section.figures.push_back(rank_figure(data, folder));
+  if (!drawn_methods_with(data, "coverage").empty() || !drawn_methods_with(data, "tarp").empty()) {
     section.figures.push_back(coverage_figure(data, folder));
   }
   return section;

@@ -95,7 +95,7 @@ std::filesystem::path write_trajectory_figure(const ReportData& data, const Targ
   analysis::TrajectoryPlot plot;
   plot.name = "trajectories";
   for (const std::string& method : drawn_methods(data)) {
-    plot.predictions.push_back({method, data.runs_of(method).front()->evaluation.bands});
+    plot.predictions.push_back({method, *data.runs_of(method).front()->evaluation.bands});
   }
   return analysis::write_trajectory_plot(plot, target, folder).svg;
 }

@@ -16,12 +16,12 @@ std::vector<RowMatrix> recorded_paths(const Target& target) {
 }
 
 analysis::PathPrediction predict(const std::string& method, const Predictor& predictor,
-                                 const RowMatrix& theta) {
+                                 const sim::Simulator& simulator, const RowMatrix& theta) {
   const RowMatrix complete = predictor.complete(theta);
   const sim::Trajectories trajectories = predictor.simulate(complete);
   analysis::PathPrediction prediction{method, {}, {}};
   for (Index i = 0; i < complete.rows(); ++i) {
-    for (const Outline& outline : predictor.simulator().outlines(complete.row(i).transpose())) {
+    for (const Outline& outline : simulator.outlines(complete.row(i).transpose())) {
       if (!outline.is_fixed) prediction.outlines.push_back(outline.points);
     }
     if (trajectories.status[static_cast<std::size_t>(i)] != sim::RolloutStatus::ok) continue;
@@ -37,11 +37,12 @@ analysis::PathPrediction predict(const std::string& method, const Predictor& pre
 std::optional<std::filesystem::path> write_path_figure(const ReportData& data, const Target& target,
                                                        const std::optional<Target>& held_out,
                                                        const std::filesystem::path& folder) {
-  const Predictor predictor(data.plan, target);
+  const Predictor predictor(data.plan, target, "");
+  const auto simulator = sim::make_simulator(data.plan.study.simulator);
   analysis::PathPlot plot;
   plot.name = "paths";
   plot.unit = target.state_channels.front().unit;
-  for (const Outline& outline : predictor.simulator().outlines(predictor.nominal())) {
+  for (const Outline& outline : simulator->outlines(predictor.nominal())) {
     if (outline.is_fixed) plot.fixed.push_back(outline.points);
   }
   if (plot.fixed.empty()) return std::nullopt;
@@ -50,8 +51,8 @@ std::optional<std::filesystem::path> write_path_figure(const ReportData& data, c
   const std::size_t drawn = std::min(data.methods.size(), analysis::kMaxMethods);
   for (std::size_t k = 0; k < drawn; ++k) {
     const RowMatrix& theta = data.runs_of(data.methods[k]).front()->evaluation.theta;
-    plot.predictions.push_back(
-        predict(data.methods[k], predictor, theta.topRows(std::min(kDrawnSamples, theta.rows()))));
+    plot.predictions.push_back(predict(data.methods[k], predictor, *simulator,
+                                       theta.topRows(std::min(kDrawnSamples, theta.rows()))));
   }
   return analysis::write_path_plot(plot, folder).svg;
 }

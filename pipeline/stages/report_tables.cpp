@@ -27,6 +27,7 @@ std::string title_of(const ReportData& data, const std::string& metric) {
   if (metric == "final_error") {
     return fmt::format("Final error [{}]", data.info.state_channels.front().unit);
   }
+  if (metric == kFeatureMetric) return "Distance to x_o [prior std]";
   return fmt::format("P({})", data.info.goal->description);
 }
 
@@ -53,7 +54,7 @@ Cell cell_of(Table& table, const analysis::Summary& summary) {
   Cell cell(summary);
   if (summary.n_failed > 0) {
     cell.notes.push_back(
-        table.footnote(fmt::format("{} of {} samples left out: their rollouts failed",
+        table.footnote(fmt::format("{} of {} samples left out: their simulations failed",
                                    summary.n_failed, summary.n + summary.n_failed)));
   }
   return cell;
@@ -199,6 +200,11 @@ Table fit_table(const ReportData& data) {
   }
   note_failed_rows(table, data);
   note_regressions(table, data);
+  if (data.plan.study.external.command) {
+    table.footnote(
+        "Distance to x_o: root of the mean over features of ((x - x_o) / s)², s the standard "
+        "deviation of the feature over simulations of the prior");
+  }
   return table;
 }
 
@@ -234,7 +240,8 @@ Table seeds_table(const ReportData& data) {
     table.columns.push_back({title_of(data, metric), false});
     table.columns.push_back({title_of(data, metric) + " of MAP", false});
   }
-  table.columns.push_back({"log p(nominal)", false});
+  const bool has_nominal = !data.plan.study.external.is_used();
+  if (has_nominal) table.columns.push_back({"log p(nominal)", false});
   if (has_truth) table.columns.push_back({"log p(truth)", false});
   for (const ReferenceConfig& reference : data.plan.study.references) {
     table.columns.push_back({fmt::format("log p({})", reference.name), false});
@@ -257,7 +264,7 @@ Table seeds_table(const ReportData& data) {
             cell_of(table, analysis::summarize(run->evaluation.metrics.at(metric))));
         row.cells.emplace_back(run->evaluation.map_metrics.at(metric));
       }
-      row.cells.emplace_back(run->evaluation.nominal_log_prob);
+      if (has_nominal) row.cells.emplace_back(*run->evaluation.nominal_log_prob);
       if (has_truth) row.cells.emplace_back(*run->evaluation.truth_log_prob);
       for (const ReferenceConfig& reference : data.plan.study.references) {
         row.cells.emplace_back(run->evaluation.reference_log_prob.at(reference.name));

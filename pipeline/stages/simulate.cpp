@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <numeric>
+#include <optional>
 
 #include "core/error.h"
+#include "pipeline/config/features.h"
+#include "pipeline/external/dataset_rows.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/stop_request.h"
+#include "pipeline/stages/row_simulator.h"
 #include "pipeline/stages/simulation_file.h"
 #include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
@@ -18,22 +22,68 @@ namespace {
 // Rows that are simulated and written at once: bounds memory, and is a multiple of every batch.
 constexpr Index kBlock = 256;
 
+constexpr Index kDatasetBlock = 4096;  // the same of a dataset, whose rows cost next to nothing
+
 using Clock = std::chrono::steady_clock;
 
-// The replay of one simulation: what all of its shards share.
-struct Replay {
+// One simulation: what all of its shards share.
+struct Simulation {
   const Plan& plan;
   const Node& node;
   const Node& proposal;
-  std::unique_ptr<sim::Simulator> simulator;
-  Target target;
+  sim::SimulatorInfo info;
+  Target target;  // of a built-in simulator, which replays it
 };
 
-Replay make_replay(const Plan& plan, const Node& node) {
-  const MethodConfig& method = plan.study.method(node.uses.front().method);
-  return {plan, node, *plan.inputs(node, Stage::propose).front(),
-          sim::make_simulator(plan.study.simulator), read_target(plan, node, method.num_rollouts)};
+Simulation make_simulation(const Plan& plan, const Node& node) {
+  Simulation simulation{
+      plan, node, *plan.inputs(node, Stage::propose).front(), simulator_info(plan.study), {}};
+  if (!plan.study.external.is_used()) {
+    const MethodConfig& method = plan.study.method(node.uses.front().method);
+    simulation.target = read_target(plan, node, method.num_rollouts);
+  }
+  return simulation;
 }
+
+// What gives the simulations of one shard: a simulator, or a dataset.
+class ShardSource {
+ public:
+  ShardSource(const Simulation& simulation, const std::filesystem::path& shard)
+      : simulation_(simulation), id_(identity_of(simulation.node)) {
+    const Plan& plan = simulation.plan;
+    if (!plan.study.external.dataset) {
+      simulator_ = make_row_simulator(plan, plan.study.simulator, simulation.target, log_of(shard));
+      return;
+    }
+    dataset_.emplace(open_dataset(plan.study));
+    dataset_rows_ = dataset_rows(id_.seed, dataset_->num_rows(), num_rows(plan, simulation.node));
+  }
+
+  // Rows [begin, begin + theta.rows()) of the simulation.
+  sim::Trajectories simulate(Index begin, const RowMatrix& theta) const {
+    if (dataset_) {
+      const auto picked =
+          std::span(dataset_rows_)
+              .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(theta.rows()));
+      return as_simulated(simulation_.plan.study, theta, dataset_->x(picked));
+    }
+    StreamId first = id_;
+    first.row = static_cast<std::uint64_t>(begin);
+    return simulator_->simulate(complete_theta(simulation_.plan, simulation_.info, theta), first);
+  }
+
+ private:
+  static StreamId identity_of(const Node& node) {
+    const Use& use = node.uses.front();
+    return {use.seed, kSimulationStream, static_cast<std::uint64_t>(use.round), 0, 0};
+  }
+
+  const Simulation& simulation_;
+  StreamId id_;
+  std::unique_ptr<RowSimulator> simulator_;
+  std::optional<DatasetFile> dataset_;
+  std::vector<Index> dataset_rows_;
+};
 
 Identity shard_identity(const Node& node, RowRange rows) {
   Identity identity = node.identity;
@@ -44,32 +94,38 @@ Identity shard_identity(const Node& node, RowRange rows) {
   return identity;
 }
 
-void write_block(h5::File& file, const Replay& replay, RowRange rows, Index at, Index count) {
+void write_block(h5::File& file, const Node& proposal, const ShardSource& source, RowRange rows,
+                 Index at, Index count) {
   const auto start = Clock::now();
-  const RowMatrix theta =
-      read_proposal(replay.proposal, {rows.begin + at, rows.begin + at + count});
-  const sim::Trajectories result = replay.simulator->replay(
-      replay.target, complete_theta(replay.plan, *replay.simulator, theta));
+  const RowMatrix theta = read_proposal(proposal, {rows.begin + at, rows.begin + at + count});
+  const sim::Trajectories result = source.simulate(rows.begin + at, theta);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const std::vector<float> row_seconds(static_cast<std::size_t>(count),
                                        static_cast<float>(seconds / static_cast<double>(count)));
   const std::vector<std::uint8_t> status = as_bytes(result.status);
   file.dataset("theta").write_rows<double>(at, count,
                                            {theta.data(), static_cast<std::size_t>(theta.size())});
-  file.dataset("trajectories").write_rows<float>(at, count, result.values);
+  simulated_values(file).write_rows<float>(at, count, result.values);
   file.dataset("status").write_rows<std::uint8_t>(at, count, status);
   file.dataset("seconds").write_rows<float>(at, count, row_seconds);
 }
 
-void simulate_shard(const Replay& replay, RowRange rows, Index done_before, Progress& progress) {
+void simulate_shard(const Simulation& simulation, RowRange rows, Index done_before,
+                    Progress& progress) {
+  const Plan& plan = simulation.plan;
   const Index count = rows.end - rows.begin;
-  ArtefactWriter writer(replay.plan.work.shard(replay.node.key, rows.begin, rows.end),
-                        kSimulationShardSchema, shard_identity(replay.node, rows));
-  create_simulation_datasets(writer.file(), replay.plan, replay.target, count);
-  for (Index at = 0; at < count; at += kBlock) {
+  const std::filesystem::path path = plan.work.shard(simulation.node.key, rows.begin, rows.end);
+  ArtefactWriter writer(path, kSimulationShardSchema, shard_identity(simulation.node, rows));
+  create_simulation_datasets(writer.file(), plan, simulation.target, count);
+  const ShardSource source(simulation, path);
+  // A command is called once for all of them: starting it may cost more than its work.
+  const Index block = plan.study.external.command   ? count
+                      : plan.study.external.dataset ? kDatasetBlock
+                                                    : kBlock;
+  for (Index at = 0; at < count; at += block) {
     stop_here_if_requested();
-    write_block(writer.file(), replay, rows, at, std::min(kBlock, count - at));
-    progress.update(done_before + std::min(at + kBlock, count));
+    write_block(writer.file(), simulation.proposal, source, rows, at, std::min(block, count - at));
+    progress.update(done_before + std::min(at + block, count));
   }
   writer.finish();
 }
@@ -86,7 +142,7 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
   const std::vector<RowRange> ranges = shards(plan, node);
   const std::vector<Index> numbers =
       shard_numbers.empty() ? all_shards(ranges.size()) : shard_numbers;
-  const Replay replay = make_replay(plan, node);
+  const Simulation simulation = make_simulation(plan, node);
   Progress progress(node.label(), num_rows(plan, node));
   Index done = 0;
   for (const Index number : numbers) {
@@ -96,11 +152,11 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
     }
     const RowRange rows = ranges[static_cast<std::size_t>(number)];
     const bool is_there = std::filesystem::exists(plan.work.shard(node.key, rows.begin, rows.end));
-    if (!is_there) simulate_shard(replay, rows, done, progress);
+    if (!is_there) simulate_shard(simulation, rows, done, progress);
     done += rows.end - rows.begin;
   }
   if (missing_shards(plan, node).empty()) {
-    join_shards(plan, node, replay.target);
+    join_shards(plan, node, simulation.target);
     link_uses(plan, node);  // one can look at it also where too many rows failed
     check_failed_rows(plan, node);
   }

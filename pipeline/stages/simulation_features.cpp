@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/plan/schemas.h"
+#include "pipeline/stages/simulation_file.h"
 #include "sim/observation_noise.h"
 
 namespace npdr::pipeline {
@@ -32,8 +33,7 @@ SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer, cons
 
 SimulationFeatures::SimulationFeatures(const Plan& plan,
                                        const std::vector<const Node*>& simulations,
-                                       const Target& target,
-                                       const inference::Embedding& embedding)
+                                       const Target& target, const inference::Embedding& embedding)
     : embedding_(embedding),
       noise_(plan.study.observation_noise),
       seed_(simulations.front()->uses.front().seed),
@@ -74,7 +74,7 @@ void SimulationFeatures::read_series(const std::vector<const Node*>& simulations
   for (std::size_t s = 0; s < simulations.size(); ++s) {
     const h5::File file =
         open_artefact(simulations[s]->path, kSimulationSchema, simulations[s]->key);
-    const h5::Dataset trajectories = file.dataset("trajectories");
+    const h5::Dataset trajectories = simulated_values(file);
     const Index width = trajectories.row_size();
     for (Index begin = 0; begin < trajectories.num_rows(); begin += kBlock) {
       const Index count = std::min(kBlock, trajectories.num_rows() - begin);

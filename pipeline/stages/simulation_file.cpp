@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "core/error.h"
+#include "core/text.h"
+#include "pipeline/config/features.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/stage_files.h"
 
@@ -14,22 +17,46 @@ namespace {
 // Trajectories hardly compress, so the fastest level is the best one.
 constexpr h5::Storage kTrajectories{.chunked = true, .deflate = 1, .rows_per_chunk = 0};
 
-h5::Shape trajectory_shape(const Plan& plan, const Target& target, Index num_rows) {
+const char* values_name(const Study& study) {
+  return study.external.is_used() ? "x" : "trajectories";
+}
+
+h5::Shape values_shape(const Plan& plan, const Target& target, Index num_rows) {
+  if (plan.study.external.is_used()) {
+    return {num_rows, static_cast<Index>(plan.study.external.features.size())};
+  }
   return {num_rows, target.num_rollouts(), target.num_steps() / plan.study.simulator.store_every,
           target.num_states()};
 }
 
-void describe_trajectories(h5::Dataset& dataset, const Plan& plan, const Target& target) {
+void describe_values(h5::Dataset& dataset, const Plan& plan, const Target& target) {
+  const bool is_external = plan.study.external.is_used();
   std::vector<std::string> labels, units;
-  for (const Channel& channel : target.state_channels) {
+  for (const Channel& channel :
+       is_external ? features_of(plan.study.external.features) : target.state_channels) {
     labels.push_back(channel.label);
     units.push_back(channel.unit);
   }
   dataset.set_attribute("labels", labels);
   dataset.set_attribute("units", units);
+  if (is_external) {
+    dataset.label_dimensions({"row", "feature"});
+    return;
+  }
   dataset.set_attribute("dt", target.dt);
   dataset.set_attribute("store_every", plan.study.simulator.store_every);
   dataset.label_dimensions({"row", "rollout", "time", "channel"});
+}
+
+// "0 ok", "1 diverged", ...
+std::vector<std::string> status_meanings() {
+  std::vector<std::string> meanings;
+  for (std::uint8_t s = 0; s <= static_cast<std::uint8_t>(sim::RolloutStatus::bad_output); ++s) {
+    std::string words(sim::to_string(static_cast<sim::RolloutStatus>(s)));
+    std::ranges::replace(words, '_', ' ');
+    meanings.push_back(fmt::format("{} {}", s, words));
+  }
+  return meanings;
 }
 
 void create_row_datasets(h5::File& file, const Plan& plan, Index num_rows) {
@@ -37,8 +64,7 @@ void create_row_datasets(h5::File& file, const Plan& plan, Index num_rows) {
   h5::Dataset theta = file.create_dataset("theta", h5::ElementType::f64, {num_rows, dimension});
   describe_theta(theta, plan);
   h5::Dataset status = file.create_dataset("status", h5::ElementType::u8, {num_rows});
-  status.set_attribute("meaning",
-                       std::vector<std::string>{"0 ok", "1 diverged", "2 out of limits"});
+  status.set_attribute("meaning", status_meanings());
   status.label_dimensions({"row"});
   h5::Dataset seconds = file.create_dataset("seconds", h5::ElementType::f32, {num_rows});
   seconds.label_dimensions({"row"});
@@ -58,15 +84,31 @@ Index copy_rows(const h5::File& shard, h5::File& joined, RowRange rows) {
   return std::count_if(status.begin(), status.end(), [](std::uint8_t s) { return s != 0; });
 }
 
+// "3 crashed, 1 timed_out".
+std::string failures(const h5::File& simulation) {
+  std::map<std::uint8_t, Index> counts;
+  for (const std::uint8_t s : simulation.dataset("status").read<std::uint8_t>()) ++counts[s];
+  std::vector<std::string> parts;
+  for (const auto& [status, count] : counts) {
+    if (status == 0) continue;
+    parts.push_back(
+        fmt::format("{} {}", count, sim::to_string(static_cast<sim::RolloutStatus>(status))));
+  }
+  return join(parts);
+}
+
 }  // namespace
 
 void create_simulation_datasets(h5::File& file, const Plan& plan, const Target& target,
                                 Index num_rows) {
   create_row_datasets(file, plan, num_rows);
-  h5::Dataset trajectories =
-      file.create_dataset("trajectories", h5::ElementType::f32,
-                          trajectory_shape(plan, target, num_rows), kTrajectories);
-  describe_trajectories(trajectories, plan, target);
+  h5::Dataset values = file.create_dataset(values_name(plan.study), h5::ElementType::f32,
+                                           values_shape(plan, target, num_rows), kTrajectories);
+  describe_values(values, plan, target);
+}
+
+h5::Dataset simulated_values(const h5::File& file) {
+  return file.dataset(file.has("x") ? "x" : "trajectories");
 }
 
 std::vector<std::uint8_t> as_bytes(const std::vector<sim::RolloutStatus>& status) {
@@ -99,12 +141,12 @@ void join_shards(const Plan& plan, const Node& node, const Target& target) {
     const h5::File shard = open_artefact(path, kSimulationShardSchema);
     num_failed += copy_rows(shard, file, rows);
     writer.add_wall_seconds(wall_seconds(shard));
-    sources.push_back(
-        {node.key + "/" + path.filename().string(), "trajectories", rows.end - rows.begin});
+    sources.push_back({node.key + "/" + path.filename().string(), values_name(plan.study),
+                       rows.end - rows.begin});
   }
-  h5::Dataset trajectories = file.create_virtual_dataset(
-      "trajectories", h5::ElementType::f32, trajectory_shape(plan, target, n), sources);
-  describe_trajectories(trajectories, plan, target);
+  h5::Dataset values = file.create_virtual_dataset(values_name(plan.study), h5::ElementType::f32,
+                                                   values_shape(plan, target, n), sources);
+  describe_values(values, plan, target);
   file.set_attribute("num_failed", num_failed);
   writer.finish();
 }
@@ -115,11 +157,15 @@ void check_failed_rows(const Plan& plan, const Node& node) {
   const Index n = num_rows(plan, node);
   const double limit = plan.study.limits.max_failed_fraction;
   if (static_cast<double>(num_failed) <= limit * static_cast<double>(n)) return;
+  const ExternalConfig& external = plan.study.external;
+  const std::string advice = external.command   ? "see the logs beside its shards, narrow the prior"
+                             : external.dataset ? "check the dataset and the prior"
+                                                : "narrow the prior, use more simulator.substeps";
   throw FailedRolloutsError(fmt::format(
-      "{}: {} of {} rows failed, limits.max_failed_fraction = {} allows {}; narrow the prior, use "
-      "more simulator.substeps, or raise the limit",
-      node.path.string(), num_failed, n, limit,
-      static_cast<Index>(limit * static_cast<double>(n))));
+      "{}: {} of {} rows failed{}, limits.max_failed_fraction = {} allows {}; {}, or raise the "
+      "limit",
+      node.path.string(), num_failed, n, external.is_used() ? " (" + failures(file) + ")" : "",
+      limit, static_cast<Index>(limit * static_cast<double>(n)), advice));
 }
 
 }  // namespace npdr::pipeline

@@ -3,6 +3,8 @@
 ///   theta         (N, D) float64, attributes labels, units, prior_lower, prior_upper
 ///   trajectories  (N, H, T', C) float32: the states after every store_every-th step; NaN for a row
 ///                 that failed; attributes labels, units, dt, store_every
+///   x             (N, F) float32, in their place where the simulator gives features; NaN for a row
+///                 that failed; attributes labels, units
 ///   status        (N) uint8: RolloutStatus; attribute meaning
 ///   seconds       (N) float32: time that the row took (volatile)
 /// A shard holds a range of rows. The joined file holds the trajectories as a virtual dataset over
@@ -16,6 +18,9 @@
 #include "sim/trajectories.h"
 
 namespace npdr::pipeline {
+
+/// The dataset of a simulation that holds what was simulated: trajectories, or x.
+h5::Dataset simulated_values(const h5::File& file);
 
 /// Makes the empty datasets of `num_rows` rows.
 void create_simulation_datasets(h5::File& file, const Plan& plan, const Target& target,

@@ -1,28 +1,25 @@
 #include "pipeline/stages/stage_files.h"
 
 #include "pipeline/plan/schemas.h"
+#include "pipeline/store/feature_file.h"
 #include "pipeline/store/recording.h"
 
 namespace npdr::pipeline {
 
-namespace {
-
-Target read_rollouts(const Node& source) {
-  open_artefact(source.path, kTargetSchema, source.key);
-  return read_recording(source.path);
+Target read_target_artefact(const Node& target) {
+  const bool is_observation = open_artefact(target.path, kTargetSchema, target.key).has("x");
+  return is_observation ? read_observation(target.path, {}) : read_recording(target.path);
 }
 
-}  // namespace
-
 Target read_target(const Plan& plan, const Node& node, Index num_rollouts) {
-  Target target = read_rollouts(*plan.inputs(node, Stage::target).front());
+  Target target = read_target_artefact(*plan.inputs(node, Stage::target).front());
   return num_rollouts > 0 ? target.first(num_rollouts) : target;
 }
 
 std::optional<Target> read_held_out(const Plan& plan, const Node& node) {
   const auto sources = plan.inputs(node, Stage::held_out);
   if (sources.empty()) return std::nullopt;
-  return read_rollouts(*sources.front());
+  return read_target_artefact(*sources.front());
 }
 
 RowMatrix read_proposal(const Node& node, RowRange rows) {
@@ -36,13 +33,12 @@ RowMatrix read_proposal(const Node& node, RowRange rows) {
   return values;
 }
 
-RowMatrix complete_theta(const Plan& plan, const sim::Simulator& simulator,
-                         const RowMatrix& theta) {
-  const Vector base = sim::complete_theta(simulator, plan.study.simulator.parameters);
+RowMatrix complete_theta(const Plan& plan, const sim::SimulatorInfo& info, const RowMatrix& theta) {
+  const Vector base = sim::complete_theta(info, plan.study.simulator.parameters);
   RowMatrix all = base.transpose().replicate(theta.rows(), 1);
   Index column = 0;
   for (const inference::Marginal& marginal : plan.study.prior) {
-    all.col(sim::parameter_index(simulator.info(), marginal.name)) = theta.col(column++);
+    all.col(sim::parameter_index(info, marginal.name)) = theta.col(column++);
   }
   return all;
 }

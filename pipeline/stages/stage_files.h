@@ -9,6 +9,9 @@
 
 namespace npdr::pipeline {
 
+/// The target in an artefact: rollouts, or x_o.
+Target read_target_artefact(const Node& target);
+
 /// The target domain that `node` needs; `num_rollouts` > 0: only the first ones.
 Target read_target(const Plan& plan, const Node& node, Index num_rollouts = 0);
 
@@ -20,7 +23,7 @@ RowMatrix read_proposal(const Node& node, RowRange rows);
 
 /// All P parameters of the simulator for theta (n, D) in the order of the study's prior: what isn't
 /// in the prior has the study's value, or the nominal one.
-RowMatrix complete_theta(const Plan& plan, const sim::Simulator& simulator, const RowMatrix& theta);
+RowMatrix complete_theta(const Plan& plan, const sim::SimulatorInfo& info, const RowMatrix& theta);
 
 /// Writes theta (n, D) with the names, units and bounds of the prior as attributes.
 void write_theta(h5::Group& group, const Plan& plan, const RowMatrix& theta);

@@ -2,8 +2,11 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "pipeline/config/features.h"
 #include "pipeline/plan/schemas.h"
+#include "pipeline/stages/row_simulator.h"
 #include "pipeline/stages/stages.h"
+#include "pipeline/store/feature_file.h"
 #include "pipeline/store/recording.h"
 #include "sim/simulator.h"
 
@@ -17,6 +20,39 @@ Target simulated_target(const Study& study) {
   for (const auto& [name, value] : *study.target.truth) values[name] = value;
   return simulator->behave(sim::complete_theta(*simulator, values),
                            study.target.num_rollouts + study.target.held_out, study.target.seed);
+}
+
+// x_o of the truth: what the command makes of it.
+Target simulated_observation(const Plan& plan, const Node& node) {
+  const Study& study = plan.study;
+  const auto simulator = make_row_simulator(plan, study.simulator, {}, log_of(node.path));
+  const sim::SimulatorInfo info = simulator_info(study);
+  std::map<std::string, double> values = study.simulator.parameters;
+  for (const auto& [name, value] : *study.target.truth) values[name] = value;
+  const sim::Trajectories x = simulator->simulate(sim::complete_theta(info, values).transpose(),
+                                                  {study.target.seed, "external_truth", 0, 0, 0});
+  if (x.status.front() == sim::RolloutStatus::ok) {
+    return observation_target(info.state_channels,
+                              x.rollout(0, 0).row(0).cast<double>().transpose(),
+                              "simulated at the truth");
+  }
+  throw Error(fmt::format("target.truth: simulator.command = '{}' gives no x_o there ({}): {}",
+                          *study.external.command, sim::to_string(x.status.front()),
+                          simulator->last_failure()));
+}
+
+void write_observation(h5::File& file, const Target& target) {
+  const RowMatrix x = target.rollouts.front().states.bottomRows(1);
+  h5::Dataset dataset = file.write("x", x);
+  std::vector<std::string> labels, units;
+  for (const Channel& feature : target.state_channels) {
+    labels.push_back(feature.label);
+    units.push_back(feature.unit);
+  }
+  dataset.set_attribute("labels", labels);
+  dataset.set_attribute("units", units);
+  dataset.label_dimensions({"row", "feature"});
+  file.set_attribute("source", target.source);
 }
 
 // What a posterior explains of what it has seen says nothing about what it hasn't.
@@ -36,6 +72,13 @@ void check_held_out(const Target& seen, const Target& held_out) {
 
 void run_target(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kTargetSchema, node.identity);
+  if (plan.study.external.is_used()) {
+    write_observation(writer.file(), plan.study.target.observation
+                                         ? plan.target
+                                         : simulated_observation(plan, node));
+    writer.finish();
+    return;
+  }
   const Target all = plan.study.target.recording ? plan.target : simulated_target(plan.study);
   const Index num_seen = all.num_rollouts() - plan.study.target.held_out;
   const bool is_held_out = node.stage == Stage::held_out;

@@ -37,11 +37,10 @@ TEST(StudyProblems, ReportsAllOfThemInTheOrderOfTheFile) {
 TEST(StudyProblems, NamesTheNearestKeyAndTheKnownOnes) {
   EXPECT_EQ(problems_after("[simulator]", "[simulater]"),
             "s.toml: simulator.name is missing, must be text, one of " +
-                join(sim::simulator_names()) +
+                join(sim::simulator_names()) + "; a command or a dataset may take its place" +
                 "\ns.toml:8:2: unknown key 'simulater' (did you mean 'simulator'?); known: study, "
                 "target, simulator, prior, observation_noise, simulate, method, evaluate, "
-                "reference, limits, "
-                "report");
+                "diagnose, reference, limits, report");
   EXPECT_EQ(problems_after(kMaf, "training.batchsize = 3"),
             "s.toml:17:10: method.training: unknown key 'batchsize' (did you mean 'batch_size'?); "
             "known: learning_rate, batch_size, validation_fraction, stop_after_epochs, max_epochs, "
@@ -178,7 +177,7 @@ TEST(StudyProblems, MethodsFitTheStudy) {
             "simulator.store_every = 2");
   EXPECT_EQ(problems_after(kMaf, "published.rms = { mean = 1.0 }"),
             "s.toml:17:17: method.published: unknown metric 'rms' (did you mean 'rmse'?); known: "
-            "dtw, rmse, final_error, goal");
+            "dtw, rmse, final_error, goal, distance");
 }
 
 TEST(StudyProblems, TrainingFitsTheNumberOfSimulations) {
@@ -263,10 +262,11 @@ TEST(StudyProblems, OfTheCommandLineNameTheOverride) {
   EXPECT_EQ(problems_of(kStudyText, {"simulate.shard_sise=3"}),
             "--set simulate.shard_sise=3: simulate: unknown key 'shard_sise' (did you mean "
             "'shard_size'?); known: shard_size");
-  EXPECT_EQ(problems_of(kStudyText, {"simulte.shard_size=3"}),
-            "--set simulte.shard_size=3: unknown key 'simulte' (did you mean 'simulate'?); known: "
-            "study, target, simulator, prior, observation_noise, simulate, method, evaluate, "
-            "reference, limits, report");
+  EXPECT_EQ(
+      problems_of(kStudyText, {"simulte.shard_size=3"}),
+      "--set simulte.shard_size=3: unknown key 'simulte' (did you mean 'simulate'?); known: "
+      "study, target, simulator, prior, observation_noise, simulate, method, evaluate, diagnose, "
+      "reference, limits, report");
   EXPECT_EQ(problems_of(kStudyText, {"target.recording=no.h5"}),
             "--set target.recording=no.h5: target.recording = 'no.h5', must be an existing HDF5 "
             "file");

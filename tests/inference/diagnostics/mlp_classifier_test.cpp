@@ -19,8 +19,9 @@ ClassifierConfig small() {
 }
 
 double accuracy(const MlpClassifier& classifier, const RowMatrixF& x, const VectorF& classes) {
-  const auto is_right = (classifier.logits(x).array() > 0.0f) == (classes.array() > 0.5f);
-  return static_cast<double>(is_right.count()) / static_cast<double>(x.rows());
+  const VectorF logits = classifier.logits(x);
+  const auto num_right = ((logits.array() > 0.0f) == (classes.array() > 0.5f)).count();
+  return static_cast<double>(num_right) / static_cast<double>(x.rows());
 }
 
 // Class 1 where both coordinates have the same sign: no line tells the classes apart.

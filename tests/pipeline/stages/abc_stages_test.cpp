@@ -128,7 +128,8 @@ TEST_F(AbcStages, MetricsOfThinnedTrajectoriesRestartWithTheSegments) {
   const auto simulator =
       sim::make_simulator({.name = "pendulum", .segment_length = 100, .store_every = 1});
   const RowMatrix theta = read_proposal(*plan.inputs(node, Stage::propose).front(), {0, 5});
-  const sim::Trajectories all = simulator->replay(target, complete_theta(plan, *simulator, theta));
+  const sim::Trajectories all =
+      simulator->replay(target, complete_theta(plan, simulator->info(), theta));
   for (Index i = 0; i < 5; ++i) {
     double sum = 0.0;
     for (Index h = 0; h < 2; ++h) {

@@ -1,0 +1,208 @@
+#include "pipeline/config/external_check.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+#include "core/text.h"
+#include "inference/embeddings/embedding_config.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/features.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class ExternalChecker {
+ public:
+  ExternalChecker(const Study& study, Reading& reading)
+      : study_(study),
+        external_(study.external),
+        reading_(reading),
+        what_(study.external.dataset ? "dataset" : "command") {}
+
+  void check() {
+    if (!external_.command) {
+      for (const char* key : {"format", "folder", "time_limit", "start_time", "retries"}) {
+        must_be_left_out(std::string("simulator.") + key, "it belongs to simulator.command");
+      }
+    }
+    if (!external_.is_used()) {
+      check_built_in();
+      return;
+    }
+    check_unused();
+    check_names();
+    check_target();
+    for (std::size_t i = 0; i < study_.references.size(); ++i) {
+      check_complete(fmt::format("reference[{}].parameters", i), study_.references[i].parameters);
+    }
+    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+      check_method(fmt::format("method[{}]", i), study_.methods[i]);
+    }
+    external_.dataset ? check_dataset() : check_command();
+  }
+
+ private:
+  void fail(const std::string& path, const std::string& found, const std::string& words) {
+    reading_.fail(path, must_be(display(path), found, words));
+  }
+
+  void must_be_left_out(const std::string& path, const std::string& why) {
+    if (!reading_.has(path)) return;
+    reading_.fail(path, fmt::format("{} must be left out: {}", display(path), why));
+  }
+
+  void check_built_in() {
+    must_be_left_out("simulator.features", "the simulator has state channels");
+    must_be_left_out("target.observation", "it is for a simulator.command or dataset");
+    for (const std::string& metric : study_.evaluate.metrics) {
+      if (metric != kFeatureMetric) continue;
+      fail("evaluate.metrics", quoted(metric), "left out: it is for a simulator.command");
+    }
+    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+      if (study_.methods[i].embedding.kind != inference::kIdentityEmbedding) continue;
+      fail(fmt::format("method[{}].embedding.kind", i), quoted(inference::kIdentityEmbedding),
+           "another: it is for a simulator.command or dataset; 'all_steps' keeps all states");
+    }
+  }
+
+  void check_unused() {
+    for (const char* key :
+         {"segment_length", "integrator", "substeps", "store_every", "minigolf"}) {
+      must_be_left_out(std::string("simulator.") + key, "it means nothing to a " + what_);
+    }
+    for (const char* path : {"target.recording", "target.num_rollouts", "target.held_out"}) {
+      must_be_left_out(path, no_rollouts());
+    }
+    must_be_left_out("evaluate.floor", "no search is made with a " + what_);
+    const std::vector<std::string> only_metric = {kFeatureMetric};
+    if (external_.dataset || study_.evaluate.metrics != only_metric) {
+      must_be_left_out("evaluate.metrics", no_rollouts());
+    }
+  }
+
+  // They head the columns of CSV files.
+  void check_names() {
+    const Constraint<std::string> allowed = column_name();
+    std::set<std::string> features;
+    for (const std::string& name : external_.features) {
+      const std::string label = feature_of(name).label;
+      if (!satisfies(label, allowed)) fail("simulator.features", quoted(name), allowed.words);
+      if (!features.insert(label).second) fail("simulator.features", quoted(name), "there once");
+    }
+    for (const inference::Marginal& marginal : study_.prior) {
+      if (satisfies(marginal.name, allowed)) continue;
+      reading_.fail("prior." + marginal.name, fmt::format("prior: the name {} must be {}",
+                                                          quoted(marginal.name), allowed.words));
+    }
+    for (const auto& [name, value] : study_.simulator.parameters) {
+      if (satisfies(name, allowed)) continue;
+      reading_.fail(
+          "simulator.parameters." + name,
+          fmt::format("simulator.parameters: the name {} must be {}", quoted(name), allowed.words));
+    }
+  }
+
+  // Without nominal values, whoever names parameters must name all of the prior.
+  void check_complete(const std::string& path, const std::map<std::string, double>& values) {
+    for (const inference::Marginal& marginal : study_.prior) {
+      if (values.contains(marginal.name)) continue;
+      reading_.fail(path, fmt::format("{}: '{}' is missing: a {} has no nominal values",
+                                      display(path), marginal.name, what_));
+    }
+  }
+
+  void check_target() {
+    const TargetConfig& target = study_.target;
+    if (!reading_.good("target.observation") || !reading_.good("target.truth")) return;
+    if (target.observation.has_value() == target.truth.has_value()) {
+      reading_.fail("target",
+                    fmt::format("target has {} observation = \"x_o.csv\" {} truth = {{ parameter = "
+                                "value }}, must have one of them",
+                                target.truth ? "both" : "neither", target.truth ? "and" : "nor"));
+    } else if (target.truth) {
+      check_truth(*target.truth);
+    } else {
+      must_be_left_out("target.seed", "it picks the random behaviour of a truth");
+      require_file("target.observation", *target.observation, "an existing CSV or HDF5 file");
+    }
+  }
+
+  void check_truth(const std::map<std::string, double>& truth) {
+    check_complete("target.truth", truth);
+    if (!external_.features.empty() || external_.dataset) return;
+    reading_.fail("simulator.features",
+                  "simulator.features is missing, must be the names of what x holds: with a truth "
+                  "there is no file of x_o to take them from");
+  }
+
+  void check_method(const std::string& path, const MethodConfig& method) {
+    for (const char* key : {".num_rollouts", ".embedding.downsample", ".embedding.features"}) {
+      must_be_left_out(path + key, no_rollouts());
+    }
+    const std::string& kind = method.embedding.kind;
+    if (kind != inference::kIdentityEmbedding && reading_.good(path + ".embedding.kind")) {
+      fail(path + ".embedding.kind", quoted(kind), "'identity': " + no_rollouts());
+    }
+    const Index rounds = method.algorithm.num_rounds;
+    if (external_.dataset && rounds != 1 && reading_.good(path + ".num_rounds")) {
+      fail(path + ".num_rounds", std::to_string(rounds),
+           "1 with a dataset: nothing simulates what later rounds propose");
+    }
+  }
+
+  void check_command() {
+    std::error_code unreadable;
+    if (std::filesystem::is_directory(external_.folder, unreadable)) return;
+    fail("simulator.folder", quoted(external_.folder), "an existing folder");
+  }
+
+  void check_dataset() {
+    for (const char* path : {"simulator.parameters", "target.truth", "target.seed"}) {
+      must_be_left_out(path, "a dataset can't be simulated again");
+    }
+    require_file("simulator.dataset", *external_.dataset,
+                 "an existing HDF5 file; 'npdr import --theta' makes one of CSV files");
+  }
+
+  void require_file(const std::string& path, const std::string& file, const std::string& words) {
+    std::error_code unreadable;
+    if (!std::filesystem::is_regular_file(file, unreadable)) fail(path, quoted(file), words);
+  }
+
+  std::string no_rollouts() const { return "a " + what_ + " gives no rollouts"; }
+
+  const Study& study_;
+  const ExternalConfig& external_;
+  Reading& reading_;
+  std::string what_;
+};
+
+}  // namespace
+
+void check_source(const Study& study, Reading& reading) {
+  if (!reading.good("simulator")) return;
+  std::vector<std::string> found;
+  if (!study.simulator.name.empty()) found.emplace_back("name");
+  if (study.external.command) found.emplace_back("command");
+  if (study.external.dataset) found.emplace_back("dataset");
+  if (found.empty()) {
+    reading.fail("simulator.name", "simulator.name is missing, must be text, one of " +
+                                       join(sim::simulator_names()) +
+                                       "; a command or a dataset may take its place");
+  } else if (found.size() > 1) {
+    reading.fail("simulator." + found.back(),
+                 "simulator has " + join(found, " and ") + ", must have one of them");
+  }
+}
+
+void check_external(const Study& study, Reading& reading) {
+  for (const char* source : {"name", "command", "dataset"}) {
+    if (!reading.good(std::string("simulator.") + source)) return;
+  }
+  ExternalChecker(study, reading).check();
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,17 @@
+/// What must hold where a command or a dataset takes the place of a built-in simulator. Private to
+/// pipeline/config.
+#pragma once
+
+#include "pipeline/config/problems.h"
+#include "pipeline/config/study.h"
+
+namespace npdr::pipeline {
+
+/// Exactly one of simulator.name, command and dataset.
+void check_source(const Study& study, Reading& reading);
+
+/// Keys that mean nothing to the study's simulator, and what is different where it gives features
+/// of x instead of rollouts: names, files, the target, embeddings, rounds, metrics.
+void check_external(const Study& study, Reading& reading);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,42 @@
+/// The files of one call of a simulator's command.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+#include "sim/simulator.h"
+
+namespace npdr::pipeline {
+
+/// A folder for the files of one call, below the system's folder of temporary files; removed with
+/// all that is in it. Names are absolute.
+class CallFolder {
+ public:
+  /// `format`: "csv" or "hdf5". Throws Error.
+  explicit CallFolder(const std::string& format);
+  ~CallFolder();
+  CallFolder(const CallFolder&) = delete;
+  CallFolder& operator=(const CallFolder&) = delete;
+
+  std::filesystem::path theta() const { return path_ / ("theta" + extension_); }
+  std::filesystem::path x() const { return path_ / ("x" + extension_); }
+  std::filesystem::path seeds() const { return path_ / "seeds.txt"; }
+
+ private:
+  std::filesystem::path path_;
+  std::string extension_;
+};
+
+/// theta (n, P) with the names of its columns: CSV with the digits that give back the same doubles,
+/// or the dataset `theta` with the attribute `labels`.
+void write_theta_file(const std::filesystem::path& path, const std::string& format,
+                      const std::vector<sim::Parameter>& parameters, const RowMatrix& theta);
+
+/// One integer a line.
+void write_seeds_file(const std::filesystem::path& path, std::span<const std::uint32_t> seeds);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,36 @@
+/// Files that hold feature vectors x, one a row: what a simulator writes, and observations.
+///
+///   CSV    numbers, a line a row; the first line may name the features, `label` or `label [unit]`
+///   HDF5   dataset `x` (n, F), or (F) for one row; its attribute `labels` may name the features
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/target.h"
+#include "core/types.h"
+
+namespace npdr::pipeline {
+
+struct FeatureRows {
+  std::vector<Channel> features;  ///< those expected, or else the file's, or else x0, x1, ...
+  RowMatrix x;                    ///< (n, F), NaN and infinities as they stand there
+};
+
+/// Reads exactly `num_rows` rows of a file of the format "csv" or "hdf5". With `expected` features
+/// there must be a column of each; where the file names its columns they may be in any order.
+/// Throws InputError that names the file and what is wrong with it. A child process reads HDF5
+/// first, so no other thread may be using it.
+FeatureRows read_features(const std::filesystem::path& path, const std::string& format,
+                          Index num_rows, const std::vector<Channel>& expected);
+
+/// x_o: the only row of a file, CSV by its extension .csv or else HDF5, as a target of one rollout
+/// of one step, whose state after it is x_o. Throws InputError, also for NaN and infinities.
+Target read_observation(const std::filesystem::path& path, const std::vector<Channel>& expected);
+
+/// The same for x_o (F) that is there already; `source` says where it comes from.
+Target observation_target(const std::vector<Channel>& features, const Vector& x_o,
+                          const std::string& source);
+
+}  // namespace npdr::pipeline

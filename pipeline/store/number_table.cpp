@@ -1,0 +1,164 @@
+#include "pipeline/store/number_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <optional>
+#include <system_error>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/features.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr std::size_t kLongestLine = std::size_t{64} << 20;
+
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+std::optional<double> parse_number(const std::string& field) {
+  if (field == "NA") return std::numeric_limits<double>::quiet_NaN();
+  const char* const begin = field.data() + (field.starts_with('+') ? 1 : 0);
+  const char* const end = field.data() + field.size();
+  double value = 0.0;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (stop != end || begin == end) return std::nullopt;
+  if (error == std::errc()) return value;
+  if (error != std::errc::result_out_of_range) return std::nullopt;
+  // Too small or too large for a double: as any other program reads it.
+  return std::strtod(begin, nullptr);
+}
+
+}  // namespace
+
+NumberTable::NumberTable(const std::filesystem::path& path) : name_(path.string()) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable)) {
+    throw InputError(
+        name_ + (std::filesystem::exists(path, unreadable) ? ": isn't a file" : ": isn't there"));
+  }
+  stream_.open(path, std::ios::binary);
+  if (!stream_) throw InputError(name_ + ": can't be opened; may you read it?");
+  if (!next_line()) throw InputError(name_ + ": is empty");
+  if (line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);
+  split();
+  num_columns_ = static_cast<Index>(fields_.size());
+  has_fields_ =
+      std::ranges::all_of(fields_, [](const auto& f) { return parse_number(f).has_value(); });
+  if (!has_fields_) read_header();
+}
+
+bool NumberTable::next(std::span<double> row) {
+  if (!has_fields_) {
+    if (!next_line()) return false;
+    split();
+  }
+  has_fields_ = false;
+  if (static_cast<Index>(fields_.size()) != num_columns_) {
+    fail(fmt::format("has {} columns, must have {} like the first line", fields_.size(),
+                     num_columns_));
+  }
+  for (std::size_t c = 0; c < fields_.size(); ++c) row[c] = number(c);
+  return true;
+}
+
+// The next line that isn't blank, without its end. Blank ones are only allowed at the end.
+bool NumberTable::next_line() {
+  Index first_blank = 0;
+  while (read_line()) {
+    ++line_number_;
+    const bool is_blank = line_.find_first_not_of(" \t") == std::string::npos;
+    if (!is_blank && first_blank == 0) return true;
+    if (first_blank == 0) first_blank = line_number_;
+    if (is_blank) continue;
+    line_number_ = first_blank;
+    fail("is empty, but rows follow; remove it");
+  }
+  return false;
+}
+
+// Unlike std::getline(), with a limit: a file of one endless line fits into no memory.
+bool NumberTable::read_line() {
+  constexpr int end = std::char_traits<char>::eof();
+  std::streambuf& characters = *stream_.rdbuf();
+  line_.clear();
+  int c = characters.sbumpc();
+  if (c == end) return false;
+  for (; c != '\n' && c != end; c = characters.sbumpc()) {
+    if (line_.size() == kLongestLine) fail("is followed by one of more than 64 MiB");
+    line_.push_back(static_cast<char>(c));
+  }
+  if (!line_.empty() && line_.back() == '\r') line_.pop_back();
+  return true;
+}
+
+// RFC 4180, except that a field can't hold a line break.
+void NumberTable::split() {
+  fields_.assign(1, "");
+  bool inside = false;
+  for (std::size_t i = 0; i < line_.size(); ++i) {
+    const bool quote = line_[i] == '"';
+    if (inside && quote && i + 1 < line_.size() && line_[i + 1] == '"') {
+      fields_.back() += line_[i++];
+    } else if (quote) {
+      inside = !inside;
+    } else if (line_[i] == ',' && !inside) {
+      fields_.emplace_back();
+    } else {
+      fields_.back() += line_[i];
+    }
+  }
+  if (inside) fail(fmt::format("column {} has no closing quote", fields_.size()));
+  std::ranges::transform(fields_, fields_.begin(), trimmed);
+}
+
+double NumberTable::number(std::size_t column) const {
+  const std::optional<double> value = parse_number(fields_[column]);
+  if (value) return *value;
+  const std::string label = columns_.empty() ? "" : fmt::format(" '{}'", columns_[column].label);
+  fail(fmt::format("column {}{} = {}, must be a number", column + 1, label,
+                   quoted(fields_[column])));
+}
+
+void NumberTable::read_header() {
+  for (const std::string& field : fields_) {
+    const Channel column = feature_of(field);
+    const std::size_t number = columns_.size() + 1;
+    if (column.label.empty()) fail(fmt::format("column {} has no name", number));
+    if (std::ranges::find(columns_, column.label, &Channel::label) != columns_.end()) {
+      fail(fmt::format("column {} is a second one headed {}", number, quoted(column.label)));
+    }
+    columns_.push_back(column);
+  }
+}
+
+void NumberTable::fail(const std::string& message) const {
+  throw InputError(fmt::format("{}:{}: {}", name_, line_number_, message));
+}
+
+std::vector<Index> match_columns(const std::string& where, const std::vector<Channel>& found,
+                                 const std::vector<Channel>& expected) {
+  std::vector<std::string> labels;
+  for (const Channel& channel : found) labels.push_back(channel.label);
+  std::vector<Index> columns;
+  for (const Channel& channel : expected) {
+    const auto column = std::ranges::find(labels, channel.label);
+    if (column == labels.end()) {
+      throw InputError(where + ": " + missing_name("column", shortened(channel.label), labels));
+    }
+    columns.push_back(column - labels.begin());
+  }
+  if (found.size() == expected.size()) return columns;
+  throw InputError(fmt::format("{}: has {} columns, must have {}: {}", where, found.size(),
+                               expected.size(), join(feature_names(expected))));
+}
+
+}  // namespace npdr::pipeline

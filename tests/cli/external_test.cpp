@@ -1,0 +1,241 @@
+/// The studies of experiments/external, whose posterior is known.
+#include <cmath>
+#include <cstdlib>
+
+#include "pipeline/store/h5.h"
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using std::chrono::milliseconds;
+
+const std::filesystem::path kExamples =
+    std::filesystem::path(NPDR_SOURCE_DIR) / "experiments" / "external";
+
+class External : public ::testing::Test {
+ protected:
+  External() { std::filesystem::copy(kExamples, folder_.path()); }
+
+  Outcome npdr(std::vector<std::string> words) const {
+    words.insert(words.begin(), "npdr");
+    return run(folder_.path(), words);
+  }
+  void run_well(std::vector<std::string> words) const {
+    words.insert(words.begin(), "run");
+    const Outcome outcome = npdr(words);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+  h5::File artefact(const std::string& study, const std::string& name) const {
+    return h5::File::open(folder_ / "runs" / study / "npe-gaussian/seed-1/round-1" /
+                          (name + ".h5"));
+  }
+  std::string table(const std::string& study, const std::string& name) const {
+    return text_of(folder_ / "runs" / study / "tables" / (name + ".md"));
+  }
+
+  // The exact posterior has the mean (2/3, 2/9) and the deviation 1/3 (linear_gaussian.py). That of
+  // 1000 simulations misses the mean by about 1/3 / sqrt(800) per coefficient of its regression,
+  // and 1000 samples of it by 1/3 / sqrt(1000): 0.02 together, so that six times as much is a false
+  // alarm in 10^8. The relative error of a deviation is sqrt(1/2) of that of a mean in its units.
+  void expect_exact_posterior(const std::string& study) const {
+    const RowMatrix theta = artefact(study, "evaluate").read_matrix<double>("theta");
+    const double expected[] = {2.0 / 3.0, 2.0 / 9.0};
+    for (Index d = 0; d < 2; ++d) {
+      const Vector column = theta.col(d);
+      const double mean = column.mean();
+      const double deviation = std::sqrt((column.array() - mean).square().mean());
+      EXPECT_NEAR(mean, expected[d], 0.12) << study << ", parameter " << d;
+      EXPECT_NEAR(deviation, 1.0 / 3.0, 0.07) << study << ", parameter " << d;
+    }
+  }
+
+  // Rows of `study` with this status; all others have the values of the study without bad rows.
+  Index num_rows_lost(const std::string& study, std::uint8_t status) const {
+    const h5::File some = artefact(study, "simulate"), all = artefact("external-shell", "simulate");
+    const auto statuses = some.dataset("status").read<std::uint8_t>();
+    const RowMatrixF x = some.read_matrix<float>("x"), whole = all.read_matrix<float>("x");
+    EXPECT_EQ(some.read_matrix<double>("theta"), all.read_matrix<double>("theta"));
+    Index num_lost = 0;
+    for (Index i = 0; i < x.rows(); ++i) {
+      const std::uint8_t found = statuses[static_cast<std::size_t>(i)];
+      num_lost += found == status;
+      EXPECT_TRUE(found == 0 || found == status) << i;
+      EXPECT_TRUE(found == 0 ? x.row(i) == whole.row(i) : x.row(i).hasNaN()) << i;
+    }
+    return num_lost;
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(External, AShellScriptIsASimulator) {
+  run_well({"shell.toml"});
+  expect_exact_posterior("external-shell");
+  EXPECT_EQ(artefact("external-shell", "simulate").dataset("x").shape(), (h5::Shape{1000, 2}));
+  EXPECT_NE(table("external-shell", "fit").find("Distance to x_o [prior std]"), std::string::npos);
+  const std::string features = table("external-shell", "features");
+  EXPECT_NE(features.find("| total, NPE (Gaussian)"), std::string::npos) << features;
+  const std::string html = text_of(folder_ / "runs/external-shell/report.html");
+  EXPECT_EQ(html.find("trajectories"), std::string::npos);
+  EXPECT_NE(html.find("Posterior samples"), std::string::npos);
+}
+
+TEST_F(External, APythonScriptIsASimulator) {
+  if (std::system("python3 -c 'import csv, random' > /dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "there is no python3 here";
+  }
+  run_well({"python.toml"});
+  expect_exact_posterior("external-python");
+}
+
+TEST_F(External, OfASimulatorThatCrashesOnlyTheCulpritsAreLost) {
+  run_well({"shell.toml", "--until", "simulate"});
+  // Fewer samples, as each call of theirs has culprits, too; they add 0.01 to the mean's error.
+  run_well({"crashing.toml", "--set", "evaluate.num_samples=300"});
+  // One in twenty: 50 of 1000, with a deviation of 7.
+  EXPECT_NEAR(static_cast<double>(num_rows_lost("external-crashing", 4)), 50.0, 30.0);
+  expect_exact_posterior("external-crashing");
+  EXPECT_NE(
+      table("external-crashing", "fit").find("simulations failed and were left out of training"),
+      std::string::npos);
+  const Outcome strict = npdr({"run", "crashing.toml", "--set", "evaluate.num_samples=300", "--set",
+                               "limits.max_failed_fraction=0.001"});
+  EXPECT_EQ(strict.status, 3);
+  EXPECT_NE(strict.err.find(" crashed), limits.max_failed_fraction = 0.001 allows 1; see the logs"),
+            std::string::npos)
+      << strict.err;
+}
+
+TEST_F(External, OfASimulatorThatHangsOnlyTheCulpritsAreLost) {
+  const std::vector<std::string> fewer = {"--until", "simulate", "--set",
+                                          "method.num_simulations=400"};
+  const auto simulate = [&](const std::string& study) {
+    std::vector<std::string> words = {study};
+    words.insert(words.end(), fewer.begin(), fewer.end());
+    if (study == "hanging.toml") words.insert(words.end(), {"--set", "simulator.start_time=0.4"});
+    run_well(words);
+  };
+  simulate("shell.toml");
+  simulate("hanging.toml");
+  EXPECT_GE(num_rows_lost("external-hanging", 5), 1);
+}
+
+TEST_F(External, ResultsDoNotDependOnTheShards) {
+  run_well({"shell.toml", "--until", "evaluate", "--work", "whole"});
+  run_well(
+      {"shell.toml", "--until", "evaluate", "--work", "parts", "--set", "simulate.shard_size=130"});
+  EXPECT_EQ(digests(folder_ / "parts/external-shell"), digests(folder_ / "whole/external-shell"));
+}
+
+TEST_F(External, ADatasetNeedsNoSimulator) {
+  ASSERT_EQ(
+      std::system(
+          ("sh " + (folder_ / "make_dataset.sh").string() + " " + folder_.path().string()).c_str()),
+      0);
+  const Outcome imported =
+      npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  EXPECT_EQ(imported.out, "wrote dataset.h5: 1000 rows; theta a, b; x total, difference\n");
+  EXPECT_NE(npdr({"inspect", "dataset.h5"}).out.find("a dataset of 1000 simulations of 2 features"),
+            std::string::npos);
+  run_well({"dataset.toml"});
+  expect_exact_posterior("external-dataset");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "runs/external-dataset/tables/fit.md"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "runs/external-dataset/tables/parameters.md"));
+}
+
+TEST_F(External, SimulationsAreADataset) {
+  run_well({"shell.toml", "--until", "simulate"});
+  run_well({"dataset.toml", "--set",
+            "simulator.dataset=runs/external-shell/npe-gaussian/seed-1/round-1/simulate.h5"});
+  expect_exact_posterior("external-dataset");
+}
+
+TEST_F(External, ATruthIsObservedByTheCommandAndRoundsFollow) {
+  run_well({"shell.toml", "--set", "target.truth={ a = 0.5, b = -0.5 }", "--set",
+            "simulator.features=[\"total\", \"difference\"]", "--set", "method.num_rounds=2",
+            "--set", "method.num_simulations=300"});
+  EXPECT_NE(table("external-shell", "seeds").find("log p(truth)"), std::string::npos);
+  EXPECT_NE(table("external-shell", "fit").find("truth"), std::string::npos);
+}
+
+TEST_F(External, OtherCommandsUnderstandSuchStudies) {
+  run_well({"shell.toml", "--until", "infer"});
+  const std::string round = "runs/external-shell/npe-gaussian/seed-1/round-1/";
+  EXPECT_NE(npdr({"verify", round + "simulate.h5", "--rows", "3"})
+                .out.find("3 of 1000 rows "
+                          "recomputed, 0 differ"),
+            std::string::npos);
+  EXPECT_NE(npdr({"validate", "shell.toml", "--quiet"})
+                .out.find("1000 simulations in 1 calls of the command, 2 features each"),
+            std::string::npos);
+  EXPECT_NE(npdr({"explain", "shell.toml", "--set", "simulator.retries=3", "simulate"})
+                .out.find("simulator.retries: 3, was 1"),
+            std::string::npos);
+  std::ofstream(folder_ / "linear_gaussian.sh", std::ios::app) << "# edited\n";
+  EXPECT_NE(
+      npdr({"explain", "shell.toml", "simulate"}).out.find("simulator.files.linear_gaussian.sh: "),
+      std::string::npos);
+  std::ofstream(folder_ / "other.csv") << "difference,total\n0.5,1\n";
+  const std::string posterior = round + "infer.h5";
+  const Outcome own = npdr({"sample", posterior, "-n", "3"});
+  const Outcome other = npdr({"sample", posterior, "-n", "3", "--x", "other.csv"});
+  EXPECT_EQ(other.out, own.out) << "the same x_o with its columns in another order\n" << other.err;
+  std::ofstream(folder_ / "theta.csv") << own.out;
+  EXPECT_EQ(npdr({"log-prob", posterior, "theta.csv"}).status, 0);
+  std::ofstream(folder_ / "wide.csv") << "1,2,3\n";
+  const Outcome wide = npdr({"sample", posterior, "--x", "wide.csv"});
+  EXPECT_EQ(wide.status, 2);
+  EXPECT_EQ(wide.err, "npdr sample: wide.csv: has 3 columns, must have 2: total, difference\n");
+}
+
+TEST_F(External, ACommandThatCannotBeRunIsAnError) {
+  const Outcome outcome =
+      npdr({"run", "shell.toml", "--set", "simulator.command=nosuchprogram {x}"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(
+      outcome.err.find("simulator.command = 'nosuchprogram {x}' can't be run: exit status 127"),
+      std::string::npos)
+      << outcome.err;
+}
+
+// Whether `condition` holds within ten seconds.
+template <class Condition>
+bool comes_true(const Condition& condition) {
+  for (int i = 0; i < 200 && !condition(); ++i) std::this_thread::sleep_for(milliseconds(50));
+  return condition();
+}
+
+TEST_F(External, ARequestToStopEndsTheCommandAndTheNextRunGoesOn) {
+  const auto pid_file = folder_ / "pid";
+  const std::string wait_once =
+      "test -e go || { echo $$ > pid; sleep 1000; }; sh linear_gaussian.sh";
+  const std::vector<std::string> words = {"npdr",
+                                          "run",
+                                          "shell.toml",
+                                          "--until",
+                                          "simulate",
+                                          "--set",
+                                          "simulator.command=" + wait_once};
+  const Program program(folder_.path(), words);
+  ASSERT_TRUE(comes_true([&] { return text_of(pid_file).ends_with('\n'); }));
+  const pid_t command = std::stoi(text_of(pid_file));
+  program.send(SIGTERM);
+  EXPECT_EQ(program.wait().status, 75);
+  EXPECT_TRUE(comes_true([&] { return kill(command, 0) != 0; }));
+  std::ofstream(folder_ / "go");
+  EXPECT_EQ(run(folder_.path(), words).status, 0);
+}
+
+TEST_F(External, ImportRefusesHalfADataset) {
+  std::ofstream(folder_ / "theta.csv") << "a\n1\n";
+  const Outcome alone = npdr({"import", "--theta", "theta.csv", "-o", "d.h5"});
+  EXPECT_EQ(alone.status, 2);
+  EXPECT_EQ(alone.err,
+            "npdr import: a dataset is made of two CSV files: --theta FILE and --x FILE\n");
+  EXPECT_EQ(npdr({"import", "-o", "d.h5"}).status, 2);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
