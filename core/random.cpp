@@ -74,6 +74,16 @@ void box_muller(std::uint32_t a, std::uint32_t b, float& first, float& second) {
 
 }  // namespace
 
+StreamId named(StreamId id, std::string_view name) {
+  id.name = name;
+  return id;
+}
+
+StreamId within(StreamId id, std::string_view name) {
+  for (const char c : id.name) id.seed = mix(id.seed ^ static_cast<unsigned char>(c));
+  return named(id, name);
+}
+
 Stream::Stream(const StreamId& id) {
   const std::uint64_t key = stream_key(id);
   key_ = {low(key), high(key)};

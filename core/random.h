@@ -22,6 +22,12 @@ struct StreamId {
   std::uint64_t epoch = 0;  ///< passes over the same row
 };
 
+/// The stream for another purpose of the same experiment, round, row and epoch.
+StreamId named(StreamId id, std::string_view name);
+
+/// The same for a purpose that serves that of `id`: other numbers for each of them.
+StreamId within(StreamId id, std::string_view name);
+
 /// One stream of random numbers. Cheap to make; not thread-safe: make one per row.
 class Stream {
  public:

@@ -123,6 +123,27 @@ void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {
   if (projects) z.noalias() = standardised * basis;
 }
 
+FeatureTransform varying_outputs(const FeatureTransform& transform) {
+  const bool projects = transform.basis.cols() > 0;
+  std::vector<Index> varying;
+  for (Index k = 0; k < transform.num_outputs(); ++k) {
+    const bool varies = projects ? transform.basis.col(k).squaredNorm() > 0.0f
+                                 : transform.inverse_deviation(k) > 0.0f;
+    if (varies) varying.push_back(k);
+  }
+  if (varying.empty()) throw InputError("no feature of x varies among the simulations");
+  const auto count = static_cast<Index>(varying.size());
+  FeatureTransform result = transform;
+  if (count == transform.num_outputs()) return result;
+  if (projects) {
+    result.basis = transform.basis(Eigen::all, varying);
+    return result;
+  }
+  result.basis = RowMatrixF::Zero(transform.num_inputs(), count);
+  for (Index k = 0; k < count; ++k) result.basis(varying[static_cast<std::size_t>(k)], k) = 1.0f;
+  return result;
+}
+
 FeatureTransform fit_feature_transform(const FeatureSource& x, Index components) {
   fix_matrix_blocking();
   FeatureTransform transform = standardisation(x);

@@ -4,14 +4,9 @@
 
 #include "inference/abc/abc.h"
 #include "inference/abc/feature_distance.h"
+#include "inference/matrix_features.h"
 
 namespace npdr::inference {
-
-void MatrixSource::gather(std::span<const std::uint32_t> rows, std::uint64_t /*epoch*/,
-                          RowMatrixF& x) const {
-  x.resize(static_cast<Index>(rows.size()), x_.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) x.row(static_cast<Index>(i)) = x_.row(rows[i]);
-}
 
 RowMatrixF simulate(const SimulatorFunction& simulator, const RowMatrix& theta, std::uint64_t seed,
                     std::uint64_t round) {
@@ -46,7 +41,7 @@ std::shared_ptr<const NetworkPosterior> infer(const PosteriorEstimationConfig& c
     data.theta.bottomRows(n) = theta;
     data.round.insert(data.round.end(), static_cast<std::size_t>(n),
                       static_cast<std::uint32_t>(round));
-    const MatrixSource source(x);
+    const MatrixFeatures source(x);
     data.x = &source;
     TrainingState state;
     posterior = estimate_posterior(config, data, {seed, "train", r, 0, 0}, state,
@@ -67,9 +62,10 @@ std::shared_ptr<const ParticlePosterior> infer_abc(const AlgorithmConfig& algori
     const RowMatrix theta =
         population ? propose(algorithm.name, prior, *population, n, {seed, "propose", r, 0, 0})
                    : sample_prior(prior, n, seed);
-    const MatrixSource x(simulate(simulator, theta, seed, r));
-    if (!population) transform = fit_feature_transform(x, 0);
-    const AbcRound simulations{theta, feature_distances(x, transform, x_o)};
+    const RowMatrixF x = simulate(simulator, theta, seed, r);
+    const MatrixFeatures source(x);
+    if (!population) transform = fit_feature_transform(source, 0);
+    const AbcRound simulations{theta, feature_distances(source, transform, x_o)};
     population =
         advance(algorithm.name, config, prior, simulations, population, {seed, "abc", r, 0, 0});
   }

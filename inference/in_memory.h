@@ -4,26 +4,12 @@
 
 #include <functional>
 #include <memory>
-#include <span>
 
 #include "inference/abc/abc_config.h"
 #include "inference/algorithms/posterior_estimation.h"
 #include "inference/particle_posterior.h"
 
 namespace npdr::inference {
-
-/// x in memory.
-class MatrixSource : public FeatureSource {
- public:
-  explicit MatrixSource(RowMatrixF x) : x_(std::move(x)) {}
-  Index num_rows() const override { return x_.rows(); }
-  Index num_features() const override { return x_.cols(); }
-  void gather(std::span<const std::uint32_t> rows, std::uint64_t epoch,
-              RowMatrixF& x) const override;
-
- private:
-  RowMatrixF x_;
-};
 
 /// x (F) ~ p(x | theta), with the stream of its row.
 using SimulatorFunction = std::function<VectorF(const Vector& theta, Stream& stream)>;

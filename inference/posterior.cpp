@@ -12,7 +12,7 @@ Vector Posterior::map(const StreamId& id) const {
   constexpr double farthest = 8.0;  // |u| within which the prior has all of its mass
   const RowMatrix starts = sample(num_starts, id);
   Index best = 0;
-  log_prob(starts).maxCoeff(&best);
+  relative_log_prob(starts).maxCoeff(&best);
   const Index d = starts.cols();
   const Vector start = prior().to_normal(starts.middleRows(best, 1)).row(0).transpose();
 
@@ -28,7 +28,7 @@ Vector Posterior::map(const StreamId& id) const {
     const auto width = static_cast<Index>(u.size());
     const RowMatrix theta =
         posterior.prior().to_theta(Eigen::Map<const RowMatrix>(u.data(), 1, width));
-    const double value = posterior.log_prob(theta)(0);
+    const double value = posterior.relative_log_prob(theta)(0);
     return std::isfinite(value) ? value : std::numeric_limits<double>::lowest();
   };
   search.set_max_objective(objective, const_cast<Posterior*>(this));

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 #include <sstream>
 
 #include "core/error.h"
 #include "core/normal.h"
+#include "inference/standard_normal.h"
 
 namespace npdr::inference {
 namespace {
@@ -130,10 +130,7 @@ RowMatrix Prior::to_theta(const RowMatrix& u) const {
 
 Vector Prior::log_det_to_normal(const RowMatrix& theta) const {
   const RowMatrix u = to_normal(theta);
-  const double log_two_pi = std::log(2.0 * std::numbers::pi);
-  const Vector log_base =
-      -0.5 * (u.rowwise().squaredNorm().array() + static_cast<double>(dimension()) * log_two_pi);
-  return log_prob(theta) - log_base;
+  return log_prob(theta) - log_standard_normal(u);
 }
 
 bool Prior::contains(const Vector& theta) const {

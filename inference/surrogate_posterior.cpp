@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
-#include <numbers>
 
 #include "core/error.h"
 #include "inference/direct_posterior.h"
@@ -12,18 +12,19 @@
 #include "inference/samplers/chain_diagnostics.h"
 #include "inference/samplers/resampler.h"
 #include "inference/samplers/slice_sampler.h"
+#include "inference/standard_normal.h"
 
 namespace npdr::inference {
 namespace {
 
-Vector log_standard_normal(const RowMatrix& u) {
-  const double constant = -0.5 * std::log(2.0 * std::numbers::pi) * static_cast<double>(u.cols());
-  return (-0.5 * u.rowwise().squaredNorm()).array() + constant;
-}
-
-StreamId named(StreamId id, std::string_view name) {
-  id.name = name;
-  return id;
+// exp(log_weights), the largest 1; NaN, which a network may say far from what it knows, counts as
+// 0.
+Vector weights_of(Vector log_weights) {
+  log_weights = log_weights.array().isNaN().select(-std::numeric_limits<double>::infinity(),
+                                                   log_weights.array());
+  const double largest = log_weights.maxCoeff();
+  if (!std::isfinite(largest)) throw Error("posterior: its density is 0 or infinite throughout");
+  return (log_weights.array() - largest).exp();
 }
 
 // Row i of the result is a row of `candidates`, drawn with the stream of row id.row + i.
@@ -93,7 +94,7 @@ Vector SurrogatePosterior::log_density(const RowMatrix& u) const {
 RowMatrix SurrogatePosterior::draw_prior(const StreamId& id) const {
   RowMatrix u(parts().sampler.num_candidates, prior().dimension());
   for (Index i = 0; i < u.rows(); ++i) {
-    StreamId row = named(id, "candidates");
+    StreamId row = within(id, "candidates");
     row.row += static_cast<std::uint64_t>(i);
     Stream stream(row);
     for (double& value : u.row(i)) value = stream.normal();
@@ -104,8 +105,7 @@ RowMatrix SurrogatePosterior::draw_prior(const StreamId& id) const {
 Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
   const SamplerConfig& sampler = parts().sampler;
   const RowMatrix candidates = draw_prior(id);
-  const Vector log_weights = surrogate(candidates);
-  const Resampler resampler((log_weights.array() - log_weights.maxCoeff()).exp().matrix());
+  const Resampler resampler(weights_of(surrogate(candidates)));
   SamplerReport report;
   if (sampler.kind == "importance") {
     report.ess = Vector::Constant(1, resampler.effective_size());
@@ -113,7 +113,7 @@ Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
     return {prior().to_theta(resample(candidates, resampler, n, id)), report};
   }
   const Index chains = sampler.num_chains;
-  const RowMatrix start = resample(candidates, resampler, chains, named(id, "starts"));
+  const RowMatrix start = resample(candidates, resampler, chains, within(id, "starts"));
   const ChainDraws draws =
       slice_sample([&](const RowMatrix& u, Vector& log_p) { log_p = log_density(u); }, start,
                    (n + chains - 1) / chains, {sampler.num_warmup, sampler.thin}, id);

@@ -12,9 +12,8 @@ namespace npdr::inference {
 namespace {
 
 StreamId of_chain(StreamId id, std::string_view name, Index chain) {
-  id.name = name;
   id.row += static_cast<std::uint64_t>(chain);
-  return id;
+  return named(id, name);
 }
 
 void require_chains(const AbcPopulation& population, Index n) {

@@ -1,7 +1,7 @@
 /// ABC by Markov chains, many side by side.
 ///
 /// Source: Marjoram, Molitor, Plagnol and Tavare 2003, "Markov chain Monte Carlo without
-/// likelihoods", algorithm D. From u, a chain proposes u' = u + N(0, K) and goes there if the
+/// likelihoods", algorithm F. From u, a chain proposes u' = u + N(0, K) and goes there if the
 /// simulation at u' is within epsilon and a uniform number is below p(u') / p(u), p = N(0, I).
 ///
 /// Here all chains take one step a round, so that N simulations are made at once. They begin at

@@ -1,24 +1,17 @@
 #include "inference/algorithms/npe_c.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "core/error.h"
 #include "inference/algorithms/atomic_loss.h"
 #include "inference/direct_posterior.h"
 #include "inference/estimators/mixture_density_network.h"
+#include "inference/standard_normal.h"
 
 namespace npdr::inference {
 namespace {
 
 using Mixtures = MixtureDensityNetwork<float>;
-
-void log_standard_normal(const RowMatrixF& u, VectorF& result) {
-  const auto constant =
-      static_cast<float>(-0.5 * std::log(2.0 * std::numbers::pi) * static_cast<double>(u.cols()));
-  result = (-0.5f * u.rowwise().squaredNorm()).array() + constant;
-}
 
 // Adds weight * gradient to row n of dL/dheads.
 void add_to_heads(const Mixtures& network, const GaussianMixtureGradient& gradient, double weight,
@@ -107,7 +100,7 @@ double NpeC::atomic(const Parameters<float>& parameters, const Batch& batch,
   for (Index i = 0; i < n * k; ++i) atoms_.row(i) = u_.row(atoms[static_cast<std::size_t>(i)]);
 
   network_.log_prob(parameters, atoms_, x_, scratch_, log_prob_);
-  log_standard_normal(atoms_, log_prior_);
+  log_prior_ = log_standard_normal(atoms_);
   double loss = atomic_loss(log_prob_, log_prior_, k, d_log_prob_);
   if (config_.combined_loss) {
     for (Index i = 0; i < n; ++i) {

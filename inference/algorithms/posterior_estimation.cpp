@@ -7,11 +7,6 @@
 namespace npdr::inference {
 namespace {
 
-StreamId named(StreamId id, std::string_view name) {
-  id.name = name;
-  return id;
-}
-
 bool is_npe_a(const PosteriorEstimationConfig& config) {
   return canonical_algorithm(config.algorithm.name) == "npe_a";
 }
@@ -38,6 +33,7 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   parts.sampler = config.sampler;
   if (data.posteriors.empty()) {
     parts.transform = fit_feature_transform(*data.x, config.principal_components);
+    if (parts.role == NetworkRole::likelihood) parts.transform = varying_outputs(parts.transform);
     return parts;
   }
   const NetworkPosterior& previous = *data.posteriors.back();

@@ -1,5 +1,6 @@
 #include "inference/algorithms/ratio_loss.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "inference/algorithms/atomic_loss.h"

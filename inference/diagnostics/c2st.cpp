@@ -1,5 +1,6 @@
 #include "inference/diagnostics/c2st.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"

@@ -5,11 +5,11 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "inference/diagnostics/matrix_features.h"
 #include "inference/diagnostics/mlp_classifier.h"
 #include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/two_samples.h"
 #include "inference/feature_transform.h"
+#include "inference/matrix_features.h"
 
 namespace npdr::inference {
 namespace {
@@ -22,7 +22,7 @@ void check(const LocalC2stData& data, const LocalC2stConfig& config) {
   const bool fits = data.u_sampled.rows() == n && data.x.rows() == n &&
                     data.u_sampled.cols() == d && data.u_at_x_o.cols() == d &&
                     data.x.cols() == data.x_o.size() && data.u_at_x_o.rows() >= 1 &&
-                    config.num_trials >= 1;
+                    config.num_trials >= 1 && config.max_components >= 1 && data.x.cols() >= 1;
   if (!fits) throw ShapeError("local C2ST: parameters, samples and x don't go together");
   if (n >= kFewestPairs) return;
   throw InputError("local C2ST: " + std::to_string(n) + " simulations, must be at least " +

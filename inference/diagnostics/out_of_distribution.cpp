@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "core/error.h"
-#include "inference/diagnostics/matrix_features.h"
 #include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/uniformity.h"
 #include "inference/feature_transform.h"
+#include "inference/matrix_features.h"
 
 namespace npdr::inference {
 namespace {
@@ -86,6 +87,18 @@ class Distances {
   RowMatrixF directions_;  // (F, k), orthonormal
 };
 
+// A feature that all simulations agree on, and the observation doesn't: no distance says how far
+// that is. Rounding of single precision is no difference.
+bool leaves_what_is_constant(const RowMatrixF& x, const VectorF& x_o) {
+  constexpr float rounding = 1e-5f;
+  for (Index f = 0; f < x.cols(); ++f) {
+    const float lowest = x.col(f).minCoeff(), highest = x.col(f).maxCoeff();
+    const float allowed = rounding * std::max(std::abs(lowest), std::abs(x_o(f)));
+    if (highest - lowest <= allowed && std::abs(x_o(f) - lowest) > allowed) return true;
+  }
+  return false;
+}
+
 Distance judge(const Vector& usual, double observed) {
   Vector sorted = usual;
   std::sort(sorted.begin(), sorted.end());
@@ -104,7 +117,9 @@ OutOfDistribution test_out_of_distribution(const RowMatrixF& x, const VectorF& x
   result.num_components = distances.num_components();
   result.num_reference = usual.rows();
   result.mahalanobis = judge(usual.col(0), observed(0, 0));
-  result.residual = judge(usual.col(1), observed(0, 1));
+  const bool leaves = leaves_what_is_constant(x, x_o);
+  result.residual =
+      judge(usual.col(1), leaves ? std::numeric_limits<double>::infinity() : observed(0, 1));
   result.nearest = judge(usual.col(2), observed(0, 2));
   result.p_value = corrected(
       std::min({result.mahalanobis.p_value, result.residual.p_value, result.nearest.p_value}), 3);

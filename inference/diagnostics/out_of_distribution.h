@@ -9,6 +9,7 @@
 ///   detecting out-of-distribution samples and adversarial attacks"): far out in known directions;
 /// - the residual beyond the components (Jackson and Mudholkar 1979, "Control procedures for
 ///   residuals associated with principal component analysis"): a direction that no simulation has;
+///   infinite where the observation differs in a feature that is the same in all simulations;
 /// - to the nearest simulation of the first half, in z: a hole or a bend of the distribution.
 #pragma once
 

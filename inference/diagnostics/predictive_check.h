@@ -11,7 +11,8 @@
 namespace npdr::inference {
 
 struct PredictiveCheck {
-  Vector summary_p_value;     ///< (S) two-sided: 2 min(P(s <= s_o), P(s >= s_o)), at most 1
+  /// (S) two-sided: 2 min(P(s <= s_o), P(s >= s_o)), at most 1; equal but for rounding is equal.
+  Vector summary_p_value;
   OutOfDistribution overall;  ///< of all features at once
   double p_value = 1.0;       ///< twice the smaller of the two: of the smallest of S, and overall
 };

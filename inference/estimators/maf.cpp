@@ -3,19 +3,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/error.h"
 #include "inference/estimators/affine_map.h"
 #include "inference/estimators/dense.h"
+#include "inference/estimators/size_check.h"
 #include "inference/estimators/spline_map.h"
 
 namespace npdr::inference {
 namespace {
-
-void check_size(const char* name, Index value) {
-  if (value >= 1) return;
-  throw InputError(std::string("density_estimator.") + name + " = " + std::to_string(value) +
-                   ", must be >= 1");
-}
 
 template <typename S>
 void permute(const RowMatrixX<S>& from, const std::vector<std::uint32_t>& order,

@@ -3,20 +3,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/error.h"
 #include "inference/estimators/dense.h"
+#include "inference/estimators/size_check.h"
+#include "inference/estimators/softplus.h"
 
 namespace npdr::inference {
 namespace {
 
 constexpr double kSmallestDiagonal = 1e-3;
 const double kDiagonalOffset = std::log(std::expm1(1.0 - kSmallestDiagonal));
-
-void check_size(const char* name, Index value) {
-  if (value >= 1) return;
-  throw InputError(std::string("density_estimator.") + name + " = " + std::to_string(value) +
-                   ", must be >= 1");
-}
 
 // Turns K raw logits into normalised log weights.
 template <typename S>
@@ -120,7 +115,7 @@ void MixtureDensityNetwork<S>::forward_heads(const Parameters<S>& parameters,
   for (Index i = 0; i < dimension_; ++i) {
     auto a = scratch.heads.middleCols(factor_column(i, i), components_).array();
     a += S(kDiagonalOffset);
-    a = a.max(S(0)) + (-a.abs()).exp().log1p() + S(kSmallestDiagonal);
+    a = (softplus(a) + S(kSmallestDiagonal)).eval();
   }
 }
 

@@ -1,19 +1,11 @@
 #include "inference/estimators/ratio_estimator.h"
 
-#include "core/error.h"
 #include "core/matrix_blocking.h"
 #include "inference/estimators/dense.h"
+#include "inference/estimators/size_check.h"
 
 namespace npdr::inference {
-namespace {
-
-void check_size(const char* name, Index value) {
-  if (value >= 1) return;
-  throw InputError(std::string("density_estimator.") + name + " = " + std::to_string(value) +
-                   ", must be >= 1");
-}
-
-}  // namespace
+namespace {}  // namespace
 
 template <typename S>
 RatioEstimator<S>::RatioEstimator(const EstimatorConfig& config, Index dimension, Index x_features)

@@ -1,7 +1,7 @@
 /// Residual network that tells a pair (u, x) of a simulation from one that was put together: its
-/// logit f(u, x) learns a log likelihood-to-evidence ratio (see nre.h).
+/// logit f(u, x) learns a log likelihood-to-evidence ratio (ratio_loss.h).
 ///
-/// Source: He et al. 2016, "Deep residual learning for image recognition", with fully connected
+/// Source: He et al. 2016, "Identity mappings in deep residual networks", with fully connected
 /// layers. With r = max(0, .),
 ///   h_0 = u W_u + x W_x + b,   h_l = h_{l-1} + r(r(h_{l-1}) A_l + a_l) B_l + b_l,   l = 1, ..., L,
 ///   f = r(h_L) w + c.

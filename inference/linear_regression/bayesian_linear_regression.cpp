@@ -21,11 +21,20 @@ void check_shapes(const RowMatrix& phi, const Vector& y) {
                    " responses");
 }
 
+[[noreturn]] void fail_without_evidence() {
+  throw InputError(
+      "linear regression: the regressors tell nothing of the response; the evidence is largest "
+      "where "
+      "all weights are 0");
+}
+
 // One step of the fixed point. `eigenvalues`: of phi^T phi.
 Precisions next_precisions(const RowMatrix& phi, const Vector& y, const Vector& eigenvalues,
                            const WeightPosterior& now) {
   const Eigen::ArrayXd lambda = now.precisions.noise * eigenvalues.array();
   const double gamma = (lambda / (lambda + now.precisions.weights)).sum();
+  constexpr double nothing = 1e-6;  // of one weight
+  if (!(gamma > nothing)) fail_without_evidence();
   // Without noise nothing but rounding is left, and the precision would grow for ever.
   constexpr double rounding = 1e-28;
   const double residual = std::max((y - phi * now.mean).squaredNorm(), rounding * y.squaredNorm());
@@ -45,9 +54,9 @@ WeightPosterior fixed_point(const RowMatrix& phi, const Vector& y) {
     const bool is_done = !differ(next.weights, posterior.precisions.weights) &&
                          !differ(next.noise, posterior.precisions.noise);
     posterior = weight_posterior(phi, y, next);
-    if (is_done) break;
+    if (is_done) return posterior;
   }
-  return posterior;
+  fail_without_evidence();  // the precision of the weights still grows
 }
 
 }  // namespace

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/error.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {
 
 Resampler::Resampler(const Vector& weights)
     : cumulative_(weights.size()), effective_size_(inference::effective_size(weights)) {
+  if (!weights.allFinite() || !(weights.minCoeff() >= 0.0) || !(weights.sum() > 0.0)) {
+    throw Error("resampling: weights must be finite, >= 0, and not all of them 0");
+  }
   std::partial_sum(weights.begin(), weights.end(), cumulative_.begin());
   cumulative_ /= cumulative_(cumulative_.size() - 1);
 }

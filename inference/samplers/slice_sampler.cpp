@@ -10,7 +10,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr double kFirstWidth = 1.0;  // of an interval, in deviations of the prior
-constexpr int kMostSteps = 20;       // of stepping out, to each side
+constexpr int kMostSteps = 40;       // of stepping out, to both sides together
 constexpr int kMostShrinks = 200;    // an interval of 1e-60 of its width: the density is broken
 
 double finite_or_never(double log_p) {
@@ -50,15 +50,16 @@ class Chain {
     const bool is_inside = log_p > level_;
     switch (phase_) {
       case Phase::left:
-        if (is_inside && ++steps_ < kMostSteps) {
+        if (is_inside && steps_left_ > 0) {
+          --steps_left_;
           left_ -= width_(direction_);
         } else {
           phase_ = Phase::right;
-          steps_ = 0;
         }
         return;
       case Phase::right:
-        if (is_inside && ++steps_ < kMostSteps) {
+        if (is_inside && steps_right_ > 0) {
+          --steps_right_;
           right_ += width_(direction_);
         } else {
           begin_shrinking();
@@ -88,7 +89,9 @@ class Chain {
     left_ = -width * stream_.uniform();
     right_ = left_ + width;
     phase_ = Phase::left;
-    steps_ = 0;
+    // Shared out at random, so that the limit leaves the chain reversible (Neal 2003, figure 3).
+    steps_left_ = static_cast<int>(kMostSteps * stream_.uniform());
+    steps_right_ = kMostSteps - 1 - steps_left_;
   }
 
   void begin_shrinking() {
@@ -118,7 +121,7 @@ class Chain {
   bool adapts_ = false;
   Index sweeps_ = 0, direction_ = 0;
   Phase phase_ = Phase::left;
-  int steps_ = 0, shrinks_ = 0;
+  int steps_left_ = 0, steps_right_ = 0, shrinks_ = 0;
   double level_ = 0.0, left_ = 0.0, right_ = 0.0, offset_ = 0.0;
 };
 

@@ -8,7 +8,7 @@
 /// Every chain has one point at a time that it wants evaluated; those of all chains go to the
 /// density in one batch, whatever each of them is doing. Half way through the warm-up the
 /// directions turn from the axes to the principal axes of all chains' points, so that correlated
-/// parameters mix; widths are the mean interval of the warm-up.
+/// parameters mix; widths are the mean interval, after shrinking, of the warm-up's second half.
 #pragma once
 
 #include <functional>

@@ -22,10 +22,9 @@ std::size_t rows_per_batch(const TrainingConfig& config, const std::vector<std::
   return std::min(static_cast<std::size_t>(config.batch_size), rows.size());
 }
 
-StreamId named(StreamId id, std::string_view name, std::uint64_t epoch = 0) {
-  id.name = name;
+StreamId of_epoch(StreamId id, std::string_view name, std::uint64_t epoch) {
   id.epoch = epoch;
-  return id;
+  return named(id, name);
 }
 
 // Every (1 / validation_fraction)-th row validates, from an offset of the seed's. Rows are draws of
@@ -66,7 +65,7 @@ double train_epoch(Objective& objective, const TrainingConfig& config, const Spl
   const auto epoch = static_cast<std::uint64_t>(state.epoch + 1);
   std::vector<std::uint32_t> rows = split.training;
   const std::size_t batch_size = rows_per_batch(config, rows);
-  Stream stream(named(id, "shuffle", epoch));
+  Stream stream(of_epoch(id, "shuffle", epoch));
   for (std::size_t i = rows.size(); i > 1; --i) {
     std::swap(rows[i - 1], rows[stream.below(static_cast<std::uint32_t>(i))]);
   }

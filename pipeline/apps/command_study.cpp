@@ -16,14 +16,21 @@
 namespace npdr::pipeline {
 namespace {
 
+void print_diagnoses(Index count, const Study& study) {
+  if (count == 0) return;
+  fmt::print("to check them: {} diagnoses, {} samples of each posterior\n", count,
+             study.diagnose.num_samples);
+}
+
 // The same of a command or a dataset, whose simulations are vectors.
 void print_external_work(const Plan& plan) {
   const Study& study = plan.study;
   const auto num_features = static_cast<Index>(study.external.features.size());
-  Index rows = 0, calls = 0, posteriors = 0, evaluations = 0;
+  Index rows = 0, calls = 0, posteriors = 0, evaluations = 0, diagnoses = 0;
   for (const Node& node : plan.nodes) {
     if (node.stage == Stage::infer) ++posteriors;
     if (node.stage == Stage::evaluate) ++evaluations;
+    if (node.stage == Stage::diagnose) ++diagnoses;
     if (node.stage != Stage::simulate) continue;
     rows += num_rows(plan, node);
     calls += static_cast<Index>(shards(plan, node).size());
@@ -36,6 +43,7 @@ void print_external_work(const Plan& plan) {
              size_text(static_cast<std::uintmax_t>(rows * num_features) * sizeof(float)));
   fmt::print("to judge them: {} evaluations of {} samples{}\n", evaluations,
              study.evaluate.num_samples, study.external.dataset ? ", none of them simulated" : "");
+  print_diagnoses(diagnoses, study);
 }
 
 // The work and disk that a study implies.
@@ -69,9 +77,7 @@ void print_work(const Plan& plan) {
   fmt::print("to judge them: {} evaluations of {} samples{}\n", evaluations,
              study.evaluate.num_samples,
              is_recorded && study.evaluate.floor ? ", and a search for the floor" : "");
-  if (diagnoses == 0) return;
-  fmt::print("to check them: {} diagnoses, {} samples of each posterior\n", diagnoses,
-             study.diagnose.num_samples);
+  print_diagnoses(diagnoses, study);
 }
 
 void list_simulators() {

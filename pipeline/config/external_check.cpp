@@ -24,7 +24,8 @@ class ExternalChecker {
 
   void check() {
     if (!external_.command) {
-      for (const char* key : {"format", "folder", "time_limit", "start_time", "retries"}) {
+      for (const char* key :
+           {"format", "folder", "time_limit", "start_time", "retries", "parallel_calls"}) {
         must_be_left_out(std::string("simulator.") + key, "it belongs to simulator.command");
       }
     }

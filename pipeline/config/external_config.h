@@ -20,6 +20,7 @@ struct ExternalConfig {
   double time_limit = 3600.0;          ///< [s] of a call with all rows of a shard
   double start_time = 2.0;             ///< [s] that a call with fewer rows has besides its share
   Index retries = 1;                   ///< of a call that failed
+  Index parallel_calls = 0;            ///< at once, of a stage; 0: as many as it has threads
   std::vector<std::string> features;   ///< of x, as `label` or `label [unit]`
 
   bool is_used() const { return command || dataset; }

@@ -18,7 +18,8 @@ sim::Parameter unlimited_parameter(const std::string& name, double value) {
 
 Channel feature_of(const std::string& name) {
   const std::size_t open = name.rfind('[');
-  if (open == std::string::npos || open == 0 || name.back() != ']') return {name, kNoUnit};
+  const bool has_unit = open != std::string::npos && open > 0 && name[open - 1] == ' ';
+  if (!has_unit || name.back() != ']') return {name, kNoUnit};  // "x[0]" is a name
   const std::string label = name.substr(0, open);
   return {label.substr(0, label.find_last_not_of(" \t") + 1),
           name.substr(open + 1, name.size() - open - 2)};

@@ -84,6 +84,8 @@ void describe(Fields& f, ExternalConfig& c) {
   f("start_time", c.start_time, not_negative(),
     "added to the share of the time limit that a call with fewer rows has [s]");
   f("retries", c.retries, between(0, 100), "of a call that failed, before its rows are split");
+  f("parallel_calls", c.parallel_calls, between(0, 4096),
+    "calls that share the rows of a shard at the same time; 0: one for each thread");
   f("features", c.features, anything<std::vector<std::string>>(),
     "names of what x holds, such as [\"peak [m]\", \"mean\"]; empty: those of x_o, or x0, x1, ...");
 }

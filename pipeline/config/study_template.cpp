@@ -44,6 +44,7 @@ name = "pendulum"
 #   time_limit = 3600.0         # [s] of a call with all rows of a shard
 #   start_time = 2.0            # [s] added to the share of that for a call with fewer rows
 #   retries = 1                 # of a call that failed, before its rows are split
+#   parallel_calls = 0          # calls that share a shard's rows at the same time; 0: one a thread
 #   features = ["peak [m]", "mean"]  # what x holds; empty: as x_o says, or x0, x1, ...
 # The simulator "minigolf" has settings of its own:
 #   [simulator.minigolf]
@@ -113,9 +114,9 @@ learning_rate = 5e-4            # step size of Adam
 
 [method.sampler]                # of "nle", "nre_a" and "nre_b", whose posteriors have to be sampled
 # kind = "slice"                # Markov chains, or "importance": resampled draws of the prior
-# num_chains = 200              # side by side
+# num_chains = 100              # side by side
 # num_warmup = 100              # sweeps that each chain makes first
-# thin = 2                      # sweeps between two samples of a chain
+# thin = 5                      # sweeps between two samples of a chain
 # num_candidates = 10000        # draws of the prior that chains begin from, or that are resampled
 
 # Methods without a network. Of "abc_rejection", "abc_mcmc" and "abc_smc", in place of

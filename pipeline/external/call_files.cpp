@@ -42,9 +42,15 @@ void write_hdf5(const std::filesystem::path& path, const std::vector<std::string
 }  // namespace
 
 CallFolder::CallFolder(const std::string& format) : extension_(format == "csv" ? ".csv" : ".h5") {
-  std::string name =
-      (std::filesystem::absolute(std::filesystem::temp_directory_path()) / "npdr-call-XXXXXX")
-          .string();
+  std::error_code error;
+  const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+  if (error) {
+    throw InputError(
+        fmt::format("TMPDIR = '{}', must be an existing folder: calls of the "
+                    "simulator's command leave their files there",
+                    parent.string()));
+  }
+  std::string name = (std::filesystem::absolute(parent) / "npdr-call-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw_file_error(name, "make this folder", errno);
   path_ = name;
 }

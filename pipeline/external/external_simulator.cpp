@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <sstream>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
-#include "core/parallel.h"
 #include "pipeline/external/call_files.h"
 #include "pipeline/external/command_text.h"
 #include "pipeline/store/feature_file.h"
@@ -42,6 +42,12 @@ std::string tail_of(const std::string& text) {
   return tail;
 }
 
+// Held while the files of a call are written and read: HDF5 serves one thread at a time.
+std::unique_lock<std::mutex> lock_files(const std::string& format) {
+  static std::mutex hdf5;
+  return format == "hdf5" ? std::unique_lock(hdf5) : std::unique_lock<std::mutex>();
+}
+
 // Fits into a signed 32-bit integer, as many programs want it.
 std::uint32_t seed_of(StreamId id, Index i) {
   id.row += static_cast<std::uint64_t>(i);
@@ -51,8 +57,11 @@ std::uint32_t seed_of(StreamId id, Index i) {
 }  // namespace
 
 ExternalSimulator::ExternalSimulator(ExternalConfig external, sim::SimulatorInfo info,
-                                     std::filesystem::path log)
-    : external_(std::move(external)), info_(std::move(info)), log_path_(std::move(log)) {}
+                                     std::filesystem::path log, int threads)
+    : external_(std::move(external)),
+      info_(std::move(info)),
+      log_path_(std::move(log)),
+      threads_(threads) {}
 
 ExternalSimulator::~ExternalSimulator() {
   if (num_calls_ == 0) return;
@@ -109,8 +118,11 @@ bool ExternalSimulator::repeat(Task& task, Index begin, Index end, RolloutStatus
 bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& status) {
   const Index count = end - begin;
   const CallFolder folder(external_.format);
-  write_theta_file(folder.theta(), external_.format, info_.parameters,
-                   task.theta.middleRows(begin, count));
+  {
+    const std::unique_lock lock = lock_files(external_.format);
+    write_theta_file(folder.theta(), external_.format, info_.parameters,
+                     task.theta.middleRows(begin, count));
+  }
   write_seeds_file(folder.seeds(),
                    std::span(task.seeds)
                        .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)));
@@ -119,7 +131,7 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
                         external_.folder,
                         {{"NPDR_SEEDS", folder.seeds()},
                          {"NPDR_FIRST_ROW", std::to_string(first_row)},
-                         {"OMP_NUM_THREADS", std::to_string(num_threads())}},
+                         {"OMP_NUM_THREADS", std::to_string(threads_)}},
                         time_limit(count, task.theta.rows())};
   ++num_calls_;
   const CallResult result = run_shell(shell);
@@ -135,8 +147,10 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
     return false;
   }
   try {
-    const FeatureRows rows =
-        read_features(folder.x(), external_.format, count, info_.state_channels);
+    const FeatureRows rows = [&] {
+      const std::unique_lock lock = lock_files(external_.format);
+      return read_features(folder.x(), external_.format, count, info_.state_channels);
+    }();
     for (Index i = 0; i < count; ++i) {
       const std::span<float> out = task.result.row(begin + i);
       std::transform(rows.x.row(i).begin(), rows.x.row(i).end(), out.begin(),

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "core/parallel.h"
 #include "core/random.h"
 #include "core/types.h"
 #include "pipeline/config/study.h"
@@ -22,11 +23,13 @@
 
 namespace npdr::pipeline {
 
+/// Several may work at the same time, one a thread.
 class ExternalSimulator {
  public:
   /// `external`: with a command and the names of its features; `info`: of the same study
-  /// (features.h); `log`: what all calls print, up to a MiB.
-  ExternalSimulator(ExternalConfig external, sim::SimulatorInfo info, std::filesystem::path log);
+  /// (features.h); `log`: what all calls print, up to a MiB; `threads`: what a call may use.
+  ExternalSimulator(ExternalConfig external, sim::SimulatorInfo info, std::filesystem::path log,
+                    int threads = num_threads());
   /// Brings the log to the disk.
   ~ExternalSimulator();
   ExternalSimulator(const ExternalSimulator&) = delete;
@@ -68,6 +71,7 @@ class ExternalSimulator {
   ExternalConfig external_;
   sim::SimulatorInfo info_;
   std::filesystem::path log_path_;
+  int threads_;
   std::string log_;
   std::string last_failure_;
   Index num_calls_ = 0;

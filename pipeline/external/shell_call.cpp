@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +12,10 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
 #include <vector>
 
 #include "core/error.h"
@@ -65,6 +68,64 @@ std::vector<std::string> environment_of(const ShellCall& call) {
   return variables;
 }
 
+// Whether anything of the process group still runs; its leader may have ended already.
+bool group_runs(pid_t group) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc", error)) {
+    std::ifstream file(entry.path() / "stat");
+    std::string line;
+    if (!std::getline(file, line)) continue;
+    // pid (name) state parent group ...: the name may hold anything.
+    std::istringstream rest(line.substr(std::min(line.rfind(')') + 1, line.size())));
+    char state = 'Z';
+    pid_t parent = 0, its_group = 0;
+    if (rest >> state >> parent >> its_group && its_group == group && state != 'Z') return true;
+  }
+  return false;
+}
+
+// Ends a process group should this process die without having done it, such as by kill -9: a child
+// that waits for the end of a pipe which only this process has open for writing.
+class Guard {
+ public:
+  explicit Guard(pid_t group) {
+    std::array<int, 2> ends;
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) return;
+    process_ = fork();
+    if (process_ == 0) watch(ends[0], group);
+    close(ends[0]);
+    end_ = ends[1];
+  }
+  Guard(const Guard&) = delete;
+  Guard& operator=(const Guard&) = delete;
+  ~Guard() {
+    if (end_ < 0) return;
+    const char done = 1;
+    [[maybe_unused]] const ssize_t written = write(end_, &done, 1);
+    close(end_);
+    while (process_ > 0 && waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+
+ private:
+  // Nothing in here allocates: another thread may have held the allocator's lock.
+  [[noreturn]] static void watch(int end, pid_t group) {
+    setpgid(0, 0);  // a terminal's Ctrl-C isn't for it
+    const int own = dup2(end, 0);
+    close_range(1, ~0U, 0);
+    char done = 0;
+    ssize_t count = 0;
+    do {
+      count = read(own, &done, 1);
+    } while (count < 0 && errno == EINTR);
+    if (count == 0) kill(-group, SIGKILL);
+    _exit(0);
+  }
+
+  pid_t process_ = -1;
+  int end_ = -1;
+};
+
 // The shell, from its start until nothing of its process group is left.
 class Shell {
  public:
@@ -91,6 +152,7 @@ class Shell {
       fail();
     }
     setpgid(process_, process_);  // by both, as nobody knows who is first
+    guard_.emplace(process_);
   }
   Shell(const Shell&) = delete;
   Shell& operator=(const Shell&) = delete;
@@ -99,15 +161,16 @@ class Shell {
     close(output_);
   }
 
-  // Takes in output for up to 20 ms; true once the shell has ended.
-  bool has_ended() {
+  // Takes in output for up to 20 ms; true once the shell has ended, and with `waits_for_all` all
+  // that it has started.
+  bool has_ended(bool waits_for_all = false) {
     if (process_ < 0) return true;
     pollfd more = {is_open_ ? output_ : -1, POLLIN, 0};
     poll(&more, 1, is_open_ ? 20 : 1);
     read_output();
     siginfo_t end = {};
     waitid(P_PID, static_cast<id_t>(process_), &end, WEXITED | WNOHANG | WNOWAIT);
-    if (end.si_pid == 0) return false;
+    if (end.si_pid == 0 || (waits_for_all && group_runs(process_))) return false;
     // Whatever it has left behind belongs to the call. The group's number is ours until it is
     // reaped.
     kill(-process_, SIGKILL);
@@ -123,11 +186,14 @@ class Shell {
   void end_group(double grace) {
     if (process_ < 0) return;
     const auto start = Clock::now();
-    if (grace > 0.0) kill(-process_, SIGTERM);
-    while (!has_ended()) {
-      if (std::chrono::duration<double>(Clock::now() - start).count() >= grace) {
-        kill(-process_, SIGKILL);
-      }
+    if (grace > 0.0) {
+      kill(-process_, SIGTERM);
+      kill(-process_, SIGCONT);  // a stopped program couldn't hear it
+    }
+    bool is_over = false;
+    while (!has_ended(!is_over)) {
+      is_over = std::chrono::duration<double>(Clock::now() - start).count() >= grace;
+      if (is_over) kill(-process_, SIGKILL);
     }
   }
 
@@ -142,7 +208,6 @@ class Shell {
   [[noreturn]] static void become_shell(const char* folder, int output, char** arguments,
                                         char** variables) {
     setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
     std::signal(SIGPIPE, SIG_DFL);  // stop_request.h ignores it
     const int nothing = open("/dev/null", O_RDONLY);
     dup2(nothing, STDIN_FILENO);
@@ -171,6 +236,7 @@ class Shell {
   }
 
   pid_t process_ = -1;
+  std::optional<Guard> guard_;
   int output_ = -1;
   bool is_open_ = true;  // somebody may still write
   int exit_status_ = 0;

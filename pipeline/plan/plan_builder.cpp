@@ -46,14 +46,26 @@ Json behaviour_json(const sim::SimulatorConfig& config) {
 }
 
 // Whether a posterior depends on this key of its method: what names the method, its figures in a
-// paper or its number of rounds changes none, nor does what is another family's.
-bool concerns(inference::AlgorithmFamily family, const std::string& key) {
+// paper or its number of rounds changes none, nor does what is another algorithm's.
+bool concerns(const MethodConfig& method, const std::string& key) {
   using inference::AlgorithmFamily;
+  const std::string& algorithm = method.algorithm.name;
   if (key == "algorithm" || key == "num_rollouts") return true;
-  if (family == AlgorithmFamily::regression) return key == "linear_regression";
-  if (family == AlgorithmFamily::abc) return key == "embedding" || key == "abc";
-  return key != "name" && key != "published" && key != "num_rounds" && key != "num_simulations" &&
-         key != "abc" && key != "linear_regression";
+  switch (inference::family_of_algorithm(algorithm)) {
+    case AlgorithmFamily::regression:
+      return key == "linear_regression";
+    case AlgorithmFamily::abc:
+      return key == "abc" || (key == "embedding" && method.abc.distance == "euclidean");
+    case AlgorithmFamily::network:
+      break;
+  }
+  if (key == "component_perturbation") return algorithm == "npe_a";
+  if (key == "num_atoms") return algorithm == "npe_c" || algorithm == "nre_b";
+  if (key == "loss" || key == "combined_loss") return algorithm == "npe_c";
+  if (key == "sampler") {
+    return inference::role_of_algorithm(algorithm) != inference::NetworkRole::posterior;
+  }
+  return key == "embedding" || key == "density_estimator" || key == "training";
 }
 
 // What a posterior without simulations takes from the study.
@@ -301,9 +313,12 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   const auto family = inference::family_of_algorithm(method.algorithm.name);
   const Json all = to_json(method);
   for (const auto& [key, value] : all.items()) {
-    if (concerns(family, key)) json[key] = value;
+    if (concerns(method, key)) json[key] = value;
   }
-  if (needs_simulations(method)) {
+  const bool is_abc = family == inference::AlgorithmFamily::abc;
+  if (is_abc && method.abc.distance != "euclidean") {
+    // Trajectories are compared as they are.
+  } else if (needs_simulations(method)) {
     json["observation_noise"] = to_json(plan_.study.observation_noise);
   } else {
     describe_known(plan_.study, json);
@@ -314,7 +329,6 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   if (method.algorithm.name == "npe_a") json["is_last"] = use.round == method.algorithm.num_rounds;
   Inputs inputs = {{"target", target}};
   // A population has all that matters of the rounds before it.
-  const bool is_abc = family == inference::AlgorithmFamily::abc;
   for (std::size_t r = is_abc ? simulations.size() - 1 : 0; r < simulations.size(); ++r) {
     inputs.emplace_back("simulation_" + std::to_string(r + 1), simulations[r]);
   }
@@ -348,7 +362,11 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, std::uint64_t
   for (const auto& [key, value] : settings.items()) {
     if (key != "alpha") json[key] = value;  // the verdict is the report's
   }
-  json["simulator"] = simulator_json(plan_.study.simulator);
+  if (!diagnose.calibrates()) json.erase("num_simulations");
+  json["simulator"] = simulation_json();
+  json["embedding"] = to_json(method.embedding);
+  json["num_rollouts"] = method.num_rollouts;
+  json["observation_noise"] = to_json(plan_.study.observation_noise);
   json["seed"] = seed;
   Inputs inputs = {{"target", target}, {"posterior", posteriors.back()}};
   if (diagnose.calibrates()) {

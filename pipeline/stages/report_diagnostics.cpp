@@ -126,8 +126,20 @@ void note_unpredicted(const std::string& method, const Runs& runs, double level,
   }
 }
 
-std::string calibration_text(const DiagnoseConfig& config) {
-  if (!config.calibrates()) return "";
+bool any_has(const ReportData& data, const std::string& check) {
+  const Study& study = data.plan.study;
+  return std::ranges::any_of(data.methods, [&](const std::string& method) {
+    return study.diagnose_of(study.method(method)).has(check);
+  });
+}
+
+std::string calibration_text(const ReportData& data) {
+  const DiagnoseConfig& config = data.plan.study.diagnose;
+  const Study& study = data.plan.study;
+  const bool calibrates = std::ranges::any_of(data.methods, [&](const std::string& method) {
+    return study.diagnose_of(study.method(method)).calibrates();
+  });
+  if (!calibrates) return "";
   return fmt::format(
       " Those of round 1 concern the network that has learnt from the whole prior, over {} fresh "
       "simulations of it; the others the last round.",
@@ -195,12 +207,12 @@ Table diagnostics_table(const ReportData& data) {
   table.caption = fmt::format(
       "Checks of the posteriors. A method without fault fails any of its checks, in any of its "
       "seeds, with a probability of at most {}. p: the smallest of the seeds.{}",
-      config.alpha, calibration_text(config));
+      config.alpha, calibration_text(data));
   table.row_header = "Check";
   table.command = data.plan.command;
   for (const std::string& method : data.methods) table.columns.push_back({method, false});
   for (const std::string& check : check_names()) {
-    if (!config.has(check)) continue;
+    if (!any_has(data, check)) continue;
     Row row{title_of(check), {}};
     for (const std::string& method : data.methods) {
       row.cells.push_back(cell_of(data, method, check));

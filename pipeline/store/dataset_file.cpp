@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/features.h"
+#include "pipeline/store/column_labels.h"
 #include "pipeline/store/forked_trial.h"
 #include "pipeline/store/number_table.h"
 
@@ -21,11 +22,7 @@ constexpr Index kBlock = 4096;  // rows that are read or written at once
 // The names of a dataset's columns; none: it has no attribute of that name.
 std::vector<std::string> labels_of(const h5::Dataset& dataset) {
   dataset.require_shape({-1, -1});
-  if (!dataset.has_attribute("labels")) return {};
-  const auto labels = dataset.attribute<std::vector<std::string>>("labels");
-  if (static_cast<Index>(labels.size()) == dataset.row_size()) return labels;
-  throw InputError(fmt::format("{} has {} columns, but {} labels", dataset.where(),
-                               dataset.row_size(), labels.size()));
+  return column_labels(dataset, dataset.row_size());
 }
 
 std::vector<Index> theta_columns(const h5::Dataset& theta, const std::vector<std::string>& wanted) {
@@ -39,7 +36,8 @@ std::vector<Index> theta_columns(const h5::Dataset& theta, const std::vector<std
   for (const std::string& name : wanted) {
     const auto column = std::ranges::find(labels, name);
     if (column == labels.end()) {
-      throw InputError(theta.where() + ": " + missing_name("parameter", name, labels));
+      throw InputError(theta.where() + ": " +
+                       missing_name("parameter", name, few_shortened(labels)));
     }
     columns.push_back(column - labels.begin());
   }
@@ -47,15 +45,9 @@ std::vector<Index> theta_columns(const h5::Dataset& theta, const std::vector<std
 }
 
 std::vector<Channel> all_features(const h5::Dataset& x) {
-  const std::vector<std::string> labels = labels_of(x);
-  if (labels.empty()) return numbered_features(x.row_size());
-  std::vector<Channel> features = features_of(labels);
-  if (!x.has_attribute("units")) return features;
-  const auto units = x.attribute<std::vector<std::string>>("units");
-  for (std::size_t f = 0; f < std::min(units.size(), features.size()); ++f) {
-    features[f].unit = units[f];
-  }
-  return features;
+  x.require_shape({-1, -1});
+  const std::vector<Channel> named = column_channels(x, x.row_size());
+  return named.empty() ? numbered_features(x.row_size()) : named;
 }
 
 void check(const h5::File& file) {
@@ -173,8 +165,15 @@ DatasetFile::DatasetFile(const std::filesystem::path& path,
 }
 
 RowMatrix DatasetFile::theta(std::span<const Index> rows) const {
-  const RowMatrix values = read_at(theta_, rows, theta_columns_);
-  theta_.require_finite<double>({values.data(), static_cast<std::size_t>(values.size())});
+  RowMatrix values = read_at(theta_, rows, theta_columns_);
+  for (Index i = 0; i < values.rows(); ++i) {
+    for (Index d = 0; d < values.cols(); ++d) {
+      if (std::isfinite(values(i, d))) continue;
+      throw InputError(fmt::format("{} holds {} at ({}, {}), must be finite", theta_.where(),
+                                   values(i, d), rows[static_cast<std::size_t>(i)],
+                                   theta_columns_[static_cast<std::size_t>(d)]));
+    }
+  }
   return values;
 }
 

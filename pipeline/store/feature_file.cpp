@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/features.h"
+#include "pipeline/store/column_labels.h"
 #include "pipeline/store/forked_trial.h"
 #include "pipeline/store/h5.h"
 #include "pipeline/store/number_table.h"
@@ -68,19 +69,7 @@ FeatureRows read_hdf5(const std::filesystem::path& path, Index num_rows,
   if (!is_vector) x.require_shape({num_rows, -1});
   if (width < 1) throw InputError(x.where() + " is empty");
   x.require_readable(h5::ElementType::f64);
-  std::vector<Channel> named;
-  if (x.has_attribute("labels")) {
-    named = features_of(x.attribute<std::vector<std::string>>("labels"));
-    if (static_cast<Index>(named.size()) != width) {
-      throw InputError(
-          fmt::format("{} has {} columns, but {} labels", x.where(), width, named.size()));
-    }
-    if (x.has_attribute("units")) {
-      const auto units = x.attribute<std::vector<std::string>>("units");
-      for (std::size_t f = 0; f < std::min(units.size(), named.size()); ++f)
-        named[f].unit = units[f];
-    }
-  }
+  const std::vector<Channel> named = column_channels(x, width);
   const Layout layout = layout_of(x.where(), width, named, expected);
   FeatureRows rows{layout.features, RowMatrix(num_rows, width)};
   x.read_rows<double>(0, x.num_rows(), {rows.x.data(), static_cast<std::size_t>(rows.x.size())});
@@ -88,11 +77,20 @@ FeatureRows read_hdf5(const std::filesystem::path& path, Index num_rows,
   return rows;
 }
 
+// A pipe would be waited for without end.
+void require_regular_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) return;
+  throw InputError(path.string() +
+                   (std::filesystem::exists(path, error) ? " isn't a file" : " doesn't exist"));
+}
+
 }  // namespace
 
 FeatureRows read_features(const std::filesystem::path& path, const std::string& format,
                           Index num_rows, const std::vector<Channel>& expected) {
   if (format == "csv") return read_csv(path, num_rows, expected);
+  require_regular_file(path);
   if (!survives([&] { read_hdf5(path, num_rows, expected); })) throw damaged_file(path);
   return read_hdf5(path, num_rows, expected);
 }

@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/features.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -152,7 +153,14 @@ std::vector<Index> match_columns(const std::string& where, const std::vector<Cha
   for (const Channel& channel : expected) {
     const auto column = std::ranges::find(labels, channel.label);
     if (column == labels.end()) {
-      throw InputError(where + ": " + missing_name("column", shortened(channel.label), labels));
+      throw InputError(where + ": " +
+                       missing_name("column", shortened(channel.label), few_shortened(labels)));
+    }
+    const std::string& unit = found[static_cast<std::size_t>(column - labels.begin())].unit;
+    if (unit != channel.unit && unit != "1" && channel.unit != "1") {
+      throw InputError(fmt::format("{}: column {} is in [{}], must be in [{}]", where,
+                                   quoted(shortened(channel.label)), shortened(unit),
+                                   channel.unit));
     }
     columns.push_back(column - labels.begin());
   }

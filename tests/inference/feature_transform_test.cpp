@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "inference/matrix_features.h"
 #include "tests/inference/gradient_check.h"
 #include "tests/inference/tasks.h"
 
@@ -13,7 +14,7 @@ TEST(FeatureTransform, StandardisationGivesMeanZeroAndDeviationOne) {
   RowMatrixF x(5, 2);
   x << 1, 10, 2, 30, 3, 20, 4, 50, 5, 40;
   RowMatrixF z;
-  fit_feature_transform(MatrixSource(x), 0).apply(x, z);
+  fit_feature_transform(MatrixFeatures(x), 0).apply(x, z);
   EXPECT_TRUE(z.colwise().mean().isZero(1e-6f));
   EXPECT_TRUE((z.colwise().squaredNorm() / 5.0f).isOnes(1e-5f));
 }
@@ -21,9 +22,9 @@ TEST(FeatureTransform, StandardisationGivesMeanZeroAndDeviationOne) {
 TEST(FeatureTransform, AFewSimulationsThatAllButDivergedDontSetTheScale) {
   RowMatrixF x = random_matrix(1000, 3, 1).cast<float>();
   RowMatrixF usual, with_outliers;
-  fit_feature_transform(MatrixSource(x), 0).apply(x, usual);
+  fit_feature_transform(MatrixFeatures(x), 0).apply(x, usual);
   for (const Index row : {3, 700}) x.row(row) *= 1e6f;
-  fit_feature_transform(MatrixSource(x), 0).apply(x, with_outliers);
+  fit_feature_transform(MatrixFeatures(x), 0).apply(x, with_outliers);
   // Two of 1000 rows at the bounds, about 70 deviations away, widen the deviation threefold.
   EXPECT_GT(with_outliers.row(0).norm(), 0.2f * usual.row(0).norm());
   EXPECT_LE(with_outliers.cwiseAbs().maxCoeff(), 100.0f);
@@ -33,7 +34,7 @@ TEST(FeatureTransform, LeavesOutAConstantFeature) {
   RowMatrixF x(3, 2);
   x << 0.1f, 1, 0.1f, 2, 0.1f, 3;
   RowMatrixF z;
-  fit_feature_transform(MatrixSource(x), 0).apply(x, z);
+  fit_feature_transform(MatrixFeatures(x), 0).apply(x, z);
   EXPECT_TRUE(z.col(0).isZero());
   EXPECT_TRUE(z.allFinite());
 }
@@ -46,7 +47,7 @@ TEST(FeatureTransform, ComponentsAreUncorrelatedAndOfUnitVariance) {
                              0.01 * random_matrix(200, features, 3);
     const RowMatrixF x = source.cast<float>();
     RowMatrixF z;
-    fit_feature_transform(MatrixSource(x), 2).apply(x, z);
+    fit_feature_transform(MatrixFeatures(x), 2).apply(x, z);
     ASSERT_EQ(z.cols(), 2);
     EXPECT_TRUE((z.transpose() * z / 200.0f).isIdentity(1e-3f)) << z.transpose() * z / 200.0f;
   }
@@ -59,14 +60,28 @@ TEST(FeatureTransform, IsTheSameMapWhateverTheRouteToTheEigenvectors) {
   const RowMatrixF wide = source.cast<float>();
   const RowMatrixF narrow = wide.leftCols(40);
   RowMatrixF z_wide, z_narrow;
-  fit_feature_transform(MatrixSource(wide), 3).apply(wide, z_wide);
-  fit_feature_transform(MatrixSource(narrow), 3).apply(narrow, z_narrow);
+  fit_feature_transform(MatrixFeatures(wide), 3).apply(wide, z_wide);
+  fit_feature_transform(MatrixFeatures(narrow), 3).apply(narrow, z_narrow);
   EXPECT_TRUE(z_wide.cwiseAbs().isApprox(z_narrow.cwiseAbs(), 1e-3f));
 }
 
 TEST(FeatureTransform, RejectsMoreComponentsThanThereAreDirections) {
   const RowMatrixF x = random_matrix(20, 5, 1).cast<float>();
-  EXPECT_THROW(fit_feature_transform(MatrixSource(x), 6), InputError);
+  EXPECT_THROW(fit_feature_transform(MatrixFeatures(x), 6), InputError);
+}
+
+TEST(FeatureTransform, VaryingOutputsAreThoseThatSomeSimulationsDifferIn) {
+  RowMatrixF x(4, 3), all, z;
+  x << 1, 5, 2, 2, 5, 1, 3, 5, 5, 4, 5, 0;
+  const FeatureTransform transform = fit_feature_transform(MatrixFeatures(x), 0);
+  transform.apply(x, all);
+  varying_outputs(transform).apply(x, z);
+  ASSERT_EQ(z.cols(), 2);
+  EXPECT_EQ(z.col(0), all.col(0));
+  EXPECT_EQ(z.col(1), all.col(2));
+  EXPECT_EQ(varying_outputs(fit_feature_transform(MatrixFeatures(x), 3)).num_outputs(), 2);
+  EXPECT_THROW(varying_outputs(fit_feature_transform(MatrixFeatures(RowMatrixF::Ones(4, 2)), 0)),
+               InputError);
 }
 
 }  // namespace

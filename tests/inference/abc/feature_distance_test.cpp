@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "inference/matrix_features.h"
 #include "tests/inference/tasks.h"
 
 namespace npdr::inference {
@@ -24,7 +25,7 @@ RowMatrixF features() {
 
 TEST(FeatureDistance, CountsEveryFeatureInItsDeviations) {
   const RowMatrixF x = features();
-  const MatrixSource source(x);
+  const MatrixFeatures source(x);
   const FeatureTransform transform = fit_feature_transform(source, 0);
   VectorF x_o(3);
   x_o << 0.5f, 80.0f, 7000.0f;  // the last one doesn't vary: it tells nothing
@@ -41,7 +42,8 @@ TEST(FeatureDistance, CountsEveryFeatureInItsDeviations) {
 }
 
 TEST(FeatureDistance, RejectsAnotherNumberOfFeatures) {
-  const MatrixSource source(features());
+  const RowMatrixF x = features();
+  const MatrixFeatures source(x);
   const FeatureTransform transform = fit_feature_transform(source, 0);
   EXPECT_THROW(feature_distances(source, transform, VectorF::Zero(2)), ShapeError);
 }

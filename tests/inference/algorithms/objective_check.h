@@ -7,6 +7,7 @@
 
 #include "inference/algorithms/training_data.h"
 #include "inference/direct_posterior.h"
+#include "inference/matrix_features.h"
 #include "inference/training/trainer.h"
 #include "tests/inference/tasks.h"
 
@@ -27,7 +28,8 @@ struct SmallBatch {
   LinearGaussian task{2};
   Prior prior = task.prior();
   RowMatrix theta = sample_prior(prior, 60, 1);
-  MatrixSource x{simulate(task.simulator(), theta, 1, 1)};
+  RowMatrixF values = simulate(task.simulator(), theta, 1, 1);
+  MatrixFeatures x{values};
   FeatureTransform transform{VectorF::Zero(2), VectorF::Ones(2), {}};
   TrainingData data{&x, {}, std::vector<std::uint32_t>(60, 2), {}};
   std::vector<std::uint32_t> rows;

@@ -53,6 +53,18 @@ TEST(OutOfDistribution, FindsADirectionThatNoSimulationHas) {
   EXPECT_LT(found.p_value, 1e-3);
 }
 
+TEST(OutOfDistribution, FindsAFeatureThatWasTheSameInAllSimulations) {
+  RowMatrixF x = features(gaussian(1000, 2, 1), 2);
+  VectorF same = observation(0.0, 0.0);
+  x.col(5).setConstant(3.0f);
+  same(5) = 3.0f * (1.0f + 1e-6f);  // rounding
+  EXPECT_GT(test_out_of_distribution(x, same).p_value, 0.01);
+  same(5) = 3.1f;
+  const OutOfDistribution found = test_out_of_distribution(x, same);
+  EXPECT_LT(found.residual.p_value, 1e-4);
+  EXPECT_LT(found.p_value, 1e-3);
+}
+
 // Parameters on a ring: its centre is near the mean, but no simulation is near it.
 TEST(OutOfDistribution, FindsAHole) {
   RowMatrix theta = gaussian(1000, 2, 1);

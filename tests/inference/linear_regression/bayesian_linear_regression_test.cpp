@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "tests/inference/gradient_check.h"
 #include "tests/message_of.h"
 
 namespace npdr::inference {
@@ -119,6 +120,22 @@ TEST(BayesianLinearRegression, RejectsDataThatTellNothing) {
       message_of<InputError>([] { maximise_evidence(RowMatrix::Ones(5, 3), Vector::Zero(5)); }),
       "linear regression: the response is 0 throughout, so it tells nothing");
   EXPECT_THROW(weight_posterior(RowMatrix::Ones(5, 3), Vector::Zero(4), {}), ShapeError);
+}
+
+// With regressors that tell nothing the evidence has its maximum at an infinite precision of the
+// weights: a message, not NaN.
+TEST(BayesianLinearRegression, SaysWhenRegressorsTellNothing) {
+  int messages = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const RowMatrix phi = random_matrix(50, 3, 2 * seed);
+    const Vector y = random_matrix(50, 1, 2 * seed + 1).col(0);
+    try {
+      EXPECT_TRUE(maximise_evidence(phi, y).covariance.allFinite());
+    } catch (const InputError&) {
+      ++messages;
+    }
+  }
+  EXPECT_GT(messages, 0);
 }
 
 }  // namespace

@@ -1,0 +1,57 @@
+#include "pipeline/store/column_labels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/features.h"
+
+namespace npdr::pipeline {
+
+std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_columns) {
+  if (!dataset.has_attribute("labels")) return {};
+  const auto labels = dataset.attribute<std::vector<std::string>>("labels");
+  if (static_cast<Index>(labels.size()) != num_columns) {
+    throw InputError(fmt::format("{} has {} columns, but {} labels", dataset.where(), num_columns,
+                                 labels.size()));
+  }
+  for (auto label = labels.begin(); label != labels.end(); ++label) {
+    if (label->empty()) {
+      throw InputError(fmt::format("{}: label {} is empty", dataset.where(),
+                                   label - labels.begin() + 1));
+    }
+    if (std::find(labels.begin(), label, *label) != label) {
+      throw InputError(fmt::format("{}: two columns have the label {}", dataset.where(),
+                                   "'" + shortened(*label) + "'"));
+    }
+  }
+  return labels;
+}
+
+std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns) {
+  std::vector<Channel> channels = features_of(column_labels(dataset, num_columns));
+  if (!dataset.has_attribute("units")) return channels;
+  const auto units = dataset.attribute<std::vector<std::string>>("units");
+  for (std::size_t c = 0; c < std::min(units.size(), channels.size()); ++c) {
+    channels[c].unit = units[c];
+  }
+  return channels;
+}
+
+std::vector<std::string> few_shortened(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 10;
+  std::vector<std::string> few;
+  for (const std::string& name : names) {
+    if (few.size() == most) {
+      few.push_back(fmt::format("and {} more", names.size() - most));
+      break;
+    }
+    few.push_back(shortened(name));
+  }
+  return few;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,22 @@
+/// What the columns of a table in an HDF5 file are called: attributes `labels` and `units`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/target.h"
+#include "pipeline/store/h5.h"
+
+namespace npdr::pipeline {
+
+/// One text a column; none where the dataset has no such attribute. Throws InputError unless there
+/// are `num_columns`, none of them empty or twice.
+std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_columns);
+
+/// The same with units, of `label [unit]` or the attribute `units`; "1" where there is none.
+std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns);
+
+/// The first few of a file's names for a message, none of them long.
+std::vector<std::string> few_shortened(const std::vector<std::string>& names);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,92 @@
+/// Every link between the documents, and within one, leads somewhere.
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+
+#include "core/text.h"
+
+namespace npdr::architecture {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = NPDR_SOURCE_DIR;
+
+std::vector<fs::path> documents() {
+  std::vector<fs::path> files = {kRoot / "README.md"};
+  for (const char* folder : {"docs", "experiments", "bench"}) {
+    for (const auto& entry : fs::directory_iterator(kRoot / folder)) {
+      if (entry.path().extension() == ".md") files.push_back(entry.path());
+    }
+  }
+  return files;
+}
+
+// The lines outside of fenced blocks, joined: a link may go on in the next line.
+std::string prose_of(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string text;
+  bool is_code = false;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.find("```") != std::string::npos) {
+      is_code = !is_code;
+    } else if (!is_code) {
+      text += line + "\n";
+    }
+  }
+  return text;
+}
+
+// The anchor of a heading: lower case, punctuation left out, hyphens for blanks.
+std::string anchor_of(const std::string& heading) {
+  std::string anchor;
+  for (const char c : heading) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (c == ' ') {
+      anchor += '-';
+    } else if (std::isalnum(letter) || c == '-' || c == '_') {
+      anchor += static_cast<char>(std::tolower(letter));
+    }
+  }
+  return anchor;
+}
+
+std::set<std::string> anchors_of(const fs::path& file) {
+  std::set<std::string> anchors;
+  std::istringstream stream(prose_of(file));
+  const std::regex heading("#+ (.*)");
+  std::smatch match;
+  for (std::string line; std::getline(stream, line);) {
+    if (std::regex_match(line, match, heading)) anchors.insert(anchor_of(match[1]));
+  }
+  return anchors;
+}
+
+TEST(Documents, EveryLinkLeadsSomewhere) {
+  const std::regex link(R"(\]\(([^)\s]+)\))");
+  std::vector<std::string> broken;
+  int count = 0;
+  for (const fs::path& file : documents()) {
+    const std::string text = prose_of(file);
+    for (std::sregex_iterator i(text.begin(), text.end(), link), end; i != end; ++i, ++count) {
+      const std::string target = (*i)[1];
+      if (target.starts_with("http")) continue;
+      const std::size_t hash = target.find('#');
+      const std::string name = target.substr(0, hash);
+      const fs::path to = name.empty() ? file : file.parent_path() / name;
+      const bool leads =
+          fs::exists(to) && (hash == std::string::npos || to.extension() != ".md" ||
+                             anchors_of(to).contains(target.substr(hash + 1)));
+      if (!leads) broken.push_back(file.filename().string() + ": " + target);
+    }
+  }
+  EXPECT_TRUE(broken.empty()) << join(broken, "\n");
+  EXPECT_GT(count, 100);
+}
+
+}  // namespace
+}  // namespace npdr::architecture

@@ -1,0 +1,103 @@
+#include "inference/surrogate_posterior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "inference/estimators/ratio_estimator.h"
+#include "inference/samplers/resampler.h"
+
+namespace npdr::inference {
+namespace {
+
+// An untrained network with large weights: any density will do.
+NetworkParts some_ratio(const std::string& sampler) {
+  NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
+                                     {"b", "1", Marginal::Kind::uniform, 0.0, 1.0}}),
+                     .role = NetworkRole::ratio,
+                     .estimator = {.kind = "resnet", .hidden_features = 8},
+                     .structure_seed = 5,
+                     .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
+                     .parameters = {},
+                     .x_o = VectorF::Ones(2)};
+  const RatioEstimator<float> network(parts.estimator, 2, 2);
+  parts.parameters = 3.0f * network.initial_parameters({1, "initial", 0, 0, 0});
+  parts.sampler.kind = sampler;
+  parts.sampler.num_candidates = 20'000;
+  return parts;
+}
+
+// Midpoints of a grid over the prior's box.
+RowMatrix grid(Index n) {
+  RowMatrix theta(n * n, 2);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      theta.row(i * n + j) << -1.0 + 4.0 * (static_cast<double>(i) + 0.5) / static_cast<double>(n),
+          (static_cast<double>(j) + 0.5) / static_cast<double>(n);
+    }
+  }
+  return theta;
+}
+
+TEST(SurrogatePosterior, DensityIntegratesToOneAndEndsWithThePrior) {
+  const auto posterior = make_posterior(some_ratio("slice"));
+  constexpr Index n = 200;
+  const double cell = 4.0 / (n * n);
+  // 20,000 points of importance sampling with weights that vary by less than a factor of three.
+  EXPECT_NEAR(posterior->log_prob(grid(n)).array().exp().sum() * cell, 1.0, 0.03);
+  RowMatrix outside(1, 2);
+  outside << 0.0, 1.5;
+  EXPECT_EQ(posterior->log_prob(outside)(0), -std::numeric_limits<double>::infinity());
+}
+
+TEST(SurrogatePosterior, DensityUpToAConstantDiffersByAConstant) {
+  const auto posterior = make_posterior(some_ratio("slice"));
+  const RowMatrix theta = grid(5);
+  const Vector difference = posterior->log_prob(theta) - posterior->relative_log_prob(theta);
+  EXPECT_LT((difference.array() - difference(0)).abs().maxCoeff(), 1e-9);
+}
+
+TEST(SurrogatePosterior, BothSamplersHaveTheMeanOfTheDensity) {
+  const RowMatrix points = grid(100);
+  const auto reference = make_posterior(some_ratio("slice"));
+  const Vector weights = reference->relative_log_prob(points).array().exp();
+  const Eigen::RowVectorXd mean = (weights.transpose() * points) / weights.sum();
+  for (const char* sampler : {"slice", "importance"}) {
+    const auto posterior = make_posterior(some_ratio(sampler));
+    const Samples samples = posterior->draw(4000, {1, "posterior", 0, 0, 0});
+    const RowMatrix centred = samples.theta.rowwise() - mean;
+    const Eigen::RowVectorXd deviation =
+        (centred.colwise().squaredNorm() / 4000.0).cwiseSqrt();
+    // Five standard errors of 1000 independent samples, fewer than there are: a false-alarm rate
+    // below 1e-5.
+    const Eigen::RowVectorXd off = samples.theta.colwise().mean() - mean;
+    EXPECT_LT((off.array().abs() / deviation.array()).maxCoeff(), 5.0 / std::sqrt(1000.0))
+        << sampler;
+    ASSERT_TRUE(samples.report);
+    EXPECT_GT(samples.report->ess.minCoeff(), 1000.0) << sampler;
+  }
+}
+
+TEST(SurrogatePosterior, ASampleDependsOnItsNumberAlone) {
+  for (const char* sampler : {"slice", "importance"}) {
+    const auto posterior = make_posterior(some_ratio(sampler));
+    const StreamId id{1, "posterior", 0, 0, 0};
+    EXPECT_EQ(posterior->sample(150, id), posterior->sample(400, id).topRows(150)) << sampler;
+    const StreamId other{1, "proposal", 0, 0, 0};
+    EXPECT_NE(posterior->sample(150, id), posterior->sample(150, other)) << sampler;
+  }
+}
+
+TEST(Resampler, RejectsWeightsThatAreNone) {
+  Vector weights(3);
+  for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity()}) {
+    weights << 0.2, bad, 0.3;
+    EXPECT_THROW(Resampler{weights}, Error);
+  }
+  EXPECT_THROW(Resampler{Vector::Zero(3)}, Error);
+}
+
+}  // namespace
+}  // namespace npdr::inference
