@@ -20,8 +20,8 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
   }
   for (auto label = labels.begin(); label != labels.end(); ++label) {
     if (label->empty()) {
-      throw InputError(fmt::format("{}: label {} is empty", dataset.where(),
-                                   label - labels.begin() + 1));
+      throw InputError(
+          fmt::format("{}: label {} is empty", dataset.where(), label - labels.begin() + 1));
     }
     if (std::find(labels.begin(), label, *label) != label) {
       throw InputError(fmt::format("{}: two columns have the label {}", dataset.where(),

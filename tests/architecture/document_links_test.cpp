@@ -78,9 +78,8 @@ TEST(Documents, EveryLinkLeadsSomewhere) {
       const std::size_t hash = target.find('#');
       const std::string name = target.substr(0, hash);
       const fs::path to = name.empty() ? file : file.parent_path() / name;
-      const bool leads =
-          fs::exists(to) && (hash == std::string::npos || to.extension() != ".md" ||
-                             anchors_of(to).contains(target.substr(hash + 1)));
+      const bool leads = fs::exists(to) && (hash == std::string::npos || to.extension() != ".md" ||
+                                            anchors_of(to).contains(target.substr(hash + 1)));
       if (!leads) broken.push_back(file.filename().string() + ": " + target);
     }
   }

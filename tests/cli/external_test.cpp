@@ -145,6 +145,37 @@ TEST_F(External, ADatasetNeedsNoSimulator) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "runs/external-dataset/tables/parameters.md"));
 }
 
+TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {
+  run_well(
+      {"shell.toml", "--set", "diagnose.num_simulations=60", "--set", "diagnose.num_samples=100"});
+  const std::string text = table("external-shell", "diagnostics");
+  EXPECT_NE(text.find("SBC ranks, round 1"), std::string::npos) << text;
+  EXPECT_NE(text.find("Posterior predictive"), std::string::npos) << text;
+  // One summary a feature, which is the feature.
+  EXPECT_EQ(artefact("external-shell", "../diagnose")
+                .group("predictive")
+                .read_vector<double>("observed")
+                .size(),
+            2);
+}
+
+TEST_F(External, ADatasetCanOnlyBeAskedWhatItHolds) {
+  std::filesystem::create_directory(folder_ / "made");
+  ASSERT_EQ(std::system(
+                ("sh " + (folder_ / "make_dataset.sh").string() + " " + (folder_ / "made").string())
+                    .c_str()),
+            0);
+  ASSERT_EQ(npdr({"import", "--theta", "made/theta.csv", "--x", "made/x.csv", "-o", "d.h5"}).status,
+            0);
+  run_well(
+      {"dataset.toml", "--set", "simulator.dataset=d.h5", "--set", "diagnose.num_samples=100"});
+  const std::string text = table("external-dataset", "diagnostics");
+  EXPECT_NE(text.find("x_o among simulations"), std::string::npos) << text;
+  EXPECT_NE(text.find("Training"), std::string::npos) << text;
+  EXPECT_EQ(text.find("fresh simulations"), std::string::npos) << text;
+  EXPECT_EQ(text.find("SBC"), std::string::npos) << text;
+}
+
 TEST_F(External, SimulationsAreADataset) {
   run_well({"shell.toml", "--until", "simulate"});
   run_well({"dataset.toml", "--set",

@@ -67,8 +67,7 @@ TEST(SurrogatePosterior, BothSamplersHaveTheMeanOfTheDensity) {
     const auto posterior = make_posterior(some_ratio(sampler));
     const Samples samples = posterior->draw(4000, {1, "posterior", 0, 0, 0});
     const RowMatrix centred = samples.theta.rowwise() - mean;
-    const Eigen::RowVectorXd deviation =
-        (centred.colwise().squaredNorm() / 4000.0).cwiseSqrt();
+    const Eigen::RowVectorXd deviation = (centred.colwise().squaredNorm() / 4000.0).cwiseSqrt();
     // Five standard errors of 1000 independent samples, fewer than there are: a false-alarm rate
     // below 1e-5.
     const Eigen::RowVectorXd off = samples.theta.colwise().mean() - mean;
@@ -91,8 +90,8 @@ TEST(SurrogatePosterior, ASampleDependsOnItsNumberAlone) {
 
 TEST(Resampler, RejectsWeightsThatAreNone) {
   Vector weights(3);
-  for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(),
-                           std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     weights << 0.2, bad, 0.3;
     EXPECT_THROW(Resampler{weights}, Error);
   }

@@ -92,6 +92,30 @@ TEST_F(DatasetFiles, HostileOnesAreRejected) {
   EXPECT_THROW(DatasetFile(folder_ / "d.h5", {"a"}), InputError);
 }
 
+TEST_F(DatasetFiles, LabelsMustBeDistinct) {
+  const auto problem = [&](const std::vector<std::string>& labels) {
+    h5::File file = h5::File::create(folder_ / "twice.h5");
+    file.write("theta", RowMatrix(RowMatrix::Ones(3, 1)))
+        .set_attribute("labels", std::vector<std::string>{"a"});
+    file.write("x", RowMatrix(RowMatrix::Ones(3, 2))).set_attribute("labels", labels);
+    file.close();
+    return message_of<InputError>([&] { DatasetFile(folder_ / "twice.h5", {"a"}); }, &folder_);
+  };
+  EXPECT_EQ(problem({"p", "p"}), "twice.h5: dataset 'x': two columns have the label 'p'");
+  EXPECT_EQ(problem({"p", ""}), "twice.h5: dataset 'x': label 2 is empty");
+}
+
+TEST_F(DatasetFiles, OtherUnitsAreRejected) {
+  import("a\n1\n", "p [mm]\n1\n");
+  EXPECT_NO_THROW(DatasetFile(folder_ / "d.h5", {"a"}, {{"p", "1"}}));
+  EXPECT_EQ(message_of<InputError>(
+                [&] {
+                  DatasetFile(folder_ / "d.h5", {"a"}, {{"p", "m"}});
+                },
+                &folder_),
+            "d.h5: dataset 'x': column 'p' is in [mm], must be in [m]");
+}
+
 TEST(DatasetRows, AreARandomSubsetThatGrows) {
   const std::vector<Index> some = dataset_rows(1, 1000, 100);
   const std::vector<Index> more = dataset_rows(1, 1000, 500);

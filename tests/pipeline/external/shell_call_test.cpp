@@ -1,6 +1,8 @@
 #include "pipeline/external/shell_call.h"
 
 #include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <thread>
@@ -62,6 +64,30 @@ TEST_F(ShellCalls, AreEndedAsAGroupAtTheTimeLimit) {
   EXPECT_FALSE(result.succeeded());
   EXPECT_EQ(result.words(1.0), "ended after its time limit of 1 s");
   EXPECT_TRUE(is_gone("shell"));
+}
+
+// The shell itself ends at once; what it has started has its second.
+TEST_F(ShellCalls, ProgramsCanCleanUpAtTheTimeLimit) {
+  folder_.file("slow.sh",
+               "trap 'sleep 0.3; echo clean > cleaned; exit' TERM\n"
+               "while true; do sleep 0.1; done\n");
+  EXPECT_TRUE(call("sh slow.sh; true", 0.5).timed_out);
+  EXPECT_EQ(text_of(folder_ / "cleaned"), "clean\n");
+}
+
+TEST_F(ShellCalls, EndWithTheProcessThatMadeThem) {
+  const pid_t maker = fork();
+  if (maker == 0) {
+    call("echo $$ > shell; sleep 100 & echo $! > program; wait");
+    _exit(0);
+  }
+  while (text_of(folder_ / "program").empty()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  kill(maker, SIGKILL);
+  waitpid(maker, nullptr, 0);
+  EXPECT_TRUE(is_gone("shell"));
+  EXPECT_TRUE(is_gone("program"));
 }
 
 TEST_F(ShellCalls, LeaveNothingRunning) {
