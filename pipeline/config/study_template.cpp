@@ -83,7 +83,7 @@ num_rounds = 2                  # rounds of proposing, simulating and training
 num_simulations = 500           # per round
 # num_atoms = 10                # parameter sets that the atomic loss compares per simulation
 # loss = "auto"                 # or "atomic", "analytic" (mixtures of Gaussians only)
-# component_perturbation = 0.01 # "npe_a": noise on the Gaussians that its last round makes of one
+#   component_perturbation = 0.01  # "npe_a": noise on the Gaussians that its last round makes of one
 # combined_loss = false         # atomic loss: also fit the simulations of the prior
 # num_rollouts = 0              # use the first k rollouts of the target only; 0: all
 # published = { rmse = { mean = 0.263, std = 0.004 } }  # somebody's figures to print beside ours
@@ -112,12 +112,13 @@ learning_rate = 5e-4            # step size of Adam
 # clip_norm = 5.0               # largest norm of a gradient
 # average_epochs = 2.0          # memory of the moving average of the weights; 0: none
 
-[method.sampler]                # of "nle", "nre_a" and "nre_b", whose posteriors have to be sampled
-# kind = "slice"                # Markov chains, or "importance": resampled draws of the prior
-# num_chains = 100              # side by side
-# num_warmup = 100              # sweeps that each chain makes first
-# thin = 5                      # sweeps between two samples of a chain
-# num_candidates = 10000        # draws of the prior that chains begin from, or that are resampled
+# Of "nle", "nre_a" and "nre_b", whose posteriors have to be sampled:
+#   [method.sampler]
+#   kind = "slice"              # Markov chains, or "importance": resampled draws of the prior
+#   num_chains = 100            # side by side
+#   num_warmup = 100            # sweeps that each chain makes first
+#   thin = 5                    # sweeps between two samples of a chain
+#   num_candidates = 10000      # draws of the prior that chains begin from, or that are resampled
 
 # Methods without a network. Of "abc_rejection", "abc_mcmc" and "abc_smc", in place of
 # density_estimator, training and sampler:

@@ -35,8 +35,10 @@ metrics = ["rmse"]
             "density_estimator = { kind = \"" +
             kind +
             "\", num_transforms = 2, num_components = 2, hidden_features = 8 }\n"
-            "training = { max_epochs = 10, batch_size = 20 }\n"
-            "sampler = { num_chains = 10, num_warmup = 10, thin = 2, num_candidates = 100 }\n";
+            "training = { max_epochs = 10, batch_size = 20 }\n";
+    if (!std::string(algorithm).starts_with("npe")) {
+      text += "sampler = { num_chains = 10, num_warmup = 10, thin = 2, num_candidates = 100 }\n";
+    }
   }
   return text;
 }

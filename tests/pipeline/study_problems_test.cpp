@@ -213,6 +213,9 @@ TEST(StudyProblems, AlgorithmsHaveNetworksAndEmbeddingsThatSuitThem) {
             "s.toml:18:22: method.embedding.kind = 'linear', must be another with algorithm 'nle', "
             "which can't train one: such as 'all_steps' with principal_components");
   EXPECT_EQ(problems_after(kMaf, "algorithm = 'nre_b'\nembedding = { kind = 'bayessim' }"), "");
+  EXPECT_EQ(problems_after(kMaf, "sampler = { thin = 3 }"),
+            "s.toml:17:11: method.sampler must be left out: it means nothing to the algorithm "
+            "'npe_c'");
   EXPECT_EQ(problems_after(kMaf,
                            "algorithm = 'nre_b'\nembedding = { kind = 'bayessim' }\n"
                            "num_atoms = 51"),

@@ -1,0 +1,258 @@
+#include "pipeline/config/method_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "inference/algorithms/npe_c.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/toml_document.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Keys of a method that mean nothing to its algorithm.
+std::vector<std::string> unused_settings(const std::string& algorithm) {
+  using inference::AlgorithmFamily;
+  switch (inference::family_of_algorithm(algorithm)) {
+    case AlgorithmFamily::network:
+      break;
+    case AlgorithmFamily::abc:
+      return {"num_atoms",         "component_perturbation", "loss",     "combined_loss",
+              "density_estimator", "training",               "sampler", "linear_regression"};
+    case AlgorithmFamily::regression:
+      return {"num_rounds",    "num_simulations", "num_atoms",         "component_perturbation", "loss",
+              "combined_loss", "embedding",       "density_estimator", "training",               "sampler",
+              "abc"};
+  }
+  std::vector<std::string> unused = {"abc", "linear_regression"};
+  if (inference::role_of_algorithm(algorithm) == inference::NetworkRole::posterior) {
+    unused.push_back("sampler");
+  }
+  if (algorithm != "npe_a") unused.push_back("component_perturbation");
+  if (algorithm != "npe_c") unused.insert(unused.end(), {"loss", "combined_loss"});
+  if (algorithm != "npe_c" && algorithm != "nre_b") unused.push_back("num_atoms");
+  return unused;
+}
+
+class MethodChecker {
+ public:
+  MethodChecker(Study& study, const sim::SimulatorInfo* info, Reading& reading)
+      : study_(study), info_(info), reading_(reading) {}
+
+  void check(std::size_t i);
+
+ private:
+  void fail(const std::string& path, const std::string& found, const std::string& words) {
+    reading_.fail(path, must_be(display(path), found, words));
+  }
+
+  void check_embedding(const std::string& path, const inference::EmbeddingConfig& embedding);
+  void check_training(const std::string& path, const MethodConfig& method);
+  void check_split(const std::string& path, const MethodConfig& method);
+  void check_estimator(const std::string& path, MethodConfig& method);
+  void check_loss(const std::string& path, const MethodConfig& method);
+  void check_abc(const std::string& path, const MethodConfig& method);
+  void check_regression(const std::string& path);
+  void check_unused_settings(const std::string& path, const MethodConfig& method);
+
+  Study& study_;
+  const sim::SimulatorInfo* info_;
+  Reading& reading_;
+};
+
+void MethodChecker::check(std::size_t i) {
+  MethodConfig& method = study_.methods[i];
+  const std::string path = fmt::format("method[{}]", i);
+  const Index available = study_.target.num_rollouts;
+  if (available > 0 && method.num_rollouts > available) {
+    fail(path + ".num_rollouts", std::to_string(method.num_rollouts),
+         fmt::format("<= target.num_rollouts = {}", available));
+  }
+  check_unused_settings(path, method);
+  check_embedding(path + ".embedding", method.embedding);
+  switch (inference::family_of_algorithm(method.algorithm.name)) {
+    case inference::AlgorithmFamily::network:
+      check_training(path, method);
+      check_estimator(path, method);
+      check_loss(path, method);
+      break;
+    case inference::AlgorithmFamily::abc:
+      check_abc(path, method);
+      break;
+    case inference::AlgorithmFamily::regression:
+      check_regression(path);
+      break;
+  }
+  const std::vector<std::string> metrics = metric_names();
+  for (const auto& [metric, figure] : method.published) {
+    if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) {
+      reading_.fail(fmt::format("{}.published.{}", path, metric),
+                    "method.published: " + unknown_name("metric", shortened(metric), metrics));
+    }
+  }
+}
+
+void MethodChecker::check_embedding(const std::string& path,
+                                   const inference::EmbeddingConfig& embedding) {
+  const Index store_every = study_.simulator.store_every;
+  const bool readable =
+      reading_.good(path + ".downsample") && reading_.good("simulator.store_every");
+  if (readable && embedding.downsample % store_every != 0) {
+    fail(path + ".downsample", std::to_string(embedding.downsample),
+         fmt::format("a multiple of simulator.store_every = {}", store_every));
+  }
+  if (!info_ || study_.external.is_used()) return;  // its features may not be known yet
+  std::vector<std::string> labels;
+  for (const Channel& channel : info_->state_channels) labels.push_back(channel.label);
+  for (const std::string& channel : embedding.channels) {
+    if (std::find(labels.begin(), labels.end(), channel) == labels.end()) {
+      reading_.fail(path + ".channels",
+                    fmt::format("{}.channels: {}", display(path),
+                                unknown_name("channel", shortened(channel), labels)));
+    }
+  }
+}
+
+void MethodChecker::check_training(const std::string& path, const MethodConfig& method) {
+  const std::string batch = path + ".training.batch_size";
+  const double rows = static_cast<double>(method.algorithm.num_simulations) *
+                      (1.0 - method.training.validation_fraction);
+  const bool readable = reading_.good(batch) && reading_.good(path + ".num_simulations") &&
+                        reading_.good(path + ".training.validation_fraction");
+  // Half a row of slack: 1 - 0.2 isn't exact.
+  if (readable && static_cast<double>(method.training.batch_size) > rows + 0.5) {
+    fail(batch, std::to_string(method.training.batch_size),
+         fmt::format("<= {:.0f}, the simulations of a round that training sees "
+                     "(num_simulations * (1 - validation_fraction))",
+                     rows));
+  }
+  check_split(path, method);
+}
+
+// The trainer's split gives each part at least its share of the rows, rounded down.
+void MethodChecker::check_split(const std::string& path, const MethodConfig& method) {
+  constexpr Index fewest = 2;
+  const std::string fraction = path + ".training.validation_fraction";
+  if (!reading_.good(fraction) || !reading_.good(path + ".num_simulations")) return;
+  const Index rows = method.algorithm.num_simulations;
+  const auto share = [&](double part) {
+    return static_cast<Index>(std::floor(part * static_cast<double>(rows) + 1e-9));
+  };
+  const double validation = method.training.validation_fraction;
+  if (share(1.0 - validation) >= fewest && share(validation) >= fewest) return;
+  fail(fraction, fmt::format("{}", method.training.validation_fraction),
+       fmt::format("such that {} or more of the {} simulations of a round are left for training "
+                   "and for validation each",
+                   fewest, rows));
+}
+
+void MethodChecker::check_estimator(const std::string& path, MethodConfig& method) {
+  const std::string kind_path = path + ".density_estimator.kind";
+  if (!reading_.good(path + ".algorithm") || !reading_.good(kind_path)) return;
+  const std::string& algorithm = method.algorithm.name;
+  const auto allowed = inference::estimators_of_algorithm(algorithm);
+  if (!reading_.has(kind_path)) method.density_estimator.kind = allowed.front();
+  const std::string& kind = method.density_estimator.kind;
+  if (std::ranges::count(allowed, kind) == 0) {
+    fail(kind_path, quoted(kind),
+         fmt::format("one of {} with algorithm '{}'", join(allowed), algorithm));
+  }
+  const bool trains_layer = method.embedding.kind == "linear";
+  if (trains_layer &&
+      inference::role_of_algorithm(algorithm) != inference::NetworkRole::posterior) {
+    fail(path + ".embedding.kind", "'linear'",
+         fmt::format("another with algorithm '{}', which can't train one: such as 'all_steps' with "
+                     "principal_components",
+                     algorithm));
+  }
+}
+
+void MethodChecker::check_loss(const std::string& path, const MethodConfig& method) {
+  const inference::AlgorithmConfig& algorithm = method.algorithm;
+  if (!reading_.good(path + ".algorithm") || !reading_.good(path + ".loss")) return;
+  const std::string& kind = method.density_estimator.kind;
+  if (!reading_.good(path + ".density_estimator.kind")) return;
+  if (algorithm.name == "npe_c" && algorithm.loss == "analytic" && kind != "mdn") {
+    fail(path + ".loss", "'analytic'",
+         "'auto' or 'atomic' with density_estimator.kind = '" + kind + "': only 'mdn' has one");
+    return;
+  }
+  const bool is_atomic = algorithm.name == "nre_b" ||
+                         (algorithm.name == "npe_c" &&
+                          inference::resolve_loss(algorithm, method.density_estimator) == "atomic");
+  const bool readable =
+      reading_.good(path + ".num_atoms") && reading_.good(path + ".training.batch_size");
+  if (is_atomic && readable && algorithm.num_atoms > method.training.batch_size) {
+    fail(path + ".num_atoms", std::to_string(algorithm.num_atoms),
+         fmt::format("<= training.batch_size = {}", method.training.batch_size));
+  }
+}
+
+// Settings that a file gives one method on purpose; those of --set may be meant for others.
+void MethodChecker::check_unused_settings(const std::string& path, const MethodConfig& method) {
+  if (!reading_.good(path + ".algorithm")) return;
+  for (const std::string& setting : unused_settings(method.algorithm.name)) {
+    const std::string member = path + "." + setting;
+    if (!reading_.has(member) || is_override(reading_.place(member))) continue;
+    reading_.fail(member, fmt::format("{} must be left out: it means nothing to the algorithm '{}'",
+                                      display(member), method.algorithm.name));
+  }
+}
+
+void MethodChecker::check_abc(const std::string& path, const MethodConfig& method) {
+  const std::string kind = path + ".embedding.kind", rounds = path + ".num_rounds";
+  if (reading_.good(kind) && method.embedding.kind == "linear") {
+    fail(kind, "'linear'",
+         fmt::format("another with algorithm '{}', which trains no layer: such as 'all_steps'",
+                     method.algorithm.name));
+  }
+  if (!reading_.good(rounds)) return;
+  const std::string found = std::to_string(method.algorithm.num_rounds);
+  if (method.algorithm.name == "abc_rejection" && method.algorithm.num_rounds != 1) {
+    fail(rounds, found,
+         "1 with algorithm 'abc_rejection', whose simulations all come from the prior: raise "
+         "num_simulations");
+  }
+  if (method.algorithm.name == "abc_mcmc" && method.algorithm.num_rounds < 2) {
+    fail(rounds, found, ">= 2 with algorithm 'abc_mcmc': chains take one step in each round");
+  }
+}
+
+void MethodChecker::check_regression(const std::string& path) {
+  if (!info_ || !reading_.good(path + ".algorithm")) return;
+  const auto form = study_.external.is_used()
+                        ? nullptr
+                        : sim::make_simulator({.name = info_->name})->regression_form();
+  if (!form) {
+    const std::string needed = join(sim::simulators_with_regression(), "' or '");
+    reading_.fail(path + ".algorithm",
+                  fmt::format("algorithm 'linear_regression' needs simulator.name = '{}', found "
+                              "'{}': only its equations are a linear regression",
+                              needed, info_->name));
+    return;
+  }
+  std::vector<std::string> identified;
+  for (const Index p : form->identified()) {
+    identified.push_back(info_->parameters[static_cast<std::size_t>(p)].name);
+  }
+  const auto is_identified = [&](const inference::Marginal& m) {
+    return std::ranges::count(identified, m.name) > 0;
+  };
+  if (std::ranges::any_of(study_.prior, is_identified)) return;
+  reading_.fail(path + ".algorithm",
+                fmt::format("algorithm 'linear_regression' identifies {}; the prior must have one "
+                            "of them at least",
+                            join(identified)));
+}
+
+}  // namespace
+
+void check_method(Study& study, std::size_t i, const sim::SimulatorInfo* info, Reading& reading) {
+  MethodChecker(study, info, reading).check(i);
+}
+
+}  // namespace npdr::pipeline
