@@ -21,12 +21,13 @@ std::vector<std::string> unused_settings(const std::string& algorithm) {
     case AlgorithmFamily::network:
       break;
     case AlgorithmFamily::abc:
-      return {"num_atoms",         "component_perturbation", "loss",     "combined_loss",
-              "density_estimator", "training",               "sampler", "linear_regression"};
+      return {"num_atoms",     "component_perturbation", "loss",
+              "combined_loss", "density_estimator",      "training",
+              "sampler",       "linear_regression"};
     case AlgorithmFamily::regression:
-      return {"num_rounds",    "num_simulations", "num_atoms",         "component_perturbation", "loss",
-              "combined_loss", "embedding",       "density_estimator", "training",               "sampler",
-              "abc"};
+      return {"num_rounds", "num_simulations", "num_atoms", "component_perturbation",
+              "loss",       "combined_loss",   "embedding", "density_estimator",
+              "training",   "sampler",         "abc"};
   }
   std::vector<std::string> unused = {"abc", "linear_regression"};
   if (inference::role_of_algorithm(algorithm) == inference::NetworkRole::posterior) {
@@ -97,7 +98,7 @@ void MethodChecker::check(std::size_t i) {
 }
 
 void MethodChecker::check_embedding(const std::string& path,
-                                   const inference::EmbeddingConfig& embedding) {
+                                    const inference::EmbeddingConfig& embedding) {
   const Index store_every = study_.simulator.store_every;
   const bool readable =
       reading_.good(path + ".downsample") && reading_.good("simulator.store_every");

@@ -84,6 +84,7 @@ void StudyChecker::load_simulator() {
   for (const char* source : {"name", "command", "dataset"}) {
     if (!reading_.good(std::string("simulator.") + source)) return;
   }
+  if (!study_.external.is_used() && study_.simulator.name.empty()) return;
   info_ = simulator_info(study_);
 }
 
@@ -192,6 +193,17 @@ void StudyChecker::check_unused_settings() {
 // An observation is judged by the simulations of all rounds.
 void StudyChecker::check_diagnose() {
   constexpr Index fewest = inference::kFewestSimulations;
+  bool any_means_something = study_.diagnose.checks.empty() || study_.methods.empty();
+  for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+    if (!reading_.good(fmt::format("method[{}].algorithm", i))) return;
+    any_means_something =
+        any_means_something || !study_.diagnose_of(study_.methods[i]).checks.empty();
+  }
+  if (!any_means_something) {
+    fail("diagnose.checks", fmt::format("[{}]", join(study_.diagnose.checks)),
+         "such that one of them means something to a method: calibration needs a network, and "
+         "more simulations than a dataset holds");
+  }
   for (std::size_t i = 0; i < study_.methods.size(); ++i) {
     const std::string path = fmt::format("method[{}].num_simulations", i);
     const inference::AlgorithmConfig& algorithm = study_.methods[i].algorithm;

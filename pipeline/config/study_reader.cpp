@@ -62,6 +62,12 @@ void resolve_without_network(Study& study, std::size_t i, const Reading& reading
   if (!reading.has(embedding + "downsample")) {
     method.embedding.downsample = study.simulator.store_every;
   }
+  // Each population is that share of the last one: 0.1 would leave none after a few rounds.
+  constexpr double smc_quantile = 0.5;
+  const std::string quantile = "method[" + std::to_string(i) + "].abc.quantile";
+  if (method.algorithm.name == "abc_smc" && !reading.has(quantile)) {
+    method.abc.quantile = smc_quantile;
+  }
   if (family == inference::AlgorithmFamily::regression) method.algorithm.num_rounds = 1;
 }
 

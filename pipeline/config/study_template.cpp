@@ -124,7 +124,7 @@ learning_rate = 5e-4            # step size of Adam
 # density_estimator, training and sampler:
 #   [method.abc]
 #   distance = "euclidean"      # of features; or a metric of trajectories, "dtw" or "rmse"
-#   quantile = 0.1              # the nearest simulations that are accepted, as a share of all
+#   quantile = 0.1              # the nearest simulations that are accepted, as a share; "abc_smc": 0.5
 #   epsilon = 0.0               # largest distance that is accepted; 0: by quantile
 #   smooth = false              # move posterior samples by a draw of the density's kernel
 # Of "linear_regression", which needs no simulations (simulator "furuta" only):

@@ -22,15 +22,20 @@ namespace {
 
 constexpr int kChildDescriptor = 3;
 
-// The parent's environment with the two variables that a child gets.
+// The parent's environment with the variables that a child gets. Threads that wait for others
+// sleep, unless the user wants them to spin: beside another process that has the core, spinning
+// takes many times as long as the work.
 std::vector<std::string> child_environment(int threads) {
   std::vector<std::string> variables;
+  bool has_policy = false;
   for (char** v = environ; *v != nullptr; ++v) {
     const std::string variable = *v;
+    has_policy = has_policy || variable.starts_with("OMP_WAIT_POLICY=");
     if (!variable.starts_with("OMP_NUM_THREADS=") && !variable.starts_with("NPDR_PROGRESS_FD=")) {
       variables.push_back(variable);
     }
   }
+  if (!has_policy) variables.push_back("OMP_WAIT_POLICY=passive");
   variables.push_back("OMP_NUM_THREADS=" + std::to_string(threads));
   variables.push_back("NPDR_PROGRESS_FD=" + std::to_string(kChildDescriptor));
   return variables;

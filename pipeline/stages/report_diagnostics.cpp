@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "analysis/calibration_plot.h"
+#include "core/text.h"
 #include "pipeline/stages/report_figures.h"
 
 namespace npdr::pipeline {
@@ -146,6 +147,22 @@ std::string calibration_text(const ReportData& data) {
       config.num_simulations);
 }
 
+// Checks that the study asks for and that mean nothing to a method.
+void note_left_out(const ReportData& data, const std::string& method, Table& table) {
+  const Study& study = data.plan.study;
+  const DiagnoseConfig applied = study.diagnose_of(study.method(method));
+  std::vector<std::string> left_out;
+  for (const std::string& check : study.diagnose.checks) {
+    if (!applied.has(check)) left_out.push_back(check);
+  }
+  if (left_out.empty()) return;
+  table.footnote(fmt::format("{}: without {}: {}", method, join(left_out),
+                             study.external.dataset
+                                 ? "a dataset can't be asked for other simulations"
+                                 : "there is no network that could be asked about other "
+                                   "observations"));
+}
+
 const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method) {
   return runs_of(data, method).front()->diagnosis;
 }
@@ -206,7 +223,8 @@ Table diagnostics_table(const ReportData& data) {
   table.name = "diagnostics";
   table.caption = fmt::format(
       "Checks of the posteriors. A method without fault fails any of its checks, in any of its "
-      "seeds, with a probability of at most {}. p: the smallest of the seeds.{}",
+      "seeds, with a probability of at most {}: p is compared with that over the number of the "
+      "method's checks and seeds. p: the smallest of the seeds.{}",
       config.alpha, calibration_text(data));
   table.row_header = "Check";
   table.command = data.plan.command;
@@ -220,6 +238,7 @@ Table diagnostics_table(const ReportData& data) {
     table.rows.push_back(std::move(row));
   }
   for (const std::string& method : data.methods) {
+    note_left_out(data, method, table);
     const Runs runs = runs_of(data, method);
     note_outside(method, runs, level_of(data, method, runs), table);
     note_unpredicted(method, runs, level_of(data, method, runs), table);

@@ -132,10 +132,27 @@ void add_fit_columns(Table& table, const ReportData& data) {
   for (const BaselinePoint& point : data.baseline) table.columns.push_back({point.name, false});
 }
 
+// Simulations that went well, but have no distance: there is nothing to measure it in.
+bool has_no_scale(const EvaluatedRun& run, const std::string& metric) {
+  const auto& x = run.evaluation.x;
+  return metric == kFeatureMetric && x && x->array().isFinite().any() &&
+         run.evaluation.metrics.at(metric).array().isNaN().all();
+}
+
+Cell fit_cell(Table& table, const std::vector<const EvaluatedRun*>& runs,
+              const std::string& metric) {
+  if (!has_no_scale(*runs.front(), metric)) {
+    return cell_of(table, analysis::summarize(pooled(runs, metric)));
+  }
+  Cell cell("none");
+  cell.notes.push_back(table.footnote("no feature varies over the simulations of the prior"));
+  return cell;
+}
+
 Row fit_row(Table& table, const ReportData& data, const std::string& metric) {
   Row row{title_of(data, metric), {}};
   for (const std::string& method : data.methods) {
-    row.cells.push_back(cell_of(table, analysis::summarize(pooled(data.runs_of(method), metric))));
+    row.cells.push_back(fit_cell(table, data.runs_of(method), metric));
     const auto& published = data.plan.study.method(method).published;
     if (published.empty()) continue;
     const auto figure = published.find(metric);
@@ -169,9 +186,28 @@ Cell worst(const Vector& values, double sign) {
   return sign * (sign * values).maxCoeff();
 }
 
-void add_sampler_cells(const EvaluatedRun& run, Row& row) {
+// Chains that are too short to say, or that don't agree.
+void note_chains(const EvaluatedRun& run, Cell& cell, Table& table) {
+  constexpr double too_large = 1.1;
+  const Vector& r_hat = run.evaluation.sampler->r_hat;
+  if (r_hat.size() == 0) return;
+  if (r_hat.hasNaN()) {
+    cell.notes.push_back(
+        table.footnote("fewer than four draws of each chain say nothing: raise "
+                       "evaluate.num_samples, or for ABC the "
+                       "rounds"));
+  } else if (r_hat.maxCoeff() > too_large) {
+    cell.notes.push_back(
+        table.footnote("chains don't agree, so the samples aren't the posterior's: raise "
+                       "sampler.num_warmup, or for "
+                       "ABC the rounds"));
+  }
+}
+
+void add_sampler_cells(const EvaluatedRun& run, Row& row, Table& table) {
   const auto& sampler = run.evaluation.sampler;
   row.cells.push_back(sampler ? worst(sampler->r_hat, 1.0) : Cell());
+  if (sampler) note_chains(run, row.cells.back(), table);
   row.cells.push_back(sampler ? worst(sampler->ess, -1.0) : Cell());
 }
 
@@ -273,7 +309,7 @@ Table seeds_table(const ReportData& data) {
       row.cells.emplace_back(std::to_string(run->notes.rows.failed));
       const auto epochs = run->notes.training_loss.size();
       row.cells.push_back(epochs > 0 ? Cell(std::to_string(epochs)) : Cell());
-      if (has_sampler) add_sampler_cells(*run, row);
+      if (has_sampler) add_sampler_cells(*run, row, table);
       table.rows.push_back(std::move(row));
     }
   }

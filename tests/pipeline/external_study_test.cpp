@@ -100,6 +100,30 @@ TEST_F(ExternalStudies, AreExactlyOneOfThree) {
       << "the command line replaces the command";
 }
 
+TEST_F(ExternalStudies, ATypoOfTheirFirstKeyIsAnUnknownKey) {
+  const std::string text = message_of<InputError>(
+      [&] { parse_study(edited(kCommandStudy, "command =", "comand ="), folder_ / "s.toml"); },
+      &folder_);
+  EXPECT_NE(text.find("s.toml:6:1: simulator: unknown key 'comand' (did you mean 'command'?)"),
+            std::string::npos)
+      << text;
+}
+
+TEST_F(ExternalStudies, HaveNoEquationsThatAreARegression) {
+  EXPECT_NE(problems({"method.\"A\".algorithm=linear_regression"})
+                .find("algorithm 'linear_regression' needs simulator.name = 'furuta'"),
+            std::string::npos);
+}
+
+TEST_F(ExternalStudies, OfADatasetCannotBeCalibrated) {
+  const std::string dataset = "simulator.dataset=" + (folder_ / "d.h5").string();
+  const std::vector<std::string> small = {"diagnose.checks=[\"sbc\", \"tarp\"]", dataset,
+                                          "method.num_simulations=2", "method.num_rounds=1"};
+  EXPECT_NE(problems(small).find("diagnose.checks = [sbc, tarp], must be such that one of them "
+                                 "means something to a method"),
+            std::string::npos);
+}
+
 TEST_F(ExternalStudies, NeedAnObservationOrAWholeTruth) {
   EXPECT_EQ(problems({"target.observation=none.csv"}),
             "target.observation = 'none.csv', must be an existing CSV or HDF5 file");

@@ -222,6 +222,15 @@ TEST(StudyProblems, AlgorithmsHaveNetworksAndEmbeddingsThatSuitThem) {
             "s.toml:19:13: method.num_atoms = 51, must be <= training.batch_size = 50");
 }
 
+TEST(StudyReader, PopulationsOfSmcAreHalvedUnlessAStudySaysOtherwise) {
+  const auto quantile = [](const std::string& method) {
+    return parse_study(edited(kStudyText, kMaf, method), "s.toml", {}).methods[0].abc.quantile;
+  };
+  EXPECT_EQ(quantile("algorithm = 'abc_smc'"), 0.5);
+  EXPECT_EQ(quantile("algorithm = 'abc_smc'\nabc.quantile = 0.2"), 0.2);
+  EXPECT_EQ(quantile("algorithm = 'abc_rejection'\nnum_rounds = 1"), 0.1);
+}
+
 TEST(StudyProblems, EmbeddingsFitTheRolloutsOfATruth) {
   EXPECT_EQ(problems_after(kMaf, "embedding = { downsample = 200 }"), "");
   EXPECT_EQ(problems_after(kMaf, "embedding = { downsample = 201 }"),
