@@ -49,15 +49,39 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
       simulator.store_every);
 }
 
+// A network of later rounds has learnt around its own x_o.
+void warn_of_later_round(const std::string& posterior) {
+  const auto document = read_artefact_info(posterior).identity.key_document;
+  const auto round = document.find("round");
+  if (round == document.end() || !round->is_number() || *round <= 1) return;
+  fmt::print(stderr,
+             "warning: {} is of round {}, whose simulations were made for its own observation; for "
+             "others take that of round 1\n",
+             posterior, round->get<Index>());
+}
+
+// Of Markov chains, how far they agree.
+void print_sampler(const inference::Samples& samples) {
+  if (!samples.report || samples.report->r_hat.size() == 0) return;
+  fmt::print(stderr, "chains: largest R-hat {:.3f}, smallest effective sample size {:.0f}\n",
+             samples.report->r_hat.maxCoeff<Eigen::PropagateNaN>(),
+             samples.report->ess.minCoeff<Eigen::PropagateNaN>());
+}
+
 std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) {
   if (arguments.recording.empty()) return read_posterior(arguments.posterior);
   const auto posterior = read_network_posterior(arguments.posterior);
-  return posterior->given(embed_recording(arguments.posterior, arguments.recording));
+  const VectorF x = embed_recording(arguments.posterior, arguments.recording);
+  warn_of_later_round(arguments.posterior);
+  return posterior->given(x);
 }
 
 void print_samples(const PosteriorArguments& arguments) {
   const auto posterior = load(arguments);
-  const RowMatrix theta = posterior->sample(arguments.count, {arguments.seed, "sample", 0, 0, 0});
+  const inference::Samples samples =
+      posterior->draw(arguments.count, {arguments.seed, "sample", 0, 0, 0});
+  const RowMatrix& theta = samples.theta;
+  print_sampler(samples);
   std::vector<std::string> header;
   for (const auto& m : posterior->prior().marginals()) {
     header.push_back(fmt::format("{} [{}]", m.name, m.unit));

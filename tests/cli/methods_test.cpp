@@ -85,6 +85,12 @@ TEST_F(Methods, PosteriorsOfALikelihoodCanBeSampledFromTheCommandLine) {
   const Outcome samples = run(folder_.path(), {"npdr", "sample", posterior, "-n", "5"});
   EXPECT_EQ(samples.status, 0) << samples.err;
   EXPECT_EQ(std::ranges::count(samples.out, '\n'), 6) << samples.out;
+  EXPECT_TRUE(samples.err.starts_with("chains: largest R-hat ")) << samples.err;
+  const Outcome other =
+      run(folder_.path(), {"npdr", "sample", posterior, "-n", "5", "--x", "runs/all/target.h5"});
+  EXPECT_EQ(other.status, 0) << other.err;
+  EXPECT_NE(other.err.find("warning: " + posterior + " is of round 2"), std::string::npos)
+      << other.err;
 }
 
 }  // namespace
