@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iostream>
+#include <optional>
 
 #include "analysis/table_writers.h"
 #include "bench/known_posteriors.h"
@@ -56,12 +57,12 @@ std::vector<Method> all_methods() {
           method("NRE-A", "nre_a", "resnet", 4),
           method("NRE-B", "nre_b", "resnet", 4),
           abc_method("ABC, rejection", "abc_rejection", 1, 0.02),
-          abc_method("ABC, SMC", "abc_smc", 4, 0.3),
+          abc_method("ABC, SMC", "abc_smc", 4, 0.5),
           abc_method("ABC, MCMC", "abc_mcmc", 10, 0.1)};
 }
 
 struct Score {
-  double c2st = 0.0;
+  std::optional<double> c2st;  ///< none: the budget is too small for the method
   double train_seconds = 0.0;  ///< and simulations, which cost next to nothing here
   double sample_seconds = 0.0;
 };
@@ -104,6 +105,20 @@ struct Options {
   std::uint64_t seed = 1;
 };
 
+Score score_or_failure(const KnownPosterior& task, const Method& m, Index num_simulations,
+                       const Options& options) {
+  Score result;
+  try {
+    result = score(task, m, num_simulations, options.num_samples, options.seed);
+    fmt::print(stderr, "{}, {}, {} simulations: C2ST {:.3f}, {:.1f} s, {:.1f} s\n", task.name,
+               m.name, num_simulations, *result.c2st, result.train_seconds, result.sample_seconds);
+  } catch (const Error& error) {
+    fmt::print(stderr, "{}, {}, {} simulations: {}\n", task.name, m.name, num_simulations,
+               error.what());
+  }
+  return result;
+}
+
 analysis::Table empty_table(const KnownPosterior& task, const Options& options) {
   analysis::Table table;
   table.name = task.name;
@@ -129,10 +144,8 @@ void print_task(const KnownPosterior& task, const Options& options) {
     analysis::Row row{m.name, {}};
     Score last;
     for (const Index n : options.num_simulations) {
-      last = score(task, m, n, options.num_samples, options.seed);
-      row.cells.emplace_back(fmt::format("{:.3f}", last.c2st));
-      fmt::print(stderr, "{}, {}, {} simulations: C2ST {:.3f}, {:.1f} s, {:.1f} s\n", task.name,
-                 m.name, n, last.c2st, last.train_seconds, last.sample_seconds);
+      last = score_or_failure(task, m, n, options);
+      row.cells.emplace_back(last.c2st ? fmt::format("{:.3f}", *last.c2st) : "none");
     }
     row.cells.emplace_back(fmt::format("{:.1f}", last.train_seconds));
     row.cells.emplace_back(fmt::format("{:.2f}", last.sample_seconds));
