@@ -36,19 +36,13 @@ DirectPosterior::DirectPosterior(NetworkParts given)
 }
 
 Samples DirectPosterior::draw(Index n, const StreamId& id) const {
+  if (parts().proposal) return {prior().to_theta(mixture_->sample(n, id))};
   RowMatrix u(num_blocks(n) * kBlockRows, prior().dimension());
   parallel_for(num_blocks(n), [&](Index b) {
     StreamId block = id;
     block.row += static_cast<std::uint64_t>(b * kBlockRows);
-    if (parts().proposal) {
-      for (Index i = 0; i < kBlockRows; ++i, ++block.row) {
-        Stream stream(block);
-        u.row(b * kBlockRows + i) = mixture_->sample(stream).transpose();
-      }
-    } else {
-      u.middleRows(b * kBlockRows, kBlockRows) =
-          network_->sample(parts().parameters, z_, kBlockRows, block).cast<double>();
-    }
+    u.middleRows(b * kBlockRows, kBlockRows) =
+        network_->sample(parts().parameters, z_, kBlockRows, block).cast<double>();
   });
   return {prior().to_theta(u.topRows(n))};
 }

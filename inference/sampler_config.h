@@ -10,7 +10,7 @@ namespace npdr::inference {
 
 struct SamplerConfig {
   std::string kind = "slice";  ///< a name of sampler_names()
-  Index num_chains = 100;      ///< "slice": chains side by side
+  Index num_chains = 200;      ///< "slice": chains side by side
   Index num_warmup = 100;      ///< "slice": sweeps that each chain makes first
   Index thin = 5;              ///< "slice": sweeps between two samples of a chain
   Index num_candidates =

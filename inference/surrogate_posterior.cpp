@@ -143,13 +143,7 @@ double SurrogatePosterior::estimate_log_normaliser() const {
                          {mean.transpose(), Vector::Zero(d)},
                          {precision.llt().matrixU(), Eigen::MatrixXd::Identity(d, d)}};
   around.log_weights << std::log(1.0 - prior_share), std::log(prior_share);
-  RowMatrix points(num_points, d);
-  for (Index i = 0; i < num_points; ++i) {
-    StreamId row = named(id, "normaliser_points");
-    row.row = static_cast<std::uint64_t>(i);
-    Stream stream(row);
-    points.row(i) = around.sample(stream).transpose();
-  }
+  const RowMatrix points = around.sample(num_points, named(id, "normaliser_points"));
   return log_sum_exp(log_density(points) - around.log_prob(points)) -
          std::log(static_cast<double>(num_points));
 }

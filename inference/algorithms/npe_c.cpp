@@ -90,11 +90,7 @@ double NpeC::atomic(const Parameters<float>& parameters, const Batch& batch,
                     Parameters<float>* gradient) {
   const Index n = u_.rows();
   const Index k = std::min(config_.num_atoms, n);
-  StreamId id = id_;
-  id.name = "atoms";
-  id.epoch = batch.epoch;
-  id.row = batch.number;
-  Stream stream(id);
+  Stream stream(of_batch(id_, "atoms", batch));
   const std::vector<std::uint32_t> atoms = draw_atoms(n, k, stream);
   atoms_.resize(n * k, u_.cols());
   for (Index i = 0; i < n * k; ++i) atoms_.row(i) = u_.row(atoms[static_cast<std::size_t>(i)]);

@@ -88,15 +88,7 @@ RowMatrix propose(const PosteriorEstimationConfig& config, const NetworkPosterio
   const bool is_analytic = canonical_algorithm(config.algorithm.name) == "npe_c" &&
                            resolve_loss(config.algorithm, config.estimator) == "analytic";
   if (!is_analytic) return posterior.sample(n, id);
-  const GaussianMixture mixture = proposal_mixture(posterior);
-  RowMatrix u(n, posterior.prior().dimension());
-  for (Index i = 0; i < n; ++i) {
-    StreamId row = id;
-    row.row += static_cast<std::uint64_t>(i);
-    Stream stream(row);
-    u.row(i) = mixture.sample(stream).transpose();
-  }
-  return posterior.prior().to_theta(u);
+  return posterior.prior().to_theta(proposal_mixture(posterior).sample(n, id));
 }
 
 }  // namespace npdr::inference

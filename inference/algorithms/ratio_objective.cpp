@@ -24,11 +24,7 @@ double RatioObjective::loss(const Parameters<float>& parameters, const Batch& ba
   const Index k = std::min(num_atoms_, n);
   data_.x->gather(batch.rows, batch.epoch, raw_x_);
   transform_.apply(raw_x_, z_);
-  StreamId id = id_;
-  id.name = "atoms";
-  id.epoch = batch.epoch;
-  id.row = batch.number;
-  Stream stream(id);
+  Stream stream(of_batch(id_, "atoms", batch));
   const std::vector<std::uint32_t> atoms = draw_atoms(n, k, stream);
   atoms_.resize(n * k, data_.u.cols());
   for (Index i = 0; i < n * k; ++i) {

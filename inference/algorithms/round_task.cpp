@@ -49,14 +49,34 @@ std::vector<GaussianMixture> proposal_mixtures(const RoundData& data) {
   return mixtures;
 }
 
-class PosteriorTask : public RoundTask {
+// A network, what it trains on, and an objective that refers to both.
+template <class Network>
+class TaskOf : public RoundTask {
+ public:
+  TaskOf(Network network, const RoundData& data, const NetworkParts& parts)
+      : network_(std::move(network)),
+        data_{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round, {}} {}
+  TaskOf(const TaskOf&) = delete;
+
+  Objective& objective() override { return *objective_; }
+  Index num_parameters() const override { return network_.num_parameters(); }
+  Parameters<float> initial_parameters(const StreamId& id) const override {
+    return network_.initial_parameters(id);
+  }
+
+ protected:
+  Network network_;
+  TrainingData data_;
+  std::unique_ptr<Objective> objective_;
+};
+
+class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
  public:
   PosteriorTask(const PosteriorEstimationConfig& config, const RoundData& data,
                 const NetworkParts& parts, const StreamId& id)
-      : network_(make_network(parts.estimator, parts.transform.num_outputs(),
-                              parts.trained_features, parts.prior.dimension(),
-                              parts.structure_seed)),
-        data_{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round, {}} {
+      : TaskOf(make_network(parts.estimator, parts.transform.num_outputs(), parts.trained_features,
+                            parts.prior.dimension(), parts.structure_seed),
+               data, parts) {
     const std::string algorithm = canonical_algorithm(config.algorithm.name);
     const auto likelihood = [&](std::vector<std::uint32_t> rows, VectorF weights) {
       objective_ = std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::u_given_z,
@@ -74,56 +94,30 @@ class PosteriorTask : public RoundTask {
       objective_ = std::make_unique<NpeC>(config.algorithm, network_, parts.transform, data_, id);
     }
   }
-  Objective& objective() override { return *objective_; }
-  Index num_parameters() const override { return network_.num_parameters(); }
-  Parameters<float> initial_parameters(const StreamId& id) const override {
-    return network_.initial_parameters(id);
-  }
-
- private:
-  EmbeddedEstimator<float> network_;
-  TrainingData data_;
-  std::unique_ptr<Objective> objective_;
 };
 
-class LikelihoodTask : public RoundTask {
+class LikelihoodTask : public TaskOf<EmbeddedEstimator<float>> {
  public:
   LikelihoodTask(const RoundData& data, const NetworkParts& parts)
-      : network_(make_network(parts.estimator, parts.prior.dimension(), 0,
-                              parts.transform.num_outputs(), parts.structure_seed)),
-        data_{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round, {}},
-        objective_(LikelihoodObjective::Of::z_given_u, network_, parts.transform, data_,
-                   all_rows(data), {}) {}
-  Objective& objective() override { return objective_; }
-  Index num_parameters() const override { return network_.num_parameters(); }
-  Parameters<float> initial_parameters(const StreamId& id) const override {
-    return network_.initial_parameters(id);
+      : TaskOf(make_network(parts.estimator, parts.prior.dimension(), 0,
+                            parts.transform.num_outputs(), parts.structure_seed),
+               data, parts) {
+    objective_ =
+        std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::z_given_u, network_,
+                                              parts.transform, data_, all_rows(data), VectorF());
   }
-
- private:
-  EmbeddedEstimator<float> network_;
-  TrainingData data_;
-  LikelihoodObjective objective_;
 };
 
-class RatioTask : public RoundTask {
+class RatioTask : public TaskOf<RatioEstimator<float>> {
  public:
   RatioTask(const PosteriorEstimationConfig& config, const RoundData& data,
             const NetworkParts& parts, const StreamId& id)
-      : network_(parts.estimator, parts.prior.dimension(), parts.transform.num_outputs()),
-        data_{data.x, parts.prior.to_normal(data.theta).cast<float>(), data.round, {}},
-        objective_(canonical_algorithm(config.algorithm.name) == "nre_a",
-                   config.algorithm.num_atoms, network_, parts.transform, data_, id) {}
-  Objective& objective() override { return objective_; }
-  Index num_parameters() const override { return network_.num_parameters(); }
-  Parameters<float> initial_parameters(const StreamId& id) const override {
-    return network_.initial_parameters(id);
+      : TaskOf({parts.estimator, parts.prior.dimension(), parts.transform.num_outputs()}, data,
+               parts) {
+    const bool is_binary = canonical_algorithm(config.algorithm.name) == "nre_a";
+    objective_ = std::make_unique<RatioObjective>(is_binary, config.algorithm.num_atoms, network_,
+                                                  parts.transform, data_, id);
   }
-
- private:
-  RatioEstimator<float> network_;
-  TrainingData data_;
-  RatioObjective objective_;
 };
 
 }  // namespace

@@ -8,9 +8,8 @@ namespace npdr::inference {
 namespace {
 
 StreamId of_simulation(StreamId id, std::string_view name, Index i) {
-  id.name = name;
   id.epoch = static_cast<std::uint64_t>(i);  // rows tell samples apart
-  return id;
+  return named(id, name);
 }
 
 }  // namespace

@@ -40,6 +40,15 @@ Vector GaussianMixture::sample(Stream& stream) const {
   return means[i] + precision_factors[i].triangularView<Eigen::Upper>().solve(z);
 }
 
+RowMatrix GaussianMixture::sample(Index n, StreamId id) const {
+  RowMatrix u(n, dimension());
+  for (Index i = 0; i < n; ++i, ++id.row) {
+    Stream stream(id);
+    u.row(i) = sample(stream).transpose();
+  }
+  return u;
+}
+
 GaussianMixture narrower_than_prior(const GaussianMixture& mixture) {
   GaussianMixture narrow = mixture;
   for (Index k = 0; k < mixture.num_components(); ++k) {

@@ -22,12 +22,17 @@ struct GaussianMixture {
   /// log p(u), u: (n, D).
   Vector log_prob(const RowMatrix& u) const;
   Vector sample(Stream& stream) const;
+  /// (n, D). Sample i has the stream of row id.row + i.
+  RowMatrix sample(Index n, StreamId id) const;
 };
 
 /// The mixture with every component made at least as narrow as the prior N(0, I) in every
 /// direction: eigenvalues of the precision below 1 become 1. Drawing from such a proposal keeps the
 /// correction below well defined: precision_k + precision_j - I stays positive definite.
 GaussianMixture narrower_than_prior(const GaussianMixture& mixture);
+
+/// Components of a smaller weight don't count in a division.
+inline constexpr double kLeastDividedWeight = 1e-4;
 
 /// The posterior mixture q(u) N(u; 0, I) / p~(u), where `mixture` q is the posterior of simulations
 /// that were drawn from the Gaussian `proposal` p~ (one component) instead of the prior N(0, I)
@@ -38,9 +43,9 @@ GaussianMixture narrower_than_prior(const GaussianMixture& mixture);
 /// then no Gaussian is left (their paper stops there). Along such directions the data are taken to
 /// say nothing: eigenvalue and eta become 0, q_k is as wide as p~, the prior remains. Weights are
 /// those of what q_k is then: proportional to w_k times the integral of q_k N(0, I) / p~.
-/// Components that say next to nothing of q are left out: in the tails of p~ its quotient could
-/// make everything of them. Weights sum to 1 and one of K is at least 1 / K, so some are left.
-inline constexpr double kLeastDividedWeight = 1e-4;  ///< of the components that count
+/// Components that say next to nothing of q (kLeastDividedWeight) are left out: in the tails of p~
+/// its quotient could make everything of them. Weights sum to 1 and one of K is at least 1 / K, so
+/// some are left.
 GaussianMixture corrected_for_proposal(const GaussianMixture& mixture,
                                        const GaussianMixture& proposal);
 

@@ -116,6 +116,12 @@ void require_finite_loss(const TrainingState& state) {
 
 }  // namespace
 
+StreamId of_batch(StreamId id, std::string_view name, const Batch& batch) {
+  id.epoch = batch.epoch;
+  id.row = batch.number;
+  return named(id, name);
+}
+
 bool TrainingState::finished(const TrainingConfig& config) const {
   return epoch >= config.max_epochs || epochs_without_improvement >= config.stop_after_epochs;
 }

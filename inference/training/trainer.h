@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "core/random.h"
@@ -24,6 +25,9 @@ struct Batch {
   std::uint64_t epoch = 0;   ///< counted from 1; 0 for validation
   std::uint64_t number = 0;  ///< of the batch in its epoch
 };
+
+/// The stream of a purpose of this batch.
+StreamId of_batch(StreamId id, std::string_view name, const Batch& batch);
 
 /// What is trained: a loss over rows of a data set. Not thread-safe.
 class Objective {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
+#include "core/feature_names.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/config/features.h"
 #include "pipeline/store/csv_import.h"
 #include "pipeline/store/dataset_file.h"
 #include "pipeline/store/recording.h"

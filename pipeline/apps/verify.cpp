@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "inference/prior.h"
-#include "pipeline/config/features.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/external/external_simulator.h"
@@ -81,8 +81,7 @@ Verification verify_features(const std::filesystem::path& path, const ArtefactIn
   const auto begin = document.contains("begin") ? document.at("begin").get<std::uint64_t>() : 0;
   const auto round = static_cast<std::uint64_t>(round_of(simulation_of(path, info), info));
   const sim::SimulatorInfo simulator_about = simulator_info(study);
-  ExternalSimulator simulator(study.external, simulator_about,
-                              std::filesystem::temp_directory_path() / "npdr-verify.log");
+  ExternalSimulator simulator(study.external, simulator_about, {});
 
   Verification result;
   result.num_rows = x.num_rows();

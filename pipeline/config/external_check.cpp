@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <system_error>
 
+#include "core/feature_names.h"
 #include "core/text.h"
 #include "inference/embeddings/embedding_config.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/features.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -89,7 +90,7 @@ class ExternalChecker {
     const Constraint<std::string> allowed = column_name();
     std::set<std::string> features;
     for (const std::string& name : external_.features) {
-      const std::string label = feature_of(name).label;
+      const std::string label = parse_feature(name).label;
       if (!satisfies(label, allowed)) fail("simulator.features", quoted(name), allowed.words);
       if (!features.insert(label).second) fail("simulator.features", quoted(name), "there once");
     }
@@ -204,6 +205,23 @@ void check_external(const Study& study, Reading& reading) {
     if (!reading.good(std::string("simulator.") + source)) return;
   }
   ExternalChecker(study, reading).check();
+}
+
+void check_dataset_rows(const Study& study, Index num_rows) {
+  Reading reading(study.places);
+  for (std::size_t i = 0; i < study.methods.size(); ++i) {
+    const Index wanted = study.methods[i].algorithm.num_simulations;
+    if (wanted <= num_rows) continue;
+    const std::string path = "method[" + std::to_string(i) + "].num_simulations";
+    reading.fail(path, must_be(display(path), std::to_string(wanted),
+                               "<= " + std::to_string(num_rows) + ", the rows of the dataset"));
+  }
+  if (num_rows > std::numeric_limits<std::uint32_t>::max()) {
+    reading.fail(
+        "simulator.dataset",
+        must_be("simulator.dataset", std::to_string(num_rows) + " rows", "of < 2^32 rows"));
+  }
+  reading.problems().throw_if_any();
 }
 
 }  // namespace npdr::pipeline

@@ -14,4 +14,8 @@ void check_source(const Study& study, Reading& reading);
 /// of x instead of rollouts: names, files, the target, embeddings, rounds, metrics.
 void check_external(const Study& study, Reading& reading);
 
+/// Throws InputError where a method wants more rows than the dataset has, or these can't be
+/// counted.
+void check_dataset_rows(const Study& study, Index num_rows);
+
 }  // namespace npdr::pipeline

@@ -9,35 +9,12 @@
 #include "core/text.h"
 #include "inference/algorithms/npe_c.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/config/method_settings.h"
+#include "pipeline/config/study_json.h"
 #include "pipeline/config/toml_document.h"
 
 namespace npdr::pipeline {
 namespace {
-
-// Keys of a method that mean nothing to its algorithm.
-std::vector<std::string> unused_settings(const std::string& algorithm) {
-  using inference::AlgorithmFamily;
-  switch (inference::family_of_algorithm(algorithm)) {
-    case AlgorithmFamily::network:
-      break;
-    case AlgorithmFamily::abc:
-      return {"num_atoms",     "component_perturbation", "loss",
-              "combined_loss", "density_estimator",      "training",
-              "sampler",       "linear_regression"};
-    case AlgorithmFamily::regression:
-      return {"num_rounds", "num_simulations", "num_atoms", "component_perturbation",
-              "loss",       "combined_loss",   "embedding", "density_estimator",
-              "training",   "sampler",         "abc"};
-  }
-  std::vector<std::string> unused = {"abc", "linear_regression"};
-  if (inference::role_of_algorithm(algorithm) == inference::NetworkRole::posterior) {
-    unused.push_back("sampler");
-  }
-  if (algorithm != "npe_a") unused.push_back("component_perturbation");
-  if (algorithm != "npe_c") unused.insert(unused.end(), {"loss", "combined_loss"});
-  if (algorithm != "npe_c" && algorithm != "nre_b") unused.push_back("num_atoms");
-  return unused;
-}
 
 class MethodChecker {
  public:
@@ -196,8 +173,10 @@ void MethodChecker::check_loss(const std::string& path, const MethodConfig& meth
 // Settings that a file gives one method on purpose; those of --set may be meant for others.
 void MethodChecker::check_unused_settings(const std::string& path, const MethodConfig& method) {
   if (!reading_.good(path + ".algorithm")) return;
-  for (const std::string& setting : unused_settings(method.algorithm.name)) {
+  const nlohmann::ordered_json settings = to_json(method);
+  for (const auto& [setting, value] : settings.items()) {
     const std::string member = path + "." + setting;
+    if (reads_setting(method.algorithm.name, setting)) continue;
     if (!reading_.has(member) || is_override(reading_.place(member))) continue;
     reading_.fail(member, fmt::format("{} must be left out: it means nothing to the algorithm '{}'",
                                       display(member), method.algorithm.name));

@@ -14,10 +14,10 @@
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/external_check.h"
-#include "pipeline/config/features.h"
 #include "pipeline/config/method_check.h"
 #include "pipeline/config/prior_check.h"
 #include "pipeline/config/rollout_check.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/config/toml_document.h"
 
 namespace npdr::pipeline {

@@ -115,7 +115,7 @@ learning_rate = 5e-4            # step size of Adam
 # Of "nle", "nre_a" and "nre_b", whose posteriors have to be sampled:
 #   [method.sampler]
 #   kind = "slice"              # Markov chains, or "importance": resampled draws of the prior
-#   num_chains = 100            # side by side
+#   num_chains = 200            # side by side
 #   num_warmup = 100            # sweeps that each chain makes first
 #   thin = 5                    # sweeps between two samples of a chain
 #   num_candidates = 10000      # draws of the prior that chains begin from, or that are resampled

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/feature_names.h"
 #include "core/random.h"
-#include "pipeline/config/features.h"
 
 namespace npdr::pipeline {
+
 std::vector<Index> dataset_rows(std::uint64_t seed, Index num_rows, Index count) {
   Stream stream({seed, "dataset_rows", 0, 0, 0});
   const auto order = stream.permutation(static_cast<std::uint32_t>(num_rows));
@@ -19,7 +20,7 @@ std::vector<Index> dataset_rows(std::uint64_t seed, Index num_rows, Index count)
 DatasetFile open_dataset(const Study& study) {
   std::vector<std::string> parameters;
   for (const inference::Marginal& marginal : study.prior) parameters.push_back(marginal.name);
-  return {*study.external.dataset, parameters, features_of(study.external.features)};
+  return {*study.external.dataset, parameters, parse_features(study.external.features)};
 }
 
 sim::Trajectories as_simulated(const Study& study, const RowMatrix& theta, const RowMatrix& x) {

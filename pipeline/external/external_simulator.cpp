@@ -64,7 +64,7 @@ ExternalSimulator::ExternalSimulator(ExternalConfig external, sim::SimulatorInfo
       threads_(threads) {}
 
 ExternalSimulator::~ExternalSimulator() {
-  if (num_calls_ == 0) return;
+  if (num_calls_ == 0 || log_path_.empty()) return;
   try {
     write_text_file(log_path_, log_);
   } catch (...) {  // no result is worth less without it
@@ -191,9 +191,10 @@ void ExternalSimulator::note(const std::string& heading, const CallResult& resul
 }
 
 void ExternalSimulator::fail(const std::string& what) const {
-  throw Error(
-      fmt::format("simulator.command = '{}' {}: {}\n  in the folder {}; all that it printed: {}",
-                  *external_.command, what, last_failure_, external_.folder, log_path_.string()));
+  std::string text = fmt::format("simulator.command = '{}' {}: {}\n  in the folder {}",
+                                 *external_.command, what, last_failure_, external_.folder);
+  if (!log_path_.empty()) text += "; all that it printed: " + log_path_.string();
+  throw Error(text);
 }
 
 }  // namespace npdr::pipeline

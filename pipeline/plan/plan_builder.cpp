@@ -4,12 +4,14 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/feature_names.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/features.h"
+#include "pipeline/config/external_check.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/external/command_text.h"
 #include "pipeline/external/dataset_rows.h"
+#include "pipeline/plan/key_parts.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/store/feature_file.h"
 #include "pipeline/store/recording.h"
@@ -24,72 +26,10 @@ std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& 
   return plan.work.artefact(to_string(stage), key);
 }
 
-// The settings without those that mean nothing to the simulator.
-Json simulator_json(const sim::SimulatorConfig& config) {
-  Json json = to_json(config);
-  for (const std::string& setting : sim::unused_settings(config.name)) json.erase(setting);
-  return json;
-}
-
-// The part of the simulator's settings that decides what a simulation of every state holds.
-Json dynamics_json(const sim::SimulatorConfig& config) {
-  Json json = simulator_json(config);
-  json.erase("store_every");
-  return json;
-}
-
-// The part that decides what a simulated target holds: it is one segment.
-Json behaviour_json(const sim::SimulatorConfig& config) {
-  Json json = dynamics_json(config);
-  json.erase("segment_length");
-  return json;
-}
-
-// Whether a posterior depends on this key of its method: what names the method, its figures in a
-// paper or its number of rounds changes none, nor does what is another algorithm's.
-bool concerns(const MethodConfig& method, const std::string& key) {
-  using inference::AlgorithmFamily;
-  const std::string& algorithm = method.algorithm.name;
-  if (key == "algorithm" || key == "num_rollouts") return true;
-  switch (inference::family_of_algorithm(algorithm)) {
-    case AlgorithmFamily::regression:
-      return key == "linear_regression";
-    case AlgorithmFamily::abc:
-      return key == "abc" || (key == "embedding" && method.abc.distance == "euclidean");
-    case AlgorithmFamily::network:
-      break;
-  }
-  if (key == "component_perturbation") return algorithm == "npe_a";
-  if (key == "num_atoms") return algorithm == "npe_c" || algorithm == "nre_b";
-  if (key == "loss" || key == "combined_loss") return algorithm == "npe_c";
-  if (key == "sampler") {
-    return inference::role_of_algorithm(algorithm) != inference::NetworkRole::posterior;
-  }
-  return key == "embedding" || key == "density_estimator" || key == "training";
-}
-
 // What a posterior without simulations takes from the study.
 void describe_known(const Study& study, Json& json) {
   json["simulator"] = {{"name", study.simulator.name}, {"parameters", study.simulator.parameters}};
   json["prior"] = to_json(study.prior);
-}
-
-// Each seed uses other rows of a dataset, but never more than it has.
-void check_num_rows(const Study& study, Index num_rows) {
-  Reading reading(study.places);
-  for (std::size_t i = 0; i < study.methods.size(); ++i) {
-    const Index wanted = study.methods[i].algorithm.num_simulations;
-    if (wanted <= num_rows) continue;
-    const std::string path = "method[" + std::to_string(i) + "].num_simulations";
-    reading.fail(path, must_be(display(path), std::to_string(wanted),
-                               "<= " + std::to_string(num_rows) + ", the rows of the dataset"));
-  }
-  if (num_rows > std::numeric_limits<std::uint32_t>::max()) {
-    reading.fail(
-        "simulator.dataset",
-        must_be("simulator.dataset", std::to_string(num_rows) + " rows", "of < 2^32 rows"));
-  }
-  reading.problems().throw_if_any();
 }
 
 void describe_truth(const Study& study, Json& json) {
@@ -115,11 +55,11 @@ PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& s
 void PlanBuilder::resolve_external() {
   Study& study = plan_.study;
   ExternalConfig& external = study.external;
-  std::vector<Channel> features = features_of(external.features);
+  std::vector<Channel> features = parse_features(external.features);
   if (external.dataset) {
     const DatasetFile dataset = open_dataset(study);
     features = dataset.features();
-    check_num_rows(study, dataset.num_rows());
+    check_dataset_rows(study, dataset.num_rows());
     external_files_["dataset"] = file_hash(*external.dataset);
   } else {
     external_files_ = named_files(*external.command, external.folder);
@@ -132,23 +72,9 @@ void PlanBuilder::resolve_external() {
   external.features = feature_names(features);
 }
 
-Json PlanBuilder::external_json() const {
-  const ExternalConfig& external = plan_.study.external;
-  Json json;
-  json["files"] = external_files_;
-  json["features"] = external.features;
-  if (external.dataset) return json;
-  json["command"] = *external.command;
-  json["format"] = external.format;
-  json["time_limit"] = external.time_limit;
-  json["start_time"] = external.start_time;
-  json["retries"] = external.retries;
-  json["parameters"] = plan_.study.simulator.parameters;
-  return json;
-}
-
 Json PlanBuilder::simulation_json() const {
-  return plan_.study.external.is_used() ? external_json() : simulator_json(plan_.study.simulator);
+  return plan_.study.external.is_used() ? external_json(plan_.study, external_files_)
+                                        : simulator_json(plan_.study.simulator);
 }
 
 void PlanBuilder::check_selection(const Selection& selection) const {
@@ -203,8 +129,8 @@ std::size_t PlanBuilder::add_target() {
   } else if (study.target.observation) {
     json["content"] = content_hash(plan_.target);
   } else {
-    json["simulator"] =
-        study.external.is_used() ? external_json() : behaviour_json(study.simulator);
+    json["simulator"] = study.external.is_used() ? external_json(plan_.study, external_files_)
+                                                 : behaviour_json(study.simulator);
     describe_truth(study, json);
   }
   return add(Stage::target, json, {}, {});
@@ -234,8 +160,8 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
 
 // What baselines and posteriors are measured by.
 PlanBuilder::Inputs PlanBuilder::add_judgement(std::size_t target, Json& json) const {
-  json["simulator"] =
-      plan_.study.external.is_used() ? external_json() : dynamics_json(plan_.study.simulator);
+  json["simulator"] = plan_.study.external.is_used() ? external_json(plan_.study, external_files_)
+                                                     : dynamics_json(plan_.study.simulator);
   json["metrics"] = plan_.study.evaluate.metrics;
   for (const ReferenceConfig& reference : plan_.study.references) {
     json["references"][reference.name] = reference.parameters;
@@ -311,17 +237,13 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
                                        const std::vector<std::size_t>& posteriors) {
   Json json = key_document(kPosteriorSchema);
   const auto family = inference::family_of_algorithm(method.algorithm.name);
-  const Json all = to_json(method);
-  for (const auto& [key, value] : all.items()) {
-    if (concerns(method, key)) json[key] = value;
-  }
+  json.update(inference_json(method));
   const bool is_abc = family == inference::AlgorithmFamily::abc;
-  if (is_abc && method.abc.distance != "euclidean") {
-    // Trajectories are compared as they are.
-  } else if (needs_simulations(method)) {
-    json["observation_noise"] = to_json(plan_.study.observation_noise);
-  } else {
+  const bool compares_trajectories = is_abc && method.abc.distance != "euclidean";
+  if (!needs_simulations(method)) {
     describe_known(plan_.study, json);
+  } else if (!compares_trajectories) {
+    json["observation_noise"] = to_json(plan_.study.observation_noise);
   }
   json["seed"] = use.seed;
   json["round"] = use.round;

@@ -18,7 +18,6 @@ class PlanBuilder {
   void check_selection(const Selection& selection) const;
   /// Reads what a study with a command or a dataset refers to: x_o, the features' names, hashes.
   void resolve_external();
-  nlohmann::ordered_json external_json() const;
   /// The settings that decide what a simulation holds.
   nlohmann::ordered_json simulation_json() const;
   std::size_t add_target();

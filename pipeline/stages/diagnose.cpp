@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "inference/diagnostics/calibration.h"
-#include "pipeline/config/features.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/stop_request.h"

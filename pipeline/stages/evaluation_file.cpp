@@ -1,8 +1,9 @@
 #include "pipeline/stages/evaluation_file.h"
 
-#include "pipeline/config/features.h"
+#include "core/feature_names.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/stage_files.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -52,13 +53,7 @@ analysis::Bands read_bands(const h5::Group& group) {
 
 void write_x(h5::File& file, const Plan& plan, const RowMatrixF& x) {
   h5::Dataset dataset = file.write("x", x);
-  std::vector<std::string> labels, units;
-  for (const Channel& feature : features_of(plan.study.external.features)) {
-    labels.push_back(feature.label);
-    units.push_back(feature.unit);
-  }
-  dataset.set_attribute("labels", labels);
-  dataset.set_attribute("units", units);
+  describe_columns(dataset, parse_features(plan.study.external.features));
   dataset.label_dimensions({"row", "feature"});
 }
 

@@ -34,7 +34,7 @@ void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
   const Target target = read_target(plan, node, method.num_rollouts);
   const auto simulator = sim::make_simulator(plan.study.simulator);
   const auto form = simulator->regression_form();
-  const Vector known = sim::complete_theta(*simulator, plan.study.simulator.parameters);
+  const Vector known = nominal_theta(plan.study, simulator->info(), {});
 
   const sim::RegressionRows rows = form->rows(target, known, method.linear_regression.window);
   const inference::WeightPosterior weights =

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "analysis/feature_distance.h"
-#include "pipeline/config/features.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/stages/stage_files.h"
 
 namespace npdr::pipeline {
@@ -70,9 +70,7 @@ Vector Predictor::pick(const Vector& complete) const {
 }
 
 Vector Predictor::nominal_with(const std::map<std::string, double>& values) const {
-  std::map<std::string, double> all = plan_.study.simulator.parameters;
-  for (const auto& [name, value] : values) all[name] = value;
-  return sim::complete_theta(info_, all);
+  return nominal_theta(plan_.study, info_, values);
 }
 
 Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x) {

@@ -11,6 +11,7 @@
 #include "pipeline/stages/report_marker.h"
 #include "pipeline/stages/report_parameters.h"
 #include "pipeline/stages/report_paths.h"
+#include "pipeline/stages/report_seeds.h"
 #include "pipeline/stages/report_tables.h"
 #include "pipeline/stages/simulation_file.h"
 #include "pipeline/stages/stage_files.h"

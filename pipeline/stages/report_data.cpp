@@ -1,8 +1,7 @@
 #include "pipeline/stages/report_data.h"
+#include "pipeline/config/simulator_info.h"
 
 #include <algorithm>
-
-#include "pipeline/config/features.h"
 
 namespace npdr::pipeline {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "analysis/feature_distance.h"
-#include "pipeline/config/features.h"
+#include "core/feature_names.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "analysis/metrics.h"
-#include "core/text.h"
+#include "pipeline/stages/report_cells.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -17,19 +17,6 @@ using analysis::Cell;
 using analysis::MeanStd;
 using analysis::Row;
 using analysis::Table;
-
-std::string title_of(const ReportData& data, const std::string& metric) {
-  if (metric.starts_with(kHeldOutPrefix)) {
-    return title_of(data, metric.substr(kHeldOutPrefix.size())) + ", held out";
-  }
-  if (metric == "dtw") return "DTW dist.";
-  if (metric == "rmse") return "RMSE";
-  if (metric == "final_error") {
-    return fmt::format("Final error [{}]", data.info.state_channels.front().unit);
-  }
-  if (metric == kFeatureMetric) return "Distance to x_o [prior std]";
-  return fmt::format("P({})", data.info.goal->description);
-}
 
 // All samples of all seeds, one after the other.
 Vector pooled(const std::vector<const EvaluatedRun*>& runs, const std::string& metric) {
@@ -48,16 +35,6 @@ Vector seed_means(const std::vector<const EvaluatedRun*>& runs, const std::strin
         analysis::summarize(runs[static_cast<std::size_t>(i)]->evaluation.metrics.at(metric)).mean;
   }
   return means;
-}
-
-Cell cell_of(Table& table, const analysis::Summary& summary) {
-  Cell cell(summary);
-  if (summary.n_failed > 0) {
-    cell.notes.push_back(
-        table.footnote(fmt::format("{} of {} samples left out: their simulations failed",
-                                   summary.n_failed, summary.n + summary.n_failed)));
-  }
-  return cell;
 }
 
 void note_failed_rows(Table& table, const ReportData& data) {
@@ -88,38 +65,6 @@ void note_regressions(Table& table, const ReportData& data) {
     table.footnote(
         fmt::format("{}: {} of {} samples lie outside of the prior, {} are physically impossible",
                     method, sum.outside_prior, sum.samples, sum.non_physical));
-  }
-}
-
-// Densities of fewer parameters can't be compared with those of all.
-void note_known_parameters(Table& table, const ReportData& data) {
-  for (const std::string& method : data.methods) {
-    std::vector<std::string> known;
-    for (std::size_t d = 0; d < data.plan.study.prior.size(); ++d) {
-      if (data.is_inferred(method, static_cast<Index>(d))) continue;
-      known.push_back(data.plan.study.prior[d].name);
-    }
-    if (known.empty()) continue;
-    table.footnote(fmt::format("{} takes as known: {}; its log p is the density of the others",
-                               method, join(known)));
-  }
-}
-
-// A reference may also set what the posterior takes for known.
-void note_fixed_parameters(Table& table, const ReportData& data) {
-  const auto& prior = data.plan.study.prior;
-  for (const ReferenceConfig& reference : data.plan.study.references) {
-    std::vector<std::string> fixed;
-    for (const auto& [name, value] : reference.parameters) {
-      const bool is_inferred =
-          std::ranges::any_of(prior, [&](const auto& marginal) { return marginal.name == name; });
-      if (!is_inferred) fixed.push_back(name);
-    }
-    if (fixed.empty()) continue;
-    table.footnote(fmt::format(
-        "log p({}) is the density of its parameters in the prior alone; the posterior has others "
-        "of {}",
-        reference.name, join(fixed)));
   }
 }
 
@@ -174,43 +119,6 @@ Row seed_means_row(const ReportData& data, const std::string& metric) {
   return row;
 }
 
-bool any_was_sampled(const ReportData& data) {
-  return std::ranges::any_of(
-      data.runs, [](const EvaluatedRun& run) { return run.evaluation.sampler.has_value(); });
-}
-
-// The worst of all parameters; NaN, in which chains were too short to say, is worst.
-Cell worst(const Vector& values, double sign) {
-  if (values.size() == 0) return {};
-  if (values.hasNaN()) return std::numeric_limits<double>::quiet_NaN();
-  return sign * (sign * values).maxCoeff();
-}
-
-// Chains that are too short to say, or that don't agree.
-void note_chains(const EvaluatedRun& run, Cell& cell, Table& table) {
-  constexpr double too_large = 1.1;
-  const Vector& r_hat = run.evaluation.sampler->r_hat;
-  if (r_hat.size() == 0) return;
-  if (r_hat.hasNaN()) {
-    cell.notes.push_back(
-        table.footnote("fewer than four draws of each chain say nothing: raise "
-                       "evaluate.num_samples, or for ABC the "
-                       "rounds"));
-  } else if (r_hat.maxCoeff() > too_large) {
-    cell.notes.push_back(
-        table.footnote("chains don't agree, so the samples aren't the posterior's: raise "
-                       "sampler.num_warmup, or for "
-                       "ABC the rounds"));
-  }
-}
-
-void add_sampler_cells(const EvaluatedRun& run, Row& row, Table& table) {
-  const auto& sampler = run.evaluation.sampler;
-  row.cells.push_back(sampler ? worst(sampler->r_hat, 1.0) : Cell());
-  if (sampler) note_chains(run, row.cells.back(), table);
-  row.cells.push_back(sampler ? worst(sampler->ess, -1.0) : Cell());
-}
-
 std::string noise_text(const ObservationNoise& noise) {
   if (noise.scale == 0.0) return "Without observation noise.";
   return fmt::format("Observation noise {} of each channel's maximum, {}.", noise.scale,
@@ -263,57 +171,6 @@ void note_recorded_goal(const ReportData& data, const Target& target,
                                  data.info.goal->description, reached(target));
   if (held_out) text += fmt::format(", of the held-out ones {}", reached(*held_out));
   table.footnote(text);
-}
-
-Table seeds_table(const ReportData& data) {
-  const bool has_truth = data.plan.study.target.truth.has_value();
-  Table table;
-  table.name = "seeds";
-  table.caption = "Each experiment. log p: posterior density in nats.";
-  table.row_header = "Method, seed";
-  table.command = data.plan.command;
-  for (const std::string& metric : data.plan.study.evaluate.metrics) {
-    table.columns.push_back({title_of(data, metric), false});
-    table.columns.push_back({title_of(data, metric) + " of MAP", false});
-  }
-  const bool has_nominal = !data.plan.study.external.is_used();
-  if (has_nominal) table.columns.push_back({"log p(nominal)", false});
-  if (has_truth) table.columns.push_back({"log p(truth)", false});
-  for (const ReferenceConfig& reference : data.plan.study.references) {
-    table.columns.push_back({fmt::format("log p({})", reference.name), false});
-  }
-  note_fixed_parameters(table, data);
-  note_known_parameters(table, data);
-  for (const char* title : {"simulations", "failed", "epochs"}) {
-    table.columns.push_back({title, false});
-  }
-  const bool has_sampler = any_was_sampled(data);
-  if (has_sampler) {
-    table.columns.push_back({"largest R-hat", false});
-    table.columns.push_back({"smallest ESS", false});
-  }
-  for (const std::string& method : data.methods) {
-    for (const EvaluatedRun* run : data.runs_of(method)) {
-      Row row{fmt::format("{}, {}", method, run->use.seed), {}};
-      for (const std::string& metric : data.plan.study.evaluate.metrics) {
-        row.cells.push_back(
-            cell_of(table, analysis::summarize(run->evaluation.metrics.at(metric))));
-        row.cells.emplace_back(run->evaluation.map_metrics.at(metric));
-      }
-      if (has_nominal) row.cells.emplace_back(*run->evaluation.nominal_log_prob);
-      if (has_truth) row.cells.emplace_back(*run->evaluation.truth_log_prob);
-      for (const ReferenceConfig& reference : data.plan.study.references) {
-        row.cells.emplace_back(run->evaluation.reference_log_prob.at(reference.name));
-      }
-      row.cells.emplace_back(std::to_string(run->notes.rows.used + run->notes.rows.failed));
-      row.cells.emplace_back(std::to_string(run->notes.rows.failed));
-      const auto epochs = run->notes.training_loss.size();
-      row.cells.push_back(epochs > 0 ? Cell(std::to_string(epochs)) : Cell());
-      if (has_sampler) add_sampler_cells(*run, row, table);
-      table.rows.push_back(std::move(row));
-    }
-  }
-  return table;
 }
 
 Table rounds_table(const ReportData& data) {

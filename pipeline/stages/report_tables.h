@@ -17,9 +17,6 @@ analysis::Table fit_table(const ReportData& data);
 void note_recorded_goal(const ReportData& data, const Target& target,
                         const std::optional<Target>& held_out, analysis::Table& table);
 
-/// One row a method and seed: fit, densities, simulations, epochs.
-analysis::Table seeds_table(const ReportData& data);
-
 /// One row a method, one column a round: RMSE (or the first metric of the study). Only for studies
 /// that evaluate all rounds.
 analysis::Table rounds_table(const ReportData& data);

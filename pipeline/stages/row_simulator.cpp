@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/parallel.h"
-#include "pipeline/config/features.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/external/external_simulator.h"
 
 namespace npdr::pipeline {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/error.h"
-#include "pipeline/config/features.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/external/dataset_rows.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/run/progress.h"

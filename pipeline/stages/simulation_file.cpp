@@ -6,10 +6,11 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/feature_names.h"
 #include "core/text.h"
-#include "pipeline/config/features.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/stage_files.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -31,14 +32,8 @@ h5::Shape values_shape(const Plan& plan, const Target& target, Index num_rows) {
 
 void describe_values(h5::Dataset& dataset, const Plan& plan, const Target& target) {
   const bool is_external = plan.study.external.is_used();
-  std::vector<std::string> labels, units;
-  for (const Channel& channel :
-       is_external ? features_of(plan.study.external.features) : target.state_channels) {
-    labels.push_back(channel.label);
-    units.push_back(channel.unit);
-  }
-  dataset.set_attribute("labels", labels);
-  dataset.set_attribute("units", units);
+  describe_columns(
+      dataset, is_external ? parse_features(plan.study.external.features) : target.state_channels);
   if (is_external) {
     dataset.label_dimensions({"row", "feature"});
     return;

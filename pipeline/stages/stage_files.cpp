@@ -33,8 +33,15 @@ RowMatrix read_proposal(const Node& node, RowRange rows) {
   return values;
 }
 
+Vector nominal_theta(const Study& study, const sim::SimulatorInfo& info,
+                     const std::map<std::string, double>& values) {
+  std::map<std::string, double> all = values;
+  all.insert(study.simulator.parameters.begin(), study.simulator.parameters.end());
+  return sim::complete_theta(info, all);
+}
+
 RowMatrix complete_theta(const Plan& plan, const sim::SimulatorInfo& info, const RowMatrix& theta) {
-  const Vector base = sim::complete_theta(info, plan.study.simulator.parameters);
+  const Vector base = nominal_theta(plan.study, info, {});
   RowMatrix all = base.transpose().replicate(theta.rows(), 1);
   Index column = 0;
   for (const inference::Marginal& marginal : plan.study.prior) {

@@ -21,6 +21,10 @@ std::optional<Target> read_held_out(const Plan& plan, const Node& node);
 /// Rows [begin, end) of the proposal `node`, (n, D) in the order of the prior.
 RowMatrix read_proposal(const Node& node, RowRange rows);
 
+/// All P parameters of the simulator: the study's nominal ones, `values` in place of some.
+Vector nominal_theta(const Study& study, const sim::SimulatorInfo& info,
+                     const std::map<std::string, double>& values);
+
 /// All P parameters of the simulator for theta (n, D) in the order of the study's prior: what isn't
 /// in the prior has the study's value, or the nominal one.
 RowMatrix complete_theta(const Plan& plan, const sim::SimulatorInfo& info, const RowMatrix& theta);

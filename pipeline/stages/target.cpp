@@ -2,10 +2,12 @@
 
 #include "core/error.h"
 #include "core/random.h"
-#include "pipeline/config/features.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/row_simulator.h"
+#include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
+#include "pipeline/store/column_labels.h"
 #include "pipeline/store/feature_file.h"
 #include "pipeline/store/recording.h"
 #include "sim/simulator.h"
@@ -16,9 +18,7 @@ namespace {
 // All rollouts of the truth: those that inference sees, and the held-out ones.
 Target simulated_target(const Study& study) {
   const auto simulator = sim::make_simulator(study.simulator);
-  std::map<std::string, double> values = study.simulator.parameters;
-  for (const auto& [name, value] : *study.target.truth) values[name] = value;
-  return simulator->behave(sim::complete_theta(*simulator, values),
+  return simulator->behave(nominal_theta(study, simulator->info(), *study.target.truth),
                            study.target.num_rollouts + study.target.held_out, study.target.seed);
 }
 
@@ -27,10 +27,9 @@ Target simulated_observation(const Plan& plan, const Node& node) {
   const Study& study = plan.study;
   const auto simulator = make_row_simulator(plan, study.simulator, {}, log_of(node.path));
   const sim::SimulatorInfo info = simulator_info(study);
-  std::map<std::string, double> values = study.simulator.parameters;
-  for (const auto& [name, value] : *study.target.truth) values[name] = value;
-  const sim::Trajectories x = simulator->simulate(sim::complete_theta(info, values).transpose(),
-                                                  {study.target.seed, "external_truth", 0, 0, 0});
+  const sim::Trajectories x =
+      simulator->simulate(nominal_theta(study, info, *study.target.truth).transpose(),
+                          {study.target.seed, "external_truth", 0, 0, 0});
   if (x.status.front() == sim::RolloutStatus::ok) {
     return observation_target(info.state_channels,
                               x.rollout(0, 0).row(0).cast<double>().transpose(),
@@ -44,13 +43,7 @@ Target simulated_observation(const Plan& plan, const Node& node) {
 void write_observation(h5::File& file, const Target& target) {
   const RowMatrix x = target.rollouts.front().states.bottomRows(1);
   h5::Dataset dataset = file.write("x", x);
-  std::vector<std::string> labels, units;
-  for (const Channel& feature : target.state_channels) {
-    labels.push_back(feature.label);
-    units.push_back(feature.unit);
-  }
-  dataset.set_attribute("labels", labels);
-  dataset.set_attribute("units", units);
+  describe_columns(dataset, target.state_channels);
   dataset.label_dimensions({"row", "feature"});
   file.set_attribute("source", target.source);
 }

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/feature_names.h"
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/features.h"
 
 namespace npdr::pipeline {
 
@@ -31,14 +31,31 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
   return labels;
 }
 
-std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns) {
-  std::vector<Channel> channels = features_of(column_labels(dataset, num_columns));
-  if (!dataset.has_attribute("units")) return channels;
+std::vector<std::string> column_units(const h5::Dataset& dataset, std::size_t num_labels) {
+  if (!dataset.has_attribute("units")) return {};
   const auto units = dataset.attribute<std::vector<std::string>>("units");
-  for (std::size_t c = 0; c < std::min(units.size(), channels.size()); ++c) {
-    channels[c].unit = units[c];
+  if (units.size() != num_labels) {
+    throw InputError(
+        fmt::format("{} has {} labels, but {} units", dataset.where(), num_labels, units.size()));
   }
+  return units;
+}
+
+std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns) {
+  std::vector<Channel> channels = parse_features(column_labels(dataset, num_columns));
+  const std::vector<std::string> units = column_units(dataset, channels.size());
+  for (std::size_t c = 0; c < units.size(); ++c) channels[c].unit = units[c];
   return channels;
+}
+
+void describe_columns(h5::Dataset& dataset, const std::vector<Channel>& columns) {
+  std::vector<std::string> labels, units;
+  for (const Channel& column : columns) {
+    labels.push_back(column.label);
+    units.push_back(column.unit);
+  }
+  dataset.set_attribute("labels", labels);
+  dataset.set_attribute("units", units);
 }
 
 std::vector<std::string> few_shortened(const std::vector<std::string>& names) {

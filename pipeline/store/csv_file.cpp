@@ -11,15 +11,10 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/store/csv_line.h"
 
 namespace npdr::pipeline {
 namespace {
-
-std::string trimmed(const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string::npos) return "";
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
 
 bool is_blank(const std::string& line) { return trimmed(line).empty(); }
 
@@ -65,7 +60,7 @@ CsvFile::CsvFile(const std::filesystem::path& path) : name_(path.string()) {
 }
 
 void CsvFile::read_header(const std::string& line) {
-  for (const std::string& field : split(line, 1)) {
+  for (const std::string& field : csv_fields(line, place(1))) {
     const Channel channel = parse_channel(field);
     if (channel.label.empty() || channel.unit.empty()) {
       fail(1, fmt::format("column {} is headed {}, must be 'label [unit]', such as 'theta [rad]' "
@@ -81,32 +76,11 @@ void CsvFile::read_header(const std::string& line) {
 }
 
 void CsvFile::read_row(const std::string& line, std::size_t line_number) {
-  rows_.push_back(split(line, line_number));
+  rows_.push_back(csv_fields(line, place(line_number)));
   if (rows_.back().size() != columns_.size()) {
     fail(line_number, fmt::format("has {} columns, must have {} like the header",
                                   rows_.back().size(), columns_.size()));
   }
-}
-
-// RFC 4180, except that a field can't hold a line break.
-std::vector<std::string> CsvFile::split(const std::string& line, std::size_t line_number) const {
-  std::vector<std::string> fields(1);
-  bool inside = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const bool quote = line[i] == '"';
-    if (inside && quote && i + 1 < line.size() && line[i + 1] == '"') {
-      fields.back() += line[i++];
-    } else if (quote) {
-      inside = !inside;
-    } else if (line[i] == ',' && !inside) {
-      fields.emplace_back();
-    } else {
-      fields.back() += line[i];
-    }
-  }
-  if (inside) fail(line_number, fmt::format("column {} has no closing quote", fields.size()));
-  std::transform(fields.begin(), fields.end(), fields.begin(), trimmed);
-  return fields;
 }
 
 std::optional<std::size_t> CsvFile::find(const std::string& label) const {
@@ -150,8 +124,12 @@ bool CsvFile::is_missing(Index row, std::size_t column) const {
   return field.empty() || field == "nan" || field == "NaN" || field == "NAN";
 }
 
+std::string CsvFile::place(std::size_t line_number) const {
+  return fmt::format("{}:{}", name_, line_number);
+}
+
 void CsvFile::fail(std::size_t line_number, const std::string& message) const {
-  throw InputError(fmt::format("{}:{}: {}", name_, line_number, message));
+  throw InputError(fmt::format("{}: {}", place(line_number), message));
 }
 
 }  // namespace npdr::pipeline

@@ -39,7 +39,7 @@ class CsvFile {
  private:
   void read_header(const std::string& line);
   void read_row(const std::string& line, std::size_t line_number);
-  std::vector<std::string> split(const std::string& line, std::size_t line_number) const;
+  std::string place(std::size_t line_number) const;
   [[noreturn]] void fail(std::size_t line_number, const std::string& message) const;
 
   std::string name_;

@@ -8,8 +8,8 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/feature_names.h"
 #include "core/text.h"
-#include "pipeline/config/features.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/forked_trial.h"
 #include "pipeline/store/number_table.h"
@@ -103,13 +103,7 @@ Index count_rows(const std::filesystem::path& path) {
 }
 
 void describe(h5::Dataset& dataset, const std::vector<Channel>& columns, const std::string& what) {
-  std::vector<std::string> labels, units;
-  for (const Channel& column : columns) {
-    labels.push_back(column.label);
-    units.push_back(column.unit);
-  }
-  dataset.set_attribute("labels", labels);
-  dataset.set_attribute("units", units);
+  describe_columns(dataset, columns);
   dataset.label_dimensions({"row", what});
 }
 

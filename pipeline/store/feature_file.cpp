@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "core/feature_names.h"
 #include "core/text.h"
-#include "pipeline/config/features.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/forked_trial.h"
 #include "pipeline/store/h5.h"

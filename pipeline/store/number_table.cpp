@@ -9,21 +9,16 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/feature_names.h"
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/features.h"
 #include "pipeline/store/column_labels.h"
+#include "pipeline/store/csv_line.h"
 
 namespace npdr::pipeline {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t{64} << 20;
-
-std::string trimmed(const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string::npos) return "";
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
 
 std::optional<double> parse_number(const std::string& field) {
   if (field == "NA") return std::numeric_limits<double>::quiet_NaN();
@@ -50,7 +45,7 @@ NumberTable::NumberTable(const std::filesystem::path& path) : name_(path.string(
   if (!stream_) throw InputError(name_ + ": can't be opened; may you read it?");
   if (!next_line()) throw InputError(name_ + ": is empty");
   if (line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);
-  split();
+  fields_ = csv_fields(line_, place());
   num_columns_ = static_cast<Index>(fields_.size());
   has_fields_ =
       std::ranges::all_of(fields_, [](const auto& f) { return parse_number(f).has_value(); });
@@ -60,7 +55,7 @@ NumberTable::NumberTable(const std::filesystem::path& path) : name_(path.string(
 bool NumberTable::next(std::span<double> row) {
   if (!has_fields_) {
     if (!next_line()) return false;
-    split();
+    fields_ = csv_fields(line_, place());
   }
   has_fields_ = false;
   if (static_cast<Index>(fields_.size()) != num_columns_) {
@@ -101,26 +96,6 @@ bool NumberTable::read_line() {
   return true;
 }
 
-// RFC 4180, except that a field can't hold a line break.
-void NumberTable::split() {
-  fields_.assign(1, "");
-  bool inside = false;
-  for (std::size_t i = 0; i < line_.size(); ++i) {
-    const bool quote = line_[i] == '"';
-    if (inside && quote && i + 1 < line_.size() && line_[i + 1] == '"') {
-      fields_.back() += line_[i++];
-    } else if (quote) {
-      inside = !inside;
-    } else if (line_[i] == ',' && !inside) {
-      fields_.emplace_back();
-    } else {
-      fields_.back() += line_[i];
-    }
-  }
-  if (inside) fail(fmt::format("column {} has no closing quote", fields_.size()));
-  std::ranges::transform(fields_, fields_.begin(), trimmed);
-}
-
 double NumberTable::number(std::size_t column) const {
   const std::optional<double> value = parse_number(fields_[column]);
   if (value) return *value;
@@ -131,7 +106,7 @@ double NumberTable::number(std::size_t column) const {
 
 void NumberTable::read_header() {
   for (const std::string& field : fields_) {
-    const Channel column = feature_of(field);
+    const Channel column = parse_feature(field);
     const std::size_t number = columns_.size() + 1;
     if (column.label.empty()) fail(fmt::format("column {} has no name", number));
     if (std::ranges::find(columns_, column.label, &Channel::label) != columns_.end()) {
@@ -141,8 +116,10 @@ void NumberTable::read_header() {
   }
 }
 
+std::string NumberTable::place() const { return fmt::format("{}:{}", name_, line_number_); }
+
 void NumberTable::fail(const std::string& message) const {
-  throw InputError(fmt::format("{}:{}: {}", name_, line_number_, message));
+  throw InputError(fmt::format("{}: {}", place(), message));
 }
 
 std::vector<Index> match_columns(const std::string& where, const std::vector<Channel>& found,

@@ -36,9 +36,9 @@ class NumberTable {
  private:
   bool next_line();
   bool read_line();
-  void split();
   double number(std::size_t column) const;
   void read_header();
+  std::string place() const;
   [[noreturn]] void fail(const std::string& message) const;
 
   std::string name_;

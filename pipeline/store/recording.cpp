@@ -6,6 +6,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "pipeline/store/column_labels.h"
 #include "pipeline/store/forked_trial.h"
 #include "pipeline/store/h5.h"
 #include "pipeline/store/hash.h"
@@ -31,16 +32,6 @@ std::vector<Channel> read_channels(const h5::Dataset& dataset) {
     channels.push_back({labels[c], units[c]});
   }
   return channels;
-}
-
-void write_channels(h5::Dataset& dataset, const std::vector<Channel>& channels) {
-  std::vector<std::string> labels, units;
-  for (const Channel& channel : channels) {
-    labels.push_back(channel.label);
-    units.push_back(channel.unit);
-  }
-  dataset.set_attribute("labels", labels);
-  dataset.set_attribute("units", units);
 }
 
 std::vector<std::string> read_names(const h5::File& file, Index num_rollouts) {
@@ -79,7 +70,7 @@ void write_rollouts(h5::File& file, const Target& target, const std::string& nam
   const RowMatrix& first = target.rollouts.front().*values;
   h5::Dataset dataset = file.create_dataset(name, h5::ElementType::f64,
                                             {target.num_rollouts(), first.rows(), first.cols()});
-  write_channels(dataset, channels);
+  describe_columns(dataset, channels);
   dataset.label_dimensions({"rollout", "time", "channel"});
   for (Index h = 0; h < target.num_rollouts(); ++h) {
     const RowMatrix& rollout = target.rollouts[static_cast<std::size_t>(h)].*values;

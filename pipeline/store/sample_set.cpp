@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/store/column_labels.h"
 #include "pipeline/store/csv_file.h"
 #include "pipeline/store/h5.h"
 
@@ -22,19 +23,12 @@ bool is_hdf5(const std::filesystem::path& path) {
 }
 
 std::vector<Channel> columns_of(const h5::Dataset& dataset) {
-  if (!dataset.has_attribute("labels")) return {};
-  const auto labels = dataset.attribute<std::vector<std::string>>("labels");
-  std::vector<std::string> units(labels.size());
-  if (dataset.has_attribute("units")) {
-    units = dataset.attribute<std::vector<std::string>>("units");
-  }
-  const auto width = static_cast<std::size_t>(dataset.row_size());
-  if (labels.size() != width || units.size() != width) {
-    throw InputError(fmt::format("{}: {} labels and {} units of {} columns, must be as many",
-                                 dataset.where(), labels.size(), units.size(), width));
-  }
+  const std::vector<std::string> labels = column_labels(dataset, dataset.row_size());
+  const std::vector<std::string> units = column_units(dataset, labels.size());
   std::vector<Channel> columns;
-  for (std::size_t c = 0; c < width; ++c) columns.push_back({labels[c], units[c]});
+  for (std::size_t c = 0; c < labels.size(); ++c) {
+    columns.push_back({labels[c], units.empty() ? "" : units[c]});
+  }
   return columns;
 }
 

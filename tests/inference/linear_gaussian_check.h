@@ -11,6 +11,22 @@
 
 namespace npdr::inference {
 
+// Networks that are small, but large enough for this task.
+inline PosteriorEstimationConfig small_config(const std::string& algorithm,
+                                              const std::string& estimator, Index rounds,
+                                              Index simulations) {
+  PosteriorEstimationConfig c;
+  c.algorithm.name = algorithm;
+  c.algorithm.num_rounds = rounds;
+  c.algorithm.num_simulations = simulations;
+  c.estimator.kind = estimator;
+  c.estimator.num_transforms = 3;
+  c.estimator.num_components = 4;
+  c.estimator.hidden_features = 30;
+  c.training.learning_rate = 1e-3;
+  return c;
+}
+
 // The estimate is a network trained on few simulations: its own error dominates the Monte Carlo
 // error of 10,000 samples (1 % of a deviation). Deviations have to be right to 15 %: a posterior
 // that isn't corrected for its proposal has about twice the precision, 0.71 of the deviation. Means

@@ -68,7 +68,7 @@ TEST_F(SampleSets, OfOtherParametersAreRejected) {
 TEST_F(SampleSets, ThatAreBrokenAreRejected) {
   write("a.h5", {"mass"}, {"kg"});
   EXPECT_EQ(message([&] { read_sample_set(folder_ / "a.h5", "theta", 9); }),
-            "a.h5: dataset 'theta': 1 labels and 1 units of 2 columns, must be as many");
+            "a.h5: dataset 'theta' has 2 columns, but 1 labels");
   h5::File file = h5::File::create(folder_ / "nan.h5");
   file.write("theta", RowMatrix(RowMatrix::Constant(4, 2, std::nan(""))));
   file.close();

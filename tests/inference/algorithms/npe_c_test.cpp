@@ -16,15 +16,8 @@ namespace {
 
 PosteriorEstimationConfig config(const std::string& estimator, const std::string& loss,
                                  Index rounds, Index simulations) {
-  PosteriorEstimationConfig c;
-  c.algorithm.num_rounds = rounds;
-  c.algorithm.num_simulations = simulations;
+  PosteriorEstimationConfig c = small_config("npe_c", estimator, rounds, simulations);
   c.algorithm.loss = loss;
-  c.estimator.kind = estimator;
-  c.estimator.num_transforms = 3;
-  c.estimator.num_components = 4;
-  c.estimator.hidden_features = 30;
-  c.training.learning_rate = 1e-3;
   return c;
 }
 

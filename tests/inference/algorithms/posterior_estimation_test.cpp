@@ -10,48 +10,34 @@
 namespace npdr::inference {
 namespace {
 
-PosteriorEstimationConfig config_of(const std::string& algorithm, const std::string& estimator,
-                                    Index rounds, Index simulations) {
-  PosteriorEstimationConfig c;
-  c.algorithm.name = algorithm;
-  c.algorithm.num_rounds = rounds;
-  c.algorithm.num_simulations = simulations;
-  c.estimator.kind = estimator;
-  c.estimator.num_transforms = 3;
-  c.estimator.num_components = 4;
-  c.estimator.hidden_features = 30;
-  c.training.learning_rate = 1e-3;
-  return c;
-}
-
 TEST(NpeA, FindsTheLinearGaussianPosteriorOverRounds) {
-  expect_linear_gaussian(config_of("npe_a", "mdn", 1, 8000));
+  expect_linear_gaussian(small_config("npe_a", "mdn", 1, 8000));
   // The estimate of the second round is twice as precise as the posterior, and what is left of its
   // precision after the division has twice its relative error.
-  expect_linear_gaussian(config_of("npe_a", "mdn", 2, 4000), 2.0);
+  expect_linear_gaussian(small_config("npe_a", "mdn", 2, 4000), 2.0);
 }
 
 TEST(NpeB, FindsTheLinearGaussianPosteriorOverRounds) {
-  expect_linear_gaussian(config_of("npe_b", "maf", 2, 2000));
+  expect_linear_gaussian(small_config("npe_b", "maf", 2, 2000));
 }
 
 TEST(NpeC, SplinesFindTheLinearGaussianPosterior) {
-  expect_linear_gaussian(config_of("npe_c", "nsf", 1, 4000));
+  expect_linear_gaussian(small_config("npe_c", "nsf", 1, 4000));
 }
 
 TEST(Nle, FindsTheLinearGaussianPosterior) {
-  expect_linear_gaussian(config_of("nle", "maf", 1, 4000));
-  expect_linear_gaussian(config_of("nle", "maf", 2, 2000));
+  expect_linear_gaussian(small_config("nle", "maf", 1, 4000));
+  expect_linear_gaussian(small_config("nle", "maf", 2, 2000));
 }
 
 TEST(NreA, FindsTheLinearGaussianPosterior) {
-  expect_linear_gaussian(config_of("nre_a", "resnet", 1, 4000), 2.0);  // as NRE-B below
+  expect_linear_gaussian(small_config("nre_a", "resnet", 1, 4000), 2.0);  // as NRE-B below
 }
 
 TEST(NreB, FindsTheLinearGaussianPosteriorOverRounds) {
   // A classifier learns the ratio of densities less accurately than a density.
-  expect_linear_gaussian(config_of("nre_b", "resnet", 1, 4000), 2.0);
-  expect_linear_gaussian(config_of("nre_b", "resnet", 2, 2000), 2.0);
+  expect_linear_gaussian(small_config("nre_b", "resnet", 1, 4000), 2.0);
+  expect_linear_gaussian(small_config("nre_b", "resnet", 2, 2000), 2.0);
 }
 
 TEST(Algorithms, SayWhichEstimatorsSuitThem) {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "pipeline/config/features.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/store/h5.h"
 #include "tests/temp_folder.h"
 

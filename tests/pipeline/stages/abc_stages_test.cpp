@@ -10,6 +10,7 @@
 #include "pipeline/stages/particle_file.h"
 #include "pipeline/stages/prediction.h"
 #include "pipeline/stages/report_data.h"
+#include "pipeline/stages/report_seeds.h"
 #include "pipeline/stages/report_tables.h"
 #include "pipeline/stages/simulation_distances.h"
 #include "pipeline/stages/stage_files.h"

@@ -1,0 +1,18 @@
+/// What the tables of a report have in common.
+#pragma once
+
+#include <string>
+
+#include "analysis/summary.h"
+#include "analysis/table.h"
+#include "pipeline/stages/report_data.h"
+
+namespace npdr::pipeline {
+
+/// What people call a metric: "RMSE, held out".
+std::string title_of(const ReportData& data, const std::string& metric);
+
+/// Mean and standard deviation; a footnote of `table` says how many samples failed.
+analysis::Cell cell_of(analysis::Table& table, const analysis::Summary& summary);
+
+}  // namespace npdr::pipeline
