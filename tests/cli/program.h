@@ -34,14 +34,15 @@ struct Streams {
   std::filesystem::path err = "stderr.txt";
 };
 
-/// A running program of the project, in the folder `folder` and a process group of its own. It ends
-/// when the test does.
+/// A running program of the project, or with its whole path any other, in the folder `folder` and a
+/// process group of its own. It ends when the test does.
 class Program {
  public:
   Program(const std::filesystem::path& folder, const std::vector<std::string>& words,
           const Streams& streams = {})
       : out_(folder / streams.out), err_(folder / streams.err) {
-    const std::string path = std::string(NPDR_BINARY_DIR) + "/bin/" + words.front();
+    const std::filesystem::path path =
+        std::filesystem::path(NPDR_BINARY_DIR) / "bin" / words.front();
     pid_ = fork();
     setpgid(pid_, 0);  // by both, as nobody knows who is first
     if (pid_ != 0) return;
@@ -55,6 +56,8 @@ class Program {
     execv(path.c_str(), arguments.data());
     _exit(127);
   }
+
+  pid_t pid() const { return pid_; }
 
   void send(int signal) const { kill(pid_, signal); }
   /// As a terminal sends Ctrl-C: to all that belongs to it.
