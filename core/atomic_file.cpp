@@ -78,23 +78,33 @@ void make_folder(const fs::path& folder) {
   if (error) throw_file_error(folder, "be made a folder", error.value());
 }
 
-AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)), temporary_(temporary_name(path_)) {
-  const fs::path folder = folder_of(path_);
-  make_folder(folder);
-  remove_stale_temporaries(folder);
-  if (!Descriptor(temporary_, O_WRONLY | O_CREAT | O_TRUNC).open()) {
-    throw_file_error(path_, "be written", errno);
+AtomicFile::AtomicFile(fs::path path, const fs::path& scratch)
+    : path_(std::move(path)),
+      beside_(temporary_name(path_)),
+      temporary_(scratch.empty() ? beside_ : scratch / beside_.filename()) {
+  for (const fs::path& file : {beside_, temporary_}) {
+    make_folder(folder_of(file));
+    remove_stale_temporaries(folder_of(file));
+    if (!Descriptor(file, O_WRONLY | O_CREAT | O_TRUNC).open()) {
+      throw_file_error(file == beside_ ? path_ : file, "be written", errno);
+    }
   }
 }
 
 AtomicFile::~AtomicFile() {
   std::error_code ignored;
-  if (!committed_) fs::remove(temporary_, ignored);
+  if (!committed_) fs::remove(beside_, ignored);
+  if (temporary_ != beside_) fs::remove(temporary_, ignored);
 }
 
 void AtomicFile::commit() {
-  sync(temporary_, O_RDONLY);
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
+  if (temporary_ != beside_) {
+    std::error_code error;
+    fs::copy_file(temporary_, beside_, fs::copy_options::overwrite_existing, error);
+    if (error) throw_file_error(path_, "be written", error.value());
+  }
+  sync(beside_, O_RDONLY);
+  if (::rename(beside_.c_str(), path_.c_str()) != 0) {
     throw_file_error(path_, "be given its name", errno);
   }
   committed_ = true;

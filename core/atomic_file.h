@@ -16,8 +16,9 @@ void make_folder(const std::filesystem::path& folder);
 class AtomicFile {
  public:
   /// Makes the folder if there is none. Throws Error when it can't be written to: says why and what
-  /// to do.
-  explicit AtomicFile(std::filesystem::path path);
+  /// to do. `scratch`: a folder of this machine to write in first, from where commit() copies the
+  /// file; empty: none.
+  explicit AtomicFile(std::filesystem::path path, const std::filesystem::path& scratch = {});
   /// Removes the temporary unless commit() has been called.
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -33,7 +34,8 @@ class AtomicFile {
 
  private:
   std::filesystem::path path_;
-  std::filesystem::path temporary_;
+  std::filesystem::path beside_;     ///< the temporary in the folder of `path_`
+  std::filesystem::path temporary_;  ///< the same, or in scratch
   bool committed_ = false;
 };
 

@@ -72,4 +72,17 @@ std::string missing_name(std::string_view kind, std::string_view name,
          (present.empty() ? "nothing" : join(present));
 }
 
+std::string index_ranges(const std::vector<Index>& indices) {
+  std::vector<std::string> ranges;
+  for (std::size_t i = 0; i < indices.size();) {
+    std::size_t last = i;
+    while (last + 1 < indices.size() && indices[last + 1] == indices[last] + 1) ++last;
+    std::string range = std::to_string(indices[i]);
+    if (last > i) range.append("-").append(std::to_string(indices[last]));
+    ranges.push_back(range);
+    i = last + 1;
+  }
+  return join(ranges, ",");
+}
+
 }  // namespace npdr

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/types.h"
+
 namespace npdr {
 
 /// The candidate with the smallest edit distance to `name` (Levenshtein, case folded), or "" when
@@ -13,6 +15,9 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 
 /// "a, b, c".
 std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
+
+/// 0, 2, 3, 4, 9 as "0,2-4,9"; ascending.
+std::string index_ranges(const std::vector<Index>& indices);
 
 /// `unknown simulator 'furta' (did you mean 'furuta'?); known: furuta, pendulum`.
 std::string unknown_name(std::string_view kind, std::string_view name,

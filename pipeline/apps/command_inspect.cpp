@@ -115,7 +115,8 @@ void print_file(const std::string& path, bool study, bool digest) {
   }
   const Provenance& p = info.provenance;
   fmt::print("  made by  npdr {} ({}), {}, on {} at {} in {:.2f} s\n", p.creator_version,
-             p.git_revision, p.instruction_set, p.host, p.created, p.wall_seconds);
+             p.git_revision, p.instruction_set, p.host, p.created, p.cost.wall_seconds);
+  if (!p.batch_job.empty()) fmt::print("  job      {}\n", p.batch_job);
   if (digest) fmt::print("  content  {}\n", content_digest(path));
   print_own_attributes(file);
   fmt::print("  datasets\n");

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/external/command_text.h"
 #include "pipeline/run/progress.h"
@@ -86,8 +87,8 @@ void StudyArguments::add_to(CLI::App& app) {
       ->allow_extra_args(false);
 }
 
-Plan StudyArguments::plan() const {
-  Plan plan = make_plan(read_study(file, overrides), WorkFolder(work), {methods, seeds});
+Plan StudyArguments::plan(const ClusterConfig& site) const {
+  Plan plan = make_plan(read_study(file, overrides, site), WorkFolder(work), {methods, seeds});
   std::vector<std::string> command = {"npdr", "run"};
   const auto study_words = words();
   command.insert(command.end(), study_words.begin(), study_words.end());
@@ -105,13 +106,16 @@ std::vector<std::string> StudyArguments::words() const {
   return words;
 }
 
-std::string shell_text(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) {
-    if (!text.empty()) text += ' ';
-    text += shell_word(word);
+std::optional<Stage> parse_stage(const std::string& name, const std::string& option) {
+  if (name.empty()) return std::nullopt;
+  std::vector<std::string> known;
+  for (const Stage stage :
+       {Stage::target, Stage::held_out, Stage::propose, Stage::simulate, Stage::infer,
+        Stage::baseline, Stage::evaluate, Stage::diagnose, Stage::report}) {
+    if (to_string(stage) == name) return stage;
+    known.push_back(to_string(stage));
   }
-  return text;
+  throw InputError(option + ": " + unknown_name("stage", name, known));
 }
 
 std::vector<Index> parse_ranges(const std::string& text) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,13 +32,14 @@ struct StudyArguments {
   std::vector<std::uint64_t> seeds;
 
   void add_to(CLI::App& app);
-  Plan plan() const;
+  /// `site`: see read_study().
+  Plan plan(const ClusterConfig& site = {}) const;
   /// The words that name the same study to another executable.
   std::vector<std::string> words() const;
 };
 
-/// "npdr run study.toml --set 'a=b c'": words quoted for a shell where they need it.
-std::string shell_text(const std::vector<std::string>& words);
+/// The stage of this name, which `option` gave; none for "". Throws InputError.
+std::optional<Stage> parse_stage(const std::string& name, const std::string& option);
 
 /// "0-3,7" as {0, 1, 2, 3, 7}. Throws InputError.
 std::vector<Index> parse_ranges(const std::string& text);

@@ -7,9 +7,9 @@
 #include <memory>
 #include <thread>
 
-#include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/external/command_text.h"
 #include "pipeline/run/scheduler.h"
 #include "pipeline/stages/report_marker.h"
 
@@ -20,23 +20,12 @@ struct RunArguments {
   StudyArguments study;
   std::string until;
   int num_jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // 0: unknown
+  std::vector<std::string> artefacts;
   bool dry_run = false;
 };
 
-std::optional<Stage> parse_stage(const std::string& name) {
-  if (name.empty()) return std::nullopt;
-  std::vector<std::string> known;
-  for (const Stage stage :
-       {Stage::target, Stage::held_out, Stage::propose, Stage::simulate, Stage::infer,
-        Stage::baseline, Stage::evaluate, Stage::diagnose, Stage::report}) {
-    if (to_string(stage) == name) return stage;
-    known.push_back(to_string(stage));
-  }
-  throw InputError("--until: " + unknown_name("stage", name, known));
-}
-
 void print_commands(const Plan& plan, const SchedulerConfig& config) {
-  for (const Node* node : missing_nodes(plan, config.until)) {
+  for (const Node* node : missing_nodes(plan, config)) {
     fmt::print("# {}\n{}\n", node->label(), shell_text(stage_command(config, *node)));
   }
 }
@@ -49,16 +38,25 @@ void print_results(const Plan& plan) {
   fmt::print("\nreport: {}\n", report_path(plan).string());
 }
 
+std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string>& beginnings) {
+  std::vector<std::string> keys;
+  for (const std::string& beginning : beginnings) keys.push_back(plan.node_by_key(beginning).key);
+  return keys;
+}
+
 ExitStatus run(const RunArguments& arguments) {
   const Plan plan = arguments.study.plan();
-  const SchedulerConfig config{arguments.num_jobs, parse_stage(arguments.until),
-                               arguments.study.words()};
+  const SchedulerConfig config{arguments.num_jobs, parse_stage(arguments.until, "--until"),
+                               arguments.study.words(), keys_of(plan, arguments.artefacts)};
   if (arguments.dry_run) {
     print_commands(plan, config);
     return ExitStatus::done;
   }
   const ExitStatus status = Scheduler(plan, config).run();
-  if (status == ExitStatus::done && !config.until) print_results(plan);
+  const Node& report = plan.nodes.back();
+  const bool is_whole = !config.until && config.artefacts.empty();
+  const bool makes_report = std::ranges::count(config.artefacts, report.key) > 0;
+  if (status == ExitStatus::done && (is_whole || makes_report)) print_results(plan);
   return status;
 }
 
@@ -72,6 +70,10 @@ void add_run_command(CLI::App& app, int& result) {
   command->add_option("-j,--jobs", arguments->num_jobs, "cores to use")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));
+  command
+      ->add_option("--artefact", arguments->artefacts,
+                   "only the artefact whose key begins like this; may be repeated")
+      ->allow_extra_args(false);
   command->add_flag("--dry-run", arguments->dry_run, "print the commands that are missing");
   command->callback(
       [&result, arguments] { result = guarded_main("npdr run", [&] { return run(*arguments); }); });

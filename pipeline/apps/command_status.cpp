@@ -9,28 +9,78 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/size_text.h"
+#include "pipeline/cluster/cluster_status.h"
 #include "pipeline/plan/artefact_status.h"
 
 namespace npdr::pipeline {
 namespace {
 
+// A row of the table.
+struct Standing {
+  const Node& node;
+  ArtefactStatus status;
+  std::optional<NodeJobs> jobs;
+
+  // What the batch system does counts more than what it has done so far.
+  std::string state() const {
+    if (jobs && !jobs->running.empty()) return "running";
+    if (jobs && !jobs->waiting.empty()) return "queued";
+    if (jobs && !jobs->failed.empty()) return "failed";
+    return to_string(status.state);
+  }
+
+  std::string detail() const {
+    std::string text = status.detail;
+    const auto add = [&](const std::string& more) {
+      if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
+    };
+    if (!jobs) return text;
+    add(jobs->text());
+    if (!jobs->failed.empty()) add(jobs->failed.front());
+    if (jobs->failed.size() > 1) add(fmt::format("{} more failed", jobs->failed.size() - 1));
+    return text;
+  }
+};
+
+// What Slurm has, when anything was ever submitted to it.
+std::optional<std::vector<QueuedTask>> ask_slurm(const Plan& plan) {
+  if (read_ledger(plan).empty()) return std::nullopt;
+  try {
+    return queued_tasks();
+  } catch (const Error& error) {
+    fmt::print(stderr, "npdr status: what is queued isn't known: {}\n", error.what());
+    return std::nullopt;
+  }
+}
+
+std::vector<Standing> standings(const Plan& plan) {
+  const auto jobs = jobs_of_nodes(plan, ask_slurm(plan));
+  std::vector<Standing> rows;
+  for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
+    rows.push_back({plan.nodes[i], status_of(plan, plan.nodes[i]), jobs[i]});
+  }
+  return rows;
+}
+
 void print_table(const Plan& plan) {
+  const std::vector<Standing> rows = standings(plan);
   std::size_t width = 8;
-  for (const Node& node : plan.nodes) width = std::max(width, node.label().size());
+  for (const Standing& row : rows) width = std::max(width, row.node.label().size());
   fmt::print("{:<{}}  {:<10}  {:>9}  {:>9}  {:<8}  {}\n", "artefact", width, "state", "size",
              "seconds", "key", "");
   std::map<std::string, int> counts;
   std::uintmax_t bytes = 0;
   double seconds = 0.0;
-  for (const Node& node : plan.nodes) {
-    const ArtefactStatus status = status_of(plan, node);
-    ++counts[to_string(status.state)];
+  for (const Standing& row : rows) {
+    const ArtefactStatus& status = row.status;
+    ++counts[row.state()];
     bytes += status.bytes;
-    seconds += status.wall_seconds;
-    fmt::print("{:<{}}  {:<10}  {:>9}  {:>9}  {}  {}\n", node.label(), width,
-               to_string(status.state), status.bytes > 0 ? size_text(status.bytes) : "-",
-               status.wall_seconds > 0.0 ? fmt::format("{:.2f}", status.wall_seconds) : "-",
-               node.key.substr(0, 8), status.detail);
+    seconds += status.cost.wall_seconds;
+    fmt::print(
+        "{:<{}}  {:<10}  {:>9}  {:>9}  {}  {}\n", row.node.label(), width, row.state(),
+        status.bytes > 0 ? size_text(status.bytes) : "-",
+        status.cost.wall_seconds > 0.0 ? fmt::format("{:.2f}", status.cost.wall_seconds) : "-",
+        row.node.key.substr(0, 8), row.detail());
   }
   std::string summary;
   for (const auto& [state, count] : counts) {
@@ -40,64 +90,79 @@ void print_table(const Plan& plan) {
              size_text(bytes), seconds);
 }
 
-struct Cost {
+struct CostRow {
   std::string name;
   Index artefacts = 0;
   std::uintmax_t bytes = 0;
-  double seconds = 0.0;
+  Cost cost = {};
 };
 
-void add_cost(std::vector<Cost>& costs, const std::string& name, const ArtefactStatus& status) {
+void add_cost(std::vector<CostRow>& costs, const std::string& name, const ArtefactStatus& status) {
   auto cost =
-      std::find_if(costs.begin(), costs.end(), [&](const Cost& c) { return c.name == name; });
+      std::find_if(costs.begin(), costs.end(), [&](const CostRow& c) { return c.name == name; });
   if (cost == costs.end()) cost = costs.insert(costs.end(), {.name = name});
   ++cost->artefacts;
   cost->bytes += status.bytes;
-  cost->seconds += status.wall_seconds;
+  cost->cost.wall_seconds += status.cost.wall_seconds;
+  cost->cost.core_seconds += status.cost.core_seconds;
 }
 
-void print_costs(const std::string& what, const std::vector<Cost>& costs) {
+void print_costs(const std::string& what, const std::vector<CostRow>& costs) {
   std::size_t width = what.size();
-  for (const Cost& cost : costs) width = std::max(width, cost.name.size());
-  fmt::print("{:<{}}  {:>9}  {:>9}  {:>10}\n", what, width, "artefacts", "size", "seconds");
-  for (const Cost& cost : costs) {
-    fmt::print("{:<{}}  {:>9}  {:>9}  {:>10.2f}\n", cost.name, width, cost.artefacts,
-               size_text(cost.bytes), cost.seconds);
+  for (const CostRow& row : costs) width = std::max(width, row.name.size());
+  fmt::print("{:<{}}  {:>9}  {:>9}  {:>10}  {:>10}\n", what, width, "artefacts", "size", "seconds",
+             "core-hours");
+  for (const CostRow& row : costs) {
+    fmt::print("{:<{}}  {:>9}  {:>9}  {:>10.2f}  {:>10.4f}\n", row.name, width, row.artefacts,
+               size_text(row.bytes), row.cost.wall_seconds, row.cost.core_seconds / 3600.0);
   }
 }
 
 // What is there has cost, by stage and by method. What several methods share counts for the first.
 void print_cost_tables(const Plan& plan) {
-  std::vector<Cost> by_stage, by_method;
+  std::vector<CostRow> by_stage, by_method, all;
   for (const Node& node : plan.nodes) {
     const ArtefactStatus status = status_of(plan, node);
     if (status.state != ArtefactState::up_to_date) continue;
     const std::string& method = node.uses.front().method;
     add_cost(by_stage, to_string(node.stage), status);
     add_cost(by_method, method.empty() ? "(all methods)" : method, status);
+    add_cost(all, "all", status);
   }
   print_costs("stage", by_stage);
   fmt::print("\n");
   print_costs("method", by_method);
+  fmt::print("\n");
+  print_costs("study", all);
+}
+
+nlohmann::ordered_json ids_of(const std::vector<QueuedTask>& tasks) {
+  nlohmann::ordered_json ids = nlohmann::ordered_json::array();
+  for (const QueuedTask& task : tasks) ids.push_back(task.id());
+  return ids;
 }
 
 void print_json(const Plan& plan) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  for (const Node& node : plan.nodes) {
-    const ArtefactStatus status = status_of(plan, node);
+  for (const Standing& row : standings(plan)) {
     nlohmann::ordered_json uses = nlohmann::ordered_json::array();
-    for (const Use& use : node.uses) {
+    for (const Use& use : row.node.uses) {
       uses.push_back({{"method", use.method}, {"seed", use.seed}, {"round", use.round}});
     }
-    rows.push_back({{"stage", to_string(node.stage)},
-                    {"label", node.label()},
-                    {"key", node.key},
-                    {"path", node.path.string()},
-                    {"state", to_string(status.state)},
-                    {"detail", status.detail},
-                    {"bytes", status.bytes},
-                    {"wall_seconds", status.wall_seconds},
+    rows.push_back({{"stage", to_string(row.node.stage)},
+                    {"label", row.node.label()},
+                    {"key", row.node.key},
+                    {"path", row.node.path.string()},
+                    {"state", row.state()},
+                    {"detail", row.status.detail},
+                    {"bytes", row.status.bytes},
+                    {"wall_seconds", row.status.cost.wall_seconds},
+                    {"core_seconds", row.status.cost.core_seconds},
                     {"uses", uses}});
+    if (!row.jobs) continue;
+    rows.back()["running"] = ids_of(row.jobs->running);
+    rows.back()["queued"] = ids_of(row.jobs->waiting);
+    rows.back()["failed"] = row.jobs->failed;
   }
   fmt::print("{}\n", rows.dump(2));
 }

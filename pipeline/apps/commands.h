@@ -9,6 +9,10 @@ class App;
 namespace npdr::pipeline {
 
 void add_run_command(CLI::App& app, int& result);
+void add_submit_command(CLI::App& app, int& result);
+void add_cancel_command(CLI::App& app, int& result);
+void add_tasks_command(CLI::App& app, int& result);
+void add_task_command(CLI::App& app, int& result);
 void add_status_command(CLI::App& app, int& result);
 void add_explain_command(CLI::App& app, int& result);
 void add_validate_command(CLI::App& app, int& result);

@@ -32,6 +32,10 @@ int main(int argc, char** argv) {
   app.fallthrough(false);
   int result = 0;
   add_run_command(app, result);
+  add_submit_command(app, result);
+  add_cancel_command(app, result);
+  add_tasks_command(app, result);
+  add_task_command(app, result);
   add_status_command(app, result);
   add_explain_command(app, result);
   add_validate_command(app, result);

@@ -17,6 +17,7 @@
 #include "inference/linear_regression/linear_regression_config.h"
 #include "inference/prior.h"
 #include "inference/training_config.h"
+#include "pipeline/config/cluster_config.h"
 #include "pipeline/config/external_config.h"
 #include "pipeline/config/places.h"
 #include "sim/simulator.h"
@@ -114,6 +115,7 @@ struct Study {
   std::vector<ReferenceConfig> references;
   LimitsConfig limits;
   ReportConfig report;
+  ClusterConfig cluster;
   Places places;  ///< where each key stands in what the study was read from
 
   /// Throws InputError with the nearest name when no method is called `method_name`.

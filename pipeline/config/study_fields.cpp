@@ -1,5 +1,7 @@
 #include "pipeline/config/study_fields.h"
 
+#include <regex>
+
 #include "core/text.h"
 
 namespace npdr::pipeline {
@@ -25,6 +27,17 @@ Constraint<std::vector<std::string>> distinct_of(const std::vector<std::string>&
                      return std::ranges::find(known, name) != known.end();
                    });
           }};
+}
+
+bool is_visible(char c) { return static_cast<unsigned char>(c) > ' ' && c != '\x7f'; }
+
+bool is_printable(const std::string& line) {
+  return line.size() <= 4096 &&
+         std::ranges::all_of(line, [](char c) { return c == '\t' || c == ' ' || is_visible(c); });
+}
+
+bool is_option(const std::string& text) {
+  return text.starts_with("-") && is_visible(text.back()) && is_printable(text);
 }
 
 }  // namespace
@@ -78,6 +91,38 @@ Constraint<std::vector<std::string>> checks_constraint() { return distinct_of(ch
 
 Constraint<std::vector<inference::Marginal>> prior_constraint() {
   return {"of at least one parameter", [](const auto& prior) { return !prior.empty(); }};
+}
+
+Constraint<std::string> memory_constraint() {
+  return {"a size such as 500M or 2G", [](const std::string& text) {
+            static const std::regex size("[0-9]{1,9}[KMGT]?");
+            return text.empty() || std::regex_match(text, size);
+          }};
+}
+
+Constraint<std::string> time_constraint() {
+  return {"a time such as 90 (minutes), 01:30:00 or 1-12:00 (days-hours:minutes)",
+          [](const std::string& text) {
+            static const std::regex time(
+                "[0-9]{1,7}|[0-9]{1,5}:[0-9]{2}(:[0-9]{2})?|[0-9]{1,4}-[0-9]{1,2}(:[0-9]{2}){0,2}");
+            return text.empty() || std::regex_match(text, time);
+          }};
+}
+
+Constraint<std::string> option_value() {
+  return {"one word of printable characters", [](const std::string& text) {
+            return text.size() <= 4096 && std::ranges::all_of(text, is_visible);
+          }};
+}
+
+Constraint<std::vector<std::string>> options_constraint() {
+  return {"options such as --qos=long, each without blanks at its ends and line breaks",
+          [](const auto& options) { return std::ranges::all_of(options, is_option); }};
+}
+
+Constraint<std::vector<std::string>> shell_lines() {
+  return {"lines of shell without control characters",
+          [](const auto& lines) { return std::ranges::all_of(lines, is_printable); }};
 }
 
 }  // namespace npdr::pipeline

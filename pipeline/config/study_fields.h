@@ -34,6 +34,15 @@ Constraint<std::vector<std::uint64_t>> seeds_constraint();
 Constraint<std::vector<std::string>> metrics_constraint();
 Constraint<std::vector<std::string>> checks_constraint();
 Constraint<std::vector<inference::Marginal>> prior_constraint();
+/// Of Slurm: "2G"; "" for none.
+Constraint<std::string> memory_constraint();
+/// Of Slurm: "90", "01:30:00", "1-12"; "" for none.
+Constraint<std::string> time_constraint();
+/// What can stand behind the = of a batch system's option: one word, or nothing.
+Constraint<std::string> option_value();
+/// Lines such as "--qos=long".
+Constraint<std::vector<std::string>> options_constraint();
+Constraint<std::vector<std::string>> shell_lines();
 
 template <class Fields>
 void describe(Fields& f, sim::MinigolfConfig& c) {
@@ -273,6 +282,49 @@ void describe(Fields& f, ReportConfig& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, StageResources& c) {
+  f("cpus", c.cpus, between(0, 4096), "cores of a task; 0: as [cluster] says");
+  f("memory", c.memory, memory_constraint(), "of a task; empty: as [cluster] says");
+  f("time", c.time, time_constraint(), "limit of a task; empty: as [cluster] says");
+  f("sbatch", c.sbatch, options_constraint(), "further options, after those of [cluster]");
+}
+
+template <class Fields>
+void describe(Fields& f, ClusterConfig& c) {
+  f("partition", c.partition, option_value(), "of the cluster; empty: its default");
+  f("account", c.account, option_value(), "that pays; empty: the user's default");
+  f("cpus", c.cpus, between(1, 4096), "cores of a task");
+  f("memory", c.memory, memory_constraint(),
+    "of a task, such as \"2G\"; empty: the site's default");
+  f("time", c.time, time_constraint(),
+    "limit of a task, such as \"01:00:00\"; empty: the site's default");
+  f("array_limit", c.array_limit, count_from(0),
+    "tasks of an array that run at the same time; 0: as many as the cluster likes");
+  f("max_array_size", c.max_array_size, count_from(0),
+    "larger arrays are split; 0: the cluster is asked");
+  f("task_minutes", c.task_minutes, positive(),
+    "short shards are packed into tasks of about this length");
+  f("signal_seconds", c.signal_seconds, between(1, 65'535),
+    "before its time limit a task saves its work and is queued again");
+  f("scratch", c.scratch, option_value(),
+    "folder of the node where shards are written first, such as \"$TMPDIR\"; empty: none");
+  f("mail", c.mail, option_value(), "address for mail when the study ends or a job fails");
+  f("setup", c.setup, shell_lines(), "lines of shell before the work, such as \"module load gcc\"");
+  f("sbatch", c.sbatch, options_constraint(),
+    "further options of all jobs, such as \"--qos=long\"");
+  const auto stage = [&](const char* key, StageResources& resources, const char* doc) {
+    f.table(key, doc, [&](auto& t) { describe(t, resources); });
+  };
+  stage("prepare", c.prepare, "what jobs of targets and proposals ask for");
+  stage("simulate", c.simulate, "what tasks that simulate ask for");
+  stage("infer", c.infer, "what jobs that train ask for");
+  stage("baseline", c.baseline, "what the job of the baseline asks for");
+  stage("evaluate", c.evaluate, "what jobs that evaluate ask for");
+  stage("diagnose", c.diagnose, "what jobs that diagnose ask for");
+  stage("report", c.report, "what the job of the report asks for");
+}
+
+template <class Fields>
 void describe(Fields& f, Study& c) {
   f.table("study", "what the study is called and repeated over", [&](auto& t) {
     t("name", c.name, folder_name(), "names the study's folder and its report");
@@ -301,6 +353,7 @@ void describe(Fields& f, Study& c) {
       "share of failed simulations above which the study stops");
   });
   f.table("report", "how results are shown", [&](auto& t) { describe(t, c.report); });
+  f.table("cluster", "how a batch system runs the study", [&](auto& t) { describe(t, c.cluster); });
 }
 
 }  // namespace npdr::pipeline

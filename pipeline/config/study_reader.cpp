@@ -111,16 +111,18 @@ void resolve(Study& study, const fs::path& file, const Reading& reading) {
 
 }  // namespace
 
-Study read_study(const fs::path& file, const std::vector<std::string>& overrides) {
-  return parse_study(read_text(file), file, overrides);
+Study read_study(const fs::path& file, const std::vector<std::string>& overrides,
+                 const ClusterConfig& site) {
+  return parse_study(read_text(file), file, overrides, site);
 }
 
 Study parse_study(std::string_view text, const fs::path& file,
-                  const std::vector<std::string>& overrides) {
+                  const std::vector<std::string>& overrides, const ClusterConfig& site) {
   toml::table document = parse_toml(text, file.string());
   Reading reading(file.string());
   for (const std::string& assignment : overrides) apply_override(document, assignment, reading);
   Study study;
+  study.cluster = site;
   TomlFields fields(&document, "", reading);
   describe(fields, study);
   fields.reject_unknown_keys();
@@ -129,6 +131,17 @@ Study parse_study(std::string_view text, const fs::path& file,
   reading.problems().throw_if_any();
   study.places = reading.places();
   return study;
+}
+
+ClusterConfig read_site(const fs::path& file) {
+  const toml::table document = parse_toml(read_text(file), file.string());
+  Reading reading(file.string());
+  ClusterConfig cluster;
+  TomlFields fields(&document, "", reading);
+  fields.table("cluster", "", [&](auto& table) { describe(table, cluster); });
+  fields.reject_unknown_keys();
+  reading.problems().throw_if_any();
+  return cluster;
 }
 
 }  // namespace npdr::pipeline

@@ -23,10 +23,15 @@ namespace npdr::pipeline {
 /// its own:
 ///   study.toml:14:17: method.training.learning_rate = -0.1, must be > 0
 ///   --set simulate.shard_size=0: simulate.shard_size = 0, must be >= 1 and <= 10^9
-Study read_study(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+/// `site`: what [cluster] has where the study leaves keys out.
+Study read_study(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
+                 const ClusterConfig& site = {});
 
 /// The same for a study's text; `file` names it in messages and gives its folder.
 Study parse_study(std::string_view text, const std::filesystem::path& file,
-                  const std::vector<std::string>& overrides = {});
+                  const std::vector<std::string>& overrides = {}, const ClusterConfig& site = {});
+
+/// A site's file: nothing but a table [cluster]. Throws InputError as above.
+ClusterConfig read_site(const std::filesystem::path& file);
 
 }  // namespace npdr::pipeline

@@ -58,6 +58,15 @@ std::string shell_word(const std::string& word) {
   return text + '\'';
 }
 
+std::string shell_text(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) {
+    if (!text.empty()) text += ' ';
+    text += shell_word(word);
+  }
+  return text;
+}
+
 std::string filled_command(const std::string& command, const std::filesystem::path& theta,
                            const std::filesystem::path& x) {
   std::string text = command;

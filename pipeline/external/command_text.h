@@ -4,11 +4,15 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace npdr::pipeline {
 
 /// `word` as a shell reads it back: quoted where it needs it.
 std::string shell_word(const std::string& word);
+
+/// "npdr run study.toml --set 'a=b c'": words quoted for a shell where they need it.
+std::string shell_text(const std::vector<std::string>& words);
 
 /// The command with {theta} and {x} replaced by the paths of the files; a file whose placeholder
 /// doesn't occur is appended, theta first.

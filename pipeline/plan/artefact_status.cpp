@@ -120,7 +120,7 @@ namespace {
 void read_status(const Plan& plan, const Node& node, ArtefactStatus& status) {
   if (is_complete(plan, node)) {
     if (node.stage != Stage::report) {
-      status.wall_seconds = read_artefact_info(node.path).provenance.wall_seconds;
+      status.cost = read_artefact_info(node.path).provenance.cost;
     }
     status.state = ArtefactState::up_to_date;
     return;

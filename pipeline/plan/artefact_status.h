@@ -20,9 +20,9 @@ enum class ArtefactState {
 
 struct ArtefactStatus {
   ArtefactState state = ArtefactState::missing;
-  std::string detail;         ///< "3 of 10 shards", "damaged, remove it: ..."; may be empty
-  std::uintmax_t bytes = 0;   ///< on disk, shards included
-  double wall_seconds = 0.0;  ///< it took, 0: not known
+  std::string detail;        ///< "3 of 10 shards", "damaged, remove it: ..."; may be empty
+  std::uintmax_t bytes = 0;  ///< on disk, shards included
+  Cost cost;                 ///< nothing: not known
   /// The artefact of an earlier version, when there is one.
   std::optional<std::filesystem::path> earlier;
 };

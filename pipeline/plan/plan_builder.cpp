@@ -50,6 +50,7 @@ PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& s
   check_selection(selection);
   if (plan_.study.external.is_used()) resolve_external();
   study_json_ = to_json(plan_.study);
+  study_json_.erase("cluster");  // where something is computed changes nothing
 }
 
 void PlanBuilder::resolve_external() {

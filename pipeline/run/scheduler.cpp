@@ -64,6 +64,24 @@ std::vector<const Node*> missing_nodes(const Plan& plan, std::optional<Stage> un
   return missing;
 }
 
+std::vector<const Node*> missing_nodes(const Plan& plan, const SchedulerConfig& config) {
+  std::vector<const Node*> missing = missing_nodes(plan, config.until);
+  if (config.artefacts.empty()) return missing;
+  std::erase_if(missing, [&](const Node* node) {
+    return std::ranges::find(config.artefacts, node->key) == config.artefacts.end();
+  });
+  for (const Node* node : missing) {
+    for (const std::size_t need : node->needs) {
+      const Node* const needed = &plan.nodes[need];
+      if (std::ranges::find(missing, needed) != missing.end() || is_complete(plan, *needed)) {
+        continue;
+      }
+      require_inputs(plan, *node);
+    }
+  }
+  return missing;
+}
+
 Scheduler::Scheduler(const Plan& plan, SchedulerConfig config)
     : plan_(plan),
       config_(std::move(config)),
@@ -72,7 +90,7 @@ Scheduler::Scheduler(const Plan& plan, SchedulerConfig config)
       terminal_(isatty(STDERR_FILENO) != 0),
       start_(Clock::now()),
       shown_(start_) {
-  for (const Node* node : missing_nodes(plan, config_.until)) {
+  for (const Node* node : missing_nodes(plan, config_)) {
     states_[static_cast<std::size_t>(node - plan.nodes.data())] = State::waiting;
     ++num_missing_;
   }

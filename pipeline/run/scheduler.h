@@ -18,6 +18,7 @@ struct SchedulerConfig {
   int num_jobs = 1;                      ///< cores to keep busy
   std::optional<Stage> until;            ///< the last stage to run; empty: all
   std::vector<std::string> study_words;  ///< words that name the study to a stage: file, --set, ...
+  std::vector<std::string> artefacts;    ///< keys of those to make; empty: all
 };
 
 /// The command that makes one artefact.
@@ -25,6 +26,10 @@ std::vector<std::string> stage_command(const SchedulerConfig& config, const Node
 
 /// The nodes that aren't complete and are needed for what is selected, in an order that works.
 std::vector<const Node*> missing_nodes(const Plan& plan, std::optional<Stage> until);
+
+/// Those of them that `config` is about. Throws InputError when one of its artefacts needs what is
+/// neither there nor one of them.
+std::vector<const Node*> missing_nodes(const Plan& plan, const SchedulerConfig& config);
 
 class Scheduler {
  public:

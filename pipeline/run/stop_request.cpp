@@ -11,12 +11,15 @@ namespace npdr::pipeline {
 namespace {
 
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): all that a handler can reach
-std::atomic<bool> requested = false;
-static_assert(std::atomic<bool>::is_always_lock_free);  // or a handler could not write it
+std::atomic<int> first_signal = 0;
+static_assert(std::atomic<int>::is_always_lock_free);  // or a handler could not write it
 
 constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGUSR1, SIGHUP};
 
-void handle(int) { requested.store(true, std::memory_order_relaxed); }
+void handle(int signal) {
+  int none = 0;
+  first_signal.compare_exchange_strong(none, signal, std::memory_order_relaxed);
+}
 
 bool is_ignored(int signal) {
   struct sigaction action = {};
@@ -41,7 +44,9 @@ bool is_stop_signal(int signal) {
   return std::find(kStopSignals.begin(), kStopSignals.end(), signal) != kStopSignals.end();
 }
 
-bool stop_requested() { return requested.load(std::memory_order_relaxed); }
+bool stop_requested() { return stop_signal() != 0; }
+
+int stop_signal() { return first_signal.load(std::memory_order_relaxed); }
 
 void stop_here_if_requested() {
   if (stop_requested()) throw Checkpointed("stopped on request; run it again to go on");

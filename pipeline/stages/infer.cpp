@@ -98,7 +98,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   }
 
   Checkpoint checkpoint = read_checkpoint(plan, node);
-  writer.add_wall_seconds(checkpoint.seconds);
+  writer.add_cost(cost_of_seconds(checkpoint.seconds));
   inference::TrainingState& state = checkpoint.training;
   EpochReport report(plan, node, start, checkpoint.seconds);
   const auto posterior = blaming_checkpoint(plan, node, [&] {

@@ -232,7 +232,7 @@ PosteriorNotes read_posterior_notes(const Node& node) {
 void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state,
                       double seconds) {
   ArtefactWriter writer(plan.work.checkpoint("infer", node.key), kCheckpointSchema, node.identity);
-  writer.add_wall_seconds(seconds);
+  writer.add_cost(cost_of_seconds(seconds));
   h5::File& file = writer.file();
   file.set_attribute("epoch", state.epoch);
   file.set_attribute("epochs_without_improvement", state.epochs_without_improvement);
@@ -252,7 +252,7 @@ Checkpoint read_checkpoint(const Plan& plan, const Node& node) {
   const std::filesystem::path path = plan.work.checkpoint("infer", node.key);
   if (!std::filesystem::exists(path)) return {};
   const h5::File file = open_artefact(path, kCheckpointSchema, node.key);
-  Checkpoint checkpoint{.training = {}, .seconds = wall_seconds(file)};
+  Checkpoint checkpoint{.training = {}, .seconds = provenance_of(file).cost.wall_seconds};
   inference::TrainingState& state = checkpoint.training;
   state.epoch = file.attribute<Index>("epoch");
   state.epochs_without_improvement = file.attribute<Index>("epochs_without_improvement");

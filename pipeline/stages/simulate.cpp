@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <numeric>
 #include <optional>
 
@@ -85,6 +86,13 @@ class ShardSource {
   std::vector<Index> dataset_rows_;
 };
 
+// A folder of this machine, where shards are written first: many small writes over a network are
+// slow.
+std::filesystem::path scratch_folder() {
+  const char* const folder = std::getenv("NPDR_SCRATCH");
+  return folder == nullptr ? "" : folder;
+}
+
 Identity shard_identity(const Node& node, RowRange rows) {
   Identity identity = node.identity;
   identity.key_document = key_document(kSimulationShardSchema);
@@ -115,7 +123,8 @@ void simulate_shard(const Simulation& simulation, RowRange rows, Index done_befo
   const Plan& plan = simulation.plan;
   const Index count = rows.end - rows.begin;
   const std::filesystem::path path = plan.work.shard(simulation.node.key, rows.begin, rows.end);
-  ArtefactWriter writer(path, kSimulationShardSchema, shard_identity(simulation.node, rows));
+  ArtefactWriter writer(path, kSimulationShardSchema, shard_identity(simulation.node, rows),
+                        scratch_folder());
   create_simulation_datasets(writer.file(), plan, simulation.target, count);
   const ShardSource source(simulation, path);
   // A command is called once for all of them: starting it may cost more than its work.

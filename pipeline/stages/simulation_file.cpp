@@ -9,6 +9,7 @@
 #include "core/feature_names.h"
 #include "core/text.h"
 #include "pipeline/plan/schemas.h"
+#include "pipeline/stages/shard_ledger.h"
 #include "pipeline/stages/stage_files.h"
 #include "pipeline/store/column_labels.h"
 
@@ -130,12 +131,15 @@ void join_shards(const Plan& plan, const Node& node, const Target& target) {
   h5::File& file = writer.file();
   create_row_datasets(file, plan, n);
   std::vector<h5::VirtualSource> sources;
+  ShardLedger ledger;
   Index num_failed = 0;
   for (const RowRange rows : shards(plan, node)) {
     const std::filesystem::path path = plan.work.shard(node.key, rows.begin, rows.end);
     const h5::File shard = open_artefact(path, kSimulationShardSchema);
-    num_failed += copy_rows(shard, file, rows);
-    writer.add_wall_seconds(wall_seconds(shard));
+    const Index failed = copy_rows(shard, file, rows);
+    num_failed += failed;
+    ledger.add(shard, rows, failed);
+    writer.add_cost(provenance_of(shard).cost);
     sources.push_back({node.key + "/" + path.filename().string(), values_name(plan.study),
                        rows.end - rows.begin});
   }
@@ -143,6 +147,7 @@ void join_shards(const Plan& plan, const Node& node, const Target& target) {
                                                    values_shape(plan, target, n), sources);
   describe_values(values, plan, target);
   file.set_attribute("num_failed", num_failed);
+  ledger.write(file);
   writer.finish();
 }
 

@@ -7,6 +7,7 @@
 ///                 that failed; attributes labels, units
 ///   status        (N) uint8: RolloutStatus; attribute meaning
 ///   seconds       (N) float32: time that the row took (volatile)
+///   shards        group, of the joined file only: who made which rows (volatile; shard_ledger.h)
 /// A shard holds a range of rows. The joined file holds the trajectories as a virtual dataset over
 /// the shards, and copies of the rest.
 #pragma once

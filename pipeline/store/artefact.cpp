@@ -1,14 +1,16 @@
 #include "pipeline/store/artefact.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <set>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/store/batch_job.h"
 #include "pipeline/store/build_info.h"
 #include "pipeline/store/content_key.h"
+#include "pipeline/store/utc_time.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -17,10 +19,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kVolatile = "volatile";
 constexpr const char* kProvenance = "provenance";
-
-std::string now_utc() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-}
 
 void write_identity(h5::File& file, const Schema& schema, const Identity& identity) {
   file.set_attribute("schema", schema.name);
@@ -39,7 +37,7 @@ void write_identity(h5::File& file, const Schema& schema, const Identity& identi
   file.set_attribute("input_keys", keys);
 }
 
-void write_provenance(h5::File& file, const Json& study, double seconds) {
+void write_provenance(h5::File& file, const Json& study, const Cost& cost) {
   h5::Group group = file.create_group(kProvenance);
   mark_volatile(group);
   group.set_attribute("creator_version", creator_version());
@@ -47,7 +45,11 @@ void write_provenance(h5::File& file, const Json& study, double seconds) {
   group.set_attribute("instruction_set", instruction_set());
   group.set_attribute("host", host_name());
   group.set_attribute("created", now_utc());
-  group.set_attribute("wall_seconds", seconds);
+  if (const std::string job = batch_job_id(); !job.empty()) {
+    group.set_attribute("batch_job", job);
+  }
+  group.set_attribute("wall_seconds", cost.wall_seconds);
+  group.set_attribute("core_seconds", cost.core_seconds);
   // Paths needn't be UTF-8; JSON must.
   group.set_attribute("study", study.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
@@ -86,13 +88,22 @@ std::map<std::string, std::string> read_inputs(const h5::File& file) {
   return inputs;
 }
 
+// Files of earlier versions don't tell how many cores they had.
+Cost read_cost(const h5::Group& group) {
+  const auto wall = group.attribute<double>("wall_seconds");
+  const bool has_cores = group.has_attribute("core_seconds");
+  return {wall, has_cores ? group.attribute<double>("core_seconds") : wall};
+}
+
 Provenance read_provenance(const h5::Group& group) {
   return {.creator_version = group.attribute<std::string>("creator_version"),
           .git_revision = group.attribute<std::string>("git_revision"),
           .instruction_set = group.attribute<std::string>("instruction_set"),
           .host = group.attribute<std::string>("host"),
           .created = group.attribute<std::string>("created"),
-          .wall_seconds = group.attribute<double>("wall_seconds")};
+          .batch_job =
+              group.has_attribute("batch_job") ? group.attribute<std::string>("batch_job") : "",
+          .cost = read_cost(group)};
 }
 
 }  // namespace
@@ -101,19 +112,27 @@ Json key_document(const Schema& schema) {
   return {{"stage", schema.stage}, {"schema_version", schema.version}};
 }
 
+Cost cost_of_seconds(double seconds) { return {seconds, seconds * num_threads()}; }
+
 std::string Identity::key() const { return content_key(key_document); }
 
 ArtefactWriter::ArtefactWriter(const std::filesystem::path& path, const Schema& schema,
-                               Identity identity)
+                               Identity identity, const std::filesystem::path& scratch)
     : identity_(std::move(identity)),
-      atomic_(path),
+      atomic_(path, scratch),
       file_(h5::File::create(atomic_.temporary(), path.string())) {
   write_identity(file_, schema, identity_);
 }
 
+void ArtefactWriter::add_cost(const Cost& cost) {
+  earlier_.wall_seconds += cost.wall_seconds;
+  earlier_.core_seconds += cost.core_seconds;
+}
+
 void ArtefactWriter::finish() {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  write_provenance(file_, identity_.study, earlier_seconds_ + elapsed.count());
+  add_cost(cost_of_seconds(elapsed.count()));
+  write_provenance(file_, identity_.study, earlier_);
   file_.set_attribute("complete", Index{1});
   file_.close();
   atomic_.commit();
@@ -174,9 +193,7 @@ std::vector<std::string> own_attributes(const h5::File& file) {
   return own;
 }
 
-double wall_seconds(const h5::File& file) {
-  return file.group(kProvenance).attribute<double>("wall_seconds");
-}
+Provenance provenance_of(const h5::File& file) { return read_provenance(file.group(kProvenance)); }
 
 void mark_volatile(h5::Object& object) { object.set_attribute(kVolatile, Index{1}); }
 

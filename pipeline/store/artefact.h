@@ -2,7 +2,8 @@
 ///
 /// Attributes of the file say what it is: schema, schema_version, stage, key, key_document, inputs
 /// (and input_keys beside them), seed, complete. The group 'provenance' says who made it, when and
-/// where: creator_version, git_revision, instruction_set, host, created, wall_seconds, study. It is
+/// where: creator_version, git_revision, instruction_set, host, batch_job, created, wall_seconds,
+/// core_seconds, study. It is
 /// marked volatile: two runs that computed the same thing may differ in it. So may every other
 /// group or dataset that mark_volatile() was called on, such as the seconds that each row took.
 #pragma once
@@ -40,14 +41,24 @@ struct Identity {  // NOLINT(bugprone-exception-escape): moving JSON doesn't thr
   std::string key() const;
 };
 
+/// What it took to make something.
+struct Cost {
+  double wall_seconds = 0.0;
+  double core_seconds = 0.0;  ///< wall time by the threads that it had
+};
+
+/// Of work on all threads of this process.
+Cost cost_of_seconds(double seconds);
+
 /// Who made an artefact, when and where.
 struct Provenance {
   std::string creator_version;
   std::string git_revision;
   std::string instruction_set;
   std::string host;
-  std::string created;  ///< UTC, such as "2024-03-01T12:00:00Z"
-  double wall_seconds = 0.0;
+  std::string created;    ///< UTC, such as "2024-03-01T12:00:00Z"
+  std::string batch_job;  ///< id of the batch system's task; "": none
+  Cost cost;
 };
 
 /// Everything that an artefact says about itself.
@@ -63,12 +74,14 @@ struct ArtefactInfo {  // NOLINT(bugprone-exception-escape): moving JSON doesn't
 /// exist for anybody else, and it never does when finish() isn't reached.
 class ArtefactWriter {
  public:
-  ArtefactWriter(const std::filesystem::path& path, const Schema& schema, Identity identity);
+  /// `scratch`: see AtomicFile.
+  ArtefactWriter(const std::filesystem::path& path, const Schema& schema, Identity identity,
+                 const std::filesystem::path& scratch = {});
 
   h5::File& file() { return file_; }
 
   /// Counts work that was done before the constructor, such as that of shards.
-  void add_wall_seconds(double seconds) { earlier_seconds_ += seconds; }
+  void add_cost(const Cost& cost);
 
   /// Writes who made it and how long that took since the constructor, marks the artefact as
   /// complete and gives it its name. Throws Error.
@@ -76,7 +89,7 @@ class ArtefactWriter {
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  double earlier_seconds_ = 0.0;
+  Cost earlier_;
   Identity identity_;
   AtomicFile atomic_;
   h5::File file_;
@@ -94,8 +107,8 @@ ArtefactInfo read_artefact_info(const std::filesystem::path& path);
 /// The attributes of an artefact's file that its stage has added to those of every artefact.
 std::vector<std::string> own_attributes(const h5::File& file);
 
-/// What it took to make an open artefact.
-double wall_seconds(const h5::File& file);
+/// Who made an open artefact.
+Provenance provenance_of(const h5::File& file);
 
 /// Excludes a group or dataset from content_digest().
 void mark_volatile(h5::Object& object);

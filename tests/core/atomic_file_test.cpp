@@ -136,5 +136,21 @@ TEST(AtomicFile, RemovesWhatDeadProcessesOfThisHostLeftBehindAndNothingElse) {
   EXPECT_EQ(remove_stale_temporaries(folder / "missing"), 0);
 }
 
+TEST(AtomicFile, ComesFromScratchWhenItIsComplete) {
+  const TempFolder folder, scratch;
+  {
+    AtomicFile file(folder / "a.txt", scratch.path());
+    EXPECT_EQ(file.temporary().parent_path(), scratch.path());
+    std::ofstream(file.temporary()) << "content";
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
+    file.commit();
+  }
+  EXPECT_EQ(read_text_file(folder / "a.txt"), "content");
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+  { const AtomicFile abandoned(folder / "b.txt", scratch.path()); }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
 }  // namespace
 }  // namespace npdr

@@ -54,7 +54,7 @@ TEST(Artefact, SaysWhatItIsAndWhereItComesFrom) {
   EXPECT_EQ(info.provenance.instruction_set, instruction_set());
   EXPECT_EQ(info.provenance.host, host_name());
   EXPECT_EQ(info.provenance.created.size(), std::string("2024-03-01T12:00:00Z").size());
-  EXPECT_GT(info.provenance.wall_seconds, 0.0);
+  EXPECT_GT(info.provenance.cost.wall_seconds, 0.0);
 }
 
 TEST(Artefact, HoldsAStudyWhosePathsArentUtf8) {

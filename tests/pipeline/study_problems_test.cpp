@@ -40,7 +40,7 @@ TEST(StudyProblems, NamesTheNearestKeyAndTheKnownOnes) {
                 join(sim::simulator_names()) + "; a command or a dataset may take its place" +
                 "\ns.toml:8:2: unknown key 'simulater' (did you mean 'simulator'?); known: study, "
                 "target, simulator, prior, observation_noise, simulate, method, evaluate, "
-                "diagnose, reference, limits, report");
+                "diagnose, reference, limits, report, cluster");
   EXPECT_EQ(problems_after(kMaf, "training.batchsize = 3"),
             "s.toml:17:10: method.training: unknown key 'batchsize' (did you mean 'batch_size'?); "
             "known: learning_rate, batch_size, validation_fraction, stop_after_epochs, max_epochs, "
@@ -205,7 +205,7 @@ TEST(StudyProblems, OfTheCommandLineNameTheOverride) {
       problems_of(kStudyText, {"simulte.shard_size=3"}),
       "--set simulte.shard_size=3: unknown key 'simulte' (did you mean 'simulate'?); known: "
       "study, target, simulator, prior, observation_noise, simulate, method, evaluate, diagnose, "
-      "reference, limits, report");
+      "reference, limits, report, cluster");
   EXPECT_EQ(problems_of(kStudyText, {"target.recording=no.h5"}),
             "--set target.recording=no.h5: target.recording = 'no.h5', must be an existing HDF5 "
             "file");

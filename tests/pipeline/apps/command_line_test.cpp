@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pipeline/external/command_text.h"
+
 namespace npdr::pipeline {
 namespace {
 

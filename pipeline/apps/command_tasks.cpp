@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "core/text.h"
+#include "pipeline/apps/command_line.h"
+#include "pipeline/apps/commands.h"
+#include "pipeline/external/command_text.h"
+#include "pipeline/run/scheduler.h"
+#include "pipeline/stages/simulation_file.h"
+#include "pipeline/stages/stages.h"
+
+namespace npdr::pipeline {
+namespace {
+
+struct TasksArguments {
+  StudyArguments study;
+  std::string until;
+  Index shards_per_task = 1;
+};
+
+void print_task(std::vector<std::string> command, const std::string& shards) {
+  std::vector<std::string> words = {executable_folder() / "npdr", "task", "--"};
+  words.insert(words.end(), command.begin(), command.end());
+  if (!shards.empty()) words.insert(words.end(), {"--shard", shards});
+  fmt::print("{}\n", shell_text(words));
+}
+
+// Neighbours of a simulation's missing shards share a task.
+void print_shards(const Plan& plan, const Node& node, const std::vector<std::string>& command,
+                  Index shards_per_task) {
+  const std::vector<Index> missing = missing_shards(plan, node);
+  if (missing.empty()) print_task(command, "");  // only to be joined
+  const auto step = static_cast<std::size_t>(shards_per_task);
+  for (std::size_t i = 0; i < missing.size(); i += step) {
+    const std::size_t end = std::min(i + step, missing.size());
+    print_task(command, index_ranges({missing.begin() + static_cast<std::ptrdiff_t>(i),
+                                      missing.begin() + static_cast<std::ptrdiff_t>(end)}));
+  }
+}
+
+ExitStatus list_tasks(const TasksArguments& arguments) {
+  const Plan plan = arguments.study.plan();
+  const SchedulerConfig config{
+      1, parse_stage(arguments.until, "--until"), arguments.study.words(), {}};
+  for (const Node* node : missing_nodes(plan, config)) {
+    const bool is_ready = std::ranges::all_of(
+        node->needs, [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
+    if (!is_ready) continue;
+    const std::vector<std::string> command = stage_command(config, *node);
+    if (node->stage == Stage::simulate) {
+      print_shards(plan, *node, command, arguments.shards_per_task);
+    } else {
+      print_task(command, "");
+    }
+  }
+  return ExitStatus::done;
+}
+
+}  // namespace
+
+void add_tasks_command(CLI::App& app, int& result) {
+  auto* command = app.add_subcommand(
+      "tasks", "a command a line for all that can be made now, for batch systems of every kind");
+  auto arguments = std::make_shared<TasksArguments>();
+  arguments->study.add_to(*command);
+  command->add_option("--until", arguments->until, "the last stage to list");
+  command->add_option("--shards-per-task", arguments->shards_per_task, "shards of a command")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
+  command->callback([&result, arguments] {
+    result = guarded_main("npdr tasks", [&] { return list_tasks(*arguments); });
+  });
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,26 @@
+/// How a batch system stands with a study: for each artefact, what waits, runs, or has failed.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/cluster/ledger.h"
+
+namespace npdr::pipeline {
+
+struct NodeJobs {
+  std::vector<QueuedTask> waiting;
+  std::vector<QueuedTask> running;
+  std::vector<std::string> failed;  ///< "job 17_3: exit status 1; log: ...", one a task
+
+  /// "2 tasks running (17_3 on n1, ...), 5 waiting (Resources)"; failures are not in it.
+  std::string text() const;
+};
+
+/// For each node of the plan; none: no job has to do with it, or it is complete. `tasks`: those
+/// that Slurm has; without an answer of it nothing counts as failed.
+std::vector<std::optional<NodeJobs>> jobs_of_nodes(
+    const Plan& plan, const std::optional<std::vector<QueuedTask>>& tasks);
+
+}  // namespace npdr::pipeline

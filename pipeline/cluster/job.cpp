@@ -1,0 +1,186 @@
+#include "pipeline/cluster/job.h"
+
+#include <algorithm>
+
+#include "pipeline/run/scheduler.h"
+#include "pipeline/stages/simulation_file.h"
+#include "pipeline/stages/stages.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// What a job makes stands in its comment, for which Slurm has 1024 bytes.
+constexpr std::size_t kMostNodes = 48;
+
+bool is_preparation(const Node& node) {
+  return node.stage == Stage::target || node.stage == Stage::held_out ||
+         node.stage == Stage::propose;
+}
+
+void add_once(std::vector<std::size_t>& list, std::size_t value) {
+  if (std::ranges::find(list, value) == list.end()) list.push_back(value);
+}
+
+// Makes the list of jobs, node by node in the order of the plan.
+class JobMaker {
+ public:
+  explicit JobMaker(const JobsInput& input)
+      : input_(input), jobs_of_(input.plan.nodes.size()), is_missing_(input.plan.nodes.size()) {
+    for (const Node* node : missing_nodes(input.plan, input.until)) {
+      is_missing_[index_of(*node)] = true;
+    }
+  }
+
+  std::vector<Job> make() {
+    for (std::size_t i = 0; i < input_.plan.nodes.size(); ++i) {
+      if (is_missing_[i]) add(i);
+    }
+    return std::move(jobs_);
+  }
+
+ private:
+  std::size_t index_of(const Node& node) const {
+    return static_cast<std::size_t>(&node - input_.plan.nodes.data());
+  }
+  const Node& node(std::size_t i) const { return input_.plan.nodes[i]; }
+
+  void add(std::size_t i) {
+    if (node(i).stage == Stage::simulate) {
+      add_simulation(i);
+    } else if (input_.in_flight[i]) {
+      return;  // others wait for it
+    } else if (is_preparation(node(i))) {
+      add_preparation(i);
+    } else {
+      add_job(i);
+    }
+  }
+
+  // What a node's job has to wait for: the jobs of what the node needs. An array that the cluster
+  // has may have lost tasks: then it never succeeds, but the job that joins its shards makes what
+  // is missing.
+  void wait_for_needs(std::size_t i, Job& job) const {
+    for (const std::size_t need : node(i).needs) {
+      if (!is_missing_[need]) continue;
+      for (const std::size_t other : jobs_of_[need]) add_once(job.needs, other);
+      if (!input_.in_flight[need]) continue;
+      auto& waits = node(need).stage == Stage::simulate ? job.after_any : job.after_ok;
+      for (const std::string& id : input_.in_flight[need]->jobs) {
+        if (std::ranges::find(waits, id) == waits.end()) waits.push_back(id);
+      }
+    }
+  }
+
+  // Without the jobs that others of its needs wait for anyway.
+  std::size_t append(Job job) {
+    std::set<std::size_t> implied;
+    for (const std::size_t need : job.needs) implied.merge(std::set(before_[need]));
+    std::erase_if(job.needs, [&](std::size_t need) { return implied.contains(need); });
+    implied.insert(job.needs.begin(), job.needs.end());
+    before_.push_back(std::move(implied));
+    jobs_.push_back(std::move(job));
+    return jobs_.size() - 1;
+  }
+
+  bool has_room(std::size_t job) const {
+    return !jobs_[job].is_array() && jobs_[job].nodes.size() < kMostNodes;
+  }
+
+  // To the job that makes what it needs, when that is a single one, else to one for all that needs
+  // nothing.
+  void add_preparation(std::size_t i) {
+    Job waiting;
+    wait_for_needs(i, waiting);
+    const bool waits = !waiting.after_ok.empty() || !waiting.after_any.empty();
+    if (!waits && waiting.needs.size() == 1 && has_room(waiting.needs.front())) {
+      jobs_[waiting.needs.front()].nodes.push_back(i);
+      jobs_of_[i] = waiting.needs;
+      return;
+    }
+    if (!waits && waiting.needs.empty()) {
+      if (!first_ || !has_room(*first_)) first_ = append({});
+      jobs_[*first_].nodes.push_back(i);
+      jobs_of_[i] = {*first_};
+      return;
+    }
+    waiting.nodes = {i};
+    jobs_of_[i] = {append(std::move(waiting))};
+  }
+
+  void add_simulation(std::size_t i) {
+    const Index pack = input_.shards_per_task[i];
+    const auto& in_flight = input_.in_flight[i];
+    std::set<Index> tasks;
+    for (const Index shard : missing_shards(input_.plan, node(i))) {
+      if (!in_flight || !in_flight->shards.contains(shard)) tasks.insert(shard / pack);
+    }
+    Job array;
+    array.nodes = {i};
+    wait_for_needs(i, array);
+    if (tasks.empty() && !in_flight) jobs_of_[i] = {append(array)};  // only to be joined
+    array.shards_per_task = pack;
+    Index first = 0;
+    for (auto task = tasks.begin(); task != tasks.end();) {
+      if (array.tasks.empty()) first = *task;
+      array.tasks.push_back(*task - first);
+      ++task;
+      const bool is_full = task == tasks.end() || *task - first >= input_.max_array_size;
+      if (!is_full) continue;
+      array.first_task = first;
+      jobs_of_[i].push_back(append(array));
+      array.tasks.clear();
+    }
+  }
+
+  // Whether a job that `job` waits for joins the shards of a simulation.
+  bool joins_before(const Job& job, std::size_t simulation) const {
+    const auto joins = [&](std::size_t other) {
+      return !jobs_[other].is_array() &&
+             std::ranges::find(jobs_[other].nodes, simulation) != jobs_[other].nodes.end();
+    };
+    return std::ranges::any_of(job.needs, [&](std::size_t need) {
+      return joins(need) || std::ranges::any_of(before_[need], joins);
+    });
+  }
+
+  void add_job(std::size_t i) {
+    Job job;
+    wait_for_needs(i, job);
+    for (const std::size_t need : node(i).needs) {
+      const bool is_simulation = is_missing_[need] && node(need).stage == Stage::simulate;
+      if (is_simulation && !joins_before(job, need)) job.nodes.push_back(need);
+    }
+    job.nodes.push_back(i);
+    jobs_of_[i] = {append(std::move(job))};
+  }
+
+  const JobsInput& input_;
+  std::vector<Job> jobs_;
+  std::vector<std::vector<std::size_t>> jobs_of_;  ///< of each node, those that make it
+  std::vector<bool> is_missing_;
+  std::vector<std::set<std::size_t>> before_;  ///< of each job, all that it waits for
+  std::optional<std::size_t> first_;           ///< the job of all that needs nothing
+};
+
+}  // namespace
+
+std::vector<Job> make_jobs(const JobsInput& input) { return JobMaker(input).make(); }
+
+Stage stage_of(const Plan& plan, const Job& job) {
+  Stage stage = plan.nodes[job.nodes.front()].stage;
+  for (const std::size_t i : job.nodes) {
+    if (!is_preparation(plan.nodes[i])) stage = plan.nodes[i].stage;
+  }
+  return stage;
+}
+
+std::string label_of(const Plan& plan, const Job& job) {
+  const Stage stage = stage_of(plan, job);
+  for (const std::size_t i : job.nodes) {
+    const Node& node = plan.nodes[i];
+    if (node.stage == stage && !is_preparation(node)) return node.label();
+  }
+  return job.nodes.size() == 1 ? plan.nodes[job.nodes.front()].label() : "prepare";
+}
+
+}  // namespace npdr::pipeline

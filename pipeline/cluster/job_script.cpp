@@ -1,0 +1,181 @@
+#include "pipeline/cluster/job_script.h"
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "pipeline/cluster/job_tag.h"
+#include "pipeline/external/command_text.h"
+
+namespace npdr::pipeline {
+namespace {
+
+const StageResources& own_resources(const ClusterConfig& cluster, Stage stage) {
+  switch (stage) {
+    case Stage::target:
+    case Stage::held_out:
+    case Stage::propose:
+      return cluster.prepare;
+    case Stage::simulate:
+      return cluster.simulate;
+    case Stage::infer:
+      return cluster.infer;
+    case Stage::baseline:
+      return cluster.baseline;
+    case Stage::evaluate:
+      return cluster.evaluate;
+    case Stage::diagnose:
+      return cluster.diagnose;
+    case Stage::report:
+      return cluster.report;
+  }
+  return cluster.prepare;
+}
+
+// A value as sbatch reads it from a script: in quotes where it holds a blank.
+std::string quoted_value(const std::string& value) {
+  if (value.find_first_of(" \t'") == std::string::npos) return value;
+  return '"' + value + '"';
+}
+
+// A path in which sbatch replaces %A and the like: other per cent signs are doubled.
+std::string without_patterns(const std::string& path) {
+  std::string text;
+  for (const char c : path) text += c == '%' ? "%%" : std::string(1, c);
+  return text;
+}
+
+class ScriptWriter {
+ public:
+  ScriptWriter(const ScriptContext& context, const Job& job)
+      : context_(context),
+        job_(job),
+        cluster_(context.plan.study.cluster),
+        resources_(resources_of(cluster_, stage_of(context.plan, job))) {}
+
+  std::string write() {
+    text_ = "#!/bin/bash\n";
+    write_options();
+    write_description();
+    write_setup();
+    job_.is_array() ? write_array() : write_job();
+    return text_;
+  }
+
+ private:
+  void option(const std::string& name, const std::string& value) {
+    if (!value.empty()) text_ += fmt::format("#SBATCH --{}={}\n", name, quoted_value(value));
+  }
+
+  void write_options() {
+    const std::string id = job_.is_array() ? "%A_%a" : "%j";
+    const std::string logs = without_patterns(context_.logs.string());
+    option("job-name", "npdr-" + folder_name(context_.plan.study.name) + "-" +
+                           to_string(stage_of(context_.plan, job_)));
+    option("comment", tag_of(context_.plan, job_).text());
+    option("chdir", context_.folder);
+    option("output", fmt::format("{}/{}-{}.log", logs, file_stem_of(context_.plan, job_), id));
+    option("partition", cluster_.partition);
+    option("account", cluster_.account);
+    option("ntasks", "1");
+    option("cpus-per-task", std::to_string(resources_.cpus));
+    option("mem", resources_.memory);
+    option("time", resources_.time);
+    option("signal", fmt::format("B:USR1@{}", cluster_.signal_seconds));
+    option("kill-on-invalid-dep", "yes");
+    option("open-mode", "append");
+    text_ += "#SBATCH --requeue\n";
+    write_mail();
+    for (const std::string& line : cluster_.sbatch) text_ += "#SBATCH " + line + "\n";
+    for (const std::string& line : resources_.sbatch) text_ += "#SBATCH " + line + "\n";
+  }
+
+  // Of every failure, and of the end of the last job.
+  void write_mail() {
+    if (cluster_.mail.empty()) return;
+    const bool is_last = stage_of(context_.plan, job_) == Stage::report;
+    option("mail-user", cluster_.mail);
+    option("mail-type", is_last ? "END,FAIL" : "FAIL");
+  }
+
+  void write_description() {
+    text_ += fmt::format("# {}\n", label_of(context_.plan, job_));
+    if (!job_.is_array()) {
+      text_ += "# To submit it by hand, when what it needs is there: sbatch THIS_FILE\n\n";
+      return;
+    }
+    std::vector<Index> tasks = job_.tasks;
+    text_ += fmt::format(
+        "# To submit it by hand, when what it needs is there: sbatch --array={} THIS_FILE\n\n",
+        index_ranges(tasks));
+  }
+
+  void write_setup() {
+    for (const std::string& line : cluster_.setup) text_ += line + "\n";
+    text_ += "export OMP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-1}\n";
+    // As it stands: variables of the node, such as $TMPDIR, are the point of it.
+    if (!cluster_.scratch.empty()) {
+      text_ += fmt::format("export NPDR_SCRATCH=\"{}\"\n", cluster_.scratch);
+    }
+    text_ += "\n";
+  }
+
+  std::string program(const std::string& name) const {
+    return shell_word(context_.programs / name);
+  }
+
+  void write_array() {
+    const Node& node = context_.plan.nodes[job_.nodes.front()];
+    const auto last = static_cast<Index>(shards(context_.plan, node).size()) - 1;
+    const std::string task = job_.first_task == 0
+                                 ? "SLURM_ARRAY_TASK_ID"
+                                 : fmt::format("(SLURM_ARRAY_TASK_ID + {})", job_.first_task);
+    text_ += fmt::format("first=$(({} * {}))\n", task, job_.shards_per_task);
+    text_ += fmt::format("last=$((first + {0} < {1} ? first + {0} : {1}))\n",
+                         job_.shards_per_task - 1, last);
+    text_ += fmt::format("exec {} task -- {} {} --artefact {} --shard \"$first-$last\"\n",
+                         program("npdr"), program("npdr-simulate"),
+                         shell_text(context_.study_words), node.key);
+  }
+
+  void write_job() {
+    text_ += fmt::format("exec {0} task -- {0} run {1}", program("npdr"),
+                         shell_text(context_.study_words));
+    for (const std::size_t i : job_.nodes) {
+      text_ += fmt::format(" \\\n  --artefact {}", context_.plan.nodes[i].key);
+    }
+    text_ += " \\\n  --jobs \"$OMP_NUM_THREADS\"\n";
+  }
+
+  const ScriptContext& context_;
+  const Job& job_;
+  const ClusterConfig& cluster_;
+  StageResources resources_;
+  std::string text_;
+};
+
+}  // namespace
+
+std::string job_script(const ScriptContext& context, const Job& job) {
+  return ScriptWriter(context, job).write();
+}
+
+std::string file_stem_of(const Plan& plan, const Job& job) {
+  std::string stem = folder_name(label_of(plan, job));
+  if (job.first_task > 0) stem += "-from-" + std::to_string(job.first_task);
+  return stem;
+}
+
+std::filesystem::path log_of_task(const std::filesystem::path& logs, const std::string& stem,
+                                  const std::string& id) {
+  return logs / fmt::format("{}-{}.log", stem, id);
+}
+
+StageResources resources_of(const ClusterConfig& cluster, Stage stage) {
+  StageResources resources = own_resources(cluster, stage);
+  if (resources.cpus == 0) resources.cpus = cluster.cpus;
+  if (resources.memory.empty()) resources.memory = cluster.memory;
+  if (resources.time.empty()) resources.time = cluster.time;
+  return resources;
+}
+
+}  // namespace npdr::pipeline

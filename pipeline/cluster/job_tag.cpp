@@ -1,0 +1,114 @@
+#include "pipeline/cluster/job_tag.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <sstream>
+
+#include "pipeline/store/hash.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr std::size_t kKeyDigits = 16;  // enough for all artefacts of all studies
+constexpr std::size_t kWorkDigits = 12;
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+bool parse(const std::string& text, Index& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && value >= 0;
+}
+
+std::map<std::string, std::size_t> nodes_by_key(const Plan& plan) {
+  std::map<std::string, std::size_t> nodes;
+  for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
+    nodes[plan.nodes[i].key.substr(0, kKeyDigits)] = i;
+  }
+  return nodes;
+}
+
+void add_shards(const JobTag& tag, const QueuedTask& task, Index num_shards, InFlight& found) {
+  if (tag.shards_per_task == 0 || !task.index) return;
+  const Index first = (tag.first_task + *task.index) * tag.shards_per_task;
+  const Index end = std::min(first + tag.shards_per_task, num_shards);
+  for (Index shard = first; shard < end; ++shard) found.shards.insert(shard);
+}
+
+}  // namespace
+
+std::string JobTag::text() const {
+  return fmt::format("npdr:{}:{}:{}:{}", work, fmt::join(keys, ","), shards_per_task, first_task);
+}
+
+JobTag tag_of(const Plan& plan, const Job& job) {
+  JobTag tag{work_digits(plan.work), {}, job.shards_per_task, job.first_task};
+  for (const std::size_t i : job.nodes) {
+    // A job that only joins shards isn't what makes them.
+    if (plan.nodes[i].stage == Stage::simulate && !job.is_array()) continue;
+    tag.keys.push_back(plan.nodes[i].key.substr(0, kKeyDigits));
+  }
+  return tag;
+}
+
+std::optional<JobTag> parse_tag(const std::string& comment) {
+  const std::vector<std::string> parts = split(comment, ':');
+  constexpr std::size_t num_parts = 5;
+  if (parts.size() != num_parts || parts[0] != "npdr") return std::nullopt;
+  JobTag tag{parts[1], split(parts[2], ','), 0, 0};
+  if (!parse(parts[3], tag.shards_per_task) || !parse(parts[4], tag.first_task)) {
+    return std::nullopt;
+  }
+  return tag;
+}
+
+std::string work_digits(const WorkFolder& work) {
+  Hasher hasher;
+  hasher.add(std::filesystem::weakly_canonical(work.root()).string());
+  return hasher.hex().substr(0, kWorkDigits);
+}
+
+std::vector<std::optional<InFlight>> in_flight(const Plan& plan,
+                                               const std::vector<QueuedTask>& tasks) {
+  std::vector<std::optional<InFlight>> found(plan.nodes.size());
+  const std::map<std::string, std::size_t> nodes = nodes_by_key(plan);
+  const std::string work = work_digits(plan.work);
+  for (const QueuedTask& task : tasks) {
+    const std::optional<JobTag> tag = parse_tag(task.comment);
+    if (!tag || tag->work != work) continue;
+    for (const std::string& key : tag->keys) {
+      const auto node = nodes.find(key);
+      if (node == nodes.end()) continue;
+      auto& its = found[node->second];
+      if (!its) its.emplace();
+      if (std::ranges::find(its->jobs, task.job) == its->jobs.end()) its->jobs.push_back(task.job);
+      const Node& made = plan.nodes[node->second];
+      if (made.stage != Stage::simulate) continue;
+      add_shards(*tag, task, static_cast<Index>(shards(plan, made).size()), *its);
+    }
+  }
+  return found;
+}
+
+std::vector<QueuedTask> tasks_of(const Plan& plan, const std::vector<QueuedTask>& tasks) {
+  const std::map<std::string, std::size_t> nodes = nodes_by_key(plan);
+  const std::string work = work_digits(plan.work);
+  std::vector<QueuedTask> ours;
+  std::ranges::copy_if(tasks, std::back_inserter(ours), [&](const QueuedTask& task) {
+    const std::optional<JobTag> tag = parse_tag(task.comment);
+    return tag && tag->work == work && std::ranges::any_of(tag->keys, [&](const std::string& key) {
+             return nodes.contains(key);
+           });
+  });
+  return ours;
+}
+
+}  // namespace npdr::pipeline

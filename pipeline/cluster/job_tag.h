@@ -1,0 +1,39 @@
+/// What a job says of itself in its comment, so that Slurm's queue tells what is being made.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/cluster/job.h"
+#include "pipeline/cluster/slurm.h"
+
+namespace npdr::pipeline {
+
+/// "npdr:<work folder>:<keys>:<shards per task>:<first task>".
+struct JobTag {
+  std::string work;               ///< digits that tell work folders apart
+  std::vector<std::string> keys;  ///< first digits of what the job makes
+  Index shards_per_task = 0;
+  Index first_task = 0;
+
+  std::string text() const;
+};
+
+JobTag tag_of(const Plan& plan, const Job& job);
+
+/// Reads a comment; none: the job isn't one of ours.
+std::optional<JobTag> parse_tag(const std::string& comment);
+
+/// Digits that tell this work folder from others, the same from every machine that calls it the
+/// same.
+std::string work_digits(const WorkFolder& work);
+
+/// For each node of the plan, what of `tasks` makes it.
+std::vector<std::optional<InFlight>> in_flight(const Plan& plan,
+                                               const std::vector<QueuedTask>& tasks);
+
+/// The tasks among `tasks` that make anything of this plan.
+std::vector<QueuedTask> tasks_of(const Plan& plan, const std::vector<QueuedTask>& tasks);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,76 @@
+#include "pipeline/cluster/ledger.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::filesystem::path ledger_of(const Plan& plan) { return jobs_folder(plan) / "submitted.jsonl"; }
+
+Json to_json(const LedgerEntry& entry) {
+  return {{"job", entry.job},
+          {"tag", entry.tag.text()},
+          {"tasks", entry.tasks},
+          {"script", entry.script.string()},
+          {"logs", entry.logs.string()},
+          {"stem", entry.stem},
+          {"submitted", entry.submitted}};
+}
+
+LedgerEntry entry_of(const Json& json) {
+  const auto tag = parse_tag(json.at("tag").get<std::string>());
+  if (!tag) throw InputError("not a tag");
+  return {json.at("job").get<std::string>(),          *tag,
+          json.at("tasks").get<std::vector<Index>>(), json.at("script").get<std::string>(),
+          json.at("logs").get<std::string>(),         json.at("stem").get<std::string>(),
+          json.at("submitted").get<std::string>()};
+}
+
+}  // namespace
+
+std::filesystem::path jobs_folder(const Plan& plan) {
+  return plan.work.study(plan.study.name) / "jobs";
+}
+
+// One write: lines of two programs don't mix.
+void append_to_ledger(const Plan& plan, const LedgerEntry& entry) {
+  const std::filesystem::path path = ledger_of(plan);
+  make_folder(path.parent_path());
+  const std::string line = to_json(entry).dump() + "\n";
+  const int file = open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0644);
+  const bool written = file >= 0 &&
+                       write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size()) &&
+                       fsync(file) == 0;
+  const int reason = errno;
+  if (file >= 0) close(file);
+  if (!written) {
+    throw Error(path.string() + ": can't be written (" + std::strerror(reason) + "), so job " +
+                entry.job + " isn't in the ledger");
+  }
+}
+
+std::vector<LedgerEntry> read_ledger(const Plan& plan) {
+  std::vector<LedgerEntry> entries;
+  std::ifstream file(ledger_of(plan));
+  for (std::string line; std::getline(file, line);) {
+    try {
+      entries.push_back(entry_of(Json::parse(line)));
+    } catch (const std::exception&) {
+      continue;
+    }
+  }
+  return entries;
+}
+
+}  // namespace npdr::pipeline

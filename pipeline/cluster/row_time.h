@@ -1,0 +1,14 @@
+/// How long a simulation of one row takes, to pack short shards into tasks.
+#pragma once
+
+#include <optional>
+
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+/// [s] of one core: what complete shards of the study took, else, of a built-in simulator, what a
+/// few draws of the prior take here; 0 of a dataset. None: not known before a command has been run.
+std::optional<double> seconds_per_row(const Plan& plan);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,204 @@
+#include "pipeline/cluster/slurm.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <sstream>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "pipeline/external/command_text.h"
+#include "pipeline/external/shell_call.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr double kPatience = 60.0;  // [s] for one answer
+constexpr int kNotFound = 127;      // what a shell says of a command that isn't there
+
+struct Answer {
+  CallResult result;
+  std::string text;  // all of its standard output
+};
+
+// A file of its own takes what is printed: a queue may hold thousands of lines.
+Answer ask(const std::vector<std::string>& words) {
+  std::string name = (std::filesystem::temp_directory_path() / "npdr-slurm-XXXXXX").string();
+  const int file = mkstemp(name.data());
+  if (file < 0) throw Error("can't make a temporary file such as " + name);
+  close(file);
+  Answer answer;
+  answer.result = run_shell({shell_text(words) + " > " + shell_word(name),
+                             std::filesystem::temp_directory_path(),
+                             {},
+                             kPatience});
+  answer.text = read_text_file(name);
+  unlink(name.c_str());
+  return answer;
+}
+
+[[noreturn]] void fail(const std::vector<std::string>& words, const Answer& answer) {
+  const std::string& name = words.front() == "env" ? words[2] : words.front();
+  if (answer.result.exit_status == kNotFound) {
+    throw Error(fmt::format(
+        "there is no Slurm here: '{}' isn't on the PATH; docs/cluster.md says how other batch "
+        "systems run a study",
+        name));
+  }
+  throw Error(
+      fmt::format("{} failed: {}\n{}", name, answer.result.words(kPatience), answer.result.output));
+}
+
+std::string ask_or_fail(const std::vector<std::string>& words) {
+  const Answer answer = ask(words);
+  if (!answer.result.succeeded()) fail(words, answer);
+  return answer.text;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::optional<Index> parse_index(const std::string& text) {
+  Index value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::string variable(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+std::string dependency_of(const Submission& submission) {
+  std::vector<std::string> parts;
+  if (!submission.after_ok.empty()) {
+    parts.push_back(fmt::format("afterok:{}", fmt::join(submission.after_ok, ":")));
+  }
+  if (!submission.after_any.empty()) {
+    parts.push_back(fmt::format("afterany:{}", fmt::join(submission.after_any, ":")));
+  }
+  return fmt::format("{}", fmt::join(parts, ","));
+}
+
+}  // namespace
+
+std::vector<std::string> sbatch_command(const Submission& submission) {
+  std::vector<std::string> words = {"sbatch", "--parsable"};
+  if (!submission.array.empty()) words.push_back("--array=" + submission.array);
+  const std::string dependency = dependency_of(submission);
+  if (!dependency.empty()) words.push_back("--dependency=" + dependency);
+  words.insert(words.end(), submission.options.begin(), submission.options.end());
+  words.push_back(submission.script);
+  return words;
+}
+
+std::string submit_to_slurm(const Submission& submission) {
+  const std::vector<std::string> words = sbatch_command(submission);
+  const std::string text = ask_or_fail(words);
+  // "17", or "17;cluster" where there are several.
+  const std::string id = text.substr(0, text.find_first_of(";\n"));
+  if (!parse_index(id)) {
+    throw Error(fmt::format("sbatch answered '{}', must be the id of a job", text));
+  }
+  return id;
+}
+
+// Not by --array, which makes a line of each task: Slurm 22.05 leaves out the last one of some
+// arrays then. Without the variable a long list of indices would be cut.
+std::vector<QueuedTask> queued_tasks() {
+  const std::string user = std::to_string(getuid());
+  std::vector<QueuedTask> tasks;
+  for (const std::string& line :
+       lines_of(ask_or_fail({"env", "SLURM_BITSTR_LEN=0", "squeue", "--noheader", "--user=" + user,
+                             "--format=%F|%K|%T|%r|%N|%k"}))) {
+    for (QueuedTask& task : parse_queued_tasks(line)) tasks.push_back(std::move(task));
+  }
+  return tasks;
+}
+
+std::vector<QueuedTask> parse_queued_tasks(const std::string& line) {
+  std::vector<std::string> fields;
+  std::size_t begin = 0;
+  constexpr std::size_t before_comment = 5;
+  while (fields.size() < before_comment) {
+    const std::size_t end = line.find('|', begin);
+    if (end == std::string::npos) return {};
+    fields.push_back(line.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  if (!parse_index(fields[0])) return {};
+  const QueuedTask job{fields[0], std::nullopt, fields[2],
+                       fields[3], fields[4],    line.substr(begin)};
+  std::vector<QueuedTask> tasks;
+  for (const Index index : parse_indices(fields[1])) {
+    tasks.push_back(job);
+    tasks.back().index = index;
+  }
+  return tasks.empty() ? std::vector{job} : tasks;
+}
+
+std::vector<Index> parse_indices(const std::string& text) {
+  std::vector<Index> indices;
+  std::istringstream ranges(text.substr(0, text.find('%')));
+  for (std::string range; std::getline(ranges, range, ',');) {
+    const std::size_t dash = range.find('-'), colon = range.find(':');
+    const auto first = parse_index(range.substr(0, dash));
+    const auto last =
+        dash == std::string::npos ? first : parse_index(range.substr(dash + 1, colon - dash - 1));
+    const auto step = colon == std::string::npos ? Index{1} : parse_index(range.substr(colon + 1));
+    if (!first || !last || !step || *first < 0 || *step < 1) return {};
+    for (Index index = *first; index <= *last; index += *step) indices.push_back(index);
+  }
+  return indices;
+}
+
+Index max_array_size() {
+  for (const std::string& line : lines_of(ask_or_fail({"scontrol", "show", "config"}))) {
+    if (!line.starts_with("MaxArraySize")) continue;
+    const std::size_t value = line.find_first_of("0123456789");
+    if (value == std::string::npos) break;
+    if (const auto size = parse_index(line.substr(value)); size && *size > 0) return *size;
+  }
+  throw Error("'scontrol show config' doesn't say MaxArraySize; set cluster.max_array_size");
+}
+
+void cancel_in_slurm(const std::vector<std::string>& ids) {
+  constexpr std::size_t at_once = 200;
+  for (std::size_t i = 0; i < ids.size(); i += at_once) {
+    std::vector<std::string> words = {"scancel"};
+    words.insert(words.end(), ids.begin() + static_cast<std::ptrdiff_t>(i),
+                 ids.begin() + static_cast<std::ptrdiff_t>(std::min(i + at_once, ids.size())));
+    ask_or_fail(words);
+  }
+}
+
+std::vector<std::string> requeue_command(const std::string& id) {
+  return {"scontrol", "requeue", id};
+}
+
+std::string ended_state(const std::string& id) {
+  const Answer answer = ask({"scontrol", "--oneliner", "show", "job", id});
+  if (!answer.result.succeeded()) return "";
+  constexpr std::string_view key = "JobState=";
+  const std::size_t at = answer.text.find(key);
+  if (at == std::string::npos) return "";
+  const std::string rest = answer.text.substr(at + key.size());
+  return rest.substr(0, rest.find_first_of(" \n"));
+}
+
+std::string current_task_id() {
+  const std::string array = variable("SLURM_ARRAY_JOB_ID");
+  if (!array.empty()) return array + "_" + variable("SLURM_ARRAY_TASK_ID");
+  return variable("SLURM_JOB_ID");
+}
+
+}  // namespace npdr::pipeline

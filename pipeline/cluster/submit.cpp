@@ -1,0 +1,130 @@
+#include "pipeline/cluster/submit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/cluster/job_script.h"
+#include "pipeline/cluster/job_tag.h"
+#include "pipeline/cluster/ledger.h"
+#include "pipeline/cluster/row_time.h"
+#include "pipeline/external/command_text.h"
+#include "pipeline/run/child_process.h"
+#include "pipeline/stages/stages.h"
+#include "pipeline/store/utc_time.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// How many shards make a task of the length that the study wants.
+Index shards_in_task(const Plan& plan, const Node& node, std::optional<double> row_seconds) {
+  if (!row_seconds) return 1;
+  const auto& cluster = plan.study.cluster;
+  const double cores = static_cast<double>(resources_of(cluster, Stage::simulate).cpus);
+  const double shard_seconds =
+      *row_seconds * static_cast<double>(plan.study.simulate.shard_size) / cores;
+  const auto most = static_cast<double>(shards(plan, node).size());
+  const double wanted = cluster.task_minutes * 60.0 / std::max(shard_seconds, 1e-9);
+  return static_cast<Index>(std::clamp(std::floor(wanted), 1.0, most));
+}
+
+std::vector<Index> packing(const Plan& plan) {
+  std::vector<Index> packs(plan.nodes.size(), 1);
+  std::optional<double> row_seconds;
+  bool is_known = false;
+  for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
+    const Node& node = plan.nodes[i];
+    if (node.stage != Stage::simulate || is_complete(plan, node)) continue;
+    if (!is_known) row_seconds = seconds_per_row(plan);
+    is_known = true;
+    packs[i] = shards_in_task(plan, node, row_seconds);
+  }
+  return packs;
+}
+
+ScriptContext context_of(const Plan& plan, const SubmitConfig& config, const fs::path& folder) {
+  return {plan, config.study_words, fs::current_path(), executable_folder(),
+          fs::absolute(folder) / "logs"};
+}
+
+std::string array_of(const Plan& plan, const Job& job) {
+  if (!job.is_array()) return "";
+  const Index limit = plan.study.cluster.array_limit;
+  return index_ranges(job.tasks) + (limit > 0 ? fmt::format("%{}", limit) : "");
+}
+
+Submission submission_of(const Plan& plan, const SubmitConfig& config, const Job& job,
+                         const fs::path& script, const std::vector<std::string>& ids) {
+  Submission submission{script, array_of(plan, job), job.after_ok, job.after_any, config.options};
+  for (const std::size_t need : job.needs) submission.after_ok.push_back(ids[need]);
+  return submission;
+}
+
+fs::path script_of(const Plan& plan, const fs::path& folder, const Job& job) {
+  return folder / (file_stem_of(plan, job) + ".sh");
+}
+
+// jobs/001, jobs/002, ...: making it is what decides between two who submit at the same time.
+fs::path new_folder(const Plan& plan) {
+  make_folder(jobs_folder(plan));
+  for (int number = 1;; ++number) {
+    const fs::path folder = jobs_folder(plan) / fmt::format("{:03}", number);
+    std::error_code error;
+    if (fs::create_directory(folder, error)) return folder;
+    if (error) throw Error(folder.string() + ": can't be made: " + error.message());
+  }
+}
+
+}  // namespace
+
+std::vector<Job> missing_jobs(const Plan& plan, const SubmitConfig& config,
+                              const std::vector<QueuedTask>& queued, Index max_array_size) {
+  return make_jobs({plan, config.until, in_flight(plan, queued), packing(plan), max_array_size});
+}
+
+std::string dry_run_text(const Plan& plan, const SubmitConfig& config,
+                         const std::vector<Job>& jobs) {
+  const fs::path folder = jobs_folder(plan) / "NEW";
+  const ScriptContext context = context_of(plan, config, folder);
+  std::string text;
+  std::vector<std::string> ids;
+  for (const Job& job : jobs) {
+    const fs::path script = script_of(plan, folder, job);
+    const auto submission = submission_of(plan, config, job, script, ids);
+    ids.push_back(fmt::format("JOB_{}", ids.size() + 1));
+    text += fmt::format("# {}: {}\n{}\n{}\n", ids.back(), shell_text(sbatch_command(submission)),
+                        std::string(72, '-'), job_script(context, job));
+    text += std::string(72, '-') + "\n\n";
+  }
+  return text;
+}
+
+std::vector<std::string> submit_jobs(const Plan& plan, const SubmitConfig& config,
+                                     const std::vector<Job>& jobs) {
+  const fs::path folder = fs::absolute(new_folder(plan));
+  const ScriptContext context = context_of(plan, config, folder);
+  make_folder(context.logs);
+  std::vector<std::string> ids;
+  for (const Job& job : jobs) {
+    const fs::path script = script_of(plan, folder, job);
+    write_text_file(script, job_script(context, job));
+    try {
+      ids.push_back(submit_to_slurm(submission_of(plan, config, job, script, ids)));
+    } catch (const Error& error) {
+      throw Error(fmt::format(
+          "{} of {} jobs are submitted, then {}: {}\n  run 'npdr submit' again for the others",
+          ids.size(), jobs.size(), label_of(plan, job), error.what()));
+    }
+    append_to_ledger(plan, {ids.back(), tag_of(plan, job), job.tasks, script, context.logs,
+                            file_stem_of(plan, job), now_utc()});
+  }
+  return ids;
+}
+
+}  // namespace npdr::pipeline

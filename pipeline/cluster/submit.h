@@ -1,0 +1,34 @@
+/// Submits what a study misses to Slurm.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/cluster/job.h"
+#include "pipeline/cluster/slurm.h"
+
+namespace npdr::pipeline {
+
+struct SubmitConfig {
+  std::optional<Stage> until;            ///< the last stage; empty: all
+  std::vector<std::string> study_words;  ///< that name the study to a program
+  std::vector<std::string> options;      ///< further words for sbatch
+};
+
+/// The jobs that are missing, given what Slurm has of the study already.
+std::vector<Job> missing_jobs(const Plan& plan, const SubmitConfig& config,
+                              const std::vector<QueuedTask>& queued, Index max_array_size);
+
+/// Scripts of all jobs, and the commands that would submit them, in which JOB_1 stands for the id
+/// of the first one.
+std::string dry_run_text(const Plan& plan, const SubmitConfig& config,
+                         const std::vector<Job>& jobs);
+
+/// Writes the scripts to a new folder of <work>/<study>/jobs, submits them in order and notes each
+/// one down in the ledger (ledger.h). Returns the ids. Throws Error when Slurm refuses one: those
+/// before it stay submitted, and what isn't can be submitted later.
+std::vector<std::string> submit_jobs(const Plan& plan, const SubmitConfig& config,
+                                     const std::vector<Job>& jobs);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,209 @@
+// Studies that Slurm runs have the bits of local ones, whatever happens on the way.
+#include "core/atomic_file.h"
+#include "tests/cluster/cluster.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Four shards a round, by a simulator that a test can hold up: the task of an array whose index
+// stands in the file 'hang' never ends.
+constexpr const char* kStudy = R"toml([study]
+name = "slow"
+[target]
+truth = {}
+[simulator]
+command = "sh simulate.sh {theta} {x}"
+features = ["sum", "difference"]
+retries = 0
+[prior]
+a = { uniform = [0.0, 1.0] }
+b = { uniform = [0.0, 1.0] }
+[simulate]
+shard_size = 40
+[[method]]
+name = "NPE"
+num_rounds = 2
+num_simulations = 160
+density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
+training = { max_epochs = 30 }
+[evaluate]
+num_samples = 50
+[cluster]
+setup = ["[ ! -e bad-disk ] || [ \"$SLURM_ARRAY_TASK_ID\" != 2 ] || export NPDR_SCRATCH=/proc/no"]
+)toml";
+
+constexpr const char* kSimulator = R"sh(
+if [ -e hang ] && [ "$(cat hang)" = "$SLURM_ARRAY_TASK_ID" ]; then
+  touch hanging
+  sleep 600
+fi
+awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; print "sum,difference"; next }
+         { printf "%.9g,%.9g\n", $column["a"] + $column["b"], $column["a"] - $column["b"] }' "$1" > "$2"
+)sh";
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class Submit : public ClusterTest {
+ protected:
+  void SetUp() override {
+    ClusterTest::SetUp();
+    if (IsSkipped()) return;
+    write_text_file(cluster_->folder() / "simulate.sh", kSimulator);
+    write_text_file(cluster_->folder() / "slow.toml",
+                    edited(kStudy, "truth = {}", "truth = { a = 0.4, b = 0.7 }"));
+  }
+
+  static std::string edited(std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  }
+
+  Outcome npdr(std::vector<std::string> words) const {
+    words.insert(words.begin(), "npdr");
+    return cluster_->call(words);
+  }
+
+  void hang(int task) const { write_text_file(cluster_->folder() / "hang", std::to_string(task)); }
+
+  // The array of the first round's simulation, once its hanging task hangs.
+  std::string submit_and_hang(int task) const {
+    hang(task);
+    const Outcome submitted = npdr({"submit", "slow.toml"});
+    EXPECT_EQ(submitted.status, 0) << submitted.err;
+    cluster_->wait_for_file("hanging");
+    std::filesystem::remove(cluster_->folder() / "hang");  // only this attempt
+    const std::string line = submitted.out.substr(0, submitted.out.find("simulate NPE"));
+    const std::size_t begin = line.find_last_not_of("0123456789 ");
+    std::string id = line.substr(begin == std::string::npos ? 0 : begin + 1);
+    id.erase(0, id.find_first_not_of(' '));
+    return id.substr(0, id.find(' '));
+  }
+
+  // Of the first submission's only training.
+  std::filesystem::path log_of(const std::string& task) const {
+    return cluster_->folder() / "runs/slow/jobs/001/logs" /
+           ("infer-npe-seed-1-round-1-" + task + ".log");
+  }
+
+  bool has_checkpoint() const {
+    const std::filesystem::path folder = cluster_->folder() / "runs/.cache/infer";
+    std::error_code missing;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
+      const std::string name = entry.path().filename();
+      if (has(name, ".checkpoint.h5") && name.front() != '.') return true;
+    }
+    return false;
+  }
+
+  void expect_bits_of_a_local_run(const std::string& study = "slow") const {
+    const Outcome local = npdr({"run", study + ".toml", "--work", "local"});
+    ASSERT_EQ(local.status, 0) << local.err;
+    EXPECT_EQ(digests(cluster_->folder() / "runs" / study),
+              digests(cluster_->folder() / "local" / study));
+  }
+};
+
+TEST_F(Submit, AStudyHasTheBitsOfALocalRun) {
+  write_text_file(cluster_->folder() / "small.toml", small_study());
+  const Outcome submitted =
+      npdr({"submit", "small.toml", "--wait", "--set", "simulate.shard_size=40"});
+  EXPECT_EQ(submitted.status, 0) << submitted.err;
+  const Outcome again = npdr({"submit", "small.toml", "--set", "simulate.shard_size=40"});
+  EXPECT_EQ(again.out, "small: nothing to submit, all is up to date\n");
+  expect_bits_of_a_local_run("small");
+}
+
+TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCancelled) {
+  const Outcome first = npdr({"submit", "slow.toml", "--sbatch=--hold"});
+  EXPECT_EQ(first.status, 0) << first.err;
+  const Outcome second = npdr({"submit", "slow.toml"});
+  EXPECT_TRUE(has(second.out, "nothing to submit")) << second.out;
+  EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "queued ("));
+  EXPECT_TRUE(has(npdr({"cancel", "slow.toml"}).out, "tasks cancelled"));
+  cluster_->wait_until_idle();
+  EXPECT_TRUE(has(npdr({"submit", "slow.toml", "--dry-run"}).out, "sbatch --parsable --array=0-3"));
+}
+
+TEST_F(Submit, AStudySurvivesTheCrashOfANode) {
+  const std::string task = submit_and_hang(1) + "_1";
+  EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "running"));
+  cluster_->command({"kill-node", cluster_->node_of(task)});
+  cluster_->wait_for_state(task, "PENDING");
+  cluster_->start_now(task);
+  cluster_->wait_until_idle();
+  expect_bits_of_a_local_run();
+}
+
+TEST_F(Submit, ATaskThatIsKilledIsAllThatIsSubmittedAgain) {
+  const std::string task = submit_and_hang(2) + "_2";
+  cluster_->kill_shell_of(task, SIGKILL);
+  cluster_->wait_until_idle();
+  const std::string status = npdr({"status", "slow.toml"}).out;
+  EXPECT_TRUE(has(status, "3 of 4 shards")) << status;
+  EXPECT_TRUE(has(status, "job " + task + ": ")) << status;
+  EXPECT_TRUE(has(status, task + ".log")) << status;
+  const Outcome again = npdr({"submit", "slow.toml", "--wait"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  expect_bits_of_a_local_run();
+}
+
+TEST_F(Submit, AFailedShardSaysWhyAndDoesntHang) {
+  write_text_file(cluster_->folder() / "bad-disk", "");
+  const Outcome failed = npdr({"submit", "slow.toml", "--wait"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_TRUE(has(failed.err, "simulate NPE, seed 1, round 1 failed: job ")) << failed.err;
+  EXPECT_TRUE(has(failed.err, "exit status 1")) << failed.err;
+  EXPECT_TRUE(has(failed.err, "/proc/no")) << failed.err;
+  EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "failed"));
+  std::filesystem::remove(cluster_->folder() / "bad-disk");
+  EXPECT_EQ(npdr({"submit", "slow.toml", "--wait"}).status, 0);
+  expect_bits_of_a_local_run();
+}
+
+TEST_F(Submit, ATaskNearItsTimeLimitIsQueuedAgain) {
+  const std::string task = submit_and_hang(0) + "_0";
+  EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", task}).status, 0);
+  cluster_->wait_until_idle();
+  expect_bits_of_a_local_run();
+}
+
+// Training goes on from its checkpoint.
+TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
+  const std::string text = edited(text_of(cluster_->folder() / "slow.toml"), "max_epochs = 30",
+                                  "max_epochs = 60000, stop_after_epochs = 60000");
+  write_text_file(cluster_->folder() / "slow.toml",
+                  edited(text, "num_rounds = 2", "num_rounds = 1"));
+  const Outcome submitted = npdr({"submit", "slow.toml"});
+  ASSERT_EQ(submitted.status, 0) << submitted.err;
+  std::string task;
+  cluster_->wait_until("for a training", [&] {
+    const std::string queue =
+        cluster_->call({"squeue", "-h", "-t", "running", "-n", "npdr-slow-infer", "-o", "%i"}).out;
+    task = queue.substr(0, queue.find('\n'));
+    return !task.empty() && std::filesystem::exists(log_of(task));
+  });
+  EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", task}).status, 0);
+  cluster_->wait_until("for a checkpoint", [&] { return has_checkpoint(); });
+  cluster_->wait_until_idle();
+  EXPECT_TRUE(has(text_of(log_of(task)), "npdr task: queued again")) << text_of(log_of(task));
+  expect_bits_of_a_local_run();
+}
+
+TEST_F(Submit, AStudySurvivesTheCrashOfTheController) {
+  submit_and_hang(3);
+  cluster_->wait_until_saved();
+  cluster_->command({"kill-controller"});
+  const Outcome blind = npdr({"status", "slow.toml"});
+  EXPECT_EQ(blind.status, 0);
+  EXPECT_TRUE(has(blind.err, "what is queued isn't known")) << blind.err;
+  EXPECT_EQ(cluster_->command({"start-controller"}).status, 0);
+  EXPECT_TRUE(has(npdr({"submit", "slow.toml"}).out, "nothing to submit"));
+  EXPECT_TRUE(has(npdr({"cancel", "slow.toml"}).out, "tasks cancelled"));
+  cluster_->wait_until_idle();
+  EXPECT_EQ(npdr({"submit", "slow.toml", "--wait"}).status, 0);
+  expect_bits_of_a_local_run();
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

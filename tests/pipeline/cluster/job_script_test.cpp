@@ -1,0 +1,115 @@
+#include "pipeline/cluster/job_script.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "pipeline/config/study_reader.h"
+#include "tests/message_of.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr const char* kStudy = R"([study]
+name = "small"
+
+[target]
+truth = {}
+
+[simulator]
+name = "pendulum"
+
+[prior]
+pole_mass = { uniform = [0.5, 1.5] }
+
+[simulate]
+shard_size = 50
+
+[[method]]
+name = "NPE"
+num_simulations = 225
+
+[cluster]
+partition = "short"
+time = "01:00:00"
+setup = ["module load gcc/12"]
+scratch = "$TMPDIR"
+sbatch = ["--qos=long"]
+mail = "me@example.org"
+simulate = { cpus = 2, memory = "500M" }
+)";
+
+class JobScripts : public testing::Test {
+ protected:
+  std::string script(Stage stage, const Job& job) const {
+    Job complete = job;
+    complete.nodes = {
+        static_cast<std::size_t>(&plan_.node(stage, {"NPE", 1, 1}) - plan_.nodes.data())};
+    return job_script({plan_, {"my study.toml"}, "/home/me/a b", "/opt/npdr", "/home/me/100%"},
+                      complete);
+  }
+
+  TempFolder folder_;
+  Plan plan_ = make_plan(parse_study(kStudy, "s.toml"), WorkFolder(folder_ / "runs"));
+};
+
+#define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
+
+TEST_F(JobScripts, OfAnArrayPackShardsAndEndAtTheLast) {
+  Job array;
+  array.tasks = {0, 1, 2};
+  array.shards_per_task = 2;
+  const std::string text = script(Stage::simulate, array);
+  EXPECT_HAS(text, "#!/bin/bash\n");
+  EXPECT_HAS(text, "#SBATCH --cpus-per-task=2\n#SBATCH --mem=500M\n#SBATCH --time=01:00:00\n");
+  EXPECT_HAS(text, "#SBATCH --signal=B:USR1@120\n");
+  EXPECT_HAS(text, "#SBATCH --chdir=\"/home/me/a b\"\n");
+  EXPECT_HAS(text, "#SBATCH --output=/home/me/100%%/simulate-npe-seed-1-round-1-%A_%a.log\n");
+  EXPECT_HAS(text, "sbatch --array=0-2 THIS_FILE\n");
+  EXPECT_HAS(text, "module load gcc/12\n");
+  EXPECT_HAS(text, "export NPDR_SCRATCH=\"$TMPDIR\"\n");
+  EXPECT_HAS(text, "first=$((SLURM_ARRAY_TASK_ID * 2))\n");
+  EXPECT_HAS(text, "last=$((first + 1 < 4 ? first + 1 : 4))\n");
+  EXPECT_HAS(text,
+             "exec /opt/npdr/npdr task -- /opt/npdr/npdr-simulate 'my study.toml' --artefact");
+}
+
+TEST_F(JobScripts, OfOtherStagesRunTheirArtefacts) {
+  const std::string text = script(Stage::infer, {});
+  EXPECT_HAS(text, "#SBATCH --partition=short\n");
+  EXPECT_HAS(text, "#SBATCH --cpus-per-task=1\n#SBATCH --time=01:00:00\n");
+  EXPECT_HAS(text, "#SBATCH --mail-type=FAIL\n");
+  EXPECT_HAS(text, "#SBATCH --qos=long\n");
+  EXPECT_HAS(text,
+             "exec /opt/npdr/npdr task -- /opt/npdr/npdr run 'my study.toml' \\\n  --artefact ");
+}
+
+TEST(ClusterTable, IsCheckedAndASitesKeysAreDefaults) {
+  const std::string text = kStudy;
+  ClusterConfig site;
+  site.account = "lab";
+  site.partition = "long";
+  const Study study = parse_study(text, "s.toml", {}, site);
+  EXPECT_EQ(study.cluster.account, "lab");
+  EXPECT_EQ(study.cluster.partition, "short");
+  EXPECT_EQ(message_of<InputError>([&] {
+              parse_study(text, "s.toml", {"cluster.time=\"1 hour\"", "cluster.partition='a b'"});
+            }),
+            "--set cluster.partition='a b': cluster.partition = 'a b', must be one word of "
+            "printable characters\n"
+            "--set cluster.time=\"1 hour\": cluster.time = '1 hour', must be a time such as 90 "
+            "(minutes), 01:30:00 or 1-12:00 (days-hours:minutes)");
+}
+
+TEST(ClusterTable, ChangesNoKey) {
+  TempFolder folder;
+  const WorkFolder work(folder / "runs");
+  const Plan one = make_plan(parse_study(kStudy, "s.toml"), work);
+  const Plan other = make_plan(parse_study(kStudy, "s.toml", {"cluster.time=\"5\""}), work);
+  for (std::size_t i = 0; i < one.nodes.size(); ++i) {
+    EXPECT_EQ(one.nodes[i].key, other.nodes[i].key);
+  }
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

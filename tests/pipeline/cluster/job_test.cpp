@@ -1,0 +1,198 @@
+#include "pipeline/cluster/job.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/text.h"
+#include "pipeline/cluster/job_tag.h"
+#include "pipeline/config/study_reader.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Two seeds of two rounds of 200 simulations in shards of 50.
+constexpr const char* kStudy = R"([study]
+name = "small"
+seeds = [1, 2]
+
+[target]
+truth = {}
+
+[simulator]
+name = "pendulum"
+
+[prior]
+pole_mass = { uniform = [0.5, 1.5] }
+
+[simulate]
+shard_size = 50
+
+[[method]]
+name = "NPE"
+num_rounds = 2
+num_simulations = 200
+)";
+
+class Jobs : public testing::Test {
+ protected:
+  Jobs() : plan_(make_plan(parse_study(kStudy, "s.toml"), WorkFolder(folder_ / "runs"))) {}
+
+  JobsInput input() const {
+    return {plan_, std::nullopt, std::vector<std::optional<InFlight>>(plan_.nodes.size()),
+            std::vector<Index>(plan_.nodes.size(), 2), 1001};
+  }
+
+  std::size_t index_of(Stage stage, const Use& use) const {
+    return static_cast<std::size_t>(&plan_.node(stage, use) - plan_.nodes.data());
+  }
+
+  // The position of the job that makes a node; an array's for a simulation.
+  static std::size_t maker_of(const std::vector<Job>& jobs, std::size_t node, bool is_array) {
+    for (std::size_t j = 0; j < jobs.size(); ++j) {
+      const bool has = std::ranges::find(jobs[j].nodes, node) != jobs[j].nodes.end();
+      if (has && jobs[j].is_array() == is_array) return j;
+    }
+    ADD_FAILURE() << "no job makes " << node;
+    return 0;
+  }
+
+  void touch_shard(const Node& node, Index shard) const {
+    const RowRange rows = shards(plan_, node)[static_cast<std::size_t>(shard)];
+    const auto path = plan_.work.shard(node.key, rows.begin, rows.end);
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path) << "x";
+  }
+
+  TempFolder folder_;
+  Plan plan_;
+};
+
+TEST_F(Jobs, EveryMissingArtefactIsMadeByAJobAfterThoseThatItNeeds) {
+  const auto jobs = make_jobs(input());
+  std::vector<std::size_t> maker(plan_.nodes.size(), jobs.size());
+  for (std::size_t j = 0; j < jobs.size(); ++j) {
+    for (const std::size_t need : jobs[j].needs) EXPECT_LT(need, j);
+    for (const std::size_t i : jobs[j].nodes) maker[i] = std::min(maker[i], j);
+  }
+  for (std::size_t i = 0; i < plan_.nodes.size(); ++i) {
+    ASSERT_LT(maker[i], jobs.size()) << plan_.nodes[i].label();
+  }
+}
+
+TEST_F(Jobs, ARoundIsAnArrayThenAJobThatAlsoProposesTheNextRound) {
+  const auto jobs = make_jobs(input());
+  const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 1});
+  const std::size_t posterior = index_of(Stage::infer, {"NPE", 1, 1});
+  const std::size_t proposal = index_of(Stage::propose, {"NPE", 1, 2});
+  const std::size_t array = maker_of(jobs, simulation, true);
+  const std::size_t training = maker_of(jobs, posterior, false);
+  EXPECT_EQ(jobs[array].tasks, (std::vector<Index>{0, 1}));  // four shards, two a task
+  EXPECT_EQ(jobs[training].nodes, (std::vector<std::size_t>{simulation, posterior, proposal}));
+  EXPECT_EQ(jobs[training].needs, std::vector<std::size_t>{array});
+  const std::size_t next = maker_of(jobs, index_of(Stage::simulate, {"NPE", 1, 2}), true);
+  EXPECT_EQ(jobs[next].needs, std::vector<std::size_t>{training});
+}
+
+TEST_F(Jobs, OnlyShardsThatAreNeitherThereNorInFlightAreSubmitted) {
+  const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 1});
+  JobsInput in = input();
+  in.shards_per_task.assign(plan_.nodes.size(), 1);
+  in.in_flight[simulation] = InFlight{{"17"}, {2}};
+  touch_shard(plan_.nodes[simulation], 0);
+  const auto jobs = make_jobs(in);
+  EXPECT_EQ(jobs[maker_of(jobs, simulation, true)].first_task, 1);
+  EXPECT_EQ(jobs[maker_of(jobs, simulation, true)].tasks, (std::vector<Index>{0, 2}));
+  const Job& training = jobs[maker_of(jobs, index_of(Stage::infer, {"NPE", 1, 1}), false)];
+  EXPECT_EQ(training.after_any, std::vector<std::string>{"17"});
+  EXPECT_EQ(training.needs.size(), 1u);
+}
+
+TEST_F(Jobs, ShardsThatAreAllThereAreJoined) {
+  const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 1});
+  for (Index shard = 0; shard < 4; ++shard) touch_shard(plan_.nodes[simulation], shard);
+  const auto jobs = make_jobs(input());
+  const std::size_t join = maker_of(jobs, simulation, false);
+  EXPECT_EQ(jobs[join].nodes, std::vector<std::size_t>{simulation});
+  EXPECT_EQ(jobs[maker_of(jobs, index_of(Stage::infer, {"NPE", 1, 1}), false)].needs,
+            std::vector<std::size_t>{join});
+}
+
+TEST_F(Jobs, WhatIsInFlightIsntSubmittedAgainButWaitedFor) {
+  const std::size_t posterior = index_of(Stage::infer, {"NPE", 2, 1});
+  JobsInput in = input();
+  in.in_flight[posterior] = InFlight{{"23"}, {}};
+  in.in_flight[index_of(Stage::propose, {"NPE", 2, 2})] = InFlight{{"23"}, {}};
+  const auto jobs = make_jobs(in);
+  for (const Job& job : jobs) {
+    EXPECT_EQ(std::ranges::count(job.nodes, posterior), 0);
+  }
+  const Job& next = jobs[maker_of(jobs, index_of(Stage::simulate, {"NPE", 2, 2}), true)];
+  EXPECT_EQ(next.after_ok, std::vector<std::string>{"23"});
+}
+
+TEST_F(Jobs, LargeArraysAreSplit) {
+  JobsInput in = input();
+  in.shards_per_task.assign(plan_.nodes.size(), 1);
+  in.max_array_size = 3;
+  const auto jobs = make_jobs(in);
+  const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 1});
+  std::vector<Index> shards;
+  for (const Job& job : jobs) {
+    if (!job.is_array() || job.nodes.front() != simulation) continue;
+    for (const Index task : job.tasks) {
+      EXPECT_LT(task, 3);
+      shards.push_back(job.first_task + task);
+    }
+  }
+  EXPECT_EQ(shards, (std::vector<Index>{0, 1, 2, 3}));
+}
+
+TEST_F(Jobs, CommentsOfTheQueueTellWhatIsInFlight) {
+  const auto jobs = make_jobs(input());
+  const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 2});
+  const std::size_t array = maker_of(jobs, simulation, true);
+  const std::string comment = tag_of(plan_, jobs[array]).text();
+  EXPECT_LT(comment.size(), 1024u);
+  const std::vector<QueuedTask> tasks = {
+      parse_queued_tasks("40|1|RUNNING|None|n2|" + comment).front(),
+      parse_queued_tasks("41|N/A|PENDING|Priority||somebody's own | job").front()};
+  const auto flying = in_flight(plan_, tasks);
+  ASSERT_TRUE(flying[simulation].has_value());
+  EXPECT_EQ(flying[simulation]->jobs, std::vector<std::string>{"40"});
+  EXPECT_EQ(flying[simulation]->shards, (std::set<Index>{2, 3}));
+  EXPECT_EQ(tasks_of(plan_, tasks).size(), 1u);
+  EXPECT_EQ(tasks.front().id(), "40_1");
+}
+
+TEST_F(Jobs, OfAnotherWorkFolderAreNotOurs) {
+  const Plan other = make_plan(parse_study(kStudy, "s.toml"), WorkFolder(folder_ / "elsewhere"));
+  const auto jobs = make_jobs(input());
+  const QueuedTask task =
+      parse_queued_tasks("40|0|RUNNING|None|n2|" + tag_of(plan_, jobs[1]).text()).front();
+  EXPECT_EQ(tasks_of(plan_, {task}).size(), 1u);
+  EXPECT_TRUE(tasks_of(other, {task}).empty());
+}
+
+TEST(QueuedTasks, OfAnArrayThatWaitsStandInOneLine) {
+  const auto tasks = parse_queued_tasks("40|1,5-6,10-20:5%4|PENDING|Priority||c");
+  ASSERT_EQ(tasks.size(), 6u);
+  EXPECT_EQ(tasks.front().id(), "40_1");
+  EXPECT_EQ(tasks.back().id(), "40_20");
+  EXPECT_EQ(parse_queued_tasks("17|N/A|RUNNING|None|n1|").front().id(), "17");
+  for (const char* text : {"", "a|b", "x|1|R|N|n|c", "(null)"}) {
+    EXPECT_TRUE(parse_queued_tasks(text).empty()) << text;
+  }
+  EXPECT_TRUE(parse_indices("1-").empty());
+  EXPECT_TRUE(parse_indices("5-9:0").empty());
+}
+
+TEST(IndexRanges, AreShort) {
+  EXPECT_EQ(index_ranges({0, 2, 3, 4, 9}), "0,2-4,9");
+  EXPECT_EQ(index_ranges({5}), "5");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,34 @@
+#include "pipeline/cluster/task_log.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+TEST(TaskLog, SaysWhyATaskEnded) {
+  const TempFolder folder;
+  const auto log = folder / "a.log";
+  std::ofstream(log) << begin_line("17_3", {"npdr-simulate", "a b.toml"}) << "\n"
+                     << "npdr-simulate: a.toml: can't be opened\n"
+                     << end_line(2, 0.04) << "\n";
+  EXPECT_EQ(reason_in_log(log),
+            "exit status 2 after 0.0 s: npdr-simulate: a.toml: can't be opened");
+}
+
+TEST(TaskLog, OfATaskThatWasKilledSaysNothing) {
+  const TempFolder folder;
+  const auto log = folder / "a.log";
+  EXPECT_EQ(reason_in_log(log), "");
+  std::ofstream(log) << begin_line("17_3", {"npdr-simulate"}) << "\n";
+  EXPECT_EQ(reason_in_log(log), "");
+  std::ofstream(log, std::ios::app) << end_line(75, 3.0) << "\n"
+                                    << begin_line("17_3", {"npdr-simulate"}) << "\nhalf a li";
+  EXPECT_EQ(reason_in_log(log), "");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
