@@ -5,6 +5,7 @@
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/stages/report_dataset.h"
 #include "pipeline/stages/report_diagnostics.h"
 #include "pipeline/stages/report_features.h"
 #include "pipeline/stages/report_figures.h"
@@ -63,6 +64,7 @@ analysis::ReportSection posterior_section(const ReportData& data,
                                           const std::filesystem::path& folder) {
   analysis::ReportSection section{
       "Posteriors", "", {parameters_table(data), contraction_table(data)}, {}};
+  note_foreign_theta(data, section.tables.front());
   if (data.plan.study.prior.size() > 1) {
     section.figures.push_back(
         {write_pair_figure(data, folder),

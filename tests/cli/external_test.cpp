@@ -142,7 +142,19 @@ TEST_F(External, ADatasetNeedsNoSimulator) {
   run_well({"dataset.toml"});
   expect_exact_posterior("external-dataset");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "runs/external-dataset/tables/fit.md"));
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "runs/external-dataset/tables/parameters.md"));
+  EXPECT_EQ(table("external-dataset", "parameters").find("isn't distributed"), std::string::npos);
+}
+
+TEST_F(External, ADatasetOfAnotherPriorIsNoticed) {
+  ASSERT_EQ(
+      std::system(
+          ("sh " + (folder_ / "make_dataset.sh").string() + " " + folder_.path().string()).c_str()),
+      0);
+  npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
+  run_well({"dataset.toml", "--set", "prior.a.normal=[0.0, 2.0]"});
+  const std::string text = table("external-dataset", "parameters");
+  EXPECT_NE(text.find("a of the dataset isn't distributed as the prior says"), std::string::npos);
+  EXPECT_EQ(text.find("b of the dataset"), std::string::npos);
 }
 
 TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {
