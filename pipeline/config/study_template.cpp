@@ -165,6 +165,28 @@ num_samples = 100               # posterior samples that are simulated and measu
 title = "Pendulum"
 # caption = ""                  # text below the main tables
 # parameters = []               # 2 to 15 that pair plots show; empty: the prior's first 15
+
+# What 'npdr submit' asks a cluster for; no result depends on it. Empty: the site's defaults.
+#   [cluster]
+#   partition = ""
+#   account = ""
+#   cpus = 1                    # cores of a task
+#   memory = ""                 # of a task, such as "2G"
+#   time = ""                   # limit of a task, such as "01:00:00"
+#   array_limit = 0             # tasks of an array at the same time; 0: as the cluster likes
+#   max_array_size = 0          # larger arrays are split; 0: the cluster is asked
+#   task_minutes = 5.0          # short shards are packed into tasks of about this length
+#   signal_seconds = 120        # before its limit a task saves its work and is queued again
+#   scratch = ""                # folder of the node for shards in the making, such as "$TMPDIR"
+#   mail = ""                   # address for mail when the study ends or a job fails
+#   setup = []                  # lines of shell before the work, such as "module load gcc"
+#   sbatch = []                 # further options, such as "--qos=long"
+# Stages of their own: prepare, simulate, infer, baseline, evaluate, diagnose, report.
+#   [cluster.infer]
+#   cpus = 0                    # 0 and "": as [cluster] says
+#   memory = ""
+#   time = ""
+#   sbatch = []
 )toml";
 
 }  // namespace
