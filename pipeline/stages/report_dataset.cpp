@@ -21,8 +21,7 @@ RowMatrix normal_theta(const ReportData& data) {
   const DatasetFile dataset = open_dataset(study);
   const Index count =
       std::min(kMostRows, study.method(data.methods.front()).algorithm.num_simulations);
-  const RowMatrix all =
-      dataset.theta(dataset_rows(data.seeds.front(), dataset.num_rows(), count));
+  const RowMatrix all = dataset.theta(dataset_rows(data.seeds.front(), dataset.num_rows(), count));
   RowMatrix inside(all.rows(), all.cols());
   Index num_inside = 0;
   for (Index i = 0; i < all.rows(); ++i) {
@@ -43,7 +42,8 @@ void note_foreign_theta(const ReportData& data, analysis::Table& table) {
     if (inference::corrected(test.p_value, u.cols()) >= kFalseAlarmRate) continue;
     table.footnote(fmt::format(
         "{} of the dataset isn't distributed as the prior says (Kolmogorov-Smirnov {:.2f}, p = "
-        "{:.1g}): where its theta wasn't drawn from this prior, posteriors are those of another one",
+        "{:.1g}): where its theta wasn't drawn from this prior, posteriors are those of another "
+        "one",
         data.plan.study.prior[static_cast<std::size_t>(d)].name, test.statistic, test.p_value));
   }
 }
