@@ -9,6 +9,9 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <fstream>
+#include <mutex>
+#include <set>
 #include <utility>
 
 #include "core/file_error.h"
@@ -39,22 +42,17 @@ class Descriptor {
   int value_;
 };
 
-void sync(const fs::path& path, int flags) {
+// Messages call it `shown_as`.
+void sync(const fs::path& path, int flags, const fs::path& shown_as) {
   const Descriptor file(path, flags);
   if (file.open() && ::fsync(file.value()) == 0) return;
   // Some network file systems can't do this for folders, and need no telling.
   if (file.open() && (errno == EINVAL || errno == ENOTSUP)) return;
-  throw_file_error(path, "be brought to the disk", errno);
+  throw_file_error(shown_as, "be brought to the disk", errno);
 }
 
 fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
-}
-
-fs::path temporary_name(const fs::path& path) {
-  static std::atomic<int> counter = 0;
-  return folder_of(path) / fmt::format(".{}.{}.{}.{}{}", path.filename().string(), host_name(),
-                                       ::getpid(), counter++, kSuffix);
 }
 
 // The process that a temporary of this host belongs to; 0 for every other name.
@@ -68,7 +66,18 @@ pid_t owner(const std::string& name) {
   return error == std::errc() && stop < end && *stop == '.' ? process : 0;
 }
 
-bool is_dead(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH; }
+// Ended, but nobody has asked how yet: in a container without an init process that is for good.
+bool is_zombie(pid_t process) {
+  std::ifstream file(fmt::format("/proc/{}/stat", process));
+  std::string text;
+  std::getline(file, text);  // pid (name) state ...: the name may hold anything
+  const std::size_t end = text.rfind(") ");
+  return end != std::string::npos && (text[end + 2] == 'Z' || text[end + 2] == 'X');
+}
+
+bool is_dead(pid_t process) {
+  return ::kill(process, 0) != 0 ? errno == ESRCH : is_zombie(process);
+}
 
 }  // namespace
 
@@ -78,13 +87,19 @@ void make_folder(const fs::path& folder) {
   if (error) throw_file_error(folder, "be made a folder", error.value());
 }
 
+fs::path temporary_name(const fs::path& path) {
+  static std::atomic<int> counter = 0;
+  return folder_of(path) / fmt::format(".{}.{}.{}.{}{}", path.filename().string(), host_name(),
+                                       ::getpid(), counter++, kSuffix);
+}
+
 AtomicFile::AtomicFile(fs::path path, const fs::path& scratch)
     : path_(std::move(path)),
       beside_(temporary_name(path_)),
       temporary_(scratch.empty() ? beside_ : scratch / beside_.filename()) {
   for (const fs::path& file : {beside_, temporary_}) {
     make_folder(folder_of(file));
-    remove_stale_temporaries(folder_of(file));
+    remove_stale_temporaries_once(folder_of(file));
     if (!Descriptor(file, O_WRONLY | O_CREAT | O_TRUNC).open()) {
       throw_file_error(file == beside_ ? path_ : file, "be written", errno);
     }
@@ -103,12 +118,12 @@ void AtomicFile::commit() {
     fs::copy_file(temporary_, beside_, fs::copy_options::overwrite_existing, error);
     if (error) throw_file_error(path_, "be written", error.value());
   }
-  sync(beside_, O_RDONLY);
+  sync(beside_, O_RDONLY, path_);
   if (::rename(beside_.c_str(), path_.c_str()) != 0) {
     throw_file_error(path_, "be given its name", errno);
   }
   committed_ = true;
-  sync(folder_of(path_), O_RDONLY | O_DIRECTORY);
+  sync(folder_of(path_), O_RDONLY | O_DIRECTORY, path_);
 }
 
 void write_text_file(const fs::path& path, std::string_view text) {
@@ -146,10 +161,18 @@ int remove_stale_temporaries(const fs::path& folder) {
        entry.increment(error)) {
     const pid_t process = owner(entry->path().filename().string());
     if (process <= 0 || !is_dead(process)) continue;
-    std::error_code ignored;
-    removed += fs::remove(entry->path(), ignored) ? 1 : 0;
+    std::error_code failed;
+    const std::uintmax_t count = fs::remove_all(entry->path(), failed);
+    removed += !failed && count > 0 ? 1 : 0;
   }
   return removed;
+}
+
+void remove_stale_temporaries_once(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<fs::path> done;
+  const std::lock_guard lock(mutex);
+  if (done.insert(folder).second) remove_stale_temporaries(folder);
 }
 
 std::string host_name() {

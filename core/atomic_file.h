@@ -45,9 +45,17 @@ void write_text_file(const std::filesystem::path& path, std::string_view text);
 /// The whole file. Throws Error.
 std::string read_text_file(const std::filesystem::path& path);
 
-/// Removes the temporaries in `folder` of processes of this host that no longer run. Returns how
-/// many.
+/// A new name in the folder of `path` for what becomes `path` when it is complete, in the way of
+/// AtomicFile: whoever comes next removes what a dead process has left there.
+std::filesystem::path temporary_name(const std::filesystem::path& path);
+
+/// Removes the temporaries in `folder`, files and folders, of processes of this host that no longer
+/// run. Returns how many.
 int remove_stale_temporaries(const std::filesystem::path& folder);
+
+/// The same, when this process calls it for the first time with this folder: looking through a
+/// folder of a thousand shards for each of them would take longer than to write them.
+void remove_stale_temporaries_once(const std::filesystem::path& folder);
 
 /// Name of this machine.
 std::string host_name();

@@ -13,23 +13,29 @@ std::string file_advice(int error_number) {
   switch (error_number) {
     case ENOSPC:
     case EDQUOT:
-      return "; free some space there or choose another folder";
+      return "; free some space there (df), or files (df -i), or choose another folder";
     case EFBIG:
       return "; raise the limit on the size of a file (ulimit -f)";
     case EACCES:
     case EPERM:
     case EROFS:
       return "; make the folder writable or choose another one";
+    case ELOOP:
+      return "; remove the link there that leads to itself";
     default:
       return "";
   }
 }
 
+std::string file_error_text(const std::filesystem::path& path, const std::string& action,
+                            int error_number) {
+  return fmt::format("{}: can't {}: {}{}", path.string(), action,
+                     std::generic_category().message(error_number), file_advice(error_number));
+}
+
 void throw_file_error(const std::filesystem::path& path, const std::string& action,
                       int error_number) {
-  throw Error(fmt::format("{}: can't {}: {}{}", path.string(), action,
-                          std::generic_category().message(error_number),
-                          file_advice(error_number)));
+  throw Error(file_error_text(path, action, error_number));
 }
 
 }  // namespace npdr

@@ -9,7 +9,11 @@ namespace npdr {
 /// What to do about the error number of a failed system call; "" when there is nothing to advise.
 std::string file_advice(int error_number);
 
-/// Throws Error: "path: can't action: reason; advice".
+/// "path: can't action: reason; advice".
+std::string file_error_text(const std::filesystem::path& path, const std::string& action,
+                            int error_number);
+
+/// Throws Error with that text.
 [[noreturn]] void throw_file_error(const std::filesystem::path& path, const std::string& action,
                                    int error_number);
 

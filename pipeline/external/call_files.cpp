@@ -1,11 +1,13 @@
 #include "pipeline/external/call_files.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <cerrno>
 #include <fstream>
 #include <system_error>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/file_error.h"
 #include "pipeline/store/h5.h"
@@ -50,9 +52,9 @@ CallFolder::CallFolder(const std::string& format) : extension_(format == "csv" ?
                     "simulator's command leave their files there",
                     parent.string()));
   }
-  std::string name = (std::filesystem::absolute(parent) / "npdr-call-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw_file_error(name, "make this folder", errno);
-  path_ = name;
+  path_ = temporary_name(std::filesystem::absolute(parent) / "npdr-call");
+  remove_stale_temporaries_once(path_.parent_path());
+  if (mkdir(path_.c_str(), 0700) != 0) throw_file_error(path_, "make this folder", errno);
 }
 
 CallFolder::~CallFolder() {

@@ -1,10 +1,9 @@
 #include "pipeline/plan/work_folder.h"
 
-#include <unistd.h>
-
 #include <system_error>
 
-#include "core/error.h"
+#include "core/atomic_file.h"
+#include "core/file_error.h"
 
 namespace npdr::pipeline {
 
@@ -29,11 +28,12 @@ void make_link(const fs::path& target, const fs::path& link) {
   const fs::path relative = fs::relative(target, link.parent_path(), error);
   if (fs::is_symlink(link) && fs::read_symlink(link, error) == relative) return;
   // A link is renamed into place, so that it never points to nothing.
-  const fs::path temporary = link.string() + "." + std::to_string(getpid()) + ".tmp";
-  fs::remove(temporary, error);
+  const fs::path temporary = temporary_name(link);
+  remove_stale_temporaries_once(link.parent_path());
+  fs::remove(temporary, error);  // a process of the same number may have been killed
   fs::create_symlink(relative, temporary, error);
   if (!error) fs::rename(temporary, link, error);
-  if (error) throw Error(link.string() + ": can't make this link: " + error.message());
+  if (error) throw_file_error(link, "be made a link", error.value());
 }
 
 }  // namespace npdr::pipeline

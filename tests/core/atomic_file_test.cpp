@@ -152,5 +152,33 @@ TEST(AtomicFile, ComesFromScratchWhenItIsComplete) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
+TEST(AtomicFile, WhoHasEndedButWasNotWaitedForIsDead) {
+  const TempFolder folder;
+  const pid_t zombie = ::fork();
+  if (zombie == 0) ::_exit(0);
+  siginfo_t end = {};
+  ::waitid(P_PID, static_cast<id_t>(zombie), &end, WEXITED | WNOWAIT);
+  folder.file(fmt::format(".a.h5.{}.{}.0.tmp", host_name(), zombie), "");
+  EXPECT_EQ(remove_stale_temporaries(folder.path()), 1);
+  ::waitpid(zombie, nullptr, 0);
+}
+
+TEST(AtomicFile, RemovesStaleFoldersWithAllThatIsInThem) {
+  const TempFolder folder;
+  const auto stale = folder / fmt::format(".call.{}.{}.0.tmp", host_name(), dead_process());
+  write_text_file(stale / "inside/x.csv", "1");
+  EXPECT_EQ(remove_stale_temporaries(folder.path()), 1);
+  EXPECT_EQ(folder.size(), 0);
+}
+
+TEST(AtomicFile, LooksForStaleTemporariesOncePerFolder) {
+  const TempFolder folder;
+  const std::string stale = fmt::format(".a.h5.{}.{}.0.tmp", host_name(), dead_process());
+  write_text_file(folder / "first.txt", "");
+  folder.file(stale, "");
+  write_text_file(folder / "second.txt", "");
+  EXPECT_TRUE(std::filesystem::exists(folder / stale));
+}
+
 }  // namespace
 }  // namespace npdr
