@@ -10,6 +10,7 @@
 #include "pipeline/store/batch_job.h"
 #include "pipeline/store/build_info.h"
 #include "pipeline/store/content_key.h"
+#include "pipeline/store/seal.h"
 #include "pipeline/store/utc_time.h"
 
 namespace npdr::pipeline {
@@ -19,6 +20,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kVolatile = "volatile";
 constexpr const char* kProvenance = "provenance";
+constexpr const char* kSealed = "sealed";
 
 void write_identity(h5::File& file, const Schema& schema, const Identity& identity) {
   file.set_attribute("schema", schema.name);
@@ -50,6 +52,7 @@ void write_provenance(h5::File& file, const Json& study, const Cost& cost) {
   }
   group.set_attribute("wall_seconds", cost.wall_seconds);
   group.set_attribute("core_seconds", cost.core_seconds);
+  group.set_attribute(kSealed, Index{1});
   // Paths needn't be UTF-8; JSON must.
   group.set_attribute("study", study.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
@@ -135,15 +138,26 @@ void ArtefactWriter::finish() {
   write_provenance(file_, identity_.study, earlier_);
   file_.set_attribute("complete", Index{1});
   file_.close();
+  seal_file(atomic_.temporary(), atomic_.path());
   atomic_.commit();
 }
 
 namespace {
 
+// Damage is found before the HDF5 library sees it, which may crash on it.
+h5::File open_undamaged(const std::filesystem::path& path) {
+  const bool has_seal = has_intact_seal(path);
+  h5::File file = h5::File::open(path);
+  if (!has_seal && file.is_group(kProvenance) && file.group(kProvenance).has_attribute(kSealed)) {
+    throw InputError(path.string() + ": is damaged: its end with the checksum is missing");
+  }
+  return file;
+}
+
 // What we made can be made again.
 h5::File open_made_file(const std::filesystem::path& path) {
   try {
-    return h5::File::open(path);
+    return open_undamaged(path);
   } catch (const InputError& error) {
     if (!std::filesystem::exists(path)) throw;
     throw InputError(std::string(error.what()) + "; remove it and run again");
@@ -155,7 +169,7 @@ h5::File open_made_file(const std::filesystem::path& path) {
 h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
                        const std::string& key) {
   // Without a key somebody named the file, and it needn't be one of ours.
-  h5::File file = key.empty() ? h5::File::open(path) : open_made_file(path);
+  h5::File file = key.empty() ? open_undamaged(path) : open_made_file(path);
   require_complete(file);
   require_schema(file, schema);
   const auto found = file.attribute<std::string>("key");
@@ -167,7 +181,7 @@ h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
 }
 
 ArtefactInfo read_artefact_info(const std::filesystem::path& path) {
-  const h5::File file = h5::File::open(path);
+  const h5::File file = open_undamaged(path);
   require_complete(file);
   const h5::Group provenance = file.group(kProvenance);
   ArtefactInfo info;

@@ -1,0 +1,21 @@
+/// Seals: a checksum of all bytes of a file, behind them, so that damage is found before HDF5 sees it.
+///
+/// HDF5 1.10 has checksums for its metadata and we ask for some of the chunks of arrays, but none
+/// cover texts, scalars and lists of variable length, and its library may crash on damage there. A
+/// seal is the line "npdr xxh3-128 <32 digits>\n", the XXH3-128 of every byte before it. HDF5
+/// ignores what follows the end that a file says that it has.
+#pragma once
+
+#include <filesystem>
+
+namespace npdr::pipeline {
+
+/// Appends the seal to a file that is closed. Throws Error, which calls the file `shown_as`.
+void seal_file(const std::filesystem::path& path, const std::filesystem::path& shown_as);
+
+/// Reads the whole file where it has a seal; false: it has none, as files of earlier versions, or
+/// can't be opened. Throws InputError when the seal isn't that of the bytes before it, and Error
+/// when they can't be read.
+bool has_intact_seal(const std::filesystem::path& path);
+
+}  // namespace npdr::pipeline
