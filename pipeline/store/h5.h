@@ -16,6 +16,7 @@
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,6 +34,8 @@ struct Storage {
   int deflate = 4;           ///< of chunks, after shuffling their bytes: 0 (not at all) to 9
   Index rows_per_chunk = 0;  ///< 0: as many as fit in about 256 KiB
 };
+
+class VirtualParts;
 
 /// Whether NaN and infinity may be read.
 enum class Values { any, finite };
@@ -72,6 +75,10 @@ class Dataset : public Object {
     write_raw(element_type<T>(), begin, count, values.data());
   }
 
+  /// The files that hold the rows of a virtual dataset; none: it holds them itself. Throws
+  /// InputError when one of them isn't there.
+  std::vector<std::filesystem::path> part_files() const;
+
   /// All values.
   template <class T>
   std::vector<T> read() const {
@@ -95,10 +102,12 @@ class Dataset : public Object {
   void require_stored(Index element_size) const;
   void check_rows(Index begin, Index count, Index num_values) const;
   void read_raw(ElementType type, Index begin, Index count, void* values) const;
+  void read_parts(ElementType type, Index begin, Index count, void* values) const;
   void write_raw(ElementType type, Index begin, Index count, const void* values);
 
   Shape shape_;
   mutable std::optional<ElementType> readable_as_;  // what require_readable() has found already
+  mutable std::shared_ptr<VirtualParts> parts_;     // where others hold the rows
 };
 
 /// Rows of a dataset in another file that are rows of a virtual dataset.

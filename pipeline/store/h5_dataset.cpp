@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 #include <hdf5_hl.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/store/h5_detail.h"
+#include "pipeline/store/h5_virtual.h"
 
 namespace npdr::pipeline::h5 {
 namespace {
@@ -103,7 +105,7 @@ void Dataset::require_readable(ElementType type) const {
         fmt::format("{} holds {}, must hold {}", where(), describe(stored.id()), describe(type)));
   }
   if (is_virtual(*this)) {
-    require_virtual_sources(*this);
+    parts_ = std::make_shared<VirtualParts>(*this);
   } else {
     require_stored(static_cast<Index>(H5Tget_size(stored.id())));
   }
@@ -143,11 +145,27 @@ void Dataset::check_rows(Index begin, Index count, Index num_values) const {
 void Dataset::read_raw(ElementType type, Index begin, Index count, void* values) const {
   prepare();
   require_readable(type);
+  if (parts_) return read_parts(type, begin, count, values);
   const Handle space = space_of(*this);
   const Handle memory = select_rows(space.id(), shape_, begin, count);
   const Handle element = memory_type(type);
   if (H5Dread(id(), element.id(), memory.id(), space.id(), H5P_DEFAULT, values) < 0) {
     fail_reading(where(), "be read");
+  }
+}
+
+void Dataset::read_parts(ElementType type, Index begin, Index count, void* values) const {
+  const auto row_bytes = row_size() * static_cast<Index>(H5Tget_size(memory_type(type).id()));
+  for (Index done = 0; done < count;) {
+    const VirtualParts::Piece piece = parts_->from(begin + done);
+    const Index num_rows = std::min(count - done, piece.num_rows);
+    try {
+      piece.part.read_raw(type, piece.begin, num_rows,
+                          static_cast<char*>(values) + done * row_bytes);
+    } catch (const InputError& error) {
+      throw InputError(error.what() + parts_->advice());
+    }
+    done += num_rows;
   }
 }
 
@@ -162,6 +180,7 @@ void Dataset::write_raw(ElementType type, Index begin, Index count, const void* 
 
 std::vector<std::string> Dataset::read_texts() const {
   require_readable(ElementType::text);
+  if (parts_) throw InputError(where() + ": texts must be in this file itself");
   const Handle stored = type_of(*this);
   const Handle space = space_of(*this);
   return h5::read_texts(stored.id(), space.id(), size_of(shape_), where(),

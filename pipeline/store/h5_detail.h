@@ -49,12 +49,6 @@ Shape shape_of(hid_t space, const std::string& where);
 /// Number of elements.
 Index size_of(const Shape& shape);
 
-/// A virtual dataset: HDF5 itself reads what is missing of it as zeros.
-bool is_virtual(const Dataset& dataset);
-/// Throws InputError unless every file that a virtual dataset maps is there, whole, and has as many
-/// rows as it claims.
-void require_virtual_sources(const Dataset& dataset);
-
 /// Reads into a buffer of the given memory type: H5Aread or H5Dread with all but these bound.
 using RawRead = std::function<herr_t(hid_t memory_type, void* buffer)>;
 using RawWrite = std::function<herr_t(hid_t memory_type, const void* buffer)>;

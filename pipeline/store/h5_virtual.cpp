@@ -1,3 +1,8 @@
+#include "pipeline/store/h5_virtual.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 
@@ -27,47 +32,119 @@ std::string text_of(const std::function<ssize_t(char*, std::size_t)>& call) {
   return text;
 }
 
-std::filesystem::path folder_of(const Dataset& dataset) {
-  const std::filesystem::path file =
-      text_of([&](char* text, std::size_t size) { return H5Fget_name(dataset.id(), text, size); });
-  return std::filesystem::canonical(file).parent_path();
+// Whether a selection is `count` whole rows of an array like `shape`, from row `begin` on. All of a
+// part is stored without the part's extents.
+bool is_rows(hid_t space, const Shape& shape, Index begin, Index count) {
+  if (H5Sget_select_type(space) == H5S_SEL_ALL) return begin == 0;
+  if (H5Sget_simple_extent_ndims(space) != static_cast<int>(shape.size())) return false;
+  std::vector<hsize_t> first = extents(shape, 0), last = first;
+  if (H5Sget_select_bounds(space, first.data(), last.data()) < 0) return false;
+  Shape rows = shape;
+  rows.front() = count;
+  bool is_it = H5Sget_select_npoints(space) == size_of(rows);
+  for (std::size_t d = 0; d < shape.size(); ++d) {
+    const Index from = d == 0 ? begin : 0;
+    is_it = is_it && static_cast<Index>(first[d]) == from &&
+            static_cast<Index>(last[d]) == from + rows[d] - 1;
+  }
+  return is_it;
+}
+
+Handle properties_of(const Dataset& dataset) {
+  return opened(H5Dget_create_plist(dataset.id()), dataset.where(), "say how it is stored");
+}
+
+// Two names that are stored of each part.
+std::string mapped_file(const Handle& properties, std::size_t part) {
+  return text_of([&](char* text, std::size_t size) {
+    return H5Pget_virtual_filename(properties.id(), part, text, size);
+  });
+}
+
+std::string mapped_dataset(const Handle& properties, std::size_t part) {
+  return text_of([&](char* text, std::size_t size) {
+    return H5Pget_virtual_dsetname(properties.id(), part, text, size);
+  });
+}
+
+std::filesystem::path file_of(const Dataset& dataset) {
+  return std::filesystem::canonical(
+      text_of([&](char* text, std::size_t size) { return H5Fget_name(dataset.id(), text, size); }));
 }
 
 }  // namespace
 
 bool is_virtual(const Dataset& dataset) {
-  const Handle properties = opened(H5Dget_create_plist(dataset.id()), dataset.where(), "read it");
-  return H5Pget_layout(properties.id()) == H5D_VIRTUAL;
+  return H5Pget_layout(properties_of(dataset).id()) == H5D_VIRTUAL;
 }
 
-void require_virtual_sources(const Dataset& dataset) {
-  const Handle properties = opened(H5Dget_create_plist(dataset.id()), dataset.where(), "read it");
+VirtualParts::VirtualParts(const Dataset& whole)
+    : file_(file_of(whole)), shape_(whole.shape()), type_(whole.type()) {
+  if (shape_.empty()) throw InputError(whole.where() + ": a single value must be in this file");
+  const Handle properties = properties_of(whole);
+  const std::vector<std::filesystem::path> files = whole.part_files();
+  Index num_rows = 0;
+  bool in_order = true;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    Part part{.file = files[i], .dataset = mapped_dataset(properties, i), .begin = num_rows};
+    part.num_rows = opened(part).num_rows();
+    num_rows += part.num_rows;
+    const Handle in_whole(H5Pget_virtual_vspace(properties.id(), i));
+    const Handle in_part(H5Pget_virtual_srcspace(properties.id(), i));
+    in_order = in_order && is_rows(in_whole.id(), shape_, part.begin, part.num_rows) &&
+               is_rows(in_part.id(), shape_, 0, part.num_rows);
+    parts_.push_back(std::move(part));
+  }
+  if (num_rows != whole.num_rows()) {
+    throw InputError(fmt::format("{}: its parts hold {} rows, it claims {}", whole.where(),
+                                 num_rows, whole.num_rows()));
+  }
+  if (!in_order) {
+    throw InputError(whole.where() + ": its rows must be those of its parts, one after the other");
+  }
+}
+
+std::vector<std::filesystem::path> Dataset::part_files() const {
+  if (!is_virtual(*this)) return {};
+  const Handle properties = properties_of(*this);
   std::size_t count = 0;
   H5Pget_virtual_count(properties.id(), &count);
-  Index num_rows = 0;
+  const std::filesystem::path folder = file_of(*this).parent_path();
+  std::vector<std::filesystem::path> files;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::string file = text_of([&](char* text, std::size_t size) {
-      return H5Pget_virtual_filename(properties.id(), i, text, size);
-    });
-    const std::string name = text_of([&](char* text, std::size_t size) {
-      return H5Pget_virtual_dsetname(properties.id(), i, text, size);
-    });
-    const std::filesystem::path path = folder_of(dataset) / file;
-    if (!std::filesystem::exists(path)) {
-      throw InputError(dataset.where() + ": its part '" + path.string() +
-                       "' is missing; remove the joined file and rerun stage 'simulate'");
-    }
-    const File part = File::open(path);
-    const Dataset source = part.dataset(name);
-    Shape expected = dataset.shape();
-    expected.front() = -1;
-    source.require_shape(expected);
-    source.require_readable(dataset.type());
-    num_rows += source.num_rows();
+    files.push_back(folder / mapped_file(properties, i));
+    if (std::filesystem::exists(files.back())) continue;
+    throw InputError(where() + ": its part '" + files.back().string() +
+                     "' is missing; remove the joined file and rerun stage 'simulate'");
   }
-  if (num_rows == dataset.num_rows()) return;
-  throw InputError(dataset.where() + ": its parts hold " + std::to_string(num_rows) +
-                   " rows, it claims " + std::to_string(dataset.num_rows()));
+  return files;
+}
+
+Dataset VirtualParts::opened(const Part& part) const {
+  try {
+    Dataset dataset = File::open(part.file).dataset(part.dataset);
+    Shape expected = shape_;
+    expected.front() = part.num_rows;
+    dataset.require_shape(expected);
+    dataset.require_readable(type_);
+    return dataset;
+  } catch (const InputError& error) {
+    throw InputError(error.what() + advice());
+  }
+}
+
+VirtualParts::Piece VirtualParts::from(Index row) {
+  const auto next = std::ranges::upper_bound(parts_, row, {}, &Part::begin);
+  const Part& part = *std::prev(next);
+  if (current_number_ != next - parts_.begin()) {
+    current_.emplace(opened(part));
+    current_number_ = next - parts_.begin();
+  }
+  return {*current_, row - part.begin, part.begin + part.num_rows - row};
+}
+
+std::string VirtualParts::advice() const {
+  return "; remove it and '" + file_ + "', which joins it with others, and run again";
 }
 
 Dataset Group::create_virtual_dataset(const std::string& name, ElementType type, const Shape& shape,

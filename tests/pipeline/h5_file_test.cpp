@@ -1,5 +1,6 @@
 // Opening, closing and joining HDF5 files.
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -95,6 +96,70 @@ TEST(H5File, AVirtualDatasetWithoutItsPartsIsRefused) {
   EXPECT_EQ(reading(),
             "joined.h5: dataset 'x': its part 'part1.h5' is missing; remove the joined file and "
             "rerun stage 'simulate'");
+}
+
+TEST(H5File, AVirtualDatasetMayHaveMorePartsThanAProcessMayOpenFiles) {
+  const TempFolder folder;
+  constexpr Index num_parts = 100;
+  std::vector<h5::VirtualSource> parts;
+  for (Index i = 0; i < num_parts; ++i) {
+    const std::string name = "part" + std::to_string(i) + ".h5";
+    File part = File::create(folder / name);
+    part.write("x", RowMatrix(counted(1, 3).array() + 3.0 * static_cast<double>(i)));
+    part.close();
+    parts.push_back({name, "x", 1});
+  }
+  File file = File::create(folder / "joined.h5");
+  file.create_virtual_dataset("x", ElementType::f64, {num_parts, 3}, parts);
+  file.close();
+  rlimit old = {};
+  ::getrlimit(RLIMIT_NOFILE, &old);
+  const rlimit few = {40, old.rlim_max};
+  ::setrlimit(RLIMIT_NOFILE, &few);
+  const RowMatrix values = File::open(folder / "joined.h5").read_matrix<double>("x");
+  ::setrlimit(RLIMIT_NOFILE, &old);
+  EXPECT_EQ(values, counted(num_parts, 3));
+}
+
+TEST(H5File, ADamagedPartOfAVirtualDatasetIsNamed) {
+  const TempFolder folder;
+  write_joined(folder);
+  const double last = 11.0;
+  const std::string value(reinterpret_cast<const char*>(&last), sizeof last);
+  File part = File::create(folder / "part1.h5");
+  part.write("x", RowMatrix(counted(2, 3).array() + 6.0), {.deflate = 0});
+  part.close();
+  std::string bytes = text_of(folder / "part1.h5");
+  const std::size_t at = bytes.find(value);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = 1;
+  folder.file("part1.h5", bytes);
+  EXPECT_EQ(message_of<InputError>(
+                [&] { File::open(folder / "joined.h5").read_matrix<double>("x"); }, &folder),
+            "part1.h5: dataset 'x': can't be read: data error detected by Fletcher32 checksum; "
+            "remove it and 'joined.h5', which joins it with others, and run again");
+}
+
+TEST(H5File, AVirtualDatasetInAnotherOrderThanItsPartsIsRefused) {
+  const TempFolder folder;
+  write_joined(folder);
+  File file = File::create(folder / "joined.h5");
+  // The mapping says that part 0 has one row and the others come after it.
+  file.create_virtual_dataset("x", ElementType::f64, {6, 3},
+                              {{"part0.h5", "x", 1}, {"part1.h5", "x", 2}, {"part2.h5", "x", 2}});
+  file.close();
+  EXPECT_EQ(message_of<InputError>(
+                [&] { File::open(folder / "joined.h5").read_matrix<double>("x"); }, &folder),
+            "joined.h5: dataset 'x': its rows must be those of its parts, one after the other");
+}
+
+TEST(H5File, AVirtualDatasetNamesItsPartFiles) {
+  const TempFolder folder;
+  write_joined(folder);
+  const auto joined = std::filesystem::canonical(folder.path());
+  EXPECT_EQ(File::open(folder / "joined.h5").dataset("x").part_files(),
+            (std::vector{joined / "part0.h5", joined / "part1.h5", joined / "part2.h5"}));
+  EXPECT_TRUE(File::open(folder / "part0.h5").dataset("x").part_files().empty());
 }
 
 TEST(H5File, ClosingAFileClosesWhatIsOpenInIt) {
