@@ -316,7 +316,14 @@ void PlanBuilder::add_report(std::size_t baseline, const std::vector<std::size_t
   for (std::size_t i = 0; i < diagnoses.size(); ++i) {
     inputs.emplace_back("diagnosis_" + std::to_string(i + 1), diagnoses[i]);
   }
-  add(Stage::report, json, {}, inputs);
+  const std::size_t report = add(Stage::report, json, {}, inputs);
+  // It shows of the targets and posteriors, too, which may be gone while evaluations are there.
+  std::vector<std::size_t>& needs = plan_.nodes[report].needs;
+  for (const std::size_t evaluation : evaluations) {
+    for (const std::size_t need : plan_.nodes[evaluation].needs) {
+      if (std::ranges::find(needs, need) == needs.end()) needs.push_back(need);
+    }
+  }
 }
 
 std::size_t PlanBuilder::add(Stage stage, Json document, const Use& use, const Inputs& inputs) {

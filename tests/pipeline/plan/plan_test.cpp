@@ -55,6 +55,18 @@ TEST(Plan, EveryNodeComesAfterWhatItNeeds) {
   }
 }
 
+// It reads them, and they may be gone while the evaluations that were made of them are there.
+TEST(Plan, TheReportNeedsWhatItsEvaluationsNeed) {
+  const Plan plan = plan_of();
+  const std::vector<std::size_t>& needs = plan.node(Stage::report, {}).needs;
+  for (const Node& node : plan.nodes) {
+    if (node.stage != Stage::evaluate) continue;
+    for (const std::size_t need : node.needs) {
+      EXPECT_EQ(std::ranges::count(needs, need), 1) << plan.nodes[need].label();
+    }
+  }
+}
+
 TEST(Plan, MethodsShareTheFirstRoundsSimulations) {
   const Plan plan = plan_of();
   EXPECT_EQ(&plan.node(Stage::simulate, {"A", 1, 1}), &plan.node(Stage::simulate, {"B", 1, 1}));
