@@ -31,14 +31,12 @@ using Clock = std::chrono::steady_clock;
 struct Simulation {
   const Plan& plan;
   const Node& node;
-  const Node& proposal;
   sim::SimulatorInfo info;
   Target target;  // of a built-in simulator, which replays it
 };
 
 Simulation make_simulation(const Plan& plan, const Node& node) {
-  Simulation simulation{
-      plan, node, *plan.inputs(node, Stage::propose).front(), simulator_info(plan.study), {}};
+  Simulation simulation{plan, node, simulator_info(plan.study), {}};
   if (!plan.study.external.is_used()) {
     const MethodConfig& method = plan.study.method(node.uses.front().method);
     simulation.target = read_target(plan, node, method.num_rollouts);
@@ -46,19 +44,32 @@ Simulation make_simulation(const Plan& plan, const Node& node) {
   return simulation;
 }
 
-// What gives the simulations of one shard: a simulator, or a dataset.
-class ShardSource {
+// Where rows come from: theta from the proposal, what is simulated from a simulator or a dataset.
+// One serves all shards, which may be so small that opening files for each would take longest.
+class RowSource {
  public:
-  ShardSource(const Simulation& simulation, const std::filesystem::path& shard)
-      : simulation_(simulation), id_(identity_of(simulation.node)) {
+  explicit RowSource(const Simulation& simulation)
+      : simulation_(simulation),
+        id_(identity_of(simulation.node)),
+        proposal_(open_proposal(*simulation.plan.inputs(simulation.node, Stage::propose).front())) {
     const Plan& plan = simulation.plan;
-    if (!plan.study.external.dataset) {
-      simulator_ = make_row_simulator(plan, plan.study.simulator, simulation.target, log_of(shard));
-      return;
-    }
+    if (!plan.study.external.dataset) return;
     dataset_.emplace(open_dataset(plan.study));
     dataset_rows_ = dataset_rows(id_.seed, dataset_->num_rows(), num_rows(plan, simulation.node));
   }
+
+  // A command's output is logged beside its shard.
+  void begin_shard(const std::filesystem::path& shard) {
+    const Plan& plan = simulation_.plan;
+    if (dataset_ || (simulator_ && !plan.study.external.command)) return;
+    simulator_ = make_row_simulator(plan, plan.study.simulator, simulation_.target, log_of(shard));
+  }
+  // Completes the log.
+  void end_shard() {
+    if (simulation_.plan.study.external.command) simulator_.reset();
+  }
+
+  RowMatrix theta(RowRange rows) const { return read_proposal(proposal_, rows); }
 
   // Rows [begin, begin + theta.rows()) of the simulation.
   sim::Trajectories simulate(Index begin, const RowMatrix& theta) const {
@@ -81,6 +92,7 @@ class ShardSource {
 
   const Simulation& simulation_;
   StreamId id_;
+  h5::Dataset proposal_;
   std::unique_ptr<RowSimulator> simulator_;
   std::optional<DatasetFile> dataset_;
   std::vector<Index> dataset_rows_;
@@ -93,19 +105,9 @@ std::filesystem::path scratch_folder() {
   return folder == nullptr ? "" : folder;
 }
 
-Identity shard_identity(const Node& node, RowRange rows) {
-  Identity identity = node.identity;
-  identity.key_document = key_document(kSimulationShardSchema);
-  identity.key_document["simulation"] = node.key;
-  identity.key_document["begin"] = rows.begin;
-  identity.key_document["end"] = rows.end;
-  return identity;
-}
-
-void write_block(h5::File& file, const Node& proposal, const ShardSource& source, RowRange rows,
-                 Index at, Index count) {
+void write_block(h5::File& file, const RowSource& source, RowRange rows, Index at, Index count) {
   const auto start = Clock::now();
-  const RowMatrix theta = read_proposal(proposal, {rows.begin + at, rows.begin + at + count});
+  const RowMatrix theta = source.theta({rows.begin + at, rows.begin + at + count});
   const sim::Trajectories result = source.simulate(rows.begin + at, theta);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const std::vector<float> row_seconds(static_cast<std::size_t>(count),
@@ -118,24 +120,25 @@ void write_block(h5::File& file, const Node& proposal, const ShardSource& source
   file.dataset("seconds").write_rows<float>(at, count, row_seconds);
 }
 
-void simulate_shard(const Simulation& simulation, RowRange rows, Index done_before,
-                    Progress& progress) {
+void simulate_shard(const Simulation& simulation, RowSource& source, RowRange rows,
+                    Index done_before, Progress& progress) {
   const Plan& plan = simulation.plan;
   const Index count = rows.end - rows.begin;
   const std::filesystem::path path = plan.work.shard(simulation.node.key, rows.begin, rows.end);
   ArtefactWriter writer(path, kSimulationShardSchema, shard_identity(simulation.node, rows),
                         scratch_folder());
   create_simulation_datasets(writer.file(), plan, simulation.target, count);
-  const ShardSource source(simulation, path);
+  source.begin_shard(path);
   // A command is called once for all of them: starting it may cost more than its work.
   const Index block = plan.study.external.command   ? count
                       : plan.study.external.dataset ? kDatasetBlock
                                                     : kBlock;
   for (Index at = 0; at < count; at += block) {
     stop_here_if_requested();
-    write_block(writer.file(), simulation.proposal, source, rows, at, std::min(block, count - at));
+    write_block(writer.file(), source, rows, at, std::min(block, count - at));
     progress.update(done_before + std::min(at + block, count));
   }
+  source.end_shard();
   writer.finish();
 }
 
@@ -152,6 +155,7 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
   const std::vector<Index> numbers =
       shard_numbers.empty() ? all_shards(ranges.size()) : shard_numbers;
   const Simulation simulation = make_simulation(plan, node);
+  RowSource source(simulation);
   Progress progress(node.label(), num_rows(plan, node));
   Index done = 0;
   for (const Index number : numbers) {
@@ -161,7 +165,7 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
     }
     const RowRange rows = ranges[static_cast<std::size_t>(number)];
     const bool is_there = std::filesystem::exists(plan.work.shard(node.key, rows.begin, rows.end));
-    if (!is_there) simulate_shard(simulation, rows, done, progress);
+    if (!is_there) simulate_shard(simulation, source, rows, done, progress);
     done += rows.end - rows.begin;
   }
   if (missing_shards(plan, node).empty()) {

@@ -113,6 +113,15 @@ std::vector<std::uint8_t> as_bytes(const std::vector<sim::RolloutStatus>& status
   return bytes;
 }
 
+Identity shard_identity(const Node& node, RowRange rows) {
+  Identity identity = node.identity;
+  identity.key_document = key_document(kSimulationShardSchema);
+  identity.key_document["simulation"] = node.key;
+  identity.key_document["begin"] = rows.begin;
+  identity.key_document["end"] = rows.end;
+  return identity;
+}
+
 std::vector<Index> missing_shards(const Plan& plan, const Node& node) {
   std::vector<Index> missing;
   Index number = 0;
@@ -135,7 +144,8 @@ void join_shards(const Plan& plan, const Node& node, const Target& target) {
   Index num_failed = 0;
   for (const RowRange rows : shards(plan, node)) {
     const std::filesystem::path path = plan.work.shard(node.key, rows.begin, rows.end);
-    const h5::File shard = open_artefact(path, kSimulationShardSchema);
+    const h5::File shard =
+        open_artefact(path, kSimulationShardSchema, shard_identity(node, rows).key());
     const Index failed = copy_rows(shard, file, rows);
     num_failed += failed;
     ledger.add(shard, rows, failed);

@@ -29,6 +29,9 @@ void create_simulation_datasets(h5::File& file, const Plan& plan, const Target& 
 
 std::vector<std::uint8_t> as_bytes(const std::vector<sim::RolloutStatus>& status);
 
+/// What the shard of these rows is.
+Identity shard_identity(const Node& node, RowRange rows);
+
 /// Numbers of the shards that aren't there yet.
 std::vector<Index> missing_shards(const Plan& plan, const Node& node);
 

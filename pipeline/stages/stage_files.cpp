@@ -22,10 +22,13 @@ std::optional<Target> read_held_out(const Plan& plan, const Node& node) {
   return read_target_artefact(*sources.front());
 }
 
-RowMatrix read_proposal(const Node& node, RowRange rows) {
-  const h5::File file = open_artefact(node.path, kProposalSchema, node.key);
-  const h5::Dataset theta = file.dataset("theta");
+h5::Dataset open_proposal(const Node& node) {
+  h5::Dataset theta = open_artefact(node.path, kProposalSchema, node.key).dataset("theta");
   theta.require_shape({-1, -1});
+  return theta;
+}
+
+RowMatrix read_proposal(const h5::Dataset& theta, RowRange rows) {
   RowMatrix values(rows.end - rows.begin, theta.row_size());
   const std::span<double> all(values.data(), static_cast<std::size_t>(values.size()));
   theta.read_rows<double>(rows.begin, values.rows(), all);

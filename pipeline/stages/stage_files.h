@@ -18,8 +18,10 @@ Target read_target(const Plan& plan, const Node& node, Index num_rollouts = 0);
 /// The rollouts that inference doesn't see, where the study has any.
 std::optional<Target> read_held_out(const Plan& plan, const Node& node);
 
-/// Rows [begin, end) of the proposal `node`, (n, D) in the order of the prior.
-RowMatrix read_proposal(const Node& node, RowRange rows);
+/// theta of the proposal `node`, (N, D) in the order of the prior, and its rows [begin, end).
+/// Throws InputError for one that isn't finite.
+h5::Dataset open_proposal(const Node& node);
+RowMatrix read_proposal(const h5::Dataset& theta, RowRange rows);
 
 /// All P parameters of the simulator: the study's nominal ones, `values` in place of some.
 Vector nominal_theta(const Study& study, const sim::SimulatorInfo& info,

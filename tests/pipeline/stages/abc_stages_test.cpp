@@ -128,7 +128,8 @@ TEST_F(AbcStages, MetricsOfThinnedTrajectoriesRestartWithTheSegments) {
   const Vector found = metric_distances(plan, node, target, "rmse");
   const auto simulator =
       sim::make_simulator({.name = "pendulum", .segment_length = 100, .store_every = 1});
-  const RowMatrix theta = read_proposal(*plan.inputs(node, Stage::propose).front(), {0, 5});
+  const Node& proposal = *plan.inputs(node, Stage::propose).front();
+  const RowMatrix theta = read_proposal(open_proposal(proposal), {0, 5});
   const sim::Trajectories all =
       simulator->replay(target, complete_theta(plan, simulator->info(), theta));
   for (Index i = 0; i < 5; ++i) {

@@ -130,8 +130,10 @@ TEST_F(SmallStages, CalibrationHasDrawsOfItsOwn) {
   const Plan plan = plan_of(
       {"diagnose={ num_simulations = 40 }", "method.num_simulations=40", "study.seeds=[1]"});
   run_all(plan, Stage::simulate);
-  const RowMatrix first = read_proposal(plan.node(Stage::propose, {"A", 1, 1}), {0, 40});
-  const RowMatrix fresh = read_proposal(plan.node(Stage::propose, {"A", 1, 0}), {0, 40});
+  const RowMatrix first =
+      read_proposal(open_proposal(plan.node(Stage::propose, {"A", 1, 1})), {0, 40});
+  const RowMatrix fresh =
+      read_proposal(open_proposal(plan.node(Stage::propose, {"A", 1, 0})), {0, 40});
   EXPECT_EQ((first.array() == fresh.array()).count(), 0);
 }
 
