@@ -53,7 +53,7 @@ void run_missing(const Plan& plan, const StageProgram& program, const StageArgum
     for (const Node& node : plan.nodes) {
       if (node.stage != stage || !uses_round(node, arguments.round)) continue;
       if (is_complete(plan, node)) {
-        link_uses(plan, node);
+        settle(plan, node);
       } else if (has_inputs(plan, node)) {
         run_stage(plan, node, shard_numbers);
         ++num_run;

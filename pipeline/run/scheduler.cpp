@@ -95,7 +95,7 @@ Scheduler::Scheduler(const Plan& plan, SchedulerConfig config)
     ++num_missing_;
   }
   for (const Node& node : plan.nodes) {
-    if (is_complete(plan, node)) link_uses(plan, node);
+    if (is_complete(plan, node)) settle(plan, node);
   }
 }
 
@@ -171,7 +171,8 @@ void Scheduler::collect_ended_jobs() {
 void Scheduler::end_of(const Job& job) {
   const Node& node = plan_.nodes[job.node];
   const int status = job.process.exit_status();
-  if (status == 0 && is_complete(plan_, node)) {
+  // Another run may have begun to make its own report in place of this one.
+  if (status == 0 && (node.stage == Stage::report || is_complete(plan_, node))) {
     states_[job.node] = State::done;
     ++num_made_;
     return;

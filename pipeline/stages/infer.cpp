@@ -129,7 +129,6 @@ void run_infer(const Plan& plan, const Node& node) {
       break;
   }
   writer.finish();
-  std::filesystem::remove(plan.work.checkpoint("infer", node.key));
 }
 
 }  // namespace npdr::pipeline

@@ -248,10 +248,25 @@ void write_checkpoint(const Plan& plan, const Node& node, const inference::Train
   writer.finish();
 }
 
-Checkpoint read_checkpoint(const Plan& plan, const Node& node) {
+namespace {
+
+// Empty: there is none. Another run removes it when it has finished the same training.
+std::optional<h5::File> open_checkpoint(const Plan& plan, const Node& node) {
   const std::filesystem::path path = plan.work.checkpoint("infer", node.key);
-  if (!std::filesystem::exists(path)) return {};
-  const h5::File file = open_artefact(path, kCheckpointSchema, node.key);
+  try {
+    return open_artefact(path, kCheckpointSchema, node.key);
+  } catch (const InputError&) {
+    if (std::filesystem::exists(path)) throw;
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+Checkpoint read_checkpoint(const Plan& plan, const Node& node) {
+  const std::optional<h5::File> opened = open_checkpoint(plan, node);
+  if (!opened) return {};
+  const h5::File& file = *opened;
   Checkpoint checkpoint{.training = {}, .seconds = provenance_of(file).cost.wall_seconds};
   inference::TrainingState& state = checkpoint.training;
   state.epoch = file.attribute<Index>("epoch");

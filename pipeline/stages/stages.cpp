@@ -7,7 +7,7 @@ namespace npdr::pipeline {
 
 void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers) {
   if (is_complete(plan, node)) {
-    link_uses(plan, node);
+    settle(plan, node);
     return;
   }
   require_inputs(plan, node);
@@ -38,12 +38,20 @@ void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& sha
       run_report(plan, node);
       break;
   }
-  if (is_complete(plan, node)) link_uses(plan, node);
+  if (is_complete(plan, node)) settle(plan, node);
 }
 
 bool is_complete(const Plan& plan, const Node& node) {
   if (node.stage == Stage::report) return report_is_current(plan, node);
   return std::filesystem::exists(node.path);
+}
+
+void settle(const Plan& plan, const Node& node) {
+  link_uses(plan, node);
+  std::error_code ignored;
+  if (node.stage == Stage::infer) {
+    std::filesystem::remove(plan.work.checkpoint("infer", node.key), ignored);
+  }
 }
 
 void require_inputs(const Plan& plan, const Node& node) {

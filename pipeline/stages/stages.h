@@ -30,6 +30,10 @@ void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& sha
 /// Whether the node's artefact is there and complete.
 bool is_complete(const Plan& plan, const Node& node);
 
+/// Links the uses of a complete artefact, and removes the checkpoint that it may have left behind:
+/// the process that made it can have been killed in between.
+void settle(const Plan& plan, const Node& node);
+
 /// Throws InputError unless everything that `node` needs is complete: names the command to run.
 void require_inputs(const Plan& plan, const Node& node);
 
