@@ -7,9 +7,11 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 
 #include "core/error.h"
+#include "core/file_error.h"
 #include "core/text.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/external/command_text.h"
@@ -37,6 +39,9 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
   } catch (const Error& error) {
     report_error(program, error.what());
     return static_cast<int>(error.status());
+  } catch (const std::filesystem::filesystem_error& error) {
+    report_error(program, file_error_text(error.path1(), "be looked at", error.code().value()));
+    return static_cast<int>(ExitStatus::failed);
   } catch (const std::system_error& error) {
     // `npdr ... | head`: who closes the pipe has seen enough.
     if (error.code() != std::errc::broken_pipe) report_error(program, error.what());

@@ -16,6 +16,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/file_error.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -53,16 +54,19 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 ChildProcess::ChildProcess(const std::vector<std::string>& command, int threads,
                            const std::filesystem::path& log) {
   make_folder(log.parent_path());
+  // Opened here: posix_spawn() wouldn't say which file it is that it can't open.
+  const int output = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (output < 0) throw_file_error(log, "be written", errno);
   std::array<int, 2> ends;
   if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) {
+    close(output);
     throw Error(std::string("can't make a pipe: ") + std::strerror(errno));
   }
   pipe_ = ends[0];
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
-                                   O_WRONLY | O_CREAT | O_APPEND, 0644);
+  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
   posix_spawn_file_actions_adddup2(&actions, ends[1], kChildDescriptor);
   // A group of its own: Ctrl-C reaches the parent alone, which passes it on.
@@ -77,6 +81,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, int threads,
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   close(ends[1]);
+  close(output);
   if (error != 0) {
     close(pipe_);
     throw Error(command.front() + ": can't be started: " + std::strerror(error));
