@@ -53,17 +53,17 @@ std::optional<std::vector<QueuedTask>> ask_slurm(const Plan& plan) {
   }
 }
 
-std::vector<Standing> standings(const Plan& plan) {
+std::vector<Standing> standings(const Plan& plan, Scrutiny scrutiny) {
   const auto jobs = jobs_of_nodes(plan, ask_slurm(plan));
   std::vector<Standing> rows;
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
-    rows.push_back({plan.nodes[i], status_of(plan, plan.nodes[i]), jobs[i]});
+    rows.push_back({plan.nodes[i], status_of(plan, plan.nodes[i], scrutiny), jobs[i]});
   }
   return rows;
 }
 
-void print_table(const Plan& plan) {
-  const std::vector<Standing> rows = standings(plan);
+void print_table(const Plan& plan, Scrutiny scrutiny) {
+  const std::vector<Standing> rows = standings(plan, scrutiny);
   std::size_t width = 8;
   for (const Standing& row : rows) width = std::max(width, row.node.label().size());
   fmt::print("{:<{}}  {:<10}  {:>9}  {:>9}  {:<8}  {}\n", "artefact", width, "state", "size",
@@ -142,9 +142,9 @@ nlohmann::ordered_json ids_of(const std::vector<QueuedTask>& tasks) {
   return ids;
 }
 
-void print_json(const Plan& plan) {
+void print_json(const Plan& plan, Scrutiny scrutiny) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  for (const Standing& row : standings(plan)) {
+  for (const Standing& row : standings(plan, scrutiny)) {
     nlohmann::ordered_json uses = nlohmann::ordered_json::array();
     for (const Use& use : row.node.uses) {
       uses.push_back({{"method", use.method}, {"seed", use.seed}, {"round", use.round}});
@@ -191,16 +191,21 @@ void add_status_command(CLI::App& app, int& result) {
   auto study = std::make_shared<StudyArguments>();
   auto json = std::make_shared<bool>(false);
   auto cost = std::make_shared<bool>(false);
+  auto check = std::make_shared<bool>(false);
   study->add_to(*command);
   auto* as_json = command->add_flag("--json", *json, "for programs");
-  command->add_flag("--cost", *cost, "what was spent, by stage and by method")->excludes(as_json);
-  command->callback([&result, study, json, cost] {
+  auto* as_cost = command->add_flag("--cost", *cost, "what was spent, by stage and by method");
+  as_cost->excludes(as_json);
+  command->add_flag("--check", *check, "read every byte of every artefact and shard: find damage")
+      ->excludes(as_cost);
+  command->callback([&result, study, json, cost, check] {
     result = guarded_main("npdr status", [&] {
       const Plan plan = study->plan();
+      const Scrutiny scrutiny = *check ? Scrutiny::thorough : Scrutiny::quick;
       if (*json) {
-        print_json(plan);
+        print_json(plan, scrutiny);
       } else {
-        *cost ? print_cost_tables(plan) : print_table(plan);
+        *cost ? print_cost_tables(plan) : print_table(plan, scrutiny);
       }
       return ExitStatus::done;
     });

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "core/file_error.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/report_marker.h"
 #include "pipeline/stages/simulation_file.h"
@@ -117,13 +118,46 @@ std::string to_string(ArtefactState state) {
 
 namespace {
 
-void read_status(const Plan& plan, const Node& node, ArtefactStatus& status) {
-  if (is_complete(plan, node)) {
-    if (node.stage != Stage::report) {
-      status.cost = read_artefact_info(node.path).provenance.cost;
+// Reads shards to the end; they have checksums of their own.
+void check_shards(const std::vector<fs::path>& shards) {
+  for (const fs::path& shard : shards) {
+    try {
+      read_artefact_info(shard);
+    } catch (const InputError& error) {
+      throw InputError(std::string(error.what()) + "; remove this shard, too");
     }
+  }
+}
+
+// Throws InputError for an artefact that is damaged or lacks a part.
+void check_artefact(const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
+  status.cost = read_artefact_info(node.path).provenance.cost;
+  std::vector<fs::path> shards;
+  if (node.stage == Stage::simulate) {
+    shards = simulated_values(open_artefact(node.path, kSimulationSchema, node.key)).part_files();
+  }
+  if (scrutiny == Scrutiny::quick) return;
+  check_shards(shards);
+  content_digest(node.path);
+}
+
+std::vector<fs::path> present_shards(const Plan& plan, const Node& node) {
+  std::vector<fs::path> present;
+  for (const RowRange rows : shards(plan, node)) {
+    const fs::path path = plan.work.shard(node.key, rows.begin, rows.end);
+    if (fs::exists(path)) present.push_back(path);
+  }
+  return present;
+}
+
+void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
+  if (is_complete(plan, node)) {
+    if (node.stage != Stage::report) check_artefact(node, scrutiny, status);
     status.state = ArtefactState::up_to_date;
     return;
+  }
+  if (scrutiny == Scrutiny::thorough && node.stage == Stage::simulate) {
+    check_shards(present_shards(plan, node));
   }
   status.detail = partial_detail(plan, node);
   status.earlier = earlier_artefact(plan, node);
@@ -136,17 +170,21 @@ void read_status(const Plan& plan, const Node& node, ArtefactStatus& status) {
 
 }  // namespace
 
-ArtefactStatus status_of(const Plan& plan, const Node& node) {
+ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny) {
   ArtefactStatus status;
   status.bytes = size_of_tree(node.path);
   if (node.stage == Stage::simulate) {
     status.bytes += size_of_tree(fs::path(node.path).replace_extension());
   }
   try {
-    read_status(plan, node, status);
-  } catch (const InputError& error) {  // must not hide how the others stand
+    read_status(plan, node, scrutiny, status);
+  } catch (const Error& error) {  // must not hide how the others stand
     status.state = ArtefactState::stale;
     status.detail = std::string("damaged, remove it: ") + error.what();
+  } catch (const fs::filesystem_error& error) {
+    status.state = ArtefactState::stale;
+    status.detail = "damaged, remove it: " +
+                    file_error_text(error.path1(), "be looked at", error.code().value());
   }
   return status;
 }

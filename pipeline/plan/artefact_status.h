@@ -27,7 +27,10 @@ struct ArtefactStatus {
   std::optional<std::filesystem::path> earlier;
 };
 
-ArtefactStatus status_of(const Plan& plan, const Node& node);
+/// What is looked at: what files say about themselves, or every byte of them.
+enum class Scrutiny { quick, thorough };
+
+ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny = Scrutiny::quick);
 
 /// "up to date", "stale", "partial", "missing".
 std::string to_string(ArtefactState state);
