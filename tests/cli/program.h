@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,6 +27,7 @@ struct Outcome {
   int status = 0;  ///< exit status, or 128 + the signal that ended it
   std::string out;
   std::string err;
+  long peak_kib = 0;  ///< most memory that was resident at a time
 };
 
 /// Where a program's output goes, as seen from the folder that it runs in.
@@ -72,9 +74,10 @@ class Program {
 
   Outcome wait() const {
     int status = 0;
-    waitpid(pid_, &status, 0);
+    rusage usage = {};
+    wait4(pid_, &status, 0, &usage);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), written_to(out_),
-            written_to(err_)};
+            written_to(err_), usage.ru_maxrss};
   }
 
  private:

@@ -1,0 +1,229 @@
+/// The study that faults are injected into, and what an undisturbed run of it gives.
+#pragma once
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+
+/// All stages, an estimator of each kind, two rounds and several shards, in about three seconds.
+inline std::string fault_study() {
+  return R"toml([study]
+name = "faults"
+seeds = [1]
+[target]
+recording = "recording.h5"
+num_rollouts = 1
+held_out = 1
+[simulator]
+name = "pendulum"
+store_every = 20
+[prior]
+pole_mass = { uniform = [0.3, 1.7] }
+pole_length = { uniform = [0.3, 1.7] }
+[observation_noise]
+scale = 0.1
+[simulate]
+shard_size = 64
+[[method]]
+name = "MAF"
+num_rounds = 2
+num_simulations = 200
+embedding = { kind = "all_steps", downsample = 40, principal_components = 8 }
+density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
+training = { max_epochs = 300, stop_after_epochs = 300 }
+[[method]]
+name = "MoG"
+num_rounds = 2
+num_simulations = 200
+embedding = { kind = "all_steps", downsample = 40, principal_components = 8 }
+density_estimator = { kind = "mdn", num_components = 2, hidden_features = 10 }
+training = { max_epochs = 40 }
+[[method]]
+name = "ABC"
+algorithm = "abc_smc"
+num_rounds = 2
+num_simulations = 200
+abc = { quantile = 0.2, smooth = true, distance = "rmse" }
+[evaluate]
+num_samples = 40
+metrics = ["rmse"]
+floor = false
+[diagnose]
+checks = ["sbc", "predictive"]
+num_simulations = 60
+num_samples = 40
+)toml";
+}
+
+/// Two swings of a pendulum that is pushed, by semi-implicit Euler steps.
+inline void write_recording(const std::filesystem::path& path) {
+  constexpr Index steps = 400;
+  constexpr double dt = 0.02;
+  std::vector<double> states, actions;
+  for (const double push : {4.5, 3.5}) {
+    double angle = 0.0, rate = 0.0;
+    for (Index t = 0; t <= steps; ++t) {
+      states.insert(states.end(), {angle, rate});
+      if (t == steps) break;
+      actions.push_back(push * std::sin(0.5 * dt * static_cast<double>(t)));
+      rate += dt * (actions.back() - 9.81 * std::sin(angle));
+      angle += dt * rate;
+    }
+  }
+  h5::File file = h5::File::create(path);
+  h5::Dataset all = file.create_dataset("states", h5::ElementType::f64, {2, steps + 1, 2});
+  all.write_rows<double>(0, 2, states);
+  all.set_attribute("labels", std::vector<std::string>{"theta", "theta_dot"});
+  all.set_attribute("units", std::vector<std::string>{"rad", "rad/s"});
+  h5::Dataset pushes = file.create_dataset("actions", h5::ElementType::f64, {2, steps, 1});
+  pushes.write_rows<double>(0, 2, actions);
+  pushes.set_attribute("labels", std::vector<std::string>{"torque"});
+  pushes.set_attribute("units", std::vector<std::string>{"N m"});
+  file.set_attribute("dt", dt);
+  file.close();
+}
+
+/// An artefact of the study, as `npdr status --json` shows it.
+struct Artefact {
+  std::string stage;
+  std::string label;
+  std::string key;
+  std::filesystem::path path;  ///< absolute
+  std::string state;
+  std::string detail;
+
+  /// Its file without ".h5": what belongs to it begins like that.
+  std::filesystem::path stem() const { return std::filesystem::path(path).replace_extension(); }
+  /// The executable that makes it.
+  std::string program() const {
+    if (stage == "target" || stage == "held_out") return "npdr-propose";
+    return "npdr-" + (stage == "baseline" ? "evaluate" : stage);
+  }
+};
+
+/// A folder with the study and a work folder.
+class FaultFolder {
+ public:
+  FaultFolder() {
+    std::ofstream(path() / "faults.toml") << fault_study();
+    write_recording(path() / "recording.h5");
+  }
+
+  const std::filesystem::path& path() const { return folder_.path(); }
+  std::filesystem::path work() const { return path() / "runs"; }
+  std::filesystem::path cache() const { return work() / ".cache"; }
+  std::filesystem::path readable() const { return work() / "faults"; }
+
+  /// "npdr run faults.toml ..." and the like.
+  static std::vector<std::string> words(const std::string& program,
+                                        const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {program};
+    if (program == "npdr") {
+      words.insert(words.end(), more.begin(), more.begin() + 1);
+      words.emplace_back("faults.toml");
+      words.insert(words.end(), more.begin() + 1, more.end());
+      return words;
+    }
+    words.emplace_back("faults.toml");
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Outcome npdr(const std::vector<std::string>& more) const { return run(path(), words("npdr", more)); }
+  /// Makes one artefact with its stage's executable.
+  static std::vector<std::string> making(const Artefact& artefact) {
+    return words(artefact.program(), {"--artefact", artefact.key});
+  }
+
+  std::vector<Artefact> artefacts(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {"status", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto rows = nlohmann::json::parse(npdr(arguments).out, nullptr, false);
+    std::vector<Artefact> found;
+    for (const auto& row : rows) {
+      found.push_back({row["stage"], row["label"], row["key"],
+                       path() / row["path"].get<std::string>(), row["state"], row["detail"]});
+    }
+    return found;
+  }
+  std::vector<Artefact> artefacts_of(const std::string& stage) const {
+    std::vector<Artefact> found = artefacts();
+    std::erase_if(found, [&](const Artefact& artefact) { return artefact.stage != stage; });
+    return found;
+  }
+
+ private:
+  TempFolder folder_;
+};
+
+/// What a run leaves in a study's readable folder, by place: digests of artefacts, and the texts of
+/// tables, figures and report.
+inline std::map<std::string, std::string> results(const FaultFolder& folder) {
+  std::map<std::string, std::string> found = digests(folder.readable());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.readable())) {
+    const std::string name = entry.path().lexically_relative(folder.readable());
+    const bool is_made = entry.is_regular_file() && !found.contains(name);
+    if (is_made && !name.starts_with("logs")) found[name] = text_of(entry.path());
+  }
+  return found;
+}
+
+/// Names of what differs, for messages: the texts would be long.
+inline std::vector<std::string> differences(const std::map<std::string, std::string>& found,
+                                            const std::map<std::string, std::string>& expected) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : expected) {
+    if (!found.contains(name)) {
+      names.push_back("missing: " + name);
+    } else if (found.at(name) != value) {
+      names.push_back("different: " + name);
+    }
+  }
+  for (const auto& [name, value] : found) {
+    if (!expected.contains(name)) names.push_back("new: " + name);
+  }
+  return names;
+}
+
+inline const std::vector<std::string> kNone = {};
+
+/// Files of unfinished work below a folder.
+inline std::vector<std::string> temporaries(const std::filesystem::path& folder) {
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() == ".tmp") found.push_back(entry.path().filename());
+  }
+  return found;
+}
+
+/// A study that has been run without disturbance, shared by the tests of a program.
+class Faults : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new FaultFolder;
+    const Outcome outcome = folder_->npdr({"run"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    expected_ = new std::map<std::string, std::string>(results(*folder_));
+    ASSERT_GT(expected_->size(), 50u);
+  }
+  static void TearDownTestSuite() {
+    delete expected_;
+    delete folder_;
+  }
+
+  /// That everything is as if nothing had happened.
+  static void expect_same_results(const FaultFolder& folder) {
+    EXPECT_EQ(differences(results(folder), *expected_), kNone);
+    EXPECT_EQ(temporaries(folder.work()), kNone);
+  }
+
+  static FaultFolder* folder_;
+  static std::map<std::string, std::string>* expected_;
+};
+
+inline FaultFolder* Faults::folder_ = nullptr;
+inline std::map<std::string, std::string>* Faults::expected_ = nullptr;
+
+}  // namespace npdr::pipeline

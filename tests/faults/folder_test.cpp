@@ -1,0 +1,118 @@
+#include "tests/faults/fault_study.h"
+#include "tests/faults/tiny_disk.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folders : public Faults {
+ protected:
+  // That a program says what is wrong with `place`, with one of the statuses of failure.
+  static void expect_named(const Outcome& outcome, const std::string& place) {
+    EXPECT_TRUE(outcome.status == 1 || outcome.status == 2) << outcome.status << outcome.err;
+    EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
+  }
+};
+
+// Nothing depends on the times of files: they come from other clocks, or from a copy.
+TEST_F(Folders, TimesOfFilesMeanNothing) {
+  const auto touch = [&](std::chrono::hours offset) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder_->path())) {
+      if (entry.is_symlink()) continue;
+      fs::last_write_time(entry.path(), fs::file_time_type::clock::now() + offset);
+    }
+  };
+  const Artefact posterior = folder_->artefacts_of("infer").back();
+  for (const int years : {-30, 30}) {
+    touch(std::chrono::hours(years * 365 * 24));
+    EXPECT_EQ(folder_->npdr({"run", "--dry-run"}).out, "");
+    for (const Artefact& artefact : folder_->artefacts()) {
+      EXPECT_EQ(artefact.state, "up to date") << artefact.label;
+    }
+    // What is made now is older, or newer, than what it is made from and what is made of it.
+    fs::remove(posterior.path);
+    EXPECT_EQ(folder_->npdr({"run"}).status, 0);
+    EXPECT_EQ(folder_->npdr({"run", "--dry-run"}).out, "");
+  }
+  expect_same_results(*folder_);
+}
+
+TEST_F(Folders, AReadOnlyWorkFolderCanBeLookedAtButNotWorkedIn) {
+  const fs::path finished = folder_->path() / "finished";
+  fs::rename(folder_->work(), finished);
+  {
+    const TinyDisk disk(folder_->work(), "size=8m");
+    if (!disk.is_there()) {
+      fs::remove_all(folder_->work());
+      fs::rename(finished, folder_->work());
+      GTEST_SKIP() << disk.why_not();
+    }
+    fs::copy(finished, folder_->work(),
+             fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+    const Artefact posterior = folder_->artefacts_of("infer").back();
+    fs::remove(posterior.path);
+    disk.make_read_only();
+    EXPECT_EQ(folder_->npdr({"status"}).status, 0);
+    const Outcome failed = run(folder_->path(), FaultFolder::making(posterior));
+    expect_named(failed, posterior.path.filename());
+    EXPECT_NE(failed.err.find("make the folder writable"), std::string::npos) << failed.err;
+    expect_named(folder_->npdr({"run"}), "make the folder writable");
+  }
+  fs::remove_all(folder_->work());
+  fs::rename(finished, folder_->work());
+}
+
+TEST_F(Folders, NoMoreFilesIsAnErrorThatSaysSo) {
+  const fs::path other = folder_->path() / "other";
+  const TinyDisk disk(other, "size=8m,nr_inodes=12");
+  if (!disk.is_there()) GTEST_SKIP() << disk.why_not();
+  const Outcome failed = folder_->npdr({"run", "--work", "other"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_NE(failed.err.find("No space left on device"), std::string::npos) << failed.err;
+  EXPECT_NE(failed.err.find("df -i"), std::string::npos) << failed.err;
+}
+
+TEST_F(Folders, AWorkFolderThatDisappearsEndsTheRunAndTheNextOneGoesOn) {
+  const fs::path gone = folder_->path() / "gone";
+  fs::remove_all(folder_->cache() / "infer");
+  fs::remove_all(folder_->cache() / "evaluate");
+  const Program program(folder_->path(), FaultFolder::words("npdr", {"run"}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  fs::rename(folder_->work(), gone);
+  const Outcome outcome = program.wait();
+  EXPECT_TRUE(outcome.status == 1 || outcome.status == 2) << outcome.status << outcome.err;
+  EXPECT_NE(outcome.err.find("runs/"), std::string::npos) << outcome.err;
+  fs::remove_all(folder_->work());
+  fs::rename(gone, folder_->work());
+  EXPECT_EQ(folder_->npdr({"run"}).status, 0);
+  expect_same_results(*folder_);
+}
+
+TEST_F(Folders, WhatIsInTheWayIsNamed) {
+  fs::create_symlink("loop", folder_->path() / "loop");
+  expect_named(folder_->npdr({"run", "--work", "loop"}), "loop");
+  EXPECT_NE(folder_->npdr({"status", "--work", "loop"}).out.find("leads to itself"),
+            std::string::npos);
+
+  std::ofstream(folder_->path() / "a_file") << "text";
+  expect_named(folder_->npdr({"run", "--work", "a_file"}), "a_file");
+
+  const Artefact posterior = folder_->artefacts_of("infer").front();
+  const Artefact proposal = folder_->artefacts_of("propose").back();
+  for (const Artefact& artefact : {posterior, proposal}) {
+    fs::remove(artefact.path);
+    fs::create_directory(artefact.path);
+    EXPECT_NE(folder_->npdr({"status"}).out.find("damaged, remove it: "), std::string::npos);
+    fs::remove(artefact.path);
+    fs::create_symlink(artefact.path.filename(), artefact.path);
+    expect_named(folder_->npdr({"run"}), artefact.path.filename());
+    EXPECT_NE(folder_->npdr({"status"}).out.find("leads to itself"), std::string::npos);
+    fs::remove(artefact.path);
+  }
+  EXPECT_EQ(folder_->npdr({"run"}).status, 0);
+  expect_same_results(*folder_);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include "tests/faults/fault_study.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using std::chrono::milliseconds;
+
+class Together : public Faults {
+ protected:
+  void SetUp() override { std::filesystem::remove_all(folder_->work()); }
+
+  // Each with an output of its own.
+  static std::unique_ptr<Program> start(const std::vector<std::string>& words, int number) {
+    return std::make_unique<Program>(
+        folder_->path(), words,
+        Streams{fmt::format("out{}.txt", number), fmt::format("err{}.txt", number)});
+  }
+
+  // How many artefacts all runs have made; how many that is more than needed.
+  static void run_together(int num_runs, milliseconds stagger) {
+    std::vector<std::unique_ptr<Program>> programs;
+    for (int i = 0; i < num_runs; ++i) {
+      programs.push_back(start(FaultFolder::words("npdr", {"run", "--jobs", "1"}), i));
+      std::this_thread::sleep_for(stagger);
+    }
+    int made = 0;
+    for (const auto& program : programs) {
+      const Outcome outcome = program->wait();
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      made += made_by(outcome);
+    }
+    const auto needed = static_cast<int>(folder_->artefacts().size());
+    fmt::print("{} runs {} ms apart: {} artefacts, {} made\n", num_runs, stagger.count(), needed,
+               made);
+    expect_same_results(*folder_);
+  }
+
+ private:
+  // "faults: 26/26 [...": what it says at its end.
+  static int made_by(const Outcome& outcome) {
+    const std::size_t at = outcome.err.rfind("faults: ");
+    return at == std::string::npos ? 0 : std::atoi(outcome.err.c_str() + at + 8);
+  }
+};
+
+TEST_F(Together, TwoRunsAtOnceGiveTheSameBits) { run_together(2, milliseconds(0)); }
+
+TEST_F(Together, FourRunsOneAfterTheOtherGiveTheSameBits) { run_together(4, milliseconds(150)); }
+
+TEST_F(Together, ARunBesideTheStagesOwnExecutablesGivesTheSameBits) {
+  const auto whole = start(FaultFolder::words("npdr", {"run"}), 0);
+  std::vector<std::string> programs = {"propose", "simulate", "infer", "evaluate", "diagnose"};
+  for (int round = 0; round < 2; ++round) {
+    for (const std::string& program : programs) {
+      const Outcome outcome = start(FaultFolder::words("npdr-" + program), 1)->wait();
+      // 2: what it needs isn't there yet.
+      EXPECT_TRUE(outcome.status == 0 || outcome.status == 2) << program << ": " << outcome.err;
+      if (outcome.status == 2) {
+        EXPECT_NE(outcome.err.find(" needs '"), std::string::npos) << outcome.err;
+      }
+    }
+  }
+  const Outcome outcome = whole->wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_same_results(*folder_);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
