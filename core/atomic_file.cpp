@@ -97,7 +97,7 @@ AtomicFile::AtomicFile(fs::path path, const fs::path& scratch)
     : path_(std::move(path)),
       beside_(temporary_name(path_)),
       temporary_(scratch.empty() ? beside_ : scratch / beside_.filename()) {
-  for (const fs::path& file : {beside_, temporary_}) {
+  for (const fs::path& file : {temporary_, beside_}) {
     make_folder(folder_of(file));
     remove_stale_temporaries_once(folder_of(file));
     if (!Descriptor(file, O_WRONLY | O_CREAT | O_TRUNC).open()) {

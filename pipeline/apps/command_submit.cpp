@@ -6,13 +6,17 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <thread>
 
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/cluster/batch_task.h"
 #include "pipeline/cluster/cluster_status.h"
+#include "pipeline/cluster/doomed_jobs.h"
+#include "pipeline/cluster/submission_lock.h"
 #include "pipeline/cluster/submit.h"
+#include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/run/scheduler.h"
 #include "pipeline/run/stop_request.h"
@@ -42,6 +46,15 @@ ClusterConfig read_site_file(const std::string& named) {
   return std::filesystem::exists(usual) ? read_site(usual) : ClusterConfig{};
 }
 
+void require_options(const std::string& name, const std::vector<std::string>& options) {
+  const auto allowed = options_constraint();
+  for (const std::string& option : options) {
+    if (!satisfies(std::vector{option}, allowed)) {
+      throw InputError(must_be(name, quoted(option), allowed.words));
+    }
+  }
+}
+
 std::string summary(const Plan& plan, const std::vector<Job>& jobs) {
   std::size_t num_tasks = 0;
   for (const Job& job : jobs) num_tasks += job.is_array() ? job.tasks.size() : 1;
@@ -57,23 +70,26 @@ void print_jobs(const Plan& plan, const std::vector<Job>& jobs,
   }
 }
 
-// Until Slurm has nothing more of the study.
-ExitStatus wait_for_jobs(const Plan& plan, std::optional<Stage> until) {
-  watch_for_stop_requests();
-  std::size_t shown = 0;
-  for (auto pause = std::chrono::milliseconds(200);;
-       pause = std::min(2 * pause, std::chrono::milliseconds(3000))) {
-    const std::size_t missing = missing_nodes(plan, until).size();
-    if (missing == 0) return ExitStatus::done;
-    if (tasks_of(plan, queued_tasks()).empty()) break;
-    if (missing != shown) fmt::print(stderr, "{}: {} artefacts to go\n", plan.study.name, missing);
-    shown = missing;
-    for (auto left = pause; left.count() > 0; left -= std::chrono::milliseconds(100)) {
-      if (stop_requested()) return ExitStatus::checkpointed;  // the jobs go on
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    }
+// Whether Slurm has anything of the study. It may be away for a while: its controller restarts.
+bool is_busy(const Plan& plan) {
+  try {
+    return !tasks_of(plan, queued_tasks()).empty();
+  } catch (const Error& error) {
+    fmt::print(stderr, "npdr submit: going on to wait: {}\n", error.what());
+    return true;
   }
-  if (missing_nodes(plan, until).empty()) return ExitStatus::done;
+}
+
+// False: a stop was requested.
+bool pause(std::chrono::milliseconds length) {
+  constexpr std::chrono::milliseconds step(100);
+  for (auto left = length; left.count() > 0 && !stop_requested(); left -= step) {
+    std::this_thread::sleep_for(step);
+  }
+  return !stop_requested();
+}
+
+void print_failures(const Plan& plan, std::optional<Stage> until) {
   const auto jobs = jobs_of_nodes(plan, std::vector<QueuedTask>{});
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     if (!jobs[i]) continue;
@@ -81,22 +97,45 @@ ExitStatus wait_for_jobs(const Plan& plan, std::optional<Stage> until) {
       fmt::print(stderr, "npdr submit: {} failed: {}\n", plan.nodes[i].label(), failure);
     }
   }
+  const auto missing = missing_nodes(plan, until);
+  fmt::print(stderr, "npdr submit: {} artefacts are missing, the first one {}; submit again\n",
+             missing.size(), missing.front()->label());
+}
+
+// Until Slurm has nothing more of the study; less and less often.
+ExitStatus wait_for_jobs(const Plan& plan, std::optional<Stage> until) {
+  using std::chrono::milliseconds;
+  constexpr milliseconds longest(30'000);
+  watch_for_stop_requests();
+  std::size_t shown = 0;
+  for (milliseconds length(200);; length = std::min(length * 5 / 4, longest)) {
+    const bool busy = is_busy(plan);
+    const std::size_t missing = missing_nodes(plan, until).size();
+    if (missing == 0) return ExitStatus::done;
+    if (!busy) break;
+    if (missing != shown) fmt::print(stderr, "{}: {} artefacts to go\n", plan.study.name, missing);
+    shown = missing;
+    if (!pause(length)) return ExitStatus::checkpointed;  // the jobs go on
+  }
+  print_failures(plan, until);
   return ExitStatus::failed;
 }
 
-ExitStatus submit(SubmitArguments& arguments) {
-  Plan plan = arguments.study.plan(read_site_file(arguments.site));
-  if (!arguments.mail.empty()) plan.study.cluster.mail = arguments.mail;
-  const SubmitConfig config{parse_stage(arguments.until, "--until"), arguments.study.words(),
-                            arguments.options};
-  const Index given_size = plan.study.cluster.max_array_size;
-  if (arguments.dry_run) {
-    const auto jobs = missing_jobs(plan, config, {}, given_size > 0 ? given_size : kUsualArraySize);
-    fmt::print("{}# {}; Slurm wasn't asked what it has already\n", dry_run_text(plan, config, jobs),
-               summary(plan, jobs));
-    return ExitStatus::done;
-  }
+// What the study has in the queue. What waits there for what will never come is ended.
+std::vector<QueuedTask> sound_tasks(const Plan& plan) {
   const std::vector<QueuedTask> queued = tasks_of(plan, queued_tasks());
+  const std::vector<std::string> doomed = doomed_jobs(plan, queued);
+  if (doomed.empty()) return queued;
+  cancel_in_slurm(doomed);
+  fmt::print("{}: {} jobs that waited in vain are submitted anew\n", plan.study.name,
+             doomed.size());
+  return without_jobs(queued, doomed);
+}
+
+void submit_missing(const Plan& plan, const SubmitConfig& config) {
+  const Index given_size = plan.study.cluster.max_array_size;
+  const SubmissionLock lock(jobs_folder(plan));
+  const std::vector<QueuedTask> queued = sound_tasks(plan);
   const auto jobs =
       missing_jobs(plan, config, queued, given_size > 0 ? given_size : max_array_size());
   if (jobs.empty()) {
@@ -109,15 +148,32 @@ ExitStatus submit(SubmitArguments& arguments) {
     fmt::print("{}; 'npdr status' shows how they stand\n", summary(plan, jobs));
     std::fflush(stdout);
   }
+}
+
+ExitStatus submit(SubmitArguments& arguments) {
+  Plan plan = arguments.study.plan(read_site_file(arguments.site));
+  if (!arguments.mail.empty()) plan.study.cluster.mail = arguments.mail;
+  require_options("--sbatch", arguments.options);
+  const SubmitConfig config{parse_stage(arguments.until, "--until"), arguments.study.words(),
+                            arguments.options};
+  if (arguments.dry_run) {
+    const Index given_size = plan.study.cluster.max_array_size;
+    const auto jobs = missing_jobs(plan, config, {}, given_size > 0 ? given_size : kUsualArraySize);
+    fmt::print("{}# {}; Slurm wasn't asked what it has already\n", dry_run_text(plan, config, jobs),
+               summary(plan, jobs));
+    return ExitStatus::done;
+  }
+  submit_missing(plan, config);
   return arguments.wait ? wait_for_jobs(plan, config.until) : ExitStatus::done;
 }
 
 ExitStatus cancel(const StudyArguments& arguments) {
   const Plan plan = arguments.plan();
-  std::vector<std::string> ids;
-  for (const QueuedTask& task : tasks_of(plan, queued_tasks())) ids.push_back(task.id());
-  if (!ids.empty()) cancel_in_slurm(ids);
-  fmt::print("{}: {} tasks cancelled; what they have made stays\n", plan.study.name, ids.size());
+  const std::vector<QueuedTask> tasks = tasks_of(plan, queued_tasks());
+  std::set<std::string> jobs;
+  for (const QueuedTask& task : tasks) jobs.insert(task.job);
+  if (!jobs.empty()) cancel_in_slurm({jobs.begin(), jobs.end()});
+  fmt::print("{}: {} tasks cancelled; what they have made stays\n", plan.study.name, tasks.size());
   return ExitStatus::done;
 }
 

@@ -5,15 +5,20 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "pipeline/cluster/slurm.h"
 #include "pipeline/cluster/task_log.h"
 #include "pipeline/run/stop_request.h"
+#include "pipeline/store/task_mark.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -58,35 +63,72 @@ int wait_for(pid_t pid) {
 bool succeeds(const std::vector<std::string>& command) {
   int status = 0;
   const pid_t pid = start(command);
-  while (waitpid(pid, &status, 0) < 0) continue;  // a signal came in between
+  while (waitpid(pid, &status, 0) < 0) {
+    if (errno != EINTR) return false;
+  }
   return status == 0;
 }
 
+// A file that appears when a program of the task has made something; gone with the task.
+class Mark {
+ public:
+  Mark()
+      : path_(std::filesystem::temp_directory_path() /
+              fmt::format("npdr-task-{}-{}", host_name(), getpid())) {
+    unlink(path_.c_str());
+    setenv(kTaskMark, path_.c_str(), 1);
+  }
+  ~Mark() { unlink(path_.c_str()); }
+  Mark(const Mark&) = delete;
+  Mark& operator=(const Mark&) = delete;
+
+  bool was_made() const { return access(path_.c_str(), F_OK) == 0; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+bool is_first_attempt() { return std::getenv("SLURM_RESTART_COUNT") == nullptr; }
+
 // Slurm ends this process once the job is queued again: an exit status before that would count.
 void queue_again() {
-  const std::string id = current_task_id();
-  if (id.empty()) return;
-  if (!succeeds(requeue_command(id))) {
+  std::signal(SIGTERM, SIG_DFL);
+  if (!succeeds(requeue_command(current_task_id()))) {
     say("npdr task: Slurm doesn't queue this job again; 'npdr submit' goes on where it stopped");
     return;
   }
   say("npdr task: queued again");
-  std::signal(SIGTERM, SIG_DFL);
-  constexpr unsigned patience = 60;  // [s]
+  constexpr unsigned patience = 10;  // [s]
   sleep(patience);
+}
+
+// The time limit came near, and nobody wants the job to end.
+bool ran_out_of_time(int status) {
+  const bool was_stopped = status == static_cast<int>(ExitStatus::checkpointed) ||
+                           is_stop_signal(status - 128);  // before it could listen
+  const bool was_cancelled =
+      stop_signal_came(SIGTERM) || stop_signal_came(SIGINT) || stop_signal_came(SIGHUP);
+  return was_stopped && stop_signal_came(SIGUSR1) && !was_cancelled;
 }
 
 }  // namespace
 
 int run_batch_task(const std::vector<std::string>& command) {
   watch_for_stop_requests();
+  const Mark mark;
   say(begin_line(current_task_id(), command));
   const auto start_time = Clock::now();
   const int status = wait_for(start(command));
   const std::chrono::duration<double> elapsed = Clock::now() - start_time;
+  const bool is_out_of_time = !current_task_id().empty() && ran_out_of_time(status);
+  if (is_out_of_time && !mark.was_made() && !is_first_attempt()) {
+    say("npdr task: nothing got done within the time limit twice; raise 'time' in the study's "
+        "[cluster], or lower simulate.shard_size");
+    say(end_line(static_cast<int>(ExitStatus::failed), elapsed.count()));
+    return static_cast<int>(ExitStatus::failed);
+  }
   say(end_line(status, elapsed.count()));
-  const bool was_saved = status == static_cast<int>(ExitStatus::checkpointed);
-  if (was_saved && stop_signal() == SIGUSR1) queue_again();
+  if (is_out_of_time) queue_again();
   return status;
 }
 

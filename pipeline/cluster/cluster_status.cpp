@@ -50,13 +50,18 @@ class Ledger {
   std::vector<LedgerEntry> entries_;
 };
 
-// A task that is over without its result: why, and where to read more. A job that never began,
-// because another one failed, has no log.
+// A task that is over without its result: why, and where to read more. Empty for one that never
+// began because another one failed, or whose result has been removed since.
 std::string failure_text(const LedgerEntry& entry, const std::string& id) {
   const std::filesystem::path log = log_of_task(entry.logs, entry.stem, id);
-  if (!std::filesystem::exists(log)) return "";
-  std::string reason = reason_in_log(log);
+  const bool has_log = std::filesystem::exists(log);
+  std::string reason = has_log ? reason_in_log(log) : "";
+  if (reason.starts_with("exit status 0")) return "";
   if (reason.empty()) reason = ended_state(id);
+  if (!has_log) {
+    if (reason.empty() || reason == "CANCELLED") return "";
+    return fmt::format("job {}: {}, before it could write a log", id, reason);
+  }
   if (reason.empty()) reason = "ended without a word: killed, or beyond its memory or time";
   return fmt::format("job {}: {}; log: {}", id, reason, log.string());
 }

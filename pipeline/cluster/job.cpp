@@ -108,8 +108,10 @@ class JobMaker {
   }
 
   void add_simulation(std::size_t i) {
-    const Index pack = input_.shards_per_task[i];
     const auto& in_flight = input_.in_flight[i];
+    // As those that run: other packs would overlap with theirs.
+    const bool is_packed = in_flight && in_flight->shards_per_task > 0;
+    const Index pack = is_packed ? in_flight->shards_per_task : input_.shards_per_task[i];
     std::set<Index> tasks;
     for (const Index shard : missing_shards(input_.plan, node(i))) {
       if (!in_flight || !in_flight->shards.contains(shard)) tasks.insert(shard / pack);

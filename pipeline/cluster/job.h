@@ -28,6 +28,7 @@ struct Job {
 /// What of a node a batch system has already: waiting or running.
 struct InFlight {
   std::vector<std::string> jobs;  ///< ids
+  Index shards_per_task = 0;      ///< of an array
   std::set<Index> shards;         ///< of a simulation; empty for other nodes
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/error.h"
 #include "core/text.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/external/command_text.h"
@@ -31,16 +32,22 @@ const StageResources& own_resources(const ClusterConfig& cluster, Stage stage) {
   return cluster.prepare;
 }
 
-// A value as sbatch reads it from a script: in quotes where it holds a blank.
+// A value as sbatch reads it from a script, where blanks, quotes and # end it.
 std::string quoted_value(const std::string& value) {
-  if (value.find_first_of(" \t'") == std::string::npos) return value;
-  return '"' + value + '"';
+  if (value.find_first_of(" \t'\"#") == std::string::npos) return value;
+  std::string text = "\"";
+  for (const char c : value) {
+    if (c == '"') text.push_back('\\');
+    text.push_back(c);
+  }
+  text.push_back('"');
+  return text;
 }
 
 // A path in which sbatch replaces %A and the like: other per cent signs are doubled.
 std::string without_patterns(const std::string& path) {
   std::string text;
-  for (const char c : path) text += c == '%' ? "%%" : std::string(1, c);
+  for (const char c : path) text.append(c == '%' ? 2 : 1, c);
   return text;
 }
 
@@ -53,6 +60,7 @@ class ScriptWriter {
         resources_(resources_of(cluster_, stage_of(context.plan, job))) {}
 
   std::string write() {
+    check_paths();
     text_ = "#!/bin/bash\n";
     write_options();
     write_description();
@@ -62,6 +70,16 @@ class ScriptWriter {
   }
 
  private:
+  // A backslash also keeps sbatch from seeing the patterns in the name of a log.
+  void check_paths() const {
+    for (const std::filesystem::path& path : {context_.folder, context_.logs}) {
+      if (path.string().find_first_of("\\\n") == std::string::npos) continue;
+      throw InputError(path.string() +
+                       ": Slurm can't be given a path with a backslash or a line break; choose "
+                       "another --work or current folder");
+    }
+  }
+
   void option(const std::string& name, const std::string& value) {
     if (!value.empty()) text_ += fmt::format("#SBATCH --{}={}\n", name, quoted_value(value));
   }
@@ -161,7 +179,11 @@ std::string job_script(const ScriptContext& context, const Job& job) {
 
 std::string file_stem_of(const Plan& plan, const Job& job) {
   std::string stem = folder_name(label_of(plan, job));
-  if (job.first_task > 0) stem += "-from-" + std::to_string(job.first_task);
+  // A study of many seeds has several such jobs.
+  if (stem == "prepare") {
+    stem = fmt::format("prepare-{}", plan.nodes[job.nodes.front()].key.substr(0, 8));
+  }
+  if (job.first_task > 0) stem = fmt::format("{}-from-{}", stem, job.first_task);
   return stem;
 }
 

@@ -36,8 +36,13 @@ std::map<std::string, std::size_t> nodes_by_key(const Plan& plan) {
   return nodes;
 }
 
+// A job that isn't an array makes all that is missing.
 void add_shards(const JobTag& tag, const QueuedTask& task, Index num_shards, InFlight& found) {
-  if (tag.shards_per_task == 0 || !task.index) return;
+  if (tag.shards_per_task == 0 || !task.index) {
+    for (Index shard = 0; shard < num_shards; ++shard) found.shards.insert(shard);
+    return;
+  }
+  found.shards_per_task = tag.shards_per_task;
   const Index first = (tag.first_task + *task.index) * tag.shards_per_task;
   const Index end = std::min(first + tag.shards_per_task, num_shards);
   for (Index shard = first; shard < end; ++shard) found.shards.insert(shard);
@@ -52,8 +57,9 @@ std::string JobTag::text() const {
 JobTag tag_of(const Plan& plan, const Job& job) {
   JobTag tag{work_digits(plan.work), {}, job.shards_per_task, job.first_task};
   for (const std::size_t i : job.nodes) {
-    // A job that only joins shards isn't what makes them.
-    if (plan.nodes[i].stage == Stage::simulate && !job.is_array()) continue;
+    // A job that makes something of a simulation only joins its shards.
+    const bool is_joined = plan.nodes[i].stage == Stage::simulate && !job.is_array();
+    if (is_joined && job.nodes.size() > 1) continue;
     tag.keys.push_back(plan.nodes[i].key.substr(0, kKeyDigits));
   }
   return tag;
@@ -72,7 +78,7 @@ std::optional<JobTag> parse_tag(const std::string& comment) {
 
 std::string work_digits(const WorkFolder& work) {
   Hasher hasher;
-  hasher.add(std::filesystem::weakly_canonical(work.root()).string());
+  hasher.add(std::filesystem::weakly_canonical(std::filesystem::absolute(work.root())).string());
   return hasher.hex().substr(0, kWorkDigits);
 }
 

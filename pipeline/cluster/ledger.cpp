@@ -47,7 +47,9 @@ std::filesystem::path jobs_folder(const Plan& plan) {
 void append_to_ledger(const Plan& plan, const LedgerEntry& entry) {
   const std::filesystem::path path = ledger_of(plan);
   make_folder(path.parent_path());
-  const std::string line = to_json(entry).dump() + "\n";
+  // Paths needn't be UTF-8; JSON must.
+  const std::string line =
+      to_json(entry).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   const int file = open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0644);
   const bool written = file >= 0 &&
                        write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size()) &&

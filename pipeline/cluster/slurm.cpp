@@ -25,32 +25,64 @@ struct Answer {
   std::string text;  // all of its standard output
 };
 
-// A file of its own takes what is printed: a queue may hold thousands of lines.
+// A temporary file, removed with this.
+class OutputFile {
+ public:
+  OutputFile() {
+    const int file = mkstemp(name_.data());
+    if (file < 0) throw Error("can't make a temporary file such as " + name_);
+    close(file);
+  }
+  ~OutputFile() { unlink(name_.c_str()); }
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  const std::string& name() const { return name_; }
+
+ private:
+  std::string name_ = (std::filesystem::temp_directory_path() / "npdr-slurm-XXXXXX").string();
+};
+
+// Variables that change what Slurm's programs do or print, or that tell a job about itself: a
+// submission from inside of a job, or under somebody's settings, must be like any other.
+std::vector<std::string> ignored_variables() {
+  std::vector<std::string> names;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string text = *variable;
+    const std::string name = text.substr(0, text.find('='));
+    const bool is_slurms = name.starts_with("SLURM_") || name.starts_with("SBATCH_") ||
+                           name.starts_with("SQUEUE_") || name.starts_with("SCANCEL_");
+    if (is_slurms && name != "SLURM_CONF" && name != "SLURM_CLUSTERS") names.push_back(name);
+  }
+  return names;
+}
+
+// A file of its own takes what is printed: a queue may hold thousands of lines. Without the
+// variable that is set, squeue cuts long lists of indices.
 Answer ask(const std::vector<std::string>& words) {
-  std::string name = (std::filesystem::temp_directory_path() / "npdr-slurm-XXXXXX").string();
-  const int file = mkstemp(name.data());
-  if (file < 0) throw Error("can't make a temporary file such as " + name);
-  close(file);
+  const OutputFile output;
+  std::vector<std::string> command = {"env"};
+  for (const std::string& name : ignored_variables()) command.insert(command.end(), {"-u", name});
+  command.push_back("SLURM_BITSTR_LEN=0");
+  command.insert(command.end(), words.begin(), words.end());
   Answer answer;
-  answer.result = run_shell({shell_text(words) + " > " + shell_word(name),
-                             std::filesystem::temp_directory_path(),
+  answer.result = run_shell({shell_text(command) + " > " + shell_word(output.name()),
+                             std::filesystem::current_path(),
                              {},
                              kPatience});
-  answer.text = read_text_file(name);
-  unlink(name.c_str());
+  answer.text = read_text_file(output.name());
   return answer;
 }
 
 [[noreturn]] void fail(const std::vector<std::string>& words, const Answer& answer) {
-  const std::string& name = words.front() == "env" ? words[2] : words.front();
   if (answer.result.exit_status == kNotFound) {
     throw Error(fmt::format(
         "there is no Slurm here: '{}' isn't on the PATH; docs/cluster.md says how other batch "
         "systems run a study",
-        name));
+        words.front()));
   }
-  throw Error(
-      fmt::format("{} failed: {}\n{}", name, answer.result.words(kPatience), answer.result.output));
+  throw Error(fmt::format("{} failed: {}\n{}", words.front(), answer.result.words(kPatience),
+                          answer.result.output));
 }
 
 std::string ask_or_fail(const std::vector<std::string>& words) {
@@ -113,13 +145,12 @@ std::string submit_to_slurm(const Submission& submission) {
 }
 
 // Not by --array, which makes a line of each task: Slurm 22.05 leaves out the last one of some
-// arrays then. Without the variable a long list of indices would be cut.
+// arrays then.
 std::vector<QueuedTask> queued_tasks() {
   const std::string user = std::to_string(getuid());
   std::vector<QueuedTask> tasks;
-  for (const std::string& line :
-       lines_of(ask_or_fail({"env", "SLURM_BITSTR_LEN=0", "squeue", "--noheader", "--user=" + user,
-                             "--format=%F|%K|%T|%r|%N|%k"}))) {
+  for (const std::string& line : lines_of(
+           ask_or_fail({"squeue", "--noheader", "--user=" + user, "--format=%F|%K|%T|%r|%N|%k"}))) {
     for (QueuedTask& task : parse_queued_tasks(line)) tasks.push_back(std::move(task));
   }
   return tasks;

@@ -70,7 +70,7 @@ fs::path script_of(const Plan& plan, const fs::path& folder, const Job& job) {
   return folder / (file_stem_of(plan, job) + ".sh");
 }
 
-// jobs/001, jobs/002, ...: making it is what decides between two who submit at the same time.
+// jobs/001, jobs/002, ...
 fs::path new_folder(const Plan& plan) {
   make_folder(jobs_folder(plan));
   for (int number = 1;; ++number) {
@@ -116,13 +116,13 @@ std::vector<std::string> submit_jobs(const Plan& plan, const SubmitConfig& confi
     write_text_file(script, job_script(context, job));
     try {
       ids.push_back(submit_to_slurm(submission_of(plan, config, job, script, ids)));
+      append_to_ledger(plan, {ids.back(), tag_of(plan, job), job.tasks, script, context.logs,
+                              file_stem_of(plan, job), now_utc()});
     } catch (const Error& error) {
       throw Error(fmt::format(
           "{} of {} jobs are submitted, then {}: {}\n  run 'npdr submit' again for the others",
           ids.size(), jobs.size(), label_of(plan, job), error.what()));
     }
-    append_to_ledger(plan, {ids.back(), tag_of(plan, job), job.tasks, script, context.logs,
-                            file_stem_of(plan, job), now_utc()});
   }
   return ids;
 }

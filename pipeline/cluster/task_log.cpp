@@ -29,6 +29,20 @@ std::vector<std::string> last_lines(const std::filesystem::path& path) {
   return lines;
 }
 
+// What a program says at its end is "program: message". 'npdr run' quotes it from a stage, indented
+// below "... failed (exit status 1):".
+std::string message_in(const std::vector<std::string>& lines) {
+  const auto is_headline = [](const std::string& line) {
+    return line.find(" failed (") != std::string::npos && line.ends_with("):");
+  };
+  const auto headline = std::find_if(lines.rbegin(), lines.rend(), is_headline);
+  if (headline != lines.rend() && headline != lines.rbegin()) {
+    const std::string& quoted = *std::prev(headline);
+    return quoted.substr(std::min(quoted.find_first_not_of(' '), quoted.size()));
+  }
+  return lines.empty() || lines.back().starts_with(kMark) ? "" : lines.back();
+}
+
 }  // namespace
 
 std::string begin_line(const std::string& id, const std::vector<std::string>& command) {
@@ -46,10 +60,8 @@ std::string reason_in_log(const std::filesystem::path& log) {
   const std::string& last = lines.back();
   if (!last.starts_with(std::string(kMark) + std::string(kEnd))) return "";
   std::string reason = last.substr(kMark.size());
-  // What a program says at its end is "program: message".
-  const bool has_message = lines.size() > 1 && !lines[lines.size() - 2].starts_with(kMark);
-  if (has_message) reason += ": " + lines[lines.size() - 2];
-  return reason;
+  const std::string message = message_in({lines.begin(), lines.end() - 1});
+  return message.empty() ? reason : reason + ": " + message;
 }
 
 }  // namespace npdr::pipeline

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/diagnostics/out_of_distribution.h"
+#include "pipeline/config/cluster_check.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/external_check.h"
 #include "pipeline/config/method_check.h"
@@ -47,6 +48,7 @@ class StudyChecker {
     check_metrics();
     check_held_out();
     check_report();
+    check_cluster(study_, reading_);
     check_truths_rollouts();
     check_simulator();
   }

@@ -36,8 +36,19 @@ bool is_printable(const std::string& line) {
          std::ranges::all_of(line, [](char c) { return c == '\t' || c == ' ' || is_visible(c); });
 }
 
+// Options of sbatch that a job's own need: what it says in them is what makes it findable, and
+// start at the right time.
+bool is_own_option(const std::string& text) {
+  static const std::set<std::string> own = {
+      "--array",     "--chdir",  "--comment",  "--dependency", "--error", "--kill-on-invalid-dep",
+      "--open-mode", "--output", "--parsable", "--signal",     "--wait",  "--wrap",
+      "-a",          "-D",       "-d",         "-e",           "-o",      "-W"};
+  return own.contains(text.substr(0, text.find_first_of("= ")));
+}
+
 bool is_option(const std::string& text) {
-  return text.starts_with("-") && is_visible(text.back()) && is_printable(text);
+  return text.starts_with("-") && is_visible(text.back()) && is_printable(text) &&
+         !is_own_option(text);
 }
 
 }  // namespace
@@ -116,8 +127,10 @@ Constraint<std::string> option_value() {
 }
 
 Constraint<std::vector<std::string>> options_constraint() {
-  return {"options such as --qos=long, each without blanks at its ends and line breaks",
-          [](const auto& options) { return std::ranges::all_of(options, is_option); }};
+  return {
+      "options such as --qos=long, but none that a job needs itself (array, comment, dependency, "
+      "output and their like)",
+      [](const auto& options) { return std::ranges::all_of(options, is_option); }};
 }
 
 Constraint<std::vector<std::string>> shell_lines() {

@@ -76,7 +76,7 @@ std::vector<const Node*> missing_nodes(const Plan& plan, const SchedulerConfig& 
       if (std::ranges::find(missing, needed) != missing.end() || is_complete(plan, *needed)) {
         continue;
       }
-      require_inputs(plan, *node);
+      require_inputs(plan, *node);  // says which of them is missing
     }
   }
   return missing;
@@ -108,7 +108,7 @@ ExitStatus Scheduler::run() {
     collect_ended_jobs();
     show_progress(false);
   }
-  if (num_missing_ > 0) show_progress(true);
+  if (num_missing_ > 0 && status_ == ExitStatus::done) show_progress(true);
   if (stopping_ && num_made_ < num_missing_ && status_ == ExitStatus::done) {
     status_ = ExitStatus::checkpointed;
   }

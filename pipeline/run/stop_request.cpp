@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
 
 #include "core/error.h"
 
@@ -11,15 +12,14 @@ namespace npdr::pipeline {
 namespace {
 
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): all that a handler can reach
-std::atomic<int> first_signal = 0;
-static_assert(std::atomic<int>::is_always_lock_free);  // or a handler could not write it
+std::atomic<std::uint64_t> signals = 0;                          // a bit each
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free);  // or a handler could not write it
 
 constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGUSR1, SIGHUP};
 
-void handle(int signal) {
-  int none = 0;
-  first_signal.compare_exchange_strong(none, signal, std::memory_order_relaxed);
-}
+constexpr std::uint64_t bit_of(int signal) { return std::uint64_t{1} << signal; }
+
+void handle(int signal) { signals.fetch_or(bit_of(signal), std::memory_order_relaxed); }
 
 bool is_ignored(int signal) {
   struct sigaction action = {};
@@ -44,9 +44,11 @@ bool is_stop_signal(int signal) {
   return std::find(kStopSignals.begin(), kStopSignals.end(), signal) != kStopSignals.end();
 }
 
-bool stop_requested() { return stop_signal() != 0; }
+bool stop_requested() { return signals.load(std::memory_order_relaxed) != 0; }
 
-int stop_signal() { return first_signal.load(std::memory_order_relaxed); }
+bool stop_signal_came(int signal) {
+  return (signals.load(std::memory_order_relaxed) & bit_of(signal)) != 0;
+}
 
 void stop_here_if_requested() {
   if (stop_requested()) throw Checkpointed("stopped on request; run it again to go on");

@@ -13,8 +13,8 @@ bool is_stop_signal(int signal);
 /// True once a signal has come. Thread-safe.
 bool stop_requested();
 
-/// The first signal that has come; 0: none. Thread-safe.
-int stop_signal();
+/// True once this signal has come. Thread-safe.
+bool stop_signal_came(int signal);
 
 /// Throws Checkpointed when a stop was requested: the work so far is saved.
 void stop_here_if_requested();

@@ -1,7 +1,11 @@
 #include "pipeline/stages/stages.h"
 
+#include <unistd.h>
+
 #include "core/error.h"
+#include "pipeline/run/stop_request.h"
 #include "pipeline/stages/report_marker.h"
+#include "pipeline/store/batch_job.h"
 
 namespace npdr::pipeline {
 
@@ -54,10 +58,30 @@ void settle(const Plan& plan, const Node& node) {
   }
 }
 
+namespace {
+
+// On a network file system a machine may not see for a while what another one has just made, and
+// a batch job begins at that very moment. Looking through the folder asks the server.
+bool appears(const Plan& plan, const Node& input) {
+  constexpr int patience = 60;  // [s]
+  for (int second = 0; second < patience && !batch_job_id().empty(); ++second) {
+    std::error_code ignored;
+    for (std::filesystem::directory_iterator entry(input.path.parent_path(), ignored), end;
+         !ignored && entry != end; entry.increment(ignored)) {
+    }
+    if (is_complete(plan, input)) return true;
+    if (stop_requested()) return false;
+    sleep(1);
+  }
+  return is_complete(plan, input);
+}
+
+}  // namespace
+
 void require_inputs(const Plan& plan, const Node& node) {
   for (const std::size_t i : node.needs) {
     const Node& input = plan.nodes[i];
-    if (is_complete(plan, input)) continue;
+    if (is_complete(plan, input) || appears(plan, input)) continue;
     throw InputError(node.label() + " needs '" + input.label() + "', which isn't there; run " +
                      program_of(input.stage) + " on this study first, or npdr run");
   }

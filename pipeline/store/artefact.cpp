@@ -11,6 +11,7 @@
 #include "pipeline/store/build_info.h"
 #include "pipeline/store/content_key.h"
 #include "pipeline/store/seal.h"
+#include "pipeline/store/task_mark.h"
 #include "pipeline/store/utc_time.h"
 
 namespace npdr::pipeline {
@@ -140,6 +141,7 @@ void ArtefactWriter::finish() {
   file_.close();
   seal_file(atomic_.temporary(), atomic_.path());
   atomic_.commit();
+  mark_progress();
 }
 
 namespace {

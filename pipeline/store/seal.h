@@ -1,4 +1,5 @@
-/// Seals: a checksum of all bytes of a file, behind them, so that damage is found before HDF5 sees it.
+/// Seals: a checksum of all bytes of a file, behind them, so that damage is found before HDF5 sees
+/// it.
 ///
 /// HDF5 1.10 has checksums for its metadata and we ask for some of the chunks of arrays, but none
 /// cover texts, scalars and lists of variable length, and its library may crash on damage there. A

@@ -161,6 +161,19 @@ TEST_F(Submit, AFailedShardSaysWhyAndDoesntHang) {
   expect_bits_of_a_local_run();
 }
 
+// What waits for the whole array can no longer begin, while a task of it still runs.
+TEST_F(Submit, AgainAfterAFailureBringsBackWhatWaitsInVain) {
+  write_text_file(cluster_->folder() / "bad-disk", "");
+  const std::string array = submit_and_hang(3);
+  cluster_->wait_for_state(array + "_2", "FAILED");
+  std::filesystem::remove(cluster_->folder() / "bad-disk");
+  const Outcome again = npdr({"submit", "slow.toml"});
+  EXPECT_TRUE(has(again.out, "waited in vain")) << again.out << again.err;
+  EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", array + "_3"}).status, 0);
+  cluster_->wait_until_idle();
+  expect_bits_of_a_local_run();
+}
+
 TEST_F(Submit, ATaskNearItsTimeLimitIsQueuedAgain) {
   const std::string task = submit_and_hang(0) + "_0";
   EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", task}).status, 0);

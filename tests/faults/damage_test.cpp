@@ -82,7 +82,8 @@ class Damage : public Faults {
         try {
           if (read() == good) said = "harmless";
         } catch (const InputError& error) {
-          const bool is_named = std::string(error.what()).find(damaged.filename()) != std::string::npos;
+          const bool is_named =
+              std::string(error.what()).find(damaged.filename()) != std::string::npos;
           said = is_named ? "detected" : "nameless";
         }
         write_bytes(outcome, said);
@@ -126,10 +127,12 @@ TEST_F(Damage, NoFlippedByteGoesUnnoticed) {
 // read twice. These have the checksums of HDF5.
 TEST_F(Damage, NoFlippedByteOfAShardReachesTraining) {
   const auto simulation = artefact("simulate", "MAF, seed 1, round 1");
-  const Flips flips = flip(simulation.stem() / "rows-64-128.h5", std::max<std::size_t>(1, flip_step() / 4), [&] {
-    const auto values = h5::File::open(simulation.path).dataset("trajectories").read<float>();
-    return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
-  });
+  const Flips flips =
+      flip(simulation.stem() / "rows-64-128.h5", std::max<std::size_t>(1, flip_step() / 4), [&] {
+        const auto values = h5::File::open(simulation.path).dataset("trajectories").read<float>();
+        return std::string(reinterpret_cast<const char*>(values.data()),
+                           values.size() * sizeof(float));
+      });
   fmt::print("{}\n", flips.row("shard, read by its simulation"));
   EXPECT_GT(flips.detected, 0);
   EXPECT_EQ(flips.crashed + flips.wrong, 0);
@@ -155,7 +158,9 @@ class Repair : public Damage {
     return {{"shard that is to be joined", shard, simulation, {shard}},
             {"shard of a joined simulation", shard, posterior, {shard, simulation.path}},
             {"simulation", simulation.path, posterior, {simulation.path}},
-            {"posterior", posterior.path, artefact("propose", "MAF, seed 1, round 2"),
+            {"posterior",
+             posterior.path,
+             artefact("propose", "MAF, seed 1, round 2"),
              {posterior.path}},
             {"proposal", proposal.path, simulation, {proposal.path}}};
   }

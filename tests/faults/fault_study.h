@@ -131,7 +131,9 @@ class FaultFolder {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  Outcome npdr(const std::vector<std::string>& more) const { return run(path(), words("npdr", more)); }
+  Outcome npdr(const std::vector<std::string>& more) const {
+    return run(path(), words("npdr", more));
+  }
   /// Makes one artefact with its stage's executable.
   static std::vector<std::string> making(const Artefact& artefact) {
     return words(artefact.program(), {"--artefact", artefact.key});

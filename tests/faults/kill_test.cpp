@@ -27,11 +27,11 @@ int num_kills() {
 // A row of the table that is printed.
 struct Tally {
   int kills = 0;
-  int running = 0;        // hit while the program ran
-  int writing = 0;        // of these, with an unfinished file
-  int pieces = 0;         // artefacts and shards that were complete at the instant
-  int pieces_lost = 0;    // of these, made again or changed afterwards
-  double seconds = 0.0;   // that killed programs had worked
+  int running = 0;       // hit while the program ran
+  int writing = 0;       // of these, with an unfinished file
+  int pieces = 0;        // artefacts and shards that were complete at the instant
+  int pieces_lost = 0;   // of these, made again or changed afterwards
+  double seconds = 0.0;  // that killed programs had worked
 
   std::string row(const std::string& name) const {
     return fmt::format("| {:<28} | {:5} | {:12} | {:15} | {:8} | {:4} | {:13.2f} |", name, kills,
@@ -142,8 +142,8 @@ TEST_F(Kills, EveryStageGoesOnAfterKillMinus9) {
     EXPECT_EQ(tally.pieces_lost, 0) << stage;
     hits += tally.running;
   }
-  // Instants are uniform over a time that is as long again on average: with nine stages of four kills
-  // fewer than half hit by chance about once in 1e6 runs.
+  // Instants are uniform over a time that is as long again on average: with nine stages of four
+  // kills fewer than half hit by chance about once in 1e6 runs.
   EXPECT_GE(2 * hits, 9 * num_kills());
   expect_same_results(*folder_);
 }

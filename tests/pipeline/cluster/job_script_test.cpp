@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "pipeline/config/cluster_check.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/message_of.h"
 #include "tests/temp_folder.h"
@@ -74,6 +75,16 @@ TEST_F(JobScripts, OfAnArrayPackShardsAndEndAtTheLast) {
              "exec /opt/npdr/npdr task -- /opt/npdr/npdr-simulate 'my study.toml' --artefact");
 }
 
+TEST_F(JobScripts, QuotePathsAsSbatchReadsThem) {
+  Job job;
+  job.nodes = {0};
+  const std::string text =
+      job_script({plan_, {"s.toml"}, "/home/me/a#b\"c", "/opt/npdr", "/logs"}, job);
+  EXPECT_HAS(text, "#SBATCH --chdir=\"/home/me/a#b\\\"c\"\n");
+  EXPECT_THROW(job_script({plan_, {"s.toml"}, "/home/me/a\\b", "/opt/npdr", "/logs"}, job),
+               InputError);
+}
+
 TEST_F(JobScripts, OfOtherStagesRunTheirArtefacts) {
   const std::string text = script(Stage::infer, {});
   EXPECT_HAS(text, "#SBATCH --partition=short\n");
@@ -99,6 +110,26 @@ TEST(ClusterTable, IsCheckedAndASitesKeysAreDefaults) {
             "printable characters\n"
             "--set cluster.time=\"1 hour\": cluster.time = '1 hour', must be a time such as 90 "
             "(minutes), 01:30:00 or 1-12:00 (days-hours:minutes)");
+}
+
+TEST(ClusterTable, ATimeLimitIsLongerThanTheWarningBeforeIt) {
+  EXPECT_EQ(message_of<InputError>([] { parse_study(kStudy, "s.toml", {"cluster.time=\"2\""}); }),
+            "--set cluster.time=\"2\": cluster.time = '2', must be longer than "
+            "cluster.signal_seconds = 120");
+  EXPECT_EQ(seconds_of("90"), 5400.0);
+  EXPECT_EQ(seconds_of("01:30"), 90.0);
+  EXPECT_EQ(seconds_of("01:00:05"), 3605.0);
+  EXPECT_EQ(seconds_of("1-12"), 129600.0);
+  EXPECT_EQ(seconds_of("1-00:01"), 86460.0);
+}
+
+TEST(ClusterTable, OptionsThatAJobNeedsItselfAreRefused) {
+  for (const char* option : {"--dependency=afterok:1", "--comment=x", "-a 1-3", "--output=x"}) {
+    EXPECT_THROW(
+        parse_study(kStudy, "s.toml", {"cluster.sbatch=[\"" + std::string(option) + "\"]"}),
+        InputError)
+        << option;
+  }
 }
 
 TEST(ClusterTable, ChangesNoKey) {

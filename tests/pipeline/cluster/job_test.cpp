@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "core/text.h"
+#include "pipeline/cluster/doomed_jobs.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/temp_folder.h"
@@ -155,7 +156,6 @@ TEST_F(Jobs, CommentsOfTheQueueTellWhatIsInFlight) {
   const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 2});
   const std::size_t array = maker_of(jobs, simulation, true);
   const std::string comment = tag_of(plan_, jobs[array]).text();
-  EXPECT_LT(comment.size(), 1024u);
   const std::vector<QueuedTask> tasks = {
       parse_queued_tasks("40|1|RUNNING|None|n2|" + comment).front(),
       parse_queued_tasks("41|N/A|PENDING|Priority||somebody's own | job").front()};
@@ -165,6 +165,48 @@ TEST_F(Jobs, CommentsOfTheQueueTellWhatIsInFlight) {
   EXPECT_EQ(flying[simulation]->shards, (std::set<Index>{2, 3}));
   EXPECT_EQ(tasks_of(plan_, tasks).size(), 1u);
   EXPECT_EQ(tasks.front().id(), "40_1");
+}
+
+TEST_F(Jobs, CommentsOfManySeedsAreShortEnoughForSlurm) {
+  Study study = plan_.study;
+  study.seeds.clear();
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) study.seeds.push_back(seed);
+  const Plan plan = make_plan(study, plan_.work);
+  const auto jobs =
+      make_jobs({plan, std::nullopt, std::vector<std::optional<InFlight>>(plan.nodes.size()),
+                 std::vector<Index>(plan.nodes.size(), 2), 1001});
+  std::size_t longest = 0;
+  for (const Job& job : jobs) longest = std::max(longest, tag_of(plan, job).text().size());
+  EXPECT_GT(longest, 512u);
+  EXPECT_LE(longest, 1024u);
+}
+
+// Task 1 of an array has failed while task 0 runs: what waits for all of it waits in vain.
+TEST_F(Jobs, ThatWaitForAFailedTaskAreDoomed) {
+  const auto jobs = make_jobs(input());
+  std::vector<QueuedTask> tasks;
+  for (std::size_t j = 0; j < jobs.size(); ++j) {
+    const std::string line = std::to_string(j + 10) + (jobs[j].is_array() ? "|0-1" : "|N/A") +
+                             "|PENDING|Dependency||" + tag_of(plan_, jobs[j]).text();
+    for (const QueuedTask& task : parse_queued_tasks(line)) tasks.push_back(task);
+  }
+  EXPECT_TRUE(doomed_jobs(plan_, tasks).empty());
+  const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 1});
+  const std::string array = std::to_string(maker_of(jobs, simulation, true) + 10);
+  std::erase_if(tasks, [&](const QueuedTask& task) { return task.id() == array + "_1"; });
+  for (QueuedTask& task : tasks) {
+    if (task.job == array) task.state = "RUNNING";
+  }
+  const auto doomed = doomed_jobs(plan_, tasks);
+  const auto is_doomed = [&](Stage stage, const Use& use, bool is_array) {
+    const std::string job = std::to_string(maker_of(jobs, index_of(stage, use), is_array) + 10);
+    return std::ranges::count(doomed, job) == 1;
+  };
+  EXPECT_TRUE(is_doomed(Stage::infer, {"NPE", 1, 1}, false));
+  EXPECT_TRUE(is_doomed(Stage::simulate, {"NPE", 1, 2}, true));
+  EXPECT_TRUE(is_doomed(Stage::evaluate, {"NPE", 1, 2}, false));
+  EXPECT_FALSE(is_doomed(Stage::simulate, {"NPE", 1, 1}, true));
+  EXPECT_FALSE(is_doomed(Stage::infer, {"NPE", 2, 1}, false));
 }
 
 TEST_F(Jobs, OfAnotherWorkFolderAreNotOurs) {

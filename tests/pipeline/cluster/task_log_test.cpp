@@ -19,6 +19,16 @@ TEST(TaskLog, SaysWhyATaskEnded) {
             "exit status 2 after 0.0 s: npdr-simulate: a.toml: can't be opened");
 }
 
+TEST(TaskLog, OfARunQuotesWhatTheStageSaid) {
+  const TempFolder folder;
+  const auto log = folder / "a.log";
+  std::ofstream(log) << begin_line("17", {"npdr", "run"}) << "\n"
+                     << "npdr: infer NPE, seed 1, round 1 failed (exit status 1):\n"
+                     << "    npdr-infer: the disk is full\n    log: runs/a.log\n"
+                     << end_line(1, 2.0) << "\n";
+  EXPECT_EQ(reason_in_log(log), "exit status 1 after 2.0 s: npdr-infer: the disk is full");
+}
+
 TEST(TaskLog, OfATaskThatWasKilledSaysNothing) {
   const TempFolder folder;
   const auto log = folder / "a.log";
