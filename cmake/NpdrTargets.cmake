@@ -40,14 +40,21 @@ function(npdr_executable name)
   install(TARGETS ${name} RUNTIME DESTINATION bin)
 endfunction()
 
-# npdr_test(<name> SOURCES <...> LINK <...>): a GoogleTest program; every TEST is a ctest of its own.
+# npdr_test(<name> SOURCES <...> LINK <...> [SUITES <...>]): a GoogleTest program; every TEST is a ctest
+# of its own. Those of SUITES, whose tests share what takes long to set up, are one ctest a suite.
 function(npdr_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SUITES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE NPDR_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              NPDR_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  gtest_discover_tests(${name} TEST_PREFIX ${name}/ DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+  foreach(suite ${ARG_SUITES})
+    add_test(NAME ${name}/${suite} COMMAND ${name} --gtest_filter=${suite}.*)
+    set_tests_properties(${name}/${suite} PROPERTIES TIMEOUT 600)
+    string(APPEND elsewhere ":${suite}.*")
+  endforeach()
+  gtest_discover_tests(${name} TEST_PREFIX ${name}/ DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600
+                       TEST_FILTER "-${elsewhere}")
 endfunction()
 
 # npdr_bench(<name> SOURCES <...> LINK <...> [OWN_MAIN]): a Google Benchmark program, or with OWN_MAIN

@@ -31,7 +31,7 @@ struct Tally {
   int writing = 0;       // of these, with an unfinished file
   int pieces = 0;        // artefacts and shards that were complete at the instant
   int pieces_lost = 0;   // of these, made again or changed afterwards
-  double seconds = 0.0;  // that killed programs had worked
+  double seconds = 0.0;  // that killed programs had run: what is done again takes no longer
 
   std::string row(const std::string& name) const {
     return fmt::format("| {:<28} | {:5} | {:12} | {:15} | {:8} | {:4} | {:13.2f} |", name, kills,
@@ -39,8 +39,8 @@ struct Tally {
   }
   static std::string title() {
     return fmt::format("| {:<28} | {:5} | {:12} | {:15} | {:8} | {:4} | {:13} |\n|{}|", "killed",
-                       "kills", "while it ran", "unfinished file", "complete", "lost",
-                       "work redone, s", ":--|--:|--:|--:|--:|--:|--:");
+                       "kills", "while it ran", "unfinished file", "complete", "lost", "had run, s",
+                       ":--|--:|--:|--:|--:|--:|--:");
   }
 };
 
@@ -142,9 +142,9 @@ TEST_F(Kills, EveryStageGoesOnAfterKillMinus9) {
     EXPECT_EQ(tally.pieces_lost, 0) << stage;
     hits += tally.running;
   }
-  // Instants are uniform over a time that is as long again on average: with nine stages of four
-  // kills fewer than half hit by chance about once in 1e6 runs.
-  EXPECT_GE(2 * hits, 9 * num_kills());
+  // About three quarters of the instants hit, on a busy machine: fewer than a quarter of 36 do in
+  // one of 10^10 runs.
+  EXPECT_GE(4 * hits, 9 * num_kills());
   expect_same_results(*folder_);
 }
 
