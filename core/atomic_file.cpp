@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -57,7 +58,7 @@ fs::path folder_of(const fs::path& path) {
 
 // The process that a temporary of this host belongs to; 0 for every other name.
 pid_t owner(const std::string& name) {
-  const std::string host = fmt::format(".{}.", host_name());
+  const std::string host = fmt::format(".{}.", process_space());
   const std::size_t begin = name.rfind(host);
   if (!name.starts_with('.') || !name.ends_with(kSuffix) || begin == std::string::npos) return 0;
   const char* const end = name.data() + name.size() - kSuffix.size();
@@ -89,7 +90,7 @@ void make_folder(const fs::path& folder) {
 
 fs::path temporary_name(const fs::path& path) {
   static std::atomic<int> counter = 0;
-  return folder_of(path) / fmt::format(".{}.{}.{}.{}{}", path.filename().string(), host_name(),
+  return folder_of(path) / fmt::format(".{}.{}.{}.{}{}", path.filename().string(), process_space(),
                                        ::getpid(), counter++, kSuffix);
 }
 
@@ -179,6 +180,14 @@ std::string host_name() {
   std::array<char, 256> name{};
   if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "unknown";
   return name.data();
+}
+
+std::string process_space() {
+  constexpr ino_t of_the_machine = 4026531836;  // Linux numbers its first namespaces so
+  struct stat space = {};
+  const bool is_known = ::stat("/proc/self/ns/pid", &space) == 0;
+  if (!is_known || space.st_ino == of_the_machine) return host_name();
+  return fmt::format("{}-{}", host_name(), space.st_ino);
 }
 
 }  // namespace npdr

@@ -60,4 +60,8 @@ void remove_stale_temporaries_once(const std::filesystem::path& folder);
 /// Name of this machine.
 std::string host_name();
 
+/// Where process numbers mean the same as here: this machine, or on it this container, which may
+/// share the machine's name and folders.
+std::string process_space();
+
 }  // namespace npdr

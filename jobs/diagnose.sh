@@ -1,10 +1,11 @@
 #!/bin/bash
 #SBATCH --job-name=npdr-diagnose
 #SBATCH --ntasks=1
-#SBATCH --cpus-per-task=4
+#SBATCH --cpus-per-task=2
 #SBATCH --requeue
 #SBATCH --open-mode=append
 #SBATCH --signal=B:USR1@120
+#SBATCH --kill-on-invalid-dep=yes
 # Checks the posteriors of a study with a table [diagnose]. The simulations of its calibration are
 # among those of jobs/simulate.sh.
 #

@@ -4,6 +4,7 @@
 #SBATCH --requeue
 #SBATCH --open-mode=append
 #SBATCH --signal=B:USR1@120
+#SBATCH --kill-on-invalid-dep=yes
 # Trains the posteriors whose simulations are there.
 #
 #   sbatch jobs/infer.sh STUDY [OPTION OF npdr-infer]...

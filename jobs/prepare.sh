@@ -4,6 +4,7 @@
 #SBATCH --requeue
 #SBATCH --open-mode=append
 #SBATCH --signal=B:USR1@120
+#SBATCH --kill-on-invalid-dep=yes
 # Makes the target domain and the proposals that can be drawn: a moment.
 #
 #   sbatch jobs/prepare.sh STUDY [OPTION OF npdr-propose]...

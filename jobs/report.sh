@@ -4,6 +4,7 @@
 #SBATCH --requeue
 #SBATCH --open-mode=append
 #SBATCH --signal=B:USR1@120
+#SBATCH --kill-on-invalid-dep=yes
 # Makes tables, figures and report.html.
 #
 #   sbatch jobs/report.sh STUDY [OPTION OF npdr-report]...

@@ -4,6 +4,7 @@
 #SBATCH --requeue
 #SBATCH --open-mode=append
 #SBATCH --signal=B:USR1@120
+#SBATCH --kill-on-invalid-dep=yes
 # Simulates one shard of every simulation whose proposal is there; the last shard joins them all.
 #
 #   sbatch --array=0-9 jobs/simulate.sh STUDY [OPTION OF npdr-simulate]...

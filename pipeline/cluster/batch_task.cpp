@@ -74,7 +74,7 @@ class Mark {
  public:
   Mark()
       : path_(std::filesystem::temp_directory_path() /
-              fmt::format("npdr-task-{}-{}", host_name(), getpid())) {
+              fmt::format("npdr-task-{}-{}", process_space(), getpid())) {
     unlink(path_.c_str());
     setenv(kTaskMark, path_.c_str(), 1);
   }

@@ -151,7 +151,9 @@ std::vector<QueuedTask> queued_tasks() {
   std::vector<QueuedTask> tasks;
   for (const std::string& line : lines_of(
            ask_or_fail({"squeue", "--noheader", "--user=" + user, "--format=%F|%K|%T|%r|%N|%k"}))) {
-    for (QueuedTask& task : parse_queued_tasks(line)) tasks.push_back(std::move(task));
+    for (QueuedTask& task : parse_queued_tasks(line)) {
+      if (task.state != "COMPLETING") tasks.push_back(std::move(task));
+    }
   }
   return tasks;
 }

@@ -44,7 +44,8 @@ std::vector<std::string> sbatch_command(const Submission& submission);
 /// Submits; the job's id. Throws Error with what Slurm said and what to do about it.
 std::string submit_to_slurm(const Submission& submission);
 
-/// All tasks of this user that wait or run. Throws Error when Slurm doesn't answer.
+/// All tasks of this user that wait or run; one that is being cleaned up makes nothing any more.
+/// Throws Error when Slurm doesn't answer.
 std::vector<QueuedTask> queued_tasks();
 
 /// One line of squeue as queued_tasks() asks for it: a task, or all tasks of an array that wait;

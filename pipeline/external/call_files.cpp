@@ -52,9 +52,11 @@ CallFolder::CallFolder(const std::string& format) : extension_(format == "csv" ?
                     "simulator's command leave their files there",
                     parent.string()));
   }
-  path_ = temporary_name(std::filesystem::absolute(parent) / "npdr-call");
-  remove_stale_temporaries_once(path_.parent_path());
-  if (mkdir(path_.c_str(), 0700) != 0) throw_file_error(path_, "make this folder", errno);
+  remove_stale_temporaries_once(parent);
+  do {
+    path_ = temporary_name(std::filesystem::absolute(parent) / "npdr-call");
+  } while (mkdir(path_.c_str(), 0700) != 0 && errno == EEXIST);
+  if (!std::filesystem::is_directory(path_)) throw_file_error(path_, "make this folder", errno);
 }
 
 CallFolder::~CallFolder() {

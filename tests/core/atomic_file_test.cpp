@@ -116,14 +116,14 @@ pid_t dead_process() {
 
 TEST(AtomicFile, RemovesWhatDeadProcessesOfThisHostLeftBehindAndNothingElse) {
   const TempFolder folder;
-  const std::string stale = fmt::format(".a.h5.{}.{}.0.tmp", host_name(), dead_process());
+  const std::string stale = fmt::format(".a.h5.{}.{}.0.tmp", process_space(), dead_process());
   const std::vector<std::string> kept = {
-      fmt::format(".a.h5.{}.{}.0.tmp", host_name(), ::getpid()),
-      fmt::format(".a.h5.{}.1.0.tmp", host_name()),
+      fmt::format(".a.h5.{}.{}.0.tmp", process_space(), ::getpid()),
+      fmt::format(".a.h5.{}.1.0.tmp", process_space()),
       fmt::format(".a.h5.other-host.{}.0.tmp", dead_process()),
-      fmt::format(".a.h5.{}.x.0.tmp", host_name()),
-      fmt::format("a.h5.{}.{}.0.tmp", host_name(), dead_process()),
-      fmt::format(".a.h5.{}.{}.0", host_name(), dead_process()),
+      fmt::format(".a.h5.{}.x.0.tmp", process_space()),
+      fmt::format("a.h5.{}.{}.0.tmp", process_space(), dead_process()),
+      fmt::format(".a.h5.{}.{}.0", process_space(), dead_process()),
       "results.h5",
       ".tmp",
   };
@@ -158,14 +158,14 @@ TEST(AtomicFile, WhoHasEndedButWasNotWaitedForIsDead) {
   if (zombie == 0) ::_exit(0);
   siginfo_t end = {};
   ::waitid(P_PID, static_cast<id_t>(zombie), &end, WEXITED | WNOWAIT);
-  folder.file(fmt::format(".a.h5.{}.{}.0.tmp", host_name(), zombie), "");
+  folder.file(fmt::format(".a.h5.{}.{}.0.tmp", process_space(), zombie), "");
   EXPECT_EQ(remove_stale_temporaries(folder.path()), 1);
   ::waitpid(zombie, nullptr, 0);
 }
 
 TEST(AtomicFile, RemovesStaleFoldersWithAllThatIsInThem) {
   const TempFolder folder;
-  const auto stale = folder / fmt::format(".call.{}.{}.0.tmp", host_name(), dead_process());
+  const auto stale = folder / fmt::format(".call.{}.{}.0.tmp", process_space(), dead_process());
   write_text_file(stale / "inside/x.csv", "1");
   EXPECT_EQ(remove_stale_temporaries(folder.path()), 1);
   EXPECT_EQ(folder.size(), 0);
@@ -173,7 +173,7 @@ TEST(AtomicFile, RemovesStaleFoldersWithAllThatIsInThem) {
 
 TEST(AtomicFile, LooksForStaleTemporariesOncePerFolder) {
   const TempFolder folder;
-  const std::string stale = fmt::format(".a.h5.{}.{}.0.tmp", host_name(), dead_process());
+  const std::string stale = fmt::format(".a.h5.{}.{}.0.tmp", process_space(), dead_process());
   write_text_file(folder / "first.txt", "");
   folder.file(stale, "");
   write_text_file(folder / "second.txt", "");

@@ -101,7 +101,7 @@ TEST_F(Jobs, OnlyShardsThatAreNeitherThereNorInFlightAreSubmitted) {
   const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 1});
   JobsInput in = input();
   in.shards_per_task.assign(plan_.nodes.size(), 1);
-  in.in_flight[simulation] = InFlight{{"17"}, {2}};
+  in.in_flight[simulation] = InFlight{{"17"}, 1, {2}};
   touch_shard(plan_.nodes[simulation], 0);
   const auto jobs = make_jobs(in);
   EXPECT_EQ(jobs[maker_of(jobs, simulation, true)].first_task, 1);
@@ -124,8 +124,8 @@ TEST_F(Jobs, ShardsThatAreAllThereAreJoined) {
 TEST_F(Jobs, WhatIsInFlightIsntSubmittedAgainButWaitedFor) {
   const std::size_t posterior = index_of(Stage::infer, {"NPE", 2, 1});
   JobsInput in = input();
-  in.in_flight[posterior] = InFlight{{"23"}, {}};
-  in.in_flight[index_of(Stage::propose, {"NPE", 2, 2})] = InFlight{{"23"}, {}};
+  in.in_flight[posterior] = InFlight{{"23"}, 0, {}};
+  in.in_flight[index_of(Stage::propose, {"NPE", 2, 2})] = InFlight{{"23"}, 0, {}};
   const auto jobs = make_jobs(in);
   for (const Job& job : jobs) {
     EXPECT_EQ(std::ranges::count(job.nodes, posterior), 0);

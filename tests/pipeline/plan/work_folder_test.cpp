@@ -30,7 +30,8 @@ TEST(WorkFolder, WhatAKilledProcessLeftBesideALinkIsRemoved) {
   ::waitpid(dead, nullptr, 0);
   const auto readable = folder.path() / "readable";
   std::filesystem::create_directory(readable);
-  const auto stale = readable / (".link." + host_name() + "." + std::to_string(dead) + ".0.tmp");
+  const auto stale =
+      readable / (".link." + process_space() + "." + std::to_string(dead) + ".0.tmp");
   std::filesystem::create_symlink("../first", stale);
   make_link(folder / "first", readable / "link");
   EXPECT_FALSE(std::filesystem::is_symlink(stale));
