@@ -184,7 +184,7 @@ TEST_F(Submit, ATaskNearItsTimeLimitIsQueuedAgain) {
 // Training goes on from its checkpoint.
 TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
   const std::string text = edited(text_of(cluster_->folder() / "slow.toml"), "max_epochs = 30",
-                                  "max_epochs = 60000, stop_after_epochs = 60000");
+                                  "max_epochs = 150000, stop_after_epochs = 150000");
   write_text_file(cluster_->folder() / "slow.toml",
                   edited(text, "num_rounds = 2", "num_rounds = 1"));
   const Outcome submitted = npdr({"submit", "slow.toml"});
@@ -194,8 +194,10 @@ TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
     const std::string queue =
         cluster_->call({"squeue", "-h", "-t", "running", "-n", "npdr-slow-infer", "-o", "%i"}).out;
     task = queue.substr(0, queue.find('\n'));
-    return !task.empty() && std::filesystem::exists(log_of(task));
+    return !task.empty() && std::filesystem::exists(cluster_->folder() /
+                                                    "runs/slow/logs/infer-npe-seed-1-round-1.log");
   });
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // past its start
   EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", task}).status, 0);
   cluster_->wait_until("for a checkpoint", [&] { return has_checkpoint(); });
   cluster_->wait_until_idle();
