@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "core/file_error.h"
+#include "core/open_file.h"
 
 namespace npdr {
 namespace {
@@ -24,31 +25,12 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".tmp";
 
-// An open file; closes on destruction.
-class Descriptor {
- public:
-  Descriptor(const fs::path& path, int flags)
-      : value_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  bool open() const { return value_ >= 0; }
-  int value() const { return value_; }
-  int close() { return ::close(std::exchange(value_, -1)); }
-
- private:
-  int value_;
-};
-
 // Messages call it `shown_as`.
 void sync(const fs::path& path, int flags, const fs::path& shown_as) {
-  const Descriptor file(path, flags);
-  if (file.open() && ::fsync(file.value()) == 0) return;
+  const OpenFile file(path, flags);
+  if (file.is_open() && ::fsync(file.value()) == 0) return;
   // Some network file systems can't do this for folders, and need no telling.
-  if (file.open() && (errno == EINVAL || errno == ENOTSUP)) return;
+  if (file.is_open() && (errno == EINVAL || errno == ENOTSUP)) return;
   throw_file_error(shown_as, "be brought to the disk", errno);
 }
 
@@ -80,6 +62,20 @@ bool is_dead(pid_t process) {
   return ::kill(process, 0) != 0 ? errno == ESRCH : is_zombie(process);
 }
 
+// Makes an empty file, and its folder: what can't be written is known before any work is done.
+void reserve(const fs::path& file, const fs::path& shown_as) {
+  make_folder(folder_of(file));
+  remove_stale_temporaries_once(folder_of(file));
+  if (!OpenFile(file, O_WRONLY | O_CREAT | O_TRUNC).is_open()) {
+    throw_file_error(shown_as, "be written", errno);
+  }
+}
+
+void remove_quietly(const fs::path& file) {
+  std::error_code ignored;
+  fs::remove(file, ignored);
+}
+
 }  // namespace
 
 void make_folder(const fs::path& folder) {
@@ -98,19 +94,19 @@ AtomicFile::AtomicFile(fs::path path, const fs::path& scratch)
     : path_(std::move(path)),
       beside_(temporary_name(path_)),
       temporary_(scratch.empty() ? beside_ : scratch / beside_.filename()) {
-  for (const fs::path& file : {temporary_, beside_}) {
-    make_folder(folder_of(file));
-    remove_stale_temporaries_once(folder_of(file));
-    if (!Descriptor(file, O_WRONLY | O_CREAT | O_TRUNC).open()) {
-      throw_file_error(file == beside_ ? path_ : file, "be written", errno);
-    }
+  reserve(beside_, path_);
+  if (temporary_ == beside_) return;
+  try {
+    reserve(temporary_, temporary_);
+  } catch (...) {
+    remove_quietly(beside_);
+    throw;
   }
 }
 
 AtomicFile::~AtomicFile() {
-  std::error_code ignored;
-  if (!committed_) fs::remove(beside_, ignored);
-  if (temporary_ != beside_) fs::remove(temporary_, ignored);
+  if (!committed_) remove_quietly(beside_);
+  if (temporary_ != beside_) remove_quietly(temporary_);
 }
 
 void AtomicFile::commit() {
@@ -129,21 +125,16 @@ void AtomicFile::commit() {
 
 void write_text_file(const fs::path& path, std::string_view text) {
   AtomicFile file(path);
-  Descriptor descriptor(file.temporary(), O_WRONLY | O_TRUNC);
-  if (!descriptor.open()) throw_file_error(path, "be written", errno);
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t count = ::write(descriptor.value(), text.data() + done, text.size() - done);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw_file_error(path, "be written", errno);
-    done += static_cast<std::size_t>(count);
+  OpenFile open(file.temporary(), O_WRONLY | O_TRUNC);
+  if (!open.is_open() || !open.write(text) || !open.close()) {
+    throw_file_error(path, "be written", errno);
   }
-  if (descriptor.close() != 0) throw_file_error(path, "be written", errno);
   file.commit();
 }
 
 std::string read_text_file(const fs::path& path) {
-  const Descriptor file(path, O_RDONLY);
-  if (!file.open()) throw_file_error(path, "be read", errno);
+  const OpenFile file(path, O_RDONLY);
+  if (!file.is_open()) throw_file_error(path, "be read", errno);
   std::string text;
   std::array<char, 65536> buffer;
   for (;;) {
@@ -182,12 +173,21 @@ std::string host_name() {
   return name.data();
 }
 
-std::string process_space() {
+namespace {
+
+std::string find_process_space() {
   constexpr ino_t of_the_machine = 4026531836;  // Linux numbers its first namespaces so
   struct stat space = {};
   const bool is_known = ::stat("/proc/self/ns/pid", &space) == 0;
   if (!is_known || space.st_ino == of_the_machine) return host_name();
   return fmt::format("{}-{}", host_name(), space.st_ino);
+}
+
+}  // namespace
+
+const std::string& process_space() {
+  static const std::string space = find_process_space();
+  return space;
 }
 
 }  // namespace npdr

@@ -62,6 +62,6 @@ std::string host_name();
 
 /// Where process numbers mean the same as here: this machine, or on it this container, which may
 /// share the machine's name and folders.
-std::string process_space();
+const std::string& process_space();
 
 }  // namespace npdr

@@ -1,6 +1,7 @@
 /// Small helpers for messages that people read.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,12 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 
 /// "a, b, c".
 std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
+
+/// "a:b" at ':' as "a", "b"; none for an empty text.
+std::vector<std::string> split(const std::string& text, char separator);
+
+/// A number that is not negative, in digits only; none for another text.
+std::optional<Index> parse_count(std::string_view text);
 
 /// 0, 2, 3, 4, 9 as "0,2-4,9"; ascending.
 std::string index_ranges(const std::vector<Index>& indices);

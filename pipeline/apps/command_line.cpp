@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
-#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -127,21 +126,14 @@ std::vector<Index> parse_ranges(const std::string& text) {
   const auto fail = [&] {
     throw InputError("'" + text + "' is no list of numbers and ranges such as 0-3,7");
   };
-  const auto number = [&](std::string_view part) {
-    Index value = -1;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (error != std::errc() || end != part.data() + part.size() || value < 0) fail();
-    return value;
-  };
   std::vector<Index> values;
-  std::istringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');) {
+  for (const std::string& part : split(text, ',')) {
     const std::size_t dash = part.find('-');
-    const Index first = number(part.substr(0, dash));
-    const Index last = dash == std::string::npos ? first : number(part.substr(dash + 1));
+    const auto first = parse_count(part.substr(0, dash));
+    const auto last = dash == std::string::npos ? first : parse_count(part.substr(dash + 1));
     constexpr Index most = 10'000'000;
-    if (last < first || last - first > most) fail();
-    for (Index value = first; value <= last; ++value) values.push_back(value);
+    if (!first || !last || *last < *first || *last - *first > most) fail();
+    for (Index value = *first; value <= *last; ++value) values.push_back(value);
   }
   if (values.empty()) fail();
   return values;

@@ -18,6 +18,7 @@
 #include "pipeline/cluster/slurm.h"
 #include "pipeline/cluster/task_log.h"
 #include "pipeline/run/stop_request.h"
+#include "pipeline/store/batch_job.h"
 #include "pipeline/store/task_mark.h"
 
 namespace npdr::pipeline {
@@ -93,7 +94,7 @@ bool is_first_attempt() { return std::getenv("SLURM_RESTART_COUNT") == nullptr; 
 // Slurm ends this process once the job is queued again: an exit status before that would count.
 void queue_again() {
   std::signal(SIGTERM, SIG_DFL);
-  if (!succeeds(requeue_command(current_task_id()))) {
+  if (!succeeds(requeue_command(slurm_task_id()))) {
     say("npdr task: Slurm doesn't queue this job again; 'npdr submit' goes on where it stopped");
     return;
   }
@@ -116,11 +117,11 @@ bool ran_out_of_time(int status) {
 int run_batch_task(const std::vector<std::string>& command) {
   watch_for_stop_requests();
   const Mark mark;
-  say(begin_line(current_task_id(), command));
+  say(begin_line(slurm_task_id(), command));
   const auto start_time = Clock::now();
   const int status = wait_for(start(command));
   const std::chrono::duration<double> elapsed = Clock::now() - start_time;
-  const bool is_out_of_time = !current_task_id().empty() && ran_out_of_time(status);
+  const bool is_out_of_time = !slurm_task_id().empty() && ran_out_of_time(status);
   if (is_out_of_time && !mark.was_made() && !is_first_attempt()) {
     say("npdr task: nothing got done within the time limit twice; raise 'time' in the study's "
         "[cluster], or lower simulate.shard_size");

@@ -4,10 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
-#include <sstream>
 
+#include "core/text.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
@@ -15,18 +14,6 @@ namespace {
 
 constexpr std::size_t kKeyDigits = 16;  // enough for all artefacts of all studies
 constexpr std::size_t kWorkDigits = 12;
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  return parts;
-}
-
-bool parse(const std::string& text, Index& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && value >= 0;
-}
 
 std::map<std::string, std::size_t> nodes_by_key(const Plan& plan) {
   std::map<std::string, std::size_t> nodes;
@@ -69,11 +56,9 @@ std::optional<JobTag> parse_tag(const std::string& comment) {
   const std::vector<std::string> parts = split(comment, ':');
   constexpr std::size_t num_parts = 5;
   if (parts.size() != num_parts || parts[0] != "npdr") return std::nullopt;
-  JobTag tag{parts[1], split(parts[2], ','), 0, 0};
-  if (!parse(parts[3], tag.shards_per_task) || !parse(parts[4], tag.first_task)) {
-    return std::nullopt;
-  }
-  return tag;
+  const auto shards_per_task = parse_count(parts[3]), first_task = parse_count(parts[4]);
+  if (!shards_per_task || !first_task) return std::nullopt;
+  return JobTag{parts[1], split(parts[2], ','), *shards_per_task, *first_task};
 }
 
 std::string work_digits(const WorkFolder& work) {

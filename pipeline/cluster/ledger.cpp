@@ -1,15 +1,17 @@
 #include "pipeline/cluster/ledger.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/file_error.h"
+#include "core/open_file.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -50,15 +52,10 @@ void append_to_ledger(const Plan& plan, const LedgerEntry& entry) {
   // Paths needn't be UTF-8; JSON must.
   const std::string line =
       to_json(entry).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  const int file = open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0644);
-  const bool written = file >= 0 &&
-                       write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size()) &&
-                       fsync(file) == 0;
-  const int reason = errno;
-  if (file >= 0) close(file);
-  if (!written) {
-    throw Error(path.string() + ": can't be written (" + std::strerror(reason) + "), so job " +
-                entry.job + " isn't in the ledger");
+  const OpenFile file(path, O_WRONLY | O_APPEND | O_CREAT);
+  if (!file.is_open() || !file.write(line) || fsync(file.value()) != 0) {
+    throw Error(fmt::format("{}, so job {} isn't in the ledger",
+                            file_error_text(path, "be written", errno), entry.job));
   }
 }
 

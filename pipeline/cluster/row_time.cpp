@@ -26,20 +26,12 @@ std::optional<double> seconds_so_far(const Plan& plan) {
   return std::nullopt;
 }
 
-Target target_of(const Study& study, const sim::SimulatorInfo& info) {
-  const auto simulator = sim::make_simulator(study.simulator);
-  return simulator->behave(nominal_theta(study, info, *study.target.truth),
-                           study.target.num_rollouts, study.target.seed);
-}
-
 // Rows of a whole batch: a simulator advances so many together.
 double time_rows(const Plan& plan) {
   constexpr Index num_rows = 64;
   const sim::SimulatorInfo info = simulator_info(plan.study);
-  const Target seen =
-      plan.study.target.recording
-          ? plan.target.first(plan.target.num_rollouts() - plan.study.target.held_out)
-          : target_of(plan.study, info);
+  const Target all = all_rollouts(plan);
+  const Target seen = all.first(all.num_rollouts() - plan.study.target.held_out);
   const auto simulator = make_row_simulator(plan, plan.study.simulator, seen, {});
   const RowMatrix theta = inference::sample_prior(inference::Prior(plan.study.prior), num_rows, 1);
   const auto start = std::chrono::steady_clock::now();

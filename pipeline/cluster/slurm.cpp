@@ -5,12 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cstdlib>
-#include <sstream>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/external/command_text.h"
 #include "pipeline/external/shell_call.h"
 
@@ -91,25 +89,6 @@ std::string ask_or_fail(const std::vector<std::string>& words) {
   return answer.text;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-std::optional<Index> parse_index(const std::string& text) {
-  Index value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-std::string variable(const char* name) {
-  const char* const value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
-
 std::string dependency_of(const Submission& submission) {
   std::vector<std::string> parts;
   if (!submission.after_ok.empty()) {
@@ -138,7 +117,7 @@ std::string submit_to_slurm(const Submission& submission) {
   const std::string text = ask_or_fail(words);
   // "17", or "17;cluster" where there are several.
   const std::string id = text.substr(0, text.find_first_of(";\n"));
-  if (!parse_index(id)) {
+  if (!parse_count(id)) {
     throw Error(fmt::format("sbatch answered '{}', must be the id of a job", text));
   }
   return id;
@@ -149,8 +128,9 @@ std::string submit_to_slurm(const Submission& submission) {
 std::vector<QueuedTask> queued_tasks() {
   const std::string user = std::to_string(getuid());
   std::vector<QueuedTask> tasks;
-  for (const std::string& line : lines_of(
-           ask_or_fail({"squeue", "--noheader", "--user=" + user, "--format=%F|%K|%T|%r|%N|%k"}))) {
+  const std::string answer =
+      ask_or_fail({"squeue", "--noheader", "--user=" + user, "--format=%F|%K|%T|%r|%N|%k"});
+  for (const std::string& line : split(answer, '\n')) {
     for (QueuedTask& task : parse_queued_tasks(line)) {
       if (task.state != "COMPLETING") tasks.push_back(std::move(task));
     }
@@ -168,7 +148,7 @@ std::vector<QueuedTask> parse_queued_tasks(const std::string& line) {
     fields.push_back(line.substr(begin, end - begin));
     begin = end + 1;
   }
-  if (!parse_index(fields[0])) return {};
+  if (!parse_count(fields[0])) return {};
   const QueuedTask job{fields[0], std::nullopt, fields[2],
                        fields[3], fields[4],    line.substr(begin)};
   std::vector<QueuedTask> tasks;
@@ -181,25 +161,24 @@ std::vector<QueuedTask> parse_queued_tasks(const std::string& line) {
 
 std::vector<Index> parse_indices(const std::string& text) {
   std::vector<Index> indices;
-  std::istringstream ranges(text.substr(0, text.find('%')));
-  for (std::string range; std::getline(ranges, range, ',');) {
+  for (const std::string& range : split(text.substr(0, text.find('%')), ',')) {
     const std::size_t dash = range.find('-'), colon = range.find(':');
-    const auto first = parse_index(range.substr(0, dash));
+    const auto first = parse_count(range.substr(0, dash));
     const auto last =
-        dash == std::string::npos ? first : parse_index(range.substr(dash + 1, colon - dash - 1));
-    const auto step = colon == std::string::npos ? Index{1} : parse_index(range.substr(colon + 1));
-    if (!first || !last || !step || *first < 0 || *step < 1) return {};
+        dash == std::string::npos ? first : parse_count(range.substr(dash + 1, colon - dash - 1));
+    const auto step = colon == std::string::npos ? Index{1} : parse_count(range.substr(colon + 1));
+    if (!first || !last || !step || *step < 1) return {};
     for (Index index = *first; index <= *last; index += *step) indices.push_back(index);
   }
   return indices;
 }
 
 Index max_array_size() {
-  for (const std::string& line : lines_of(ask_or_fail({"scontrol", "show", "config"}))) {
+  for (const std::string& line : split(ask_or_fail({"scontrol", "show", "config"}), '\n')) {
     if (!line.starts_with("MaxArraySize")) continue;
     const std::size_t value = line.find_first_of("0123456789");
     if (value == std::string::npos) break;
-    if (const auto size = parse_index(line.substr(value)); size && *size > 0) return *size;
+    if (const auto size = parse_count(line.substr(value)); size && *size > 0) return *size;
   }
   throw Error("'scontrol show config' doesn't say MaxArraySize; set cluster.max_array_size");
 }
@@ -226,12 +205,6 @@ std::string ended_state(const std::string& id) {
   if (at == std::string::npos) return "";
   const std::string rest = answer.text.substr(at + key.size());
   return rest.substr(0, rest.find_first_of(" \n"));
-}
-
-std::string current_task_id() {
-  const std::string array = variable("SLURM_ARRAY_JOB_ID");
-  if (!array.empty()) return array + "_" + variable("SLURM_ARRAY_TASK_ID");
-  return variable("SLURM_JOB_ID");
 }
 
 }  // namespace npdr::pipeline

@@ -68,7 +68,4 @@ std::vector<std::string> requeue_command(const std::string& id);
 /// forgets most after minutes where it keeps no accounts.
 std::string ended_state(const std::string& id);
 
-/// The id of the task that this process runs in; empty: none.
-std::string current_task_id();
-
 }  // namespace npdr::pipeline

@@ -11,24 +11,27 @@
 #include "core/file_error.h"
 
 namespace npdr::pipeline {
+namespace {
 
-SubmissionLock::SubmissionLock(const std::filesystem::path& folder) {
+std::filesystem::path lock_in(const std::filesystem::path& folder) {
   make_folder(folder);
-  const std::filesystem::path path = folder / ".lock";
-  file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (file_ < 0) throw_file_error(path, "be written", errno);
-  constexpr int patience = 600;
-  constexpr useconds_t pause = 100'000;  // [us]
-  for (int i = 0; i < patience && flock(file_, LOCK_EX | LOCK_NB) != 0; ++i) {
-    if (errno != EWOULDBLOCK && errno != EINTR) return;  // there are no locks here
-    if (i + 1 == patience) {
-      close(file_);
-      throw Error(path.string() + ": somebody else submits this study; try again later");
-    }
-    usleep(pause);
-  }
+  return folder / ".lock";
 }
 
-SubmissionLock::~SubmissionLock() { close(file_); }
+}  // namespace
+
+SubmissionLock::SubmissionLock(const std::filesystem::path& folder)
+    : file_(lock_in(folder), O_RDWR | O_CREAT) {
+  const std::filesystem::path path = folder / ".lock";
+  if (!file_.is_open()) throw_file_error(path, "be written", errno);
+  constexpr int patience = 600;
+  constexpr useconds_t pause = 100'000;  // [us]
+  for (int i = 0; i < patience; ++i) {
+    if (flock(file_.value(), LOCK_EX | LOCK_NB) == 0) return;
+    if (errno != EWOULDBLOCK && errno != EINTR) return;  // there are no locks here
+    usleep(pause);
+  }
+  throw Error(path.string() + ": somebody else submits this study; try again later");
+}
 
 }  // namespace npdr::pipeline

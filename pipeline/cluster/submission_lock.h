@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include "core/open_file.h"
+
 namespace npdr::pipeline {
 
 /// Holds the lock of a folder as long as it lives, or as its process does. Waits for another holder
@@ -10,12 +12,9 @@ namespace npdr::pipeline {
 class SubmissionLock {
  public:
   explicit SubmissionLock(const std::filesystem::path& folder);
-  ~SubmissionLock();
-  SubmissionLock(const SubmissionLock&) = delete;
-  SubmissionLock& operator=(const SubmissionLock&) = delete;
 
  private:
-  int file_ = -1;
+  OpenFile file_;
 };
 
 }  // namespace npdr::pipeline

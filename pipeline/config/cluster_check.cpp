@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <sstream>
 #include <utility>
 #include <vector>
 
+#include "core/text.h"
 #include "pipeline/config/constraint.h"
 
 namespace npdr::pipeline {
@@ -13,8 +13,7 @@ namespace {
 
 std::vector<double> numbers_of(const std::string& text) {
   std::vector<double> numbers;
-  std::istringstream parts(text);
-  for (std::string part; std::getline(parts, part, ':');) numbers.push_back(std::stod(part));
+  for (const std::string& part : split(text, ':')) numbers.push_back(std::stod(part));
   return numbers;
 }
 

@@ -6,6 +6,14 @@
 
 namespace npdr::pipeline {
 
+Target all_rollouts(const Plan& plan) {
+  const Study& study = plan.study;
+  if (study.target.recording) return plan.target;
+  const auto simulator = sim::make_simulator(study.simulator);
+  return simulator->behave(nominal_theta(study, simulator->info(), *study.target.truth),
+                           study.target.num_rollouts + study.target.held_out, study.target.seed);
+}
+
 Target read_target_artefact(const Node& target) {
   const bool is_observation = open_artefact(target.path, kTargetSchema, target.key).has("x");
   return is_observation ? read_observation(target.path, {}) : read_recording(target.path);

@@ -9,6 +9,10 @@
 
 namespace npdr::pipeline {
 
+/// All rollouts of a built-in simulator's target domain, those that inference sees and then the
+/// held-out ones: the recording, or what the truth does.
+Target all_rollouts(const Plan& plan);
+
 /// The target in an artefact: rollouts, or x_o.
 Target read_target_artefact(const Node& target);
 

@@ -15,13 +15,6 @@
 namespace npdr::pipeline {
 namespace {
 
-// All rollouts of the truth: those that inference sees, and the held-out ones.
-Target simulated_target(const Study& study) {
-  const auto simulator = sim::make_simulator(study.simulator);
-  return simulator->behave(nominal_theta(study, simulator->info(), *study.target.truth),
-                           study.target.num_rollouts + study.target.held_out, study.target.seed);
-}
-
 // x_o of the truth: what the command makes of it.
 Target simulated_observation(const Plan& plan, const Node& node) {
   const Study& study = plan.study;
@@ -72,7 +65,7 @@ void run_target(const Plan& plan, const Node& node) {
     writer.finish();
     return;
   }
-  const Target all = plan.study.target.recording ? plan.target : simulated_target(plan.study);
+  const Target all = all_rollouts(plan);
   const Index num_seen = all.num_rollouts() - plan.study.target.held_out;
   const bool is_held_out = node.stage == Stage::held_out;
   const Target target = is_held_out ? all.after(num_seen) : all.first(num_seen);

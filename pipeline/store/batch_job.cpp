@@ -13,14 +13,18 @@ std::string variable(const char* name) {
 }  // namespace
 
 std::string batch_job_id() {
-  if (const std::string array = variable("SLURM_ARRAY_JOB_ID");
-      !array.empty() && variable("NPDR_JOB_ID").empty()) {
-    return array + "_" + variable("SLURM_ARRAY_TASK_ID");
-  }
-  for (const char* name : {"NPDR_JOB_ID", "SLURM_JOB_ID", "PBS_JOBID", "LSB_JOBID", "JOB_ID"}) {
+  if (const std::string id = variable("NPDR_JOB_ID"); !id.empty()) return id;
+  if (const std::string id = slurm_task_id(); !id.empty()) return id;
+  for (const char* name : {"PBS_JOBID", "LSB_JOBID", "JOB_ID"}) {
     if (const std::string id = variable(name); !id.empty()) return id;
   }
   return "";
+}
+
+std::string slurm_task_id() {
+  const std::string array = variable("SLURM_ARRAY_JOB_ID");
+  if (!array.empty()) return array + "_" + variable("SLURM_ARRAY_TASK_ID");
+  return variable("SLURM_JOB_ID");
 }
 
 }  // namespace npdr::pipeline

@@ -9,4 +9,7 @@ namespace npdr::pipeline {
 /// job's environment; NPDR_JOB_ID comes before them all. Empty: none.
 std::string batch_job_id();
 
+/// The same of Slurm alone.
+std::string slurm_task_id();
+
 }  // namespace npdr::pipeline

@@ -1,17 +1,18 @@
 #include "pipeline/store/task_mark.h"
 
 #include <fcntl.h>
-#include <unistd.h>
 
 #include <cstdlib>
+
+#include "core/open_file.h"
 
 namespace npdr::pipeline {
 
 void mark_progress() noexcept {
   const char* const path = std::getenv(kTaskMark);
   if (path == nullptr) return;
-  const int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-  if (file >= 0) close(file);
+  constexpr unsigned only_ours = 0600;
+  const OpenFile mark(path, O_WRONLY | O_CREAT, only_ours);
 }
 
 }  // namespace npdr::pipeline

@@ -1,8 +1,6 @@
 /// How a batch task learns whether what it ran has brought anything to the disk.
 #pragma once
 
-#include <filesystem>
-
 namespace npdr::pipeline {
 
 /// The variable that names the mark's file to the programs of a task.

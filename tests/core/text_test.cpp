@@ -17,5 +17,17 @@ TEST(Text, UnknownNameListsWhatIsKnown) {
             "unknown simulator 'furta' (did you mean 'furuta'?); known: furuta, pendulum");
 }
 
+TEST(Text, SplitsAtASeparator) {
+  EXPECT_EQ(split("a::b", ':'), (std::vector<std::string>{"a", "", "b"}));
+  EXPECT_TRUE(split("", ':').empty());
+}
+
+TEST(Text, CountsAreDigitsOnly) {
+  EXPECT_EQ(parse_count("17"), 17);
+  for (const char* text : {"", "-1", "+1", "1 ", "0x1", "1.5", "99999999999999999999"}) {
+    EXPECT_FALSE(parse_count(text)) << text;
+  }
+}
+
 }  // namespace
 }  // namespace npdr
