@@ -10,6 +10,7 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/external/command_text.h"
+#include "pipeline/run/child_process.h"
 #include "pipeline/run/scheduler.h"
 #include "pipeline/stages/report_marker.h"
 
@@ -45,6 +46,7 @@ std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string
 }
 
 ExitStatus run(const RunArguments& arguments) {
+  stop_with_parent();
   const Plan plan = arguments.study.plan();
   const SchedulerConfig config{arguments.num_jobs, parse_stage(arguments.until, "--until"),
                                arguments.study.words(), keys_of(plan, arguments.artefacts)};

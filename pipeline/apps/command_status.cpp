@@ -103,8 +103,7 @@ void add_cost(std::vector<CostRow>& costs, const std::string& name, const Artefa
   if (cost == costs.end()) cost = costs.insert(costs.end(), {.name = name});
   ++cost->artefacts;
   cost->bytes += status.bytes;
-  cost->cost.wall_seconds += status.cost.wall_seconds;
-  cost->cost.core_seconds += status.cost.core_seconds;
+  cost->cost += status.cost;
 }
 
 void print_costs(const std::string& what, const std::vector<CostRow>& costs) {
@@ -123,7 +122,7 @@ void print_cost_tables(const Plan& plan) {
   std::vector<CostRow> by_stage, by_method, all;
   for (const Node& node : plan.nodes) {
     const ArtefactStatus status = status_of(plan, node);
-    if (status.state != ArtefactState::up_to_date) continue;
+    if (!status.is_made()) continue;
     const std::string& method = node.uses.front().method;
     add_cost(by_stage, to_string(node.stage), status);
     add_cost(by_method, method.empty() ? "(all methods)" : method, status);

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <thread>
@@ -14,10 +16,12 @@
 #include "pipeline/cluster/batch_task.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/cluster/doomed_jobs.h"
+#include "pipeline/cluster/ledger.h"
 #include "pipeline/cluster/submission_lock.h"
 #include "pipeline/cluster/submit.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/plan/artefact_status.h"
 #include "pipeline/run/scheduler.h"
 #include "pipeline/run/stop_request.h"
 #include "pipeline/stages/stages.h"
@@ -46,6 +50,11 @@ ClusterConfig read_site_file(const std::string& named) {
   return std::filesystem::exists(usual) ? read_site(usual) : ClusterConfig{};
 }
 
+void require_value(const std::string& name, const std::string& value) {
+  const auto allowed = option_value();
+  if (!satisfies(value, allowed)) throw InputError(must_be(name, quoted(value), allowed.words));
+}
+
 void require_options(const std::string& name, const std::vector<std::string>& options) {
   const auto allowed = options_constraint();
   for (const std::string& option : options) {
@@ -61,13 +70,11 @@ std::string summary(const Plan& plan, const std::vector<Job>& jobs) {
   return fmt::format("{}: {} jobs of {} tasks", plan.study.name, jobs.size(), num_tasks);
 }
 
-void print_jobs(const Plan& plan, const std::vector<Job>& jobs,
-                const std::vector<std::string>& ids) {
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
-    const std::size_t tasks = jobs[i].tasks.size();
-    fmt::print("{:>8}  {}{}\n", ids[i], label_of(plan, jobs[i]),
-               tasks > 1 ? fmt::format(", {} tasks", tasks) : "");
-  }
+void print_job(const Plan& plan, const Job& job, const std::string& id) {
+  const std::size_t tasks = job.tasks.size();
+  fmt::print("{:>8}  {}{}\n", id, label_of(plan, job),
+             tasks > 1 ? fmt::format(", {} tasks", tasks) : "");
+  std::fflush(stdout);
 }
 
 // Whether Slurm has anything of the study. It may be away for a while: its controller restarts.
@@ -97,7 +104,14 @@ void print_failures(const Plan& plan, std::optional<Stage> until) {
       fmt::print(stderr, "npdr submit: {} failed: {}\n", plan.nodes[i].label(), failure);
     }
   }
+  for (const Node& node : plan.nodes) {
+    if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
+    const ArtefactStatus status = status_of(plan, node);
+    if (status.state != ArtefactState::failed) continue;
+    fmt::print(stderr, "npdr submit: {} failed: {}\n", node.label(), status.detail);
+  }
   const auto missing = missing_nodes(plan, until);
+  if (missing.empty()) return;
   fmt::print(stderr, "npdr submit: {} artefacts are missing, the first one {}; submit again\n",
              missing.size(), missing.front()->label());
 }
@@ -132,6 +146,19 @@ std::vector<QueuedTask> sound_tasks(const Plan& plan) {
   return without_jobs(queued, doomed);
 }
 
+// Those that make anything of the study as it is now, or as it was when they were submitted.
+std::vector<QueuedTask> submitted_tasks(const Plan& plan, const std::vector<QueuedTask>& queued) {
+  std::set<std::pair<std::string, std::string>> known;
+  for (const LedgerEntry& entry : read_ledger(plan)) known.emplace(entry.job, entry.tag.text());
+  std::vector<QueuedTask> tasks = tasks_of(plan, queued);
+  std::set<std::string> ids;
+  for (const QueuedTask& task : tasks) ids.insert(task.id());
+  std::ranges::copy_if(queued, std::back_inserter(tasks), [&](const QueuedTask& task) {
+    return known.contains({task.job, task.comment}) && !ids.contains(task.id());
+  });
+  return tasks;
+}
+
 void submit_missing(const Plan& plan, const SubmitConfig& config) {
   const Index given_size = plan.study.cluster.max_array_size;
   const SubmissionLock lock(jobs_folder(plan));
@@ -143,8 +170,8 @@ void submit_missing(const Plan& plan, const SubmitConfig& config) {
         "{}: nothing to submit, {}\n", plan.study.name,
         queued.empty() ? "all is up to date" : fmt::format("{} tasks wait or run", queued.size()));
   } else {
-    const auto ids = submit_jobs(plan, config, jobs);
-    print_jobs(plan, jobs, ids);
+    submit_jobs(plan, config, jobs,
+                [&](const Job& job, const std::string& id) { print_job(plan, job, id); });
     fmt::print("{}; 'npdr status' shows how they stand\n", summary(plan, jobs));
     std::fflush(stdout);
   }
@@ -153,6 +180,7 @@ void submit_missing(const Plan& plan, const SubmitConfig& config) {
 ExitStatus submit(SubmitArguments& arguments) {
   Plan plan = arguments.study.plan(read_site_file(arguments.site));
   if (!arguments.mail.empty()) plan.study.cluster.mail = arguments.mail;
+  require_value("--mail", arguments.mail);
   require_options("--sbatch", arguments.options);
   const SubmitConfig config{parse_stage(arguments.until, "--until"), arguments.study.words(),
                             arguments.options};
@@ -169,7 +197,7 @@ ExitStatus submit(SubmitArguments& arguments) {
 
 ExitStatus cancel(const StudyArguments& arguments) {
   const Plan plan = arguments.plan();
-  const std::vector<QueuedTask> tasks = tasks_of(plan, queued_tasks());
+  const std::vector<QueuedTask> tasks = submitted_tasks(plan, queued_tasks());
   std::set<std::string> jobs;
   for (const QueuedTask& task : tasks) jobs.insert(task.job);
   if (!jobs.empty()) cancel_in_slurm({jobs.begin(), jobs.end()});

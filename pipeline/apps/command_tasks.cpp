@@ -21,7 +21,7 @@ struct TasksArguments {
   Index shards_per_task = 1;
 };
 
-void print_task(std::vector<std::string> command, const std::string& shards) {
+void print_task(const std::vector<std::string>& command, const std::string& shards) {
   std::vector<std::string> words = {executable_folder() / "npdr", "task", "--"};
   words.insert(words.end(), command.begin(), command.end());
   if (!shards.empty()) words.insert(words.end(), {"--shard", shards});

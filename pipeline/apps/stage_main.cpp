@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdlib>
 #include <optional>
 
 #include "pipeline/apps/command_line.h"
@@ -43,19 +42,31 @@ bool has_inputs(const Plan& plan, const Node& node) {
                      [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
 }
 
+// Those of the given numbers that the simulation has.
+std::vector<Index> its_shards(const Plan& plan, const Node& node, const std::vector<Index>& given) {
+  if (given.empty()) return {};
+  std::vector<Index> numbers = given;
+  const auto count = static_cast<Index>(shards(plan, node).size());
+  std::erase_if(numbers, [&](Index number) { return number >= count; });
+  return numbers;
+}
+
 // Without a round, later rounds wait for the stages in between: only what is ready is run. When
-// nothing was, the first missing input is the error.
+// nothing was, the first missing input is the error, or the first simulation without such shards.
 void run_missing(const Plan& plan, const StageProgram& program, const StageArguments& arguments,
                  const std::vector<Index>& shard_numbers) {
   const Node* first_waiting = nullptr;
+  const Node* first_smaller = nullptr;
   Index num_run = 0;
   for (const Stage stage : program.stages) {
     for (const Node& node : plan.nodes) {
       if (node.stage != stage || !uses_round(node, arguments.round)) continue;
       if (is_complete(plan, node)) {
         settle(plan, node);
+      } else if (!shard_numbers.empty() && its_shards(plan, node, shard_numbers).empty()) {
+        if (first_smaller == nullptr) first_smaller = &node;
       } else if (has_inputs(plan, node)) {
-        run_stage(plan, node, shard_numbers);
+        run_stage(plan, node, its_shards(plan, node, shard_numbers));
         ++num_run;
         fmt::print("{}: {}\n", node.label(),
                    is_complete(plan, node) ? node.path.string() : "shards done");
@@ -66,6 +77,7 @@ void run_missing(const Plan& plan, const StageProgram& program, const StageArgum
     }
   }
   if (num_run > 0) return;
+  if (first_smaller != nullptr) run_stage(plan, *first_smaller, shard_numbers);
   if (first_waiting != nullptr) require_inputs(plan, *first_waiting);
   fmt::print("{}: nothing to do, all is up to date\n", program.name);
 }
@@ -84,7 +96,7 @@ int stage_main(const StageProgram& program, int argc, char** argv) {
   }
   int status = 0;
   if (!parse_command_line(app, argc, argv, status)) return status;
-  if (std::getenv("NPDR_PROGRESS_FD") != nullptr) stop_with_parent();
+  stop_with_parent();
   return guarded_main(program.name, [&] {
     const Plan plan = arguments.study.plan();
     check_round(plan, arguments.round);

@@ -14,7 +14,7 @@ struct NodeJobs {
   std::vector<QueuedTask> running;
   std::vector<std::string> failed;  ///< "job 17_3: exit status 1; log: ...", one a task
 
-  /// "2 tasks running (17_3 on n1, ...), 5 waiting (Resources)"; failures are not in it.
+  /// "2 running (17_3 on n1, ...), 5 queued (18, ...: Resources)"; failures are not in it.
   std::string text() const;
 };
 

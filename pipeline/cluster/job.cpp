@@ -182,7 +182,7 @@ std::string label_of(const Plan& plan, const Job& job) {
     const Node& node = plan.nodes[i];
     if (node.stage == stage && !is_preparation(node)) return node.label();
   }
-  return job.nodes.size() == 1 ? plan.nodes[job.nodes.front()].label() : "prepare";
+  return job.nodes.size() == 1 ? plan.nodes[job.nodes.front()].label() : kPrepareLabel;
 }
 
 }  // namespace npdr::pipeline

@@ -49,7 +49,10 @@ struct JobsInput {
 /// A chain of rounds is a chain of jobs; methods and seeds go on side by side.
 std::vector<Job> make_jobs(const JobsInput& input);
 
-/// What people call a job: the label of its main artefact.
+/// What people call a job of several targets and proposals.
+inline constexpr const char* kPrepareLabel = "prepare";
+
+/// What people call a job: the label of its main artefact, or kPrepareLabel.
 std::string label_of(const Plan& plan, const Job& job);
 
 /// The stage whose resources a job asks for.

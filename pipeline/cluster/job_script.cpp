@@ -84,11 +84,15 @@ class ScriptWriter {
     if (!value.empty()) text_ += fmt::format("#SBATCH --{}={}\n", name, quoted_value(value));
   }
 
+  std::string kind() const {
+    const std::string label = label_of(context_.plan, job_);
+    return label == kPrepareLabel ? label : to_string(stage_of(context_.plan, job_));
+  }
+
   void write_options() {
     const std::string id = job_.is_array() ? "%A_%a" : "%j";
     const std::string logs = without_patterns(context_.logs.string());
-    option("job-name", "npdr-" + folder_name(context_.plan.study.name) + "-" +
-                           to_string(stage_of(context_.plan, job_)));
+    option("job-name", fmt::format("npdr-{}-{}", folder_name(context_.plan.study.name), kind()));
     option("comment", tag_of(context_.plan, job_).text());
     option("chdir", context_.folder);
     option("output", fmt::format("{}/{}-{}.log", logs, file_stem_of(context_.plan, job_), id));
@@ -116,15 +120,11 @@ class ScriptWriter {
   }
 
   void write_description() {
+    const std::string array =
+        job_.is_array() ? fmt::format(" --array={}", index_ranges(job_.tasks)) : "";
     text_ += fmt::format("# {}\n", label_of(context_.plan, job_));
-    if (!job_.is_array()) {
-      text_ += "# To submit it by hand, when what it needs is there: sbatch THIS_FILE\n\n";
-      return;
-    }
-    std::vector<Index> tasks = job_.tasks;
     text_ += fmt::format(
-        "# To submit it by hand, when what it needs is there: sbatch --array={} THIS_FILE\n\n",
-        index_ranges(tasks));
+        "# To submit it by hand, when what it needs is there: sbatch{} THIS_FILE\n\n", array);
   }
 
   void write_setup() {
@@ -180,8 +180,8 @@ std::string job_script(const ScriptContext& context, const Job& job) {
 std::string file_stem_of(const Plan& plan, const Job& job) {
   std::string stem = folder_name(label_of(plan, job));
   // A study of many seeds has several such jobs.
-  if (stem == "prepare") {
-    stem = fmt::format("prepare-{}", plan.nodes[job.nodes.front()].key.substr(0, 8));
+  if (stem == kPrepareLabel) {
+    stem = fmt::format("{}-{}", kPrepareLabel, plan.nodes[job.nodes.front()].key.substr(0, 8));
   }
   if (job.first_task > 0) stem = fmt::format("{}-from-{}", stem, job.first_task);
   return stem;

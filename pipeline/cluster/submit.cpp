@@ -105,8 +105,8 @@ std::string dry_run_text(const Plan& plan, const SubmitConfig& config,
   return text;
 }
 
-std::vector<std::string> submit_jobs(const Plan& plan, const SubmitConfig& config,
-                                     const std::vector<Job>& jobs) {
+void submit_jobs(const Plan& plan, const SubmitConfig& config, const std::vector<Job>& jobs,
+                 const std::function<void(const Job&, const std::string&)>& on_job) {
   const fs::path folder = fs::absolute(new_folder(plan));
   const ScriptContext context = context_of(plan, config, folder);
   make_folder(context.logs);
@@ -118,13 +118,13 @@ std::vector<std::string> submit_jobs(const Plan& plan, const SubmitConfig& confi
       ids.push_back(submit_to_slurm(submission_of(plan, config, job, script, ids)));
       append_to_ledger(plan, {ids.back(), tag_of(plan, job), job.tasks, script, context.logs,
                               file_stem_of(plan, job), now_utc()});
+      on_job(job, ids.back());
     } catch (const Error& error) {
       throw Error(fmt::format(
           "{} of {} jobs are submitted, then {}: {}\n  run 'npdr submit' again for the others",
           ids.size(), jobs.size(), label_of(plan, job), error.what()));
     }
   }
-  return ids;
 }
 
 }  // namespace npdr::pipeline

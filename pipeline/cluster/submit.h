@@ -1,6 +1,7 @@
 /// Submits what a study misses to Slurm.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,9 +27,9 @@ std::string dry_run_text(const Plan& plan, const SubmitConfig& config,
                          const std::vector<Job>& jobs);
 
 /// Writes the scripts to a new folder of <work>/<study>/jobs, submits them in order and notes each
-/// one down in the ledger (ledger.h). Returns the ids. Throws Error when Slurm refuses one: those
-/// before it stay submitted, and what isn't can be submitted later.
-std::vector<std::string> submit_jobs(const Plan& plan, const SubmitConfig& config,
-                                     const std::vector<Job>& jobs);
+/// one down in the ledger (ledger.h). Calls `on_job` with each one and its id. Throws Error when
+/// Slurm refuses one: those before it stay submitted, and what isn't can be submitted later.
+void submit_jobs(const Plan& plan, const SubmitConfig& config, const std::vector<Job>& jobs,
+                 const std::function<void(const Job&, const std::string&)>& on_job);
 
 }  // namespace npdr::pipeline

@@ -121,8 +121,9 @@ Constraint<std::string> time_constraint() {
 }
 
 Constraint<std::string> option_value() {
-  return {"one word of printable characters", [](const std::string& text) {
-            return text.size() <= 4096 && std::ranges::all_of(text, is_visible);
+  return {"one word of printable characters without quotes", [](const std::string& text) {
+            return text.size() <= 4096 && std::ranges::all_of(text, is_visible) &&
+                   text.find_first_of("\"'`") == std::string::npos;
           }};
 }
 

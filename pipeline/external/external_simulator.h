@@ -27,8 +27,8 @@ namespace npdr::pipeline {
 class ExternalSimulator {
  public:
   /// `external`: with a command and the names of its features; `info`: of the same study
-  /// (features.h); `log`: what all calls print, up to a MiB, empty: nowhere; `threads`: what a call
-  /// may use.
+  /// (config/simulator_info.h); `log`: what all calls print, up to a MiB, empty: nowhere;
+  /// `threads`: what a call may use.
   ExternalSimulator(ExternalConfig external, sim::SimulatorInfo info, std::filesystem::path log,
                     int threads = num_threads());
   /// Brings the log to the disk.

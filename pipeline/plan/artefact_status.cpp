@@ -112,6 +112,8 @@ std::string to_string(ArtefactState state) {
       return "partial";
     case ArtefactState::missing:
       return "missing";
+    case ArtefactState::failed:
+      return "failed";
   }
   return "";
 }
@@ -130,11 +132,15 @@ void check_shards(const std::vector<fs::path>& shards) {
 }
 
 // Throws InputError for an artefact that is damaged or lacks a part.
-void check_artefact(const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
-  status.cost = read_artefact_info(node.path).provenance.cost;
+void check_artefact(const Plan& plan, const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
   std::vector<fs::path> shards;
   if (node.stage == Stage::simulate) {
-    shards = simulated_values(open_artefact(node.path, kSimulationSchema, node.key)).part_files();
+    const h5::File file = open_artefact(node.path, kSimulationSchema, node.key);
+    status.cost = provenance_of(file).cost;
+    status.detail = too_many_failed(plan, node, file);
+    shards = simulated_values(file).part_files();
+  } else {
+    status.cost = read_artefact_info(node.path).provenance.cost;
   }
   if (scrutiny == Scrutiny::quick) return;
   check_shards(shards);
@@ -152,8 +158,8 @@ std::vector<fs::path> present_shards(const Plan& plan, const Node& node) {
 
 void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
   if (is_complete(plan, node)) {
-    if (node.stage != Stage::report) check_artefact(node, scrutiny, status);
-    status.state = ArtefactState::up_to_date;
+    if (node.stage != Stage::report) check_artefact(plan, node, scrutiny, status);
+    status.state = status.detail.empty() ? ArtefactState::up_to_date : ArtefactState::failed;
     return;
   }
   if (scrutiny == Scrutiny::thorough && node.stage == Stage::simulate) {
@@ -190,7 +196,10 @@ ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny) 
 }
 
 std::vector<std::string> reasons(const Plan& plan, const Node& node) {
-  if (is_complete(plan, node)) return {"it is up to date"};
+  if (is_complete(plan, node)) {
+    const std::string detail = status_of(plan, node).detail;
+    return {detail.empty() ? "it is up to date" : detail};
+  }
   const std::optional<fs::path> earlier = earlier_artefact(plan, node);
   if (!earlier) return {"it was never made"};
   std::vector<std::string> lines;

@@ -16,15 +16,21 @@ enum class ArtefactState {
   stale,    ///< there is one of an earlier version of the study
   partial,  ///< some shards, or a training checkpoint
   missing,
+  failed,  ///< a complete simulation with more failed rows than the study allows
 };
 
 struct ArtefactStatus {
   ArtefactState state = ArtefactState::missing;
-  std::string detail;        ///< "3 of 10 shards", "damaged, remove it: ..."; may be empty
+  /// "3 of 10 shards", "damaged, remove it: ...", or why it failed; may be empty.
+  std::string detail;
   std::uintmax_t bytes = 0;  ///< on disk, shards included
   Cost cost;                 ///< nothing: not known
   /// The artefact of an earlier version, when there is one.
   std::optional<std::filesystem::path> earlier;
+
+  bool is_made() const {
+    return state == ArtefactState::up_to_date || state == ArtefactState::failed;
+  }
 };
 
 /// What is looked at: what files say about themselves, or every byte of them.
@@ -32,7 +38,7 @@ enum class Scrutiny { quick, thorough };
 
 ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny = Scrutiny::quick);
 
-/// "up to date", "stale", "partial", "missing".
+/// "up to date", "stale", "partial", "missing", "failed".
 std::string to_string(ArtefactState state);
 
 /// Why a node isn't up to date: one line for each key of its key document that differs from the

@@ -1,7 +1,6 @@
 #include "pipeline/plan/plan_builder.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/error.h"
 #include "core/feature_names.h"

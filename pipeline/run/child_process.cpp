@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <sstream>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/file_error.h"
+#include "pipeline/store/task_mark.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -146,7 +148,10 @@ std::filesystem::path executable_folder() {
 }
 
 void stop_with_parent() {
+  const bool has_pipe = std::getenv("NPDR_PROGRESS_FD") != nullptr;
+  if (!has_pipe && std::getenv(kTaskMark) == nullptr) return;
   prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (!has_pipe) return;
   // It may have died before: then nobody reads the pipe.
   pollfd pipe = {kChildDescriptor, 0, 0};
   if (poll(&pipe, 1, 0) == 1 && (pipe.revents & POLLERR) != 0) std::raise(SIGTERM);

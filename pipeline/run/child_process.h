@@ -57,7 +57,7 @@ class ChildProcess {
 /// The folder of the running executable: the stage executables lie beside it.
 std::filesystem::path executable_folder();
 
-/// In a child: ask to be stopped when the parent dies.
+/// In a child of a scheduler or of a batch task: ask to be stopped when the parent dies.
 void stop_with_parent();
 
 }  // namespace npdr::pipeline

@@ -76,7 +76,7 @@ std::vector<const Node*> missing_nodes(const Plan& plan, const SchedulerConfig& 
       if (std::ranges::find(missing, needed) != missing.end() || is_complete(plan, *needed)) {
         continue;
       }
-      require_inputs(plan, *node);  // says which of them is missing
+      require_input(plan, *node, *needed);
     }
   }
   return missing;

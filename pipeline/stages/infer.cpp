@@ -42,13 +42,13 @@ auto blaming_checkpoint(const Plan& plan, const Node& node, const Work& work) {
 // After each epoch: progress, a checkpoint now and then, and one more when asked to stop.
 class EpochReport {
  public:
-  // `start`: of the stage; `earlier_seconds`: of the runs that this one goes on from.
-  EpochReport(const Plan& plan, const Node& node, Clock::time_point start, double earlier_seconds)
+  // `start`: of the stage; `earlier`: of the runs that this one goes on from.
+  EpochReport(const Plan& plan, const Node& node, Clock::time_point start, const Cost& earlier)
       : plan_(plan),
         node_(node),
         progress_(node.label() + ", epoch", 0),
         start_(start),
-        earlier_seconds_(earlier_seconds) {}
+        earlier_(earlier) {}
 
   bool operator()(const inference::TrainingState& state) {
     const auto now = Clock::now();
@@ -56,7 +56,9 @@ class EpochReport {
     // Saved before it is shown: who looks at the progress may be gone.
     const bool is_stopping = stop_requested();
     if (is_due || is_stopping) {
-      write_checkpoint(plan_, node_, state, earlier_seconds_ + seconds_between(start_, now));
+      Cost cost = earlier_;
+      cost += cost_of_seconds(seconds_between(start_, now));
+      write_checkpoint(plan_, node_, state, cost);
       saved_ = now;
     }
     progress_.update(state.epoch, fmt::format("loss {:.4g}", state.validation_loss.back()));
@@ -68,7 +70,7 @@ class EpochReport {
   const Node& node_;
   Progress progress_;
   Clock::time_point start_;
-  double earlier_seconds_;
+  Cost earlier_;
   Clock::time_point saved_ = Clock::now();
 };
 
@@ -98,9 +100,9 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   }
 
   Checkpoint checkpoint = read_checkpoint(plan, node);
-  writer.add_cost(cost_of_seconds(checkpoint.seconds));
+  writer.add_cost(checkpoint.cost);
   inference::TrainingState& state = checkpoint.training;
-  EpochReport report(plan, node, start, checkpoint.seconds);
+  EpochReport report(plan, node, start, checkpoint.cost);
   const auto posterior = blaming_checkpoint(plan, node, [&] {
     return inference::estimate_posterior(
         config, data, {use.seed, "training", static_cast<std::uint64_t>(use.round), 0, 0}, state,

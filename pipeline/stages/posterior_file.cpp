@@ -230,9 +230,9 @@ PosteriorNotes read_posterior_notes(const Node& node) {
 }
 
 void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state,
-                      double seconds) {
+                      const Cost& cost) {
   ArtefactWriter writer(plan.work.checkpoint("infer", node.key), kCheckpointSchema, node.identity);
-  writer.add_cost(cost_of_seconds(seconds));
+  writer.add_cost(cost);
   h5::File& file = writer.file();
   file.set_attribute("epoch", state.epoch);
   file.set_attribute("epochs_without_improvement", state.epochs_without_improvement);
@@ -267,7 +267,7 @@ Checkpoint read_checkpoint(const Plan& plan, const Node& node) {
   const std::optional<h5::File> opened = open_checkpoint(plan, node);
   if (!opened) return {};
   const h5::File& file = *opened;
-  Checkpoint checkpoint{.training = {}, .seconds = provenance_of(file).cost.wall_seconds};
+  Checkpoint checkpoint{.training = {}, .cost = provenance_of(file).cost};
   inference::TrainingState& state = checkpoint.training;
   state.epoch = file.attribute<Index>("epoch");
   state.epochs_without_improvement = file.attribute<Index>("epochs_without_improvement");

@@ -72,10 +72,10 @@ PosteriorNotes read_posterior_notes(const Node& node);
 /// What a training run goes on from. The checkpoint belongs to the posterior `node`.
 struct Checkpoint {
   inference::TrainingState training;
-  double seconds = 0.0;  ///< of work that led here
+  Cost cost;  ///< of the work that led here
 };
 void write_checkpoint(const Plan& plan, const Node& node, const inference::TrainingState& state,
-                      double seconds);
+                      const Cost& cost);
 /// An empty state when there is no checkpoint.
 Checkpoint read_checkpoint(const Plan& plan, const Node& node);
 

@@ -1,7 +1,8 @@
 #include "pipeline/stages/report_data.h"
-#include "pipeline/config/simulator_info.h"
 
 #include <algorithm>
+
+#include "pipeline/config/simulator_info.h"
 
 namespace npdr::pipeline {
 

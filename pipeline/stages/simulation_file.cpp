@@ -161,21 +161,26 @@ void join_shards(const Plan& plan, const Node& node, const Target& target) {
   writer.finish();
 }
 
-void check_failed_rows(const Plan& plan, const Node& node) {
-  const h5::File file = open_artefact(node.path, kSimulationSchema, node.key);
+std::string too_many_failed(const Plan& plan, const Node& node, const h5::File& file) {
   const auto num_failed = file.attribute<Index>("num_failed");
   const Index n = num_rows(plan, node);
   const double limit = plan.study.limits.max_failed_fraction;
-  if (static_cast<double>(num_failed) <= limit * static_cast<double>(n)) return;
+  if (static_cast<double>(num_failed) <= limit * static_cast<double>(n)) return "";
   const ExternalConfig& external = plan.study.external;
   const std::string advice = external.command   ? "see the logs beside its shards, narrow the prior"
                              : external.dataset ? "check the dataset and the prior"
                                                 : "narrow the prior, use more simulator.substeps";
-  throw FailedRolloutsError(fmt::format(
+  return fmt::format(
       "{}: {} of {} rows failed{}, limits.max_failed_fraction = {} allows {}; {}, or raise the "
       "limit",
       node.path.string(), num_failed, n, external.is_used() ? " (" + failures(file) + ")" : "",
-      limit, static_cast<Index>(limit * static_cast<double>(n)), advice));
+      limit, static_cast<Index>(limit * static_cast<double>(n)), advice);
+}
+
+void check_failed_rows(const Plan& plan, const Node& node) {
+  const h5::File file = open_artefact(node.path, kSimulationSchema, node.key);
+  const std::string failure = too_many_failed(plan, node, file);
+  if (!failure.empty()) throw FailedRolloutsError(failure);
 }
 
 }  // namespace npdr::pipeline

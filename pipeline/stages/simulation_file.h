@@ -38,6 +38,10 @@ std::vector<Index> missing_shards(const Plan& plan, const Node& node);
 /// Joins the shards, all of which are there.
 void join_shards(const Plan& plan, const Node& node, const Target& target);
 
+/// Says that more rows of the joined `simulation` failed than the study's limit allows; empty: not
+/// so many.
+std::string too_many_failed(const Plan& plan, const Node& node, const h5::File& simulation);
+
 /// Throws FailedRolloutsError when more rows failed than the study's limit allows.
 void check_failed_rows(const Plan& plan, const Node& node);
 

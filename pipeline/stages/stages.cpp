@@ -78,13 +78,14 @@ bool appears(const Plan& plan, const Node& input) {
 
 }  // namespace
 
+void require_input(const Plan& plan, const Node& node, const Node& input) {
+  if (is_complete(plan, input) || appears(plan, input)) return;
+  throw InputError(node.label() + " needs '" + input.label() + "', which isn't there; run " +
+                   program_of(input.stage) + " on this study first, or npdr run");
+}
+
 void require_inputs(const Plan& plan, const Node& node) {
-  for (const std::size_t i : node.needs) {
-    const Node& input = plan.nodes[i];
-    if (is_complete(plan, input) || appears(plan, input)) continue;
-    throw InputError(node.label() + " needs '" + input.label() + "', which isn't there; run " +
-                     program_of(input.stage) + " on this study first, or npdr run");
-  }
+  for (const std::size_t i : node.needs) require_input(plan, node, plan.nodes[i]);
 }
 
 }  // namespace npdr::pipeline

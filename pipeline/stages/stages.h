@@ -34,7 +34,10 @@ bool is_complete(const Plan& plan, const Node& node);
 /// the process that made it can have been killed in between.
 void settle(const Plan& plan, const Node& node);
 
-/// Throws InputError unless everything that `node` needs is complete: names the command to run.
+/// Throws InputError unless `input`, which `node` needs, is complete: names the command to run. In
+/// a batch job waits a minute for it: a network file system may show it late.
+void require_input(const Plan& plan, const Node& node, const Node& input);
+/// The same for everything that `node` needs.
 void require_inputs(const Plan& plan, const Node& node);
 
 }  // namespace npdr::pipeline

@@ -116,6 +116,12 @@ Json key_document(const Schema& schema) {
   return {{"stage", schema.stage}, {"schema_version", schema.version}};
 }
 
+Cost& Cost::operator+=(const Cost& other) {
+  wall_seconds += other.wall_seconds;
+  core_seconds += other.core_seconds;
+  return *this;
+}
+
 Cost cost_of_seconds(double seconds) { return {seconds, seconds * num_threads()}; }
 
 std::string Identity::key() const { return content_key(key_document); }
@@ -128,10 +134,7 @@ ArtefactWriter::ArtefactWriter(const std::filesystem::path& path, const Schema& 
   write_identity(file_, schema, identity_);
 }
 
-void ArtefactWriter::add_cost(const Cost& cost) {
-  earlier_.wall_seconds += cost.wall_seconds;
-  earlier_.core_seconds += cost.core_seconds;
-}
+void ArtefactWriter::add_cost(const Cost& cost) { earlier_ += cost; }
 
 void ArtefactWriter::finish() {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;

@@ -45,6 +45,8 @@ struct Identity {  // NOLINT(bugprone-exception-escape): moving JSON doesn't thr
 struct Cost {
   double wall_seconds = 0.0;
   double core_seconds = 0.0;  ///< wall time by the threads that it had
+
+  Cost& operator+=(const Cost& other);
 };
 
 /// Of work on all threads of this process.

@@ -97,6 +97,11 @@ TEST_F(BadInput, TooManyFailedRolloutsHaveAStatusOfTheirOwn) {
   const Outcome inspected =
       run(folder_.path(), {"npdr", "inspect", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"});
   EXPECT_EQ(inspected.status, 0) << inspected.err;
+  for (const char* command : {"status", "explain"}) {
+    const Outcome shown = run(folder_.path(), {"npdr", command, "small.toml"});
+    EXPECT_NE(shown.out.find("failed"), std::string::npos) << shown.out;
+    EXPECT_NE(shown.out.find("rows failed, limits.max_failed_fraction"), std::string::npos);
+  }
 }
 
 TEST_F(BadInput, RoundThatNoMethodHas) {

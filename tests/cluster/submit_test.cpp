@@ -120,7 +120,10 @@ TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCancelled) {
   const Outcome second = npdr({"submit", "slow.toml"});
   EXPECT_TRUE(has(second.out, "nothing to submit")) << second.out;
   EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "queued ("));
-  EXPECT_TRUE(has(npdr({"cancel", "slow.toml"}).out, "tasks cancelled"));
+  // Also by somebody who has changed the study meanwhile.
+  const Outcome cancelled = npdr({"cancel", "slow.toml", "--set", "target.truth.a=0.5"});
+  EXPECT_TRUE(has(cancelled.out, "tasks cancelled")) << cancelled.err;
+  EXPECT_FALSE(has(cancelled.out, " 0 tasks")) << cancelled.out;
   cluster_->wait_until_idle();
   EXPECT_TRUE(has(npdr({"submit", "slow.toml", "--dry-run"}).out, "sbatch --parsable --array=0-3"));
 }

@@ -104,12 +104,16 @@ TEST(ClusterTable, IsCheckedAndASitesKeysAreDefaults) {
   EXPECT_EQ(study.cluster.account, "lab");
   EXPECT_EQ(study.cluster.partition, "short");
   EXPECT_EQ(message_of<InputError>([&] {
-              parse_study(text, "s.toml", {"cluster.time=\"1 hour\"", "cluster.partition='a b'"});
+              parse_study(text, "s.toml",
+                          {"cluster.time=\"1 hour\"", "cluster.partition='a b'",
+                           "cluster.scratch='/tmp/\"x'"});
             }),
             "--set cluster.partition='a b': cluster.partition = 'a b', must be one word of "
-            "printable characters\n"
+            "printable characters without quotes\n"
             "--set cluster.time=\"1 hour\": cluster.time = '1 hour', must be a time such as 90 "
-            "(minutes), 01:30:00 or 1-12:00 (days-hours:minutes)");
+            "(minutes), 01:30:00 or 1-12:00 (days-hours:minutes)\n"
+            "--set cluster.scratch='/tmp/\"x': cluster.scratch = '/tmp/\"x', must be one word of "
+            "printable characters without quotes");
 }
 
 TEST(ClusterTable, ATimeLimitIsLongerThanTheWarningBeforeIt) {

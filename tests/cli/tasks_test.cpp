@@ -1,0 +1,118 @@
+// Lists of commands for batch systems of every kind, and the task that runs one of them.
+#include <cstdlib>
+
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class Tasks : public ::testing::Test {
+ protected:
+  void SetUp() override { std::ofstream(folder_ / "small.toml") << small_study(); }
+
+  Outcome npdr(std::vector<std::string> words) const {
+    words.insert(words.begin(), "npdr");
+    return run(folder_.path(), words);
+  }
+
+  TempFolder folder_;
+};
+
+// Puts the programs on the PATH as long as it lives.
+class ProgramsOnPath {
+ public:
+  ProgramsOnPath() : before_(std::getenv("PATH")) {
+    setenv("PATH", (NPDR_BINARY_DIR "/bin:" + before_).c_str(), 1);
+  }
+  ~ProgramsOnPath() { setenv("PATH", before_.c_str(), 1); }
+  ProgramsOnPath(const ProgramsOnPath&) = delete;
+  ProgramsOnPath& operator=(const ProgramsOnPath&) = delete;
+
+ private:
+  std::string before_;
+};
+
+std::size_t num_lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_F(Tasks, AreWhatCanBeMadeNow) {
+  const Outcome first = npdr({"tasks", "small.toml"});
+  EXPECT_EQ(first.status, 0) << first.err;
+  EXPECT_NE(first.out.find("npdr-propose' small.toml"), std::string::npos) << first.out;
+  EXPECT_EQ(first.out.find("npdr-simulate"), std::string::npos) << "needs the proposals first";
+  EXPECT_EQ(npdr({"run", "small.toml", "--until", "propose"}).status, 0);
+  const std::vector<std::string> small_shards = {
+      "tasks", "small.toml", "--set", "simulate.shard_size=40", "--until", "simulate"};
+  const Outcome shards = npdr(small_shards);
+  EXPECT_NE(shards.out.find("--shard 0"), std::string::npos) << shards.out;
+  EXPECT_NE(shards.out.find("--shard 3"), std::string::npos) << shards.out;
+  std::vector<std::string> packed = small_shards;
+  packed.insert(packed.end(), {"--shards-per-task", "3"});
+  EXPECT_EQ(num_lines(npdr(packed).out), num_lines(shards.out) / 2) << "4 shards in 2 tasks";
+}
+
+TEST_F(Tasks, WaveByWaveGiveTheBitsOfARun) {
+  const ProgramsOnPath path;
+  const std::string waves = NPDR_SOURCE_DIR "/jobs/waves.sh";
+  const Outcome outcome = run(folder_.path(), {waves, "small.toml", "--work", "waves"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(npdr({"tasks", "small.toml", "--work", "waves"}).out, "") << "all is done";
+  EXPECT_EQ(npdr({"run", "small.toml"}).status, 0);
+  EXPECT_EQ(digests(folder_ / "waves/small"), digests(folder_ / "runs/small"));
+}
+
+// Simulations of 150 and of 300 rows, in shards of 50.
+TEST_F(Tasks, SimulationsMayHaveDifferentNumbersOfShards) {
+  const std::vector<std::string> settings = {"small.toml", "--set", "simulate.shard_size=50",
+                                             "--set", "method.\"NPDR (MoG)\".num_simulations=300"};
+  const auto call = [&](std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), settings.begin(), settings.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return run(folder_.path(), words);
+  };
+  ASSERT_EQ(call({"npdr", "run"}, {"--until", "propose"}).status, 0);
+  for (const char* shards : {"0-2", "3-5"}) {
+    const Outcome outcome = call({"npdr-simulate"}, {"--round", "1", "--shard", shards});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  }
+  const Outcome status = call({"npdr", "status"}, {});
+  EXPECT_EQ(status.out.find("shards"), std::string::npos) << "all are there:\n" << status.out;
+  const Outcome none = call({"npdr-simulate"}, {"--round", "2", "--shard", "6"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_NE(none.err.find("has shards 0 to "), std::string::npos) << none.err;
+}
+
+TEST_F(Tasks, TakeWhatTheyRunAlongWhenTheyAreKilled) {
+  ASSERT_EQ(npdr({"run", "small.toml", "--until", "simulate"}).status, 0);
+  const Program task(folder_.path(),
+                     {"npdr", "task", "--", NPDR_BINARY_DIR "/bin/npdr", "run", "small.toml",
+                      "--until", "infer", "--set", "method.training.max_epochs=1000000", "--set",
+                      "method.training.stop_after_epochs=1000000"});
+  const auto comes_true = [](const auto& condition) {
+    for (int i = 0; i < 300 && !condition(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return condition();
+  };
+  // The run's own children are there only after it has begun to listen.
+  pid_t child = 0;
+  ASSERT_TRUE(comes_true([&] {
+    const std::vector<pid_t> children = task.children();
+    if (children.empty()) return false;
+    child = children.front();
+    const std::string pid = std::to_string(child);
+    std::ifstream grandchildren("/proc/" + pid + "/task/" + pid + "/children");
+    return std::istream_iterator<pid_t>(grandchildren) != std::istream_iterator<pid_t>();
+  }));
+  task.send(SIGKILL);
+  task.wait();
+  // Without a parent it may stay as a zombie.
+  EXPECT_TRUE(comes_true([&] {
+    std::string stat = text_of("/proc/" + std::to_string(child) + "/stat");
+    return kill(child, 0) != 0 || stat.find(") Z") != std::string::npos;
+  }));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
