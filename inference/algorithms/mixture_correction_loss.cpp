@@ -10,6 +10,11 @@ double log_det(const Eigen::MatrixXd& precision_factor) {
   return 2.0 * precision_factor.diagonal().array().log().sum();
 }
 
+// A component of q that is nearly flat in a direction where the proposal is as wide as the prior
+// has an A that rounding can make indefinite. Variances beyond 10^10 of the prior's count as that
+// much.
+constexpr double kSmallestPivot = 1e-10;
+
 std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
@@ -89,6 +94,7 @@ void MixtureCorrection::multiply(const Eigen::MatrixXd& precision,
       if (j < i) {
         at(factor_, i, j) = sum * at(inverse_factor_, j, j);
       } else {
+        sum = sum.max(kSmallestPivot);
         product.log_mass -= 0.5 * sum.log();
         at(inverse_factor_, i, i) = sum.rsqrt();
       }

@@ -92,5 +92,26 @@ TEST(MixtureCorrectionLoss, NormaliserIsOneWhenTheProposalIsThePrior) {
               1e-12);
 }
 
+// Networks forget components by making them flat: their precision is singular up to rounding, and
+// so is A where the proposal is as wide as the prior. That mustn't spoil the others.
+TEST(MixtureCorrectionLoss, IsFiniteWithAFlatComponent) {
+  GaussianMixture prior;
+  prior.log_weights = Vector::Zero(1);
+  prior.means = {Vector::Zero(3)};
+  prior.precision_factors = {Eigen::MatrixXd::Identity(3, 3)};
+  GaussianMixture q = random_mixture(2, 3, 1);
+  q.precision_factors[1] << 1e3, 1e3, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0, 1.0;
+  MixtureCorrection correction(prior);
+  GaussianMixtureGradient gradient;
+  const double log_z = correction.log_normaliser(q, &gradient);
+  EXPECT_GE(log_z, q.log_weights(0) - 1e-9) << "the sound component's share";
+  EXPECT_LE(log_z, 1e-9) << "1 without rounding";
+  EXPECT_TRUE(gradient.log_weights.allFinite());
+  for (const std::size_t k : {0u, 1u}) {
+    EXPECT_TRUE(gradient.means[k].allFinite()) << k;
+    EXPECT_TRUE(gradient.precision_factors[k].allFinite()) << k;
+  }
+}
+
 }  // namespace
 }  // namespace npdr::inference
