@@ -6,6 +6,7 @@
 #include "core/atomic_file.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/stages/report_dataset.h"
+#include "pipeline/stages/report_densities.h"
 #include "pipeline/stages/report_diagnostics.h"
 #include "pipeline/stages/report_features.h"
 #include "pipeline/stages/report_figures.h"
@@ -55,7 +56,10 @@ analysis::ReportSection fit_section(const ReportData& data, const Target& target
     note_recorded_goal(data, target, held_out, section.tables.front());
   }
   if (data.plan.study.external.command) section.tables.push_back(features_table(data, target));
-  if (shows_rounds(data.plan.study)) section.tables.push_back(rounds_table(data));
+  if (shows_rounds(data.plan.study)) {
+    section.tables.push_back(rounds_table(data));
+    section.tables.push_back(densities_table(data));
+  }
   section.tables.push_back(seeds_table(data));
   return section;
 }

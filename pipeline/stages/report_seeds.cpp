@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/text.h"
 #include "pipeline/stages/report_cells.h"
+#include "pipeline/stages/report_densities.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -14,38 +14,6 @@ namespace {
 using analysis::Cell;
 using analysis::Row;
 using analysis::Table;
-
-// Densities of fewer parameters can't be compared with those of all.
-void note_known_parameters(Table& table, const ReportData& data) {
-  for (const std::string& method : data.methods) {
-    std::vector<std::string> known;
-    for (std::size_t d = 0; d < data.plan.study.prior.size(); ++d) {
-      if (data.is_inferred(method, static_cast<Index>(d))) continue;
-      known.push_back(data.plan.study.prior[d].name);
-    }
-    if (known.empty()) continue;
-    table.footnote(fmt::format("{} takes as known: {}; its log p is the density of the others",
-                               method, join(known)));
-  }
-}
-
-// A reference may also set what the posterior takes for known.
-void note_fixed_parameters(Table& table, const ReportData& data) {
-  const auto& prior = data.plan.study.prior;
-  for (const ReferenceConfig& reference : data.plan.study.references) {
-    std::vector<std::string> fixed;
-    for (const auto& [name, value] : reference.parameters) {
-      const bool is_inferred =
-          std::ranges::any_of(prior, [&](const auto& marginal) { return marginal.name == name; });
-      if (!is_inferred) fixed.push_back(name);
-    }
-    if (fixed.empty()) continue;
-    table.footnote(fmt::format(
-        "log p({}) is the density of its parameters in the prior alone; the posterior has others "
-        "of {}",
-        reference.name, join(fixed)));
-  }
-}
 
 bool any_was_sampled(const ReportData& data) {
   return std::ranges::any_of(

@@ -103,6 +103,11 @@ TEST_F(Commands, DeletedTablesAreMadeAgain) {
 
 TEST_F(Commands, AReportWithoutTheRoundsRemovesTheirTable) {
   ASSERT_EQ(npdr({"run", "small.toml", "--set", "evaluate.rounds=all"}).status, 0);
+  const std::string densities = text_of(file("runs/small/tables/densities.md"));
+  for (const char* words :
+       {" prior |", "| round 2 |", "| NPDR (MAF), truth ", "| NPDR (MoG), truth "}) {
+    EXPECT_NE(densities.find(words), std::string::npos) << words << "\n" << densities;
+  }
   EXPECT_TRUE(std::filesystem::exists(file("runs/small/tables/rounds.md")));
   ASSERT_EQ(npdr({"run", "small.toml", "--set", "evaluate.rounds=last"}).status, 0);
   EXPECT_FALSE(std::filesystem::exists(file("runs/small/tables/rounds.md")));
