@@ -25,7 +25,6 @@ enum Param : Index {
   kCableStiffness,
   kCableRestAngle,
 };
-enum State : Index { kTheta, kAlpha, kThetaDot, kAlphaDot };
 enum Constant : Index {
   kW0,
   kW1,
@@ -42,8 +41,6 @@ enum Constant : Index {
   kDelay,
   kNumConstants
 };
-
-constexpr double kMaxVoltage = 4.5;  // [V]
 
 std::vector<Parameter> furuta_parameters() {
   return {
@@ -107,9 +104,8 @@ void Furuta::prepare(ConstLanes theta, Lanes constants) const {
   });
 }
 
-void Furuta::apply_action(const RowMatrix& actions, Index t, ConstLanes constants,
+void Furuta::apply_action(const ActionSeries& actions, Index t, ConstLanes constants,
                           Lanes applied) const {
-  const double* const recorded = actions.data();
   const double* const delays = constants.row(kDelay);
   const double* const neg = constants.row(kDeadZoneNeg);
   const double* const pos = constants.row(kDeadZonePos);
@@ -122,7 +118,8 @@ void Furuta::apply_action(const RowMatrix& actions, Index t, ConstLanes constant
     const Index newer = t - whole;
     const Index older = newer > 0 ? newer - 1 : 0;
     const double fraction = delay - static_cast<double>(whole);
-    const double blend = recorded[newer] + fraction * (recorded[older] - recorded[newer]);
+    const double last = actions.at(newer, 0, i), before = actions.at(older, 0, i);
+    const double blend = last + fraction * (before - last);
     const double clipped =
         blend < kMaxVoltage ? (blend > -kMaxVoltage ? blend : -kMaxVoltage) : kMaxVoltage;
     voltage[i] = ((neg[i] <= clipped) & (clipped <= pos[i])) ? 0.0 : clipped;

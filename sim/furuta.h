@@ -27,6 +27,7 @@
 /// and limits are in info(). State: theta, alpha, theta_dot, alpha_dot. dt = 0.004 s, 1250 steps.
 #pragma once
 
+#include "core/random.h"
 #include "sim/ode_model.h"
 
 namespace npdr::sim {
@@ -34,21 +35,30 @@ namespace npdr::sim {
 /// [s/rad] of the tanh that smooths the sign of theta_dot in dry friction.
 inline constexpr double kCoulombSlope = 1.0 / 0.3;
 
+/// [V] The amplifier can't give more.
+inline constexpr double kMaxVoltage = 4.5;
+
 class Furuta final : public OdeModel {
  public:
+  /// Channels of the state.
+  enum State : Index { kTheta, kAlpha, kThetaDot, kAlphaDot };
+
   Furuta();
 
   const SimulatorInfo& info() const override { return info_; }
   Index num_constants() const override;
   void prepare(ConstLanes theta, Lanes constants) const override;
-  void apply_action(const RowMatrix& actions, Index t, ConstLanes constants,
+  void apply_action(const ActionSeries& actions, Index t, ConstLanes constants,
                     Lanes applied) const override;
   void rhs(ConstLanes constants, ConstLanes applied, ConstLanes y, Lanes ydot) const override;
 
   /// A voltage of four sines of random frequency (1 to 5 Hz) and phase, 1 V each, faded in over 1 s
-  /// (furuta_behaviour.cpp says why), from an initial state uniform within +-(2 deg, 1 deg,
-  /// 0.5 deg/s, 0.5 deg/s). Both are functions of (seed, rollout).
+  /// (furuta_behaviour.cpp says why), from an initial_state(). Both are functions of (seed,
+  /// rollout).
   Excitation excite(Index rollout, std::uint64_t seed) const override;
+
+  /// An initial state uniform within +-(2 deg, 1 deg, 0.5 deg/s, 0.5 deg/s).
+  static Vector initial_state(Stream& stream);
 
   /// furuta_regression.h
   std::unique_ptr<RegressionForm> regression_form() const override;

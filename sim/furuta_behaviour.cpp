@@ -36,15 +36,15 @@ RowMatrix multi_sine(Stream& stream, Index steps, double dt) {
   return voltage;
 }
 
-Vector initial_state(Stream& stream) {
+}  // namespace
+
+Vector Furuta::initial_state(Stream& stream) {
   constexpr double degree = std::numbers::pi / 180.0;
   const Eigen::Vector4d half_width = Eigen::Vector4d(2.0, 1.0, 0.5, 0.5) * degree;
   Vector state(4);
   for (Index s = 0; s < 4; ++s) state(s) = half_width(s) * (2.0 * stream.uniform() - 1.0);
   return state;
 }
-
-}  // namespace
 
 Excitation Furuta::excite(Index rollout, std::uint64_t seed) const {
   Stream stream({seed, "behaviour", 0, static_cast<std::uint64_t>(rollout), 0});

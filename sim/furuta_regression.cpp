@@ -54,7 +54,7 @@ Vector FurutaRegression::applied_voltages(const Rollout& rollout, const Vector& 
   model_.prepare(view(theta), view(constants));
   Vector voltages(rollout.num_steps());
   for (Index t = 0; t < voltages.size(); ++t) {
-    model_.apply_action(rollout.actions, t, view(constants), view(applied));
+    model_.apply_action(in_every_lane(rollout.actions), t, view(constants), view(applied));
     voltages(t) = applied(0, 0);
   }
   return voltages;

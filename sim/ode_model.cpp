@@ -2,12 +2,12 @@
 
 namespace npdr::sim {
 
-void OdeModel::apply_action(const RowMatrix& actions, Index t, ConstLanes /*constants*/,
+void OdeModel::apply_action(const ActionSeries& actions, Index t, ConstLanes /*constants*/,
                             Lanes applied) const {
-  for (Index a = 0; a < actions.cols(); ++a) {
-    const double value = actions(t, a);
+  const auto channels = static_cast<Index>(info().action_channels.size());
+  for (Index a = 0; a < channels; ++a) {
     double* const row = applied.row(a);
-    for_each_lane(applied.lanes, [&](Index i) { row[i] = value; });
+    for_each_lane(applied.lanes, [&](Index i) { row[i] = actions.at(t, a, i); });
   }
 }
 

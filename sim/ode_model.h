@@ -2,10 +2,11 @@
 ///
 /// With state y (S), action a (A) held over a time step, and domain parameters theta (P):
 ///   dy/dt = f(y, a; theta).
-/// A batch simulates one rollout a lane, all of them with the same recorded actions but each with
-/// its own theta; arrays are (quantity, lanes), see sim/lanes.h. What f needs of theta is worked
-/// out once per batch (prepare), what it needs of the recorded actions once per time step
-/// (apply_action), so that f itself (rhs), evaluated several times a step, is as short as can be.
+/// A batch simulates one rollout a lane, each with its own theta, and all of them with the same
+/// recorded actions or each with those of its controller; arrays are (quantity, lanes), see
+/// sim/lanes.h. What f needs of theta is worked out once per batch (prepare), what it needs of the
+/// actions once per time step (apply_action), so that f itself (rhs), evaluated several times a
+/// step, is as short as can be.
 ///
 /// All members are const and thread-safe; all arrays belong to the caller.
 #pragma once
@@ -17,6 +18,24 @@
 #include "sim/simulator.h"
 
 namespace npdr::sim {
+
+/// The actions of every step of every lane; a view that doesn't own them. They are the same in all
+/// lanes (recorded ones: lane stride 0) or each lane's own (those of a controller).
+struct ActionSeries {
+  const double* data = nullptr;
+  Index step_stride = 0;
+  Index channel_stride = 0;
+  Index lane_stride = 0;
+
+  double at(Index t, Index channel, Index lane) const {
+    return data[t * step_stride + channel * channel_stride + lane * lane_stride];
+  }
+};
+
+/// The rows of `actions` (T, A) in every lane.
+inline ActionSeries in_every_lane(const RowMatrix& actions) {
+  return {actions.data(), actions.cols(), 1, 0};
+}
 
 /// What moves a simulated target domain in one rollout.
 struct Excitation {
@@ -37,9 +56,9 @@ class OdeModel {
   /// theta (P, lanes) -> constants (K, lanes).
   virtual void prepare(ConstLanes theta, Lanes constants) const = 0;
 
-  /// The action (A, lanes) that each lane's system feels during step t, given the recorded
-  /// `actions` (T, A) of the whole rollout. By default that is row t of them, in every lane.
-  virtual void apply_action(const RowMatrix& actions, Index t, ConstLanes constants,
+  /// The action (A, lanes) that each lane's system feels during step t, given the `actions` of
+  /// steps 0, ..., t; later ones are not looked at. By default that is the action of step t.
+  virtual void apply_action(const ActionSeries& actions, Index t, ConstLanes constants,
                             Lanes applied) const;
 
   /// ydot (S, lanes) = f(y, applied; constants).

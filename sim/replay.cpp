@@ -79,7 +79,7 @@ void BatchReplay::run(BatchIntegrator& integrator, const Rollout& rollout, Index
 }
 
 void BatchReplay::begin_step(Index t) {
-  model_.apply_action(rollout_->actions, t, view(constants_), view(applied_));
+  model_.apply_action(in_every_lane(rollout_->actions), t, view(constants_), view(applied_));
 }
 
 void BatchReplay::rhs(const double* y, double* ydot) {

@@ -88,7 +88,7 @@ inline double applied_action(const OdeModel& model, const Vector& theta, const R
   RowMatrix constants(model.num_constants(), kLaneBlock);
   RowMatrix applied(1, kLaneBlock);
   model.prepare(view(thetas), view(constants));
-  model.apply_action(actions, t, view(constants), view(applied));
+  model.apply_action(in_every_lane(actions), t, view(constants), view(applied));
   return applied(0, kLaneBlock - 1);
 }
 
