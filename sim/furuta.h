@@ -63,6 +63,9 @@ class Furuta final : public OdeModel {
   /// furuta_regression.h
   std::unique_ptr<RegressionForm> regression_form() const override;
 
+  /// furuta_swing_up.h
+  std::unique_ptr<ControlTask> control_task(const Vector& model) const override;
+
  private:
   SimulatorInfo info_;
 };

@@ -53,6 +53,14 @@ inline double cos_kernel(double x, double tail) {
   return w + (((1.0 - w) - half) + (z * r - x * tail));
 }
 
+/// P(z) of e_exp.c: r (exp(r) + 1) / (exp(r) - 1) = 2 + z P(z) with z = r^2, |r| <= ln(2) / 2.
+inline double expm1_polynomial(double z) {
+  return 1.66666666666666019037e-01 +
+         z * (-2.77777777770155933842e-03 +
+              z * (6.61375632143793436117e-05 +
+                   z * (-1.65339022054652515390e-06 + z * 4.13813679705723846039e-08)));
+}
+
 }  // namespace detail
 
 /// Sine and cosine of x [rad] to about 1 ulp for |x| <= kLargestAngle; NaN beyond and for NaN.
@@ -81,6 +89,30 @@ inline SinCos lane_sincos(double x) {
           bits_to_double(((c & ~swap) | (s & swap)) ^ cos_sign)};
 }
 
+/// x [rad] minus the whole turns nearest to it: within [-pi, pi], up to rounding.
+inline double lane_wrap(double x) {
+  const double shifted = x * 1.59154943091895345608e-01 + detail::kRoundToInteger;
+  return x - (shifted - detail::kRoundToInteger) * 6.28318530717958623200e+00;
+}
+
+/// Exponential to within 1 ulp for -708 <= x <= 709; 0 below, infinity above, NaN for NaN.
+///
+/// With x = k ln 2 + r and c = r - r^2 P(r^2): exp(x) = 2^k (1 + (r + r c / (2 - c))).
+inline double lane_exp(double x) {
+  using namespace detail;
+  const double a = x < -708.0 ? -708.0 : (x > 709.0 ? 709.0 : x);
+  const double shifted = a * 1.44269504088896338700e+00 + kRoundToInteger;
+  const double k = shifted - kRoundToInteger;
+  const double hi = a - k * 6.93147180369123816490e-01;
+  const double lo = k * 1.90821492927058770002e-10;
+  const double r = hi - lo;
+
+  const double c = r - r * r * expm1_polynomial(r * r);
+  const double value = 1.0 - ((lo - r * c / (2.0 - c)) - hi);
+  const double scaled = value * bits_to_double((double_to_bits(shifted) + 1023) << 52);
+  return x < -708.0 ? 0.0 : (x > 709.0 ? std::numeric_limits<double>::infinity() : scaled);
+}
+
 /// Hyperbolic tangent to within 4 ulp, NaN for NaN.
 ///
 /// With 2|x| = k ln 2 + r and expm1(r) = 2r / q, q = 2 - r + r^2 P(r^2):
@@ -97,11 +129,7 @@ inline double lane_tanh(double x) {
   const double r = (a - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;
 
   const double z = r * r;
-  const double p = 1.66666666666666019037e-01 +
-                   z * (-2.77777777770155933842e-03 +
-                        z * (6.61375632143793436117e-05 +
-                             z * (-1.65339022054652515390e-06 + z * 4.13813679705723846039e-08)));
-  const double q = 2.0 - (r - z * p);
+  const double q = 2.0 - (r - z * expm1_polynomial(z));
   // The low bits of `shifted` are k; adding the bias and shifting makes 2^k.
   const double power = bits_to_double((double_to_bits(shifted) + 1023) << 52);
   const double common = 2.0 * power * r;

@@ -13,4 +13,8 @@ void OdeModel::apply_action(const ActionSeries& actions, Index t, ConstLanes /*c
 
 std::unique_ptr<RegressionForm> OdeModel::regression_form() const { return nullptr; }
 
+std::unique_ptr<ControlTask> OdeModel::control_task(const Vector& /*model*/) const {
+  return nullptr;
+}
+
 }  // namespace npdr::sim

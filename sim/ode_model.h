@@ -14,6 +14,7 @@
 #include <cstdint>
 
 #include "core/types.h"
+#include "sim/control_task.h"
 #include "sim/lanes.h"
 #include "sim/simulator.h"
 
@@ -69,6 +70,10 @@ class OdeModel {
 
   /// As Simulator::regression_form().
   virtual std::unique_ptr<RegressionForm> regression_form() const;
+
+  /// The policy and rewards of the system's closed-loop task; nullptr: it has none. `model` (P):
+  /// the domain parameters as the policy believes them to be.
+  virtual std::unique_ptr<ControlTask> control_task(const Vector& model) const;
 };
 
 }  // namespace npdr::sim

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "sim/batch_integrator.h"
+#include "sim/ode_policy_task.h"
 #include "sim/replay.h"
 #include "sim/simulator_check.h"
 
@@ -40,6 +41,14 @@ Trajectories OdeSimulator::replay(const Target& target, const RowMatrix& theta) 
     std::ranges::fill(result.row(i), std::numeric_limits<float>::quiet_NaN());
   }
   return result;
+}
+
+std::unique_ptr<PolicyTask> OdeSimulator::policy_task(const PolicyTaskConfig& config) const {
+  SimulatorInfo believed = info_;
+  replace_nominal(config.model, believed, "policy.model");
+  auto task = model_->control_task(complete_theta(believed, {}));
+  if (!task) return nullptr;
+  return std::make_unique<OdePolicyTask>(model_, std::move(task), info_, config_, config);
 }
 
 Target OdeSimulator::behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const {

@@ -19,9 +19,10 @@ class OdeSimulator final : public Simulator {
   std::unique_ptr<RegressionForm> regression_form() const override {
     return model_->regression_form();
   }
+  std::unique_ptr<PolicyTask> policy_task(const PolicyTaskConfig& config) const override;
 
  private:
-  std::unique_ptr<OdeModel> model_;
+  std::shared_ptr<const OdeModel> model_;
   SimulatorConfig config_;
   SimulatorInfo info_;  // the model's, with the config's parameters as nominal values
 };

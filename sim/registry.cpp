@@ -69,6 +69,10 @@ std::vector<Outline> Simulator::outlines(const Vector& /*theta*/) const { return
 
 std::unique_ptr<RegressionForm> Simulator::regression_form() const { return nullptr; }
 
+std::unique_ptr<PolicyTask> Simulator::policy_task(const PolicyTaskConfig& /*config*/) const {
+  return nullptr;
+}
+
 std::vector<std::string> simulators_with_regression() {
   std::vector<std::string> names;
   for (const std::string& name : simulator_names()) {

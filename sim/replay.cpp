@@ -6,30 +6,10 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "sim/row_batches.h"
 
 namespace npdr::sim {
 namespace {
-
-// Wide enough to share SUNDIALS' cost per step, small enough for the working set (some 15 vectors
-// of states and constants) to stay near the processor; measured with bench_sim. Narrower only where
-// that keeps more threads busy. No result depends on it.
-constexpr Index kMinRowsPerBatch = 32;
-constexpr Index kMaxRowsPerBatch = 128;
-
-Index rows_per_batch(const SimulatorConfig& config, Index num_rows, Index num_rollouts) {
-  if (is_adaptive(config.integrator)) return 1;
-  const Index share = num_rows * num_rollouts / (Index{4} * num_threads());
-  return std::clamp(padded_lanes(share), kMinRowsPerBatch, kMaxRowsPerBatch);
-}
-
-// (P, L) from (rows, P).
-RowMatrix lanes_of(const Eigen::Ref<const RowMatrix>& theta) {
-  RowMatrix lanes(theta.cols(), padded_lanes(theta.rows()));
-  for (Index i = 0; i < lanes.cols(); ++i) {
-    lanes.col(i) = theta.row(std::min(i, theta.rows() - 1)).transpose();
-  }
-  return lanes;
-}
 
 Index count(const std::vector<Channel>& channels) { return static_cast<Index>(channels.size()); }
 
@@ -101,7 +81,7 @@ void BatchReplay::end_step(Index t, const double* y) {
 Trajectories replay(const OdeModel& model, const SimulatorConfig& config, const Target& target,
                     const RowMatrix& theta) {
   const Index num_rollouts = target.num_rollouts();
-  const Index batch_size = rows_per_batch(config, theta.rows(), num_rollouts);
+  const Index batch_size = rows_per_batch(config.integrator, theta.rows() * num_rollouts);
   const Index num_batches = (theta.rows() + batch_size - 1) / batch_size;
   Trajectories result;
   result.resize(theta.rows(), num_rollouts, target.num_steps() / config.store_every,

@@ -18,6 +18,7 @@
 #include "core/types.h"
 #include "sim/minigolf/minigolf_config.h"
 #include "sim/parameter.h"
+#include "sim/policy_task.h"
 #include "sim/regression_form.h"
 #include "sim/trajectories.h"
 
@@ -71,6 +72,11 @@ class Simulator {
 
   /// The equations of motion as a linear regression; nullptr: they aren't one.
   virtual std::unique_ptr<RegressionForm> regression_form() const;
+
+  /// The closed-loop task, with this simulator's nominal parameters, integrator and substeps;
+  /// nullptr: it has none. Outlives the simulator. Throws InputError for a config that is unknown
+  /// or out of range. make_policy_task() of sim/policy_task.h is for those who need one.
+  virtual std::unique_ptr<PolicyTask> policy_task(const PolicyTaskConfig& config) const;
 };
 
 /// Names that make_simulator() knows.

@@ -1,5 +1,7 @@
 #include "sim/simulator_check.h"
 
+#include <fmt/format.h>
+
 #include <vector>
 
 #include "core/text.h"
@@ -24,13 +26,13 @@ void check_channels(const std::string& kind, const std::vector<Channel>& found,
 
 }  // namespace
 
-void replace_nominal(const std::map<std::string, double>& values, SimulatorInfo& info) {
+void replace_nominal(const std::map<std::string, double>& values, SimulatorInfo& info,
+                     const std::string& field) {
   for (const auto& [name, value] : values) {
     Parameter& parameter = info.parameters[static_cast<std::size_t>(parameter_index(info, name))];
     if (!(value >= parameter.lower && value <= parameter.upper)) {
-      std::ostringstream range;
-      range << "in [" << parameter.lower << ", " << parameter.upper << "] " << parameter.unit;
-      reject_setting("parameters." + name, value, range.str());
+      throw InputError(fmt::format("{}.{} = {}, must be in [{}, {}] {}", field, name, value,
+                                   parameter.lower, parameter.upper, parameter.unit));
     }
     parameter.nominal = value;
   }

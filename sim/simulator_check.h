@@ -21,8 +21,9 @@ template <typename Value>
 }
 
 /// Nominal values become those of `values`. Throws InputError for an unknown name or a value that
-/// is physically impossible.
-void replace_nominal(const std::map<std::string, double>& values, SimulatorInfo& info);
+/// is physically impossible; `field` is where the values come from.
+void replace_nominal(const std::map<std::string, double>& values, SimulatorInfo& info,
+                     const std::string& field = "simulator.parameters");
 
 /// Throws InputError unless the target is valid, has the simulator's channels and is long enough
 /// for store_every.
