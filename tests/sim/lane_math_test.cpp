@@ -48,6 +48,14 @@ std::vector<double> tanh_of(const std::vector<double>& x) {
   return result;
 }
 
+std::vector<double> exp_of(const std::vector<double>& x) {
+  std::vector<double> result(x.size());
+  for_each_lane(static_cast<Index>(x.size()), [&](Index i) {
+    result[static_cast<std::size_t>(i)] = lane_exp(x[static_cast<std::size_t>(i)]);
+  });
+  return result;
+}
+
 double worst_sincos_error(const std::vector<double>& x) {
   const std::vector<SinCos> computed = sincos_of(x);
   double worst = 0.0;
@@ -101,6 +109,38 @@ TEST(LaneMath, HyperbolicTangentHasItsLimits) {
   EXPECT_TRUE(std::isnan(values[7]));
 }
 
+TEST(LaneMath, ExponentialIsExactToOneUlp) {
+  for (const double limit : {1e-8, 0.3, 1.0, 30.0, 708.0}) {
+    const std::vector<double> x = uniform_values(limit, 100'000);
+    const std::vector<double> computed = exp_of(x);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_LT(ulp_error(computed[i], std::exp(static_cast<long double>(x[i]))), 1.0) << x[i];
+    }
+  }
+}
+
+TEST(LaneMath, ExponentialHasItsLimits) {
+  const std::vector<double> values =
+      exp_of({-kInfinity, -1e300, -709.0, 0.0, -0.0, 710.0, kInfinity, kNan});
+  EXPECT_EQ((std::vector<double>{values.begin(), values.begin() + 7}),
+            (std::vector<double>{0.0, 0.0, 0.0, 1.0, 1.0, kInfinity, kInfinity}));
+  EXPECT_TRUE(std::isnan(values[7]));
+}
+
+TEST(LaneMath, WrappedAnglesAreNearestToZero) {
+  constexpr double pi = std::numbers::pi;
+  for (const double angle : {-3.1, -1.0, 0.0, 0.5, 3.1}) {
+    for (const double turns : {-2.0, -1.0, 0.0, 1.0, 3.0}) {
+      EXPECT_NEAR(lane_wrap(angle + 2.0 * pi * turns), angle, 1e-14) << turns;
+    }
+  }
+  for (const double x : uniform_values(100.0, 1000)) {
+    EXPECT_LE(std::abs(lane_wrap(x)), pi * (1.0 + 1e-14)) << x;
+  }
+  EXPECT_TRUE(std::isnan(lane_wrap(kNan)));
+  EXPECT_TRUE(std::isnan(lane_wrap(kInfinity)));
+}
+
 TEST(LaneMath, EveryLaneGetsTheSameBits) {
   for (const double x : uniform_values(50.0, 100)) {
     const std::vector<double> same(kLaneBlock, x);
@@ -109,6 +149,7 @@ TEST(LaneMath, EveryLaneGetsTheSameBits) {
       EXPECT_EQ(v.cos, sincos_of(same)[0].cos);
     }
     for (const double v : tanh_of(same)) EXPECT_EQ(v, tanh_of(same)[0]);
+    for (const double v : exp_of(same)) EXPECT_EQ(v, exp_of(same)[0]);
   }
 }
 
