@@ -1,0 +1,41 @@
+#include "inference/policy_search/exploration.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "core/error.h"
+
+namespace npdr::inference {
+
+RowMatrix scatter_around(const Vector& centre, const RowMatrix& x, const Vector& weights) {
+  const RowMatrix steps = x.rowwise() - centre.transpose();
+  return steps.transpose() * weights.asDiagonal() * steps / weights.sum();
+}
+
+RowMatrix with_min_std(const RowMatrix& covariance, double min_std) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  const Vector variances = eigen.eigenvalues().cwiseMax(min_std * min_std);
+  const RowMatrix bounded =
+      eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+  return 0.5 * (bounded + bounded.transpose());
+}
+
+RowMatrix draw_gaussian(const Vector& mean, const RowMatrix& covariance, Index n,
+                        const StreamId& id) {
+  const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+  if (llt.info() != Eigen::Success) {
+    throw Error("policy search: the covariance of the exploration isn't positive definite");
+  }
+  RowMatrix draws(n, mean.size());
+  for (Index i = 0; i < n; ++i) {
+    StreamId row = id;
+    row.row = static_cast<std::uint64_t>(i);
+    Stream stream(row);
+    Vector z(mean.size());
+    for (double& value : z) value = stream.normal();
+    draws.row(i) = (mean + llt.matrixL() * z).transpose();
+  }
+  return draws;
+}
+
+}  // namespace npdr::inference
