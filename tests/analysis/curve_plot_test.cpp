@@ -1,0 +1,60 @@
+#include "analysis/curve_plot.h"
+
+#include <gtest/gtest.h>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "tests/analysis/markup_check.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+TEST(CurvePlot, ABandIsTheSpreadOfTheExperiments) {
+  RowMatrix experiments(2, 3);
+  experiments << 1, 2, 3, 4, 4, 4;
+  const Curve curve = curve_of("A", Vector::LinSpaced(2, 0, 1), experiments);
+  EXPECT_EQ(curve.mean, (Vector(2) << 2, 4).finished());
+  EXPECT_EQ(curve.lower, (Vector(2) << 1, 4).finished());
+  EXPECT_EQ(curve.upper, (Vector(2) << 3, 4).finished());
+  const Curve one = curve_of("A", Vector::LinSpaced(2, 0, 1), experiments.leftCols(1));
+  EXPECT_EQ(one.lower, one.mean);
+  EXPECT_EQ(one.upper, one.mean);
+  EXPECT_THROW(curve_of("A", Vector::LinSpaced(3, 0, 1), experiments), ShapeError);
+}
+
+CurvePlot plot_of(const std::vector<std::string>& methods) {
+  CurvePlot plot{"learning", "search iteration", "return", {}};
+  const RowMatrix experiments = RowMatrix::Random(4, 2);
+  for (const std::string& method : methods) {
+    plot.curves.push_back(curve_of(method, Vector::LinSpaced(4, 1, 4), experiments));
+  }
+  return plot;
+}
+
+TEST(CurvePlot, DrawsABandAndACurveOfEachMethod) {
+  const TempFolder folder;
+  const FigureFiles files = write_curve_plot(plot_of({"A", "B <&>"}), folder.path());
+  const std::string svg = read_text_file(files.svg);
+  EXPECT_EQ(markup_error(svg), "");
+  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);
+  for (const char* words : {">A<", ">B &lt;&amp;><", ">search iteration<", ">return<"}) {
+    EXPECT_NE(svg.find(words), std::string::npos) << words;
+  }
+  EXPECT_TRUE(is_png(read_text_file(files.png)));
+}
+
+TEST(CurvePlot, RejectsWhatCantBeDrawn) {
+  const TempFolder folder;
+  EXPECT_THROW(write_curve_plot(plot_of({}), folder.path()), InputError);
+  EXPECT_THROW(write_curve_plot(plot_of({"1", "2", "3", "4", "5", "6", "7"}), folder.path()),
+               InputError);
+  CurvePlot other = plot_of({"A"});
+  other.curves.front().upper.resize(3);
+  EXPECT_THROW(write_curve_plot(other, folder.path()), ShapeError);
+  other.curves.front() = {};
+  EXPECT_THROW(write_curve_plot(other, folder.path()), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis

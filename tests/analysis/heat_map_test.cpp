@@ -1,0 +1,72 @@
+#include "analysis/heat_map.h"
+
+#include <gtest/gtest.h>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "tests/analysis/markup_check.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+HeatMapPlot plot_of(const std::vector<std::string>& methods) {
+  HeatMapPlot plot;
+  plot.name = "robustness";
+  plot.x = {"pole mass", "kg", (Vector(3) << 0.1, 0.2, 0.4).finished()};
+  plot.y = {"gain", "1", (Vector(2) << 1, 2).finished()};
+  plot.value_title = "mean return";
+  plot.high = 10.0;
+  RowMatrix values(3, 2);
+  values << 1, 2, 3, 4, 5, 6;
+  for (const std::string& method : methods) plot.maps.push_back({method, values});
+  return plot;
+}
+
+TEST(HeatMap, DrawsAMapPerMethod) {
+  const TempFolder folder;
+  const FigureFiles files =
+      write_heat_maps(plot_of({"A", "B", "C", "D <&>"}), folder.path());  // two rows
+  const std::string svg = read_text_file(files.svg);
+  EXPECT_EQ(markup_error(svg), "");
+  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);
+  for (const char* words :
+       {">A<", ">D &lt;&amp;><", ">pole mass [kg]<", ">gain<", ">mean return<", ">0.4<"}) {
+    EXPECT_NE(svg.find(words), std::string::npos) << words;
+  }
+  EXPECT_TRUE(is_png(read_text_file(files.png)));
+}
+
+TEST(HeatMap, EachPointOfTheGridIsACell) {
+  const TempFolder folder;
+  write_heat_maps(plot_of({"A"}), folder.path());
+  const std::string data = read_text_file(folder.path() / "robustness_1.dat");
+  EXPECT_EQ(data.substr(data.find('\n') + 1), "0 0 1\n0 1 2\n1 0 3\n1 1 4\n2 0 5\n2 1 6\n");
+}
+
+TEST(HeatMap, AMarkLiesBetweenItsNeighbours) {
+  const TempFolder folder;
+  const auto script = [&](double x, double y) {
+    HeatMapPlot plot = plot_of({"A"});
+    plot.mark = {x, y};
+    return read_text_file(write_heat_maps(plot, folder.path()).script);
+  };
+  EXPECT_NE(script(0.3, 1.25).find("first 1.5, first 0.25"), std::string::npos)
+      << script(0.3, 1.25);
+  EXPECT_NE(script(0.1, 2.0).find("first 0, first 1"), std::string::npos);
+  EXPECT_EQ(script(0.5, 1.0).find("first"), std::string::npos) << "outside of the grid";
+}
+
+TEST(HeatMap, RejectsWhatCantBeDrawn) {
+  const TempFolder folder;
+  EXPECT_THROW(write_heat_maps(plot_of({}), folder.path()), InputError);
+  HeatMapPlot other = plot_of({"A"});
+  other.maps.front().values.resize(2, 3);
+  EXPECT_THROW(write_heat_maps(other, folder.path()), ShapeError);
+  other = plot_of({"A"});
+  other.high = other.low;
+  EXPECT_THROW(write_heat_maps(other, folder.path()), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis
