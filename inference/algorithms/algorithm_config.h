@@ -21,7 +21,9 @@ struct AlgorithmConfig {
 };
 
 /// "npe_a", "npe_b", "npe_c", "nle", "nre_a", "nre_b" (posterior_estimation.h), "abc_rejection",
-/// "abc_mcmc", "abc_smc" (abc.h), "linear_regression" (bayesian_linear_regression.h).
+/// "abc_mcmc", "abc_smc" (abc.h), "linear_regression" (bayesian_linear_regression.h), and two that
+/// infer nothing and are there to be compared with: "prior" keeps the prior (domain randomisation),
+/// "nominal" the nominal parameters.
 std::vector<std::string> algorithm_names();
 
 /// What an algorithm makes its posterior of.
@@ -29,6 +31,7 @@ enum class AlgorithmFamily {
   network,     ///< a network that is trained on simulations
   abc,         ///< the simulations that are near the observation
   regression,  ///< the equations of motion and the recordings, no simulation
+  fixed,       ///< nothing: what is known before any observation
 };
 AlgorithmFamily family_of_algorithm(const std::string& name);
 

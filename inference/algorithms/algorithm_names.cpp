@@ -28,12 +28,14 @@ const std::vector<Entry>& entries() {
       {"abc_mcmc", AlgorithmFamily::abc, {}, {}},
       {"abc_smc", AlgorithmFamily::abc, {}, {}},
       {"linear_regression", AlgorithmFamily::regression, {}, {}},
+      {"prior", AlgorithmFamily::fixed, {}, {}},
+      {"nominal", AlgorithmFamily::fixed, {}, {}},
   };
   return all;
 }
 
 // Names that older papers and tools use for the same algorithm.
-constexpr std::array<std::pair<const char*, const char*>, 19> kOlderSpellings = {{
+constexpr std::array<std::pair<const char*, const char*>, 20> kOlderSpellings = {{
     {"snpe_a", "npe_a"},
     {"snpe-a", "npe_a"},
     {"bayessim", "npe_a"},
@@ -53,6 +55,7 @@ constexpr std::array<std::pair<const char*, const char*>, 19> kOlderSpellings = 
     {"smc_abc", "abc_smc"},
     {"blr", "linear_regression"},
     {"bayesian_linear_regression", "linear_regression"},
+    {"domain_randomization", "prior"},
 }};
 
 const Entry& find_entry(const std::string& spelling) {

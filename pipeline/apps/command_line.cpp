@@ -113,9 +113,9 @@ std::vector<std::string> StudyArguments::words() const {
 std::optional<Stage> parse_stage(const std::string& name, const std::string& option) {
   if (name.empty()) return std::nullopt;
   std::vector<std::string> known;
-  for (const Stage stage :
-       {Stage::target, Stage::held_out, Stage::propose, Stage::simulate, Stage::infer,
-        Stage::baseline, Stage::evaluate, Stage::diagnose, Stage::report}) {
+  for (const Stage stage : {Stage::target, Stage::held_out, Stage::propose, Stage::simulate,
+                            Stage::infer, Stage::baseline, Stage::evaluate, Stage::diagnose,
+                            Stage::policy, Stage::policy_test, Stage::report}) {
     if (to_string(stage) == name) return stage;
     known.push_back(to_string(stage));
   }

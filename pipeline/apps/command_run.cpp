@@ -31,11 +31,15 @@ void print_commands(const Plan& plan, const SchedulerConfig& config) {
   }
 }
 
-// The study's main table, and where the rest is.
+// The study's main tables, and where the rest is.
 void print_results(const Plan& plan) {
   const char* main = plan.study.external.dataset ? "parameters.md" : "fit.md";
-  std::ifstream table(plan.work.study(plan.study.name) / "tables" / main);
-  std::cout << table.rdbuf() << std::flush;
+  for (const char* name : {main, "policy.md"}) {
+    std::ifstream table(plan.work.study(plan.study.name) / "tables" / name);
+    if (!table) continue;  // nothing was inferred, or no policy searched for
+    if (name != main) std::cout << "\n";
+    std::cout << table.rdbuf() << std::flush;
+  }
   fmt::print("\nreport: {}\n", report_path(plan).string());
 }
 

@@ -146,7 +146,10 @@ void print_json(const Plan& plan, Scrutiny scrutiny) {
   for (const Standing& row : standings(plan, scrutiny)) {
     nlohmann::ordered_json uses = nlohmann::ordered_json::array();
     for (const Use& use : row.node.uses) {
-      uses.push_back({{"method", use.method}, {"seed", use.seed}, {"round", use.round}});
+      uses.push_back({{"method", use.method},
+                      {"seed", use.seed},
+                      {"iteration", use.iteration},
+                      {"round", use.round}});
     }
     rows.push_back({{"stage", to_string(row.node.stage)},
                     {"label", row.node.label()},

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -20,6 +21,22 @@ void print_diagnoses(Index count, const Study& study) {
   if (count == 0) return;
   fmt::print("to check them: {} diagnoses, {} samples of each posterior\n", count,
              study.diagnose.num_samples);
+}
+
+void print_policy_searches(const Plan& plan) {
+  const PolicyConfig& policy = plan.study.policy;
+  if (!policy.is_used()) return;
+  const Index trials = policy.num_domain_parameters * policy.num_initial_states;
+  Index searches = 0, rollouts = 0, tests = 0;
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::policy_test) ++tests;
+    if (node.stage != Stage::policy) continue;
+    ++searches;
+    const Index iterations = plan.study.method(node.uses.front().method).policy_iterations;
+    rollouts += (iterations * (policy.population + 1) + 1) * trials;
+  }
+  fmt::print("policies: {} searches of {} rollouts together, {} tests\n", searches, rollouts,
+             tests);
 }
 
 // The same of a command or a dataset, whose simulations are vectors.
@@ -63,7 +80,8 @@ void print_work(const Plan& plan) {
     if (node.stage == Stage::diagnose) ++diagnoses;
     if (node.stage != Stage::simulate) continue;
     const MethodConfig& method = study.method(node.uses.front().method);
-    const Index h = method.num_rollouts > 0 ? method.num_rollouts : num_rollouts;
+    const Index h = (method.num_rollouts > 0 ? method.num_rollouts : num_rollouts) *
+                    std::max<Index>(1, node.uses.front().iteration);
     rows += num_rows(plan, node);
     rollouts += num_rows(plan, node) * h;
     bytes += num_rows(plan, node) * h * (num_steps / study.simulator.store_every) * num_states *
@@ -78,6 +96,7 @@ void print_work(const Plan& plan) {
              study.evaluate.num_samples,
              is_recorded && study.evaluate.floor ? ", and a search for the floor" : "");
   print_diagnoses(diagnoses, study);
+  print_policy_searches(plan);
 }
 
 void list_simulators() {

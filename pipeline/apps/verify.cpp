@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -11,6 +12,8 @@
 #include "pipeline/config/study_json.h"
 #include "pipeline/external/external_simulator.h"
 #include "pipeline/plan/schemas.h"
+#include "pipeline/stages/closed_loop.h"
+#include "pipeline/stages/policy_test_file.h"
 #include "pipeline/stages/row_simulator.h"
 #include "pipeline/store/recording.h"
 #include "sim/simulator.h"
@@ -150,11 +153,72 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
   const RowMatrix theta = file.read_matrix<double>("theta", -1, prior.dimension());
   Verification result;
   result.num_rows = theta.rows();
-  const auto round = document.value("round", std::uint64_t{1});
+  const Use use{"", info.identity.seed, document.value("round", Index{1}),
+                document.value("iteration", Index{0})};
+  const std::uint64_t round = use.stream_round();
   for (const Index row : pick_rows(result.num_rows, count, pick)) {
     Stream stream({info.identity.seed, "prior", round, static_cast<std::uint64_t>(row), 0});
     ++result.num_checked;
     if (prior.sample(stream).transpose() != theta.row(row)) result.different.push_back(row);
+  }
+  return result;
+}
+
+// The study as far as the test's document tells it.
+Study tested_study(const std::filesystem::path& path, const ArtefactInfo& info) {
+  const auto& document = info.identity.key_document;
+  Study study = study_of(path, info);
+  if (document.contains("truth")) {
+    study.target.truth = document.at("truth").get<std::map<std::string, double>>();
+  }
+  study.policy.num_steps = document.at("task").at("num_steps").get<Index>();
+  study.policy.model = document.at("task").at("model").get<std::map<std::string, double>>();
+  if (!document.contains("grid")) return study;
+  PolicyGrid& grid = study.policy.grid;
+  for (std::size_t i = 0; i < 2; ++i) {
+    PolicyGridAxis& axis = i == 0 ? grid.x : grid.y;
+    axis.parameter = document.at("grid").at(i).at("parameter").get<std::string>();
+    axis.values = document.at("grid").at(i).at("values").get<std::vector<double>>();
+  }
+  return study;
+}
+
+// The returns as they are stored: of the target domain, then of the grid.
+Vector stored_returns(const PolicyTest& test) {
+  Vector all;
+  for (const auto& part : {test.target, test.grid}) {
+    if (!part) continue;
+    const Index before = all.size();
+    all.conservativeResize(before + part->returns.size());
+    all.tail(part->returns.size()) = part->returns.reshaped<Eigen::RowMajor>();
+  }
+  return all;
+}
+
+// Rollouts, each on its own.
+Verification verify_policy_test(const std::filesystem::path& path, const ArtefactInfo& info,
+                                Index count, std::uint64_t pick) {
+  const Study study = tested_study(path, info);
+  const PolicyTest test = read_policy_test(path);
+  const auto task = make_task(study);
+  const RowMatrix theta = tested_parameters(study, sim::make_simulator(study.simulator)->info());
+  const Vector stored = stored_returns(test);
+  const Index num_states = test.initial_states.rows();
+  if (stored.size() != theta.rows() * num_states) {
+    throw InputError(path.string() +
+                     ": its returns aren't those of its grid; rerun stage "
+                     "'policy_test'");
+  }
+  Verification result;
+  result.num_rows = stored.size();
+  for (const Index row : pick_rows(result.num_rows, count, pick)) {
+    const sim::PolicyRollouts again =
+        task->run(theta.row(row / num_states), test.initial_states.row(row % num_states),
+                  test.policy.transpose());
+    ++result.num_checked;
+    const double value = again.returns(0);
+    const bool are_nan = std::isnan(value) && std::isnan(stored(row));
+    if (value != stored(row) && !are_nan) result.different.push_back(row);
   }
   return result;
 }
@@ -170,8 +234,10 @@ Verification verify(const std::filesystem::path& given, Index count, std::uint64
     return verify_simulation(path, info, count, pick);
   }
   if (schema == kProposalSchema.name) return verify_proposal(path, info, count, pick);
+  if (schema == kPolicyTestSchema.name) return verify_policy_test(path, info, count, pick);
   throw InputError(path.string() + ": a " + schema +
-                   "; only simulations, their shards and first proposals can be verified");
+                   "; only simulations, their shards, first proposals and tests of policies can be "
+                   "verified");
 }
 
 }  // namespace npdr::pipeline

@@ -15,8 +15,8 @@ struct Verification {
 };
 
 /// Recomputes `count` random rows of a simulation (or one of its shards) or of a first round's
-/// proposal. The target that a simulation was replayed against is found in the cache beside it.
-/// Throws InputError for another kind of file.
+/// proposal, or rollouts of a policy's test. The target that a simulation was replayed against is
+/// found in the cache beside it. Throws InputError for another kind of file.
 Verification verify(const std::filesystem::path& given, Index count, std::uint64_t pick);
 
 }  // namespace npdr::pipeline

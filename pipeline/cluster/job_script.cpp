@@ -26,6 +26,9 @@ const StageResources& own_resources(const ClusterConfig& cluster, Stage stage) {
       return cluster.evaluate;
     case Stage::diagnose:
       return cluster.diagnose;
+    case Stage::policy:
+    case Stage::policy_test:
+      return cluster.policy;
     case Stage::report:
       return cluster.report;
   }

@@ -44,6 +44,7 @@ void check_cluster(const Study& study, Reading& reading) {
       {"baseline.time", &cluster.baseline.time},
       {"evaluate.time", &cluster.evaluate.time},
       {"diagnose.time", &cluster.diagnose.time},
+      {"policy.time", &cluster.policy.time},
       {"report.time", &cluster.report.time}};
   for (const auto& [key, time] : times) {
     const std::string path = std::string("cluster.") + key;

@@ -37,6 +37,7 @@ struct ClusterConfig {
   StageResources baseline;
   StageResources evaluate;
   StageResources diagnose;
+  StageResources policy;  ///< search and tests
   StageResources report;
 };
 

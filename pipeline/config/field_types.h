@@ -43,6 +43,10 @@ struct FieldType<std::vector<std::uint64_t>> {
   static constexpr const char* kName = "a list of integers";
 };
 template <>
+struct FieldType<std::vector<double>> {
+  static constexpr const char* kName = "a list of finite numbers";
+};
+template <>
 struct FieldType<std::map<std::string, double>> {
   static constexpr const char* kName = "a table of finite numbers";
 };

@@ -36,6 +36,7 @@ class MethodChecker {
   void check_abc(const std::string& path, const MethodConfig& method);
   void check_regression(const std::string& path);
   void check_unused_settings(const std::string& path, const MethodConfig& method);
+  void check_iterations(const std::string& path, const MethodConfig& method);
 
   Study& study_;
   const sim::SimulatorInfo* info_;
@@ -51,6 +52,7 @@ void MethodChecker::check(std::size_t i) {
          fmt::format("<= target.num_rollouts = {}", available));
   }
   check_unused_settings(path, method);
+  check_iterations(path, method);
   check_embedding(path + ".embedding", method.embedding);
   switch (inference::family_of_algorithm(method.algorithm.name)) {
     case inference::AlgorithmFamily::network:
@@ -63,6 +65,8 @@ void MethodChecker::check(std::size_t i) {
       break;
     case inference::AlgorithmFamily::regression:
       check_regression(path);
+      break;
+    case inference::AlgorithmFamily::fixed:
       break;
   }
   const std::vector<std::string> metrics = metric_names();
@@ -180,6 +184,28 @@ void MethodChecker::check_unused_settings(const std::string& path, const MethodC
     if (!reading_.has(member) || is_override(reading_.place(member))) continue;
     reading_.fail(member, fmt::format("{} must be left out: it means nothing to the algorithm '{}'",
                                       display(member), method.algorithm.name));
+  }
+}
+
+// What means something to a policy search alone.
+void MethodChecker::check_iterations(const std::string& path, const MethodConfig& method) {
+  const std::string iterations = path + ".num_iterations";
+  if (!study_.policy.is_used()) {
+    if (reading_.good(path + ".algorithm") && !infers(method)) {
+      fail(path + ".algorithm", quoted(method.algorithm.name),
+           "another without a table [policy]: it infers nothing, there is only its policy to look "
+           "at");
+    }
+    for (const std::string& key : {iterations, path + ".policy_iterations"}) {
+      if (!reading_.has(key)) continue;
+      reading_.fail(key, fmt::format("{} must be left out without a table [policy]", display(key)));
+    }
+    return;
+  }
+  if (method.num_iterations > 1 && !study_.target.truth && reading_.good(iterations)) {
+    fail(iterations, std::to_string(method.num_iterations),
+         "1 without target.truth: only in a simulated target domain can a policy collect more "
+         "rollouts");
   }
 }
 

@@ -14,8 +14,9 @@ bool is_one_of(const std::array<std::string_view, N>& keys, const std::string& k
   return std::ranges::find(keys, key) != keys.end();
 }
 
-constexpr std::array<std::string_view, 4> kOfAll = {"name", "algorithm", "num_rollouts",
-                                                    "published"};
+constexpr std::array<std::string_view, 3> kOfAll = {"name", "algorithm", "policy_iterations"};
+constexpr std::array<std::string_view, 3> kOfInference = {"num_rollouts", "num_iterations",
+                                                          "published"};
 constexpr std::array<std::string_view, 3> kOfSimulations = {"num_rounds", "num_simulations",
                                                             "embedding"};
 
@@ -32,7 +33,11 @@ bool network_reads(const std::string& algorithm, const std::string& key) {
 
 bool reads_setting(const std::string& algorithm, const std::string& key) {
   if (is_one_of(kOfAll, key)) return true;
-  switch (inference::family_of_algorithm(algorithm)) {
+  const auto family = inference::family_of_algorithm(algorithm);
+  if (family != inference::AlgorithmFamily::fixed && is_one_of(kOfInference, key)) return true;
+  switch (family) {
+    case inference::AlgorithmFamily::fixed:
+      return false;
     case inference::AlgorithmFamily::regression:
       return key == "linear_regression";
     case inference::AlgorithmFamily::abc:

@@ -48,6 +48,7 @@ class RolloutChecker {
   }
 
   void check_method(const std::string& path, const MethodConfig& method) {
+    if (!infers(method)) return;
     const bool some_fit = check_at_most(path + ".num_rollouts", method.num_rollouts,
                                         used_rollouts(), "the rollouts of the target");
     if (inference::family_of_algorithm(method.algorithm.name) ==

@@ -21,6 +21,7 @@ DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
   using inference::AlgorithmFamily;
   const AlgorithmFamily family = inference::family_of_algorithm(method.algorithm.name);
   DiagnoseConfig config = diagnose;
+  if (!infers(method)) config.checks.clear();
   std::erase_if(config.checks, [&](const std::string& check) {
     const bool asks_simulator = check != "ood" && check != "training";
     if (asks_simulator && external.dataset) return true;
@@ -29,6 +30,14 @@ DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
     return family != AlgorithmFamily::network;
   });
   return config;
+}
+
+Index Study::num_iterations_of(const MethodConfig& method) const {
+  return policy.is_used() && infers(method) ? method.num_iterations : 1;
+}
+
+bool infers(const MethodConfig& method) {
+  return inference::family_of_algorithm(method.algorithm.name) != inference::AlgorithmFamily::fixed;
 }
 
 bool DiagnoseConfig::has(std::string_view check) const {

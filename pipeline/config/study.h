@@ -20,6 +20,7 @@
 #include "pipeline/config/cluster_config.h"
 #include "pipeline/config/external_config.h"
 #include "pipeline/config/places.h"
+#include "pipeline/config/policy_config.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
@@ -90,7 +91,9 @@ struct PublishedFigure {
 struct MethodConfig {
   std::string name;
   inference::AlgorithmConfig algorithm;
-  Index num_rollouts = 0;  ///< the first h of the target's rollouts; 0: all
+  Index num_rollouts = 0;        ///< the first h of the target's rollouts; 0: all
+  Index num_iterations = 1;      ///< of target rollouts, inference and policy search
+  Index policy_iterations = 20;  ///< of a policy search
   inference::EmbeddingConfig embedding;
   inference::EstimatorConfig density_estimator;
   inference::TrainingConfig training;
@@ -112,6 +115,7 @@ struct Study {
   std::vector<MethodConfig> methods;
   EvaluateConfig evaluate;
   DiagnoseConfig diagnose;
+  PolicyConfig policy;
   std::vector<ReferenceConfig> references;
   LimitsConfig limits;
   ReportConfig report;
@@ -124,12 +128,18 @@ struct Study {
   /// The checks that mean something to a method: without a network nothing can be calibrated,
   /// without simulations nothing lies among them, and a dataset can't be asked for more.
   DiagnoseConfig diagnose_of(const MethodConfig& method) const;
+
+  /// How often a method collects target rollouts, infers and searches: once without [policy].
+  Index num_iterations_of(const MethodConfig& method) const;
 };
 
 /// What evaluate.metrics may hold.
 std::vector<std::string> metric_names();
 /// The metric of features, the only one where the simulator gives no rollouts.
 inline constexpr const char* kFeatureMetric = "distance";
+
+/// Whether a method infers anything: "prior" and "nominal" take what there is before.
+bool infers(const MethodConfig& method);
 
 /// What diagnose.checks may hold: those of a network over many simulations, then those at x_o.
 std::vector<std::string> check_names();

@@ -16,6 +16,7 @@
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/external_check.h"
 #include "pipeline/config/method_check.h"
+#include "pipeline/config/policy_check.h"
 #include "pipeline/config/prior_check.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
@@ -48,6 +49,7 @@ class StudyChecker {
     check_metrics();
     check_held_out();
     check_report();
+    check_policy(study_, info_ ? &*info_ : nullptr, reading_);
     check_cluster(study_, reading_);
     check_truths_rollouts();
     check_simulator();

@@ -3,6 +3,7 @@
 #include <regex>
 
 #include "core/text.h"
+#include "inference/policy_search/policy_search_config.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -99,6 +100,26 @@ Constraint<std::vector<std::string>> metrics_constraint() {
 }
 
 Constraint<std::vector<std::string>> checks_constraint() { return distinct_of(check_names()); }
+
+Constraint<std::string> optimizer_constraint() {
+  Constraint<std::string> constraint = one_of(inference::policy_optimizer_names());
+  constraint.allows = [names = constraint.allows](const std::string& value) {
+    return value.empty() || names(value);
+  };
+  return constraint;
+}
+
+Constraint<std::vector<double>> range_constraint() {
+  return {"[low, high] with low < high", [](const auto& range) {
+            return range.empty() || (range.size() == 2 && range[0] < range[1]);
+          }};
+}
+
+Constraint<std::vector<double>> ascending() {
+  return {"ascending", [](const auto& values) {
+            return std::ranges::adjacent_find(values, std::greater_equal<>()) == values.end();
+          }};
+}
 
 Constraint<std::vector<inference::Marginal>> prior_constraint() {
   return {"of at least one parameter", [](const auto& prior) { return !prior.empty(); }};

@@ -33,6 +33,11 @@ Constraint<double> window_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
 Constraint<std::vector<std::string>> metrics_constraint();
 Constraint<std::vector<std::string>> checks_constraint();
+Constraint<std::string> optimizer_constraint();
+/// [low, high].
+Constraint<std::vector<double>> range_constraint();
+/// Ascending.
+Constraint<std::vector<double>> ascending();
 Constraint<std::vector<inference::Marginal>> prior_constraint();
 /// Of Slurm: "2G"; "" for none.
 Constraint<std::string> memory_constraint();
@@ -209,6 +214,10 @@ void describe(Fields& f, MethodConfig& c) {
   describe(f, c.algorithm);
   f("num_rollouts", c.num_rollouts, count_from(0),
     "use the first k rollouts of the target only; 0: all");
+  f("num_iterations", c.num_iterations, between(1, 1000),
+    "with [policy]: how often target rollouts are collected, inferred from and a policy searched");
+  f("policy_iterations", c.policy_iterations, between(1, 100'000),
+    "with [policy]: steps of each policy search");
   f.table("embedding", "how rollouts become features", [&](auto& t) { describe(t, c.embedding); });
   f.table("density_estimator", "the network that learns the posterior",
           [&](auto& t) { describe(t, c.density_estimator); });
@@ -274,6 +283,45 @@ void describe(Fields& f, DiagnoseConfig& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, PolicyGridAxis& c) {
+  f("parameter", c.parameter, anything<std::string>(), "a domain parameter");
+  f("range", c.range, range_constraint(), "its first and last value");
+  f("steps", c.steps, between(2, 100), "values in that range, at equal distances");
+  f("values", c.values, ascending(), "its values, in place of range and steps");
+}
+
+template <class Fields>
+void describe(Fields& f, PolicyConfig& c) {
+  f("optimizer", c.optimizer, optimizer_constraint(),
+    "how policies are searched for; \"power\" in a [policy] without this key");
+  f("population", c.population, between(2, 100'000), "candidates per search iteration");
+  f("num_domain_parameters", c.num_domain_parameters, between(1, 1'000'000),
+    "posterior samples that each candidate is tried on, fresh ones in each iteration");
+  f("num_initial_states", c.num_initial_states, between(1, 1'000'000),
+    "initial states that each candidate is tried from, for each of them");
+  f("num_test_states", c.num_test_states, between(20, 1'000'000),
+    "initial states that a policy is tested from");
+  f("num_steps", c.num_steps, count_from(0), "of a rollout; 0: as many as the simulator has");
+  f("initial", c.initial, anything<std::map<std::string, double>>(),
+    "parameters of the policy that don't begin at the simulator's own values");
+  f("model", c.model, anything<std::map<std::string, double>>(),
+    "domain parameters that the policy believes in, in place of the nominal ones");
+  f("initial_std", c.initial_std, positive(),
+    "deviation of the first candidates, in the coordinates of the search");
+  f("min_std", c.min_std, positive(), "it never falls below, in any direction");
+  f("num_importance_samples", c.num_importance_samples, between(1, 100'000),
+    "the best candidates so far, of which the next policy is made (\"power\" only)");
+  f("elite_fraction", c.elite_fraction, quantile_constraint(),
+    "share of the candidates of which the next policy is made (\"cross_entropy\" only)");
+  f("smoothing", c.smoothing, quantile_constraint(),
+    "weight of the new distribution against the old one (\"cross_entropy\" only)");
+  f.table("grid", "domain parameters that policies are tested on", [&](auto& grid) {
+    grid.table("x", "one axis of the grid", [&](auto& t) { describe(t, c.grid.x); });
+    grid.table("y", "the other axis", [&](auto& t) { describe(t, c.grid.y); });
+  });
+}
+
+template <class Fields>
 void describe(Fields& f, ReportConfig& c) {
   f("title", c.title, anything<std::string>(), "title of the report; empty: the study's name");
   f("caption", c.caption, anything<std::string>(), "text below the main tables");
@@ -321,6 +369,7 @@ void describe(Fields& f, ClusterConfig& c) {
   stage("baseline", c.baseline, "what the job of the baseline asks for");
   stage("evaluate", c.evaluate, "what jobs that evaluate ask for");
   stage("diagnose", c.diagnose, "what jobs that diagnose ask for");
+  stage("policy", c.policy, "what jobs that search for policies, and test them, ask for");
   stage("report", c.report, "what the job of the report asks for");
 }
 
@@ -346,6 +395,7 @@ void describe(Fields& f, Study& c) {
   f.list("method", c.methods, 1, "a method to compare", [](auto& t, auto& m) { describe(t, m); });
   f.table("evaluate", "how posteriors are judged", [&](auto& t) { describe(t, c.evaluate); });
   f.table("diagnose", "how posteriors are checked", [&](auto& t) { describe(t, c.diagnose); });
+  f.table("policy", "search for a policy", [&](auto& t) { describe(t, c.policy); });
   f.list("reference", c.references, 0, "a parameter vector to compare posteriors with",
          [](auto& t, auto& r) { describe(t, r); });
   f.table("limits", "when to give up", [&](auto& t) {

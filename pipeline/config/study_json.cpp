@@ -53,6 +53,7 @@ template Json to_json(const ObservationNoise&);
 template Json to_json(const MethodConfig&);
 template Json to_json(const EvaluateConfig&);
 template Json to_json(const DiagnoseConfig&);
+template Json to_json(const PolicyConfig&);
 template Json to_json(const ReportConfig&);
 
 template sim::SimulatorConfig from_json(const Json&, const std::string&);

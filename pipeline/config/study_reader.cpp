@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "inference/policy_search/policy_search_config.h"
 #include "pipeline/config/study_check.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/toml_document.h"
@@ -68,7 +69,8 @@ void resolve_without_network(Study& study, std::size_t i, const Reading& reading
   if (method.algorithm.name == "abc_smc" && !reading.has(quantile)) {
     method.abc.quantile = smc_quantile;
   }
-  if (family == inference::AlgorithmFamily::regression) method.algorithm.num_rounds = 1;
+  const bool has_rounds = family == inference::AlgorithmFamily::abc;
+  if (!has_rounds) method.algorithm.num_rounds = 1;
 }
 
 // Where the simulator gives features of x: one rollout of one step, that is measured as a whole.
@@ -99,6 +101,9 @@ void resolve(Study& study, const fs::path& file, const Reading& reading) {
   resolve_target(study.target, file, reading);
   if (reading.has("diagnose") && !reading.has("diagnose.checks")) {
     study.diagnose.checks = check_names();
+  }
+  if (reading.has("policy") && !reading.has("policy.optimizer")) {
+    study.policy.optimizer = inference::policy_optimizer_names().front();
   }
   resolve_external(study, file, reading);
   std::size_t i = 0;

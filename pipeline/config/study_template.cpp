@@ -86,6 +86,8 @@ num_simulations = 500           # per round
 #   component_perturbation = 0.01  # "npe_a": noise on the Gaussians that its last round makes of one
 # combined_loss = false         # atomic loss: also fit the simulations of the prior
 # num_rollouts = 0              # use the first k rollouts of the target only; 0: all
+#   num_iterations = 1          # with [policy]: of target rollouts, inference and policy search
+#   policy_iterations = 20      # with [policy]: steps of each policy search
 # published = { rmse = { mean = 0.263, std = 0.004 } }  # somebody's figures to print beside ours
 
 [method.embedding]              # how rollouts become features
@@ -132,6 +134,9 @@ learning_rate = 5e-4            # step size of Adam
 #   window = 11                 # states that are smoothed over to differentiate a recording
 #   num_samples = 1000          # of the regression's weights
 
+# Two that infer nothing, to compare policies with (studies with [policy] only): algorithm = "prior"
+# is domain randomisation over the prior, "nominal" takes the nominal parameters for granted.
+
 [[method]]
 name = "NPDR (MoG)"
 num_rounds = 2
@@ -152,6 +157,29 @@ num_samples = 100               # posterior samples that are simulated and measu
 #   num_simulations = 300       # fresh draws of the prior that are simulated, to calibrate with
 #   num_samples = 1000          # posterior samples per observation
 #   alpha = 0.01                # probability that a method without fault fails any of its checks
+
+# Search for a policy that does well under the posterior, and tests of it in the target domain
+# (simulator "furuta" only). Without this table there is none.
+#   [policy]
+#   optimizer = "power"         # or "cross_entropy"
+#   population = 25             # candidates per search iteration
+#   num_domain_parameters = 50  # posterior samples that each candidate is tried on
+#   num_initial_states = 4      # initial states for each of them
+#   num_test_states = 100       # initial states that a policy is tested from
+#   num_steps = 0               # of a rollout; 0: as many as the simulator has
+#   initial = {}                # parameters of the policy that begin elsewhere: { energy_gain = 30.0 }
+#   model = {}                  # domain parameters that the policy believes in; the rest are nominal
+#   initial_std = 2.0           # of the first candidates, in the coordinates of the search
+#   min_std = 0.02              # it never falls below
+#   num_importance_samples = 10 # "power": the best candidates, of which the next policy is made
+#   elite_fraction = 0.25       # "cross_entropy": share of the candidates that makes the next policy
+#   smoothing = 0.7             # "cross_entropy": weight of the new distribution against the old one
+# Domain parameters that policies are tested on, in [policy.grid.x] and [policy.grid.y]:
+#   [policy.grid.x]
+#   parameter = "pole_mass"
+#   range = [0.018, 0.03]       # first and last value
+#   steps = 7                   # values in that range
+#   values = [0.018, 0.024]     # or these values, in place of range and steps
 
 # Named parameters to compare with, such as measured ones: a column in the tables each.
 #   [[reference]]
@@ -181,7 +209,7 @@ title = "Pendulum"
 #   mail = ""                   # address for mail when the study ends or a job fails
 #   setup = []                  # lines of shell before the work, such as "module load gcc"
 #   sbatch = []                 # further options, such as "--qos=long"
-# Stages of their own: prepare, simulate, infer, baseline, evaluate, diagnose, report.
+# Stages of their own: prepare, simulate, infer, baseline, evaluate, diagnose, policy, report.
 #   [cluster.infer]
 #   cpus = 0                    # 0 and "": as [cluster] says
 #   memory = ""

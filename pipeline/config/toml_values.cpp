@@ -126,6 +126,8 @@ bool read_value(const TomlSlot& slot, std::vector<std::uint64_t>& value) {
   return read_list(slot, value);
 }
 
+bool read_value(const TomlSlot& slot, std::vector<double>& value) { return read_list(slot, value); }
+
 bool read_value(const TomlSlot& slot, std::map<std::string, double>& value) {
   const toml::table* table = slot.node.as_table();
   if (table == nullptr) return false;

@@ -29,6 +29,7 @@ bool read_value(const TomlSlot& slot, std::uint64_t& value);
 bool read_value(const TomlSlot& slot, std::string& value);
 bool read_value(const TomlSlot& slot, std::vector<std::string>& value);
 bool read_value(const TomlSlot& slot, std::vector<std::uint64_t>& value);
+bool read_value(const TomlSlot& slot, std::vector<double>& value);
 bool read_value(const TomlSlot& slot, std::map<std::string, double>& value);
 bool read_value(const TomlSlot& slot, std::map<std::string, PublishedFigure>& value);
 bool read_value(const TomlSlot& slot, std::vector<inference::Marginal>& value);

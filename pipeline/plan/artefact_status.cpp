@@ -52,6 +52,10 @@ std::string partial_detail(const Plan& plan, const Node& node) {
   }
   const fs::path checkpoint = plan.work.checkpoint(to_string(node.stage), node.key);
   if (!fs::exists(checkpoint)) return "";
+  if (node.stage == Stage::policy) {
+    const h5::File file = open_artefact(checkpoint, kPolicyCheckpointSchema, node.key);
+    return fmt::format("checkpoint at iteration {}", file.attribute<Index>("iteration"));
+  }
   const h5::File file = open_artefact(checkpoint, kCheckpointSchema, node.key);
   return fmt::format("checkpoint at epoch {}", file.attribute<Index>("epoch"));
 }

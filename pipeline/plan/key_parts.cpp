@@ -13,6 +13,7 @@ namespace {
 bool is_part_of_posterior(const MethodConfig& method, const std::string& key) {
   if (key == "name" || key == "published") return false;
   if (key == "num_rounds" || key == "num_simulations") return false;
+  if (key == "num_iterations" || key == "policy_iterations") return false;
   const bool is_abc =
       inference::family_of_algorithm(method.algorithm.name) == inference::AlgorithmFamily::abc;
   if (is_abc && key == "embedding") return method.abc.distance == "euclidean";
@@ -59,6 +60,43 @@ Json inference_json(const MethodConfig& method) {
   Json json = Json::object();
   for (const auto& [key, value] : all.items()) {
     if (is_part_of_posterior(method, key)) json[key] = value;
+  }
+  return json;
+}
+
+namespace {
+
+Json pick(const Json& all, const std::vector<std::string>& keys) {
+  Json json = Json::object();
+  for (const std::string& key : keys) json[key] = all.at(key);
+  return json;
+}
+
+}  // namespace
+
+Json policy_task_json(const PolicyConfig& policy) {
+  return pick(to_json(policy), {"num_steps", "initial", "model"});
+}
+
+Json policy_search_json(const PolicyConfig& policy) {
+  std::vector<std::string> keys = {"optimizer",          "population",  "num_domain_parameters",
+                                   "num_initial_states", "initial_std", "min_std"};
+  if (policy.optimizer == "power") {
+    keys.emplace_back("num_importance_samples");
+  } else {
+    keys.insert(keys.end(), {"elite_fraction", "smoothing"});
+  }
+  return pick(to_json(policy), keys);
+}
+
+Json study_document(const Study& study) {
+  Json json = to_json(study);
+  json.erase("cluster");  // where something is computed changes nothing
+  if (study.policy.is_used()) return json;
+  json.erase("policy");
+  for (Json& method : json["method"]) {
+    method.erase("num_iterations");
+    method.erase("policy_iterations");
   }
   return json;
 }

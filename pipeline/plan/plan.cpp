@@ -26,10 +26,19 @@ std::string to_string(Stage stage) {
       return "evaluate";
     case Stage::diagnose:
       return "diagnose";
+    case Stage::policy:
+      return "policy";
+    case Stage::policy_test:
+      return "policy_test";
     case Stage::report:
       return "report";
   }
   return "";
+}
+
+std::uint64_t Use::stream_round() const {
+  const Index earlier = std::max<Index>(0, iteration - 1);
+  return static_cast<std::uint64_t>(round) + (static_cast<std::uint64_t>(earlier) << 32);
 }
 
 std::string program_of(Stage stage) {
@@ -39,6 +48,8 @@ std::string program_of(Stage stage) {
       return "npdr-propose";
     case Stage::baseline:
       return "npdr-evaluate";
+    case Stage::policy_test:
+      return "npdr-policy";
     default:
       return "npdr-" + to_string(stage);
   }
@@ -48,7 +59,9 @@ std::string Node::label() const {
   const Use& use = uses.front();
   std::string text = to_string(stage);
   if (!use.method.empty()) text += " " + use.method + ", seed " + std::to_string(use.seed);
+  if (use.iteration > 0) text += ", iteration " + std::to_string(use.iteration);
   if (use.round > 0) text += ", round " + std::to_string(use.round);
+  if (stage == Stage::policy_test && use.iteration == 0) text += ", before any search";
   if (is_calibration(*this)) text += ", calibration";
   return text;
 }
@@ -56,14 +69,11 @@ std::string Node::label() const {
 const Node& Plan::node(Stage stage, const Use& use) const {
   for (const Node& candidate : nodes) {
     if (candidate.stage != stage) continue;
-    for (const Use& other : candidate.uses) {
-      if (other.method == use.method && other.seed == use.seed && other.round == use.round) {
-        return candidate;
-      }
-    }
+    if (std::ranges::find(candidate.uses, use) != candidate.uses.end()) return candidate;
   }
   throw InputError("this study has no artefact '" + to_string(stage) + "' for " + use.method +
-                   ", seed " + std::to_string(use.seed) + ", round " + std::to_string(use.round));
+                   ", seed " + std::to_string(use.seed) + ", iteration " +
+                   std::to_string(use.iteration) + ", round " + std::to_string(use.round));
 }
 
 const Node& Plan::node_by_key(const std::string& key) const {
@@ -97,6 +107,7 @@ std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use
   if (!use.method.empty()) {
     folder = folder / folder_name(use.method) / ("seed-" + std::to_string(use.seed));
   }
+  if (use.iteration > 0) folder /= "iteration-" + std::to_string(use.iteration);
   if (use.round > 0) folder /= "round-" + std::to_string(use.round);
   if (is_calibration(node)) folder /= "calibration";
   return folder / (to_string(node.stage) + ".h5");
@@ -120,6 +131,10 @@ std::vector<RowRange> shards(const Plan& plan, const Node& simulate) {
 bool is_calibration(const Node& node) {
   const bool has_rows = node.stage == Stage::propose || node.stage == Stage::simulate;
   return has_rows && node.uses.front().round == 0;
+}
+
+Index num_rollouts_seen(const MethodConfig& method, const Use& use) {
+  return method.num_rollouts * std::max<Index>(1, use.iteration);
 }
 
 Index num_rows(const Plan& plan, const Node& node) {

@@ -24,6 +24,8 @@ enum class Stage {
   baseline,
   evaluate,
   diagnose,
+  policy,
+  policy_test,
   report
 };
 
@@ -39,7 +41,13 @@ struct Use {
   std::uint64_t seed = 0;
   /// Counted from 1; 0: none, or, of proposals and simulations, that of calibration.
   Index round = 0;
+  /// Of the loop of target rollouts, inference and policy search, counted from 1. 0: what comes
+  /// before the first policy search, and whatever a method without such a loop infers.
+  Index iteration = 0;
   friend bool operator==(const Use&, const Use&) = default;
+
+  /// Names the random numbers of a round: each round of each iteration has its own.
+  std::uint64_t stream_round() const;
 };
 
 /// One artefact.
@@ -51,7 +59,7 @@ struct Node {
   std::vector<Use> uses;           ///< at least one; the first made it part of the plan
   std::vector<std::size_t> needs;  ///< positions in the plan, all before this one
 
-  /// What people call it: "simulate NPDR (MAF), seed 1, round 2".
+  /// What people call it: "simulate NPDR (MAF), seed 1, iteration 3, round 2".
   std::string label() const;
 };
 
@@ -99,5 +107,9 @@ bool is_calibration(const Node& node);
 
 /// The simulations of a node's round.
 Index num_rows(const Plan& plan, const Node& node);
+
+/// Target rollouts that a method's node of that use sees, those of earlier iterations first; 0:
+/// all.
+Index num_rollouts_seen(const MethodConfig& method, const Use& use);
 
 }  // namespace npdr::pipeline

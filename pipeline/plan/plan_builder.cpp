@@ -37,6 +37,19 @@ void describe_truth(const Study& study, Json& json) {
   json["seed"] = study.target.seed;
 }
 
+// Methods that differ only in what changes no posterior share what is made of them.
+void note(std::vector<std::size_t>& nodes, std::size_t added) {
+  if (std::ranges::find(nodes, added) == nodes.end()) nodes.push_back(added);
+}
+
+Json grid_json(const PolicyGrid& grid) {
+  Json json;
+  for (const PolicyGridAxis* axis : {&grid.x, &grid.y}) {
+    json.push_back({{"parameter", axis->parameter}, {"values", axis->points()}});
+  }
+  return json;
+}
+
 bool needs_simulations(const MethodConfig& method) {
   return inference::family_of_algorithm(method.algorithm.name) !=
          inference::AlgorithmFamily::regression;
@@ -48,8 +61,7 @@ PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& s
     : plan_{std::move(study), work, {}, {}, {}}, selection_(selection) {
   check_selection(selection);
   if (plan_.study.external.is_used()) resolve_external();
-  study_json_ = to_json(plan_.study);
-  study_json_.erase("cluster");  // where something is computed changes nothing
+  study_json_ = study_document(plan_.study);
 }
 
 void PlanBuilder::resolve_external() {
@@ -91,24 +103,17 @@ Plan PlanBuilder::build() {
   const std::size_t target = add_target();
   held_out_ = add_held_out();
   if (plan_.study.external.command) scale_ = add_scale();
-  std::vector<std::size_t> evaluations, diagnoses;
-  // Methods that differ only in what changes no posterior share what is made of them.
-  const auto note = [](std::vector<std::size_t>& nodes, std::size_t added) {
-    if (std::ranges::find(nodes, added) == nodes.end()) nodes.push_back(added);
-  };
+  Results results;
   const auto selected = [](const auto& wanted, const auto& value) {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
   };
   for (const std::uint64_t seed : plan_.study.seeds) {
     if (!selected(selection_.seeds, seed)) continue;
     for (const MethodConfig& method : plan_.study.methods) {
-      if (!selected(selection_.methods, method.name)) continue;
-      const Experiment added = add_experiment(method, seed, target);
-      for (const std::size_t evaluation : added.evaluations) note(evaluations, evaluation);
-      if (added.diagnosis) note(diagnoses, *added.diagnosis);
+      if (selected(selection_.methods, method.name)) add_experiment(method, seed, target, results);
     }
   }
-  add_report(add_baseline(target), evaluations, diagnoses);
+  add_report(add_baseline(target), results);
   return std::move(plan_);
 }
 
@@ -180,28 +185,115 @@ std::size_t PlanBuilder::add_baseline(std::size_t target) {
   return add(Stage::baseline, json, {}, inputs);
 }
 
-PlanBuilder::Experiment PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
-                                                    std::size_t target) {
-  Experiment added;
-  std::vector<std::size_t> simulations, posteriors;
-  for (Index round = 1; round <= method.algorithm.num_rounds; ++round) {
-    const Use use{method.name, seed, round};
-    const auto previous =
-        posteriors.empty() ? std::nullopt : std::optional<std::size_t>(posteriors.back());
+void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target,
+                                 Results& results) {
+  const Index num_iterations = plan_.study.num_iterations_of(method);
+  std::size_t seen = target;
+  std::optional<std::size_t> policy;
+  for (Index i = 1; i <= num_iterations; ++i) {
+    const Use use{method.name, seed, 0, num_iterations > 1 ? i : 0};
+    if (i > 1) seen = add_collection(method, use, seen, *policy);
+    const Rounds rounds = infers(method) ? add_rounds(method, use, seen) : Rounds{};
+    if (i == num_iterations && infers(method)) {
+      add_judgements(method, use, seen, target, rounds, results);
+    }
+    if (!plan_.study.policy.is_used()) continue;
+    const auto posterior = rounds.posteriors.empty()
+                               ? std::nullopt
+                               : std::optional<std::size_t>(rounds.posteriors.back());
+    policy = add_policy(method, {method.name, seed, 0, i}, posterior, policy);
+    note(results.policies, *policy);
+  }
+  if (!policy) return;
+  for (const Index i : {Index{0}, num_iterations}) {
+    const auto tested = i == 0 ? std::nullopt : policy;
+    const auto test = add_policy_test({method.name, seed, 0, i}, tested);
+    if (test) note(results.policy_tests, *test);
+  }
+}
+
+PlanBuilder::Rounds PlanBuilder::add_rounds(const MethodConfig& method, Use use,
+                                            std::size_t target) {
+  Rounds rounds;
+  for (use.round = 1; use.round <= method.algorithm.num_rounds; ++use.round) {
+    const auto previous = rounds.posteriors.empty()
+                              ? std::nullopt
+                              : std::optional<std::size_t>(rounds.posteriors.back());
     if (needs_simulations(method)) {
       const std::size_t proposal = add_proposal(method, use, previous);
-      simulations.push_back(add_simulation(method, use, target, proposal));
+      rounds.simulations.push_back(add_simulation(method, use, target, proposal));
     }
-    posteriors.push_back(add_inference(method, use, target, simulations, posteriors));
-    const bool is_last = round == method.algorithm.num_rounds;
-    if (is_last || plan_.study.evaluate.rounds == "all") {
-      added.evaluations.push_back(add_evaluation(use, target, posteriors.back()));
-    }
+    rounds.posteriors.push_back(
+        add_inference(method, use, target, rounds.simulations, rounds.posteriors));
   }
-  if (!plan_.study.diagnose_of(method).checks.empty()) {
-    added.diagnosis = add_diagnosis(method, seed, target, simulations, posteriors);
+  return rounds;
+}
+
+// Evaluations measure by the rollouts that all methods have seen first, which makes them
+// comparable; diagnoses ask about the observation that the posteriors are of.
+void PlanBuilder::add_judgements(const MethodConfig& method, Use use, std::size_t target,
+                                 std::size_t first_target, const Rounds& rounds, Results& results) {
+  const bool all_rounds = plan_.study.evaluate.rounds == "all";
+  const Index last = method.algorithm.num_rounds;
+  for (use.round = all_rounds ? 1 : last; use.round <= last; ++use.round) {
+    const std::size_t posterior = rounds.posteriors[static_cast<std::size_t>(use.round - 1)];
+    note(results.evaluations, add_evaluation(use, first_target, posterior));
   }
-  return added;
+  if (plan_.study.diagnose_of(method).checks.empty()) return;
+  use.round = 0;
+  note(results.diagnoses, add_diagnosis(method, use, target, rounds));
+}
+
+std::size_t PlanBuilder::add_collection(const MethodConfig& method, const Use& use,
+                                        std::size_t earlier, std::size_t policy) {
+  const Study& study = plan_.study;
+  Json json = key_document(kTargetSchema);
+  json["simulator"] = behaviour_json(study.simulator);
+  json["truth"] = *study.target.truth;
+  json["num_rollouts"] = method.num_rollouts > 0 ? method.num_rollouts : study.target.num_rollouts;
+  json["task"] = policy_task_json(study.policy);
+  json["seed"] = use.seed;
+  json["iteration"] = use.iteration;
+  return add(Stage::target, json, use, {{"target", earlier}, {"policy", policy}});
+}
+
+std::size_t PlanBuilder::add_policy(const MethodConfig& method, const Use& use,
+                                    std::optional<std::size_t> posterior,
+                                    std::optional<std::size_t> start) {
+  const Study& study = plan_.study;
+  Json json = key_document(kPolicySchema);
+  json["simulator"] = behaviour_json(study.simulator);
+  json["task"] = policy_task_json(study.policy);
+  json["search"] = policy_search_json(study.policy);
+  json["num_iterations"] = method.policy_iterations;
+  json["seed"] = use.seed;
+  json["iteration"] = use.iteration;
+  Inputs inputs;
+  if (posterior) {
+    inputs.emplace_back("posterior", *posterior);
+  } else {
+    json["domain_parameters"] = method.algorithm.name;
+    if (method.algorithm.name == "prior") json["prior"] = to_json(study.prior);
+  }
+  if (start) inputs.emplace_back("policy", *start);
+  return add(Stage::policy, json, use, inputs);
+}
+
+// A recorded target domain can't be asked what another policy does in it.
+std::optional<std::size_t> PlanBuilder::add_policy_test(const Use& use,
+                                                        std::optional<std::size_t> policy) {
+  const Study& study = plan_.study;
+  if (!study.target.truth && !study.policy.grid.is_used()) return std::nullopt;
+  Json json = key_document(kPolicyTestSchema);
+  json["simulator"] = behaviour_json(study.simulator);
+  json["task"] = policy_task_json(study.policy);
+  if (study.target.truth) json["truth"] = *study.target.truth;
+  if (study.policy.grid.is_used()) json["grid"] = grid_json(study.policy.grid);
+  json["num_test_states"] = study.policy.num_test_states;
+  json["seed"] = use.seed;
+  Inputs inputs;
+  if (policy) inputs.emplace_back("policy", *policy);
+  return add(Stage::policy_test, json, use, inputs);
 }
 
 std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use,
@@ -211,6 +303,7 @@ std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use
       use.round == 0 ? plan_.study.diagnose.num_simulations : method.algorithm.num_simulations;
   json["seed"] = use.seed;
   json["round"] = use.round;
+  if (use.iteration > 1) json["iteration"] = use.iteration;
   if (plan_.study.external.dataset) json["dataset"] = external_files_.at("dataset");
   if (!posterior) {
     json["prior"] = to_json(plan_.study.prior);
@@ -247,6 +340,7 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   }
   json["seed"] = use.seed;
   json["round"] = use.round;
+  if (use.iteration > 1) json["iteration"] = use.iteration;
   // Its last round has another network.
   if (method.algorithm.name == "npe_a") json["is_last"] = use.round == method.algorithm.num_rounds;
   Inputs inputs = {{"target", target}};
@@ -273,11 +367,8 @@ std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std:
 
 // Calibration asks the network of round 1, which has learnt from the whole prior; what concerns x_o
 // alone, that of the last round.
-std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, std::uint64_t seed,
-                                       std::size_t target,
-                                       const std::vector<std::size_t>& simulations,
-                                       const std::vector<std::size_t>& posteriors) {
-  const Use use{method.name, seed, 0};
+std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& use,
+                                       std::size_t target, const Rounds& rounds) {
   Json json = key_document(kDiagnosisSchema);
   const DiagnoseConfig diagnose = plan_.study.diagnose_of(method);
   const Json settings = to_json(diagnose);
@@ -289,39 +380,39 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, std::uint64_t
   json["embedding"] = to_json(method.embedding);
   json["num_rollouts"] = method.num_rollouts;
   json["observation_noise"] = to_json(plan_.study.observation_noise);
-  json["seed"] = seed;
-  Inputs inputs = {{"target", target}, {"posterior", posteriors.back()}};
+  json["seed"] = use.seed;
+  Inputs inputs = {{"target", target}, {"posterior", rounds.posteriors.back()}};
   if (diagnose.calibrates()) {
-    if (posteriors.size() > 1) inputs.emplace_back("posterior_1", posteriors.front());
+    if (rounds.posteriors.size() > 1) inputs.emplace_back("posterior_1", rounds.posteriors.front());
     const std::size_t proposal = add_proposal(method, use, {});
     inputs.emplace_back("calibration", add_simulation(method, use, target, proposal));
   }
   if (diagnose.has("ood")) {
-    for (std::size_t r = 0; r < simulations.size(); ++r) {
-      inputs.emplace_back("simulation_" + std::to_string(r + 1), simulations[r]);
+    for (std::size_t r = 0; r < rounds.simulations.size(); ++r) {
+      inputs.emplace_back("simulation_" + std::to_string(r + 1), rounds.simulations[r]);
     }
   }
   return add(Stage::diagnose, json, use, inputs);
 }
 
-void PlanBuilder::add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations,
-                             const std::vector<std::size_t>& diagnoses) {
+void PlanBuilder::add_report(std::size_t baseline, const Results& results) {
   Json json = key_document(kReportSchema);
   json["study"] = study_json_;
   Inputs inputs = {{"baseline", baseline}};
-  for (std::size_t i = 0; i < evaluations.size(); ++i) {
-    inputs.emplace_back("evaluation_" + std::to_string(i + 1), evaluations[i]);
-  }
-  for (std::size_t i = 0; i < diagnoses.size(); ++i) {
-    inputs.emplace_back("diagnosis_" + std::to_string(i + 1), diagnoses[i]);
-  }
+  const auto add_numbered = [&](const char* name, const std::vector<std::size_t>& nodes) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      inputs.emplace_back(std::string(name) + "_" + std::to_string(i + 1), nodes[i]);
+    }
+  };
+  add_numbered("evaluation", results.evaluations);
+  add_numbered("diagnosis", results.diagnoses);
+  add_numbered("policy", results.policies);
+  add_numbered("policy_test", results.policy_tests);
   const std::size_t report = add(Stage::report, json, {}, inputs);
   // It shows of the targets and posteriors, too, which may be gone while evaluations are there.
   std::vector<std::size_t>& needs = plan_.nodes[report].needs;
-  for (const std::size_t evaluation : evaluations) {
-    for (const std::size_t need : plan_.nodes[evaluation].needs) {
-      if (std::ranges::find(needs, need) == needs.end()) needs.push_back(need);
-    }
+  for (const std::size_t evaluation : results.evaluations) {
+    for (const std::size_t need : plan_.nodes[evaluation].needs) note(needs, need);
   }
 }
 

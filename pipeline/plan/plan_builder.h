@@ -22,13 +22,34 @@ class PlanBuilder {
   nlohmann::ordered_json simulation_json() const;
   std::size_t add_target();
   std::size_t add_baseline(std::size_t target);
-  /// What the report needs of one method and seed.
-  struct Experiment {
+  /// What the report needs.
+  struct Results {
     std::vector<std::size_t> evaluations;
-    std::optional<std::size_t> diagnosis;
+    std::vector<std::size_t> diagnoses;
+    std::vector<std::size_t> policies;
+    std::vector<std::size_t> policy_tests;
   };
-  /// All rounds of one method and seed.
-  Experiment add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target);
+  /// What one inference makes: by round.
+  struct Rounds {
+    std::vector<std::size_t> simulations;
+    std::vector<std::size_t> posteriors;
+  };
+  /// All iterations of one method and seed.
+  void add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target,
+                      Results& results);
+  /// All rounds of one iteration.
+  Rounds add_rounds(const MethodConfig& method, Use use, std::size_t target);
+  /// What is asked of the posteriors of the last iteration.
+  void add_judgements(const MethodConfig& method, Use use, std::size_t target,
+                      std::size_t first_target, const Rounds& rounds, Results& results);
+  /// The rollouts of `earlier`, and those that `policy` collects.
+  std::size_t add_collection(const MethodConfig& method, const Use& use, std::size_t earlier,
+                             std::size_t policy);
+  /// `posterior`: none of a method that infers nothing. `start`: the last iteration's policy.
+  std::size_t add_policy(const MethodConfig& method, const Use& use,
+                         std::optional<std::size_t> posterior, std::optional<std::size_t> start);
+  /// Of the policy that the search begins with, where there is none. None: nothing can be tested.
+  std::optional<std::size_t> add_policy_test(const Use& use, std::optional<std::size_t> policy);
   std::size_t add_proposal(const MethodConfig& method, const Use& use,
                            std::optional<std::size_t> posterior);
   std::size_t add_simulation(const MethodConfig& method, const Use& use, std::size_t target,
@@ -42,11 +63,9 @@ class PlanBuilder {
   /// Notes down in `json` what a judgement depends on, and returns its inputs.
   Inputs add_judgement(std::size_t target, nlohmann::ordered_json& json) const;
   std::size_t add_evaluation(const Use& use, std::size_t target, std::size_t posterior);
-  std::size_t add_diagnosis(const MethodConfig& method, std::uint64_t seed, std::size_t target,
-                            const std::vector<std::size_t>& simulations,
-                            const std::vector<std::size_t>& posteriors);
-  void add_report(std::size_t baseline, const std::vector<std::size_t>& evaluations,
-                  const std::vector<std::size_t>& diagnoses);
+  std::size_t add_diagnosis(const MethodConfig& method, const Use& use, std::size_t target,
+                            const Rounds& rounds);
+  void add_report(std::size_t baseline, const Results& results);
 
   /// Adds a node, or another use to the node that has the same key.
   std::size_t add(Stage stage, nlohmann::ordered_json document, const Use& use,

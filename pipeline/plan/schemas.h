@@ -16,6 +16,9 @@ inline const Schema kCheckpointSchema{"training_checkpoint", 3, "infer"};
 inline const Schema kBaselineSchema{"baseline", 3, "baseline"};
 inline const Schema kEvaluationSchema{"evaluation", 3, "evaluate"};
 inline const Schema kDiagnosisSchema{"diagnosis", 1, "diagnose"};
+inline const Schema kPolicySchema{"policy", 1, "policy"};
+inline const Schema kPolicyCheckpointSchema{"policy_checkpoint", 1, "policy"};
+inline const Schema kPolicyTestSchema{"policy_test", 1, "policy_test"};
 inline const Schema kReportSchema{"report", 1, "report"};
 
 }  // namespace npdr::pipeline

@@ -24,7 +24,7 @@ double seconds_since(Clock::time_point start) {
 
 bool uses_threads(Stage stage) {
   return stage == Stage::simulate || stage == Stage::evaluate || stage == Stage::baseline ||
-         stage == Stage::diagnose;
+         stage == Stage::diagnose || stage == Stage::policy || stage == Stage::policy_test;
 }
 
 // Unlike fmt::print(), doesn't throw: a terminal that was closed or a full disk end no run.

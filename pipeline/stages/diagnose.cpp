@@ -42,7 +42,7 @@ Case make_case(const Plan& plan, const Node& node) {
   Case c{.plan = plan,
          .node = node,
          .method = method,
-         .target = read_target(plan, node, method.num_rollouts),
+         .target = read_seen_target(plan, node),
          .config = plan.study.diagnose_of(method),
          .embedding = nullptr,
          .x_o = {}};

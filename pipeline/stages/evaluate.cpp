@@ -27,7 +27,7 @@ void predict(const Plan& plan, const Judge& judge, const StreamId& first, Evalua
 void run_evaluate(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kEvaluationSchema, node.identity);
   const Use& use = node.uses.front();
-  const auto round = static_cast<std::uint64_t>(use.round);
+  const std::uint64_t round = use.stream_round();
   const auto posterior = read_posterior(*plan.inputs(node, Stage::infer).front());
   const Judge judge(plan, node);
   const Predictor& predictor = judge.seen();

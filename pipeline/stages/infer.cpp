@@ -82,7 +82,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   for (const Node* simulation : plan.inputs(node, Stage::simulate)) {
     check_failed_rows(plan, *simulation);
   }
-  const Target target = read_target(plan, node, method.num_rollouts);
+  const Target target = read_seen_target(plan, node);
   const auto embedding =
       inference::make_embedding(method.embedding, target, plan.study.simulator.store_every);
   const SimulationFeatures features(plan, node, target, *embedding);
@@ -105,8 +105,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   EpochReport report(plan, node, start, checkpoint.cost);
   const auto posterior = blaming_checkpoint(plan, node, [&] {
     return inference::estimate_posterior(
-        config, data, {use.seed, "training", static_cast<std::uint64_t>(use.round), 0, 0}, state,
-        std::ref(report));
+        config, data, {use.seed, "training", use.stream_round(), 0, 0}, state, std::ref(report));
   });
   if (!posterior) throw Checkpointed(node.label() + ": stopped on request, checkpoint written");
 
@@ -129,6 +128,8 @@ void run_infer(const Plan& plan, const Node& node) {
     case inference::AlgorithmFamily::regression:
       infer_regression(plan, node, writer.file());
       break;
+    case inference::AlgorithmFamily::fixed:
+      throw Error(node.label() + ": there is nothing to infer");  // the plan has no such node
   }
   writer.finish();
 }

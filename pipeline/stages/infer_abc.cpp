@@ -60,7 +60,7 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
   const MethodConfig& method = plan.study.method(use.method);
   const Node& simulation = *plan.inputs(node, Stage::simulate).front();
   check_failed_rows(plan, simulation);
-  const Target target = read_target(plan, node, method.num_rollouts);
+  const Target target = read_seen_target(plan, node);
   std::optional<Previous> previous = read_previous(plan, node);
 
   const h5::File rows = open_artefact(simulation.path, kSimulationSchema, simulation.key);
@@ -75,7 +75,7 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
   const auto last = previous ? std::optional(previous->population) : std::nullopt;
   const inference::AbcPopulation population =
       inference::advance(method.algorithm.name, method.abc, prior, round, last,
-                         {use.seed, "abc", static_cast<std::uint64_t>(use.round), 0, 0});
+                         {use.seed, "abc", use.stream_round(), 0, 0});
 
   RowCounts counts = previous ? previous->rows : RowCounts{};
   const Index failed = count_infinite(round.distances);

@@ -31,7 +31,7 @@ RegressionCounts count(const inference::Prior& prior, const sim::SimulatorInfo& 
 void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
   const Use& use = node.uses.front();
   const MethodConfig& method = plan.study.method(use.method);
-  const Target target = read_target(plan, node, method.num_rollouts);
+  const Target target = read_seen_target(plan, node);
   const auto simulator = sim::make_simulator(plan.study.simulator);
   const auto form = simulator->regression_form();
   const Vector known = nominal_theta(plan.study, simulator->info(), {});

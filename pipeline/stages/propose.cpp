@@ -36,11 +36,11 @@ void run_propose(const Plan& plan, const Node& node) {
   } else if (posteriors.empty()) {
     // Calibration, round 0, has draws of its own.
     theta = inference::sample_prior(inference::Prior(plan.study.prior), n, use.seed,
-                                    static_cast<std::uint64_t>(use.round));
+                                    use.stream_round());
   } else {
-    theta = propose_from(plan, *posteriors.front(), n,
-                         {use.seed, "proposal", static_cast<std::uint64_t>(use.round), 0, 0},
-                         plan.study.method(use.method));
+    theta =
+        propose_from(plan, *posteriors.front(), n, {use.seed, "proposal", use.stream_round(), 0, 0},
+                     plan.study.method(use.method));
   }
   write_theta(writer.file(), plan, theta);
   writer.finish();

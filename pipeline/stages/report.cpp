@@ -13,6 +13,7 @@
 #include "pipeline/stages/report_marker.h"
 #include "pipeline/stages/report_parameters.h"
 #include "pipeline/stages/report_paths.h"
+#include "pipeline/stages/report_policy.h"
 #include "pipeline/stages/report_seeds.h"
 #include "pipeline/stages/report_tables.h"
 #include "pipeline/stages/simulation_file.h"
@@ -121,10 +122,13 @@ void run_report(const Plan& plan, const Node& node) {
   report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;
   const Target target = read_report_target(plan);
   const std::optional<Target> held_out = read_report_held_out(plan);
-  report.sections = {fit_section(data, target, held_out), posterior_section(data, figures)};
-  if (!plan.study.external.is_used()) {
-    report.sections.push_back(prediction_section(data, target, held_out, figures));
+  if (!data.methods.empty()) {
+    report.sections = {fit_section(data, target, held_out), posterior_section(data, figures)};
+    if (!plan.study.external.is_used()) {
+      report.sections.push_back(prediction_section(data, target, held_out, figures));
+    }
   }
+  if (auto section = policy_section(data, figures)) report.sections.push_back(std::move(*section));
   if (auto section = diagnostics_section(data, figures)) {
     report.sections.push_back(std::move(*section));
   }
@@ -141,8 +145,13 @@ void run_report(const Plan& plan, const Node& node) {
   // An earlier report may have had them, with figures that are no longer true.
   if (!shows_rounds(plan.study)) analysis::remove_table("rounds", folder / "tables");
   if (!plan.study.external.command) analysis::remove_table("features", folder / "tables");
-  if (plan.study.external.dataset) analysis::remove_table("fit", folder / "tables");
+  if (plan.study.external.dataset || data.methods.empty()) {
+    analysis::remove_table("fit", folder / "tables");
+  }
   if (plan.study.diagnose.checks.empty()) analysis::remove_table("diagnostics", folder / "tables");
+  if (!plan.study.policy.is_used()) {
+    for (const char* name : kPolicyTables) analysis::remove_table(name, folder / "tables");
+  }
   analysis::write_report(report, report_path(plan));
   mark_report(node, files);
 }

@@ -15,6 +15,15 @@ std::vector<const EvaluatedRun*> ReportData::runs_of(const std::string& method, 
   return found;
 }
 
+std::vector<std::string> ReportData::policy_methods() const {
+  std::vector<std::string> names;
+  for (const MethodConfig& method : plan.study.methods) {
+    const auto is_its = [&](const PolicyRun& run) { return run.use.method == method.name; };
+    if (std::ranges::any_of(policies, is_its)) names.push_back(method.name);
+  }
+  return names;
+}
+
 bool ReportData::is_inferred(const std::string& method, Index d) const {
   const auto varies = [&](const EvaluatedRun* run) {
     const auto column = run->evaluation.theta.col(d);
@@ -39,6 +48,14 @@ ReportData read_report_data(const Plan& plan, const Node& node) {
     for (const Use& use : diagnosis->uses)
       data.diagnoses.push_back({use, read_diagnosis(*diagnosis)});
   }
+  for (const Node* policy : plan.inputs(node, Stage::policy)) {
+    for (const Use& use : policy->uses)
+      data.policies.push_back({use, read_policy_history(*policy)});
+  }
+  for (const Node* test : plan.inputs(node, Stage::policy_test)) {
+    for (const Use& use : test->uses)
+      data.policy_tests.push_back({use, read_policy_test(test->path, test->key)});
+  }
   const auto has_run = [&](const auto& matches) {
     return std::any_of(data.runs.begin(), data.runs.end(), matches);
   };
@@ -48,7 +65,8 @@ ReportData read_report_data(const Plan& plan, const Node& node) {
     }
   }
   for (const std::uint64_t seed : plan.study.seeds) {
-    if (has_run([&](const auto& run) { return run.use.seed == seed; })) {
+    const auto is_of_seed = [&](const auto& run) { return run.use.seed == seed; };
+    if (has_run(is_of_seed) || std::ranges::any_of(data.policies, is_of_seed)) {
       data.seeds.push_back(seed);
     }
   }

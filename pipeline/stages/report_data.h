@@ -6,6 +6,8 @@
 #include "pipeline/stages/baseline_file.h"
 #include "pipeline/stages/diagnosis_file.h"
 #include "pipeline/stages/evaluation_file.h"
+#include "pipeline/stages/policy_file.h"
+#include "pipeline/stages/policy_test_file.h"
 #include "pipeline/stages/posterior_file.h"
 
 namespace npdr::pipeline {
@@ -24,17 +26,34 @@ struct DiagnosedRun {
   Diagnosis diagnosis;
 };
 
+/// One method, seed and iteration.
+struct PolicyRun {
+  Use use;
+  PolicyHistory history;
+};
+
+/// One method and seed; iteration 0: of the policy before any search.
+struct PolicyTestRun {
+  Use use;
+  PolicyTest test;
+};
+
 struct ReportData {
   const Plan& plan;
   sim::SimulatorInfo info;
-  std::vector<std::string> methods;  ///< in the study's order
+  std::vector<std::string> methods;  ///< that infer, in the study's order
   std::vector<std::uint64_t> seeds;
   std::vector<EvaluatedRun> runs;
   std::vector<BaselinePoint> baseline;
   std::vector<DiagnosedRun> diagnoses = {};  ///< where the study asks for any
+  std::vector<PolicyRun> policies = {};      ///< of a study with [policy], by iteration
+  std::vector<PolicyTestRun> policy_tests = {};
 
   /// Runs of the method, in the order of seeds: of its last round, or of `round` when that is > 0.
   std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;
+
+  /// Methods that have searched for a policy, in the study's order.
+  std::vector<std::string> policy_methods() const;
 
   /// Whether the method's samples differ in parameter d of the prior: some methods take parameters
   /// as known that others infer.

@@ -249,7 +249,7 @@ Table diagnostics_table(const ReportData& data) {
 std::optional<analysis::ReportSection> diagnostics_section(const ReportData& data,
                                                            const std::filesystem::path& folder) {
   const DiagnoseConfig& config = data.plan.study.diagnose;
-  if (config.checks.empty()) return std::nullopt;
+  if (config.checks.empty() || data.methods.empty()) return std::nullopt;
   analysis::ReportSection section{
       "Can the posteriors be trusted?", "", {diagnostics_table(data)}, {}};
   if (!drawn_methods_with(data, "sbc").empty())

@@ -38,8 +38,7 @@ struct Simulation {
 Simulation make_simulation(const Plan& plan, const Node& node) {
   Simulation simulation{plan, node, simulator_info(plan.study), {}};
   if (!plan.study.external.is_used()) {
-    const MethodConfig& method = plan.study.method(node.uses.front().method);
-    simulation.target = read_target(plan, node, method.num_rollouts);
+    simulation.target = read_seen_target(plan, node);
   }
   return simulation;
 }

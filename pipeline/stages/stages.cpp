@@ -38,6 +38,12 @@ void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& sha
     case Stage::diagnose:
       run_diagnose(plan, node);
       break;
+    case Stage::policy:
+      run_policy(plan, node);
+      break;
+    case Stage::policy_test:
+      run_policy_test(plan, node);
+      break;
     case Stage::report:
       run_report(plan, node);
       break;
@@ -53,8 +59,8 @@ bool is_complete(const Plan& plan, const Node& node) {
 void settle(const Plan& plan, const Node& node) {
   link_uses(plan, node);
   std::error_code ignored;
-  if (node.stage == Stage::infer) {
-    std::filesystem::remove(plan.work.checkpoint("infer", node.key), ignored);
+  if (node.stage == Stage::infer || node.stage == Stage::policy) {
+    std::filesystem::remove(plan.work.checkpoint(to_string(node.stage), node.key), ignored);
   }
 }
 

@@ -22,6 +22,10 @@ void run_baseline(const Plan& plan, const Node& node);
 void run_evaluate(const Plan& plan, const Node& node);
 /// Checks a method's posteriors of one seed.
 void run_diagnose(const Plan& plan, const Node& node);
+/// Searches for a policy under the posterior of an iteration.
+void run_policy(const Plan& plan, const Node& node);
+/// What a policy does in the target domain, and over the grid.
+void run_policy_test(const Plan& plan, const Node& node);
 void run_report(const Plan& plan, const Node& node);
 
 /// The stage of the node; throws what it throws.

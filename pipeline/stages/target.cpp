@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/random.h"
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/plan/schemas.h"
+#include "pipeline/stages/closed_loop.h"
+#include "pipeline/stages/policy_file.h"
 #include "pipeline/stages/row_simulator.h"
 #include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
@@ -54,6 +58,21 @@ void check_held_out(const Target& seen, const Target& held_out) {
   }
 }
 
+// The rollouts that inference has seen, and what the policy of the last iteration makes of the
+// simulated target domain.
+Target collect(const Plan& plan, const Node& node) {
+  const Use& use = node.uses.front();
+  const MethodConfig& method = plan.study.method(use.method);
+  const Use last{use.method, use.seed, 0, use.iteration - 1};
+  Target target = read_target(plan, node, num_rollouts_seen(method, last));
+  const Index count = target.num_rollouts() / std::max<Index>(1, last.iteration);
+  const Target more = collect_rollouts(
+      plan, target, read_policy(*plan.inputs(node, Stage::policy).front()), count,
+      {use.seed, "policy_rollouts", static_cast<std::uint64_t>(use.iteration), 0, 0});
+  target.rollouts.insert(target.rollouts.end(), more.rollouts.begin(), more.rollouts.end());
+  return target;
+}
+
 }  // namespace
 
 void run_target(const Plan& plan, const Node& node) {
@@ -62,6 +81,11 @@ void run_target(const Plan& plan, const Node& node) {
     write_observation(writer.file(), plan.study.target.observation
                                          ? plan.target
                                          : simulated_observation(plan, node));
+    writer.finish();
+    return;
+  }
+  if (!plan.inputs(node, Stage::policy).empty()) {
+    write_target(writer.file(), collect(plan, node));
     writer.finish();
     return;
   }

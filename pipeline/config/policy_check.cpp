@@ -1,0 +1,164 @@
+#include "pipeline/config/policy_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "core/text.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/toml_document.h"
+#include "sim/policy_task.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class PolicyChecker {
+ public:
+  PolicyChecker(const Study& study, const sim::SimulatorInfo* info, Reading& reading)
+      : study_(study), info_(info), reading_(reading) {}
+
+  void check() {
+    if (!study_.policy.is_used() || !reading_.good("policy.optimizer")) return;
+    check_optimizer();
+    if (!info_ || !has_task()) return;
+    check_initial();
+    check_model();
+    check_grid();
+  }
+
+ private:
+  void fail(const std::string& path, const std::string& found, const std::string& words) {
+    reading_.fail(path, must_be(display(path), found, words));
+  }
+
+  bool has_task();
+  void check_optimizer();
+  void check_initial();
+  void check_model();
+  void check_grid();
+  void check_axis(const std::string& path, const PolicyGridAxis& axis);
+  // nullptr, and the problem noted down, for a name that isn't a parameter of the simulator.
+  const sim::Parameter* find_parameter(const std::string& path, const std::string& name);
+  void check_value(const std::string& path, const sim::Parameter& parameter, double value);
+
+  const Study& study_;
+  const sim::SimulatorInfo* info_;
+  Reading& reading_;
+};
+
+bool PolicyChecker::has_task() {
+  const std::vector<std::string> able = sim::simulators_with_policy_task();
+  const bool is_able =
+      !study_.external.is_used() && std::ranges::count(able, study_.simulator.name) > 0;
+  if (is_able) return true;
+  const std::string found = study_.external.is_used() ? info_->name : study_.simulator.name;
+  reading_.fail("policy", fmt::format("policy needs simulator.name = '{}', found '{}': it has no "
+                                      "task for a policy",
+                                      join(able, "' or '"), found));
+  return false;
+}
+
+// Settings that a file gives on purpose; those of --set may be meant for others.
+void PolicyChecker::check_optimizer() {
+  const std::string& optimizer = study_.policy.optimizer;
+  const auto only_of = [&](const char* owner, const std::string& key) {
+    const std::string path = "policy." + key;
+    if (optimizer == owner || !reading_.has(path) || is_override(reading_.place(path))) return;
+    reading_.fail(path, fmt::format("{} must be left out: it means nothing to the optimizer '{}'",
+                                    path, optimizer));
+  };
+  only_of("power", "num_importance_samples");
+  only_of("cross_entropy", "elite_fraction");
+  only_of("cross_entropy", "smoothing");
+  const double initial = study_.policy.initial_std;
+  if (reading_.good("policy.min_std") && study_.policy.min_std > initial) {
+    fail("policy.min_std", fmt::format("{}", study_.policy.min_std),
+         fmt::format("<= policy.initial_std = {}", initial));
+  }
+}
+
+void PolicyChecker::check_initial() {
+  const auto task = sim::make_policy_task({.name = study_.simulator.name});
+  const auto& parameters = task->info().parameters;
+  std::vector<std::string> names;
+  for (const sim::PolicyParameter& parameter : parameters) names.push_back(parameter.name);
+  for (const auto& [name, value] : study_.policy.initial) {
+    const std::string path = "policy.initial." + name;
+    const auto found = std::ranges::find(parameters, name, &sim::PolicyParameter::name);
+    if (found == parameters.end()) {
+      reading_.fail(path, "policy.initial: " +
+                              unknown_name("parameter of the policy", shortened(name), names));
+    } else if (reading_.good(path) && found->log_scale && !(value > 0.0)) {
+      fail(path, fmt::format("{}", value), "> 0: its logarithm is searched");
+    }
+  }
+}
+
+const sim::Parameter* PolicyChecker::find_parameter(const std::string& path,
+                                                    const std::string& name) {
+  std::vector<std::string> names;
+  for (const sim::Parameter& parameter : info_->parameters) {
+    if (parameter.name == name) return &parameter;
+    names.push_back(parameter.name);
+  }
+  reading_.fail(path, fmt::format("{}: {}", display(path),
+                                  unknown_name("parameter", shortened(name), names)));
+  return nullptr;
+}
+
+void PolicyChecker::check_value(const std::string& path, const sim::Parameter& parameter,
+                                double value) {
+  if (value >= parameter.lower && value <= parameter.upper) return;
+  fail(path, fmt::format("{}", value),
+       fmt::format("between {} and {} {}", parameter.lower, parameter.upper, parameter.unit));
+}
+
+void PolicyChecker::check_model() {
+  for (const auto& [name, value] : study_.policy.model) {
+    const std::string path = "policy.model." + name;
+    const sim::Parameter* parameter = find_parameter(path, name);
+    if (parameter != nullptr && reading_.good(path)) check_value(path, *parameter, value);
+  }
+}
+
+void PolicyChecker::check_grid() {
+  const PolicyGrid& grid = study_.policy.grid;
+  if (!reading_.has("policy.grid.x") && !reading_.has("policy.grid.y")) return;
+  check_axis("policy.grid.x", grid.x);
+  check_axis("policy.grid.y", grid.y);
+  if (grid.is_used() && grid.x.parameter == grid.y.parameter) {
+    fail("policy.grid.y.parameter", quoted(grid.y.parameter), "another than policy.grid.x has");
+  }
+}
+
+void PolicyChecker::check_axis(const std::string& path, const PolicyGridAxis& axis) {
+  for (const char* key : {".parameter", ".range", ".values", ".steps"}) {
+    if (!reading_.good(path + key)) return;
+  }
+  if (!axis.is_used()) {
+    fail(path + ".parameter", "''", "a domain parameter of the simulator");
+    return;
+  }
+  const sim::Parameter* parameter = find_parameter(path + ".parameter", axis.parameter);
+  if (axis.range.empty() == axis.values.empty()) {
+    reading_.fail(path, fmt::format("{} has {} range = [low, high] {} values = [...], must have "
+                                    "one of them",
+                                    path, axis.range.empty() ? "neither" : "both",
+                                    axis.range.empty() ? "nor" : "and"));
+    return;
+  }
+  if (parameter == nullptr) return;
+  const std::string points = axis.values.empty() ? ".range" : ".values";
+  const std::vector<double> all = axis.points();
+  check_value(path + points, *parameter, all.front());
+  check_value(path + points, *parameter, all.back());
+}
+
+}  // namespace
+
+void check_policy(const Study& study, const sim::SimulatorInfo* info, Reading& reading) {
+  PolicyChecker(study, info, reading).check();
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,219 @@
+// Search for a policy that does well over what inference believes of the domain parameters.
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "inference/policy_search/policy_optimizer.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/run/progress.h"
+#include "pipeline/run/stop_request.h"
+#include "pipeline/stages/closed_loop.h"
+#include "pipeline/stages/policy_file.h"
+#include "pipeline/stages/posterior_file.h"
+#include "pipeline/stages/stage_files.h"
+#include "pipeline/stages/stages.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+StreamId stream_of(const Node& node, std::string_view name, Index iteration) {
+  const Use& use = node.uses.front();
+  return {use.seed, name, static_cast<std::uint64_t>(use.iteration), 0,
+          static_cast<std::uint64_t>(iteration)};
+}
+
+RowMatrix draw_prior(const Plan& plan, Index n, StreamId id) {
+  const inference::Prior prior(plan.study.prior);
+  RowMatrix theta(n, prior.dimension());
+  for (Index i = 0; i < n; ++i) {
+    id.row = static_cast<std::uint64_t>(i);
+    Stream stream(id);
+    theta.row(i) = prior.sample(stream).transpose();
+  }
+  return theta;
+}
+
+// Complete domain parameters (n, P) of what the method believes. Sample i depends on i alone.
+RowMatrix draw_domain_parameters(const Plan& plan, const Node& node, Index n) {
+  const StreamId id = stream_of(node, "policy_domain_parameters", 0);
+  const sim::SimulatorInfo info = sim::make_simulator(plan.study.simulator)->info();
+  const auto posteriors = plan.inputs(node, Stage::infer);
+  if (!posteriors.empty()) {
+    return complete_theta(plan, info, read_posterior(*posteriors.front())->sample(n, id));
+  }
+  return complete_theta(plan, info, draw_prior(plan, n, id));
+}
+
+bool is_nominal(const Plan& plan, const Node& node) {
+  return plan.study.method(node.uses.front().method).algorithm.name == "nominal";
+}
+
+inference::PolicySearchConfig search_config(const PolicyConfig& policy) {
+  return {.algorithm = policy.optimizer,
+          .population = policy.population,
+          .initial_std = policy.initial_std,
+          .min_std = policy.min_std,
+          .num_importance_samples = policy.num_importance_samples,
+          .elite_fraction = policy.elite_fraction,
+          .smoothing = policy.smoothing};
+}
+
+// What the candidates of an iteration are tried on: the same for all of them.
+struct Trials {
+  RowMatrix theta;           // (K, P)
+  RowMatrix initial_states;  // (S, C), each with every theta
+};
+
+class TrialSource {
+ public:
+  // Of iterations 0 to num_iterations: samples are drawn at once, since those of some posteriors
+  // come from Markov chains that have to settle first.
+  TrialSource(const Plan& plan, const Node& node, const sim::PolicyTask& task, Index num_iterations)
+      : node_(node), task_(task) {
+    const PolicyConfig& policy = plan.study.policy;
+    const Index k = policy.num_domain_parameters;
+    if (is_nominal(plan, node)) {
+      // One parameter vector: as many rollouts, each from an initial state of its own.
+      const sim::SimulatorInfo info = sim::make_simulator(plan.study.simulator)->info();
+      num_states_ = k * policy.num_initial_states;
+      theta_ = nominal_theta(plan.study, info, {}).transpose().replicate(num_iterations + 1, 1);
+    } else {
+      rows_ = k;
+      num_states_ = policy.num_initial_states;
+      theta_ = draw_domain_parameters(plan, node, k * (num_iterations + 1));
+    }
+  }
+
+  Trials of(Index iteration) const {
+    return {theta_.middleRows(iteration * rows_, rows_),
+            task_.initial_states(num_states_, stream_of(node_, "policy_states", iteration))};
+  }
+
+ private:
+  const Node& node_;
+  const sim::PolicyTask& task_;
+  Index rows_ = 1;
+  Index num_states_ = 0;
+  RowMatrix theta_;
+};
+
+class Search {
+ public:
+  Search(const Plan& plan, const Node& node)
+      : plan_(plan),
+        node_(node),
+        num_iterations_(plan.study.method(node.uses.front().method).policy_iterations),
+        task_(make_task(plan.study)),
+        trials_(plan, node, *task_, num_iterations_),
+        optimizer_(
+            inference::make_policy_optimizer(search_config(plan.study.policy), start_point())) {}
+
+  // Goes on from the checkpoint, where there is one. Returns the cost of the runs before.
+  Cost resume() {
+    const std::optional<PolicyCheckpoint> checkpoint = read_policy_checkpoint(plan_, node_);
+    if (!checkpoint) return {};
+    if (!fits(*checkpoint)) {
+      throw InputError(fmt::format("{}: not of this search; remove it and rerun stage 'policy'",
+                                   plan_.work.checkpoint("policy", node_.key).string()));
+    }
+    history_ = checkpoint->history;
+    optimizer_ =
+        inference::make_policy_optimizer(search_config(plan_.study.policy), checkpoint->optimizer);
+    earlier_ = checkpoint->cost;
+    return earlier_;
+  }
+
+  const PolicyHistory& run() {
+    Progress progress(node_.label(), num_iterations_);
+    for (Index t = history_.num_rows(); t < num_iterations_; ++t) {
+      iterate(t);
+      save();
+      // Saved before it is shown: who looks at the progress may be gone.
+      progress.update(t + 1, fmt::format("return {:.4g}", history_.mean_return(t)));
+      if (stop_requested()) {
+        throw Checkpointed(node_.label() + ": stopped on request, checkpoint written");
+      }
+    }
+    const RowMatrix last = from_search_space(optimizer_->current().transpose());
+    history_.add(last.row(0).transpose(), evaluate(last, num_iterations_), 0);
+    return history_;
+  }
+
+  const sim::PolicyTaskInfo& info() const { return task_->info(); }
+
+ private:
+  Vector start_point() const {
+    const auto earlier = plan_.inputs(node_, Stage::policy);
+    const Vector policy =
+        earlier.empty() ? first_policy(plan_.study, task_->info()) : read_policy(*earlier.front());
+    return sim::to_search_space(task_->info(), policy.transpose()).row(0).transpose();
+  }
+
+  bool fits(const PolicyCheckpoint& checkpoint) const {
+    const PolicyHistory& history = checkpoint.history;
+    const inference::PolicySearchState& state = checkpoint.optimizer;
+    const Index num_parameters = optimizer_->current().size(), rows = history.num_rows();
+    return rows <= num_iterations_ && history.policies.cols() == num_parameters &&
+           history.candidate_return.rows() == rows && state.iteration == rows &&
+           state.mean.size() == num_parameters &&
+           state.best_returns.size() <= plan_.study.policy.num_importance_samples;
+  }
+
+  RowMatrix from_search_space(const RowMatrix& points) const {
+    return sim::from_search_space(task_->info(), points);
+  }
+
+  sim::PopulationValues evaluate(const RowMatrix& policies, Index iteration) {
+    const Trials trials = trials_.of(iteration);
+    sim::PopulationValues values =
+        sim::evaluate_population(*task_, policies, trials.theta, trials.initial_states);
+    const Index possible = trials.theta.rows() - values.num_impossible;
+    history_.num_rollouts += policies.rows() * possible * trials.initial_states.rows();
+    history_.num_impossible += values.num_impossible;
+    return values;
+  }
+
+  // The current policy comes first, then the candidates.
+  void iterate(Index t) {
+    const RowMatrix points = optimizer_->ask(stream_of(node_, "policy_search", 0));
+    const RowMatrix policies = from_search_space(points);
+    const sim::PopulationValues values = evaluate(policies, t);
+    history_.add(policies.row(0).transpose(), values, 0);
+    history_.add_candidates(values.mean_return.tail(points.rows() - 1));
+    optimizer_->tell(points, values.mean_return);
+  }
+
+  void save() {
+    PolicyCheckpoint checkpoint{history_, optimizer_->state(), earlier_};
+    checkpoint.cost +=
+        cost_of_seconds(std::chrono::duration<double>(Clock::now() - start_).count());
+    write_policy_checkpoint(plan_, node_, checkpoint);
+  }
+
+  const Plan& plan_;
+  const Node& node_;
+  Index num_iterations_;
+  std::unique_ptr<sim::PolicyTask> task_;
+  TrialSource trials_;
+  std::unique_ptr<inference::PolicyOptimizer> optimizer_;
+  PolicyHistory history_;
+  Cost earlier_;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace
+
+void run_policy(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kPolicySchema, node.identity);
+  Search search(plan, node);
+  writer.add_cost(search.resume());
+  const PolicyHistory& history = search.run();
+  write_policy(writer.file(), plan, search.info(), history);
+  writer.finish();
+}
+
+}  // namespace npdr::pipeline

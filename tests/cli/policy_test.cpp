@@ -1,0 +1,289 @@
+#include <csignal>
+#include <cstdlib>
+
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Short rollouts and few candidates: what counts is that everything takes part. One method collects
+// rollouts with its policy and infers again, one infers nothing.
+std::string searched_study() {
+  return R"toml([study]
+name = "searched"
+seeds = [1, 2]
+[target]
+truth = { pole_mass = 0.02 }
+num_rollouts = 1
+[simulator]
+name = "furuta"
+segment_length = 200
+store_every = 25
+[prior]
+pole_mass = { uniform = [0.0168, 0.0312] }
+pole_length = { uniform = [0.1, 0.15] }
+[[method]]
+name = "Online"
+num_simulations = 60
+num_iterations = 2
+policy_iterations = 3
+embedding = { kind = "all_steps", downsample = 125 }
+density_estimator = { kind = "mdn", num_components = 2, hidden_features = 8 }
+training = { max_epochs = 5, batch_size = 20 }
+[[method]]
+name = "Randomised"
+algorithm = "prior"
+policy_iterations = 4
+[[method]]
+name = "Point"
+algorithm = "nominal"
+policy_iterations = 4
+[evaluate]
+num_samples = 20
+metrics = ["rmse"]
+[policy]
+population = 5
+num_domain_parameters = 4
+num_initial_states = 2
+num_test_states = 20
+num_steps = 150
+initial = { energy_gain = 20.0 }
+[policy.grid]
+x = { parameter = "pole_mass", range = [0.0168, 0.0312], steps = 3 }
+y = { parameter = "pole_length", values = [0.1, 0.15] }
+)toml";
+}
+
+class Policies : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
+    std::ofstream(file("searched.toml")) << searched_study();
+    setenv("OMP_NUM_THREADS", "1", 1);
+    const Outcome outcome = npdr({"run", "searched.toml", "--jobs", "1"});
+    unsetenv("OMP_NUM_THREADS");
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    run_output_ = outcome.out;
+    reference_ = digests(file("runs/searched"));
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static Outcome npdr(std::vector<std::string> words) {
+    words.insert(words.begin(), "npdr");
+    return run(folder_->path(), words);
+  }
+  static std::filesystem::path file(const std::string& name) { return folder_->path() / name; }
+
+  static TempFolder* folder_;
+  static std::string run_output_;
+  static std::map<std::string, std::string> reference_;
+};
+TempFolder* Policies::folder_ = nullptr;
+std::string Policies::run_output_;
+std::map<std::string, std::string> Policies::reference_;
+
+TEST_F(Policies, TheReportHasTablesAndFigures) {
+  const std::string table = text_of(file("runs/searched/tables/policy.md"));
+  for (const char* words :
+       {"| Online ", "| Randomised ", "| Point ", "return before", "return, seed means",
+        "success over the grid", "target rollouts", "policy rollouts", "upright within"}) {
+    EXPECT_NE(table.find(words), std::string::npos) << words << "\n" << table;
+  }
+  EXPECT_NE(run_output_.find("success over the grid"), std::string::npos) << run_output_;
+  // Rollouts: (3 iterations x 6 policies + 1) x 4 x 2, twice; once with 4 iterations; and so for
+  // the nominal parameters, whose rollouts all have their own initial states.
+  const std::string csv = text_of(file("runs/searched/tables/policy.csv"));
+  EXPECT_NE(csv.find(",2,120,304"), std::string::npos) << csv;
+  EXPECT_NE(csv.find(",0,0,200"), std::string::npos) << csv;
+  const std::string seeds = text_of(file("runs/searched/tables/policy_seeds.md"));
+  EXPECT_NE(seeds.find("| Point, 2 "), std::string::npos) << seeds;
+  EXPECT_NE(text_of(file("runs/searched/tables/policy_cost.md")).find("policy search"),
+            std::string::npos);
+  const std::string report = text_of(file("runs/searched/report.html"));
+  for (const char* words : {"Policies", "search iteration", "before any search"}) {
+    EXPECT_NE(report.find(words), std::string::npos) << words;
+  }
+  for (const char* name : {"policy_learning", "policy_grid_return", "policy_grid_success"}) {
+    for (const char* extension : {".svg", ".png", ".gp"}) {
+      EXPECT_TRUE(
+          std::filesystem::exists(file("runs/searched/figures") / (std::string(name) + extension)))
+          << name;
+    }
+  }
+}
+
+TEST_F(Policies, EveryArtefactHasALink) {
+  // target, baseline; of each seed the test before any search, with a link for each of 3 methods,
+  // and of Online 2 x (propose, simulate, infer, policy), a target, an evaluation and a test, of
+  // the two others a policy and a test.
+  EXPECT_EQ(reference_.size(), 2u + 2u * (3 + 2 * 4 + 1 + 1 + 1 + 2 * 2));
+  for (const char* name :
+       {"online/seed-1/iteration-2/target.h5", "online/seed-2/iteration-2/round-1/infer.h5",
+        "online/seed-1/iteration-2/policy_test.h5", "randomised/seed-2/iteration-1/policy.h5",
+        "point/seed-1/policy_test.h5"}) {
+    EXPECT_TRUE(reference_.contains(name)) << name;
+  }
+  const Outcome status = npdr({"status", "searched.toml"});
+  EXPECT_NE(status.out.find(" up to date;"), std::string::npos) << status.out;
+  EXPECT_NE(status.out.find("policy Online, seed 1, iteration 2"), std::string::npos);
+}
+
+TEST_F(Policies, SameBitsForAnyThreadCountAndShardSize) {
+  setenv("OMP_NUM_THREADS", "3", 1);
+  const Outcome outcome = npdr({"run", "searched.toml", "--work", "three", "--jobs", "3", "--set",
+                                "simulate.shard_size=17"});
+  unsetenv("OMP_NUM_THREADS");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(digests(file("three/searched")), reference_);
+}
+
+TEST_F(Policies, TheTablesOfTwoRunsAreTheSame) {
+  ASSERT_EQ(npdr({"run", "searched.toml", "--work", "again"}).status, 0);
+  for (const char* name : {"policy.csv", "policy_seeds.csv", "fit.csv"}) {
+    EXPECT_EQ(text_of(file("again/searched/tables") / name),
+              text_of(file("runs/searched/tables") / name))
+        << name;
+  }
+}
+
+// The words of a stage on the study, in a work folder of its own.
+std::vector<std::string> words_of(const std::string& program, const std::string& work) {
+  return {program, "searched.toml", "--work", work};
+}
+
+TEST_F(Policies, CanBeSearchedForByHand) {
+  for (int iteration = 1; iteration <= 2; ++iteration) {
+    for (const char* program : {"npdr-propose", "npdr-simulate", "npdr-infer", "npdr-policy"}) {
+      const Outcome outcome = run(folder_->path(), words_of(program, "hand"));
+      ASSERT_EQ(outcome.status, 0) << program << outcome.err;
+    }
+  }
+  for (const char* program : {"npdr-evaluate", "npdr-report"}) {
+    const Outcome outcome = run(folder_->path(), words_of(program, "hand"));
+    ASSERT_EQ(outcome.status, 0) << program << outcome.err;
+  }
+  EXPECT_EQ(digests(file("hand/searched")), reference_);
+}
+
+TEST_F(Policies, AnEarlyStartSaysWhatIsMissing) {
+  const Outcome outcome =
+      run(folder_->path(), {"npdr-policy", "searched.toml", "--work", "early", "--only", "Online"});
+  EXPECT_EQ(outcome.status, 0) << "the policy before any search can be tested";
+  const Outcome again =
+      run(folder_->path(), {"npdr-policy", "searched.toml", "--work", "early", "--only", "Online"});
+  EXPECT_EQ(again.status, 2);
+  EXPECT_NE(again.err.find("policy Online, seed 1, iteration 1 needs 'infer Online, seed 1, "
+                           "iteration 1, round 1', which isn't there; run npdr-infer"),
+            std::string::npos)
+      << again.err;
+}
+
+TEST_F(Policies, TestsCanBeVerified) {
+  const Outcome outcome =
+      npdr({"verify", "runs/searched/online/seed-1/iteration-2/policy_test.h5"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  // 20 initial states in the target domain and at 3 x 2 points of the grid.
+  EXPECT_NE(outcome.out.find("10 of 140 rows recomputed, 0 differ"), std::string::npos)
+      << outcome.out;
+}
+
+TEST_F(Policies, ValidateSaysHowMuchWorkASearchIs) {
+  const Outcome outcome = npdr({"validate", "searched.toml", "--quiet"});
+  EXPECT_NE(outcome.out.find("policies: 8 searches of 1408 rollouts together, 8 tests"),
+            std::string::npos)
+      << outcome.out;
+}
+
+TEST_F(Policies, AStudyWithoutASearchRemovesItsTables) {
+  const auto run_without = [&](const std::string& text) {
+    std::ofstream(file("searched2.toml")) << text;
+    return npdr({"run", "searched2.toml", "--work", "without"});
+  };
+  std::string text = searched_study();
+  ASSERT_EQ(run_without(text).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(file("without/searched/tables/policy.md")));
+  text = text.substr(0, text.find("[policy]"));
+  const std::size_t begin = text.find("[[method]]\nname = \"Randomised\"");
+  text.erase(begin, text.find("[evaluate]") - begin);
+  for (const char* line : {"num_iterations = 2\n", "policy_iterations = 3\n"}) {
+    text.erase(text.find(line), std::string(line).size());
+  }
+  const Outcome outcome = run_without(text);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* name : {"policy.md", "policy_seeds.csv", "policy_cost.tex"}) {
+    EXPECT_FALSE(std::filesystem::exists(file("without/searched/tables") / name)) << name;
+  }
+}
+
+TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
+  std::string text = searched_study();
+  const std::size_t begin = text.find("[[method]]\nname = \"Online\"");
+  text.erase(begin, text.find("[[method]]\nname = \"Randomised\"") - begin);
+  std::ofstream(file("alone.toml")) << text;
+  const Outcome outcome = npdr({"run", "alone.toml", "--work", "alone"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("| Randomised "), std::string::npos) << outcome.out;
+  EXPECT_FALSE(std::filesystem::exists(file("alone/searched/tables/fit.md")));
+}
+
+// A search that takes long, of one method and seed; it ends when it is told to.
+class LongSearch : public Policies {
+ protected:
+  static std::vector<std::string> words(const std::string& program, const std::string& work) {
+    return {program,   "searched.toml",
+            "--work",  work,
+            "--only",  "Randomised",
+            "--seeds", "1",
+            "--set",   "method.Randomised.policy_iterations=60",
+            "--set",   "policy.population=40"};
+  }
+  static std::string digest(const std::string& work) {
+    return content_digest(file(work + "/searched/randomised/seed-1/iteration-1/policy.h5"));
+  }
+  // How often a run was ended by `signal`, each a little later than the one before.
+  static int interrupt(int signal, const std::string& work) {
+    int count = 0;
+    for (int delay = 30; delay <= 900; delay += 60) {
+      const Program program(folder_->path(), words("npdr-policy", work));
+      std::this_thread::sleep_for(std::chrono::milliseconds(delay));
+      program.send(signal);
+      const Outcome outcome = program.wait();
+      EXPECT_TRUE(outcome.status == 0 || outcome.status == 75 || outcome.status == 128 + signal)
+          << outcome.status << outcome.err;
+      count += outcome.status == 0 ? 0 : 1;
+    }
+    return count;
+  }
+};
+
+TEST_F(LongSearch, GoesOnWithTheSameBits) {
+  ASSERT_EQ(run(folder_->path(), words("npdr-policy", "whole")).status, 0);
+  for (const int signal : {SIGKILL, SIGTERM}) {
+    const std::string work = "by-" + std::to_string(signal);
+    EXPECT_GT(interrupt(signal, work), 2) << "the search must take longer";
+    const Outcome last = run(folder_->path(), words("npdr-policy", work));
+    ASSERT_EQ(last.status, 0) << last.err;
+    EXPECT_EQ(digest(work), digest("whole")) << signal;
+    const std::filesystem::path cache = file(work) / ".cache/policy";
+    for (const auto& entry : std::filesystem::directory_iterator(cache)) {
+      EXPECT_EQ(entry.path().string().find("checkpoint"), std::string::npos) << entry.path();
+    }
+  }
+}
+
+TEST_F(LongSearch, StopsAtACheckpointThatTheStatusShows) {
+  std::vector<std::string> endless = words("npdr-policy", "stopped");
+  endless.insert(endless.end(), {"--set", "method.policy_iterations=100000"});
+  const Program program(folder_->path(), endless);
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  program.send(SIGTERM);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.status, 75) << outcome.err;
+  endless.front() = "npdr";
+  endless.insert(endless.begin() + 1, "status");
+  const Outcome status = run(folder_->path(), endless);
+  EXPECT_NE(status.out.find("checkpoint at iteration"), std::string::npos) << status.out;
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

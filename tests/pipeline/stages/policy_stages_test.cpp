@@ -1,0 +1,196 @@
+#include "core/error.h"
+#include "pipeline/config/study_reader.h"
+#include "pipeline/plan/schemas.h"
+#include "pipeline/stages/closed_loop.h"
+#include "pipeline/stages/policy_file.h"
+#include "pipeline/stages/policy_test_file.h"
+#include "pipeline/stages/stage_files.h"
+#include "pipeline/stages/stages.h"
+#include "tests/message_of.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr const char* kPolicies = R"toml([study]
+name = "policies"
+[target]
+truth = { pole_mass = 0.02 }
+num_rollouts = 2
+[simulator]
+name = "furuta"
+[prior]
+pole_mass = { uniform = [0.0168, 0.0312] }
+[[method]]
+name = "Randomised"
+algorithm = "prior"
+policy_iterations = 2
+[[method]]
+name = "Point"
+algorithm = "nominal"
+policy_iterations = 2
+[policy]
+population = 3
+num_domain_parameters = 2
+num_initial_states = 2
+num_test_states = 20
+num_steps = 60
+initial = { energy_gain = 20.0 }
+[policy.grid]
+x = { parameter = "pole_mass", range = [0.02, 0.03], steps = 2 }
+y = { parameter = "gravity", values = [9.0, 9.8, 10.0] }
+)toml";
+
+class PolicyStages : public ::testing::Test {
+ protected:
+  Plan plan(const std::vector<std::string>& overrides = {}) const {
+    return make_plan(parse_study(kPolicies, "p.toml", overrides), WorkFolder(folder_.path()));
+  }
+
+  TempFolder folder_;
+};
+
+double parameter(const Plan& plan, const RowMatrix& theta, Index row, const char* name) {
+  const auto info = sim::make_simulator(plan.study.simulator)->info();
+  return theta(row, sim::parameter_index(info, name));
+}
+
+TEST_F(PolicyStages, TheTargetComesFirstThenTheGridWithYFastest) {
+  const Plan p = plan();
+  const auto info = sim::make_simulator(p.study.simulator)->info();
+  const RowMatrix theta = tested_parameters(p.study, info);
+  ASSERT_EQ(theta.rows(), 1 + 2 * 3);
+  EXPECT_EQ(parameter(p, theta, 0, "pole_mass"), 0.02);
+  EXPECT_EQ(parameter(p, theta, 2, "pole_mass"), 0.02);
+  EXPECT_EQ(parameter(p, theta, 2, "gravity"), 9.8);
+  EXPECT_EQ(parameter(p, theta, 4, "pole_mass"), 0.03);
+  EXPECT_EQ(parameter(p, theta, 4, "gravity"), 9.0);
+  EXPECT_EQ(parameter(p, theta, 4, "pole_length"), parameter(p, theta, 0, "pole_length"));
+}
+
+TEST_F(PolicyStages, ASearchBeginsWithTheStudysPolicy) {
+  const Plan p = plan();
+  const auto task = make_task(p.study);
+  Vector expected = sim::initial_policy(task->info());
+  expected(1) = 20.0;  // energy_gain
+  EXPECT_EQ(first_policy(p.study, task->info()), expected);
+  EXPECT_EQ(task->info().num_steps, 60);
+}
+
+// Collected rollouts are what the simulator itself does from their first state under their actions.
+void expect_replays(const Plan& plan, const Target& collected) {
+  const auto simulator = sim::make_simulator(plan.study.simulator);
+  const Vector truth = nominal_theta(plan.study, simulator->info(), *plan.study.target.truth);
+  const sim::Trajectories replayed = simulator->replay(collected, truth.transpose());
+  for (Index h = 0; h < collected.num_rollouts(); ++h) {
+    const Rollout& rollout = collected.rollouts[static_cast<std::size_t>(h)];
+    const RowMatrix states = replayed.rollout(0, h).cast<double>();
+    const double error = (states - rollout.states.bottomRows(states.rows())).cwiseAbs().maxCoeff();
+    EXPECT_LT(error, 1e-4) << h;  // single precision of rates up to about 30 rad/s
+  }
+}
+
+TEST_F(PolicyStages, CollectedRolloutsAreLikeTheFirstOnes) {
+  const Plan p = plan();
+  const Target like = all_rollouts(p);
+  const auto task = make_task(p.study);
+  const Vector policy = first_policy(p.study, task->info());
+  const Target collected = collect_rollouts(p, like, policy, 3, {1, "policy_rollouts", 2, 0, 0});
+  collected.check("collected");
+  EXPECT_EQ(collected.num_rollouts(), 3);
+  EXPECT_EQ(collected.num_steps(), like.num_steps());
+  EXPECT_EQ(collected.rollouts[1].name, "iteration 2, rollout 2");
+  EXPECT_NE(collected.rollouts[0].states, collected.rollouts[1].states);
+  expect_replays(p, collected);
+  const Target again = collect_rollouts(p, like, policy, 1, {1, "policy_rollouts", 2, 0, 0});
+  EXPECT_EQ(again.rollouts[0].states, collected.rollouts[0].states) << "whatever the number";
+}
+
+TEST_F(PolicyStages, APolicyThatLeavesTheLimitsIsSwitchedOff) {
+  const Plan p = plan();
+  const Target like = all_rollouts(p);
+  const auto task = make_task(p.study, like.num_steps());
+  Vector policy = first_policy(p.study, task->info());
+  policy(2) = -50.0;  // the arm is pushed away from its centre
+  const Target collected = collect_rollouts(p, like, policy, 1, {1, "policy_rollouts", 2, 0, 0});
+  collected.check("collected");
+  const Rollout& rollout = collected.rollouts.front();
+  EXPECT_GT(rollout.states.col(0).cwiseAbs().maxCoeff(), 2.0) << "115 degrees";
+  EXPECT_NE(rollout.actions(0, 0), 0.0);
+  EXPECT_EQ(rollout.actions.bottomRows(100).cwiseAbs().maxCoeff(), 0.0);
+  expect_replays(p, collected);
+}
+
+TEST_F(PolicyStages, ASearchTellsHowItWent) {
+  const Plan p = plan();
+  const Node& node = p.node(Stage::policy, {"Randomised", 1, 0, 1});
+  run_stage(p, node);
+  const PolicyHistory history = read_policy_history(node);
+  ASSERT_EQ(history.num_rows(), 3) << "before each of two iterations, and after the last";
+  EXPECT_EQ(history.candidate_return.rows(), 2);
+  EXPECT_EQ(history.candidate_return.cols(), 3);
+  EXPECT_EQ(history.num_rollouts, (2 * (3 + 1) + 1) * 2 * 2);
+  EXPECT_EQ(history.policies.row(2), read_policy(node).transpose());
+  const auto task = make_task(p.study);
+  // By way of its logarithm and back.
+  EXPECT_LT((history.policies.row(0).transpose() - first_policy(p.study, task->info())).norm(),
+            1e-12);
+  EXPECT_NE(history.policies.row(0), history.policies.row(2));
+  EXPECT_GT(history.mean_return.minCoeff(), 0.0);
+  EXPECT_LE(history.mean_return.maxCoeff(), 60.0);
+}
+
+TEST_F(PolicyStages, ATestIsWhatThePolicyDoesFromItsStates) {
+  const Plan p = plan();
+  const Node& node = p.node(Stage::policy_test, {"Point", 1, 0, 0});
+  run_stage(p, node);
+  const PolicyTest test = read_policy_test(node.path, node.key);
+  ASSERT_TRUE(test.target && test.grid);
+  EXPECT_EQ(test.initial_states.rows(), 20);
+  EXPECT_EQ(test.grid->returns.rows(), 6);
+  const auto task = make_task(p.study);
+  EXPECT_EQ(test.policy, first_policy(p.study, task->info()));
+  const auto info = sim::make_simulator(p.study.simulator)->info();
+  const RowMatrix theta = tested_parameters(p.study, info);
+  const auto one = [&](Index point, Index state) {
+    return task->run(theta.row(point), test.initial_states.row(state), test.policy.transpose())
+        .returns(0);
+  };
+  EXPECT_EQ(test.target->returns(0, 7), one(0, 7));
+  EXPECT_EQ(test.grid->returns(4, 3), one(5, 3));
+}
+
+TEST_F(PolicyStages, WithARecordingThereIsTheGridAlone) {
+  const std::vector<std::string> recorded = {"target.recording=" + (folder_ / "r.h5").string()};
+  const Plan simulated = plan();
+  run_stage(simulated, simulated.node(Stage::target, {}));
+  std::filesystem::copy(simulated.node(Stage::target, {}).path, folder_ / "r.h5");
+  const Plan p = plan(recorded);
+  const Node& node = p.node(Stage::policy_test, {"Point", 1, 0, 0});
+  run_stage(p, node);
+  const PolicyTest test = read_policy_test(node.path, node.key);
+  EXPECT_FALSE(test.target);
+  ASSERT_TRUE(test.grid);
+  const Plan without = plan({recorded.front(), "policy.grid={}"});
+  EXPECT_THROW(without.node(Stage::policy_test, {"Point", 1, 0, 0}), InputError);
+}
+
+TEST_F(PolicyStages, ACheckpointOfSomethingElseIsNamed) {
+  const Plan p = plan();
+  const Node& node = p.node(Stage::policy, {"Randomised", 1, 0, 1});
+  PolicyCheckpoint checkpoint;
+  checkpoint.history.policies = RowMatrix::Zero(1, 2);
+  checkpoint.history.mean_return = checkpoint.history.success_rate =
+      checkpoint.history.completion_rate = Vector::Zero(1);
+  checkpoint.history.candidate_return = RowMatrix::Zero(1, 3);
+  checkpoint.optimizer = {1, Vector::Zero(2), RowMatrix::Identity(2, 2), RowMatrix::Zero(1, 2),
+                          Vector::Zero(1)};
+  write_policy_checkpoint(p, node, checkpoint);
+  const std::string message = message_of<InputError>([&] { run_stage(p, node); });
+  EXPECT_NE(message.find(p.work.checkpoint("policy", node.key).string()), std::string::npos)
+      << message;
+  EXPECT_NE(message.find("remove it and rerun stage 'policy'"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
