@@ -1,10 +1,11 @@
-/// Rollouts per second and thread of the ODE simulators.
+/// Rollouts per second and thread of the ODE simulators: replay, and closed loop with a policy.
 #include <benchmark/benchmark.h>
 #include <omp.h>
 
 #include <string>
 
 #include "core/random.h"
+#include "sim/policy_task.h"
 #include "sim/simulator.h"
 
 namespace npdr::sim {
@@ -37,6 +38,39 @@ void replay(benchmark::State& state, const std::string& name, const std::string&
                                      Counter::kIsIterationInvariantRate | Counter::kInvert);
 }
 
+// Closed loop over 1250 steps; argument: rows. The initial policy keeps the limits nearly always,
+// one that pushes the arm away ends all rollouts early.
+void closed_loop(benchmark::State& state, const std::string& integrator, double centring_gain) {
+  omp_set_num_threads(1);
+  const SimulatorConfig config{.name = "furuta", .integrator = integrator};
+  const auto task = make_policy_task(config);
+  const RowMatrix theta = random_thetas(*make_simulator(config), state.range(0));
+  const RowMatrix start = task->initial_states(theta.rows(), {1, "bench_sim"});
+  Vector policy = initial_policy(task->info());
+  policy(2) = centring_gain;
+  const RowMatrix policies = policy.transpose().replicate(theta.rows(), 1);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(task->run(theta, start, policies));
+  }
+  using benchmark::Counter;
+  state.counters["rollouts/s"] =
+      Counter(static_cast<double>(theta.rows()), Counter::kIsIterationInvariantRate);
+}
+
+BENCHMARK_CAPTURE(closed_loop, furuta_erk4, "erk4", 0.4)
+    ->ArgName("rows")
+    ->Arg(1)
+    ->Arg(128)
+    ->Arg(5200)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, furuta_erk4_ends_early, "erk4", -50.0)
+    ->ArgName("rows")
+    ->Arg(5200)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, furuta_cvode, "cvode", 0.4)
+    ->ArgName("rows")
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(replay, furuta_erk4, "furuta", "erk4")
     ->ArgNames({"rows", "store_every"})
     ->ArgsProduct({{1, 8, 128, 1024}, {1, 25}})
