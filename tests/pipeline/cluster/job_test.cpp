@@ -7,6 +7,7 @@
 
 #include "core/text.h"
 #include "pipeline/cluster/doomed_jobs.h"
+#include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/temp_folder.h"
@@ -216,6 +217,50 @@ TEST_F(Jobs, OfAnotherWorkFolderAreNotOurs) {
       parse_queued_tasks("40|0|RUNNING|None|n2|" + tag_of(plan_, jobs[1]).text()).front();
   EXPECT_EQ(tasks_of(plan_, {task}).size(), 1u);
   EXPECT_TRUE(tasks_of(other, {task}).empty());
+}
+
+TEST(PolicyJobs, TheNextIterationWaitsForTheRolloutsThatAPolicyCollects) {
+  const TempFolder folder;
+  const Plan plan = make_plan(parse_study(R"([study]
+name = "loop"
+[target]
+truth = {}
+[simulator]
+name = "furuta"
+[prior]
+pole_mass = { uniform = [0.01, 0.03] }
+[[method]]
+name = "NPE"
+num_iterations = 2
+[policy]
+[cluster.policy]
+cpus = 7
+)",
+                                          "s.toml"),
+                              WorkFolder(folder / "runs"));
+  const std::vector<Job> jobs =
+      make_jobs({plan, std::nullopt, std::vector<std::optional<InFlight>>(plan.nodes.size()),
+                 std::vector<Index>(plan.nodes.size(), 1), 1001});
+  const auto maker = [&](Stage stage, const Use& use) {
+    const auto node = static_cast<std::size_t>(&plan.node(stage, use) - plan.nodes.data());
+    return static_cast<std::size_t>(
+        std::ranges::find_if(
+            jobs,
+            [&](const Job& job) { return std::ranges::find(job.nodes, node) != job.nodes.end(); }) -
+        jobs.begin());
+  };
+  const auto waits_for = [&](std::size_t job, std::size_t other) {
+    return std::ranges::count(jobs[job].needs, other) == 1;
+  };
+  const std::size_t search = maker(Stage::policy, {"NPE", 1, 0, 1});
+  const std::size_t collection = maker(Stage::target, {"NPE", 1, 0, 2});
+  EXPECT_TRUE(waits_for(search, maker(Stage::infer, {"NPE", 1, 1, 1})));
+  EXPECT_TRUE(waits_for(collection, search));
+  EXPECT_TRUE(waits_for(maker(Stage::simulate, {"NPE", 1, 1, 2}), collection));
+  for (const Stage stage : {stage_of(plan, jobs[search]), Stage::policy_test}) {
+    EXPECT_EQ(resources_of(plan.study.cluster, stage).cpus, 7);
+  }
+  EXPECT_EQ(resources_of(plan.study.cluster, Stage::report).cpus, 1);
 }
 
 TEST(QueuedTasks, OfAnArrayThatWaitsStandInOneLine) {
