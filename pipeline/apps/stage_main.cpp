@@ -9,6 +9,7 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/run/child_process.h"
 #include "pipeline/run/stop_request.h"
+#include "pipeline/stages/simulation_file.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -77,7 +78,7 @@ void run_missing(const Plan& plan, const StageProgram& program, const StageArgum
     }
   }
   if (num_run > 0) return;
-  if (first_smaller != nullptr) run_stage(plan, *first_smaller, shard_numbers);
+  if (first_smaller != nullptr) require_shard(plan, *first_smaller, shard_numbers.front());
   if (first_waiting != nullptr) require_inputs(plan, *first_waiting);
   fmt::print("{}: nothing to do, all is up to date\n", program.name);
 }

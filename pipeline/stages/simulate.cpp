@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -158,10 +156,7 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
   Progress progress(node.label(), num_rows(plan, node));
   Index done = 0;
   for (const Index number : numbers) {
-    if (number < 0 || number >= static_cast<Index>(ranges.size())) {
-      throw InputError(fmt::format("--shard {}: {} has shards 0 to {}", number, node.label(),
-                                   ranges.size() - 1));
-    }
+    require_shard(plan, node, number);
     const RowRange rows = ranges[static_cast<std::size_t>(number)];
     const bool is_there = std::filesystem::exists(plan.work.shard(node.key, rows.begin, rows.end));
     if (!is_there) simulate_shard(simulation, source, rows, done, progress);

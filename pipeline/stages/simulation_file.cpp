@@ -161,6 +161,13 @@ void join_shards(const Plan& plan, const Node& node, const Target& target) {
   writer.finish();
 }
 
+void require_shard(const Plan& plan, const Node& node, Index number) {
+  const auto count = static_cast<Index>(shards(plan, node).size());
+  if (number >= 0 && number < count) return;
+  throw InputError(
+      fmt::format("--shard {}: {} has shards 0 to {}", number, node.label(), count - 1));
+}
+
 std::string too_many_failed(const Plan& plan, const Node& node, const h5::File& file) {
   const auto num_failed = file.attribute<Index>("num_failed");
   const Index n = num_rows(plan, node);

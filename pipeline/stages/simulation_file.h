@@ -35,6 +35,9 @@ Identity shard_identity(const Node& node, RowRange rows);
 /// Numbers of the shards that aren't there yet.
 std::vector<Index> missing_shards(const Plan& plan, const Node& node);
 
+/// Throws InputError unless the simulation `node` has a shard of this number.
+void require_shard(const Plan& plan, const Node& node, Index number);
+
 /// Joins the shards, all of which are there.
 void join_shards(const Plan& plan, const Node& node, const Target& target);
 

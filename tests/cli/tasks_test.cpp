@@ -39,7 +39,7 @@ std::size_t num_lines(const std::string& text) {
 TEST_F(Tasks, AreWhatCanBeMadeNow) {
   const Outcome first = npdr({"tasks", "small.toml"});
   EXPECT_EQ(first.status, 0) << first.err;
-  EXPECT_NE(first.out.find("npdr-propose' small.toml"), std::string::npos) << first.out;
+  EXPECT_NE(first.out.find("npdr-propose small.toml"), std::string::npos) << first.out;
   EXPECT_EQ(first.out.find("npdr-simulate"), std::string::npos) << "needs the proposals first";
   EXPECT_EQ(npdr({"run", "small.toml", "--until", "propose"}).status, 0);
   const std::vector<std::string> small_shards = {
