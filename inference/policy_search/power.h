@@ -1,7 +1,7 @@
 /// Policy learning by Weighting Exploration with the Returns (PoWER).
 ///
 /// Source: Kober and Peters 2011, "Policy search for motor primitives in robotics", Machine
-/// Learning 84, algorithm 4, with exploration of the parameters that is constant over a rollout:
+/// Learning 84, with exploration of the parameters that is constant over a rollout:
 /// the M-step of an expectation maximisation whose lower bound weighs rollouts by their return.
 /// With R_i clipped from below at min_return, B the num_importance_samples best policies of all
 /// iterations (importance sampling as there: the best rollouts are used again, the others are
