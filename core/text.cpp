@@ -58,9 +58,10 @@ std::vector<std::string> split(const std::string& text, char separator) {
 }
 
 std::optional<Index> parse_count(std::string_view text) {
-  Index value = -1;
+  if (text.starts_with('-')) return std::nullopt;
+  Index value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < 0) return std::nullopt;
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
 

@@ -141,13 +141,18 @@ bool Prior::contains(const Vector& theta) const {
   return true;
 }
 
-RowMatrix sample_prior(const Prior& prior, Index n, std::uint64_t seed, std::uint64_t round) {
+RowMatrix sample_prior(const Prior& prior, Index n, StreamId id) {
   RowMatrix theta(n, prior.dimension());
   for (Index i = 0; i < n; ++i) {
-    Stream stream({seed, "prior", round, static_cast<std::uint64_t>(i), 0});
+    id.row = static_cast<std::uint64_t>(i);
+    Stream stream(id);
     theta.row(i) = prior.sample(stream).transpose();
   }
   return theta;
+}
+
+RowMatrix sample_prior(const Prior& prior, Index n, std::uint64_t seed, std::uint64_t round) {
+  return sample_prior(prior, n, {seed, "prior", round, 0, 0});
 }
 
 }  // namespace npdr::inference

@@ -55,8 +55,9 @@ struct PolicyTaskConfig {
 
 /// Outcomes of n rollouts.
 struct PolicyRollouts {
-  Vector returns;                     ///< (n); NaN where the status isn't ok
-  std::vector<Index> num_steps;       ///< (n) steps that were rewarded; T: limits were kept
+  Vector returns;  ///< (n); NaN where the status isn't ok
+  std::vector<Index>
+      num_steps;  ///< (n) steps that were rewarded; T: limits were kept up to the last one
   std::vector<std::uint8_t> success;  ///< (n) 1 or 0
   /// (n) ok, or out_of_limits: domain parameters that are physically impossible. A state that
   /// leaves the task's limits, or diverges, is no such failure.

@@ -10,11 +10,6 @@ double log_det(const Eigen::MatrixXd& precision_factor) {
   return 2.0 * precision_factor.diagonal().array().log().sum();
 }
 
-// A component of q that is nearly flat in a direction where the proposal is as wide as the prior
-// has an A that rounding can make indefinite. Variances beyond 10^10 of the prior's count as that
-// much.
-constexpr double kSmallestPivot = 1e-10;
-
 std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
@@ -66,7 +61,8 @@ double MixtureCorrection::log_normaliser(const GaussianMixture& q,
                                   q.means[index(k)].dot(precision_times_mean));
     for (Index b = 0; b < num_blocks; ++b) {
       Product& product = products_[index(k * num_blocks + b)];
-      multiply(precision, precision_times_mean, blocks_[index(b)], gradient != nullptr, product);
+      multiply(q.precision_factors[index(k)], precision, precision_times_mean, blocks_[index(b)],
+               gradient != nullptr, product);
       product.log_mass += log_constant;
       log_masses.segment<kLanes>((k * num_blocks + b) * kLanes) = product.log_mass.matrix();
     }
@@ -81,7 +77,9 @@ double MixtureCorrection::log_normaliser(const GaussianMixture& q,
 }
 
 // Cholesky's A = L L', then L^-1, v = L^-T L^-1 b and A^-1 = L^-T L^-1, for all lanes at once.
-void MixtureCorrection::multiply(const Eigen::MatrixXd& precision,
+// As A - P is positive semidefinite, no pivot of A is smaller than that of P = U'U, the square of
+// U's: rounding makes it so where q is nearly flat and the proposal as wide as the prior.
+void MixtureCorrection::multiply(const Eigen::MatrixXd& factor, const Eigen::MatrixXd& precision,
                                  const Vector& precision_times_mean, const Block& block,
                                  bool with_covariance, Product& product) {
   const Index d = dimension_;
@@ -94,7 +92,7 @@ void MixtureCorrection::multiply(const Eigen::MatrixXd& precision,
       if (j < i) {
         at(factor_, i, j) = sum * at(inverse_factor_, j, j);
       } else {
-        sum = sum.max(kSmallestPivot);
+        sum = sum.max(factor(i, i) * factor(i, i));
         product.log_mass -= 0.5 * sum.log();
         at(inverse_factor_, i, i) = sum.rsqrt();
       }

@@ -6,9 +6,8 @@
 /// with the prior p(u) = N(0, I) (prior.h). With component precisions P_k of q and R_j of p~,
 ///   Z = sum_kj a_k b_j exp(g_kj),   A = P_k + R_j - I,   v = A^-1 (P_k mu_k + R_j m_j),
 ///   g_kj = (log|P_k| + log|R_j| - log|A| - mu_k' P_k mu_k - m_j' R_j m_j + v' A v) / 2.
-/// A is positive definite because the proposal is narrower_than_prior(), up to rounding: variances
-/// beyond 10^10 of the prior's count as that much. The terms log p~ and log p don't depend on the
-/// network and are left out of the loss.
+/// A is positive definite because the proposal is narrower_than_prior(). The terms log p~ and log p
+/// don't depend on the network and are left out of the loss.
 #pragma once
 
 #include <vector>
@@ -57,8 +56,9 @@ class MixtureCorrection {
   };
 
   Lanes& at(LaneArray& matrix, Index row, Index col) const;
-  void multiply(const Eigen::MatrixXd& precision, const Vector& precision_times_mean,
-                const Block& block, bool with_covariance, Product& product);
+  void multiply(const Eigen::MatrixXd& factor, const Eigen::MatrixXd& precision,
+                const Vector& precision_times_mean, const Block& block, bool with_covariance,
+                Product& product);
   void add_gradient(const GaussianMixture& q, Index k, double log_z,
                     GaussianMixtureGradient& gradient) const;
 

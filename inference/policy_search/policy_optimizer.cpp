@@ -115,12 +115,6 @@ void PolicyOptimizer::tell(const RowMatrix& policies, const Vector& returns) {
   ++state_.iteration;
 }
 
-RowMatrix PolicyOptimizer::finalists() const {
-  RowMatrix policies(1 + state_.best_policies.rows(), state_.mean.size());
-  policies << state_.mean.transpose(), state_.best_policies;
-  return policies;
-}
-
 // Of equal returns the older one stays.
 void PolicyOptimizer::remember_best(const RowMatrix& policies, const Vector& returns) {
   const Index known = state_.best_returns.size();

@@ -40,11 +40,6 @@ class PolicyOptimizer {
   void tell(const RowMatrix& policies, const Vector& returns);
 
   const Vector& current() const { return state_.mean; }
-
-  /// Policies worth comparing when a search ends, (1 + B, Q): the current one, then the best of all
-  /// iterations. Measure their returns anew, all alike, and keep the largest: the mean of several
-  /// good policies needn't be good, and the best of many measured returns was also lucky.
-  RowMatrix finalists() const;
   const PolicySearchState& state() const { return state_; }
 
  protected:

@@ -58,13 +58,17 @@ void run_missing(const Plan& plan, const StageProgram& program, const StageArgum
                  const std::vector<Index>& shard_numbers) {
   const Node* first_waiting = nullptr;
   const Node* first_smaller = nullptr;
+  bool any_has_shards = false;
   Index num_run = 0;
   for (const Stage stage : program.stages) {
     for (const Node& node : plan.nodes) {
       if (node.stage != stage || !uses_round(node, arguments.round)) continue;
+      const bool has_shards =
+          shard_numbers.empty() || !its_shards(plan, node, shard_numbers).empty();
+      any_has_shards = any_has_shards || has_shards;
       if (is_complete(plan, node)) {
         settle(plan, node);
-      } else if (!shard_numbers.empty() && its_shards(plan, node, shard_numbers).empty()) {
+      } else if (!has_shards) {
         if (first_smaller == nullptr) first_smaller = &node;
       } else if (has_inputs(plan, node)) {
         run_stage(plan, node, its_shards(plan, node, shard_numbers));
@@ -78,7 +82,8 @@ void run_missing(const Plan& plan, const StageProgram& program, const StageArgum
     }
   }
   if (num_run > 0) return;
-  if (first_smaller != nullptr) require_shard(plan, *first_smaller, shard_numbers.front());
+  if (!any_has_shards && first_smaller != nullptr)
+    require_shard(plan, *first_smaller, shard_numbers.front());
   if (first_waiting != nullptr) require_inputs(plan, *first_waiting);
   fmt::print("{}: nothing to do, all is up to date\n", program.name);
 }

@@ -45,7 +45,7 @@ std::filesystem::path jobs_folder(const Plan& plan) {
   return plan.work.study(plan.study.name) / "jobs";
 }
 
-// One write: lines of two programs don't mix.
+// One write, as a rule: lines of two programs don't mix.
 void append_to_ledger(const Plan& plan, const LedgerEntry& entry) {
   const std::filesystem::path path = ledger_of(plan);
   make_folder(path.parent_path());

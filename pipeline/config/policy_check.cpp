@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/toml_document.h"
@@ -118,7 +119,15 @@ void PolicyChecker::check_model() {
   for (const auto& [name, value] : study_.policy.model) {
     const std::string path = "policy.model." + name;
     const sim::Parameter* parameter = find_parameter(path, name);
-    if (parameter != nullptr && reading_.good(path)) check_value(path, *parameter, value);
+    if (parameter == nullptr || !reading_.good(path)) return;
+    check_value(path, *parameter, value);
+    if (!reading_.good(path)) return;
+  }
+  if (!reading_.good("simulator.parameters")) return;
+  try {
+    sim::make_policy_task(study_.simulator, {.model = study_.policy.model, .num_steps = 0});
+  } catch (const InputError& error) {
+    reading_.fail("policy.model", error.what());
   }
 }
 
@@ -146,6 +155,14 @@ void PolicyChecker::check_axis(const std::string& path, const PolicyGridAxis& ax
                                     "one of them",
                                     path, axis.range.empty() ? "neither" : "both",
                                     axis.range.empty() ? "nor" : "and"));
+    return;
+  }
+  if (axis.values.size() == 1) {
+    fail(path + ".values", "a list of 1", "a list of 2 or more");
+    return;
+  }
+  if (!axis.values.empty() && reading_.has(path + ".steps")) {
+    reading_.fail(path + ".steps", path + ".steps must be left out: it means nothing to values");
     return;
   }
   if (parameter == nullptr) return;

@@ -1,5 +1,6 @@
 #include "pipeline/plan/key_parts.h"
 
+#include "inference/algorithms/npe_c.h"
 #include "pipeline/config/method_settings.h"
 #include "pipeline/config/study_json.h"
 
@@ -61,6 +62,12 @@ Json inference_json(const MethodConfig& method) {
   for (const auto& [key, value] : all.items()) {
     if (is_part_of_posterior(method, key)) json[key] = value;
   }
+  // Raised when its bits change, which leaves the keys of other posteriors as they are.
+  constexpr int correction_version = 2;
+  const bool is_corrected =
+      method.algorithm.name == "npe_c" &&
+      inference::resolve_loss(method.algorithm, method.density_estimator) == "analytic";
+  if (is_corrected) json["correction_version"] = correction_version;
   return json;
 }
 

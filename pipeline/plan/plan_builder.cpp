@@ -105,7 +105,7 @@ Plan PlanBuilder::build() {
       if (selected(selection_.methods, method.name)) add_experiment(method, seed, target, results);
     }
   }
-  add_report(add_baseline(target), results);
+  add_report(target, add_baseline(target), results);
   return std::move(plan_);
 }
 
@@ -335,7 +335,7 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& us
   return add(Stage::diagnose, json, use, inputs);
 }
 
-void PlanBuilder::add_report(std::size_t baseline, const Results& results) {
+void PlanBuilder::add_report(std::size_t target, std::size_t baseline, const Results& results) {
   Json json = key_document(kReportSchema);
   json["study"] = study_json_;
   Inputs inputs = {{"baseline", baseline}};
@@ -351,6 +351,8 @@ void PlanBuilder::add_report(std::size_t baseline, const Results& results) {
   const std::size_t report = add(Stage::report, json, {}, inputs);
   // It shows of the targets and posteriors, too, which may be gone while evaluations are there.
   std::vector<std::size_t>& needs = plan_.nodes[report].needs;
+  note(needs, target);
+  if (held_out_) note(needs, *held_out_);
   for (const std::size_t evaluation : results.evaluations) {
     for (const std::size_t need : plan_.nodes[evaluation].needs) note(needs, need);
   }

@@ -65,7 +65,7 @@ class PlanBuilder {
   std::size_t add_evaluation(const Use& use, std::size_t target, std::size_t posterior);
   std::size_t add_diagnosis(const MethodConfig& method, const Use& use, std::size_t target,
                             const Rounds& rounds);
-  void add_report(std::size_t baseline, const Results& results);
+  void add_report(std::size_t target, std::size_t baseline, const Results& results);
 
   /// Adds a node, or another use to the node that has the same key.
   std::size_t add(Stage stage, nlohmann::ordered_json document, const Use& use,

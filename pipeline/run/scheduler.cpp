@@ -50,12 +50,27 @@ std::vector<std::string> stage_command(const SchedulerConfig& config, const Node
   return command;
 }
 
+namespace {
+
+// The policy of an earlier iteration collects what the next one infers from.
+bool comes_until(const Plan& plan, const Node& node, Stage until) {
+  if (node.stage <= until) return true;
+  if (node.stage != Stage::policy || until < Stage::infer) return false;
+  return std::ranges::any_of(plan.nodes, [&](const Node& other) {
+    return other.stage == Stage::target && std::ranges::any_of(other.needs, [&](std::size_t need) {
+             return &plan.nodes[need] == &node;
+           });
+  });
+}
+
+}  // namespace
+
 std::vector<const Node*> missing_nodes(const Plan& plan, std::optional<Stage> until) {
   std::vector<const Node*> missing;
   std::vector<bool> is_reachable;  // complete, or made before `until` ends
   for (const Node& node : plan.nodes) {
     const bool is_there = is_complete(plan, node);
-    const bool can_be_made = (!until || node.stage <= *until) &&
+    const bool can_be_made = (!until || comes_until(plan, node, *until)) &&
                              std::all_of(node.needs.begin(), node.needs.end(),
                                          [&](std::size_t need) { return is_reachable[need]; });
     is_reachable.push_back(is_there || can_be_made);

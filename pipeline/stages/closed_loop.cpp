@@ -10,6 +10,13 @@
 namespace npdr::pipeline {
 namespace {
 
+[[noreturn]] void fail_without_end(const std::string& name, std::string_view why) {
+  throw Error(
+      fmt::format("target.truth: '{}' under the searched policy has no end ({}); search for more "
+                  "iterations, or use more simulator.substeps",
+                  name, why));
+}
+
 // What the system does under `actions`, on its own from the first state: the states after step
 // `begin` in place of those of `rollout`.
 void continue_rollout(const sim::Simulator& simulator, const Vector& theta, const Target& like,
@@ -18,10 +25,7 @@ void continue_rollout(const sim::Simulator& simulator, const Vector& theta, cons
   alone.rollouts = {rollout};
   const sim::Trajectories replayed = simulator.replay(alone, theta.transpose());
   if (replayed.status.front() != sim::RolloutStatus::ok) {
-    throw Error(
-        fmt::format("target.truth: '{}' under the searched policy has no end ({}); search "
-                    "for more iterations, or use more simulator.substeps",
-                    rollout.name, sim::to_string(replayed.status.front())));
+    fail_without_end(rollout.name, sim::to_string(replayed.status.front()));
   }
   const auto states = replayed.rollout(0, 0);
   const Index left = rollout.num_steps() - begin;
@@ -31,6 +35,7 @@ void continue_rollout(const sim::Simulator& simulator, const Vector& theta, cons
 // A rollout of all steps, of one that may have ended early.
 Rollout complete_rollout(const sim::Simulator& simulator, const Vector& theta, const Target& like,
                          const Rollout& recorded, const std::string& name) {
+  if (!recorded.states.allFinite()) fail_without_end(name, "a state isn't finite");
   const Index steps = like.num_steps(), done = recorded.num_steps();
   Rollout rollout{name, RowMatrix::Zero(steps + 1, like.num_states()),
                   RowMatrix::Zero(steps, like.num_actions())};

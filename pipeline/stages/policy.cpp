@@ -26,17 +26,6 @@ StreamId stream_of(const Node& node, std::string_view name, Index iteration) {
           static_cast<std::uint64_t>(iteration)};
 }
 
-RowMatrix draw_prior(const Plan& plan, Index n, StreamId id) {
-  const inference::Prior prior(plan.study.prior);
-  RowMatrix theta(n, prior.dimension());
-  for (Index i = 0; i < n; ++i) {
-    id.row = static_cast<std::uint64_t>(i);
-    Stream stream(id);
-    theta.row(i) = prior.sample(stream).transpose();
-  }
-  return theta;
-}
-
 // Complete domain parameters (n, P) of what the method believes. Sample i depends on i alone.
 RowMatrix draw_domain_parameters(const Plan& plan, const Node& node, Index n) {
   const StreamId id = stream_of(node, "policy_domain_parameters", 0);
@@ -45,7 +34,8 @@ RowMatrix draw_domain_parameters(const Plan& plan, const Node& node, Index n) {
   if (!posteriors.empty()) {
     return complete_theta(plan, info, read_posterior(*posteriors.front())->sample(n, id));
   }
-  return complete_theta(plan, info, draw_prior(plan, n, id));
+  const inference::Prior prior(plan.study.prior);
+  return complete_theta(plan, info, inference::sample_prior(prior, n, id));
 }
 
 bool is_nominal(const Plan& plan, const Node& node) {

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
+#include <set>
+
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
 #include "pipeline/config/study_json.h"
@@ -107,6 +110,17 @@ void check_failed_rows_of_all(const Plan& plan) {
   }
 }
 
+// An earlier report may have had others, with figures that are no longer true.
+void remove_other_tables(const analysis::Report& report, const std::filesystem::path& folder) {
+  std::set<std::string> others = {"fit",   "features",   "rounds",      "densities",
+                                  "seeds", "parameters", "contraction", "diagnostics"};
+  others.insert(std::begin(kPolicyTables), std::end(kPolicyTables));
+  for (const analysis::ReportSection& section : report.sections) {
+    for (const analysis::Table& table : section.tables) others.erase(table.name);
+  }
+  for (const std::string& name : others) analysis::remove_table(name, folder);
+}
+
 }  // namespace
 
 void run_report(const Plan& plan, const Node& node) {
@@ -142,16 +156,7 @@ void run_report(const Plan& plan, const Node& node) {
       files.push_back(folder / "tables" / (table.name + ".md"));
     }
   }
-  // An earlier report may have had them, with figures that are no longer true.
-  if (!shows_rounds(plan.study)) analysis::remove_table("rounds", folder / "tables");
-  if (!plan.study.external.command) analysis::remove_table("features", folder / "tables");
-  if (plan.study.external.dataset || data.methods.empty()) {
-    analysis::remove_table("fit", folder / "tables");
-  }
-  if (plan.study.diagnose.checks.empty()) analysis::remove_table("diagnostics", folder / "tables");
-  if (!plan.study.policy.is_used()) {
-    for (const char* name : kPolicyTables) analysis::remove_table(name, folder / "tables");
-  }
+  remove_other_tables(report, folder / "tables");
   analysis::write_report(report, report_path(plan));
   mark_report(node, files);
 }

@@ -104,6 +104,7 @@ Table densities_table(const ReportData& data) {
   return table;
 }
 
+// Densities of fewer parameters can't be compared with those of all.
 void note_known_parameters(Table& table, const ReportData& data) {
   for (const std::string& method : data.methods) {
     std::vector<std::string> known;
@@ -117,6 +118,7 @@ void note_known_parameters(Table& table, const ReportData& data) {
   }
 }
 
+// A reference may also set what the posterior takes for known.
 void note_fixed_parameters(Table& table, const ReportData& data) {
   const auto& prior = data.plan.study.prior;
   for (const ReferenceConfig& reference : data.plan.study.references) {

@@ -24,7 +24,7 @@ TEST(Text, SplitsAtASeparator) {
 
 TEST(Text, CountsAreDigitsOnly) {
   EXPECT_EQ(parse_count("17"), 17);
-  for (const char* text : {"", "-1", "+1", "1 ", "0x1", "1.5", "99999999999999999999"}) {
+  for (const char* text : {"", "-1", "-0", "+1", "1 ", "0x1", "1.5", "99999999999999999999"}) {
     EXPECT_FALSE(parse_count(text)) << text;
   }
 }

@@ -151,9 +151,6 @@ TEST_P(EveryOptimizer, RemembersTheBestPolicyOfAllIterations) {
   optimizer->tell(second, Vector::Constant(26, 1.0));
   EXPECT_EQ(optimizer->state().best_returns(0), 100.0);
   EXPECT_EQ(optimizer->state().best_policies.row(0), first.row(7));
-  const RowMatrix finalists = optimizer->finalists();
-  EXPECT_EQ(finalists.row(0), optimizer->current().transpose());
-  EXPECT_EQ(finalists.bottomRows(finalists.rows() - 1), optimizer->state().best_policies);
 }
 
 TEST_P(EveryOptimizer, WhatDoesntFitIsAnError) {
