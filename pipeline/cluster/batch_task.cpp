@@ -91,14 +91,15 @@ class Mark {
 
 bool is_first_attempt() { return std::getenv("SLURM_RESTART_COUNT") == nullptr; }
 
-// Slurm ends this process once the job is queued again: an exit status before that would count.
+// Slurm ends this process once the job is queued again, at any instant from then on: an exit status
+// before that would count.
 void queue_again() {
   std::signal(SIGTERM, SIG_DFL);
+  say("npdr task: asks to be queued again");
   if (!succeeds(requeue_command(slurm_task_id()))) {
     say("npdr task: Slurm doesn't queue this job again; 'npdr submit' goes on where it stopped");
     return;
   }
-  say("npdr task: queued again");
   constexpr unsigned patience = 10;  // [s]
   sleep(patience);
 }

@@ -204,7 +204,8 @@ TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
   EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", task}).status, 0);
   cluster_->wait_until("for a checkpoint", [&] { return has_checkpoint(); });
   cluster_->wait_until_idle();
-  EXPECT_TRUE(has(text_of(log_of(task)), "npdr task: queued again")) << text_of(log_of(task));
+  EXPECT_TRUE(has(text_of(log_of(task)), "npdr task: asks to be queued again"))
+      << text_of(log_of(task));
   expect_bits_of_a_local_run();
 }
 
