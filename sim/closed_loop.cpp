@@ -11,8 +11,6 @@ namespace {
 // the same policy, and a policy that leaves the limits tends to do it everywhere.
 constexpr Index kStepsPerCheck = 50;
 
-Index count(const std::vector<Channel>& channels) { return static_cast<Index>(channels.size()); }
-
 }  // namespace
 
 BatchClosedLoop::BatchClosedLoop(const OdeModel& model, const ControlTask& task, Index num_steps,
@@ -24,7 +22,8 @@ BatchClosedLoop::BatchClosedLoop(const OdeModel& model, const ControlTask& task,
       num_steps_(num_steps),
       policies_(lanes_of(policies)),
       state_(lanes_of(initial_states)) {
-  const Index lanes = state_.cols(), channels = count(model.info().action_channels);
+  const Index lanes = state_.cols(),
+              channels = static_cast<Index>(model.info().action_channels.size());
   constants_.setZero(model.num_constants(), lanes);
   commanded_.setZero(channels, lanes);
   applied_.setZero(channels, lanes);

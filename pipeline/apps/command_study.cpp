@@ -33,7 +33,7 @@ void print_policy_searches(const Plan& plan) {
     if (node.stage != Stage::policy) continue;
     ++searches;
     const Index iterations = plan.study.method(node.uses.front().method).policy_iterations;
-    rollouts += (iterations * (policy.population + 1) + 1) * trials;
+    rollouts += (iterations * (policy.search.population + 1) + 1) * trials;
   }
   fmt::print("policies: {} searches of {} rollouts together, {} tests\n", searches, rollouts,
              tests);

@@ -72,9 +72,9 @@ void PolicyChecker::check_optimizer() {
   only_of("power", "num_importance_samples");
   only_of("cross_entropy", "elite_fraction");
   only_of("cross_entropy", "smoothing");
-  const double initial = study_.policy.initial_std;
-  if (reading_.good("policy.min_std") && study_.policy.min_std > initial) {
-    fail("policy.min_std", fmt::format("{}", study_.policy.min_std),
+  const double initial = study_.policy.search.initial_std;
+  if (reading_.good("policy.min_std") && study_.policy.search.min_std > initial) {
+    fail("policy.min_std", fmt::format("{}", study_.policy.search.min_std),
          fmt::format("<= policy.initial_std = {}", initial));
   }
 }
@@ -116,18 +116,18 @@ void PolicyChecker::check_value(const std::string& path, const sim::Parameter& p
 }
 
 void PolicyChecker::check_model() {
+  bool is_sound = reading_.good("simulator.parameters");
   for (const auto& [name, value] : study_.policy.model) {
     const std::string path = "policy.model." + name;
     const sim::Parameter* parameter = find_parameter(path, name);
-    if (parameter == nullptr || !reading_.good(path)) return;
-    check_value(path, *parameter, value);
-    if (!reading_.good(path)) return;
+    if (parameter != nullptr && reading_.good(path)) check_value(path, *parameter, value);
+    is_sound = is_sound && parameter != nullptr && reading_.good(path);
   }
-  if (!reading_.good("simulator.parameters")) return;
+  if (!is_sound) return;
   try {
     sim::make_policy_task(study_.simulator, {.model = study_.policy.model, .num_steps = 0});
   } catch (const InputError& error) {
-    reading_.fail("policy.model", error.what());
+    reading_.fail("policy.model", fmt::format("policy.model: {}", error.what()));
   }
 }
 

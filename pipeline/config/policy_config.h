@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/types.h"
+#include "inference/policy_search/policy_search_config.h"
 
 namespace npdr::pipeline {
 
@@ -30,18 +31,13 @@ struct PolicyGrid {
 
 struct PolicyConfig {
   std::string optimizer;                  ///< a name of policy_optimizer_names(); "": no search
-  Index population = 25;                  ///< candidates per search iteration
   Index num_domain_parameters = 50;       ///< that each candidate is tried on, per iteration
   Index num_initial_states = 4;           ///< of each of them
   Index num_test_states = 100;            ///< initial states of a policy's test
   Index num_steps = 0;                    ///< of a rollout; 0: the simulator's own
   std::map<std::string, double> initial;  ///< policy parameters that begin elsewhere
   std::map<std::string, double> model;    ///< of the policy's own model: what isn't nominal
-  double initial_std = 2.0;               ///< of the exploration, in the search's coordinates
-  double min_std = 0.02;                  ///< it never falls below
-  Index num_importance_samples = 10;      ///< "power": the best rollouts that count
-  double elite_fraction = 0.25;           ///< "cross_entropy": candidates that count
-  double smoothing = 0.7;                 ///< "cross_entropy": weight of the new distribution
+  inference::PolicySearchConfig search;   ///< its algorithm and num_iterations stand elsewhere
   PolicyGrid grid;
 
   bool is_used() const { return !optimizer.empty(); }

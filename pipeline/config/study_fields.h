@@ -294,7 +294,7 @@ template <class Fields>
 void describe(Fields& f, PolicyConfig& c) {
   f("optimizer", c.optimizer, optimizer_constraint(),
     "how policies are searched for; \"power\" in a [policy] without this key");
-  f("population", c.population, between(2, 100'000), "candidates per search iteration");
+  f("population", c.search.population, between(2, 100'000), "candidates per search iteration");
   f("num_domain_parameters", c.num_domain_parameters, between(1, 1'000'000),
     "posterior samples that each candidate is tried on, fresh ones in each iteration");
   f("num_initial_states", c.num_initial_states, between(1, 1'000'000),
@@ -306,14 +306,14 @@ void describe(Fields& f, PolicyConfig& c) {
     "parameters of the policy that don't begin at the simulator's own values");
   f("model", c.model, anything<std::map<std::string, double>>(),
     "domain parameters that the policy believes in, in place of the nominal ones");
-  f("initial_std", c.initial_std, positive(),
+  f("initial_std", c.search.initial_std, positive(),
     "deviation of the first candidates, in the coordinates of the search");
-  f("min_std", c.min_std, positive(), "it never falls below, in any direction");
-  f("num_importance_samples", c.num_importance_samples, between(1, 100'000),
+  f("min_std", c.search.min_std, positive(), "it never falls below, in any direction");
+  f("num_importance_samples", c.search.num_importance_samples, between(1, 100'000),
     "the best candidates so far, of which the next policy is made (\"power\" only)");
-  f("elite_fraction", c.elite_fraction, quantile_constraint(),
+  f("elite_fraction", c.search.elite_fraction, quantile_constraint(),
     "share of the candidates of which the next policy is made (\"cross_entropy\" only)");
-  f("smoothing", c.smoothing, quantile_constraint(),
+  f("smoothing", c.search.smoothing, quantile_constraint(),
     "weight of the new distribution against the old one (\"cross_entropy\" only)");
   f.table("grid", "domain parameters that policies are tested on", [&](auto& grid) {
     grid.table("x", "one axis of the grid", [&](auto& t) { describe(t, c.grid.x); });

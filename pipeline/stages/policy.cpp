@@ -43,13 +43,9 @@ bool is_nominal(const Plan& plan, const Node& node) {
 }
 
 inference::PolicySearchConfig search_config(const PolicyConfig& policy) {
-  return {.algorithm = policy.optimizer,
-          .population = policy.population,
-          .initial_std = policy.initial_std,
-          .min_std = policy.min_std,
-          .num_importance_samples = policy.num_importance_samples,
-          .elite_fraction = policy.elite_fraction,
-          .smoothing = policy.smoothing};
+  inference::PolicySearchConfig config = policy.search;
+  config.algorithm = policy.optimizer;
+  return config;
 }
 
 // What the candidates of an iteration are tried on: the same for all of them.
@@ -150,7 +146,7 @@ class Search {
     return rows <= num_iterations_ && history.policies.cols() == num_parameters &&
            history.candidate_return.rows() == rows && state.iteration == rows &&
            state.mean.size() == num_parameters &&
-           state.best_returns.size() <= plan_.study.policy.num_importance_samples;
+           state.best_returns.size() <= plan_.study.policy.search.num_importance_samples;
   }
 
   RowMatrix from_search_space(const RowMatrix& points) const {

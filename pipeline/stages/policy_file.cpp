@@ -117,15 +117,10 @@ void write_policy_checkpoint(const Plan& plan, const Node& node,
 }
 
 std::optional<PolicyCheckpoint> read_policy_checkpoint(const Plan& plan, const Node& node) {
-  const std::filesystem::path path = plan.work.checkpoint("policy", node.key);
-  try {
-    const h5::File file = open_artefact(path, kPolicyCheckpointSchema, node.key);
-    return PolicyCheckpoint{read_history(file), read_state(file), provenance_of(file).cost};
-  } catch (const InputError&) {
-    // Another run removes it when it has finished the same search.
-    if (std::filesystem::exists(path)) throw;
-    return std::nullopt;
-  }
+  const auto file = open_artefact_if_there(plan.work.checkpoint("policy", node.key),
+                                           kPolicyCheckpointSchema, node.key);
+  if (!file) return std::nullopt;
+  return PolicyCheckpoint{read_history(*file), read_state(*file), provenance_of(*file).cost};
 }
 
 }  // namespace npdr::pipeline

@@ -248,23 +248,9 @@ void write_checkpoint(const Plan& plan, const Node& node, const inference::Train
   writer.finish();
 }
 
-namespace {
-
-// Empty: there is none. Another run removes it when it has finished the same training.
-std::optional<h5::File> open_checkpoint(const Plan& plan, const Node& node) {
-  const std::filesystem::path path = plan.work.checkpoint("infer", node.key);
-  try {
-    return open_artefact(path, kCheckpointSchema, node.key);
-  } catch (const InputError&) {
-    if (std::filesystem::exists(path)) throw;
-    return std::nullopt;
-  }
-}
-
-}  // namespace
-
 Checkpoint read_checkpoint(const Plan& plan, const Node& node) {
-  const std::optional<h5::File> opened = open_checkpoint(plan, node);
+  const std::optional<h5::File> opened =
+      open_artefact_if_there(plan.work.checkpoint("infer", node.key), kCheckpointSchema, node.key);
   if (!opened) return {};
   const h5::File& file = *opened;
   Checkpoint checkpoint{.training = {}, .cost = provenance_of(file).cost};

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace npdr::pipeline {
 
 using analysis::Cell;
@@ -28,6 +30,15 @@ Cell cell_of(Table& table, const analysis::Summary& summary) {
                                    summary.n_failed, summary.n + summary.n_failed)));
   }
   return cell;
+}
+
+Index add_round_columns(analysis::Table& table, const ReportData& data) {
+  Index most_rounds = 0;
+  for (const EvaluatedRun& run : data.runs) most_rounds = std::max(most_rounds, run.use.round);
+  for (Index round = 1; round <= most_rounds; ++round) {
+    table.columns.push_back({fmt::format("round {}", round), false});
+  }
+  return most_rounds;
 }
 
 }  // namespace npdr::pipeline

@@ -8,6 +8,7 @@
 
 #include "core/text.h"
 #include "inference/prior.h"
+#include "pipeline/stages/report_cells.h"
 #include "pipeline/stages/stage_files.h"
 
 namespace npdr::pipeline {
@@ -85,11 +86,7 @@ Table densities_table(const ReportData& data) {
   table.row_header = "Method, parameters";
   table.command = data.plan.command;
   table.columns.push_back({"prior", false});
-  Index most_rounds = 0;
-  for (const EvaluatedRun& run : data.runs) most_rounds = std::max(most_rounds, run.use.round);
-  for (Index round = 1; round <= most_rounds; ++round) {
-    table.columns.push_back({fmt::format("round {}", round), false});
-  }
+  const Index most_rounds = add_round_columns(table, data);
   for (const Point& point : points_of(data)) {
     for (const std::string& method : data.methods) {
       Row row{fmt::format("{}, {}", method, point.name), {prior_cell(data, point)}};

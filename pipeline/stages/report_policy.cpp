@@ -258,7 +258,7 @@ std::string prose_of(const ReportData& data) {
   return fmt::format(
       "{}; searched for by {}: {} candidates an iteration, each on {} samples of what the method "
       "believes and {} initial states.",
-      make_task(data.plan.study)->info().policy, policy.optimizer, policy.population,
+      make_task(data.plan.study)->info().policy, policy.optimizer, policy.search.population,
       policy.num_domain_parameters, policy.num_initial_states);
 }
 

@@ -182,11 +182,7 @@ Table rounds_table(const ReportData& data) {
   table.caption = title_of(data, metric) + " of posterior samples after each round, all seeds.";
   table.row_header = "Method";
   table.command = data.plan.command;
-  Index most_rounds = 0;
-  for (const EvaluatedRun& run : data.runs) most_rounds = std::max(most_rounds, run.use.round);
-  for (Index round = 1; round <= most_rounds; ++round) {
-    table.columns.push_back({fmt::format("round {}", round), false});
-  }
+  const Index most_rounds = add_round_columns(table, data);
   for (const std::string& method : data.methods) {
     Row row{method, {}};
     for (Index round = 1; round <= most_rounds; ++round) {

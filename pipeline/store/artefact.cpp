@@ -185,6 +185,16 @@ h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
   return file;
 }
 
+std::optional<h5::File> open_artefact_if_there(const std::filesystem::path& path,
+                                               const Schema& schema, const std::string& key) {
+  try {
+    return open_artefact(path, schema, key);
+  } catch (const InputError&) {
+    if (std::filesystem::exists(path)) throw;
+    return std::nullopt;
+  }
+}
+
 ArtefactInfo read_artefact_info(const std::filesystem::path& path) {
   const h5::File file = open_undamaged(path);
   require_complete(file);

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "core/atomic_file.h"
@@ -96,6 +97,11 @@ class ArtefactWriter {
   AtomicFile atomic_;
   h5::File file_;
 };
+
+/// open_artefact() of a file that may not be there, such as a checkpoint, which another process may
+/// remove at any instant.
+std::optional<h5::File> open_artefact_if_there(const std::filesystem::path& path,
+                                               const Schema& schema, const std::string& key);
 
 /// Opens a complete artefact of this schema, and of this key when that isn't empty. Throws
 /// InputError otherwise: says what was found, what is expected and which stage to rerun.

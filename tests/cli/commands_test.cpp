@@ -111,6 +111,7 @@ TEST_F(Commands, AReportWithoutTheRoundsRemovesTheirTable) {
   EXPECT_TRUE(std::filesystem::exists(file("runs/small/tables/rounds.md")));
   ASSERT_EQ(npdr({"run", "small.toml", "--set", "evaluate.rounds=last"}).status, 0);
   EXPECT_FALSE(std::filesystem::exists(file("runs/small/tables/rounds.md")));
+  EXPECT_FALSE(std::filesystem::exists(file("runs/small/tables/densities.md")));
   npdr({"run", "small.toml"});  // as the other tests expect it
 }
 

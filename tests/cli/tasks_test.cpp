@@ -72,6 +72,11 @@ TEST_F(Tasks, SimulationsMayHaveDifferentNumbersOfShards) {
     return run(folder_.path(), words);
   };
   ASSERT_EQ(call({"npdr", "run"}, {"--until", "propose"}).status, 0);
+  // An array that is submitted again: what shard 3 belongs to is there, what isn't has no such
+  // shard.
+  ASSERT_EQ(call({"npdr-simulate"}, {"--round", "1", "--only", "NPDR (MoG)"}).status, 0);
+  EXPECT_EQ(call({"npdr-simulate"}, {"--round", "1", "--shard", "3"}).status, 0);
+  std::filesystem::remove_all(folder_ / "runs/.cache/simulate");
   for (const char* shards : {"0-2", "3-5"}) {
     const Outcome outcome = call({"npdr-simulate"}, {"--round", "1", "--shard", shards});
     EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/store/recording.h"
+#include "tests/pipeline/plan/plan_parts.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -38,14 +39,6 @@ density_estimator = { kind = "mdn" }
 
 Plan plan_of(const std::vector<std::string>& overrides = {}, const Selection& selection = {}) {
   return make_plan(parse_study(kStudy, "two.toml", overrides), WorkFolder("runs"), selection);
-}
-
-std::set<std::string> keys(const Plan& plan, Stage stage) {
-  std::set<std::string> found;
-  for (const Node& node : plan.nodes) {
-    if (node.stage == stage) found.insert(node.key);
-  }
-  return found;
 }
 
 TEST(Plan, EveryNodeComesAfterWhatItNeeds) {
@@ -223,10 +216,6 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
       "states of a rollout are left");
 }
 
-Index count(const Plan& plan, Stage stage) {
-  return std::ranges::count(plan.nodes, stage, &Node::stage);
-}
-
 TEST(Plan, MethodsShareTheSimulationsOfCalibration) {
   const Plan without = plan_of(), with = plan_of({"diagnose={}"});
   EXPECT_EQ(count(without, Stage::diagnose), 0);
@@ -282,12 +271,6 @@ TEST(Plan, KeysOfStudiesWithoutPoliciesStay) {
             "f001fe5da722c3ffa300990025b72b7e");
 }
 
-std::vector<Stage> inputs_of(const Plan& plan, const Node& node) {
-  std::vector<Stage> stages;
-  for (const std::size_t i : node.needs) stages.push_back(plan.nodes[i].stage);
-  return stages;
-}
-
 // What a population needs of the rounds before the last is in the last one's posterior.
 TEST(Plan, APopulationNeedsTheLastRoundAlone) {
   const Plan plan = plan_of({"method.\"A\".algorithm=abc_smc", "method.\"A\".num_rounds=3"});
@@ -341,140 +324,6 @@ algorithm = "linear_regression"
   EXPECT_NE(key("method.linear_regression.window=7"), infer.key);
   EXPECT_EQ(key("observation_noise.scale=0.3"), infer.key);
   EXPECT_EQ(key("method.num_rounds=4"), infer.key);
-}
-
-constexpr const char* kLoop = R"toml(
-[study]
-name = "loop"
-seeds = [1, 2]
-[target]
-truth = { pole_mass = 0.02 }
-num_rollouts = 2
-[simulator]
-name = "furuta"
-[prior]
-pole_mass = { uniform = [0.01, 0.03] }
-[[method]]
-name = "once"
-num_simulations = 100
-[[method]]
-name = "online"
-num_simulations = 100
-num_iterations = 3
-policy_iterations = 1
-[[method]]
-name = "randomised"
-algorithm = "prior"
-[[method]]
-name = "nominal"
-algorithm = "nominal"
-[policy]
-)toml";
-
-Plan loop_of(const std::vector<std::string>& overrides = {}) {
-  return make_plan(parse_study(kLoop, "loop.toml", overrides), WorkFolder("runs"));
-}
-
-TEST(PolicyPlan, EveryMethodSearchesAndIsTestedBeforeAndAfter) {
-  const Plan plan = loop_of();
-  EXPECT_EQ(count(plan, Stage::policy), 2 * (1 + 3 + 1 + 1));
-  EXPECT_EQ(count(plan, Stage::policy_test), 2 * (1 + 4)) << "that before is everybody's";
-  EXPECT_EQ(count(plan, Stage::infer), 2 * 3)
-      << "two methods infer nothing, two share their first posterior";
-  EXPECT_EQ(count(plan, Stage::evaluate), 2 * 2);
-  const Node& search = plan.node(Stage::policy, {"once", 1, 0, 1});
-  EXPECT_EQ(inputs_of(plan, search), std::vector<Stage>{Stage::infer});
-  EXPECT_TRUE(inputs_of(plan, plan.node(Stage::policy, {"randomised", 1, 0, 1})).empty());
-  const Node& before = plan.node(Stage::policy_test, {"nominal", 2, 0, 0});
-  EXPECT_EQ(&before, &plan.node(Stage::policy_test, {"online", 2, 0, 0}));
-  EXPECT_EQ(before.label(), "policy_test once, seed 2, before any search");
-  EXPECT_EQ(inputs_of(plan, plan.node(Stage::policy_test, {"online", 2, 0, 3})),
-            std::vector<Stage>{Stage::policy});
-  EXPECT_EQ(program_of(Stage::policy_test), "npdr-policy");
-}
-
-TEST(PolicyPlan, LaterIterationsInferFromWhatThePolicyCollects) {
-  const Plan plan = loop_of();
-  const Node& collection = plan.node(Stage::target, {"online", 1, 0, 2});
-  EXPECT_EQ(inputs_of(plan, collection), (std::vector<Stage>{Stage::target, Stage::policy}));
-  EXPECT_EQ(plan.inputs(collection, Stage::target).front(), &plan.node(Stage::target, {}));
-  EXPECT_EQ(collection.label(), "target online, seed 1, iteration 2");
-  EXPECT_EQ(link_of(plan, collection, collection.uses.front()),
-            "runs/loop/online/seed-1/iteration-2/target.h5");
-  const Node& infer = plan.node(Stage::infer, {"online", 1, 1, 2});
-  EXPECT_EQ(plan.inputs(infer, Stage::target).front(), &collection);
-  const Node& search = plan.node(Stage::policy, {"online", 1, 0, 2});
-  EXPECT_EQ(inputs_of(plan, search), (std::vector<Stage>{Stage::infer, Stage::policy}));
-  EXPECT_NE(plan.node(Stage::propose, {"online", 1, 1, 2}).key,
-            plan.node(Stage::propose, {"online", 1, 1, 1}).key)
-      << "fresh draws of the prior";
-  // The last posterior is measured by what all methods have seen.
-  const Node& evaluation = plan.node(Stage::evaluate, {"online", 1, 1, 3});
-  EXPECT_EQ(plan.inputs(evaluation, Stage::target).front(), &plan.node(Stage::target, {}));
-  EXPECT_EQ(plan.inputs(evaluation, Stage::infer).front(),
-            &plan.node(Stage::infer, {"online", 1, 1, 3}));
-}
-
-TEST(PolicyPlan, AFirstIterationSharesWhatAStudyWithoutPoliciesHasMade) {
-  const Plan plan = loop_of();
-  const Plan without =
-      make_plan(parse_study(std::string(kLoop).substr(0, std::string(kLoop).find("num_iterations")),
-                            "loop.toml"),
-                WorkFolder("runs"));
-  EXPECT_EQ(without.node(Stage::infer, {"online", 1, 1}).key,
-            plan.node(Stage::infer, {"online", 1, 1, 1}).key);
-  EXPECT_EQ(&plan.node(Stage::simulate, {"online", 1, 1, 1}),
-            &plan.node(Stage::simulate, {"once", 1, 1}));
-}
-
-TEST(PolicyPlan, OnlyWhatDependsOnAKeyChangesWithIt) {
-  const Plan before = loop_of();
-  const auto differ = [&](const std::string& assignment, Stage stage) {
-    return keys(loop_of({assignment}), stage) != keys(before, stage);
-  };
-  EXPECT_TRUE(differ("policy.population=7", Stage::policy));
-  EXPECT_FALSE(differ("policy.elite_fraction=0.5", Stage::policy)) << "another optimizer's";
-  EXPECT_TRUE(differ("policy.num_steps=500", Stage::policy));
-  EXPECT_TRUE(differ("method.policy_iterations=7", Stage::policy));
-  for (const char* test : {"policy.num_test_states=30",
-                           "policy.grid={ x = { parameter = 'pole_mass', range = [0.01, 0.03] }, y "
-                           "= { parameter = 'gravity', values = [9.0, 9.8] } }"}) {
-    EXPECT_FALSE(differ(test, Stage::policy)) << test;
-    EXPECT_TRUE(differ(test, Stage::policy_test)) << test;
-    EXPECT_TRUE(differ(test, Stage::report)) << test;
-  }
-  // The first iteration's posterior is made before any policy; the later ones' follow from them.
-  const Plan other = loop_of({"policy.population=7"});
-  EXPECT_EQ(other.node(Stage::infer, {"online", 1, 1, 1}).key,
-            before.node(Stage::infer, {"online", 1, 1, 1}).key);
-  EXPECT_NE(other.node(Stage::infer, {"online", 1, 1, 2}).key,
-            before.node(Stage::infer, {"online", 1, 1, 2}).key);
-}
-
-TEST(PolicyPlan, MoreIterationsKeepWhatIsThere) {
-  const Plan before = loop_of(), after = loop_of({"method.online.num_iterations=4"});
-  for (const Index iteration : {1, 2, 3}) {
-    EXPECT_EQ(after.node(Stage::policy, {"online", 1, 0, iteration}).key,
-              before.node(Stage::policy, {"online", 1, 0, iteration}).key);
-  }
-}
-
-TEST(PolicyPlan, EachRoundOfEachIterationHasItsOwnRandomNumbers) {
-  std::set<std::uint64_t> rounds;
-  for (const Index iteration : {1, 2, 3}) {
-    for (const Index round : {0, 1, 2}) rounds.insert(Use{"A", 1, round, iteration}.stream_round());
-  }
-  EXPECT_EQ(rounds.size(), 9u);
-  EXPECT_EQ((Use{"A", 1, 2, 1}.stream_round()), 2u);
-  EXPECT_EQ((Use{"A", 1, 2}.stream_round()), 2u);
-}
-
-TEST(PolicyPlan, AMethodSeesItsFirstRolloutsOfEachIteration) {
-  MethodConfig method;
-  EXPECT_EQ(num_rollouts_seen(method, {"A", 1, 1, 3}), 0) << "all";
-  method.num_rollouts = 2;
-  EXPECT_EQ(num_rollouts_seen(method, {"A", 1, 1}), 2);
-  EXPECT_EQ(num_rollouts_seen(method, {"A", 1, 1, 3}), 6);
 }
 
 }  // namespace
