@@ -85,8 +85,10 @@ std::string axis_command(const GridAxis& axis, const std::string& name, bool lab
 }
 
 std::string title_of(const GridAxis& axis) {
+  std::string title = axis.title;
+  std::ranges::replace(title, '_', ' ');
   const bool has_unit = !axis.unit.empty() && axis.unit != "1";
-  return has_unit ? fmt::format("{} [{}]", axis.title, axis.unit) : axis.title;
+  return has_unit ? fmt::format("{} [{}]", title, axis.unit) : title;
 }
 
 // Where a value lies among the cells; nothing outside of the points.

@@ -13,9 +13,9 @@
 namespace npdr::analysis {
 
 struct GridAxis {
-  std::string title;
-  std::string unit;  ///< "1" or "": dimensionless
-  Vector points;     ///< (k), ascending
+  std::string title;  ///< such as "pole_mass"; underscores are shown as blanks
+  std::string unit;   ///< "1" or "": dimensionless
+  Vector points;      ///< (k), ascending
 };
 
 struct HeatMap {

@@ -116,8 +116,10 @@ class Script {
  private:
   std::string legend() const {
     const PlotLayout layout(width(), height());
-    std::vector<LegendEntry> entries = {{LegendMark::line, kTruthColor, "recorded"}};
-    if (!plot_.held_out.empty()) entries.push_back({LegendMark::line, kHeldOutColor, "held out"});
+    const bool all_seen = plot_.held_out.empty();
+    std::vector<LegendEntry> entries = {
+        {LegendMark::line, kTruthColor, all_seen ? "target domain" : "target domain, seen"}};
+    if (!all_seen) entries.push_back({LegendMark::line, kHeldOutColor, "held out"});
     entries.push_back({LegendMark::line, kPathColor, "predicted paths"});
     entries.push_back({LegendMark::line, kShapeColor, "shapes"});
     std::string commands;

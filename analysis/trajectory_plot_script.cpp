@@ -27,7 +27,7 @@ TrajectoryPlotScript::TrajectoryPlotScript(const TrajectoryPlot& plot, const Tar
                                            const std::vector<Index>& rollouts,
                                            const std::vector<Index>& channels)
     : plot_(plot), target_(target), rollouts_(rollouts), channels_(channels) {
-  entries_.push_back({LegendMark::line, kTruthColor, "recorded"});
+  entries_.push_back({LegendMark::line, kTruthColor, "target domain"});
   for (std::size_t k = 0; k < plot.predictions.size(); ++k) {
     const Prediction& p = plot.predictions[k];
     entries_.push_back({LegendMark::band, kMethodColors[k],
@@ -186,8 +186,8 @@ std::string TrajectoryPlotScript::y_label(std::size_t r, const Axis& axis) const
   return commands;
 }
 
-// Bands at the back; the recorded series thin at the front, so that a median that agrees with it
-// still shows beside it.
+// Bands at the back; the target domain's series thin at the front, so that a median that agrees
+// with it still shows beside it.
 std::string TrajectoryPlotScript::curves(std::size_t r, std::size_t c, double x_scale,
                                          double y_scale) const {
   const std::string begin =

@@ -13,7 +13,7 @@ namespace {
 HeatMapPlot plot_of(const std::vector<std::string>& methods) {
   HeatMapPlot plot;
   plot.name = "robustness";
-  plot.x = {"pole mass", "kg", (Vector(3) << 0.1, 0.2, 0.4).finished()};
+  plot.x = {"pole_mass", "kg", (Vector(3) << 0.1, 0.2, 0.4).finished()};
   plot.y = {"gain", "1", (Vector(2) << 1, 2).finished()};
   plot.value_title = "mean return";
   plot.high = 10.0;

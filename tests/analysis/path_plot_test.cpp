@@ -44,7 +44,7 @@ TEST(PathPlot, DrawsAPanelPerMethod) {
   // Shapes, paths, fixed, held out and recorded in each of two panels.
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 5);
   for (const char* words :
-       {">A<", ">B &lt;&amp;><", ">x [m]<", ">y [m]<", ">recorded<", ">held out<"}) {
+       {">A<", ">B &lt;&amp;><", ">x [m]<", ">y [m]<", ">target domain, seen<", ">held out<"}) {
     EXPECT_NE(svg.find(words), std::string::npos) << words;
   }
   EXPECT_TRUE(is_png(read_text_file(files.png)));
