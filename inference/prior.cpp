@@ -16,6 +16,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Probabilities stay this far from 0 and 1, so that u stays finite (|u| < 8.3).
 constexpr double kSmallestProbability = 0x1p-53;
+constexpr double kSmallestPositive = std::numeric_limits<double>::min();
+constexpr double kLargest = std::numeric_limits<double>::max();
 
 [[noreturn]] void reject(const Marginal& m, const std::string& rule) {
   std::ostringstream message;
@@ -34,7 +36,9 @@ void check(const Marginal& m) {
       if (m.a >= m.b) reject(m, "the lower bound must be smaller than the upper bound");
       break;
     case Marginal::Kind::normal:
+    case Marginal::Kind::log_normal:
       if (m.b <= 0.0) reject(m, "the standard deviation must be > 0");
+      if (m.overflows()) reject(m, "exp(mean +- 9 std) must be within the range of double");
       break;
   }
 }
@@ -60,25 +64,51 @@ double log_density(const Marginal& m, double theta) {
       return theta >= m.a && theta <= m.b ? -std::log(theta * std::log(m.b / m.a)) : -kInfinity;
     case Marginal::Kind::normal:
       return log_normal_density((theta - m.a) / m.b) - std::log(m.b);
+    case Marginal::Kind::log_normal:
+      if (!(theta > 0.0)) return -kInfinity;
+      return log_normal_density((std::log(theta) - m.a) / m.b) - std::log(theta) - std::log(m.b);
   }
   return -kInfinity;
 }
 
 double to_normal(const Marginal& m, double theta) {
   if (m.kind == Marginal::Kind::normal) return (theta - m.a) / m.b;
+  if (m.kind == Marginal::Kind::log_normal) {
+    return theta > 0.0 ? (std::log(theta) - m.a) / m.b : normal_quantile(kSmallestProbability);
+  }
   const double p = std::clamp(cdf(m, theta), kSmallestProbability, 1.0 - kSmallestProbability);
   return normal_quantile(p);
 }
 
 double to_theta(const Marginal& m, double u) {
   if (m.kind == Marginal::Kind::normal) return m.a + m.b * u;
+  if (m.kind == Marginal::Kind::log_normal) {
+    return std::clamp(std::exp(m.a + m.b * u), kSmallestPositive, kLargest);
+  }
   return quantile(m, normal_cdf(u));
 }
 
 }  // namespace
 
-double Marginal::lower() const { return kind == Kind::normal ? -kInfinity : a; }
-double Marginal::upper() const { return kind == Kind::normal ? kInfinity : b; }
+double Marginal::lower() const {
+  if (kind == Kind::log_normal) return 0.0;
+  return kind == Kind::normal ? -kInfinity : a;
+}
+
+double Marginal::upper() const { return is_unbounded() ? kInfinity : b; }
+
+bool Marginal::is_unbounded() const { return kind == Kind::normal || kind == Kind::log_normal; }
+
+std::pair<double, double> Marginal::central_range(double u) const {
+  if (!is_unbounded()) return {a, b};
+  return {inference::to_theta(*this, -u), inference::to_theta(*this, u)};
+}
+
+bool Marginal::overflows() const {
+  if (kind != Kind::log_normal) return false;
+  const auto [smallest, largest] = central_range(9.0);
+  return smallest <= kSmallestPositive || largest >= kLargest;
+}
 
 Prior::Prior(std::vector<Marginal> marginals) : marginals_(std::move(marginals)) {
   if (marginals_.empty()) throw InputError("prior: has no parameter, must have at least one");
@@ -135,8 +165,8 @@ Vector Prior::log_det_to_normal(const RowMatrix& theta) const {
 
 bool Prior::contains(const Vector& theta) const {
   for (Index d = 0; d < dimension(); ++d) {
-    const Marginal& m = marginals_[static_cast<std::size_t>(d)];
-    if (!(theta(d) >= m.lower() && theta(d) <= m.upper())) return false;
+    const double log_prob = log_density(marginals_[static_cast<std::size_t>(d)], theta(d));
+    if (!(log_prob > -kInfinity)) return false;
   }
   return true;
 }

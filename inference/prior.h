@@ -10,6 +10,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/random.h"
@@ -19,23 +20,30 @@ namespace npdr::inference {
 
 /// One independent marginal of the prior.
 struct Marginal {
-  enum class Kind { uniform, log_uniform, normal };
+  enum class Kind { uniform, log_uniform, normal, log_normal };
 
   std::string name;
   std::string unit;
   Kind kind = Kind::uniform;
-  double a = 0.0;  ///< lower bound; the mean of a normal
-  double b = 1.0;  ///< upper bound; the standard deviation of a normal
+  double a = 0.0;  ///< lower bound; the mean of a normal theta, or of log theta for a log_normal
+  double b = 1.0;  ///< upper bound; the standard deviation of the same
 
-  double lower() const;  ///< smallest theta with positive density; -infinity for a normal
+  double lower() const;  ///< no theta below has positive density; may be -infinity
   double upper() const;
+
+  /// Whether the density has no bound on at least one side.
+  bool is_unbounded() const;
+  /// [theta(-u), theta(u)] where it is unbounded, the bounds otherwise.
+  std::pair<double, double> central_range(double u) const;
+  /// Whether exp(a + b u) of a log_normal leaves the range of double for any |u| < 9.
+  bool overflows() const;
 };
 
 /// Product of independent marginals. Const calls are thread-safe.
 class Prior {
  public:
   /// Throws InputError when a marginal is impossible (low >= high, deviation <= 0, log of <= 0,
-  /// not finite) or a name occurs twice: says which.
+  /// not finite, overflows()) or a name occurs twice: says which.
   explicit Prior(std::vector<Marginal> marginals);
 
   Index dimension() const { return static_cast<Index>(marginals_.size()); }

@@ -8,10 +8,11 @@ namespace {
 
 using Kind = inference::Marginal::Kind;
 
-constexpr std::array<std::pair<Kind, const char*>, 3> kKinds = {{
+constexpr std::array<std::pair<Kind, const char*>, 4> kKinds = {{
     {Kind::uniform, "uniform"},
     {Kind::log_uniform, "log_uniform"},
     {Kind::normal, "normal"},
+    {Kind::log_normal, "log_normal"},
 }};
 
 }  // namespace
@@ -31,7 +32,8 @@ std::string marginal_kind_name(Kind kind) {
 }
 
 std::string marginal_words() {
-  return "{ uniform = [low, high] }, { log_uniform = [low, high] } or { normal = [mean, std] }";
+  return "{ uniform = [low, high] }, { log_uniform = [low, high] }, { normal = [mean, std] } or "
+         "{ log_normal = [mean of log, std of log] }";
 }
 
 }  // namespace npdr::pipeline

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/normal.h"
 #include "pipeline/config/constraint.h"
 
@@ -16,16 +18,28 @@ std::string range_of(const sim::Parameter& p) {
   return fmt::format("what is physically possible, [{}, {}] {}", p.lower, p.upper, p.unit);
 }
 
+// Probability of what is physically impossible.
+double mass_outside(const Marginal& m, const sim::Parameter& p) {
+  const bool is_log = m.kind == Marginal::Kind::log_normal;
+  const auto u = [&](double theta) { return ((is_log ? std::log(theta) : theta) - m.a) / m.b; };
+  const double below = is_log && p.lower <= 0.0 ? 0.0 : normal_cdf(u(p.lower));
+  const double above = is_log && p.upper <= 0.0 ? 1.0 : normal_cdf(-u(p.upper));
+  return below + above;
+}
+
 // What a marginal must be and isn't; "": nothing.
 std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
-  if (m.kind == Marginal::Kind::normal) {
-    if (!(m.b > 0.0)) return "[mean, std] with std > 0";
-    const double outside = normal_cdf((p.lower - m.a) / m.b) + normal_cdf((m.a - p.upper) / m.b);
+  if (m.is_unbounded()) {
+    const bool is_log = m.kind == Marginal::Kind::log_normal;
+    const std::string form = is_log ? "[mean of log, std of log]" : "[mean, std]";
+    if (!(m.b > 0.0)) return form + " with std > 0";
+    if (m.overflows()) return form + " with exp(mean +- 9 std) within the range of double";
+    const double outside = mass_outside(m, p);
     if (outside <= kMostMassOutside) return "";
     return fmt::format(
-        "[mean, std] with at most {} of its mass outside of {}, found {:.2g}; take a smaller std, "
-        "uniform or log_uniform",
-        kMostMassOutside, range_of(p), outside);
+        "{} with at most {} of its mass outside of {}, found {:.2g}; take a smaller std, uniform "
+        "or log_uniform",
+        form, kMostMassOutside, range_of(p), outside);
   }
   if (!(m.a < m.b)) return "[low, high] with low < high";
   if (m.kind == Marginal::Kind::log_uniform && !(m.a > 0.0)) {

@@ -13,6 +13,7 @@
 
 #include "core/error.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/config/field_types.h"
 #include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
@@ -385,8 +386,7 @@ void describe(Fields& f, Study& c) {
     describe(t, c.external);
   });
   f("prior", c.prior, prior_constraint(),
-    "parameter = { uniform = [low, high] }, { log_uniform = [low, high] } or "
-    "{ normal = [mean, std] }; the rest stay nominal");
+    "parameter = " + marginal_words() + "; the rest stay nominal");
   f.table("observation_noise", "noise on the simulated states that the inference sees",
           [&](auto& t) { describe(t, c.observation_noise); });
   f.table("simulate", "how simulations are cut into jobs", [&](auto& t) {

@@ -60,8 +60,9 @@ name = "pendulum"
 #   solver_erp = 0.2            # part of an overlap that a substep takes away
 #   restitution_threshold = 0.2 # slower contacts don't bounce [m/s]
 
-# What to infer: parameter = { uniform = [low, high] }, { log_uniform = [low, high] } or
-# { normal = [mean, std] }, in the simulator's units. The rest stay nominal.
+# What to infer: parameter = { uniform = [low, high] }, { log_uniform = [low, high] },
+# { normal = [mean, std] } or { log_normal = [mean of log, std of log] }, in the simulator's units.
+# The rest stay nominal.
 [prior]
 pole_mass = { uniform = [0.3, 1.7] }    # [kg]
 pole_length = { uniform = [0.3, 1.7] }  # [m]

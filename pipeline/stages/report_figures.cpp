@@ -19,11 +19,11 @@ const BaselinePoint* find_point(const ReportData& data, const std::string& name)
   return nullptr;
 }
 
-// The axis of parameter d; a normal prior is shown over three deviations.
+// The axis of parameter d; an unbounded prior is shown over three deviations.
 analysis::PairParameter axis_of(const ReportData& data, Index d) {
   const inference::Marginal& m = data.plan.study.prior[static_cast<std::size_t>(d)];
-  const bool is_normal = m.kind == inference::Marginal::Kind::normal;
-  return {m.name, m.unit, is_normal ? m.a - 3.0 * m.b : m.a, is_normal ? m.a + 3.0 * m.b : m.b};
+  const auto [lower, upper] = m.central_range(3.0);
+  return {m.name, m.unit, lower, upper};
 }
 
 // Nominal, truth and the first references.

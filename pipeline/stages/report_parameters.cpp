@@ -20,6 +20,8 @@ std::string prior_text(const inference::Marginal& m) {
       return fmt::format("[{:.4g}, {:.4g}], log-uniform", m.a, m.b);
     case inference::Marginal::Kind::normal:
       return fmt::format("N({:.4g}, {:.4g}²)", m.a, m.b);
+    case inference::Marginal::Kind::log_normal:
+      return fmt::format("exp N({:.4g}, {:.4g}²)", m.a, m.b);
   }
   return "";
 }

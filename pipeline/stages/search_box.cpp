@@ -12,9 +12,9 @@ SearchBox search_box(const std::vector<inference::Marginal>& prior,
     const inference::Marginal& m = prior[static_cast<std::size_t>(d)];
     const sim::Parameter& parameter =
         info.parameters[static_cast<std::size_t>(sim::parameter_index(info, m.name))];
-    const bool is_normal = m.kind == inference::Marginal::Kind::normal;
-    box.lower(d) = std::max(is_normal ? m.a - 4.0 * m.b : m.a, parameter.lower);
-    box.upper(d) = std::min(is_normal ? m.a + 4.0 * m.b : m.b, parameter.upper);
+    const auto [lower, upper] = m.central_range(4.0);
+    box.lower(d) = std::max(lower, parameter.lower);
+    box.upper(d) = std::min(upper, parameter.upper);
   }
   return box;
 }

@@ -14,8 +14,8 @@ struct SearchBox {
   Vector upper;
 };
 
-/// The prior's bounds, or four deviations around the mean of a normal, inside of what is physically
-/// possible for the simulator.
+/// The prior's bounds, or four deviations around the median where it has none, inside of what is
+/// physically possible for the simulator.
 SearchBox search_box(const std::vector<inference::Marginal>& prior, const sim::SimulatorInfo& info);
 
 }  // namespace npdr::pipeline

@@ -11,14 +11,15 @@
 namespace npdr::inference {
 namespace {
 
-Prior three_kinds() {
+Prior all_kinds() {
   return Prior({{"length", "m", Marginal::Kind::uniform, 0.3, 1.7},
                 {"friction", "1", Marginal::Kind::log_uniform, 1e-4, 1e-1},
-                {"offset", "rad", Marginal::Kind::normal, 0.5, 0.2}});
+                {"offset", "rad", Marginal::Kind::normal, 0.5, 0.2},
+                {"rate", "1/s", Marginal::Kind::log_normal, -0.125, 2.0}});
 }
 
 TEST(Prior, SamplesStayInsideOfTheSupport) {
-  const Prior prior = three_kinds();
+  const Prior prior = all_kinds();
   for (std::uint64_t i = 0; i < 1000; ++i) {
     Stream stream({1, "prior", 1, i, 0});
     EXPECT_TRUE(prior.contains(prior.sample(stream)));
@@ -26,30 +27,31 @@ TEST(Prior, SamplesStayInsideOfTheSupport) {
 }
 
 TEST(Prior, MapsToTheNormalSpaceAndBack) {
-  const Prior prior = three_kinds();
-  RowMatrix theta(2, 3);
-  theta << 0.31, 2e-4, -0.3, 1.69, 0.09, 1.4;
+  const Prior prior = all_kinds();
+  RowMatrix theta(2, 4);
+  theta << 0.31, 2e-4, -0.3, 0.1, 1.69, 0.09, 1.4, 7.0;
   const RowMatrix back = prior.to_theta(prior.to_normal(theta));
   EXPECT_TRUE(back.isApprox(theta, 1e-12)) << back;
 }
 
 TEST(Prior, StaysInsideOfTheSupportHoweverFarUGoes) {
-  const Prior prior = three_kinds();
-  RowMatrix u(2, 3);
-  u << 40.0, 40.0, 0.0, -40.0, -40.0, 0.0;
+  const Prior prior = all_kinds();
+  RowMatrix u(2, 4);
+  u << 40.0, 40.0, 0.0, 4000.0, -40.0, -40.0, 0.0, -4000.0;
   const RowMatrix theta = prior.to_theta(u);
   EXPECT_TRUE(prior.contains(theta.row(0).transpose()));
   EXPECT_TRUE(prior.contains(theta.row(1).transpose()));
   EXPECT_TRUE(prior.to_normal(theta).allFinite());
+  EXPECT_TRUE(prior.log_prob(theta).allFinite());
 }
 
 // Probability mass is kept: p(theta) = N(u) |du/dtheta| at any theta, by central differences.
 TEST(Prior, LogDeterminantIsThatOfTheMap) {
-  const Prior prior = three_kinds();
-  RowMatrix theta(1, 3);
-  theta << 0.9, 3e-3, 0.45;
+  const Prior prior = all_kinds();
+  RowMatrix theta(1, 4);
+  theta << 0.9, 3e-3, 0.45, 1.2;
   double expected = 0.0;
-  for (Index d = 0; d < 3; ++d) {
+  for (Index d = 0; d < 4; ++d) {
     const double h = 1e-6 * theta(0, d);
     RowMatrix above = theta, below = theta;
     above(0, d) += h;
@@ -63,7 +65,8 @@ TEST(Prior, LogDensityOfEachKindIntegratesToOne) {
   const Prior uniform({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0}});
   const Prior log_uniform({{"a", "1", Marginal::Kind::log_uniform, 0.01, 2.0}});
   const Prior normal({{"a", "1", Marginal::Kind::normal, 1.0, 0.3}});
-  for (const Prior* prior : {&uniform, &log_uniform, &normal}) {
+  const Prior log_normal({{"a", "1", Marginal::Kind::log_normal, -1.0, 0.4}});
+  for (const Prior* prior : {&uniform, &log_uniform, &normal, &log_normal}) {
     constexpr Index n = 400'000;
     RowMatrix theta(n, 1);
     for (Index i = 0; i < n; ++i) theta(i, 0) = -1.0 + 4.0 * (static_cast<double>(i) + 0.5) / n;
@@ -72,10 +75,25 @@ TEST(Prior, LogDensityOfEachKindIntegratesToOne) {
 }
 
 TEST(Prior, DensityIsZeroOutsideOfTheSupport) {
-  RowMatrix theta(1, 3);
-  theta << 1.71, 1e-3, 0.5;
-  EXPECT_EQ(three_kinds().log_prob(theta)(0), -std::numeric_limits<double>::infinity());
-  EXPECT_FALSE(three_kinds().contains(theta.row(0).transpose()));
+  RowMatrix theta(4, 4);
+  theta << 1.71, 1e-3, 0.5, 1.0, 1.0, 1e-3, 0.5, 0.0, 1.0, 1e-3, 0.5, -1.0, 1.0, 1e-3, 0.5,
+      std::nan("");
+  for (Index row = 0; row < 3; ++row) {
+    EXPECT_EQ(all_kinds().log_prob(theta)(row), -std::numeric_limits<double>::infinity());
+    EXPECT_FALSE(all_kinds().contains(theta.row(row).transpose()));
+  }
+  EXPECT_FALSE(all_kinds().contains(theta.row(3).transpose()));
+  EXPECT_NEAR(all_kinds().to_normal(theta)(2, 3), -8.2, 0.1) << "the nearest finite value";
+}
+
+TEST(Prior, CentralRangeIsTheBoundsOrFollowsTheNormalSpace) {
+  const Prior prior = all_kinds();
+  const std::vector<Marginal>& marginals = prior.marginals();
+  EXPECT_EQ(marginals[0].central_range(3.0), std::pair(0.3, 1.7));
+  EXPECT_EQ(marginals[1].central_range(3.0), std::pair(1e-4, 1e-1));
+  EXPECT_EQ(marginals[2].central_range(2.0), std::pair(0.5 - 0.2 * 2.0, 0.5 + 0.2 * 2.0));
+  EXPECT_DOUBLE_EQ(marginals[3].central_range(1.0).first, std::exp(-2.125));
+  EXPECT_DOUBLE_EQ(marginals[3].central_range(1.0).second, std::exp(1.875));
 }
 
 TEST(Prior, RejectsImpossibleMarginals) {
@@ -83,6 +101,9 @@ TEST(Prior, RejectsImpossibleMarginals) {
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::uniform, 1.0, 1.0}}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::log_uniform, 0.0, 1.0}}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::normal, 0.0, -1.0}}), InputError);
+  EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::log_normal, 0.0, 0.0}}), InputError);
+  EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::log_normal, 800.0, 1.0}}), InputError);
+  EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::log_normal, 0.0, 100.0}}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::uniform, 0.0, std::nan("")}}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::uniform, 0.0, 1.0},
                       {"a", "1", Marginal::Kind::uniform, 0.0, 1.0}}),

@@ -45,6 +45,20 @@ TEST(StudyJson, WritesThePriorInOrderWithUnits) {
             R"({"name":"pole_length","unit":"m","log_uniform":[0.3,1.7]}])");
 }
 
+TEST(StudyJson, ReadsEveryKindOfPriorBack) {
+  const Study study = parse_study(
+      kStudyText, "s.toml",
+      {"prior.gravity={ normal = [9.81, 0.05] }", "prior.damping={ log_normal = [-3.0, 0.5] }"});
+  const auto prior = prior_from_json(to_json(study)["prior"], "p.h5");
+  ASSERT_EQ(prior.size(), study.prior.size());
+  for (std::size_t d = 0; d < prior.size(); ++d) {
+    EXPECT_EQ(prior[d].name, study.prior[d].name);
+    EXPECT_EQ(prior[d].kind, study.prior[d].kind);
+    EXPECT_EQ(prior[d].a, study.prior[d].a);
+    EXPECT_EQ(prior[d].b, study.prior[d].b);
+  }
+}
+
 template <class Config>
 void expect_round_trip(const Config& config) {
   const Json json = to_json(config);

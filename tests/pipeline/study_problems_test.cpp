@@ -108,6 +108,16 @@ TEST(StudyProblems, ChecksThePriorAgainstTheSimulator) {
   EXPECT_NE(problems_after(entry, "{ normal = [90.0, 10.0] }").find("found 0.16;"),
             std::string::npos);
   EXPECT_EQ(problems_after(entry, "{ normal = [0.311, 0.1] }"), "") << "3.1 deviations";
+  EXPECT_EQ(problems_after(entry, "{ log_normal = [0.0, -1.0] }"),
+            "s.toml:12:13: prior.pole_mass = [0, -1], must be [mean of log, std of log] with std > "
+            "0");
+  EXPECT_NE(problems_after(entry, "{ log_normal = [2.3, 1.0] }").find("found 0.011;"),
+            std::string::npos)
+      << "2.305 deviations below log 100";
+  EXPECT_EQ(problems_after(entry, "{ log_normal = [0.0, 1.0] }"), "");
+  EXPECT_EQ(problems_after(entry, "{ log_normal = [-800.0, 1.0] }"),
+            "s.toml:12:13: prior.pole_mass = [-800, 1], must be [mean of log, std of log] with "
+            "exp(mean +- 9 std) within the range of double");
   EXPECT_EQ(problems_after("pole_mass = { uni", "pole_mas = { uni"),
             "s.toml:12:12: prior: unknown parameter 'pole_mas' (did you mean 'pole_mass'?); known: "
             "pole_mass, pole_length, gravity, damping");
@@ -115,8 +125,8 @@ TEST(StudyProblems, ChecksThePriorAgainstTheSimulator) {
 
 TEST(StudyProblems, SaysWhatAPriorsEntryMustBe) {
   const std::string must =
-      ", must be { uniform = [low, high] }, { log_uniform = [low, high] } or { normal = [mean, "
-      "std] }";
+      ", must be { uniform = [low, high] }, { log_uniform = [low, high] }, "
+      "{ normal = [mean, std] } or { log_normal = [mean of log, std of log] }";
   for (const std::string entry :
        {"{ unform = [0.3, 1.7] }", "{ uniform = [0.3] }", "{ uniform = [0.3, 'b'] }", "{  }",
         "{ normal = [0.3, 1.7], uniform = [0.3, 1.7] }", "[0.3, 1.7]",

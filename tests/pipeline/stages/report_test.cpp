@@ -18,14 +18,15 @@ sim::SimulatorInfo info_of(const Plan& plan) {
 }
 
 TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
-  const Plan plan = plan_of({"prior.gravity={ normal = [9.81, 0.05] }"});
+  const Plan plan = plan_of(
+      {"prior.gravity={ normal = [9.81, 0.05] }", "prior.damping={ log_normal = [-3.0, 0.5] }"});
   const analysis::Table table = parameters_table({plan, info_of(plan), {}, {}, {}, {}});
   std::vector<std::string> priors;
   for (const analysis::Row& row : table.rows) {
     priors.push_back(std::get<std::string>(row.cells[1].value));
   }
-  EXPECT_EQ(priors,
-            (std::vector<std::string>{"[0.3, 1.7]", "[0.3, 1.7], log-uniform", "N(9.81, 0.05²)"}));
+  EXPECT_EQ(priors, (std::vector<std::string>{"[0.3, 1.7]", "[0.3, 1.7], log-uniform",
+                                              "exp N(-3, 0.5²)", "N(9.81, 0.05²)"}));
 }
 
 // The small study, of the mini golf with another prior.

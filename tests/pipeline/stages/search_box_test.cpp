@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace npdr::pipeline {
 namespace {
 
@@ -18,6 +20,14 @@ TEST(SearchBox, IsThePriorInsideOfWhatIsPossible) {
   const SearchBox box = search_box(prior, simulator->info());
   EXPECT_EQ(box.lower, (Vector{{0.3, 0.1, 7.0, 0.0}})) << "no negative damping";
   EXPECT_EQ(box.upper, (Vector{{1.7, 2.0, 11.0, 0.33 + 4.0 * 0.1}}));
+}
+
+TEST(SearchBox, OfALogNormalFollowsItsLogarithm) {
+  const auto simulator = sim::make_simulator({.name = "pendulum"});
+  const SearchBox box =
+      search_box({{"pole_mass", "kg", Marginal::Kind::log_normal, 0.0, 0.25}}, simulator->info());
+  EXPECT_DOUBLE_EQ(box.lower(0), std::exp(-1.0));
+  EXPECT_DOUBLE_EQ(box.upper(0), std::exp(1.0));
 }
 
 }  // namespace
