@@ -133,7 +133,13 @@ void PolicyChecker::check_model() {
 
 void PolicyChecker::check_grid() {
   const PolicyGrid& grid = study_.policy.grid;
-  if (!reading_.has("policy.grid.x") && !reading_.has("policy.grid.y")) return;
+  const bool has_x = reading_.has("policy.grid.x"), has_y = reading_.has("policy.grid.y");
+  if (!has_x && !has_y) return;
+  if (!has_x || !has_y) {
+    reading_.fail("policy.grid",
+                  fmt::format("policy.grid has no {}, must have x and y", has_x ? "y" : "x"));
+    return;
+  }
   check_axis("policy.grid.x", grid.x);
   check_axis("policy.grid.y", grid.y);
   if (grid.is_used() && grid.x.parameter == grid.y.parameter) {
@@ -146,7 +152,7 @@ void PolicyChecker::check_axis(const std::string& path, const PolicyGridAxis& ax
     if (!reading_.good(path + key)) return;
   }
   if (!axis.is_used()) {
-    fail(path + ".parameter", "''", "a domain parameter of the simulator");
+    reading_.fail(path, path + " has no parameter = '...', must name a domain parameter");
     return;
   }
   const sim::Parameter* parameter = find_parameter(path + ".parameter", axis.parameter);

@@ -1,5 +1,7 @@
 #include "pipeline/plan/plan_builder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/error.h"
@@ -86,7 +88,8 @@ void PlanBuilder::check_selection(const Selection& selection) const {
   for (const std::uint64_t seed : selection.seeds) {
     const auto& known = plan_.study.seeds;
     if (std::find(known.begin(), known.end(), seed) == known.end()) {
-      throw InputError("seed " + std::to_string(seed) + " is not among study.seeds of this study");
+      throw InputError(
+          fmt::format("seed {} is not among study.seeds = [{}]", seed, fmt::join(known, ", ")));
     }
   }
 }

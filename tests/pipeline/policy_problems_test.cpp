@@ -36,6 +36,10 @@ TEST(PolicyProblems, OfPolicies) {
   EXPECT_EQ(policy_problems("optimizer = 'powr'"),
             "s.toml:12:13: policy.optimizer = 'powr', must be one of power, cross_entropy (did you "
             "mean 'power'?)");
+  const std::string wrong = edited(kPolicyText, "[policy]", "[policy]\noptimizer = 'cem'");
+  EXPECT_EQ(problems_of(edited(wrong, "name = \"A\"", "name = 'A'\npolicy_iterations = 3")),
+            "s.toml:13:13: policy.optimizer = 'cem', must be one of power, cross_entropy")
+      << "and nothing about the method";
   EXPECT_EQ(policy_problems("population = 1"),
             "s.toml:12:14: policy.population = 1, must be >= 2 and <= 100000");
   EXPECT_EQ(policy_problems("num_test_states = 19"),
@@ -74,8 +78,10 @@ TEST(PolicyProblems, OfAPolicysGrid) {
                 .find("policy.grid.y.parameter = 'pole_mass', must be another than "
                       "policy.grid.x has"),
             std::string::npos);
-  EXPECT_NE(grid(mass, "").find("policy.grid.y.parameter = '', must be a domain parameter of the "
-                                "simulator"),
+  EXPECT_EQ(policy_problems("grid.x = {" + mass + "}"),
+            "s.toml:12:1: policy.grid has no y, must have x and y");
+  EXPECT_NE(grid(mass, "steps = 3")
+                .find("policy.grid.y has no parameter = '...', must name a domain parameter"),
             std::string::npos);
   EXPECT_NE(grid(mass, "parameter = 'pole_lenth', values = [1]").find("did you mean 'pole_length'"),
             std::string::npos);
