@@ -19,6 +19,6 @@ inline const Schema kDiagnosisSchema{"diagnosis", 1, "diagnose"};
 inline const Schema kPolicySchema{"policy", 1, "policy"};
 inline const Schema kPolicyCheckpointSchema{"policy_checkpoint", 1, "policy"};
 inline const Schema kPolicyTestSchema{"policy_test", 1, "policy_test"};
-inline const Schema kReportSchema{"report", 2, "report"};
+inline const Schema kReportSchema{"report", 3, "report"};
 
 }  // namespace npdr::pipeline

@@ -135,15 +135,23 @@ std::string success_text(const ReportData& data) {
   return make_task(data.plan.study)->info().success;
 }
 
-Table policy_table(const ReportData& data) {
+// Where policies were tested, and on how much.
+std::string policy_caption(const ReportData& data) {
   const PolicyConfig& policy = data.plan.study.policy;
+  const std::string tests = fmt::format("{} initial states of each of {} experiments (seeds)",
+                                        policy.num_test_states, data.seeds.size());
+  return fmt::format(
+      "Policies {}: mean and standard deviation of the return, of at most {}, over {}; share of "
+      "successes, with the standard deviation over the experiments. Rollouts and simulations are "
+      "those of all iterations of one experiment.",
+      has_target(data) ? "in the target domain" : "over the grid",
+      make_task(data.plan.study)->info().num_steps, tests);
+}
+
+Table policy_table(const ReportData& data) {
   Table table;
   table.name = "policy";
-  table.caption = fmt::format(
-      "Policies in the target domain: mean and standard deviation of the return over {} initial "
-      "states of each of {} experiments (seeds); share of successes, with the standard deviation "
-      "over the experiments. Rollouts and simulations are those of one experiment.",
-      policy.num_test_states, data.seeds.size());
+  table.caption = policy_caption(data);
   table.row_header = "Method";
   table.command = data.plan.command;
   if (has_target(data)) {
@@ -156,7 +164,9 @@ Table policy_table(const ReportData& data) {
   for (const std::string& method : data.policy_methods()) {
     table.rows.push_back(method_row(data, method));
   }
-  table.footnote("before: with the policy that all searches begin with");
+  if (has_target(data)) table.footnote("before: with the policy that all searches begin with");
+  if (has_grid(data)) table.footnote("over the grid: over all of its points, too");
+  table.footnote("policy rollouts: of the searches, without tests");
   table.footnote("success: " + success_text(data));
   return table;
 }
@@ -207,8 +217,36 @@ Table seeds_table(const ReportData& data) {
     }
   }
   table.footnote(
-      "believed: over fresh samples of the posterior; impossible parameters: samples that were "
-      "left out of the last search");
+      "believed: over fresh samples of what the method takes the domain parameters for (posterior, "
+      "prior or nominal); impossible parameters: samples that were left out of the last search");
+  return table;
+}
+
+Row parameters_row(const std::string& title, const Vector& policy) {
+  Row row{title, {}};
+  for (const double value : policy) row.cells.emplace_back(value);
+  return row;
+}
+
+Table parameters_table(const ReportData& data) {
+  Table table;
+  table.name = "policy_parameters";
+  table.caption = "Parameters of the policies that the searches found.";
+  table.row_header = "Method, seed";
+  table.command = data.plan.command;
+  const sim::PolicyTaskInfo info = make_task(data.plan.study)->info();
+  for (const sim::PolicyParameter& parameter : info.parameters) {
+    table.columns.push_back({fmt::format("{} [{}]", parameter.name, parameter.unit), false});
+  }
+  const PolicyHistory& first = data.policies.front().history;
+  table.rows.push_back(parameters_row("before any search", first.policies.row(0).transpose()));
+  for (const std::string& method : data.policy_methods()) {
+    for (const std::uint64_t seed : data.seeds) {
+      const RowMatrix& policies = last_run(data, method, seed).history.policies;
+      table.rows.push_back(parameters_row(fmt::format("{}, {}", method, seed),
+                                          policies.row(policies.rows() - 1).transpose()));
+    }
+  }
   return table;
 }
 
@@ -249,7 +287,8 @@ Table cost_table(const ReportData& data) {
     table.rows.push_back(std::move(row));
   }
   table.footnote(
-      "what several methods share counts for each of them; times differ from run to run");
+      "what several methods share counts for each of them; without tests and evaluations; times "
+      "differ from run to run");
   return table;
 }
 
@@ -267,10 +306,11 @@ std::string prose_of(const ReportData& data) {
 std::optional<analysis::ReportSection> policy_section(const ReportData& data,
                                                       const std::filesystem::path& folder) {
   if (data.policies.empty()) return std::nullopt;
-  return analysis::ReportSection{"Policies",
-                                 prose_of(data),
-                                 {policy_table(data), seeds_table(data), cost_table(data)},
-                                 policy_figures(data, folder)};
+  return analysis::ReportSection{
+      "Policies",
+      prose_of(data),
+      {policy_table(data), seeds_table(data), parameters_table(data), cost_table(data)},
+      policy_figures(data, folder)};
 }
 
 }  // namespace npdr::pipeline

@@ -11,10 +11,12 @@ namespace npdr::pipeline {
 
 /// Names of the tables that policy_section() makes. "policy_cost" holds times, so that two runs
 /// that computed the same differ in it.
-inline constexpr const char* kPolicyTables[] = {"policy", "policy_seeds", "policy_cost"};
+inline constexpr const char* kPolicyTables[] = {"policy", "policy_seeds", "policy_parameters",
+                                                "policy_cost"};
 
-/// Tables of returns and successes before and after the search, of each experiment, and of what
-/// they took; learning curves, and maps over the grid. Nothing without [policy].
+/// Tables of returns and successes before and after the search, of each experiment, of the policies
+/// that were found, and of what they took; learning curves, and maps over the grid. Nothing without
+/// [policy].
 std::optional<analysis::ReportSection> policy_section(const ReportData& data,
                                                       const std::filesystem::path& folder);
 

@@ -99,6 +99,10 @@ TEST_F(Policies, TheReportHasTablesAndFigures) {
   EXPECT_NE(seeds.find("| Point, 2 "), std::string::npos) << seeds;
   EXPECT_NE(text_of(file("runs/searched/tables/policy_cost.md")).find("policy search"),
             std::string::npos);
+  const std::string found = text_of(file("runs/searched/tables/policy_parameters.csv"));
+  EXPECT_NE(found.find("energy_gain [m/(s^2 J)]"), std::string::npos) << found;
+  EXPECT_NE(found.find("before any search,"), std::string::npos) << found;
+  EXPECT_NE(found.find("\"Online, 2\","), std::string::npos) << found;
   const std::string report = text_of(file("runs/searched/report.html"));
   for (const char* words : {"Policies", "search iteration", "before any search"}) {
     EXPECT_NE(report.find(words), std::string::npos) << words;
@@ -210,7 +214,8 @@ TEST_F(Policies, AStudyWithoutASearchRemovesItsTables) {
   }
   const Outcome outcome = run_without(text);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* name : {"policy.md", "policy_seeds.csv", "policy_cost.tex"}) {
+  for (const char* name :
+       {"policy.md", "policy_seeds.csv", "policy_parameters.csv", "policy_cost.tex"}) {
     EXPECT_FALSE(std::filesystem::exists(file("without/searched/tables") / name)) << name;
   }
 }
