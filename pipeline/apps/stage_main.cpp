@@ -82,8 +82,9 @@ void run_missing(const Plan& plan, const StageProgram& program, const StageArgum
     }
   }
   if (num_run > 0) return;
-  if (!any_has_shards && first_smaller != nullptr)
+  if (!any_has_shards && first_smaller != nullptr) {
     require_shard(plan, *first_smaller, shard_numbers.front());
+  }
   if (first_waiting != nullptr) require_inputs(plan, *first_waiting);
   fmt::print("{}: nothing to do, all is up to date\n", program.name);
 }

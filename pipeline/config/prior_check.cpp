@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "core/normal.h"
 #include "pipeline/config/constraint.h"
 
@@ -20,11 +18,10 @@ std::string range_of(const sim::Parameter& p) {
 
 // Probability of what is physically impossible.
 double mass_outside(const Marginal& m, const sim::Parameter& p) {
-  const bool is_log = m.kind == Marginal::Kind::log_normal;
-  const auto u = [&](double theta) { return ((is_log ? std::log(theta) : theta) - m.a) / m.b; };
-  const double below = is_log && p.lower <= 0.0 ? 0.0 : normal_cdf(u(p.lower));
-  const double above = is_log && p.upper <= 0.0 ? 1.0 : normal_cdf(-u(p.upper));
-  return below + above;
+  RowMatrix limits(2, 1);
+  limits << p.lower, p.upper;
+  const RowMatrix u = inference::Prior({m}).to_normal(limits);
+  return normal_cdf(u(0, 0)) + normal_cdf(-u(1, 0));
 }
 
 // What a marginal must be and isn't; "": nothing.

@@ -131,21 +131,23 @@ Row method_row(const ReportData& data, const std::string& name) {
   return row;
 }
 
-std::string success_text(const ReportData& data) {
-  return make_task(data.plan.study)->info().success;
-}
+sim::PolicyTaskInfo task_info(const ReportData& data) { return make_task(data.plan.study)->info(); }
+
+bool has_tests(const ReportData& data) { return has_target(data) || has_grid(data); }
 
 // Where policies were tested, and on how much.
 std::string policy_caption(const ReportData& data) {
-  const PolicyConfig& policy = data.plan.study.policy;
-  const std::string tests = fmt::format("{} initial states of each of {} experiments (seeds)",
-                                        policy.num_test_states, data.seeds.size());
+  const std::string counts =
+      "Rollouts and simulations are those of all iterations of one experiment.";
+  if (!has_tests(data)) {
+    return "Policies, untested: there is no simulated target domain and no grid. " + counts;
+  }
   return fmt::format(
-      "Policies {}: mean and standard deviation of the return, of at most {}, over {}; share of "
-      "successes, with the standard deviation over the experiments. Rollouts and simulations are "
-      "those of all iterations of one experiment.",
-      has_target(data) ? "in the target domain" : "over the grid",
-      make_task(data.plan.study)->info().num_steps, tests);
+      "Policies {}: mean and standard deviation of the return, of at most {}, over {} initial "
+      "states of each of {} experiments (seeds); share of successes, with the standard deviation "
+      "over the experiments. {}",
+      has_target(data) ? "in the target domain" : "over the grid", task_info(data).num_steps,
+      data.plan.study.policy.num_test_states, data.seeds.size(), counts);
 }
 
 Table policy_table(const ReportData& data) {
@@ -167,7 +169,7 @@ Table policy_table(const ReportData& data) {
   if (has_target(data)) table.footnote("before: with the policy that all searches begin with");
   if (has_grid(data)) table.footnote("over the grid: over all of its points, too");
   table.footnote("policy rollouts: of the searches, without tests");
-  table.footnote("success: " + success_text(data));
+  if (has_tests(data)) table.footnote("success: " + task_info(data).success);
   return table;
 }
 
@@ -234,7 +236,7 @@ Table parameters_table(const ReportData& data) {
   table.caption = "Parameters of the policies that the searches found.";
   table.row_header = "Method, seed";
   table.command = data.plan.command;
-  const sim::PolicyTaskInfo info = make_task(data.plan.study)->info();
+  const sim::PolicyTaskInfo info = task_info(data);
   for (const sim::PolicyParameter& parameter : info.parameters) {
     table.columns.push_back({fmt::format("{} [{}]", parameter.name, parameter.unit), false});
   }
@@ -297,7 +299,7 @@ std::string prose_of(const ReportData& data) {
   return fmt::format(
       "{}; searched for by {}: {} candidates an iteration, each on {} samples of what the method "
       "believes and {} initial states.",
-      make_task(data.plan.study)->info().policy, policy.optimizer, policy.search.population,
+      task_info(data).policy, policy.optimizer, policy.search.population,
       policy.num_domain_parameters, policy.num_initial_states);
 }
 

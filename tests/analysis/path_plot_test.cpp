@@ -50,6 +50,13 @@ TEST(PathPlot, DrawsAPanelPerMethod) {
   EXPECT_TRUE(is_png(read_text_file(files.png)));
 }
 
+TEST(PathPlot, TheTargetDomainIsSeenWhereNothingIsHeldOut) {
+  const TempFolder folder;
+  const std::string svg = read_text_file(write_path_plot(plot_of({"A"}), folder.path()).svg);
+  EXPECT_NE(svg.find(">target domain<"), std::string::npos);
+  EXPECT_EQ(svg.find("held out"), std::string::npos);
+}
+
 TEST(PathPlot, PolygonsEndWhereTheyBeginAndPathsDont) {
   const TempFolder folder;
   write_path_plot(plot_of({"A"}), folder.path());
