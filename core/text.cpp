@@ -89,6 +89,10 @@ std::string missing_name(std::string_view kind, std::string_view name,
          (present.empty() ? "nothing" : join(present));
 }
 
+std::string counted(Index count, std::string_view noun) {
+  return std::to_string(count).append(" ").append(noun).append(count == 1 ? "" : "s");
+}
+
 std::string index_ranges(const std::vector<Index>& indices) {
   std::vector<std::string> ranges;
   for (std::size_t i = 0; i < indices.size();) {

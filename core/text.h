@@ -23,6 +23,9 @@ std::vector<std::string> split(const std::string& text, char separator);
 /// A number that is not negative, in digits only; none for another text.
 std::optional<Index> parse_count(std::string_view text);
 
+/// "1 rollout", "2 rollouts".
+std::string counted(Index count, std::string_view noun);
+
 /// 0, 2, 3, 4, 9 as "0,2-4,9"; ascending.
 std::string index_ranges(const std::vector<Index>& indices);
 

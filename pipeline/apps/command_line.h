@@ -38,8 +38,15 @@ struct StudyArguments {
   std::vector<std::string> words() const;
 };
 
-/// The stage of this name, which `option` gave; none for "". Throws InputError.
-std::optional<Stage> parse_stage(const std::string& name, const std::string& option);
+/// --until STAGE.
+struct UntilOption {
+  std::string name;
+
+  /// `purpose`: what the stage is to the command.
+  void add_to(CLI::App& app, const std::string& purpose);
+  /// None without the option. Throws InputError for an unknown name.
+  std::optional<Stage> stage() const;
+};
 
 /// "0-3,7" as {0, 1, 2, 3, 7}. Throws InputError.
 std::vector<Index> parse_ranges(const std::string& text);

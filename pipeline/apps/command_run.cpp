@@ -19,7 +19,7 @@ namespace {
 
 struct RunArguments {
   StudyArguments study;
-  std::string until;
+  UntilOption until;
   int num_jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // 0: unknown
   std::vector<std::string> artefacts;
   bool dry_run = false;
@@ -52,8 +52,8 @@ std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string
 ExitStatus run(const RunArguments& arguments) {
   stop_with_parent();
   const Plan plan = arguments.study.plan();
-  const SchedulerConfig config{arguments.num_jobs, parse_stage(arguments.until, "--until"),
-                               arguments.study.words(), keys_of(plan, arguments.artefacts)};
+  const SchedulerConfig config{arguments.num_jobs, arguments.until.stage(), arguments.study.words(),
+                               keys_of(plan, arguments.artefacts)};
   if (arguments.dry_run) {
     print_commands(plan, config);
     return ExitStatus::done;
@@ -72,7 +72,7 @@ void add_run_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("run", "bring a study up to date; skip what is");
   auto arguments = std::make_shared<RunArguments>();
   arguments->study.add_to(*command);
-  command->add_option("--until", arguments->until, "the last stage to run");
+  arguments->until.add_to(*command, "the last stage to run");
   command->add_option("-j,--jobs", arguments->num_jobs, "cores to use")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));

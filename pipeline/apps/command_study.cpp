@@ -35,8 +35,8 @@ void print_policy_searches(const Plan& plan) {
     const Index iterations = plan.study.method(node.uses.front().method).policy_iterations;
     rollouts += (iterations * (policy.search.population + 1) + 1) * trials;
   }
-  fmt::print("policies: {} searches of {} rollouts together, {} tests\n", searches, rollouts,
-             tests);
+  fmt::print("policy searches: {} of {} rollouts together, and {}\n", searches, rollouts,
+             counted(tests, "test"));
 }
 
 // The same of a command or a dataset, whose simulations are vectors.
@@ -55,10 +55,10 @@ void print_external_work(const Plan& plan) {
   const std::string source = study.external.dataset
                                  ? "rows of the dataset"
                                  : fmt::format("simulations in {} calls of the command", calls);
-  fmt::print("{} artefacts: {} {}, {} features each, {} posteriors to train, at most {} of x\n",
-             plan.nodes.size(), rows, source, num_features, posteriors,
+  fmt::print("{} artefacts: {} {}, {} features each, {} to train, at most {} of x\n",
+             plan.nodes.size(), rows, source, num_features, counted(posteriors, "posterior"),
              size_text(static_cast<std::uintmax_t>(rows * num_features) * sizeof(float)));
-  fmt::print("to judge them: {} evaluations of {} samples{}\n", evaluations,
+  fmt::print("to judge them: {} of {} samples{}\n", counted(evaluations, "evaluation"),
              study.evaluate.num_samples, study.external.dataset ? ", none of them simulated" : "");
   print_diagnoses(diagnoses, study);
 }
@@ -88,11 +88,11 @@ void print_work(const Plan& plan) {
              static_cast<Index>(sizeof(float));
   }
   fmt::print(
-      "{} artefacts: {} simulations ({} rollouts of {} steps), {} posteriors to train, "
+      "{} artefacts: {} simulations ({} rollouts of {} steps), {} to train, "
       "at most {} of trajectories\n",
-      plan.nodes.size(), rows, rollouts, num_steps, posteriors,
+      plan.nodes.size(), rows, rollouts, num_steps, counted(posteriors, "posterior"),
       size_text(static_cast<std::uintmax_t>(bytes)));
-  fmt::print("to judge them: {} evaluations of {} samples{}\n", evaluations,
+  fmt::print("to judge them: {} of {} samples{}\n", counted(evaluations, "evaluation"),
              study.evaluate.num_samples,
              is_recorded && study.evaluate.floor ? ", and a search for the floor" : "");
   print_diagnoses(diagnoses, study);

@@ -33,7 +33,7 @@ constexpr Index kUsualArraySize = 1001;  // Slurm's default
 
 struct SubmitArguments {
   StudyArguments study;
-  std::string until;
+  UntilOption until;
   std::string site;
   std::string mail;
   std::vector<std::string> options;
@@ -182,8 +182,7 @@ ExitStatus submit(SubmitArguments& arguments) {
   if (!arguments.mail.empty()) plan.study.cluster.mail = arguments.mail;
   require_value("--mail", arguments.mail);
   require_options("--sbatch", arguments.options);
-  const SubmitConfig config{parse_stage(arguments.until, "--until"), arguments.study.words(),
-                            arguments.options};
+  const SubmitConfig config{arguments.until.stage(), arguments.study.words(), arguments.options};
   if (arguments.dry_run) {
     const Index given_size = plan.study.cluster.max_array_size;
     const auto jobs = missing_jobs(plan, config, {}, given_size > 0 ? given_size : kUsualArraySize);
@@ -211,7 +210,7 @@ void add_submit_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("submit", "bring a study up to date by jobs of Slurm");
   auto arguments = std::make_shared<SubmitArguments>();
   arguments->study.add_to(*command);
-  command->add_option("--until", arguments->until, "the last stage to run");
+  arguments->until.add_to(*command, "the last stage to run");
   command->add_option("--site", arguments->site,
                       "file with a table [cluster], for keys that the study leaves out; else that "
                       "of the variable NPDR_SITE, else jobs/site.toml");

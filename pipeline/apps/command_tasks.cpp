@@ -17,7 +17,7 @@ namespace {
 
 struct TasksArguments {
   StudyArguments study;
-  std::string until;
+  UntilOption until;
   Index shards_per_task = 1;
 };
 
@@ -43,8 +43,7 @@ void print_shards(const Plan& plan, const Node& node, const std::vector<std::str
 
 ExitStatus list_tasks(const TasksArguments& arguments) {
   const Plan plan = arguments.study.plan();
-  const SchedulerConfig config{
-      1, parse_stage(arguments.until, "--until"), arguments.study.words(), {}};
+  const SchedulerConfig config{1, arguments.until.stage(), arguments.study.words(), {}};
   for (const Node* node : missing_nodes(plan, config)) {
     const bool is_ready = std::ranges::all_of(
         node->needs, [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
@@ -66,7 +65,7 @@ void add_tasks_command(CLI::App& app, int& result) {
       "tasks", "a command a line for all that can be made now, for batch systems of every kind");
   auto arguments = std::make_shared<TasksArguments>();
   arguments->study.add_to(*command);
-  command->add_option("--until", arguments->until, "the last stage to list");
+  arguments->until.add_to(*command, "the last stage to list");
   command->add_option("--shards-per-task", arguments->shards_per_task, "shards of a command")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));

@@ -160,7 +160,8 @@ num_samples = 100               # posterior samples that are simulated and measu
 #   alpha = 0.01                # probability that a method without fault fails any of its checks
 
 # Search for a policy that does well under the posterior, and tests of it in the target domain
-# (simulator "furuta" only). Without this table there is none.
+# (simulator "furuta" only). Without this table there is none. A whole study to start from:
+# experiments/furuta_policy.toml.
 #   [policy]
 #   optimizer = "power"         # or "cross_entropy"
 #   population = 25             # candidates per search iteration

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/text.h"
 #include "pipeline/config/simulator_info.h"
 
 namespace npdr::pipeline {
@@ -13,6 +14,11 @@ std::vector<const EvaluatedRun*> ReportData::runs_of(const std::string& method, 
     if (round > 0 ? run.use.round == round : run.last_round) found.push_back(&run);
   }
   return found;
+}
+
+std::string ReportData::experiments() const {
+  return counted(static_cast<Index>(seeds.size()), "experiment") +
+         (seeds.size() == 1 ? " (seed)" : " (seeds)");
 }
 
 std::vector<std::string> ReportData::policy_methods() const {

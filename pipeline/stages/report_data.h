@@ -54,6 +54,8 @@ struct ReportData {
 
   /// Methods that have searched for a policy, in the study's order.
   std::vector<std::string> policy_methods() const;
+  /// "5 experiments (seeds)".
+  std::string experiments() const;
 
   /// Whether the method's samples differ in parameter d of the prior: some methods take parameters
   /// as known that others infer.

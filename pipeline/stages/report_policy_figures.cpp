@@ -7,6 +7,7 @@
 #include "analysis/curve_plot.h"
 #include "analysis/heat_map.h"
 #include "analysis/plot_layout.h"
+#include "core/text.h"
 #include "pipeline/stages/closed_loop.h"
 #include "pipeline/stages/stage_files.h"
 
@@ -23,6 +24,19 @@ std::vector<std::string> drawn_policies(const ReportData& data) {
 std::string left_out(const ReportData& data) {
   const std::size_t drawn = drawn_policies(data).size(), all = data.policy_methods().size();
   return drawn == all ? "" : fmt::format(" The first {} of {} methods.", drawn, all);
+}
+
+// Where curves jump because a new iteration of the loop has inferred another posterior.
+std::string new_beliefs(const ReportData& data) {
+  std::string text;
+  for (const std::string& name : drawn_policies(data)) {
+    const MethodConfig& method = data.plan.study.method(name);
+    if (method.num_iterations == 1) continue;
+    text +=
+        fmt::format(" {}: under {} posteriors, one after the other, for {} each.", name,
+                    method.num_iterations, counted(method.policy_iterations, "search iteration"));
+  }
+  return text;
 }
 
 // Returns of the policy before each search iteration, those of all iterations of the loop one after
@@ -61,8 +75,8 @@ analysis::ReportFigure learning_figure(const ReportData& data,
   }
   return {analysis::write_curve_plot(plot, folder).svg,
           fmt::format("Return of the current policy under what its method believes, mean and "
-                      "standard deviation over {} experiments (seeds).{}",
-                      data.seeds.size(), left_out(data))};
+                      "standard deviation over {}.{}{}",
+                      data.experiments(), new_beliefs(data), left_out(data))};
 }
 
 // Mean over initial states and seeds at each point of the grid, (X, Y).

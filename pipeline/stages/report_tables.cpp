@@ -133,8 +133,8 @@ Table fit_table(const ReportData& data) {
   table.name = "fit";
   table.caption = fmt::format(
       "Fit of posterior samples to the target domain: mean and standard deviation over {} samples "
-      "of each of {} experiments (seeds). {}",
-      evaluate.num_samples, data.seeds.size(), noise_text(data.plan.study.observation_noise));
+      "of each of {}. {}",
+      evaluate.num_samples, data.experiments(), noise_text(data.plan.study.observation_noise));
   table.row_header = "Metric";
   table.command = data.plan.command;
   add_fit_columns(table, data);

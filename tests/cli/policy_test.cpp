@@ -193,7 +193,7 @@ TEST_F(Policies, TestsCanBeVerified) {
 
 TEST_F(Policies, ValidateSaysHowMuchWorkASearchIs) {
   const Outcome outcome = npdr({"validate", "searched.toml", "--quiet"});
-  EXPECT_NE(outcome.out.find("policies: 8 searches of 1408 rollouts together, 8 tests"),
+  EXPECT_NE(outcome.out.find("policy searches: 8 of 1408 rollouts together, and 8 tests"),
             std::string::npos)
       << outcome.out;
 }

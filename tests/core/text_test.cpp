@@ -22,6 +22,12 @@ TEST(Text, SplitsAtASeparator) {
   EXPECT_TRUE(split("", ':').empty());
 }
 
+TEST(Text, CountsAThing) {
+  EXPECT_EQ(counted(0, "seed"), "0 seeds");
+  EXPECT_EQ(counted(1, "seed"), "1 seed");
+  EXPECT_EQ(counted(2, "seed"), "2 seeds");
+}
+
 TEST(Text, CountsAreDigitsOnly) {
   EXPECT_EQ(parse_count("17"), 17);
   for (const char* text : {"", "-1", "-0", "+1", "1 ", "0x1", "1.5", "99999999999999999999"}) {
