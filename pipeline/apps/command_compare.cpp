@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/feature_names.h"
 #include "inference/diagnostics/c2st.h"
 #include "inference/diagnostics/mmd.h"
 #include "inference/diagnostics/two_samples.h"
@@ -69,7 +70,7 @@ Moments moments(const RowMatrix& rows, Index column) {
 
 Channel column_name(const Comparison& c, Index column) {
   const auto& columns = c.first.columns.empty() ? c.second.columns : c.first.columns;
-  if (columns.empty()) return {fmt::format("column {}", column + 1), ""};
+  if (columns.empty()) return {fmt::format("column {}", column + 1), "1"};
   return columns[static_cast<std::size_t>(column)];
 }
 
@@ -104,10 +105,8 @@ void print_text(const Comparison& c) {
   for (Index d = 0; d < c.first.rows.cols(); ++d) {
     const Channel name = column_name(c, d);
     const Moments a = moments(c.first.rows, d), b = moments(c.second.rows, d);
-    const std::string title =
-        name.unit.empty() ? name.label : fmt::format("{} [{}]", name.label, name.unit);
-    fmt::print("{:<28} {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g}\n", title, a.mean, b.mean, a.std,
-               b.std);
+    fmt::print("{:<28} {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g}\n", feature_name(name), a.mean,
+               b.mean, a.std, b.std);
   }
 }
 

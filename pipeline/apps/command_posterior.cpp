@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <memory>
 
 #include "core/error.h"
@@ -12,9 +13,10 @@
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/posterior_file.h"
-#include "pipeline/store/csv_file.h"
 #include "pipeline/store/feature_file.h"
+#include "pipeline/store/number_table.h"
 #include "pipeline/store/recording.h"
+#include "pipeline/store/sample_set.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -24,7 +26,7 @@ struct PosteriorArguments {
   std::string recording;  ///< --x: another observation
   Index count = 1000;
   std::uint64_t seed = 0;
-  std::string theta;  ///< CSV of log-prob
+  std::string theta;  ///< file of log-prob
 };
 
 // x of another recording, embedded as the posterior's own observation was.
@@ -93,14 +95,15 @@ void print_samples(const PosteriorArguments& arguments) {
 }
 
 RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
-  const CsvFile csv(path);
-  RowMatrix theta(csv.num_rows(), prior.dimension());
-  for (Index d = 0; d < theta.cols(); ++d) {
-    const inference::Marginal& marginal = prior.marginals()[static_cast<std::size_t>(d)];
-    const std::size_t column = csv.column_of({marginal.name, marginal.unit});
-    for (Index i = 0; i < theta.rows(); ++i) theta(i, d) = csv.number(i, column);
+  const SampleSet set = read_sample_set(path, "theta", std::numeric_limits<Index>::max());
+  if (!set.columns.empty()) {
+    std::vector<Channel> parameters;
+    for (const auto& m : prior.marginals()) parameters.push_back({m.name, m.unit});
+    return set.rows(Eigen::all, find_columns(set.where, set.columns, parameters));
   }
-  return theta;
+  if (set.rows.cols() == prior.dimension()) return set.rows;
+  throw InputError(fmt::format("{}: {} columns without names, must be {}, one for each parameter",
+                               set.where, set.rows.cols(), prior.dimension()));
 }
 
 void print_log_prob(const PosteriorArguments& arguments) {
@@ -135,11 +138,11 @@ void add_sample_command(CLI::App& app, int& result) {
 }
 
 void add_log_prob_command(CLI::App& app, int& result) {
-  auto* command =
-      app.add_subcommand("log-prob", "posterior densities of the parameters in a CSV file");
+  auto* command = app.add_subcommand("log-prob", "posterior densities of the parameters in a file");
   auto arguments = std::make_shared<PosteriorArguments>();
   add_posterior_options(*command, *arguments);
-  command->add_option("THETA", arguments->theta, "CSV with a column per parameter")->required();
+  command->add_option("THETA", arguments->theta, "CSV or HDF5 with a column per parameter")
+      ->required();
   command->callback([&result, arguments] {
     result = guarded_main("npdr log-prob", [&] {
       print_log_prob(*arguments);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <system_error>
@@ -66,6 +67,14 @@ bool NumberTable::next(std::span<double> row) {
   return true;
 }
 
+void NumberTable::require_finite(std::span<const double> row) const {
+  for (std::size_t c = 0; c < row.size(); ++c) {
+    if (!std::isfinite(row[c])) {
+      fail(fmt::format("{} = {}, must be finite", column_name(c), row[c]));
+    }
+  }
+}
+
 // The next line that isn't blank, without its end. Blank ones are only allowed at the end.
 bool NumberTable::next_line() {
   Index first_blank = 0;
@@ -99,9 +108,12 @@ bool NumberTable::read_line() {
 double NumberTable::number(std::size_t column) const {
   const std::optional<double> value = parse_number(fields_[column]);
   if (value) return *value;
-  const std::string label = columns_.empty() ? "" : fmt::format(" '{}'", columns_[column].label);
-  fail(fmt::format("column {}{} = {}, must be a number", column + 1, label,
-                   quoted(fields_[column])));
+  fail(fmt::format("{} = {}, must be a number", column_name(column), quoted(fields_[column])));
+}
+
+std::string NumberTable::column_name(std::size_t column) const {
+  const std::string number = fmt::format("column {}", column + 1);
+  return columns_.empty() ? number : fmt::format("{} '{}'", number, columns_[column].label);
 }
 
 void NumberTable::read_header() {
@@ -122,8 +134,8 @@ void NumberTable::fail(const std::string& message) const {
   throw InputError(fmt::format("{}: {}", place(), message));
 }
 
-std::vector<Index> match_columns(const std::string& where, const std::vector<Channel>& found,
-                                 const std::vector<Channel>& expected) {
+std::vector<Index> find_columns(const std::string& where, const std::vector<Channel>& found,
+                                const std::vector<Channel>& expected) {
   std::vector<std::string> labels;
   for (const Channel& channel : found) labels.push_back(channel.label);
   std::vector<Index> columns;
@@ -141,6 +153,12 @@ std::vector<Index> match_columns(const std::string& where, const std::vector<Cha
     }
     columns.push_back(column - labels.begin());
   }
+  return columns;
+}
+
+std::vector<Index> match_columns(const std::string& where, const std::vector<Channel>& found,
+                                 const std::vector<Channel>& expected) {
+  std::vector<Index> columns = find_columns(where, found, expected);
   if (found.size() == expected.size()) return columns;
   throw InputError(fmt::format("{}: has {} columns, must have {}: {}", where, found.size(),
                                expected.size(), join(feature_names(expected))));

@@ -33,10 +33,15 @@ class NumberTable {
   /// row of another length, and a line of more than 64 MiB.
   bool next(std::span<double> row);
 
+  /// Throws InputError with file, line and column unless all values of the row that next() has
+  /// just given are finite.
+  void require_finite(std::span<const double> row) const;
+
  private:
   bool next_line();
   bool read_line();
   double number(std::size_t column) const;
+  std::string column_name(std::size_t column) const;
   void read_header();
   std::string place() const;
   [[noreturn]] void fail(const std::string& message) const;
@@ -52,7 +57,12 @@ class NumberTable {
 };
 
 /// The column of each of the `expected` labels among those that a file has, in whatever order they
-/// are. Throws InputError, beginning with `where`, unless the labels are the same.
+/// are. A unit 1 may also be one that nobody has written down. Throws InputError, beginning with
+/// `where`, when there is no such label, or it is in another unit.
+std::vector<Index> find_columns(const std::string& where, const std::vector<Channel>& found,
+                                const std::vector<Channel>& expected);
+
+/// The same where the file must have no other columns.
 std::vector<Index> match_columns(const std::string& where, const std::vector<Channel>& found,
                                  const std::vector<Channel>& expected);
 

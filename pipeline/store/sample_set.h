@@ -11,15 +11,14 @@ namespace npdr::pipeline {
 
 struct SampleSet {
   std::string where;             ///< the file, and the dataset in it, as messages call it
-  std::vector<Channel> columns;  ///< names and units; empty: the file has none
+  std::vector<Channel> columns;  ///< names and units, 1 where none is given; empty: no names
   RowMatrix rows;                ///< (n, D), all finite
 };
 
 /// The first `most_rows` rows of dataset `dataset` (N, D) of an HDF5 file, whose attributes
-/// 'labels' and 'units' name the columns where it has them, or of a CSV file with a header `label
-/// [unit],
-/// ...`. Throws InputError for a file that is neither, without such a dataset, or with what isn't a
-/// finite number in those rows.
+/// 'labels' and 'units' name the columns where it has them, or of a CSV file, with or without a
+/// header `label` or `label [unit]`. Throws InputError for a file that is neither, without such a
+/// dataset, or with what isn't a finite number in those rows.
 SampleSet read_sample_set(const std::filesystem::path& path, const std::string& dataset,
                           Index most_rows);
 

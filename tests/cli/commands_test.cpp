@@ -75,7 +75,7 @@ TEST_F(Commands, SampleAndLogProbUseAPosterior) {
   const Outcome wrong_unit = npdr({"log-prob", posterior, "grams.csv"});
   EXPECT_EQ(wrong_unit.status, 2);
   EXPECT_EQ(wrong_unit.err,
-            "npdr log-prob: grams.csv:1: column 1 'pole_mass' is in [g], must be in [kg]\n");
+            "npdr log-prob: grams.csv: column 'pole_mass' is in [g], must be in [kg]\n");
 }
 
 TEST_F(Commands, UnknownOnesAreNamed) {
