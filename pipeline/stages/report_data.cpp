@@ -21,6 +21,10 @@ std::string ReportData::experiments() const {
          (seeds.size() == 1 ? " (seed)" : " (seeds)");
 }
 
+std::string ReportData::each_experiment() const {
+  return (seeds.size() == 1 ? "" : "each of ") + experiments();
+}
+
 std::vector<std::string> ReportData::policy_methods() const {
   std::vector<std::string> names;
   for (const MethodConfig& method : plan.study.methods) {

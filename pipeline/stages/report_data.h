@@ -54,8 +54,10 @@ struct ReportData {
 
   /// Methods that have searched for a policy, in the study's order.
   std::vector<std::string> policy_methods() const;
-  /// "5 experiments (seeds)".
+  /// "5 experiments (seeds)", "1 experiment (seed)".
   std::string experiments() const;
+  /// "each of 5 experiments (seeds)", "1 experiment (seed)".
+  std::string each_experiment() const;
 
   /// Whether the method's samples differ in parameter d of the prior: some methods take parameters
   /// as known that others infer.

@@ -144,10 +144,10 @@ std::string policy_caption(const ReportData& data) {
   }
   return fmt::format(
       "Policies {}: mean and standard deviation of the return, of at most {}, over {} initial "
-      "states of each of {}; share of successes, with the standard deviation "
+      "states of {}; share of successes, with the standard deviation "
       "over the experiments. {}",
       has_target(data) ? "in the target domain" : "over the grid", task_info(data).num_steps,
-      data.plan.study.policy.num_test_states, data.experiments(), counts);
+      data.plan.study.policy.num_test_states, data.each_experiment(), counts);
 }
 
 Table policy_table(const ReportData& data) {

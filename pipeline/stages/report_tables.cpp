@@ -133,8 +133,8 @@ Table fit_table(const ReportData& data) {
   table.name = "fit";
   table.caption = fmt::format(
       "Fit of posterior samples to the target domain: mean and standard deviation over {} samples "
-      "of each of {}. {}",
-      evaluate.num_samples, data.experiments(), noise_text(data.plan.study.observation_noise));
+      "of {}. {}",
+      evaluate.num_samples, data.each_experiment(), noise_text(data.plan.study.observation_noise));
   table.row_header = "Metric";
   table.command = data.plan.command;
   add_fit_columns(table, data);
