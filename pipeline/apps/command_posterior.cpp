@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <limits>
 #include <memory>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "inference/embeddings/embedding.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
@@ -62,12 +64,20 @@ void warn_of_later_round(const std::string& posterior) {
              posterior, round->get<Index>());
 }
 
+std::string verdict_on_chains(double r_hat) {
+  constexpr double too_large = 1.1;
+  if (std::isnan(r_hat)) return "; too few samples of each chain to say more";
+  return r_hat > too_large
+             ? "; they don't agree, so rows aren't independent, and modes may be badly weighted"
+             : "";
+}
+
 // Of Markov chains, how far they agree.
 void print_sampler(const inference::Samples& samples) {
   if (!samples.report || samples.report->r_hat.size() == 0) return;
-  fmt::print(stderr, "chains: largest R-hat {:.3f}, smallest effective sample size {:.0f}\n",
-             samples.report->r_hat.maxCoeff<Eigen::PropagateNaN>(),
-             samples.report->ess.minCoeff<Eigen::PropagateNaN>());
+  const double r_hat = samples.report->r_hat.maxCoeff<Eigen::PropagateNaN>();
+  fmt::print(stderr, "chains: largest R-hat {:.3f}, smallest effective sample size {:.0f}{}\n",
+             r_hat, samples.report->ess.minCoeff<Eigen::PropagateNaN>(), verdict_on_chains(r_hat));
 }
 
 std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) {
@@ -102,8 +112,8 @@ RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
     return set.rows(Eigen::all, find_columns(set.where, set.columns, parameters));
   }
   if (set.rows.cols() == prior.dimension()) return set.rows;
-  throw InputError(fmt::format("{}: {} columns without names, must be {}, one for each parameter",
-                               set.where, set.rows.cols(), prior.dimension()));
+  throw InputError(fmt::format("{}: {} without names, must be {}, one for each parameter",
+                               set.where, counted(set.rows.cols(), "column"), prior.dimension()));
 }
 
 void print_log_prob(const PosteriorArguments& arguments) {

@@ -10,8 +10,11 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/feature_names.h"
+#include "core/text.h"
 #include "pipeline/external/call_files.h"
 #include "pipeline/external/command_text.h"
+#include "pipeline/store/column_labels.h"
 #include "pipeline/store/feature_file.h"
 
 namespace npdr::pipeline {
@@ -164,7 +167,11 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
     return true;
   } catch (const InputError& error) {
     status = RolloutStatus::bad_output;
-    note(heading, result, error.what());
+    note(
+        heading, result,
+        fmt::format("{}; x must have {}: {}, as simulator.features or else target.observation says",
+                    error.what(), counted(std::ssize(info_.state_channels), "column"),
+                    join(few_shortened(feature_names(info_.state_channels)))));
     return false;
   }
 }

@@ -37,9 +37,9 @@ void note_chains(const EvaluatedRun& run, Cell& cell, Table& table) {
         table.footnote("fewer than four draws of each chain say nothing: raise "
                        "evaluate.num_samples, or for ABC the rounds"));
   } else if (r_hat.maxCoeff() > too_large) {
-    cell.notes.push_back(
-        table.footnote("chains don't agree, so the samples aren't the posterior's: raise "
-                       "sampler.num_warmup, or for ABC the rounds"));
+    cell.notes.push_back(table.footnote(
+        "chains don't agree: raise sampler.num_warmup; where modes lie apart, which no chain "
+        "crosses, sampler.num_candidates and num_chains; for ABC the rounds"));
   }
 }
 

@@ -71,6 +71,12 @@ TEST_F(Commands, SampleAndLogProbUseAPosterior) {
   ASSERT_EQ(densities.status, 0) << densities.err;
   EXPECT_EQ(std::count(densities.out.begin(), densities.out.end(), '\n'), 21);
   EXPECT_EQ(densities.out.find("inf"), std::string::npos);
+  const std::string rows = samples.out.substr(samples.out.find('\n') + 1);
+  std::ofstream(file("plain.csv")) << rows;
+  EXPECT_EQ(npdr({"log-prob", posterior, "plain.csv"}).out, densities.out);
+  std::ofstream(file("one.csv")) << "1\n2\n";
+  EXPECT_EQ(npdr({"log-prob", posterior, "one.csv"}).err,
+            "npdr log-prob: one.csv: 1 column without names, must be 2, one for each parameter\n");
   std::ofstream(file("grams.csv")) << "pole_mass [g],pole_length [m]\n1000,1\n";
   const Outcome wrong_unit = npdr({"log-prob", posterior, "grams.csv"});
   EXPECT_EQ(wrong_unit.status, 2);
