@@ -14,7 +14,7 @@ struct SamplerConfig {
   Index num_warmup = 100;      ///< "slice": sweeps that each chain makes first
   Index thin = 5;              ///< "slice": sweeps between two samples of a chain
   Index num_candidates =
-      10'000;  ///< draws of the prior that chains begin from, or that are resampled
+      100'000;  ///< draws of the prior that chains begin from, or that are resampled
 };
 
 /// "slice" (Markov chains), "importance" (draws of the prior, resampled by their weight).

@@ -121,7 +121,7 @@ learning_rate = 5e-4            # step size of Adam
 #   num_chains = 200            # side by side
 #   num_warmup = 100            # sweeps that each chain makes first
 #   thin = 5                    # sweeps between two samples of a chain
-#   num_candidates = 10000      # draws of the prior that chains begin from, or that are resampled
+#   num_candidates = 100000     # draws of the prior that chains begin from, or that are resampled
 
 # Methods without a network. Of "abc_rejection", "abc_mcmc" and "abc_smc", in place of
 # density_estimator, training and sampler:
