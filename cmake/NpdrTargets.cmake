@@ -34,10 +34,16 @@ endif()
 set(NPDR_COMMON_HEADERS <Eigen/Core> <algorithm> <cmath> <filesystem> <fmt/format.h> <fstream>
                         <functional> <map> <memory> <optional> <set> <string> <vector>)
 
-# npdr_library(<name> SOURCES <...> LINK <...> PRIVATE_LINK <...>): one library per folder.
+# npdr_library(<name> [FOLDER <...>] LINK <...> PRIVATE_LINK <...>): one library per folder, of all sources
+# in it and, where the folder isn't given, below the current one.
 function(npdr_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
-  add_library(${name} STATIC ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "" "FOLDER" "LINK;PRIVATE_LINK" ${ARGN})
+  if(ARG_FOLDER)
+    file(GLOB sources CONFIGURE_DEPENDS ${ARG_FOLDER}/*.cpp)
+  else()
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  endif()
+  add_library(${name} STATIC ${sources})
   target_link_libraries(${name} PUBLIC npdr_flags ${ARG_LINK} PRIVATE fmt::fmt ${ARG_PRIVATE_LINK})
   if(NOT name STREQUAL npdr_core)
     target_precompile_headers(${name} REUSE_FROM npdr_core)
@@ -53,11 +59,13 @@ function(npdr_executable name)
   install(TARGETS ${name} RUNTIME DESTINATION bin)
 endfunction()
 
-# npdr_test(<name> SOURCES <...> LINK <...> [SUITES <...>]): a GoogleTest program; every TEST is a ctest
-# of its own. Those of SUITES, whose tests share what takes long to set up, are one ctest a suite.
+# npdr_test(<name> LINK <...> [SUITES <...>]): a GoogleTest program of all sources in and below the folder;
+# every TEST is a ctest of its own. Those of SUITES, whose tests share what takes long to set up, are one
+# ctest a suite.
 function(npdr_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SUITES" ${ARGN})
-  add_executable(${name} ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "" "" "LINK;SUITES" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} npdr_core fmt::fmt GTest::gtest_main)
   target_precompile_headers(${name} REUSE_FROM npdr_test_headers)
   target_compile_definitions(${name} PRIVATE NPDR_SOURCE_DIR="${PROJECT_SOURCE_DIR}"

@@ -9,6 +9,8 @@
 namespace npdr {
 namespace {
 
+bool is_control(char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }
+
 char fold(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -104,6 +106,31 @@ std::string index_ranges(const std::vector<Index>& indices) {
     i = last + 1;
   }
   return join(ranges, ",");
+}
+
+std::string must_be(const std::string& key, const std::string& found, const std::string& words,
+                    const std::vector<std::string>& names) {
+  std::string message = key + " = " + found + ", must be " + words;
+  std::string bare = found;
+  std::erase(bare, '\'');
+  const std::string guess = nearest_name(bare, names);
+  if (!guess.empty()) message += " (did you mean '" + guess + "'?)";
+  return message;
+}
+
+std::string quoted(const std::string& text) { return "'" + shortened(text) + "'"; }
+
+std::string shortened(const std::string& text) {
+  constexpr std::size_t limit = 60;
+  std::string result = text.substr(0, limit);
+  std::replace_if(result.begin(), result.end(), is_control, '?');
+  if (text.size() <= limit) return result;
+  // A cut UTF-8 sequence would spoil the terminal's line: drop its beginning too.
+  while (!result.empty() && (static_cast<unsigned char>(result.back()) & 0xC0) == 0x80) {
+    result.pop_back();
+  }
+  if (!result.empty() && (static_cast<unsigned char>(result.back()) & 0x80) != 0) result.pop_back();
+  return result + "...";
 }
 
 }  // namespace npdr

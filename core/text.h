@@ -37,4 +37,13 @@ std::string unknown_name(std::string_view kind, std::string_view name,
 std::string missing_name(std::string_view kind, std::string_view name,
                          const std::vector<std::string>& present);
 
+/// `text` in quotes; a long one is cut, so that a message stays readable.
+std::string quoted(const std::string& text);
+/// At most about 60 bytes of `text`, control characters replaced by '?'.
+std::string shortened(const std::string& text);
+
+/// `key = found, must be words`, with the nearest of `names` when there are any.
+std::string must_be(const std::string& key, const std::string& found, const std::string& words,
+                    const std::vector<std::string>& names = {});
+
 }  // namespace npdr

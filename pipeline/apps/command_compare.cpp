@@ -14,7 +14,7 @@
 #include "inference/diagnostics/two_samples.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/store/sample_set.h"
+#include "pipeline/artefacts/sample_set.h"
 
 namespace npdr::pipeline {
 namespace {

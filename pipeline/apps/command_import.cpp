@@ -7,9 +7,9 @@
 #include "core/feature_names.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/store/csv_import.h"
-#include "pipeline/store/dataset_file.h"
-#include "pipeline/store/recording.h"
+#include "pipeline/artefacts/csv_import.h"
+#include "pipeline/artefacts/dataset_file.h"
+#include "pipeline/artefacts/recording.h"
 
 namespace npdr::pipeline {
 namespace {

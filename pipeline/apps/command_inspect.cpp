@@ -9,10 +9,10 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verify.h"
+#include "pipeline/artefacts/dataset_file.h"
+#include "pipeline/artefacts/recording.h"
+#include "pipeline/process/forked_trial.h"
 #include "pipeline/store/artefact.h"
-#include "pipeline/store/dataset_file.h"
-#include "pipeline/store/forked_trial.h"
-#include "pipeline/store/recording.h"
 
 namespace npdr::pipeline {
 namespace {

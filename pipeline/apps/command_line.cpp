@@ -13,10 +13,10 @@
 #include "core/file_error.h"
 #include "core/text.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/external/command_text.h"
-#include "pipeline/run/progress.h"
-#include "pipeline/run/stop_request.h"
-#include "pipeline/store/build_info.h"
+#include "pipeline/process/build_info.h"
+#include "pipeline/process/progress.h"
+#include "pipeline/process/shell_text.h"
+#include "pipeline/process/stop_request.h"
 
 namespace npdr::pipeline {
 namespace {

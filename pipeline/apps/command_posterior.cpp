@@ -11,14 +11,14 @@
 #include "inference/embeddings/embedding.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/artefacts/feature_file.h"
+#include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/recording.h"
+#include "pipeline/artefacts/sample_set.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/stages/posterior_file.h"
-#include "pipeline/store/feature_file.h"
 #include "pipeline/store/number_table.h"
-#include "pipeline/store/recording.h"
-#include "pipeline/store/sample_set.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -40,7 +40,7 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
   const auto table = from_json<SimulatorTable>(info.identity.study.at("simulator"),
                                                posterior + ": study.simulator");
   const Channels channels = observed_channels(posterior);
-  if (table.external.is_used()) {
+  if (!traits_of(table.external.kind()).gives_motion) {
     const Target target = read_observation(recording, channels.states);
     return inference::observed_features(*inference::make_embedding(embedding, target, 1), target,
                                         1);
@@ -81,8 +81,8 @@ void print_sampler(const inference::Samples& samples) {
 }
 
 std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) {
-  if (arguments.recording.empty()) return read_posterior(arguments.posterior);
-  const auto posterior = read_network_posterior(arguments.posterior);
+  if (arguments.recording.empty()) return read_posterior({arguments.posterior});
+  const auto posterior = read_network_posterior({arguments.posterior});
   const VectorF x = embed_recording(arguments.posterior, arguments.recording);
   warn_of_later_round(arguments.posterior);
   return posterior->given(x);

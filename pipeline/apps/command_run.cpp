@@ -9,10 +9,10 @@
 
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/external/command_text.h"
-#include "pipeline/run/child_process.h"
+#include "pipeline/plan/report_marker.h"
+#include "pipeline/process/child_process.h"
+#include "pipeline/process/shell_text.h"
 #include "pipeline/run/scheduler.h"
-#include "pipeline/stages/report_marker.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -33,7 +33,7 @@ void print_commands(const Plan& plan, const SchedulerConfig& config) {
 
 // The study's main tables, and where the rest is.
 void print_results(const Plan& plan) {
-  const char* main = plan.study.external.dataset ? "parameters.md" : "fit.md";
+  const char* main = plan.study.source().simulates ? "fit.md" : "parameters.md";
   for (const char* name : {main, "policy.md"}) {
     std::ifstream table(plan.work.study(plan.study.name) / "tables" / name);
     if (!table) continue;  // nothing was inferred, or no policy searched for

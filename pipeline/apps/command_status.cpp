@@ -10,7 +10,7 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/size_text.h"
 #include "pipeline/cluster/cluster_status.h"
-#include "pipeline/plan/artefact_status.h"
+#include "pipeline/run/artefact_status.h"
 
 namespace npdr::pipeline {
 namespace {

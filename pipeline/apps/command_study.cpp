@@ -13,6 +13,7 @@
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"
 #include "pipeline/config/study_template.h"
+#include "pipeline/plan/shards.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -39,8 +40,8 @@ void print_policy_searches(const Plan& plan) {
              counted(tests, "test"));
 }
 
-// The same of a command or a dataset, whose simulations are vectors.
-void print_external_work(const Plan& plan) {
+// The same where simulations are vectors.
+void print_feature_work(const Plan& plan) {
   const Study& study = plan.study;
   const auto num_features = static_cast<Index>(study.external.features.size());
   Index rows = 0, calls = 0, posteriors = 0, evaluations = 0, diagnoses = 0;
@@ -52,21 +53,22 @@ void print_external_work(const Plan& plan) {
     rows += num_rows(plan, node);
     calls += static_cast<Index>(shards(plan, node).size());
   }
-  const std::string source = study.external.dataset
-                                 ? "rows of the dataset"
-                                 : fmt::format("simulations in {} calls of the command", calls);
+  const std::string source = study.source().simulates
+                                 ? fmt::format("simulations in {} calls of the command", calls)
+                                 : "rows of the dataset";
   fmt::print("{} artefacts: {} {}, {} features each, {} to train, at most {} of x\n",
              plan.nodes.size(), rows, source, num_features, counted(posteriors, "posterior"),
              size_text(static_cast<std::uintmax_t>(rows * num_features) * sizeof(float)));
   fmt::print("to judge them: {} of {} samples{}\n", counted(evaluations, "evaluation"),
-             study.evaluate.num_samples, study.external.dataset ? ", none of them simulated" : "");
+             study.evaluate.num_samples,
+             study.source().simulates ? "" : ", none of them simulated");
   print_diagnoses(diagnoses, study);
 }
 
 // The work and disk that a study implies.
 void print_work(const Plan& plan) {
   const Study& study = plan.study;
-  if (study.external.is_used()) return print_external_work(plan);
+  if (!study.source().gives_motion) return print_feature_work(plan);
   const bool is_recorded = study.target.recording.has_value();
   const sim::SimulatorInfo info = sim::make_simulator(study.simulator)->info();
   const Index num_rollouts =

@@ -21,10 +21,10 @@
 #include "pipeline/cluster/submit.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/plan/artefact_status.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/process/stop_request.h"
+#include "pipeline/run/artefact_status.h"
 #include "pipeline/run/scheduler.h"
-#include "pipeline/run/stop_request.h"
-#include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -7,10 +7,10 @@
 #include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/external/command_text.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/plan/shards.h"
+#include "pipeline/process/shell_text.h"
 #include "pipeline/run/scheduler.h"
-#include "pipeline/stages/simulation_file.h"
-#include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -7,10 +7,11 @@
 #include <optional>
 
 #include "pipeline/apps/command_line.h"
-#include "pipeline/run/child_process.h"
-#include "pipeline/run/stop_request.h"
-#include "pipeline/stages/simulation_file.h"
-#include "pipeline/stages/stages.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/plan/shards.h"
+#include "pipeline/process/child_process.h"
+#include "pipeline/process/stop_request.h"
+#include "pipeline/run/run_stage.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -7,15 +7,14 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "inference/prior.h"
-#include "pipeline/config/simulator_info.h"
+#include "pipeline/artefacts/policy_outcomes.h"
+#include "pipeline/artefacts/recording.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/external/external_simulator.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/stages/closed_loop.h"
-#include "pipeline/stages/policy_test_file.h"
-#include "pipeline/stages/row_simulator.h"
-#include "pipeline/store/recording.h"
+#include "pipeline/predictions/closed_loop.h"
+#include "pipeline/sources/source.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
@@ -55,7 +54,7 @@ Index round_of(const std::filesystem::path& simulation, const ArtefactInfo& info
   return read_artefact_info(path).identity.key_document.at("round").get<Index>();
 }
 
-// The study's simulator as its command is about it: of the resolved study, what that needs.
+// The study as far as its source needs it.
 Study study_of(const std::filesystem::path& path, const ArtefactInfo& info) {
   const auto& json = info.identity.study;
   const auto table =
@@ -67,69 +66,50 @@ Study study_of(const std::filesystem::path& path, const ArtefactInfo& info) {
   return study;
 }
 
-// Rows of x, each in a call of its own.
-Verification verify_features(const std::filesystem::path& path, const ArtefactInfo& info,
-                             const h5::File& file, Index count, std::uint64_t pick) {
-  const Study study = study_of(path, info);
-  if (study.external.dataset) {
-    throw InputError(path.string() +
-                     ": its rows are those of a dataset; only simulations can be "
-                     "recomputed");
-  }
-  const h5::Dataset x = file.dataset("x");
-  x.require_shape({-1, static_cast<Index>(study.external.features.size())});
-  const RowMatrix theta =
-      file.read_matrix<double>("theta", x.num_rows(), static_cast<Index>(study.prior.size()));
+[[noreturn]] void reject_dataset(const std::filesystem::path& path) {
+  throw InputError(path.string() +
+                   ": its rows are those of a dataset; only simulations can be recomputed");
+}
+
+// Rows [begin, ...) of which simulation, and the random numbers of the first.
+StreamId first_stream(const std::filesystem::path& path, const ArtefactInfo& info) {
   const auto& document = info.identity.key_document;
   const auto begin = document.contains("begin") ? document.at("begin").get<std::uint64_t>() : 0;
   const auto round = static_cast<std::uint64_t>(round_of(simulation_of(path, info), info));
-  const sim::SimulatorInfo simulator_about = simulator_info(study);
-  ExternalSimulator simulator(study.external, simulator_about, {});
-
-  Verification result;
-  result.num_rows = x.num_rows();
-  std::vector<float> stored(static_cast<std::size_t>(x.row_size()));
-  for (const Index row : pick_rows(result.num_rows, count, pick)) {
-    RowMatrix all = sim::complete_theta(simulator_about, study.simulator.parameters).transpose();
-    all.leftCols(theta.cols()) = theta.row(row);  // the prior's parameters come first
-    const sim::Trajectories again = simulator.simulate(
-        all,
-        {info.identity.seed, kSimulationStream, round, begin + static_cast<std::uint64_t>(row), 0});
-    x.read_rows<float>(row, 1, stored);
-    ++result.num_checked;
-    if (!same(again.values, stored)) result.different.push_back(row);
-  }
-  return result;
+  return {info.identity.seed, kSimulationStream, round, begin, 0};
 }
 
+// Each row in a call of its own.
 Verification verify_simulation(const std::filesystem::path& path, const ArtefactInfo& info,
                                Index count, std::uint64_t pick) {
   const bool is_shard = info.schema.name == kSimulationShardSchema.name;
   const h5::File file = open_artefact(path, is_shard ? kSimulationShardSchema : kSimulationSchema);
-  const auto table = from_json<SimulatorTable>(info.identity.study.at("simulator"),
-                                               path.string() + ": study.simulator");
-  if (table.external.is_used()) return verify_features(path, info, file, count, pick);
-  const h5::Dataset trajectories = file.dataset("trajectories");
-  trajectories.require_shape({-1, -1, -1, -1});
-  const auto labels = file.dataset("theta").attribute<std::vector<std::string>>("labels");
+  const Study study = study_of(path, info);
+  const SourceTraits& traits = study.source();
+  if (!traits.simulates) reject_dataset(path);
+  const h5::Dataset values = simulated_values(file);
+  values.require_shape(traits.gives_motion
+                           ? h5::Shape{-1, -1, -1, -1}
+                           : h5::Shape{-1, static_cast<Index>(study.external.features.size())});
   const RowMatrix theta =
-      file.read_matrix<double>("theta", trajectories.num_rows(), static_cast<Index>(labels.size()));
-  const sim::SimulatorConfig& config = table.built_in;
-  const auto simulator = sim::make_simulator(config);
+      file.read_matrix<double>("theta", values.num_rows(), static_cast<Index>(study.prior.size()));
   // A shard's own document doesn't hold the number of rollouts; its trajectories do.
-  const Target target = target_of(simulation_of(path, info), info).first(trajectories.shape()[1]);
+  const Target target = traits.gives_motion
+                            ? target_of(simulation_of(path, info), info).first(values.shape()[1])
+                            : Target{};
+  const StreamId first = traits.draws_random_numbers ? first_stream(path, info) : StreamId{};
+  const auto source = make_source(study);
+  const auto simulator = source->open({.simulator = study.simulator, .target = target});
 
   Verification result;
-  result.num_rows = trajectories.num_rows();
-  std::vector<float> stored(static_cast<std::size_t>(trajectories.row_size()));
+  result.num_rows = values.num_rows();
+  std::vector<float> stored(static_cast<std::size_t>(values.row_size()));
   for (const Index row : pick_rows(result.num_rows, count, pick)) {
-    RowMatrix all = sim::complete_theta(*simulator, config.parameters).transpose();
-    for (std::size_t d = 0; d < labels.size(); ++d) {
-      all(0, sim::parameter_index(simulator->info(), labels[d])) =
-          theta(row, static_cast<Index>(d));
-    }
-    const sim::Trajectories again = simulator->replay(target, all);
-    trajectories.read_rows<float>(row, 1, stored);
+    StreamId id = first;
+    id.row += static_cast<std::uint64_t>(row);
+    const sim::Trajectories again =
+        simulator->simulate(source->parameters().complete(theta.row(row)), id);
+    values.read_rows<float>(row, 1, stored);
     ++result.num_checked;
     if (!same(again.values, stored)) result.different.push_back(row);
   }
@@ -140,11 +120,7 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
                              Index count, std::uint64_t pick) {
   const h5::File file = open_artefact(path, kProposalSchema);
   const auto& document = info.identity.key_document;
-  if (document.contains("dataset")) {
-    throw InputError(path.string() +
-                     ": its rows are those of a dataset; only simulations can be "
-                     "recomputed");
-  }
+  if (document.contains("dataset")) reject_dataset(path);
   if (!document.contains("prior")) {
     throw InputError(path.string() +
                      ": its rows come from a posterior; only those of the prior can be recomputed");
@@ -201,7 +177,7 @@ Verification verify_policy_test(const std::filesystem::path& path, const Artefac
   const Study study = tested_study(path, info);
   const PolicyTest test = read_policy_test(path);
   const auto task = make_task(study);
-  const RowMatrix theta = tested_parameters(study, sim::make_simulator(study.simulator)->info());
+  const RowMatrix theta = tested_parameters(study, *make_source(study));
   const Vector stored = stored_returns(test);
   const Index num_states = test.initial_states.rows();
   if (stored.size() != theta.rows() * num_states) {

@@ -17,9 +17,9 @@
 #include "core/error.h"
 #include "pipeline/cluster/slurm.h"
 #include "pipeline/cluster/task_log.h"
-#include "pipeline/run/stop_request.h"
-#include "pipeline/store/batch_job.h"
-#include "pipeline/store/task_mark.h"
+#include "pipeline/process/batch_job.h"
+#include "pipeline/process/stop_request.h"
+#include "pipeline/process/task_mark.h"
 
 namespace npdr::pipeline {
 namespace {

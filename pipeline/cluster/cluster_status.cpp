@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <set>
 
+#include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/task_log.h"
-#include "pipeline/stages/simulation_file.h"
-#include "pipeline/stages/stages.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/plan/shards.h"
 
 namespace npdr::pipeline {
 namespace {

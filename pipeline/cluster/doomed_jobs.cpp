@@ -4,8 +4,8 @@
 #include <set>
 
 #include "pipeline/cluster/job_tag.h"
-#include "pipeline/stages/simulation_file.h"
-#include "pipeline/stages/stages.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/plan/shards.h"
 
 namespace npdr::pipeline {
 namespace {

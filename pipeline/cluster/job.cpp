@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
+#include "pipeline/plan/shards.h"
 #include "pipeline/run/scheduler.h"
-#include "pipeline/stages/simulation_file.h"
-#include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {

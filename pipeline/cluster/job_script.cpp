@@ -5,7 +5,8 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/cluster/job_tag.h"
-#include "pipeline/external/command_text.h"
+#include "pipeline/plan/shards.h"
+#include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
 namespace {

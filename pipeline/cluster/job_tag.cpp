@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/text.h"
+#include "pipeline/plan/shards.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {

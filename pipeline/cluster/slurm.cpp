@@ -9,8 +9,8 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/external/command_text.h"
-#include "pipeline/external/shell_call.h"
+#include "pipeline/process/shell_call.h"
+#include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -12,10 +12,11 @@
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/cluster/ledger.h"
 #include "pipeline/cluster/row_time.h"
-#include "pipeline/external/command_text.h"
-#include "pipeline/run/child_process.h"
-#include "pipeline/stages/stages.h"
-#include "pipeline/store/utc_time.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/plan/shards.h"
+#include "pipeline/process/child_process.h"
+#include "pipeline/process/shell_text.h"
+#include "pipeline/process/utc_time.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "core/atomic_file.h"
-#include "pipeline/external/command_text.h"
-#include "pipeline/store/utc_time.h"
+#include "pipeline/process/shell_text.h"
+#include "pipeline/process/utc_time.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -90,29 +90,4 @@ Constraint<std::string> shell_command() {
           }};
 }
 
-std::string must_be(const std::string& key, const std::string& found, const std::string& words,
-                    const std::vector<std::string>& names) {
-  std::string message = key + " = " + found + ", must be " + words;
-  std::string bare = found;
-  std::erase(bare, '\'');
-  const std::string guess = nearest_name(bare, names);
-  if (!guess.empty()) message += " (did you mean '" + guess + "'?)";
-  return message;
-}
-
-std::string quoted(const std::string& text) { return fmt::format("'{}'", shortened(text)); }
-
-std::string shortened(const std::string& text) {
-  constexpr std::size_t limit = 60;
-  std::string result = text.substr(0, limit);
-  std::replace_if(result.begin(), result.end(), is_control, '?');
-  if (text.size() <= limit) return result;
-  // A cut UTF-8 sequence would spoil the terminal's line: drop its beginning too.
-  while (!result.empty() && (static_cast<unsigned char>(result.back()) & 0xC0) == 0x80) {
-    result.pop_back();
-  }
-  if (!result.empty() && (static_cast<unsigned char>(result.back()) & 0x80) != 0) result.pop_back();
-  return result + "...";
-}
-
 }  // namespace npdr::pipeline

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/text.h"
+
 namespace npdr::pipeline {
 
 /// `words` completes "must be ..." and `names` lists the choices when there are only a few. A
@@ -60,19 +62,10 @@ Constraint<std::string> shell_command();
 /// What can head a column of a CSV file as it stands: letters, digits, '_', '-' and '.'.
 Constraint<std::string> column_name();
 
-/// `key = found, must be words`, with the nearest of `names` when there are any.
-std::string must_be(const std::string& key, const std::string& found, const std::string& words,
-                    const std::vector<std::string>& names = {});
-
 /// "a number, > 0": what a field of type `type` must be when a value of another type was found.
 template <class C>
 std::string type_and_words(const std::string& type, const Constraint<C>& allowed) {
   return allowed.words.empty() ? type : type + ", " + allowed.words;
 }
-
-/// `text` in quotes; a long one is cut, so that a message stays readable.
-std::string quoted(const std::string& text);
-/// At most about 60 bytes of `text`.
-std::string shortened(const std::string& text);
 
 }  // namespace npdr::pipeline

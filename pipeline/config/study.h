@@ -21,6 +21,7 @@
 #include "pipeline/config/external_config.h"
 #include "pipeline/config/places.h"
 #include "pipeline/config/policy_config.h"
+#include "pipeline/config/source_traits.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
@@ -121,6 +122,9 @@ struct Study {
   ReportConfig report;
   ClusterConfig cluster;
   Places places;  ///< where each key stands in what the study was read from
+
+  /// What can be expected of where its rows come from.
+  const SourceTraits& source() const { return traits_of(external.kind()); }
 
   /// Throws InputError with the nearest name when no method is called `method_name`.
   const MethodConfig& method(const std::string& method_name) const;

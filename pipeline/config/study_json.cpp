@@ -35,12 +35,6 @@ std::vector<inference::Marginal> prior_from_json(const Json& json, const std::st
   return prior;
 }
 
-Json parse_json(const std::string& text, const std::string& where) {
-  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded()) throw InputError(where + ": " + quoted(text) + " isn't JSON");
-  return json;
-}
-
 template Json to_json(const sim::SimulatorConfig&);
 template Json to_json(const ExternalConfig&);
 template Json to_json(const inference::EmbeddingConfig&);

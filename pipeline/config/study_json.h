@@ -9,6 +9,7 @@
 #include <string>
 
 #include "pipeline/config/study.h"
+#include "pipeline/store/content_key.h"
 
 namespace npdr::pipeline {
 
@@ -33,8 +34,5 @@ Config from_json(const nlohmann::ordered_json& json, const std::string& where);
 /// The inverse of to_json() of a prior. Throws InputError.
 std::vector<inference::Marginal> prior_from_json(const nlohmann::ordered_json& json,
                                                  const std::string& where);
-
-/// `text` as JSON; throws InputError when it isn't.
-nlohmann::ordered_json parse_json(const std::string& text, const std::string& where);
 
 }  // namespace npdr::pipeline

@@ -23,39 +23,6 @@ bool is_part_of_posterior(const MethodConfig& method, const std::string& key) {
 
 }  // namespace
 
-Json simulator_json(const sim::SimulatorConfig& config) {
-  Json json = to_json(config);
-  for (const std::string& setting : sim::unused_settings(config.name)) json.erase(setting);
-  return json;
-}
-
-Json dynamics_json(const sim::SimulatorConfig& config) {
-  Json json = simulator_json(config);
-  json.erase("store_every");
-  return json;
-}
-
-Json behaviour_json(const sim::SimulatorConfig& config) {
-  Json json = dynamics_json(config);
-  json.erase("segment_length");
-  return json;
-}
-
-Json external_json(const Study& study, const std::map<std::string, std::string>& files) {
-  const ExternalConfig& external = study.external;
-  Json json;
-  json["files"] = files;
-  json["features"] = external.features;
-  if (external.dataset) return json;
-  json["command"] = *external.command;
-  json["format"] = external.format;
-  json["time_limit"] = external.time_limit;
-  json["start_time"] = external.start_time;
-  json["retries"] = external.retries;
-  json["parameters"] = study.simulator.parameters;
-  return json;
-}
-
 Json inference_json(const MethodConfig& method) {
   const Json all = to_json(method);
   Json json = Json::object();

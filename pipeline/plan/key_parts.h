@@ -1,26 +1,12 @@
 /// Parts of key documents: of the settings, those that what is keyed depends on.
 #pragma once
 
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
-
-/// The settings of a built-in simulator without those that mean nothing to it.
-nlohmann::ordered_json simulator_json(const sim::SimulatorConfig& config);
-
-/// The part that decides what a simulation of every state holds.
-nlohmann::ordered_json dynamics_json(const sim::SimulatorConfig& config);
-
-/// The part that decides what a simulated target holds, which is one segment.
-nlohmann::ordered_json behaviour_json(const sim::SimulatorConfig& config);
-
-/// Of a command or a dataset; `files`: the hashes of those that it names.
-nlohmann::ordered_json external_json(const Study& study,
-                                     const std::map<std::string, std::string>& files);
 
 /// The settings of a method that a posterior depends on, whatever the method is called and however
 /// many rounds follow.

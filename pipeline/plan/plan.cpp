@@ -118,16 +118,6 @@ void link_uses(const Plan& plan, const Node& node) {
   for (const Use& use : node.uses) make_link(node.path, link_of(plan, node, use));
 }
 
-std::vector<RowRange> shards(const Plan& plan, const Node& simulate) {
-  std::vector<RowRange> ranges;
-  const Index n = num_rows(plan, simulate);
-  const Index size = plan.study.simulate.shard_size;
-  for (Index begin = 0; begin < n; begin += size) {
-    ranges.push_back({begin, std::min(begin + size, n)});
-  }
-  return ranges;
-}
-
 bool is_calibration(const Node& node) {
   const bool has_rows = node.stage == Stage::propose || node.stage == Stage::simulate;
   return has_rows && node.uses.front().round == 0;

@@ -4,13 +4,15 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/target.h"
+#include "pipeline/artefacts/work_folder.h"
 #include "pipeline/config/study.h"
-#include "pipeline/plan/work_folder.h"
+#include "pipeline/sources/source.h"
 #include "pipeline/store/artefact.h"
 
 namespace npdr::pipeline {
@@ -50,12 +52,10 @@ struct Use {
   std::uint64_t stream_round() const;
 };
 
-/// One artefact.
-struct Node {
+/// One artefact of the plan.
+struct Node : ArtefactFile {
   Stage stage = Stage::target;
   Identity identity;
-  std::string key;
-  std::filesystem::path path;
   std::vector<Use> uses;           ///< at least one; the first made it part of the plan
   std::vector<std::size_t> needs;  ///< positions in the plan, all before this one
 
@@ -71,6 +71,7 @@ struct Selection {
 
 struct Plan {
   Study study;
+  std::shared_ptr<const Source> source;  ///< of its rows
   WorkFolder work;
   /// The recording, held-out rollouts last, or x_o; empty for a simulated truth.
   Target target;
@@ -94,13 +95,6 @@ std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use
 
 /// Makes the links of all uses of a complete artefact.
 void link_uses(const Plan& plan, const Node& node);
-
-/// Rows [begin, end) of a simulation's shards.
-struct RowRange {
-  Index begin = 0;
-  Index end = 0;
-};
-std::vector<RowRange> shards(const Plan& plan, const Node& simulate);
 
 /// Whether a node proposes or simulates what posteriors are calibrated with.
 bool is_calibration(const Node& node);

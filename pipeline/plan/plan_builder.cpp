@@ -5,17 +5,12 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/feature_names.h"
+#include "pipeline/artefacts/recording.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/external_check.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/external/command_text.h"
-#include "pipeline/external/dataset_rows.h"
 #include "pipeline/plan/key_parts.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/store/feature_file.h"
-#include "pipeline/store/recording.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -52,35 +47,12 @@ bool needs_simulations(const MethodConfig& method) {
 }  // namespace
 
 PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& selection)
-    : plan_{std::move(study), work, {}, {}, {}}, selection_(selection) {
+    : plan_{std::move(study), nullptr, work, {}, {}, {}}, selection_(selection) {
   check_selection(selection);
-  if (plan_.study.external.is_used()) resolve_external();
+  if (auto x_o = resolve_source(plan_.study)) plan_.target = std::move(*x_o);
+  plan_.source = make_source(plan_.study);
+  keys_ = plan_.source->keys();
   study_json_ = study_document(plan_.study);
-}
-
-void PlanBuilder::resolve_external() {
-  Study& study = plan_.study;
-  ExternalConfig& external = study.external;
-  std::vector<Channel> features = parse_features(external.features);
-  if (external.dataset) {
-    const DatasetFile dataset = open_dataset(study);
-    features = dataset.features();
-    check_dataset_rows(study, dataset.num_rows());
-    external_files_["dataset"] = file_hash(*external.dataset);
-  } else {
-    external_files_ = named_files(*external.command, external.folder);
-  }
-  if (study.target.observation) {
-    plan_.target = read_observation(*study.target.observation, features);
-    features = plan_.target.state_channels;
-    check_recording(study, plan_.target);
-  }
-  external.features = feature_names(features);
-}
-
-Json PlanBuilder::simulation_json() const {
-  return plan_.study.external.is_used() ? external_json(plan_.study, external_files_)
-                                        : simulator_json(plan_.study.simulator);
 }
 
 void PlanBuilder::check_selection(const Selection& selection) const {
@@ -97,7 +69,7 @@ void PlanBuilder::check_selection(const Selection& selection) const {
 Plan PlanBuilder::build() {
   const std::size_t target = add_target();
   held_out_ = add_held_out();
-  if (plan_.study.external.command) scale_ = add_scale();
+  if (plan_.study.source().predicts_features()) scale_ = add_scale();
   Results results;
   const auto selected = [](const auto& wanted, const auto& value) {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
@@ -116,10 +88,7 @@ std::size_t PlanBuilder::add_target() {
   const Study& study = plan_.study;
   Json json = key_document(kTargetSchema);
   if (study.target.recording) {
-    const auto simulator = sim::make_simulator(study.simulator);
-    plan_.target = read_recording(
-        *study.target.recording,
-        Channels{simulator->info().state_channels, simulator->info().action_channels});
+    plan_.target = read_recording(*study.target.recording, channels_of(plan_.source->info()));
     check_recording(study, plan_.target);
     if (study.target.num_rollouts > 0) {
       plan_.target = plan_.target.first(study.target.num_rollouts + study.target.held_out);
@@ -129,8 +98,7 @@ std::size_t PlanBuilder::add_target() {
   } else if (study.target.observation) {
     json["content"] = content_hash(plan_.target);
   } else {
-    json["simulator"] = study.external.is_used() ? external_json(plan_.study, external_files_)
-                                                 : behaviour_json(study.simulator);
+    json["simulator"] = keys_.truth;
     describe_truth(study, json);
   }
   return add(Stage::target, json, {}, {});
@@ -152,7 +120,7 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
     json["content"] =
         content_hash(plan_.target.after(plan_.target.num_rollouts() - study.target.held_out));
   } else {
-    json["simulator"] = behaviour_json(study.simulator);
+    json["simulator"] = keys_.truth;
     describe_truth(study, json);
   }
   return add(Stage::held_out, json, {}, {});
@@ -160,8 +128,7 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
 
 // What baselines and posteriors are measured by.
 PlanBuilder::Inputs PlanBuilder::add_judgement(std::size_t target, Json& json) const {
-  json["simulator"] = plan_.study.external.is_used() ? external_json(plan_.study, external_files_)
-                                                     : dynamics_json(plan_.study.simulator);
+  json["simulator"] = keys_.states;
   json["metrics"] = plan_.study.evaluate.metrics;
   for (const ReferenceConfig& reference : plan_.study.references) {
     json["references"][reference.name] = reference.parameters;
@@ -247,7 +214,7 @@ std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use
   json["seed"] = use.seed;
   json["round"] = use.round;
   if (use.iteration > 1) json["iteration"] = use.iteration;
-  if (plan_.study.external.dataset) json["dataset"] = external_files_.at("dataset");
+  json.update(keys_.theta);
   if (!posterior) {
     json["prior"] = to_json(plan_.study.prior);
     return add(Stage::propose, json, use, {});
@@ -258,9 +225,9 @@ std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use
 std::size_t PlanBuilder::add_simulation(const MethodConfig& method, const Use& use,
                                         std::size_t target, std::size_t proposal) {
   Json json = key_document(kSimulationSchema);
-  json["simulator"] = simulation_json();
+  json["simulator"] = keys_.rows;
   // Features don't depend on the target: with another x_o, the simulations of the prior stay.
-  if (plan_.study.external.is_used()) {
+  if (!plan_.study.source().gives_motion) {
     return add(Stage::simulate, json, use, {{"proposal", proposal}});
   }
   json["num_rollouts"] = method.num_rollouts;
@@ -319,7 +286,7 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& us
     if (key != "alpha") json[key] = value;  // the verdict is the report's
   }
   if (!diagnose.calibrates()) json.erase("num_simulations");
-  json["simulator"] = simulation_json();
+  json["simulator"] = keys_.rows;
   json["embedding"] = to_json(method.embedding);
   json["num_rollouts"] = method.num_rollouts;
   json["observation_noise"] = to_json(plan_.study.observation_noise);

@@ -16,10 +16,6 @@ class PlanBuilder {
   using Inputs = std::vector<std::pair<std::string, std::size_t>>;  // by name, positions
 
   void check_selection(const Selection& selection) const;
-  /// Reads what a study with a command or a dataset refers to: x_o, the features' names, hashes.
-  void resolve_external();
-  /// The settings that decide what a simulation holds.
-  nlohmann::ordered_json simulation_json() const;
   std::size_t add_target();
   std::size_t add_baseline(std::size_t target);
   /// What the report needs.
@@ -74,7 +70,7 @@ class PlanBuilder {
   Plan plan_;
   std::optional<std::size_t> held_out_;
   std::optional<std::size_t> scale_;
-  std::map<std::string, std::string> external_files_;  // hashes
+  SourceKeys keys_;
   Selection selection_;
   nlohmann::ordered_json study_json_;
   std::map<std::string, std::size_t> by_key_;

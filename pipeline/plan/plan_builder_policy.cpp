@@ -1,8 +1,8 @@
 // The part of a plan that is about policies.
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/key_parts.h"
 #include "pipeline/plan/plan_builder.h"
-#include "pipeline/plan/schemas.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -23,7 +23,7 @@ std::size_t PlanBuilder::add_collection(const MethodConfig& method, const Use& u
                                         std::size_t earlier, std::size_t policy) {
   const Study& study = plan_.study;
   Json json = key_document(kTargetSchema);
-  json["simulator"] = behaviour_json(study.simulator);
+  json["simulator"] = keys_.truth;
   json["truth"] = *study.target.truth;
   json["num_rollouts"] = method.num_rollouts > 0 ? method.num_rollouts : study.target.num_rollouts;
   json["task"] = policy_task_json(study.policy);
@@ -37,7 +37,7 @@ std::size_t PlanBuilder::add_policy(const MethodConfig& method, const Use& use,
                                     std::optional<std::size_t> start) {
   const Study& study = plan_.study;
   Json json = key_document(kPolicySchema);
-  json["simulator"] = behaviour_json(study.simulator);
+  json["simulator"] = keys_.truth;
   json["task"] = policy_task_json(study.policy);
   json["search"] = policy_search_json(study.policy);
   json["num_iterations"] = method.policy_iterations;
@@ -60,7 +60,7 @@ std::optional<std::size_t> PlanBuilder::add_policy_test(const Use& use,
   const Study& study = plan_.study;
   if (!study.target.truth && !study.policy.grid.is_used()) return std::nullopt;
   Json json = key_document(kPolicyTestSchema);
-  json["simulator"] = behaviour_json(study.simulator);
+  json["simulator"] = keys_.truth;
   json["task"] = policy_task_json(study.policy);
   if (study.target.truth) json["truth"] = *study.target.truth;
   if (study.policy.grid.is_used()) json["grid"] = grid_json(study.policy.grid);

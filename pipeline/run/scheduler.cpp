@@ -9,9 +9,9 @@
 #include <deque>
 #include <fstream>
 
-#include "pipeline/run/progress.h"
-#include "pipeline/run/stop_request.h"
-#include "pipeline/stages/stages.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/process/progress.h"
+#include "pipeline/process/stop_request.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "pipeline/plan/plan.h"
-#include "pipeline/run/child_process.h"
+#include "pipeline/process/child_process.h"
 
 namespace npdr::pipeline {
 

@@ -1,37 +1,38 @@
 #include "analysis/floor.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/run/progress.h"
-#include "pipeline/run/stop_request.h"
-#include "pipeline/stages/baseline_file.h"
-#include "pipeline/stages/judge.h"
-#include "pipeline/stages/search_box.h"
+#include "pipeline/artefacts/baseline_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/predictions/judge.h"
+#include "pipeline/predictions/search_box.h"
+#include "pipeline/process/progress.h"
+#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
 
 // `number`: that of the point, which names the random numbers of a simulator that draws some.
-BaselinePoint measure(const Judge& judge, const std::string& name, const Vector& complete,
-                      std::size_t number) {
-  return {name, judge.seen().pick(complete),
+BaselinePoint measure(const Plan& plan, const Judge& judge, const std::string& name,
+                      const Vector& complete, std::size_t number) {
+  return {name, plan.source->parameters().pick_one(complete),
           judge.measure_one(complete, {0, "external_baseline", 0, number, 0})};
 }
 
 BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge) {
-  const Predictor& predictor = judge.seen();
-  const SearchBox box = search_box(plan.study.prior, predictor.info());
-  const Vector start = predictor.pick(predictor.nominal()).cwiseMax(box.lower).cwiseMin(box.upper);
+  const ParameterMap& parameters = plan.source->parameters();
+  const SearchBox box = search_box(plan.study.prior, plan.source->info());
+  const Vector start =
+      parameters.pick_one(parameters.nominal()).cwiseMax(box.lower).cwiseMin(box.upper);
   Progress progress(node.label() + ", floor evaluations", 0);
   Index num_evaluations = 0;
   const auto objective = [&](const RowMatrix& theta) {
     stop_here_if_requested();
     num_evaluations += theta.rows();
     progress.update(num_evaluations);
-    return predictor.rmse(theta);
+    return judge.seen().rmse(theta);
   };
   const analysis::FloorResult floor =
       analysis::find_floor(objective, box.lower, box.upper, start.transpose());
-  return measure(judge, "floor", predictor.complete(floor.theta.transpose()).transpose(), 0);
+  return measure(plan, judge, "floor", parameters.complete(floor.theta.transpose()).transpose(), 0);
 }
 
 }  // namespace
@@ -39,21 +40,21 @@ BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge)
 void run_baseline(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
   const Judge judge(plan, node);
-  const Predictor& predictor = judge.seen();
   std::vector<BaselinePoint> points;
-  const auto add = [&](const std::string& name, const Vector& complete) {
-    points.push_back(measure(judge, name, complete, points.size()));
+  const auto add = [&](const std::string& name, const std::map<std::string, double>& values) {
+    const Vector complete = plan.source->parameters().nominal(values);
+    points.push_back(measure(plan, judge, name, complete, points.size()));
   };
-  if (!plan.study.external.is_used()) add("nominal", predictor.nominal());
+  if (plan.study.source().has_nominal) add("nominal", {});
   for (const ReferenceConfig& reference : plan.study.references) {
-    add(reference.name, predictor.nominal_with(reference.parameters));
+    add(reference.name, reference.parameters);
   }
-  if (plan.study.target.truth) {
-    add("truth", predictor.truth());
+  if (const auto& truth = plan.study.target.truth) {
+    add("truth", *truth);
   } else if (plan.study.evaluate.floor) {
     points.push_back(find_floor(plan, node, judge));
   }
-  write_baseline(writer.file(), plan, points);
+  write_baseline(writer.file(), plan.study.prior, points);
   writer.finish();
 }
 

@@ -5,17 +5,15 @@
 
 #include "core/error.h"
 #include "inference/diagnostics/calibration.h"
-#include "pipeline/config/simulator_info.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/run/progress.h"
-#include "pipeline/run/stop_request.h"
-#include "pipeline/stages/diagnosis_file.h"
-#include "pipeline/stages/posterior_file.h"
-#include "pipeline/stages/row_simulator.h"
-#include "pipeline/stages/series_summary.h"
-#include "pipeline/stages/simulation_features.h"
-#include "pipeline/stages/simulation_file.h"
-#include "pipeline/stages/stage_files.h"
+#include "pipeline/artefacts/diagnosis_file.h"
+#include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/features/series_summary.h"
+#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/targets.h"
+#include "pipeline/plan/shards.h"
+#include "pipeline/process/progress.h"
+#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
 #include "sim/observation_noise.h"
 
@@ -126,7 +124,7 @@ void calibrate(const Case& c, Diagnosis& diagnosis) {
                "raise diagnose.num_simulations");
   const RowMatrixF x = features_of(features, all_rows(features.num_rows()));
   const Node& first = *c.plan.inputs(c.node, Stage::infer).back();
-  const auto posterior = read_network_posterior(first.path, first.key);
+  const auto posterior = read_network_posterior(first);
   Progress progress(c.node.label(), features.num_rows());
   const inference::CalibrationRanks ranks =
       inference::rank_truths([&](const VectorF& observed) { return posterior->given(observed); },
@@ -155,8 +153,7 @@ struct Predictions {
 Predictions predict(const Case& c, const RowMatrix& theta) {
   constexpr Index block = 256;
   const auto simulator =
-      make_row_simulator(c.plan, c.plan.study.simulator, c.target, log_of(c.node.path));
-  const sim::SimulatorInfo info = simulator_info(c.plan.study);
+      c.plan.source->open({c.plan.study.simulator, c.target, log_of(c.node.path)});
   const inference::SeriesSelection& selection = c.embedding->selection();
   const RowMatrix amplitude = picked_amplitude(c.target, selection);
   const double scale = c.plan.study.observation_noise.scale;
@@ -168,8 +165,8 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
     const Index count = std::min(block, theta.rows() - begin);
     StreamId first = c.stream("diagnose_predictive_simulation");
     first.row = static_cast<std::uint64_t>(begin);
-    const sim::Trajectories trajectories =
-        simulator->simulate(complete_theta(c.plan, info, theta.middleRows(begin, count)), first);
+    const sim::Trajectories trajectories = simulator->simulate(
+        c.plan.source->parameters().complete(theta.middleRows(begin, count)), first);
     for (Index i = 0; i < count; ++i) {
       if (trajectories.status[static_cast<std::size_t>(i)] != sim::RolloutStatus::ok) continue;
       selection.pick(trajectories.row(i), picked);
@@ -244,8 +241,9 @@ void run_diagnose(const Plan& plan, const Node& node) {
     const PosteriorNotes notes = read_posterior_notes(last);
     diagnosis.training =
         inference::check_training(notes.training_loss, notes.validation_loss, c.method.training);
+    diagnosis.max_epochs = c.method.training.max_epochs;
   }
-  write_diagnosis(writer.file(), plan, node, diagnosis);
+  write_diagnosis(writer.file(), plan.study.prior, diagnosis);
   writer.finish();
 }
 

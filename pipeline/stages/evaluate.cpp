@@ -1,24 +1,24 @@
-#include "pipeline/plan/schemas.h"
-#include "pipeline/run/progress.h"
-#include "pipeline/stages/evaluation_file.h"
-#include "pipeline/stages/judge.h"
-#include "pipeline/stages/posterior_file.h"
+#include "pipeline/artefacts/evaluation_file.h"
+#include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/predictions/judge.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
 
-// Simulates the posterior's samples; of a dataset nothing can be predicted.
+// Simulates the posterior's samples.
 void predict(const Plan& plan, const Judge& judge, const StreamId& first, Evaluation& evaluation) {
   const Predictor& predictor = judge.seen();
-  if (plan.study.external.dataset) return;
-  const RowMatrix complete = predictor.complete(evaluation.theta);
+  if (!plan.study.source().simulates) return;
+  const RowMatrix complete = plan.source->parameters().complete(evaluation.theta);
   const sim::Trajectories trajectories = predictor.simulate(complete, first);
   evaluation.metrics = judge.measure(complete, trajectories);
-  if (plan.study.external.command) {
-    evaluation.x = features_of(trajectories);
-  } else {
+  if (plan.study.source().gives_motion) {
     evaluation.bands = analysis::quantile_bands(view_of(trajectories));
+  } else {
+    evaluation.x = features_of(trajectories);
   }
 }
 
@@ -30,9 +30,9 @@ void run_evaluate(const Plan& plan, const Node& node) {
   const std::uint64_t round = use.stream_round();
   const auto posterior = read_posterior(*plan.inputs(node, Stage::infer).front());
   const Judge judge(plan, node);
-  const Predictor& predictor = judge.seen();
-  const auto log_prob_of = [&](const Vector& complete) {
-    return posterior->log_prob(predictor.pick(complete).transpose())(0);
+  const ParameterMap& parameters = plan.source->parameters();
+  const auto log_prob_at = [&](const std::map<std::string, double>& values) {
+    return posterior->log_prob(parameters.pick_one(parameters.nominal(values)).transpose())(0);
   };
 
   Evaluation evaluation;
@@ -46,18 +46,15 @@ void run_evaluate(const Plan& plan, const Node& node) {
   evaluation.map_theta = posterior->map({use.seed, "map", round, 0, 0});
   const RowMatrix map_row = evaluation.map_theta.transpose();
   evaluation.map_log_prob = posterior->log_prob(map_row)(0);
-  evaluation.map_metrics = judge.measure_one(predictor.complete(map_row).transpose(),
+  evaluation.map_metrics = judge.measure_one(parameters.complete(map_row).transpose(),
                                              {use.seed, "external_map", round, 0, 0});
 
-  if (!plan.study.external.is_used()) {
-    evaluation.nominal_log_prob = log_prob_of(predictor.nominal());
-  }
-  if (plan.study.target.truth) evaluation.truth_log_prob = log_prob_of(predictor.truth());
+  if (plan.study.source().has_nominal) evaluation.nominal_log_prob = log_prob_at({});
+  if (const auto& truth = plan.study.target.truth) evaluation.truth_log_prob = log_prob_at(*truth);
   for (const ReferenceConfig& reference : plan.study.references) {
-    evaluation.reference_log_prob[reference.name] =
-        log_prob_of(predictor.nominal_with(reference.parameters));
+    evaluation.reference_log_prob[reference.name] = log_prob_at(reference.parameters);
   }
-  write_evaluation(writer.file(), plan, evaluation);
+  write_evaluation(writer.file(), plan.study, evaluation);
   writer.finish();
 }
 

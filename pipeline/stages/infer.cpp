@@ -5,14 +5,14 @@
 #include <chrono>
 
 #include "core/error.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/run/progress.h"
-#include "pipeline/run/stop_request.h"
+#include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/targets.h"
+#include "pipeline/plan/shards.h"
+#include "pipeline/process/progress.h"
+#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/infer_methods.h"
-#include "pipeline/stages/posterior_file.h"
-#include "pipeline/stages/simulation_features.h"
-#include "pipeline/stages/simulation_file.h"
-#include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -56,9 +56,9 @@ class EpochReport {
     // Saved before it is shown: who looks at the progress may be gone.
     const bool is_stopping = stop_requested();
     if (is_due || is_stopping) {
-      Cost cost = earlier_;
-      cost += cost_of_seconds(seconds_between(start_, now));
-      write_checkpoint(plan_, node_, state, cost);
+      Checkpoint checkpoint{state, earlier_};
+      checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
+      write_checkpoint(plan_.work.checkpoint("infer", node_.key), node_.identity, checkpoint);
       saved_ = now;
     }
     progress_.update(state.epoch, fmt::format("loss {:.4g}", state.validation_loss.back()));
@@ -96,10 +96,10 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   data.round = features.rounds();
   data.x_o = observation(plan, target, *embedding);
   for (const Node* posterior : plan.inputs(node, Stage::infer)) {
-    data.posteriors.push_back(read_network_posterior(posterior->path, posterior->key));
+    data.posteriors.push_back(read_network_posterior(*posterior));
   }
 
-  Checkpoint checkpoint = read_checkpoint(plan, node);
+  Checkpoint checkpoint = read_checkpoint({plan.work.checkpoint("infer", node.key), node.key});
   writer.add_cost(checkpoint.cost);
   inference::TrainingState& state = checkpoint.training;
   EpochReport report(plan, node, start, checkpoint.cost);

@@ -3,14 +3,14 @@
 
 #include "inference/abc/abc.h"
 #include "inference/abc/feature_distance.h"
-#include "pipeline/plan/schemas.h"
+#include "pipeline/artefacts/particle_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/transform_file.h"
+#include "pipeline/features/simulation_distances.h"
+#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/targets.h"
+#include "pipeline/plan/shards.h"
 #include "pipeline/stages/infer_methods.h"
-#include "pipeline/stages/particle_file.h"
-#include "pipeline/stages/simulation_distances.h"
-#include "pipeline/stages/simulation_features.h"
-#include "pipeline/stages/simulation_file.h"
-#include "pipeline/stages/stage_files.h"
-#include "pipeline/stages/transform_file.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -26,7 +26,7 @@ std::optional<Previous> read_previous(const Plan& plan, const Node& node) {
   const auto posteriors = plan.inputs(node, Stage::infer);
   if (posteriors.empty()) return std::nullopt;
   const Node& posterior = *posteriors.front();
-  const h5::File file = open_artefact(posterior.path, kPosteriorSchema, posterior.key);
+  const h5::File file = open_artefact(posterior, kPosteriorSchema);
   Previous previous{read_population(file), read_posterior_notes(posterior).rows, {}};
   if (file.has("transform")) previous.transform = read_transform(file);
   return previous;
@@ -63,7 +63,7 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
   const Target target = read_seen_target(plan, node);
   std::optional<Previous> previous = read_previous(plan, node);
 
-  const h5::File rows = open_artefact(simulation.path, kSimulationSchema, simulation.key);
+  const h5::File rows = open_artefact(simulation, kSimulationSchema);
   inference::AbcRound round{rows.read_matrix<double>("theta", -1, -1, h5::Values::finite), {}};
   std::optional<inference::FeatureTransform> transform;
   if (previous) transform = previous->transform;

@@ -1,20 +1,10 @@
+#include "pipeline/artefacts/particle_file.h"
+#include "pipeline/features/targets.h"
 #include "pipeline/stages/infer_methods.h"
-#include "pipeline/stages/particle_file.h"
-#include "pipeline/stages/stage_files.h"
 #include "sim/simulator_check.h"
 
 namespace npdr::pipeline {
 namespace {
-
-// The columns of the prior among all P parameters.
-RowMatrix pick(const Plan& plan, const sim::SimulatorInfo& info, const RowMatrix& complete) {
-  RowMatrix theta(complete.rows(), static_cast<Index>(plan.study.prior.size()));
-  Index d = 0;
-  for (const inference::Marginal& marginal : plan.study.prior) {
-    theta.col(d++) = complete.col(sim::parameter_index(info, marginal.name));
-  }
-  return theta;
-}
 
 RegressionCounts count(const inference::Prior& prior, const sim::SimulatorInfo& info,
                        const RowMatrix& complete, const RowMatrix& theta) {
@@ -34,7 +24,7 @@ void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
   const Target target = read_seen_target(plan, node);
   const auto simulator = sim::make_simulator(plan.study.simulator);
   const auto form = simulator->regression_form();
-  const Vector known = nominal_theta(plan.study, simulator->info(), {});
+  const Vector known = plan.source->parameters().nominal();
 
   const sim::RegressionRows rows = form->rows(target, known, method.linear_regression.window);
   const inference::WeightPosterior weights =
@@ -47,7 +37,7 @@ void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
   }
 
   const inference::Prior prior(plan.study.prior);
-  const RowMatrix theta = pick(plan, simulator->info(), complete);
+  const RowMatrix theta = plan.source->parameters().pick(complete);
   inference::ParticleParts parts{.prior = prior,
                                  .theta = theta,
                                  .weights = Vector::Constant(n, 1.0 / static_cast<double>(n)),

@@ -6,13 +6,13 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "inference/policy_search/policy_optimizer.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/run/progress.h"
-#include "pipeline/run/stop_request.h"
-#include "pipeline/stages/closed_loop.h"
-#include "pipeline/stages/policy_file.h"
-#include "pipeline/stages/posterior_file.h"
-#include "pipeline/stages/stage_files.h"
+#include "pipeline/artefacts/policy_file.h"
+#include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/features/targets.h"
+#include "pipeline/predictions/closed_loop.h"
+#include "pipeline/process/progress.h"
+#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -29,13 +29,12 @@ StreamId stream_of(const Node& node, std::string_view name, Index iteration) {
 // Complete domain parameters (n, P) of what the method believes. Sample i depends on i alone.
 RowMatrix draw_domain_parameters(const Plan& plan, const Node& node, Index n) {
   const StreamId id = stream_of(node, "policy_domain_parameters", 0);
-  const sim::SimulatorInfo info = sim::make_simulator(plan.study.simulator)->info();
+  const ParameterMap& parameters = plan.source->parameters();
   const auto posteriors = plan.inputs(node, Stage::infer);
   if (!posteriors.empty()) {
-    return complete_theta(plan, info, read_posterior(*posteriors.front())->sample(n, id));
+    return parameters.complete(read_posterior(*posteriors.front())->sample(n, id));
   }
-  const inference::Prior prior(plan.study.prior);
-  return complete_theta(plan, info, inference::sample_prior(prior, n, id));
+  return parameters.complete(inference::sample_prior(inference::Prior(plan.study.prior), n, id));
 }
 
 bool is_nominal(const Plan& plan, const Node& node) {
@@ -64,9 +63,8 @@ class TrialSource {
     const Index k = policy.num_domain_parameters;
     if (is_nominal(plan, node)) {
       // One parameter vector: as many rollouts, each from an initial state of its own.
-      const sim::SimulatorInfo info = sim::make_simulator(plan.study.simulator)->info();
       num_states_ = k * policy.num_initial_states;
-      theta_ = nominal_theta(plan.study, info, {}).transpose().replicate(num_iterations + 1, 1);
+      theta_ = plan.source->parameters().nominal().transpose().replicate(num_iterations + 1, 1);
     } else {
       rows_ = k;
       num_states_ = policy.num_initial_states;
@@ -100,11 +98,12 @@ class Search {
 
   // Goes on from the checkpoint, where there is one. Returns the cost of the runs before.
   Cost resume() {
-    const std::optional<PolicyCheckpoint> checkpoint = read_policy_checkpoint(plan_, node_);
+    const std::optional<PolicyCheckpoint> checkpoint =
+        read_policy_checkpoint({checkpoint_path(), node_.key});
     if (!checkpoint) return {};
     if (!fits(*checkpoint)) {
       throw InputError(fmt::format("{}: not of this search; remove it and rerun stage 'policy'",
-                                   plan_.work.checkpoint("policy", node_.key).string()));
+                                   checkpoint_path().string()));
     }
     history_ = checkpoint->history;
     optimizer_ =
@@ -132,6 +131,10 @@ class Search {
   const sim::PolicyTaskInfo& info() const { return task_->info(); }
 
  private:
+  std::filesystem::path checkpoint_path() const {
+    return plan_.work.checkpoint("policy", node_.key);
+  }
+
   Vector start_point() const {
     const auto earlier = plan_.inputs(node_, Stage::policy);
     const Vector policy =
@@ -177,7 +180,7 @@ class Search {
     PolicyCheckpoint checkpoint{history_, optimizer_->state(), earlier_};
     checkpoint.cost +=
         cost_of_seconds(std::chrono::duration<double>(Clock::now() - start_).count());
-    write_policy_checkpoint(plan_, node_, checkpoint);
+    write_policy_checkpoint(checkpoint_path(), node_.identity, checkpoint);
   }
 
   const Plan& plan_;
@@ -198,7 +201,7 @@ void run_policy(const Plan& plan, const Node& node) {
   Search search(plan, node);
   writer.add_cost(search.resume());
   const PolicyHistory& history = search.run();
-  write_policy(writer.file(), plan, search.info(), history);
+  write_policy(writer.file(), plan.study.policy.optimizer, search.info(), history);
   writer.finish();
 }
 

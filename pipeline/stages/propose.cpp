@@ -1,10 +1,9 @@
 #include "inference/abc/abc.h"
 #include "inference/algorithms/posterior_estimation.h"
-#include "pipeline/external/dataset_rows.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/stages/particle_file.h"
-#include "pipeline/stages/posterior_file.h"
-#include "pipeline/stages/stage_files.h"
+#include "pipeline/artefacts/particle_file.h"
+#include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/theta_columns.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -14,10 +13,10 @@ RowMatrix propose_from(const Plan& plan, const Node& posterior, Index n, const S
                        const MethodConfig& method) {
   const std::string& algorithm = method.algorithm.name;
   if (inference::family_of_algorithm(algorithm) == inference::AlgorithmFamily::network) {
-    const auto network = read_network_posterior(posterior.path, posterior.key);
+    const auto network = read_network_posterior(posterior);
     return inference::propose(estimation_config(method), *network, n, id);
   }
-  const h5::File file = open_artefact(posterior.path, kPosteriorSchema, posterior.key);
+  const h5::File file = open_artefact(posterior, kPosteriorSchema);
   return inference::propose(algorithm, inference::Prior(plan.study.prior), read_population(file), n,
                             id);
 }
@@ -30,9 +29,8 @@ void run_propose(const Plan& plan, const Node& node) {
   const Index n = num_rows(plan, node);
   const auto posteriors = plan.inputs(node, Stage::infer);
   RowMatrix theta;
-  if (plan.study.external.dataset) {
-    const DatasetFile dataset = open_dataset(plan.study);
-    theta = dataset.theta(dataset_rows(use.seed, dataset.num_rows(), n));
+  if (auto given = plan.source->theta(use.seed, n)) {
+    theta = std::move(*given);
   } else if (posteriors.empty()) {
     // Calibration, round 0, has draws of its own.
     theta = inference::sample_prior(inference::Prior(plan.study.prior), n, use.seed,
@@ -42,7 +40,7 @@ void run_propose(const Plan& plan, const Node& node) {
         propose_from(plan, *posteriors.front(), n, {use.seed, "proposal", use.stream_round(), 0, 0},
                      plan.study.method(use.method));
   }
-  write_theta(writer.file(), plan, theta);
+  write_theta(writer.file(), plan.study.prior, theta);
   writer.finish();
 }
 

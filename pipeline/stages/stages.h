@@ -1,8 +1,7 @@
-/// The stages: each makes one artefact of a plan from the artefacts that it needs.
+/// The stages: each makes one artefact of a plan from the artefacts that it needs, which are there.
 ///
-/// A stage whose artefact is there does nothing. Inputs that aren't there are an InputError that
-/// says which command makes them. All are resumable: killed at any instant, the next run goes on
-/// from the last complete shard or checkpoint and gives the same bits.
+/// Killed at any instant, the next call gives the same bits: simulations go on from their last
+/// shard, trainings and policy searches from their last checkpoint, the others begin anew.
 #pragma once
 
 #include <vector>
@@ -26,22 +25,5 @@ void run_diagnose(const Plan& plan, const Node& node);
 void run_policy(const Plan& plan, const Node& node);
 /// What a policy does in the target domain, and over the grid.
 void run_policy_test(const Plan& plan, const Node& node);
-void run_report(const Plan& plan, const Node& node);
-
-/// The stage of the node; throws what it throws.
-void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers = {});
-
-/// Whether the node's artefact is there and complete.
-bool is_complete(const Plan& plan, const Node& node);
-
-/// Links the uses of a complete artefact, and removes the checkpoint that it may have left behind:
-/// the process that made it can have been killed in between.
-void settle(const Plan& plan, const Node& node);
-
-/// Throws InputError unless `input`, which `node` needs, is complete: names the command to run. In
-/// a batch job waits a minute for it: a network file system may show it late.
-void require_input(const Plan& plan, const Node& node, const Node& input);
-/// The same for everything that `node` needs.
-void require_inputs(const Plan& plan, const Node& node);
 
 }  // namespace npdr::pipeline

@@ -6,13 +6,12 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "pipeline/config/study_json.h"
-#include "pipeline/store/batch_job.h"
-#include "pipeline/store/build_info.h"
+#include "pipeline/process/batch_job.h"
+#include "pipeline/process/build_info.h"
+#include "pipeline/process/task_mark.h"
+#include "pipeline/process/utc_time.h"
 #include "pipeline/store/content_key.h"
 #include "pipeline/store/seal.h"
-#include "pipeline/store/task_mark.h"
-#include "pipeline/store/utc_time.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -185,14 +184,17 @@ h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
   return file;
 }
 
-std::optional<h5::File> open_artefact_if_there(const std::filesystem::path& path,
-                                               const Schema& schema, const std::string& key) {
+std::optional<h5::File> open_artefact_if_there(const ArtefactFile& file, const Schema& schema) {
   try {
-    return open_artefact(path, schema, key);
+    return open_artefact(file, schema);
   } catch (const InputError&) {
-    if (std::filesystem::exists(path)) throw;
+    if (std::filesystem::exists(file.path)) throw;
     return std::nullopt;
   }
+}
+
+h5::File open_artefact(const ArtefactFile& file, const Schema& schema) {
+  return open_artefact(file.path, schema, file.key);
 }
 
 ArtefactInfo read_artefact_info(const std::filesystem::path& path) {

@@ -42,6 +42,16 @@ struct Identity {  // NOLINT(bugprone-exception-escape): moving JSON doesn't thr
   std::string key() const;
 };
 
+/// An artefact: where it lies, and which one it must be.
+struct ArtefactFile {
+  ArtefactFile() = default;
+  ArtefactFile(std::filesystem::path file, std::string its_key = "")
+      : path(std::move(file)), key(std::move(its_key)) {}
+
+  std::filesystem::path path;
+  std::string key;  ///< empty: any
+};
+
 /// What it took to make something.
 struct Cost {
   double wall_seconds = 0.0;
@@ -100,13 +110,13 @@ class ArtefactWriter {
 
 /// open_artefact() of a file that may not be there, such as a checkpoint, which another process may
 /// remove at any instant.
-std::optional<h5::File> open_artefact_if_there(const std::filesystem::path& path,
-                                               const Schema& schema, const std::string& key);
+std::optional<h5::File> open_artefact_if_there(const ArtefactFile& file, const Schema& schema);
 
 /// Opens a complete artefact of this schema, and of this key when that isn't empty. Throws
 /// InputError otherwise: says what was found, what is expected and which stage to rerun.
 h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
                        const std::string& key = "");
+h5::File open_artefact(const ArtefactFile& file, const Schema& schema);
 
 /// What the artefact in `path`, of any schema, says about itself. Throws InputError for a file that
 /// isn't a complete artefact.

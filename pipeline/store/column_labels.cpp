@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "core/feature_names.h"
 #include "core/text.h"
-#include "pipeline/config/constraint.h"
 
 namespace npdr::pipeline {
 

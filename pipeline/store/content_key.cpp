@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
@@ -33,6 +34,12 @@ std::string content_key(const nlohmann::ordered_json& document) {
   Hasher hasher;
   hasher.add_bytes(text.data(), text.size());
   return hasher.hex();
+}
+
+nlohmann::ordered_json parse_json(const std::string& text, const std::string& where) {
+  auto json = nlohmann::ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) throw InputError(where + ": " + quoted(text) + " isn't JSON");
+  return json;
 }
 
 }  // namespace npdr::pipeline

@@ -14,4 +14,7 @@ std::string canonical_json(const nlohmann::ordered_json& document);
 /// 32 hexadecimal digits: XXH3-128 of the canonical text.
 std::string content_key(const nlohmann::ordered_json& document);
 
+/// `text` as JSON. Throws InputError, which begins with `where`, when it isn't.
+nlohmann::ordered_json parse_json(const std::string& text, const std::string& where);
+
 }  // namespace npdr::pipeline

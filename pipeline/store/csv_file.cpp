@@ -10,7 +10,6 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/config/constraint.h"
 #include "pipeline/store/csv_line.h"
 
 namespace npdr::pipeline {

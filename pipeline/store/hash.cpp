@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <fstream>
 #include <new>
+#include <vector>
+
+#include "core/error.h"
 
 namespace npdr::pipeline {
 
@@ -38,6 +42,19 @@ void Hasher::add(double number) { add_bytes(&number, sizeof number); }
 std::string Hasher::hex() const {
   const XXH128_hash_t hash = XXH3_128bits_digest(state_->value);
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+std::string file_hash(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw InputError(path.string() + ": can't be opened; may you read it?");
+  Hasher hasher;
+  std::vector<char> block(1 << 20);
+  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) ||
+         stream.gcount() > 0) {
+    hasher.add_bytes(block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (stream.bad()) throw InputError(path.string() + ": reading failed");
+  return hasher.hex();
 }
 
 }  // namespace npdr::pipeline

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -29,5 +30,8 @@ class Hasher {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// 32 hexadecimal digits of a file's bytes. Throws InputError when it can't be read.
+std::string file_hash(const std::filesystem::path& path);
 
 }  // namespace npdr::pipeline

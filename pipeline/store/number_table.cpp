@@ -12,7 +12,6 @@
 #include "core/error.h"
 #include "core/feature_names.h"
 #include "core/text.h"
-#include "pipeline/config/constraint.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/csv_line.h"
 

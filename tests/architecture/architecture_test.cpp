@@ -41,6 +41,17 @@ TEST(Architecture, TheRulesKnowEveryFolderThatIsBuilt) {
   EXPECT_EQ(built_folders(), expected);
 }
 
+TEST(Architecture, TheRulesKnowEveryLayerOfThePipeline) {
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::directory_iterator(kRoot / "pipeline")) {
+    if (entry.is_directory()) found.push_back(entry.path().filename().string());
+  }
+  std::vector<std::string> expected = known_layers();
+  std::ranges::sort(found);
+  std::ranges::sort(expected);
+  EXPECT_EQ(found, expected);
+}
+
 // The rules would also hold if they saw no includes at all.
 TEST(Architecture, EverySiblingIsSeenToIncludeCore) {
   for (const std::string folder : {"sim", "inference", "analysis"}) {

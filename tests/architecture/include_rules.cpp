@@ -38,6 +38,22 @@ const std::vector<Direction>& directions() {
   return all;
 }
 
+// The layers of pipeline: each may include itself and those before it, but stages and reports,
+// which know nothing of each other.
+const std::vector<std::string>& layers() {
+  static const std::vector<std::string> all = {
+      "process",     "store",  "config", "artefacts", "sources", "plan", "features",
+      "predictions", "stages", "report", "run",       "cluster", "apps"};
+  return all;
+}
+
+// The layers that know nothing of the science: of sim, inference and analysis.
+constexpr std::size_t kNumPlainLayers = 2;
+
+std::size_t position_of(const std::string& layer) {
+  return static_cast<std::size_t>(std::ranges::find(layers(), layer) - layers().begin());
+}
+
 const std::vector<Library>& libraries() {
   static const std::vector<Library> all = {
       {"HDF5", std::regex("(.*/)?(hdf5\\w*|H5\\w*)\\.h(pp)?|highfive/.*"), "pipeline/store"},
@@ -47,6 +63,13 @@ const std::vector<Library>& libraries() {
 }
 
 std::string top_folder(const fs::path& path) { return path.begin()->string(); }
+
+// "store" of pipeline/store/h5.h; empty where the path isn't in a folder of pipeline.
+std::string layer_of(const fs::path& path) {
+  const auto begin = path.begin();
+  const auto depth = std::distance(begin, path.end());
+  return depth > 2 && *begin == "pipeline" ? std::next(begin)->string() : "";
+}
 
 bool lies_below(const fs::path& path, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first ==
@@ -100,6 +123,8 @@ std::vector<std::string> known_folders() {
   return folders;
 }
 
+std::vector<std::string> known_layers() { return layers(); }
+
 std::vector<Include> includes_below(const fs::path& root, const std::string& folder) {
   std::vector<Include> includes;
   for (const fs::path& file : sources_below(root, folder)) {
@@ -107,6 +132,26 @@ std::vector<Include> includes_below(const fs::path& root, const std::string& fol
   }
   return includes;
 }
+
+namespace {
+
+// What an include of a layer of pipeline breaks; empty: nothing.
+std::string broken_order(const Include& include) {
+  const std::string from = layer_of(include.file), to = layer_of(include.path);
+  if (from.empty()) return "";
+  const std::size_t position = position_of(from);
+  if (position == layers().size()) return "pipeline has no layer " + from;
+  if (top_folder(include.path) == "pipeline") {
+    const bool is_sibling = from == "report" && to == "stages";
+    if (!is_sibling && position_of(to) <= position) return "";
+    return from + " may include only layers before it: " +
+           join({layers().begin(), layers().begin() + static_cast<std::ptrdiff_t>(position)});
+  }
+  if (position >= kNumPlainLayers || top_folder(include.path) == "core") return "";
+  return from + " may include only core and layers before it";
+}
+
+}  // namespace
 
 std::vector<std::string> broken_rules(const Include& include) {
   std::vector<std::string> broken;
@@ -118,6 +163,9 @@ std::vector<std::string> broken_rules(const Include& include) {
     if (std::find(allowed.begin(), allowed.end(), top_folder(include.path)) != allowed.end())
       continue;
     broken.push_back(start + from.folder + " may include only: " + join(allowed));
+  }
+  if (const std::string rule = include.path.empty() ? "" : broken_order(include); !rule.empty()) {
+    broken.push_back(start + rule);
   }
   for (const Library& library : libraries()) {
     if (!include.path.empty() || !std::regex_match(include.text, library.headers)) continue;

@@ -1,5 +1,6 @@
 /// Who may include whom: core <- {sim, inference, analysis} <- pipeline. The three siblings never
-/// include each other, and HDF5 and TOML each stay in one folder of the pipeline.
+/// include each other; the folders of pipeline are layers in one order, and no include runs against
+/// it; HDF5 and TOML each stay in one of them.
 ///
 /// The rules hold for any source tree of that layout; tests check them on small ones of their own.
 #pragma once
@@ -21,6 +22,9 @@ struct Include {
 
 /// The folders that the rules know, those that others may include first.
 std::vector<std::string> known_folders();
+
+/// The layers of pipeline, those that others may include first.
+std::vector<std::string> known_layers();
 
 /// All includes of the *.h and *.cpp files anywhere below root/folder, sorted by file and line.
 /// Throws Error when there is no such folder or a file can't be read.

@@ -44,8 +44,10 @@ class IncludeRules : public testing::Test {
 
 TEST_F(IncludeRules, AcceptTheDataFlow) {
   add("sim/b.cpp", "#include \"sim/b.h\"\n#include \"core/a.h\"\n#include <cmath>\n");
-  add("pipeline/store/b.cpp", "#include <hdf5.h>\n#include \"../a.h\"\n#include \"sim/a.h\"\n");
+  add("pipeline/store/b.h", "#include <hdf5.h>\n#include \"core/a.h\"\n");
   add("pipeline/config/b.cpp", "#include <toml++/toml.h>\n#include \"inference/a.h\"\n");
+  add("pipeline/plan/b.h", "#include \"pipeline/store/b.h\"\n#include \"sim/a.h\"\n");
+  add("pipeline/apps/programs/b.cpp", "#include \"pipeline/plan/b.h\"\n");
   EXPECT_EQ(broken_rules(root_), Messages());
 }
 
@@ -73,6 +75,37 @@ TEST_F(IncludeRules, NobodyBelowIncludesThePipeline) {
   EXPECT_EQ(broken_rules(root_),
             Messages{"analysis/b.h:1: includes pipeline/a.h; analysis may include only: core, "
                      "analysis"});
+}
+
+TEST_F(IncludeRules, NoArrowOfThePipelineRunsUpwards) {
+  add("pipeline/run/b.h", "");
+  add("pipeline/plan/b.cpp", "#include \"pipeline/run/b.h\"\n");
+  const Messages broken = broken_rules(root_);
+  ASSERT_EQ(broken.size(), 1u);
+  EXPECT_TRUE(
+      broken[0].starts_with("pipeline/plan/b.cpp:1: includes pipeline/run/b.h; plan may "
+                            "include only layers before it: process, store, config"))
+      << broken[0];
+}
+
+TEST_F(IncludeRules, ReportsAndStagesKnowNothingOfEachOther) {
+  add("pipeline/stages/b.h", "");
+  add("pipeline/report/b.h", "#include \"pipeline/stages/b.h\"\n");
+  add("pipeline/stages/c.h", "#include \"pipeline/report/b.h\"\n");
+  EXPECT_EQ(broken_rules(root_).size(), 2u);
+}
+
+TEST_F(IncludeRules, FilesAndProcessesKnowNothingOfTheScience) {
+  add("pipeline/store/b.cpp", "#include \"inference/a.h\"\n");
+  EXPECT_EQ(broken_rules(root_),
+            Messages{"pipeline/store/b.cpp:1: includes inference/a.h; store may include only core "
+                     "and layers before it"});
+}
+
+TEST_F(IncludeRules, AFolderThatIsNoLayerIsFound) {
+  add("pipeline/attic/b.cpp", "#include \"core/a.h\"\n");
+  EXPECT_EQ(broken_rules(root_),
+            Messages{"pipeline/attic/b.cpp:1: includes core/a.h; pipeline has no layer attic"});
 }
 
 TEST_F(IncludeRules, NobodyIncludesTestsOrBenchmarks) {
@@ -103,7 +136,8 @@ TEST_F(IncludeRules, OnlyConfigIncludesToml) {
 TEST_F(IncludeRules, OurOwnHeadersMayBeNamedAfterALibrary) {
   add("pipeline/store/h5.h", "");
   add("pipeline/store/H5.h", "");
-  add("pipeline/b.cpp", "#include \"pipeline/store/h5.h\"\n#include \"pipeline/store/H5.h\"\n");
+  add("pipeline/plan/b.cpp",
+      "#include \"pipeline/store/h5.h\"\n#include \"pipeline/store/H5.h\"\n");
   EXPECT_EQ(broken_rules(root_), Messages());
 }
 

@@ -1,6 +1,6 @@
 #include <functional>
 
-#include "pipeline/store/recording.h"
+#include "pipeline/artefacts/recording.h"
 #include "tests/cli/program.h"
 
 namespace npdr::pipeline {

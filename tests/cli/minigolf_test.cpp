@@ -1,4 +1,4 @@
-#include "pipeline/store/recording.h"
+#include "pipeline/artefacts/recording.h"
 #include "tests/cli/program.h"
 
 namespace npdr::pipeline {

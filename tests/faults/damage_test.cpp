@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "core/error.h"
+#include "pipeline/process/forked_trial.h"
 #include "pipeline/store/artefact.h"
-#include "pipeline/store/forked_trial.h"
 #include "tests/faults/fault_study.h"
 
 namespace npdr::pipeline {

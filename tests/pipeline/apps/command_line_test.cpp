@@ -1,8 +1,9 @@
 #include "pipeline/apps/command_line.h"
+#include "pipeline/process/shell_text.h"
 
 #include <gtest/gtest.h>
 
-#include "pipeline/external/command_text.h"
+#include "pipeline/sources/command_text.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,7 +1,7 @@
 #include "pipeline/apps/verify.h"
 
 #include "core/error.h"
-#include "pipeline/plan/schemas.h"
+#include "pipeline/artefacts/schemas.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

@@ -1,4 +1,5 @@
 #include "pipeline/cluster/job.h"
+#include "pipeline/plan/shards.h"
 
 #include <gtest/gtest.h>
 
@@ -62,8 +63,7 @@ class Jobs : public testing::Test {
   }
 
   void touch_shard(const Node& node, Index shard) const {
-    const RowRange rows = shards(plan_, node)[static_cast<std::size_t>(shard)];
-    const auto path = plan_.work.shard(node.key, rows.begin, rows.end);
+    const auto path = shards(plan_, node)[static_cast<std::size_t>(shard)].path;
     std::filesystem::create_directories(path.parent_path());
     std::ofstream(path) << "x";
   }

@@ -1,4 +1,5 @@
 #include "pipeline/plan/plan.h"
+#include "pipeline/plan/shards.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +7,8 @@
 #include <set>
 
 #include "core/error.h"
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/store/recording.h"
 #include "tests/pipeline/plan/plan_parts.h"
 #include "tests/temp_folder.h"
 

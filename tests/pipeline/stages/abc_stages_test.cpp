@@ -5,15 +5,17 @@
 #include <limits>
 
 #include "inference/weighted_moments.h"
+#include "pipeline/artefacts/particle_file.h"
+#include "pipeline/artefacts/proposal_file.h"
+#include "pipeline/run/run_stage.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/stages/particle_file.h"
-#include "pipeline/stages/prediction.h"
-#include "pipeline/stages/report_data.h"
-#include "pipeline/stages/report_seeds.h"
-#include "pipeline/stages/report_tables.h"
-#include "pipeline/stages/simulation_distances.h"
-#include "pipeline/stages/stage_files.h"
+#include "pipeline/features/simulation_distances.h"
+#include "pipeline/features/targets.h"
+#include "pipeline/predictions/prediction.h"
+#include "pipeline/report/data.h"
+#include "pipeline/report/seeds.h"
+#include "pipeline/report/tables.h"
 #include "pipeline/stages/stages.h"
 #include "tests/pipeline/study_text.h"
 #include "tests/temp_folder.h"
@@ -131,7 +133,7 @@ TEST_F(AbcStages, MetricsOfThinnedTrajectoriesRestartWithTheSegments) {
   const Node& proposal = *plan.inputs(node, Stage::propose).front();
   const RowMatrix theta = read_proposal(open_proposal(proposal), {0, 5});
   const sim::Trajectories all =
-      simulator->replay(target, complete_theta(plan, simulator->info(), theta));
+      simulator->replay(target, plan.source->parameters().complete(theta));
   for (Index i = 0; i < 5; ++i) {
     double sum = 0.0;
     for (Index h = 0; h < 2; ++h) {

@@ -1,10 +1,11 @@
 #include "core/error.h"
+#include "pipeline/artefacts/policy_file.h"
+#include "pipeline/run/run_stage.h"
+#include "pipeline/artefacts/policy_outcomes.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/stages/closed_loop.h"
-#include "pipeline/stages/policy_file.h"
-#include "pipeline/stages/policy_test_file.h"
-#include "pipeline/stages/stage_files.h"
+#include "pipeline/features/targets.h"
+#include "pipeline/predictions/closed_loop.h"
 #include "pipeline/stages/stages.h"
 #include "tests/message_of.h"
 #include "tests/temp_folder.h"
@@ -57,8 +58,7 @@ double parameter(const Plan& plan, const RowMatrix& theta, Index row, const char
 
 TEST_F(PolicyStages, TheTargetComesFirstThenTheGridWithYFastest) {
   const Plan p = plan();
-  const auto info = sim::make_simulator(p.study.simulator)->info();
-  const RowMatrix theta = tested_parameters(p.study, info);
+  const RowMatrix theta = tested_parameters(p.study, *p.source);
   ASSERT_EQ(theta.rows(), 1 + 2 * 3);
   EXPECT_EQ(parameter(p, theta, 0, "pole_mass"), 0.02);
   EXPECT_EQ(parameter(p, theta, 2, "pole_mass"), 0.02);
@@ -80,7 +80,7 @@ TEST_F(PolicyStages, ASearchBeginsWithTheStudysPolicy) {
 // Collected rollouts are what the simulator itself does from their first state under their actions.
 void expect_replays(const Plan& plan, const Target& collected) {
   const auto simulator = sim::make_simulator(plan.study.simulator);
-  const Vector truth = nominal_theta(plan.study, simulator->info(), *plan.study.target.truth);
+  const Vector truth = plan.source->parameters().nominal(*plan.study.target.truth);
   const sim::Trajectories replayed = simulator->replay(collected, truth.transpose());
   for (Index h = 0; h < collected.num_rollouts(); ++h) {
     const Rollout& rollout = collected.rollouts[static_cast<std::size_t>(h)];
@@ -92,7 +92,7 @@ void expect_replays(const Plan& plan, const Target& collected) {
 
 TEST_F(PolicyStages, CollectedRolloutsAreLikeTheFirstOnes) {
   const Plan p = plan();
-  const Target like = all_rollouts(p);
+  const Target like = p.source->behave({});
   const auto task = make_task(p.study);
   const Vector policy = first_policy(p.study, task->info());
   const Target collected = collect_rollouts(p, like, policy, 3, {1, "policy_rollouts", 2, 0, 0});
@@ -108,7 +108,7 @@ TEST_F(PolicyStages, CollectedRolloutsAreLikeTheFirstOnes) {
 
 TEST_F(PolicyStages, APolicyThatLeavesTheLimitsIsSwitchedOff) {
   const Plan p = plan();
-  const Target like = all_rollouts(p);
+  const Target like = p.source->behave({});
   const auto task = make_task(p.study, like.num_steps());
   Vector policy = first_policy(p.study, task->info());
   policy(2) = -50.0;  // the arm is pushed away from its centre
@@ -144,14 +144,13 @@ TEST_F(PolicyStages, ATestIsWhatThePolicyDoesFromItsStates) {
   const Plan p = plan();
   const Node& node = p.node(Stage::policy_test, {"Point", 1, 0, 0});
   run_stage(p, node);
-  const PolicyTest test = read_policy_test(node.path, node.key);
+  const PolicyTest test = read_policy_test(node);
   ASSERT_TRUE(test.target && test.grid);
   EXPECT_EQ(test.initial_states.rows(), 20);
   EXPECT_EQ(test.grid->returns.rows(), 6);
   const auto task = make_task(p.study);
   EXPECT_EQ(test.policy, first_policy(p.study, task->info()));
-  const auto info = sim::make_simulator(p.study.simulator)->info();
-  const RowMatrix theta = tested_parameters(p.study, info);
+  const RowMatrix theta = tested_parameters(p.study, *p.source);
   const auto one = [&](Index point, Index state) {
     return task->run(theta.row(point), test.initial_states.row(state), test.policy.transpose())
         .returns(0);
@@ -168,7 +167,7 @@ TEST_F(PolicyStages, WithARecordingThereIsTheGridAlone) {
   const Plan p = plan(recorded);
   const Node& node = p.node(Stage::policy_test, {"Point", 1, 0, 0});
   run_stage(p, node);
-  const PolicyTest test = read_policy_test(node.path, node.key);
+  const PolicyTest test = read_policy_test(node);
   EXPECT_FALSE(test.target);
   ASSERT_TRUE(test.grid);
   const Plan without = plan({recorded.front(), "policy.grid={}"});
@@ -185,7 +184,7 @@ TEST_F(PolicyStages, ACheckpointOfSomethingElseIsNamed) {
   checkpoint.history.candidate_return = RowMatrix::Zero(1, 3);
   checkpoint.optimizer = {1, Vector::Zero(2), RowMatrix::Identity(2, 2), RowMatrix::Zero(1, 2),
                           Vector::Zero(1)};
-  write_policy_checkpoint(p, node, checkpoint);
+  write_policy_checkpoint(p.work.checkpoint("policy", node.key), node.identity, checkpoint);
   const std::string message = message_of<InputError>([&] { run_stage(p, node); });
   EXPECT_NE(message.find(p.work.checkpoint("policy", node.key).string()), std::string::npos)
       << message;

@@ -1,11 +1,14 @@
 #include "pipeline/stages/stages.h"
-#include "pipeline/stages/diagnosis_file.h"
-#include "pipeline/stages/stage_files.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/artefacts/proposal_file.h"
+#include "pipeline/run/run_stage.h"
+#include "pipeline/artefacts/diagnosis_file.h"
+#include "pipeline/features/targets.h"
 
+#include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/plan/schemas.h"
-#include "pipeline/stages/posterior_file.h"
-#include "pipeline/stages/report_data.h"
+#include "pipeline/report/data.h"
 #include "tests/pipeline/study_text.h"
 #include "tests/temp_folder.h"
 
@@ -156,7 +159,8 @@ TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
   const VectorF weights = read_network_posterior(infer.path)->parts().parameters;
   std::filesystem::remove(infer.path);
 
-  write_checkpoint(plan, infer, state_of(VectorF::Zero(weights.size() + 16)), {});
+  const std::filesystem::path checkpoint = plan.work.checkpoint("infer", infer.key);
+  write_checkpoint(checkpoint, infer.identity, {state_of(VectorF::Zero(weights.size() + 16)), {}});
   const std::string message = message_of<InputError>([&] { run_stage(plan, infer); }, &folder_);
   EXPECT_NE(message.find(".checkpoint.h5: training state: " + std::to_string(weights.size() + 16) +
                          " parameters, must be " + std::to_string(weights.size()) +
@@ -164,10 +168,9 @@ TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
             std::string::npos)
       << message;
 
-  const std::filesystem::path checkpoint = plan.work.checkpoint("infer", infer.key);
-  write_checkpoint(plan, infer, state_of(weights), {});
+  write_checkpoint(checkpoint, infer.identity, {state_of(weights), {}});
   const std::string digest = content_digest(checkpoint);
-  write_checkpoint(plan, infer, state_of(weights), {1000.0, 3000.0});
+  write_checkpoint(checkpoint, infer.identity, {state_of(weights), {1000.0, 3000.0}});
   EXPECT_EQ(content_digest(checkpoint), digest) << "time is no content";
   run_stage(plan, infer);
   EXPECT_GE(provenance_of(h5::File::open(infer.path)).cost.wall_seconds, 1000.0);

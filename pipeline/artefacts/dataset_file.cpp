@@ -1,0 +1,214 @@
+#include "pipeline/artefacts/dataset_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/feature_names.h"
+#include "core/text.h"
+#include "pipeline/process/forked_trial.h"
+#include "pipeline/store/column_labels.h"
+#include "pipeline/store/number_table.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kBlock = 4096;  // rows that are read or written at once
+
+// The names of a dataset's columns; none: it has no attribute of that name.
+std::vector<std::string> labels_of(const h5::Dataset& dataset) {
+  dataset.require_shape({-1, -1});
+  return column_labels(dataset, dataset.row_size());
+}
+
+std::vector<Index> theta_columns(const h5::Dataset& theta, const std::vector<std::string>& wanted) {
+  const std::vector<std::string> labels = labels_of(theta);
+  if (labels.empty()) {
+    throw InputError(theta.where() +
+                     " has no attribute 'labels', must have one text per column: the names of the "
+                     "parameters");
+  }
+  std::vector<Index> columns;
+  for (const std::string& name : wanted) {
+    const auto column = std::ranges::find(labels, name);
+    if (column == labels.end()) {
+      throw InputError(theta.where() + ": " +
+                       missing_name("parameter", name, few_shortened(labels)));
+    }
+    columns.push_back(column - labels.begin());
+  }
+  return columns;
+}
+
+std::vector<Channel> all_features(const h5::Dataset& x) {
+  x.require_shape({-1, -1});
+  const std::vector<Channel> named = column_channels(x, x.row_size());
+  return named.empty() ? numbered_features(x.row_size()) : named;
+}
+
+void check(const h5::File& file) {
+  const h5::Dataset theta = file.dataset("theta");
+  const h5::Dataset x = file.dataset("x");
+  theta.require_shape({-1, -1});
+  if (theta.num_rows() < 1 || theta.row_size() < 1) throw InputError(theta.where() + " is empty");
+  x.require_shape({theta.num_rows(), -1});
+  if (x.row_size() < 1) throw InputError(x.where() + " is empty");
+  theta.require_readable(h5::ElementType::f64);
+  x.require_readable(h5::ElementType::f64);
+  std::vector<double> row(static_cast<std::size_t>(std::max(theta.row_size(), x.row_size())));
+  theta.read_rows<double>(0, 1, std::span(row).first(static_cast<std::size_t>(theta.row_size())));
+  x.read_rows<double>(0, 1, std::span(row).first(static_cast<std::size_t>(x.row_size())));
+  labels_of(theta);
+  all_features(x);
+}
+
+h5::File open_checked(const std::filesystem::path& path) {
+  if (!survives([&] { check(h5::File::open(path)); })) throw damaged_file(path);
+  h5::File file = h5::File::open(path);
+  check(file);
+  return file;
+}
+
+// Some columns of rows at ascending positions.
+RowMatrix read_at(const h5::Dataset& dataset, std::span<const Index> rows,
+                  const std::vector<Index>& columns) {
+  RowMatrix picked(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
+  RowMatrix block;
+  for (std::size_t i = 0; i < rows.size();) {
+    const Index begin = rows[i];
+    const auto last = std::ranges::lower_bound(rows.begin() + static_cast<std::ptrdiff_t>(i),
+                                               rows.end(), begin + kBlock);
+    const Index count = *std::prev(last) + 1 - begin;
+    block.resize(count, dataset.row_size());
+    dataset.read_rows<double>(begin, count, {block.data(), static_cast<std::size_t>(block.size())});
+    for (; i < static_cast<std::size_t>(last - rows.begin()); ++i) {
+      picked.row(static_cast<Index>(i)) = block(rows[i] - begin, columns);
+    }
+  }
+  return picked;
+}
+
+// The rows of a file, after they have been read to the end.
+Index count_rows(const std::filesystem::path& path) {
+  NumberTable table(path);
+  std::vector<double> row(static_cast<std::size_t>(table.num_columns()));
+  Index count = 0;
+  while (table.next(row)) ++count;
+  if (count == 0) throw InputError(path.string() + ": has a header, but no rows");
+  return count;
+}
+
+void describe(h5::Dataset& dataset, const std::vector<Channel>& columns, const std::string& what) {
+  describe_columns(dataset, columns);
+  dataset.label_dimensions({"row", what});
+}
+
+void check_finite(const NumberTable& table, Index row, std::span<const double> values) {
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    if (std::isfinite(values[c])) continue;
+    throw InputError(
+        fmt::format("{}: '{}' of row {} = {}, must be finite; leave out this row in "
+                    "both files",
+                    table.name(), table.columns()[c].label, row + 1, values[c]));
+  }
+}
+
+// Copies all rows of a table; `inspect(row, values)` sees each of them.
+template <class Inspect>
+void copy_table(NumberTable& table, h5::Dataset& dataset, const Inspect& inspect) {
+  RowMatrix block(kBlock, table.num_columns());
+  const auto width = static_cast<std::size_t>(table.num_columns());
+  Index written = 0, filled = 0;
+  const auto flush = [&] {
+    dataset.write_rows<double>(written, filled,
+                               {block.data(), static_cast<std::size_t>(filled) * width});
+    written += filled;
+    filled = 0;
+  };
+  while (written + filled < dataset.num_rows() && table.next({block.row(filled).data(), width})) {
+    inspect(written + filled, std::span<const double>(block.row(filled).data(), width));
+    if (++filled == kBlock) flush();
+  }
+  if (filled > 0) flush();
+}
+
+}  // namespace
+
+DatasetFile::DatasetFile(const std::filesystem::path& path,
+                         const std::vector<std::string>& parameters,
+                         const std::vector<Channel>& features)
+    : file_(open_checked(path)),
+      theta_(file_.dataset("theta")),
+      x_(file_.dataset("x")),
+      features_(all_features(x_)),
+      theta_columns_(theta_columns(theta_, parameters)) {
+  x_columns_.resize(features_.size());
+  std::iota(x_columns_.begin(), x_columns_.end(), Index{0});
+  if (features.empty()) return;
+  if (x_.has_attribute("labels")) {
+    x_columns_ = match_columns(x_.where(), features_, features);
+  } else if (features.size() != features_.size()) {
+    throw InputError(fmt::format("{} has {} columns, must have {}: {}", x_.where(),
+                                 features_.size(), features.size(), join(feature_names(features))));
+  }
+  features_ = features;
+}
+
+RowMatrix DatasetFile::theta(std::span<const Index> rows) const {
+  RowMatrix values = read_at(theta_, rows, theta_columns_);
+  for (Index i = 0; i < values.rows(); ++i) {
+    for (Index d = 0; d < values.cols(); ++d) {
+      if (std::isfinite(values(i, d))) continue;
+      throw InputError(fmt::format("{} holds {} at ({}, {}), must be finite", theta_.where(),
+                                   values(i, d), rows[static_cast<std::size_t>(i)],
+                                   theta_columns_[static_cast<std::size_t>(d)]));
+    }
+  }
+  return values;
+}
+
+RowMatrix DatasetFile::x(std::span<const Index> rows) const {
+  return read_at(x_, rows, x_columns_);
+}
+
+DatasetCounts import_dataset(const std::filesystem::path& theta, const std::filesystem::path& x,
+                             const std::filesystem::path& output) {
+  DatasetCounts counts;
+  counts.num_rows = count_rows(theta);
+  if (const Index others = count_rows(x); others != counts.num_rows) {
+    throw InputError(fmt::format("{}: has {} rows, must have {} like {}", x.string(), others,
+                                 counts.num_rows, theta.string()));
+  }
+  NumberTable theta_table(theta);
+  NumberTable x_table(x);
+  if (!theta_table.has_header()) {
+    throw InputError(theta.string() + ":1: must name the parameters, such as mass,length");
+  }
+  counts.parameters = theta_table.columns();
+  counts.features =
+      x_table.has_header() ? x_table.columns() : numbered_features(x_table.num_columns());
+
+  AtomicFile atomic(output);
+  h5::File file = h5::File::create(atomic.temporary(), output.string());
+  h5::Dataset theta_rows = file.create_dataset("theta", h5::ElementType::f64,
+                                               {counts.num_rows, theta_table.num_columns()});
+  describe(theta_rows, counts.parameters, "parameter");
+  copy_table(theta_table, theta_rows, [&](Index row, std::span<const double> values) {
+    check_finite(theta_table, row, values);
+  });
+  h5::Dataset x_rows =
+      file.create_dataset("x", h5::ElementType::f64, {counts.num_rows, x_table.num_columns()});
+  describe(x_rows, counts.features, "feature");
+  copy_table(x_table, x_rows, [&](Index, std::span<const double> values) {
+    counts.num_failed += !std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
+  });
+  file.close();
+  atomic.commit();
+  return counts;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,76 @@
+/// Diagnosis artefacts: what the checks of a method's posteriors have found. A group per check:
+///
+///   sbc         rank (n, D) int64, level (n, D): ranks on (0, 1); kolmogorov_smirnov, chi_square,
+///               p_value (D)
+///   coverage, tarp  rank (n) int64, level (n), curve (101, 2): level and coverage; attributes
+///               area, kolmogorov_smirnov
+///   local_c2st  null (trials); attribute statistic
+///   predictive  name (S) texts, observed, median, p_value (S); groups as those of ood below;
+///               attributes num_failed, overall_p_value
+///   ood         groups mahalanobis, residual, nearest, each with the attributes observed, median
+///               and p_value; attributes num_components, num_reference
+///   training    attributes num_epochs, best_epoch, max_epochs, is_converged, validation_loss,
+///               generalisation_gap
+/// Each but the last has the attribute p_value. Attributes of the file: num_samples, and of
+/// calibration num_simulations and num_failed.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "inference/diagnostics/coverage.h"
+#include "inference/diagnostics/local_c2st.h"
+#include "inference/diagnostics/predictive_check.h"
+#include "inference/diagnostics/sbc.h"
+#include "inference/diagnostics/training_check.h"
+#include "inference/prior.h"
+#include "pipeline/store/artefact.h"
+
+namespace npdr::pipeline {
+
+struct SbcResult {
+  RowMatrixX<std::int64_t> ranks;  ///< (n, D)
+  RowMatrix levels;                ///< (n, D), spread over (0, 1)
+  inference::Sbc test;
+};
+
+struct CoverageResult {
+  VectorX<std::int64_t> ranks;  ///< (n)
+  Vector levels;                ///< (n), spread over (0, 1)
+  inference::Coverage coverage;
+};
+
+struct PredictiveResult {
+  std::vector<std::string> names;  ///< (S)
+  Vector observed;                 ///< (S)
+  Vector median;                   ///< (S) of the predictions
+  Index num_failed = 0;            ///< predictions that were left out
+  inference::PredictiveCheck check;
+};
+
+/// What was asked for is there.
+struct Diagnosis {
+  Index num_samples = 0;
+  Index num_simulations = 0;  ///< of calibration, without the failed ones
+  Index num_failed = 0;
+  std::optional<SbcResult> sbc;
+  std::optional<CoverageResult> coverage;
+  std::optional<CoverageResult> tarp;
+  std::optional<inference::LocalC2st> local_c2st;
+  std::optional<PredictiveResult> predictive;
+  std::optional<inference::OutOfDistribution> ood;
+  std::optional<inference::TrainingCheck> training;
+  Index max_epochs = 0;  ///< that training may have had
+
+  /// By the names of check_names(); "training" has none.
+  std::map<std::string, double> p_values() const;
+};
+
+void write_diagnosis(h5::File& file, const std::vector<inference::Marginal>& prior,
+                     const Diagnosis& diagnosis);
+/// Throws InputError.
+Diagnosis read_diagnosis(const ArtefactFile& artefact);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,125 @@
+#include "pipeline/artefacts/feature_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/feature_names.h"
+#include "core/text.h"
+#include "pipeline/process/forked_trial.h"
+#include "pipeline/store/column_labels.h"
+#include "pipeline/store/h5.h"
+#include "pipeline/store/number_table.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// What the columns of a file are, and where those stand that are wanted.
+struct Layout {
+  std::vector<Channel> features;
+  std::vector<Index> columns;
+};
+
+Layout layout_of(const std::string& where, Index num_columns, const std::vector<Channel>& named,
+                 const std::vector<Channel>& expected) {
+  if (!named.empty() && !expected.empty()) {
+    return {expected, match_columns(where, named, expected)};
+  }
+  Layout layout{expected, {}};
+  if (expected.empty()) layout.features = named.empty() ? numbered_features(num_columns) : named;
+  if (num_columns != static_cast<Index>(layout.features.size())) {
+    throw InputError(fmt::format("{}: has {} columns, must have {}: {}", where, num_columns,
+                                 layout.features.size(), join(feature_names(layout.features))));
+  }
+  layout.columns.resize(layout.features.size());
+  std::iota(layout.columns.begin(), layout.columns.end(), Index{0});
+  return layout;
+}
+
+FeatureRows read_csv(const std::filesystem::path& path, Index num_rows,
+                     const std::vector<Channel>& expected) {
+  NumberTable table(path);
+  const Layout layout = layout_of(table.name(), table.num_columns(), table.columns(), expected);
+  FeatureRows rows{layout.features, RowMatrix(num_rows, table.num_columns())};
+  std::vector<double> row(static_cast<std::size_t>(table.num_columns()));
+  Index count = 0;
+  for (; table.next(row); ++count) {
+    if (count == num_rows) {
+      throw InputError(
+          fmt::format("{}: has more than {} rows, must have {}", table.name(), num_rows, num_rows));
+    }
+    for (Index c = 0; c < rows.x.cols(); ++c) rows.x(count, c) = row[static_cast<std::size_t>(c)];
+  }
+  if (count < num_rows) {
+    throw InputError(fmt::format("{}: has {} rows, must have {}", table.name(), count, num_rows));
+  }
+  rows.x = RowMatrix(rows.x(Eigen::all, layout.columns));
+  return rows;
+}
+
+FeatureRows read_hdf5(const std::filesystem::path& path, Index num_rows,
+                      const std::vector<Channel>& expected) {
+  const h5::File file = h5::File::open(path);
+  const h5::Dataset x = file.dataset("x");
+  const bool is_vector = x.shape().size() == 1 && num_rows == 1;
+  const Index width = is_vector ? x.num_rows() : x.row_size();
+  if (!is_vector) x.require_shape({num_rows, -1});
+  if (width < 1) throw InputError(x.where() + " is empty");
+  x.require_readable(h5::ElementType::f64);
+  const std::vector<Channel> named = column_channels(x, width);
+  const Layout layout = layout_of(x.where(), width, named, expected);
+  FeatureRows rows{layout.features, RowMatrix(num_rows, width)};
+  x.read_rows<double>(0, x.num_rows(), {rows.x.data(), static_cast<std::size_t>(rows.x.size())});
+  rows.x = RowMatrix(rows.x(Eigen::all, layout.columns));
+  return rows;
+}
+
+// A pipe would be waited for without end.
+void require_regular_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) return;
+  throw InputError(path.string() +
+                   (std::filesystem::exists(path, error) ? " isn't a file" : " doesn't exist"));
+}
+
+}  // namespace
+
+FeatureRows read_features(const std::filesystem::path& path, const std::string& format,
+                          Index num_rows, const std::vector<Channel>& expected) {
+  if (format == "csv") return read_csv(path, num_rows, expected);
+  require_regular_file(path);
+  if (!survives([&] { read_hdf5(path, num_rows, expected); })) throw damaged_file(path);
+  return read_hdf5(path, num_rows, expected);
+}
+
+Target observation_target(const std::vector<Channel>& features, const Vector& x_o,
+                          const std::string& source) {
+  const auto width = static_cast<Index>(features.size());
+  Target target;
+  target.dt = 1.0;
+  target.state_channels = features;
+  target.source = source;
+  Rollout rollout{"x_o", RowMatrix::Zero(2, width), RowMatrix(1, 0)};
+  rollout.states.row(1) = x_o.transpose();
+  target.rollouts.push_back(std::move(rollout));
+  return target;
+}
+
+Target read_observation(const std::filesystem::path& path, const std::vector<Channel>& expected) {
+  const std::string format = path.extension() == ".csv" ? "csv" : "hdf5";
+  const FeatureRows rows = read_features(path, format, 1, expected);
+  Target target =
+      observation_target(rows.features, rows.x.row(0).transpose(), path.filename().string());
+  for (Index f = 0; f < rows.x.cols(); ++f) {
+    // As a float32, too: that is what it becomes.
+    if (std::isfinite(static_cast<float>(rows.x(0, f)))) continue;
+    throw InputError(fmt::format("{}: '{}' = {}, must be a finite number", path.string(),
+                                 rows.features[static_cast<std::size_t>(f)].label, rows.x(0, f)));
+  }
+  return target;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,63 @@
+/// Policy artefacts: what a search has found, and how it got there.
+///
+///   policy (Q) float64: parameters after the last iteration; attributes labels, units
+///   history/policy (T + 1, Q): the policy before each iteration, and after the last
+///   history/return, history/success_rate, history/completion_rate (T + 1): of these policies, over
+///   the domain parameters and initial states of their iteration; those after the last have fresh
+///   ones
+///   history/candidate_return (T, M): of the candidates
+///   attributes of the file: optimizer, num_rollouts, num_impossible
+/// A checkpoint holds the same for the iterations that are done, the state of the optimizer and the
+/// cost so far.
+#pragma once
+
+#include <optional>
+
+#include "inference/policy_search/policy_optimizer.h"
+#include "pipeline/store/artefact.h"
+#include "sim/policy_evaluation.h"
+#include "sim/policy_task.h"
+
+namespace npdr::pipeline {
+
+/// What is known of the policies of a search, a row each.
+struct PolicyHistory {
+  RowMatrix policies;          ///< (t, Q)
+  Vector mean_return;          ///< (t)
+  Vector success_rate;         ///< (t)
+  Vector completion_rate;      ///< (t) share of the rollouts that kept the task's limits
+  RowMatrix candidate_return;  ///< (t, M), or (t - 1, M) when the search is over
+  Index num_rollouts = 0;      ///< of all candidates, and of these policies
+  Index num_impossible = 0;    ///< domain parameters that were left out: physically impossible
+
+  Index num_rows() const { return policies.rows(); }
+  /// Adds a policy and what is known of it: row `i` of `values`.
+  void add(const Vector& policy, const sim::PopulationValues& values, Index i);
+  void add_candidates(const Vector& returns);
+};
+
+/// Writes `policy` (Q) with the names and units of its parameters.
+void write_policy_parameters(h5::File& file, const sim::PolicyTaskInfo& info, const Vector& policy);
+
+/// Writes the artefact of a search whose last policy is the history's.
+void write_policy(h5::File& file, const std::string& optimizer, const sim::PolicyTaskInfo& info,
+                  const PolicyHistory& history);
+
+/// The policy (Q) that a search has found. Throws InputError.
+Vector read_policy(const ArtefactFile& policy);
+/// How a search went. Throws InputError.
+PolicyHistory read_policy_history(const ArtefactFile& policy);
+
+/// What an interrupted search goes on from.
+struct PolicyCheckpoint {
+  PolicyHistory history;
+  inference::PolicySearchState optimizer;
+  Cost cost;
+};
+/// The checkpoint of the search `identity`.
+void write_policy_checkpoint(const std::filesystem::path& path, const Identity& identity,
+                             const PolicyCheckpoint& checkpoint);
+/// None: there is none. Throws InputError for a damaged one.
+std::optional<PolicyCheckpoint> read_policy_checkpoint(const ArtefactFile& checkpoint);
+
+}  // namespace npdr::pipeline

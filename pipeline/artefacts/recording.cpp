@@ -1,0 +1,169 @@
+#include "pipeline/artefacts/recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "pipeline/process/forked_trial.h"
+#include "pipeline/store/column_labels.h"
+#include "pipeline/store/h5.h"
+#include "pipeline/store/hash.h"
+
+namespace npdr::pipeline {
+namespace {
+
+std::vector<Channel> read_channels(const h5::Dataset& dataset) {
+  const auto labels = dataset.attribute<std::vector<std::string>>("labels");
+  const auto units = dataset.attribute<std::vector<std::string>>("units");
+  const auto count = static_cast<std::size_t>(dataset.shape()[2]);
+  if (labels.size() != count || units.size() != count) {
+    throw InputError(fmt::format("{} has {} channels, but {} labels and {} units", dataset.where(),
+                                 count, labels.size(), units.size()));
+  }
+  std::vector<Channel> channels;
+  for (std::size_t c = 0; c < count; ++c) {
+    if (std::ranges::find(labels.begin(), labels.begin() + std::ptrdiff_t(c), labels[c]) !=
+        labels.begin() + std::ptrdiff_t(c)) {
+      throw InputError(fmt::format("{} has two channels with the label '{}'; rename one",
+                                   dataset.where(), labels[c]));
+    }
+    channels.push_back({labels[c], units[c]});
+  }
+  return channels;
+}
+
+std::vector<std::string> read_names(const h5::File& file, Index num_rollouts) {
+  if (!file.has("rollout")) {
+    std::vector<std::string> names;
+    for (Index h = 0; h < num_rollouts; ++h) names.push_back(std::to_string(h));
+    return names;
+  }
+  const h5::Dataset dataset = file.dataset("rollout");
+  dataset.require_shape({num_rollouts});
+  return dataset.read_texts();
+}
+
+// The columns of the `expected` channels among those that were found; all, when nothing is
+// expected.
+std::vector<Index> columns_of(const std::string& where, const std::vector<Channel>& found,
+                              const std::vector<Channel>* expected) {
+  std::vector<Index> columns;
+  for (const Channel& channel : expected != nullptr ? *expected : found) {
+    const auto column = std::ranges::find(found, channel);
+    if (column == found.end()) check_channels(where + ": channels", found, *expected);
+    columns.push_back(column - found.begin());
+  }
+  return columns;
+}
+
+// Some columns of row h of an (H, rows, cols) dataset.
+RowMatrix read_rollout(const h5::Dataset& dataset, Index h, const std::vector<Index>& columns) {
+  RowMatrix values(dataset.shape()[1], dataset.shape()[2]);
+  dataset.read_rows<double>(h, 1, {values.data(), static_cast<std::size_t>(values.size())});
+  return values(Eigen::all, columns);
+}
+
+void write_rollouts(h5::File& file, const Target& target, const std::string& name,
+                    RowMatrix Rollout::*values, const std::vector<Channel>& channels) {
+  const RowMatrix& first = target.rollouts.front().*values;
+  h5::Dataset dataset = file.create_dataset(name, h5::ElementType::f64,
+                                            {target.num_rollouts(), first.rows(), first.cols()});
+  describe_columns(dataset, channels);
+  dataset.label_dimensions({"rollout", "time", "channel"});
+  for (Index h = 0; h < target.num_rollouts(); ++h) {
+    const RowMatrix& rollout = target.rollouts[static_cast<std::size_t>(h)].*values;
+    dataset.write_rows<double>(h, 1, {rollout.data(), static_cast<std::size_t>(rollout.size())});
+  }
+}
+
+void add_channels(Hasher& hasher, const std::vector<Channel>& channels) {
+  hasher.add(static_cast<std::int64_t>(channels.size()));
+  for (const Channel& channel : channels) {
+    hasher.add(channel.label);
+    hasher.add(channel.unit);
+  }
+}
+
+void add_matrix(Hasher& hasher, const RowMatrix& values) {
+  hasher.add(static_cast<std::int64_t>(values.rows()));
+  hasher.add(static_cast<std::int64_t>(values.cols()));
+  hasher.add_bytes(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double));
+}
+
+Target read_target(const std::filesystem::path& path, const std::optional<Channels>& expected) {
+  const h5::File file = h5::File::open(path);
+  const h5::Dataset states = file.dataset("states");
+  const h5::Dataset actions = file.dataset("actions");
+  states.require_shape({-1, -1, -1});
+  if (states.num_rows() < 1 || states.row_size() < 1) {
+    throw InputError(states.where() + " is empty; record a rollout");
+  }
+  actions.require_shape({states.shape()[0], states.shape()[1] - 1, -1});
+  states.require_readable(h5::ElementType::f64);
+  actions.require_readable(h5::ElementType::f64);
+
+  Target target;
+  target.dt = file.attribute<double>("dt");
+  if (file.has_attribute("source")) target.source = file.attribute<std::string>("source");
+  const std::vector<Channel> found_states = read_channels(states);
+  const std::vector<Channel> found_actions = read_channels(actions);
+  const std::vector<Index> state_columns =
+      columns_of(states.where(), found_states, expected ? &expected->states : nullptr);
+  const std::vector<Index> action_columns =
+      columns_of(actions.where(), found_actions, expected ? &expected->actions : nullptr);
+  target.state_channels = expected ? expected->states : found_states;
+  target.action_channels = expected ? expected->actions : found_actions;
+  Index h = 0;
+  for (const std::string& name : read_names(file, states.num_rows())) {
+    target.rollouts.push_back(
+        {name, read_rollout(states, h, state_columns), read_rollout(actions, h, action_columns)});
+    ++h;
+  }
+  target.check(file.where());
+  return target;
+}
+
+}  // namespace
+
+// Files of the format before HDF5 1.10 have no checksums on their metadata, and HDF5's reader of
+// variable-length texts follows a damaged pointer to wherever it leads. So a child goes first.
+Target read_recording(const std::filesystem::path& path, const std::optional<Channels>& expected) {
+  if (!survives([&] { read_target(path, expected); })) throw damaged_file(path);
+  return read_target(path, expected);
+}
+
+void write_recording(const Target& target, const std::filesystem::path& path) {
+  target.check(path.string());
+  AtomicFile atomic(path);
+  h5::File file = h5::File::create(atomic.temporary(), path.string());
+  write_target(file, target);
+  file.close();
+  atomic.commit();
+}
+
+void write_target(h5::File& file, const Target& target) {
+  file.set_attribute("dt", target.dt);
+  file.set_attribute("source", target.source);
+  write_rollouts(file, target, "states", &Rollout::states, target.state_channels);
+  write_rollouts(file, target, "actions", &Rollout::actions, target.action_channels);
+  std::vector<std::string> names;
+  for (const Rollout& rollout : target.rollouts) names.push_back(rollout.name);
+  file.write_texts("rollout", names);
+}
+
+std::string content_hash(const Target& target) {
+  Hasher hasher;
+  hasher.add(target.dt);
+  add_channels(hasher, target.state_channels);
+  add_channels(hasher, target.action_channels);
+  hasher.add(static_cast<std::int64_t>(target.num_rollouts()));
+  for (const Rollout& rollout : target.rollouts) {
+    add_matrix(hasher, rollout.states);
+    add_matrix(hasher, rollout.actions);
+  }
+  return hasher.hex();
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,39 @@
+/// Recordings: the HDF5 files that hold a target domain's rollouts.
+///
+///   states   (H, T+1, C) floats: the state before each action, and after the last
+///   actions  (H, T, A) floats: what was applied during the step
+///            both with attributes `labels` and `units`, one text per channel
+///   rollout  (H) texts: the name of each recording; may be missing
+///   file attributes: dt [s], a number; source, a text that may be missing
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/target.h"
+#include "pipeline/artefacts/channels.h"
+#include "pipeline/store/h5.h"
+
+namespace npdr::pipeline {
+
+/// Reads a recording. With `expected` channels (those of the simulator), these are picked by label
+/// and unit, in their order; further channels are left out, and one that is missing is an error.
+/// Rollouts without names are called "0", "1", ... Throws InputError that names the file and what
+/// is wrong with it: shapes, types, channels, dt, NaN (with rollout, channel and step), a truncated
+/// file. A child process reads it first, so that a file that crashes HDF5 is an InputError, too; no
+/// other thread may be using HDF5.
+Target read_recording(const std::filesystem::path& path,
+                      const std::optional<Channels>& expected = std::nullopt);
+
+/// Writes `target` as a recording, as a whole or not at all. Throws InputError when the target
+/// can't be valid, Error when writing fails.
+void write_recording(const Target& target, const std::filesystem::path& path);
+
+/// Writes the datasets and attributes of a recording into an open file.
+void write_target(h5::File& file, const Target& target);
+
+/// 32 hexadecimal digits that depend on all values, channels and dt; not on names and the source.
+std::string content_hash(const Target& target);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,70 @@
+#include "pipeline/artefacts/sample_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+
+#include "core/error.h"
+#include "pipeline/store/column_labels.h"
+#include "pipeline/store/h5.h"
+#include "pipeline/store/number_table.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// HDF5's signature may also stand further on, behind a user's block; ours and h5py's have none.
+bool is_hdf5(const std::filesystem::path& path) {
+  std::array<char, 4> begin{};
+  std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
+  return begin == std::array<char, 4>{'\x89', 'H', 'D', 'F'};
+}
+
+SampleSet read_hdf5(const std::filesystem::path& path, const std::string& name, Index most_rows) {
+  const h5::File file = h5::File::open(path);
+  const h5::Dataset dataset = file.dataset(name);
+  dataset.require_shape({-1, -1});
+  dataset.require_readable(h5::ElementType::f64);
+  SampleSet set{dataset.where(), column_channels(dataset, dataset.row_size()), {}};
+  set.rows.resize(std::min(most_rows, dataset.num_rows()), dataset.row_size());
+  const std::span<double> all(set.rows.data(), static_cast<std::size_t>(set.rows.size()));
+  dataset.read_rows<double>(0, set.rows.rows(), all);
+  dataset.require_finite<double>(all);
+  return set;
+}
+
+SampleSet read_csv(const std::filesystem::path& path, Index most_rows) {
+  NumberTable table(path);
+  const auto width = static_cast<std::size_t>(table.num_columns());
+  SampleSet set{table.name(), table.columns(), {}};
+  std::vector<double> row(width), all;
+  Index count = 0;
+  for (; count < most_rows && table.next(row); ++count) {
+    table.require_finite(row);
+    all.insert(all.end(), row.begin(), row.end());
+  }
+  set.rows = Eigen::Map<const RowMatrix>(all.data(), count, table.num_columns());
+  return set;
+}
+
+}  // namespace
+
+SampleSet read_sample_set(const std::filesystem::path& path, const std::string& dataset,
+                          Index most_rows) {
+  return is_hdf5(path) ? read_hdf5(path, dataset, most_rows) : read_csv(path, most_rows);
+}
+
+SampleSet in_order_of(const SampleSet& first, SampleSet second) {
+  if (first.rows.cols() != second.rows.cols()) {
+    throw InputError(fmt::format("{}: {} columns, must be {} as in {}", second.where,
+                                 second.rows.cols(), first.rows.cols(), first.where));
+  }
+  if (first.columns.empty() || second.columns.empty()) return second;
+  const std::vector<Index> order = match_columns(second.where, second.columns, first.columns);
+  second.rows = second.rows(Eigen::all, order).eval();
+  second.columns = first.columns;
+  return second;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,50 @@
+/// Simulation artefacts: shards, and the file that joins them.
+///
+///   theta         (N, D) float64, attributes labels, units, prior_lower, prior_upper
+///   trajectories  (N, H, T', C) float32: the states after every store_every-th step; NaN for a row
+///                 that failed; attributes labels, units, dt, store_every
+///   x             (N, F) float32, in their place where the simulator gives features; NaN for a row
+///                 that failed; attributes labels, units
+///   status        (N) uint8: RolloutStatus; attribute meaning
+///   seconds       (N) float32: time that the row took (volatile)
+///   shards        group, of the joined file only: who made which rows (volatile; shard_ledger.h)
+/// A shard holds a range of rows. The joined file holds the trajectories as a virtual dataset over
+/// the shards, and copies of the rest.
+#pragma once
+
+#include <vector>
+
+#include "core/target.h"
+#include "pipeline/artefacts/work_folder.h"
+#include "pipeline/config/study.h"
+#include "pipeline/store/artefact.h"
+#include "sim/trajectories.h"
+
+namespace npdr::pipeline {
+
+/// The dataset of a simulation that holds what was simulated: trajectories, or x.
+h5::Dataset simulated_values(const h5::File& file);
+
+/// Makes the empty datasets of `num_rows` rows.
+void create_simulation_datasets(h5::File& file, const Study& study, const Target& target,
+                                Index num_rows);
+
+std::vector<std::uint8_t> as_bytes(const std::vector<sim::RolloutStatus>& status);
+
+/// The identity of the shard of these rows.
+Identity shard_identity(const Identity& simulation, RowRange rows);
+
+/// A shard's rows and its file.
+struct Shard {
+  RowRange rows;
+  std::filesystem::path path;
+};
+
+/// Joins the shards of a simulation, all of which are there. Throws InputError for a damaged one.
+void join_shards(const ArtefactFile& simulation, const Identity& identity, const Study& study,
+                 const Target& target, const std::vector<Shard>& shards);
+
+/// "3 crashed, 1 timed_out": how the rows of an open simulation failed.
+std::string failures(const h5::File& simulation);
+
+}  // namespace npdr::pipeline

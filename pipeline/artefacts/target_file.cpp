@@ -1,0 +1,23 @@
+#include "pipeline/artefacts/target_file.h"
+
+#include "pipeline/artefacts/feature_file.h"
+#include "pipeline/artefacts/recording.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/store/column_labels.h"
+
+namespace npdr::pipeline {
+
+void write_observation(h5::File& file, const Target& target) {
+  const RowMatrix x = target.rollouts.front().states.bottomRows(1);
+  h5::Dataset dataset = file.write("x", x);
+  describe_columns(dataset, target.state_channels);
+  dataset.label_dimensions({"row", "feature"});
+  file.set_attribute("source", target.source);
+}
+
+Target read_target_artefact(const ArtefactFile& target) {
+  const bool is_observation = open_artefact(target, kTargetSchema).has("x");
+  return is_observation ? read_observation(target.path, {}) : read_recording(target.path);
+}
+
+}  // namespace npdr::pipeline

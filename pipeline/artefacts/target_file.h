@@ -1,0 +1,18 @@
+/// Target artefacts: rollouts (recording.h), or x_o where the simulator gives features.
+///
+///   x       (1, F) float64: x_o; attributes labels, units
+///   source  attribute: where it comes from
+#pragma once
+
+#include "core/target.h"
+#include "pipeline/store/artefact.h"
+
+namespace npdr::pipeline {
+
+/// Writes x_o: the state after the only step of the only rollout.
+void write_observation(h5::File& file, const Target& target);
+
+/// The target, whichever of both it is. Throws InputError.
+Target read_target_artefact(const ArtefactFile& target);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,45 @@
+/// Where things lie: the cache of artefacts, and the readable folder of a study.
+///
+///   <work>/.cache/<stage>/<key>.h5             artefacts
+///   <work>/.cache/simulate/<key>/              shards of a simulation
+///   <work>/<study>/<method>/seed-1/round-1/    links to the artefacts, by what they are
+///   <work>/<study>/                            tables, figures, logs, report.html
+/// The file tree is the only state: there is no database, controller or lock.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/types.h"
+
+namespace npdr::pipeline {
+
+/// Rows [begin, end) of a simulation.
+struct RowRange {
+  Index begin = 0;
+  Index end = 0;
+
+  Index size() const { return end - begin; }
+};
+
+class WorkFolder {
+ public:
+  /// `root` as the user gave it, such as "runs".
+  explicit WorkFolder(std::filesystem::path root) : root_(std::move(root)) {}
+
+  const std::filesystem::path& root() const { return root_; }
+  std::filesystem::path artefact(const std::string& stage, const std::string& key) const;
+  /// What an interrupted stage goes on from.
+  std::filesystem::path checkpoint(const std::string& stage, const std::string& key) const;
+  /// These rows of the simulation `key`.
+  std::filesystem::path shard(const std::string& key, RowRange rows) const;
+  std::filesystem::path study(const std::string& name) const { return root_ / name; }
+
+ private:
+  std::filesystem::path root_;
+};
+
+/// Makes or renews the relative link `link` to `target`. Throws Error.
+void make_link(const std::filesystem::path& target, const std::filesystem::path& link);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,67 @@
+#include "pipeline/features/simulation_distances.h"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "analysis/metrics.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/process/progress.h"
+#include "pipeline/process/stop_request.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kBlock = 256;
+
+// The target at the times that a simulation stores: every `stride`-th state, whole strides only.
+Target thinned(const Target& target, Index stride) {
+  Target result = target;
+  const Index steps = target.num_steps() / stride;
+  for (Rollout& rollout : result.rollouts) {
+    const RowMatrix states = rollout.states, actions = rollout.actions;
+    rollout.states = states(Eigen::seqN(0, steps + 1, stride), Eigen::all);
+    rollout.actions = actions(Eigen::seqN(0, steps, stride), Eigen::all);
+  }
+  result.dt *= static_cast<double>(stride);
+  return result;
+}
+
+// Row j is the state after j strides; a segment begins there when that many steps are whole
+// segments.
+Index thinned_segment(Index segment_length, Index stride) {
+  return segment_length / std::gcd(segment_length, stride);
+}
+
+}  // namespace
+
+Vector metric_distances(const Plan& plan, const Node& node, const Target& target,
+                        const std::string& metric) {
+  const Index stride = plan.study.simulator.store_every;
+  analysis::MetricsConfig config;
+  config.segment_length = thinned_segment(plan.study.simulator.segment_length, stride);
+  const analysis::Metrics metrics(thinned(target, stride), config);
+  const h5::File file = open_artefact(node.path, kSimulationSchema, node.key);
+  const h5::Dataset trajectories = file.dataset("trajectories");
+  const Index n = trajectories.num_rows(), steps = target.num_steps() / stride;
+  trajectories.require_shape({n, target.num_rollouts(), steps, target.num_states()});
+  Vector distances(n);
+  std::vector<float> block;
+  Progress progress(node.label() + ", distances", n);
+  for (Index begin = 0; begin < n; begin += kBlock) {
+    stop_here_if_requested();
+    const Index count = std::min(kBlock, n - begin);
+    block.resize(static_cast<std::size_t>(count * trajectories.row_size()));
+    trajectories.read_rows<float>(begin, count, block);
+    const analysis::TrajectoryView view{block, count, target.num_rollouts(), steps,
+                                        target.num_states()};
+    distances.segment(begin, count) = metric == "dtw" ? metrics.dtw(view) : metrics.rmse(view);
+    progress.update(begin + count);
+  }
+  const auto failed = [](double d) {
+    return std::isfinite(d) ? d : std::numeric_limits<double>::infinity();
+  };
+  return distances.unaryExpr(failed);
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,157 @@
+#include "pipeline/features/simulation_features.h"
+
+#include <algorithm>
+
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/simulation_file.h"
+#include "sim/observation_noise.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kBlock = 256;
+
+// All uses of a simulation are in the same round.
+std::uint32_t round_of(const Node& simulation) {
+  return static_cast<std::uint32_t>(simulation.uses.front().round);
+}
+
+}  // namespace
+
+RowMatrix picked_amplitude(const Target& target, const inference::SeriesSelection& selection) {
+  const RowMatrix all = sim::reference_amplitude(target);
+  RowMatrix picked(all.rows(), selection.num_channels());
+  for (Index c = 0; c < picked.cols(); ++c) {
+    picked.col(c) = all.col(selection.channels[static_cast<std::size_t>(c)]);
+  }
+  return picked;
+}
+
+SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
+                                       const inference::Embedding& embedding)
+    : SimulationFeatures(plan, plan.inputs(infer, Stage::simulate), target, embedding) {}
+
+SimulationFeatures::SimulationFeatures(const Plan& plan,
+                                       const std::vector<const Node*>& simulations,
+                                       const Target& target, const inference::Embedding& embedding)
+    : embedding_(embedding),
+      noise_(plan.study.observation_noise),
+      seed_(simulations.front()->uses.front().seed),
+      amplitude_(picked_amplitude(target, embedding.selection())) {
+  read_theta(simulations);
+  const Index width = redraws() ? embedding_.selection().num_values() : embedding_.num_features();
+  rows_ = std::make_unique<RowStore>(num_rows(), width, simulations.front()->path.parent_path());
+  read_series(simulations);
+}
+
+void SimulationFeatures::read_theta(const std::vector<const Node*>& simulations) {
+  for (std::size_t s = 0; s < simulations.size(); ++s) {
+    const h5::File file =
+        open_artefact(simulations[s]->path, kSimulationSchema, simulations[s]->key);
+    const auto status = file.dataset("status").read<std::uint8_t>();
+    const RowMatrix theta = file.read_matrix<double>("theta", static_cast<Index>(status.size()), -1,
+                                                     h5::Values::finite);
+    const Index before = num_rows();
+    for (std::size_t i = 0; i < status.size(); ++i) {
+      if (status[i] != 0) {
+        ++num_failed_;
+        continue;
+      }
+      origin_.push_back({round_of(*simulations[s]), static_cast<std::uint32_t>(i)});
+    }
+    theta_.conservativeResize(num_rows(), theta.cols());
+    for (Index i = before; i < num_rows(); ++i) {
+      theta_.row(i) = theta.row(origin_[static_cast<std::size_t>(i)].row);
+    }
+  }
+}
+
+void SimulationFeatures::read_series(const std::vector<const Node*>& simulations) {
+  const auto num_values = static_cast<std::size_t>(embedding_.selection().num_values());
+  std::vector<float> picked(num_values), block;
+  std::vector<float> x(static_cast<std::size_t>(embedding_.num_features()));
+  Index next = 0;
+  for (std::size_t s = 0; s < simulations.size(); ++s) {
+    const h5::File file =
+        open_artefact(simulations[s]->path, kSimulationSchema, simulations[s]->key);
+    const h5::Dataset trajectories = simulated_values(file);
+    const Index width = trajectories.row_size();
+    for (Index begin = 0; begin < trajectories.num_rows(); begin += kBlock) {
+      const Index count = std::min(kBlock, trajectories.num_rows() - begin);
+      block.resize(static_cast<std::size_t>(count * width));
+      trajectories.read_rows<float>(begin, count, block);
+      for (; next < num_rows(); ++next) {
+        const Origin& origin = origin_[static_cast<std::size_t>(next)];
+        if (origin.round != round_of(*simulations[s]) || origin.row >= begin + count) break;
+        const std::span<const float> series(block.data() + (origin.row - begin) * width,
+                                            static_cast<std::size_t>(width));
+        embedding_.selection().pick(series, picked);
+        if (redraws()) {
+          rows_->write(next, picked);
+          continue;
+        }
+        add_noise(picked, origin, 0);
+        embedding_.embed(picked, x);
+        rows_->write(next, x);
+      }
+    }
+  }
+}
+
+void SimulationFeatures::add_noise(std::span<float> picked, const Origin& origin,
+                                   std::uint64_t epoch) const {
+  if (noise_.scale == 0.0) return;
+  Stream stream({seed_, "observation_noise", origin.round, origin.row, epoch});
+  sim::add_observation_noise(picked, amplitude_, noise_.scale, stream);
+}
+
+void SimulationFeatures::gather(std::span<const std::uint32_t> rows, std::uint64_t epoch,
+                                RowMatrixF& x) const {
+  x.resize(static_cast<Index>(rows.size()), num_features());
+  std::vector<float> picked(static_cast<std::size_t>(rows_->width()));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::span<float> out(x.row(static_cast<Index>(i)).data(),
+                               static_cast<std::size_t>(num_features()));
+    if (!redraws()) {
+      rows_->read(rows[i], out);
+      continue;
+    }
+    rows_->read(rows[i], picked);
+    add_noise(picked, origin_[rows[i]], epoch);
+    embedding_.embed(picked, out);
+  }
+}
+
+std::vector<std::uint32_t> SimulationFeatures::rounds() const {
+  std::vector<std::uint32_t> rounds;
+  for (const Origin& origin : origin_) rounds.push_back(origin.round);
+  return rounds;
+}
+
+std::vector<Index> SimulationFeatures::rows() const {
+  std::vector<Index> rows;
+  for (const Origin& origin : origin_) rows.push_back(origin.row);
+  return rows;
+}
+
+std::vector<float> picked_observation(const Plan& plan, const Target& target,
+                                      const inference::Embedding& embedding) {
+  const Study& study = plan.study;
+  const inference::SeriesSelection& selection = embedding.selection();
+  std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
+  selection.pick(inference::observed_series(target, study.simulator.store_every), picked);
+  if (study.target.recording || study.observation_noise.scale == 0.0) return picked;
+  Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
+  sim::add_observation_noise(picked, picked_amplitude(target, selection),
+                             study.observation_noise.scale, stream);
+  return picked;
+}
+
+VectorF observation(const Plan& plan, const Target& target, const inference::Embedding& embedding) {
+  VectorF x(embedding.num_features());
+  embedding.embed(picked_observation(plan, target, embedding),
+                  {x.data(), static_cast<std::size_t>(x.size())});
+  return x;
+}
+
+}  // namespace npdr::pipeline

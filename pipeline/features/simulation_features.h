@@ -1,0 +1,69 @@
+/// x of simulations, with observation noise.
+///
+/// Rows that failed are left out. Where the noise is redrawn, the picked states are kept and every
+/// gather() adds the noise of its epoch to them before the embedding; otherwise x itself is kept,
+/// with the noise of epoch 0. Noise of a row is keyed by (seed, round, row, epoch).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "inference/embeddings/embedding.h"
+#include "inference/feature_source.h"
+#include "pipeline/features/row_store.h"
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+class SimulationFeatures : public inference::FeatureSource {
+ public:
+  /// Of the simulations among `infer`'s inputs.
+  SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
+                     const inference::Embedding& embedding);
+  /// Of `simulations`, which are read in blocks.
+  SimulationFeatures(const Plan& plan, const std::vector<const Node*>& simulations,
+                     const Target& target, const inference::Embedding& embedding);
+
+  Index num_rows() const override { return static_cast<Index>(origin_.size()); }
+  Index num_features() const override { return embedding_.num_features(); }
+  void gather(std::span<const std::uint32_t> rows, std::uint64_t epoch,
+              RowMatrixF& x) const override;
+
+  const RowMatrix& theta() const { return theta_; }  ///< (N, D)
+  std::vector<std::uint32_t> rounds() const;         ///< (N); 0: of calibration
+  std::vector<Index> rows() const;                   ///< (N), in the simulation of their round
+  Index num_failed() const { return num_failed_; }
+
+ private:
+  struct Origin {
+    std::uint32_t round;
+    std::uint32_t row;
+  };
+  bool redraws() const { return noise_.scale > 0.0 && noise_.redraw; }
+  void read_theta(const std::vector<const Node*>& simulations);
+  void read_series(const std::vector<const Node*>& simulations);
+  void add_noise(std::span<float> picked, const Origin& origin, std::uint64_t epoch) const;
+
+  const inference::Embedding& embedding_;
+  ObservationNoise noise_;
+  std::uint64_t seed_;
+  RowMatrix amplitude_;  ///< (H, picked channels)
+  RowMatrix theta_;
+  std::vector<Origin> origin_;
+  Index num_failed_ = 0;
+  std::unique_ptr<RowStore> rows_;
+};
+
+/// Standard deviation of the noise on the states that an embedding picks, over the study's scale:
+/// (H, C') for H rollouts.
+RowMatrix picked_amplitude(const Target& target, const inference::SeriesSelection& selection);
+
+/// The states of the target that the embedding picks, (H, K, C') as they are observed.
+std::vector<float> picked_observation(const Plan& plan, const Target& target,
+                                      const inference::Embedding& embedding);
+
+/// x_o: the target's own features. A simulated target domain is observed with the same noise as the
+/// simulations (its own random stream), a recording as it is.
+VectorF observation(const Plan& plan, const Target& target, const inference::Embedding& embedding);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,55 @@
+#include "pipeline/plan/completeness.h"
+
+#include <unistd.h>
+
+#include "core/error.h"
+#include "pipeline/plan/report_marker.h"
+#include "pipeline/process/batch_job.h"
+#include "pipeline/process/stop_request.h"
+
+namespace npdr::pipeline {
+
+bool is_complete(const Plan& plan, const Node& node) {
+  if (node.stage == Stage::report) return report_is_current(plan, node);
+  return std::filesystem::exists(node.path);
+}
+
+void settle(const Plan& plan, const Node& node) {
+  link_uses(plan, node);
+  std::error_code ignored;
+  if (node.stage == Stage::infer || node.stage == Stage::policy) {
+    std::filesystem::remove(plan.work.checkpoint(to_string(node.stage), node.key), ignored);
+  }
+}
+
+namespace {
+
+// On a network file system a machine may not see for a while what another one has just made, and
+// a batch job begins at that very moment. Looking through the folder asks the server.
+bool appears(const Plan& plan, const Node& input) {
+  constexpr int patience = 60;  // [s]
+  for (int second = 0; second < patience && !batch_job_id().empty(); ++second) {
+    std::error_code ignored;
+    for (std::filesystem::directory_iterator entry(input.path.parent_path(), ignored), end;
+         !ignored && entry != end; entry.increment(ignored)) {
+    }
+    if (is_complete(plan, input)) return true;
+    if (stop_requested()) return false;
+    sleep(1);
+  }
+  return is_complete(plan, input);
+}
+
+}  // namespace
+
+void require_input(const Plan& plan, const Node& node, const Node& input) {
+  if (is_complete(plan, input) || appears(plan, input)) return;
+  throw InputError(node.label() + " needs '" + input.label() + "', which isn't there; run " +
+                   program_of(input.stage) + " on this study first, or npdr run");
+}
+
+void require_inputs(const Plan& plan, const Node& node) {
+  for (const std::size_t i : node.needs) require_input(plan, node, plan.nodes[i]);
+}
+
+}  // namespace npdr::pipeline

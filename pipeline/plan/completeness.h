@@ -1,0 +1,21 @@
+/// Whether artefacts of a plan are there.
+#pragma once
+
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+/// Whether the node's artefact is there and complete.
+bool is_complete(const Plan& plan, const Node& node);
+
+/// Links the uses of a complete artefact, and removes the checkpoint that it may have left behind:
+/// the process that made it can have been killed in between.
+void settle(const Plan& plan, const Node& node);
+
+/// Throws InputError unless `input`, which `node` needs, is complete: names the command to run. In
+/// a batch job waits a minute for it: a network file system may show it late.
+void require_input(const Plan& plan, const Node& node, const Node& input);
+/// The same for everything that `node` needs.
+void require_inputs(const Plan& plan, const Node& node);
+
+}  // namespace npdr::pipeline

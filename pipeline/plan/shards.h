@@ -1,0 +1,27 @@
+/// The shards of a plan's simulations: which there are, which are missing, how many rows failed.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/artefacts/simulation_file.h"
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+/// All shards of the simulation `node`, there or not.
+std::vector<Shard> shards(const Plan& plan, const Node& node);
+
+/// Numbers of the shards that aren't there yet.
+std::vector<Index> missing_shards(const Plan& plan, const Node& node);
+
+/// Throws InputError unless the simulation `node` has a shard of this number.
+void require_shard(const Plan& plan, const Node& node, Index number);
+
+/// Says that more rows of the joined `simulation` failed than the study's limit allows; empty: not
+/// so many.
+std::string too_many_failed(const Plan& plan, const Node& node, const h5::File& simulation);
+
+/// Throws FailedRolloutsError when more rows failed than the study's limit allows.
+void check_failed_rows(const Plan& plan, const Node& node);
+
+}  // namespace npdr::pipeline

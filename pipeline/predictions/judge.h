@@ -1,0 +1,36 @@
+/// What parameters are measured by: the study's metrics, on the rollouts that inference saw and on
+/// those that were held out.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "pipeline/predictions/prediction.h"
+
+namespace npdr::pipeline {
+
+class Judge {
+ public:
+  /// Reads what `node` needs of the target domain.
+  Judge(const Plan& plan, const Node& node);
+
+  /// Predicts the rollouts that inference saw.
+  const Predictor& seen() const { return seen_; }
+
+  /// Metrics of complete parameters (n, P), by the names of measured_names(), (n) each; none for a
+  /// source that simulates nothing. `first`: see RowSimulator.
+  std::map<std::string, Vector> measure(const RowMatrix& complete, const StreamId& first) const;
+  /// The same where the seen rollouts have been simulated already.
+  std::map<std::string, Vector> measure(const RowMatrix& complete,
+                                        const sim::Trajectories& seen) const;
+  /// One parameter vector (P).
+  std::map<std::string, double> measure_one(const Vector& complete, const StreamId& id) const;
+
+ private:
+  const Plan& plan_;
+  Predictor seen_;
+  std::optional<Predictor> held_out_;
+};
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,65 @@
+#include "pipeline/predictions/prediction.h"
+
+#include <algorithm>
+
+#include "analysis/feature_distance.h"
+
+namespace npdr::pipeline {
+namespace {
+
+sim::SimulatorConfig keeping_every_state(sim::SimulatorConfig config) {
+  config.store_every = 1;
+  return config;
+}
+
+}  // namespace
+
+Predictor::Predictor(const Plan& plan, Target target, const std::filesystem::path& log)
+    : plan_(plan), target_(std::move(target)) {
+  if (!plan.study.source().simulates) return;
+  simulator_ = plan.source->open({keeping_every_state(plan.study.simulator), target_, log});
+}
+
+sim::Trajectories Predictor::simulate(const RowMatrix& complete, const StreamId& first) const {
+  return simulator_->simulate(complete, first);
+}
+
+std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajectories) const {
+  std::map<std::string, Vector> values;
+  if (!plan_.study.source().gives_motion) {
+    const Vector x_o = target_.rollouts.front().states.row(1).transpose();
+    values[kFeatureMetric] =
+        analysis::feature_distance(features_of(trajectories), x_o, feature_deviation_);
+    return values;
+  }
+  const analysis::Metrics metrics(target_, metrics_config());
+  const analysis::TrajectoryView view = view_of(trajectories);
+  for (const std::string& name : plan_.study.evaluate.metrics) {
+    if (name == "dtw") values[name] = metrics.dtw(view);
+    if (name == "rmse") values[name] = metrics.rmse(view);
+    if (name == "final_error") values[name] = metrics.final_error(view);
+    if (name == "goal") values[name] = metrics.goal(view, *plan_.source->info().goal);
+  }
+  return values;
+}
+
+Vector Predictor::rmse(const RowMatrix& theta) const {
+  const sim::Trajectories trajectories = simulate(plan_.source->parameters().complete(theta));
+  return analysis::Metrics(target_, metrics_config()).rmse(view_of(trajectories));
+}
+
+analysis::MetricsConfig Predictor::metrics_config() const {
+  analysis::MetricsConfig config;
+  config.segment_length = plan_.study.simulator.segment_length;
+  return config;
+}
+
+Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x) {
+  return {x.values.data(), x.num_rows, x.row_size()};
+}
+
+analysis::TrajectoryView view_of(const sim::Trajectories& t) {
+  return {t.values, t.num_rows, t.num_rollouts, t.num_steps, t.num_states};
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,89 @@
+#include "pipeline/process/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+
+namespace npdr::pipeline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+int parent_descriptor() {
+  const char* text = std::getenv("NPDR_PROGRESS_FD");
+  return text == nullptr ? -1 : std::atoi(text);
+}
+
+}  // namespace
+
+std::string clock_text(double seconds) {
+  const auto whole = static_cast<long>(seconds);
+  if (whole >= 3600) {
+    return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+  }
+  return fmt::format("{:02}:{:02}", whole / 60, whole % 60);
+}
+
+std::string progress_text(Index done, Index total, double seconds) {
+  const double rate = seconds > 0.0 ? static_cast<double>(done) / seconds : 0.0;
+  if (total == 0) return fmt::format("{} [{}, {:.3g}/s]", done, clock_text(seconds), rate);
+  const double left = rate > 0.0 ? static_cast<double>(total - done) / rate : 0.0;
+  return fmt::format("{}/{} [{}<{}, {:.3g}/s]", done, total, clock_text(seconds),
+                     done > 0 ? clock_text(left) : "?", rate);
+}
+
+void report_error(const std::string& program, const std::string& message) noexcept {
+  std::fputs((program + ": " + message + "\n").c_str(), stderr);
+  const int parent = parent_descriptor();
+  if (parent < 0) return;
+  std::istringstream lines(message);
+  for (std::string line; std::getline(lines, line);) {
+    line = "!" + line + "\n";
+    [[maybe_unused]] const auto written = write(parent, line.data(), line.size());
+  }
+}
+
+Progress::Progress(std::string label, Index total)
+    : label_(std::move(label)),
+      total_(total),
+      parent_(parent_descriptor()),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      start_(Clock::now()),
+      shown_(start_) {}
+
+Progress::~Progress() {
+  if (line_open_) std::fputc('\n', stderr);
+}
+
+void Progress::update(Index done, const std::string& note) {
+  const auto now = Clock::now();
+  const bool is_last = total_ > 0 && done >= total_;
+  const double wait = parent_ >= 0 || terminal_ ? 0.1 : 60.0;
+  if (seconds_between(shown_, now) < wait && !(is_last && (parent_ >= 0 || line_open_))) return;
+  shown_ = now;
+  show(done, note);
+}
+
+void Progress::show(Index done, const std::string& note) {
+  if (parent_ >= 0) {
+    const std::string line = fmt::format("{} {} {}\n", done, total_, note);
+    [[maybe_unused]] const auto written = write(parent_, line.data(), line.size());
+    return;
+  }
+  const std::string text = label_ + ": " +
+                           progress_text(done, total_, seconds_between(start_, shown_)) +
+                           (note.empty() ? "" : ", " + note);
+  // fmt::print() would throw where the terminal was closed.
+  std::fputs(((terminal_ ? "\r\033[K" : "") + text + (terminal_ ? "" : "\n")).c_str(), stderr);
+  std::fflush(stderr);
+  line_open_ = terminal_;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,70 @@
+/// What the report of a study is made from.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/artefacts/baseline_file.h"
+#include "pipeline/artefacts/diagnosis_file.h"
+#include "pipeline/artefacts/evaluation_file.h"
+#include "pipeline/artefacts/policy_file.h"
+#include "pipeline/artefacts/policy_outcomes.h"
+#include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+/// One method, seed and round.
+struct EvaluatedRun {
+  Use use;
+  bool last_round = false;
+  Evaluation evaluation;
+  PosteriorNotes notes;
+};
+
+/// One method and seed.
+struct DiagnosedRun {
+  Use use;
+  Diagnosis diagnosis;
+};
+
+/// One method, seed and iteration.
+struct PolicyRun {
+  Use use;
+  PolicyHistory history;
+};
+
+/// One method and seed; iteration 0: of the policy before any search.
+struct PolicyTestRun {
+  Use use;
+  PolicyTest test;
+};
+
+struct ReportData {
+  const Plan& plan;
+  sim::SimulatorInfo info;
+  std::vector<std::string> methods;  ///< that infer, in the study's order
+  std::vector<std::uint64_t> seeds;
+  std::vector<EvaluatedRun> runs;
+  std::vector<BaselinePoint> baseline;
+  std::vector<DiagnosedRun> diagnoses = {};  ///< where the study asks for any
+  std::vector<PolicyRun> policies = {};      ///< of a study with [policy], by iteration
+  std::vector<PolicyTestRun> policy_tests = {};
+
+  /// Runs of the method, in the order of seeds: of its last round, or of `round` when that is > 0.
+  std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;
+
+  /// Methods that have searched for a policy, in the study's order.
+  std::vector<std::string> policy_methods() const;
+  /// "5 experiments (seeds)", "1 experiment (seed)".
+  std::string experiments() const;
+  /// "each of 5 experiments (seeds)", "1 experiment (seed)".
+  std::string each_experiment() const;
+
+  /// Whether the method's samples differ in parameter d of the prior: some methods take parameters
+  /// as known that others infer.
+  bool is_inferred(const std::string& method, Index d) const;
+};
+
+ReportData read_report_data(const Plan& plan, const Node& node);
+
+}  // namespace npdr::pipeline

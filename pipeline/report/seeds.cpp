@@ -1,0 +1,118 @@
+#include "pipeline/report/seeds.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "pipeline/report/cells.h"
+#include "pipeline/report/densities.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using analysis::Cell;
+using analysis::Row;
+using analysis::Table;
+
+bool any_was_sampled(const ReportData& data) {
+  return std::ranges::any_of(
+      data.runs, [](const EvaluatedRun& run) { return run.evaluation.sampler.has_value(); });
+}
+
+// The worst of all parameters; NaN, in which chains were too short to say, is worst.
+Cell worst(const Vector& values, double sign) {
+  if (values.size() == 0) return {};
+  if (values.hasNaN()) return std::numeric_limits<double>::quiet_NaN();
+  return sign * (sign * values).maxCoeff();
+}
+
+// Chains that are too short to say, or that don't agree.
+void note_chains(const EvaluatedRun& run, Cell& cell, Table& table) {
+  constexpr double too_large = 1.1;
+  const Vector& r_hat = run.evaluation.sampler->r_hat;
+  if (r_hat.size() == 0) return;
+  if (r_hat.hasNaN()) {
+    cell.notes.push_back(
+        table.footnote("fewer than four draws of each chain say nothing: raise "
+                       "evaluate.num_samples, or for ABC the rounds"));
+  } else if (r_hat.maxCoeff() > too_large) {
+    cell.notes.push_back(table.footnote(
+        "chains don't agree: raise sampler.num_warmup; where modes lie apart, which no chain "
+        "crosses, sampler.num_candidates and num_chains; for ABC the rounds"));
+  }
+}
+
+void add_sampler_cells(const EvaluatedRun& run, Row& row, Table& table) {
+  const auto& sampler = run.evaluation.sampler;
+  row.cells.push_back(sampler ? worst(sampler->r_hat, 1.0) : Cell());
+  if (sampler) note_chains(run, row.cells.back(), table);
+  row.cells.push_back(sampler ? worst(sampler->ess, -1.0) : Cell());
+}
+
+// What the study's settings decide about the columns.
+struct Columns {
+  bool has_nominal;
+  bool has_truth;
+  bool has_sampler;
+};
+
+void add_columns(const ReportData& data, const Columns& has, Table& table) {
+  const auto add = [&](const std::string& title) { table.columns.push_back({title, false}); };
+  for (const std::string& metric : data.plan.study.evaluate.metrics) {
+    add(title_of(data, metric));
+    add(title_of(data, metric) + " of MAP");
+  }
+  if (has.has_nominal) add("log p(nominal)");
+  if (has.has_truth) add("log p(truth)");
+  for (const ReferenceConfig& reference : data.plan.study.references) {
+    add(fmt::format("log p({})", reference.name));
+  }
+  for (const char* title : {"simulations", "failed", "epochs"}) add(title);
+  if (!has.has_sampler) return;
+  add("largest R-hat");
+  add("smallest ESS");
+}
+
+Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, Table& table) {
+  const Evaluation& evaluation = run.evaluation;
+  Row row{fmt::format("{}, {}", run.use.method, run.use.seed), {}};
+  for (const std::string& metric : data.plan.study.evaluate.metrics) {
+    row.cells.push_back(cell_of(table, analysis::summarize(evaluation.metrics.at(metric))));
+    row.cells.emplace_back(evaluation.map_metrics.at(metric));
+  }
+  if (has.has_nominal) row.cells.emplace_back(*evaluation.nominal_log_prob);
+  if (has.has_truth) row.cells.emplace_back(*evaluation.truth_log_prob);
+  for (const ReferenceConfig& reference : data.plan.study.references) {
+    row.cells.emplace_back(evaluation.reference_log_prob.at(reference.name));
+  }
+  row.cells.emplace_back(std::to_string(run.notes.rows.used + run.notes.rows.failed));
+  row.cells.emplace_back(std::to_string(run.notes.rows.failed));
+  const auto epochs = run.notes.training_loss.size();
+  row.cells.push_back(epochs > 0 ? Cell(std::to_string(epochs)) : Cell());
+  if (has.has_sampler) add_sampler_cells(run, row, table);
+  return row;
+}
+
+}  // namespace
+
+Table seeds_table(const ReportData& data) {
+  Table table;
+  table.name = "seeds";
+  table.caption = "Each experiment. log p: posterior density in nats.";
+  table.row_header = "Method, seed";
+  table.command = data.plan.command;
+  const Columns has{data.plan.study.source().has_nominal, data.plan.study.target.truth.has_value(),
+                    any_was_sampled(data)};
+  add_columns(data, has, table);
+  note_fixed_parameters(table, data);
+  note_known_parameters(table, data);
+  for (const std::string& method : data.methods) {
+    for (const EvaluatedRun* run : data.runs_of(method)) {
+      table.rows.push_back(row_of(data, *run, has, table));
+    }
+  }
+  return table;
+}
+
+}  // namespace npdr::pipeline

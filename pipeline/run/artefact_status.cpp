@@ -1,0 +1,213 @@
+#include "pipeline/run/artefact_status.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "core/file_error.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/plan/shards.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::uintmax_t size_of_tree(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) {
+    const auto size = fs::file_size(path, error);
+    return error ? 0 : size;
+  }
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : fs::directory_iterator(path, error)) {
+    const auto size = entry.file_size(error);
+    if (!error) bytes += size;
+  }
+  return bytes;
+}
+
+// The artefact that the readable link points to, when it is another one than the plan's.
+std::optional<fs::path> earlier_artefact(const Plan& plan, const Node& node) {
+  if (node.stage == Stage::report) {
+    if (fs::exists(node.path)) return node.path;
+    return std::nullopt;
+  }
+  const fs::path link = link_of(plan, node, node.uses.front());
+  std::error_code error;
+  const fs::path found = fs::canonical(link, error);
+  if (error || found.stem() == node.key) return std::nullopt;
+  return found;
+}
+
+std::string partial_detail(const Plan& plan, const Node& node) {
+  if (node.stage == Stage::simulate) {
+    const std::size_t total = shards(plan, node).size();
+    const std::size_t missing = missing_shards(plan, node).size();
+    return missing == total ? "" : fmt::format("{} of {} shards", total - missing, total);
+  }
+  const fs::path checkpoint = plan.work.checkpoint(to_string(node.stage), node.key);
+  if (!fs::exists(checkpoint)) return "";
+  if (node.stage == Stage::policy) {
+    const h5::File file = open_artefact(checkpoint, kPolicyCheckpointSchema, node.key);
+    return fmt::format("checkpoint at iteration {}", file.attribute<Index>("iteration"));
+  }
+  const h5::File file = open_artefact(checkpoint, kCheckpointSchema, node.key);
+  return fmt::format("checkpoint at epoch {}", file.attribute<Index>("epoch"));
+}
+
+Json document_of(const fs::path& artefact) {
+  if (artefact.extension() == ".json") {
+    std::ifstream file(artefact);
+    const Json json = Json::parse(file, nullptr, false);
+    return json.is_object() ? json.value("key_document", Json::object()) : Json::object();
+  }
+  return read_artefact_info(artefact).identity.key_document;
+}
+
+// "training.learning_rate: 0.0003, was 0.001" for every leaf that differs.
+void compare(const std::string& path, const Json& now, const Json& before,
+             std::vector<std::string>& lines) {
+  if (now == before) return;
+  if (now.is_object() && before.is_object()) {
+    const auto below = [&](const std::string& key) {
+      return path.empty() ? key : path + "." + key;
+    };
+    for (const auto& [key, value] : now.items()) {
+      if (before.contains(key)) {
+        compare(below(key), value, before[key], lines);
+      } else {
+        lines.push_back(fmt::format("{}: {}, was not there", below(key), value.dump()));
+      }
+    }
+    for (const auto& [key, value] : before.items()) {
+      if (!now.contains(key)) {
+        lines.push_back(fmt::format("{}: gone, was {}", below(key), value.dump()));
+      }
+    }
+    return;
+  }
+  if (now.is_array() && before.is_array() && now.size() == before.size()) {
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      compare(fmt::format("{}[{}]", path, i), now[i], before[i], lines);
+    }
+    return;
+  }
+  if (path.starts_with("inputs.")) {
+    lines.push_back(fmt::format("input '{}' is another one", path.substr(7)));
+    return;
+  }
+  lines.push_back(fmt::format("{}: {}, was {}", path, now.dump(), before.dump()));
+}
+
+}  // namespace
+
+std::string to_string(ArtefactState state) {
+  switch (state) {
+    case ArtefactState::up_to_date:
+      return "up to date";
+    case ArtefactState::stale:
+      return "stale";
+    case ArtefactState::partial:
+      return "partial";
+    case ArtefactState::missing:
+      return "missing";
+    case ArtefactState::failed:
+      return "failed";
+  }
+  return "";
+}
+
+namespace {
+
+// Reads shards to the end; they have checksums of their own.
+void check_shards(const std::vector<fs::path>& shards) {
+  for (const fs::path& shard : shards) {
+    try {
+      read_artefact_info(shard);
+    } catch (const InputError& error) {
+      throw InputError(std::string(error.what()) + "; remove this shard, too");
+    }
+  }
+}
+
+// Throws InputError for an artefact that is damaged or lacks a part.
+void check_artefact(const Plan& plan, const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
+  std::vector<fs::path> shards;
+  if (node.stage == Stage::simulate) {
+    const h5::File file = open_artefact(node, kSimulationSchema);
+    status.cost = provenance_of(file).cost;
+    status.detail = too_many_failed(plan, node, file);
+    shards = simulated_values(file).part_files();
+  } else {
+    status.cost = read_artefact_info(node.path).provenance.cost;
+  }
+  if (scrutiny == Scrutiny::quick) return;
+  check_shards(shards);
+  content_digest(node.path);
+}
+
+std::vector<fs::path> present_shards(const Plan& plan, const Node& node) {
+  std::vector<fs::path> present;
+  for (const Shard& shard : shards(plan, node)) {
+    if (fs::exists(shard.path)) present.push_back(shard.path);
+  }
+  return present;
+}
+
+void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
+  if (is_complete(plan, node)) {
+    if (node.stage != Stage::report) check_artefact(plan, node, scrutiny, status);
+    status.state = status.detail.empty() ? ArtefactState::up_to_date : ArtefactState::failed;
+    return;
+  }
+  if (scrutiny == Scrutiny::thorough && node.stage == Stage::simulate) {
+    check_shards(present_shards(plan, node));
+  }
+  status.detail = partial_detail(plan, node);
+  status.earlier = earlier_artefact(plan, node);
+  if (!status.detail.empty()) {
+    status.state = ArtefactState::partial;
+  } else if (status.earlier) {
+    status.state = ArtefactState::stale;
+  }
+}
+
+}  // namespace
+
+ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny) {
+  ArtefactStatus status;
+  status.bytes = size_of_tree(node.path);
+  if (node.stage == Stage::simulate) {
+    status.bytes += size_of_tree(fs::path(node.path).replace_extension());
+  }
+  try {
+    read_status(plan, node, scrutiny, status);
+  } catch (const Error& error) {  // must not hide how the others stand
+    status.state = ArtefactState::stale;
+    status.detail = std::string("damaged, remove it: ") + error.what();
+  } catch (const fs::filesystem_error& error) {
+    status.state = ArtefactState::stale;
+    status.detail = "damaged, remove it: " +
+                    file_error_text(error.path1(), "be looked at", error.code().value());
+  }
+  return status;
+}
+
+std::vector<std::string> reasons(const Plan& plan, const Node& node) {
+  if (is_complete(plan, node)) {
+    const std::string detail = status_of(plan, node).detail;
+    return {detail.empty() ? "it is up to date" : detail};
+  }
+  const std::optional<fs::path> earlier = earlier_artefact(plan, node);
+  if (!earlier) return {"it was never made"};
+  std::vector<std::string> lines;
+  compare("", node.identity.key_document, document_of(*earlier), lines);
+  if (lines.empty()) lines.emplace_back("its files are gone");
+  return lines;
+}
+
+}  // namespace npdr::pipeline

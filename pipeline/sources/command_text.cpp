@@ -1,0 +1,76 @@
+#include "pipeline/sources/command_text.h"
+
+#include <system_error>
+#include <vector>
+
+#include "pipeline/process/shell_text.h"
+#include "pipeline/store/hash.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Replaces every occurrence; false: there was none.
+bool replace_all(std::string& text, const std::string& from, const std::string& to) {
+  bool found = false;
+  for (std::size_t at = text.find(from); at != std::string::npos;
+       at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+    found = true;
+  }
+  return found;
+}
+
+// Words between what separates words for a shell, without their quotes.
+std::vector<std::string> words_of(const std::string& command) {
+  std::vector<std::string> words;
+  std::string word;
+  char quote = '\0';
+  const auto end_word = [&] {
+    if (!word.empty()) words.push_back(word);
+    word.clear();
+  };
+  for (const char c : command) {
+    if (quote != '\0') {
+      c == quote ? void(quote = '\0') : word.push_back(c);
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (std::string(" \t\n;&|<>()=").find(c) != std::string::npos) {
+      end_word();
+    } else {
+      word.push_back(c);
+    }
+  }
+  end_word();
+  return words;
+}
+
+}  // namespace
+
+std::string filled_command(const std::string& command, const std::filesystem::path& theta,
+                           const std::filesystem::path& x) {
+  std::string text = command;
+  text.erase(text.find_last_not_of(" \t\n") + 1);
+  const std::string theta_word = shell_word(theta), x_word = shell_word(x);
+  if (!replace_all(text, "{theta}", theta_word)) text += " " + theta_word;
+  if (!replace_all(text, "{x}", x_word)) text += " " + x_word;
+  return text;
+}
+
+std::map<std::string, std::string> named_files(const std::string& command,
+                                               const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const std::string& word : words_of(command)) {
+    const std::filesystem::path path(word);
+    std::error_code error;
+    // Of an absolute path, only what lies in the folder: not the interpreters of the system.
+    const std::filesystem::path inside =
+        path.is_absolute() ? path.lexically_normal().lexically_relative(folder) : path;
+    if (inside.empty() || *inside.begin() == "..") continue;
+    if (std::filesystem::is_regular_file(folder / inside, error)) {
+      files[word] = file_hash(folder / inside);
+    }
+  }
+  return files;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,81 @@
+#include "pipeline/sources/dataset_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "core/error.h"
+#include "pipeline/store/hash.h"
+
+namespace npdr::pipeline {
+
+sim::Trajectories as_simulated(const inference::Prior& prior, const RowMatrix& theta,
+                               const RowMatrix& x) {
+  sim::Trajectories result;
+  result.resize(x.rows(), 1, 1, x.cols());
+  for (Index i = 0; i < x.rows(); ++i) {
+    const std::span<float> row = result.row(i);
+    std::ranges::transform(x.row(i), row.begin(), [](double v) { return static_cast<float>(v); });
+    sim::RolloutStatus& status = result.status[static_cast<std::size_t>(i)];
+    if (!std::ranges::all_of(row, [](float v) { return std::isfinite(v); })) {
+      status = sim::RolloutStatus::diverged;
+    } else if (!prior.contains(theta.row(i).transpose())) {
+      status = sim::RolloutStatus::out_of_limits;
+    }
+    if (status == sim::RolloutStatus::ok) continue;
+    std::ranges::fill(row, std::numeric_limits<float>::quiet_NaN());
+  }
+  return result;
+}
+
+namespace {
+
+class DatasetRows final : public RowSimulator {
+ public:
+  DatasetRows(const Study& study, const RowsConfig& config)
+      : prior_(study.prior),
+        dataset_(open_dataset(study)),
+        rows_(dataset_rows(config.seed, dataset_.num_rows(), config.num_rows)) {}
+
+  // All parameters are the prior's.
+  sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) override {
+    const auto picked = std::span(rows_).subspan(static_cast<std::size_t>(first.row),
+                                                 static_cast<std::size_t>(complete.rows()));
+    return as_simulated(prior_, complete, dataset_.x(picked));
+  }
+
+  // They cost next to nothing.
+  Index block_size(Index) const override { return 4096; }
+
+ private:
+  inference::Prior prior_;
+  DatasetFile dataset_;
+  std::vector<Index> rows_;
+};
+
+}  // namespace
+
+SourceKeys DatasetSource::keys() const {
+  const std::string hash = file_hash(*study().external.dataset);
+  nlohmann::ordered_json json, theta;
+  theta["dataset"] = hash;
+  json["files"] = theta;
+  json["features"] = study().external.features;
+  return {json, json, json, theta};
+}
+
+std::optional<RowMatrix> DatasetSource::theta(std::uint64_t seed, Index count) const {
+  const DatasetFile dataset = open_dataset(study());
+  return dataset.theta(dataset_rows(seed, dataset.num_rows(), count));
+}
+
+std::unique_ptr<RowSimulator> DatasetSource::open(const RowsConfig& config) const {
+  return std::make_unique<DatasetRows>(study(), config);
+}
+
+Target DatasetSource::behave(const std::filesystem::path&) const {
+  throw Error("a dataset can't be asked what a truth does");
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,36 @@
+/// One way to simulate rows of theta, whatever the study's simulator is.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/random.h"
+#include "sim/trajectories.h"
+
+namespace npdr::pipeline {
+
+/// The stream that names the random numbers of a simulation's rows.
+inline constexpr const char* kSimulationStream = "external_simulation";
+
+class RowSimulator {
+ public:
+  virtual ~RowSimulator() = default;
+
+  /// Rows of all parameters (n, P) as rollouts (n, H, T, C), or features (n, 1, 1, F). `first`
+  /// names the random numbers of row 0, and with its row counted on those of the others.
+  virtual sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) = 0;
+
+  /// Rows that are worth simulating at once, of a shard of `num_rows`.
+  virtual Index block_size(Index num_rows) const = 0;
+
+  /// Completes the log, and begins another; empty: none. For programs, whose output is kept.
+  virtual void log_to(const std::filesystem::path& /*log*/) {}
+
+  /// What the simulator said when it failed last; "": nothing, or it can't say.
+  virtual std::string last_failure() const { return ""; }
+};
+
+/// The log of the programs that make an artefact: it lies beside it.
+std::filesystem::path log_of(const std::filesystem::path& artefact);
+
+}  // namespace npdr::pipeline

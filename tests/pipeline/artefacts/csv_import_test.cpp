@@ -1,0 +1,195 @@
+#include "pipeline/artefacts/csv_import.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+const std::string kCsv =
+    "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n"
+    "0.0,0.1,1,5\n"
+    "0.1,0.2,2,6\n"
+    "0.2,0.3,3,7\n";
+
+CsvOptions pendulum_options() {
+  return {.channels = channels_of(sim::make_simulator({.name = "pendulum"})->info()),
+          .dt = {},
+          .source = ""};
+}
+
+class CsvImport : public ::testing::Test {
+ protected:
+  Target imported(const std::string& text, const CsvOptions& options = pendulum_options()) const {
+    return import_csv({folder_.file("a.csv", text)}, options);
+  }
+
+  std::string problem(const std::string& text,
+                      const CsvOptions& options = pendulum_options()) const {
+    return message_of<InputError>([&] { imported(text, options); }, &folder_);
+  }
+
+  TempFolder folder_;
+};
+
+std::string replaced(const std::string& text, const std::string& from, const std::string& to) {
+  std::string result = text;
+  EXPECT_NE(text.find(from), std::string::npos) << from;
+  return result.replace(text.find(from), from.size(), to);
+}
+
+TEST_F(CsvImport, ReadsStatesAndActionsInTheSimulatorsOrder) {
+  const Target target = imported(kCsv);
+  EXPECT_DOUBLE_EQ(target.dt, 0.1);
+  EXPECT_EQ(target.state_channels, pendulum_options().channels.states);
+  EXPECT_EQ(target.num_steps(), 2);
+  EXPECT_EQ(target.rollouts[0].name, "a");
+  EXPECT_EQ(target.source, "a.csv");
+  EXPECT_EQ(target.rollouts[0].states, (RowMatrix{{0.1, 1}, {0.2, 2}, {0.3, 3}}));
+  EXPECT_EQ(target.rollouts[0].actions, (RowMatrix{{5}, {6}})) << "the last action is ignored";
+}
+
+TEST_F(CsvImport, TakesNamedColumnsAndIgnoresTheRest) {
+  const CsvOptions options = {
+      .channels = {{{"theta_dot", ""}, {"theta", "rad"}}, {}}, .dt = {}, .source = "bench"};
+  const Target target = imported(kCsv, options);
+  EXPECT_EQ(target.state_channels,
+            (std::vector<Channel>{{"theta_dot", "rad/s"}, {"theta", "rad"}}));
+  EXPECT_EQ(target.num_actions(), 0);
+  EXPECT_EQ(target.source, "bench");
+  EXPECT_EQ(target.rollouts[0].states(2, 0), 3.0);
+}
+
+TEST_F(CsvImport, ReadsWhatSpreadsheetsWrite) {
+  const Target target = imported(
+      "\xEF\xBB\xBF\"time [s]\", theta [rad] ,\"theta_dot [rad/s]\",torque [N m]\r\n"
+      "0,\"0.1\", +1e0 ,5\r\n1e-1,.2,2,6\r\n0.2,0.3,3,\r\n\r\n  \r\n");
+  EXPECT_EQ(target.rollouts[0].states, (RowMatrix{{0.1, 1}, {0.2, 2}, {0.3, 3}}));
+  EXPECT_EQ(target.rollouts[0].actions, (RowMatrix{{5}, {6}}));
+}
+
+TEST_F(CsvImport, AQuotedHeaderMayHoldCommasAndQuotes) {
+  const CsvOptions options = {.channels = {{{"a, \"b\"", ""}}, {}}, .dt = 0.5, .source = ""};
+  EXPECT_EQ(imported("\"a, \"\"b\"\" [m]\"\n1\n2\n", options).state_channels[0].unit, "m");
+}
+
+TEST_F(CsvImport, JoinsFilesAsRollouts) {
+  const Target target =
+      import_csv({folder_.file("a.csv", kCsv), folder_.file("b.csv", kCsv)}, pendulum_options());
+  EXPECT_EQ(target.num_rollouts(), 2);
+  EXPECT_EQ(target.rollouts[1].name, "b");
+  EXPECT_EQ(target.source, "a.csv, b.csv");
+}
+
+TEST_F(CsvImport, FilesMustBeAlike) {
+  const auto second = [&](const std::string& text, const CsvOptions& options) {
+    return message_of<InputError>(
+        [&] {
+          import_csv({folder_.file("a.csv", kCsv), folder_.file("b.csv", text)}, options);
+        },
+        &folder_);
+  };
+  EXPECT_EQ(second(replaced(kCsv, "0.2,0.3,3,7\n", ""), pendulum_options()),
+            "b.csv: has 2 rows, the first file has 3; cut the longer ones");
+  EXPECT_EQ(second("t [s],theta [rad],theta_dot [rad/s],torque [N m]\n0,1,1,1\n1,1,1,1\n2,1,1,1\n",
+                   pendulum_options()),
+            "b.csv: its times are 1 s apart, those of the first file 0.1 s");
+  const CsvOptions any_unit = {.channels = {{{"theta", ""}}, {}}, .dt = {}, .source = ""};
+  EXPECT_EQ(second(replaced(kCsv, "[rad]", "[deg]"), any_unit),
+            "b.csv: states are theta [deg], must be theta [rad]: only units differ; convert its "
+            "values");
+}
+
+TEST_F(CsvImport, TakesTheTimeStepFromTheOptionWithoutATimeColumn) {
+  CsvOptions options = pendulum_options();
+  const std::string text = replaced(kCsv, "t [s]", "row [1]");
+  EXPECT_EQ(problem(text),
+            "a.csv:1: no column 't [s]' or 'time [s]'; give the time between two rows with --dt");
+  options.dt = 0.02;
+  EXPECT_EQ(imported(text, options).dt, 0.02);
+  EXPECT_EQ(problem(kCsv, options), "a.csv: its times are 0.1 s apart, but --dt says 0.02 s");
+  options.dt = 0.1;
+  EXPECT_EQ(imported(kCsv, options).dt, 0.1);
+  for (const double dt : {0.0, -0.1}) {
+    options.dt = dt;
+    EXPECT_EQ(problem(kCsv, options), fmt::format("--dt = {}, must be a time > 0 [s]", dt));
+  }
+}
+
+TEST_F(CsvImport, TimesMustBeEquallySpaced) {
+  EXPECT_EQ(imported(replaced(kCsv, "0.1,0.2", "0.103,0.2")).num_steps(), 2) << "rounded times";
+  const std::string more = kCsv + "0.3,0.4,4,8\n0.4,0.5,5,9\n0.5,0.6,6,10\n";
+  EXPECT_EQ(
+      problem(replaced(more, "0.3,0.4,4,8\n", "")),
+      "a.csv:5: column 1 't' is 0.2 after the line before, elsewhere 0.1: times must be equally "
+      "spaced and increase")
+      << "a lost line";
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,0.3", "0.0,0.3")),
+            "a.csv:4: column 1 't' is -0.1 after the line before, elsewhere 0.1: times must be "
+            "equally spaced and increase");
+  EXPECT_EQ(problem(replaced(kCsv, "t [s]", "t [ms]")),
+            "a.csv:1: column 1 't' is in [ms], must be in [s]");
+}
+
+TEST_F(CsvImport, ChecksLabelsAndUnitsOfTheHeader) {
+  EXPECT_EQ(problem(replaced(kCsv, "theta [rad]", "thet [rad]")),
+            "a.csv:1: has no column 'theta' (did you mean 'thet'?); it has t, thet, theta_dot, "
+            "torque");
+  EXPECT_EQ(problem(replaced(kCsv, "[rad]", "[deg]")),
+            "a.csv:1: column 2 'theta' is in [deg], must be in [rad]");
+  EXPECT_EQ(problem(replaced(kCsv, "theta [rad]", "theta")),
+            "a.csv:1: column 2 is headed 'theta', must be 'label [unit]', such as 'theta [rad]' or "
+            "'gain [1]', with commas between columns");
+  EXPECT_EQ(problem(replaced(kCsv, "theta_dot [rad/s]", "theta [rad]")),
+            "a.csv:1: column 3 is a second one headed 'theta'");
+  EXPECT_EQ(problem("1,2,3\n4,5,6\n").substr(0, 33), "a.csv:1: column 1 is headed '1', ");
+}
+
+TEST_F(CsvImport, NamesLineAndColumnOfWhatIsntANumber) {
+  const std::string must = ", must be a finite number";
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "0.2,two")),
+            "a.csv:3: column 3 'theta_dot' = 'two'" + must);
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "nan,2")), "a.csv:3: column 2 'theta' = 'nan'" + must);
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "inf,2")), "a.csv:3: column 2 'theta' = 'inf'" + must);
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "1e999,2")),
+            "a.csv:3: column 2 'theta' = '1e999'" + must);
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", ",2")), "a.csv:3: column 2 'theta' = ''" + must);
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "0.2 0,2")),
+            "a.csv:3: column 2 'theta' = '0.2 0'" + must);
+  EXPECT_EQ(problem(replaced(kCsv, "2,6", "2,")), "a.csv:3: column 4 'torque' = ''" + must)
+      << "only the last row may lack an action";
+  EXPECT_EQ(problem(replaced(kCsv, "3,7", "3,x")), "a.csv:4: column 4 'torque' = 'x'" + must);
+}
+
+TEST_F(CsvImport, RaggedAndBrokenFilesAreRefused) {
+  EXPECT_EQ(problem(replaced(kCsv, "2,6\n", "2\n")),
+            "a.csv:3: has 3 columns, must have 4 like the header");
+  EXPECT_EQ(problem(replaced(kCsv, "2,6\n", "2,6\n\n")),
+            "a.csv:4: is empty, but rows follow; remove it");
+  EXPECT_EQ(problem(replaced(kCsv, "2,6\n", "2,\"6\n")), "a.csv:3: column 4 has no closing quote");
+  EXPECT_EQ(problem(""), "a.csv: is empty");
+  EXPECT_EQ(problem(kCsv.substr(0, kCsv.find("0.1,0.2"))),
+            "a.csv: has 1 rows below its header, must have at least 2");
+  EXPECT_EQ(
+      problem("t [s];theta [rad]\n0;1\n1;1\n"),
+      "a.csv:1: column 1 is headed 't [s];theta [rad]', must be 'label [unit]', such as 'theta "
+      "[rad]' or 'gain [1]', with commas between columns");
+}
+
+TEST_F(CsvImport, FilesThatCantBeReadAreNamed) {
+  const auto reading = [&](const std::filesystem::path& path) {
+    return message_of<InputError>([&] { import_csv({path}, pendulum_options()); }, &folder_);
+  };
+  EXPECT_EQ(reading(folder_ / "b.csv"),
+            "b.csv: can't be opened; does it exist and may you read it?");
+  std::filesystem::create_directory(folder_ / "c.csv");
+  EXPECT_EQ(reading(folder_ / "c.csv"), "c.csv: is a folder, must be a file");
+  EXPECT_EQ(message_of<InputError>([&] { import_csv({}, pendulum_options()); }),
+            "no CSV files to import");
+  EXPECT_EQ(problem(kCsv, {}), "no states to import: name their columns");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

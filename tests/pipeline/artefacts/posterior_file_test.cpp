@@ -1,0 +1,169 @@
+#include "pipeline/artefacts/posterior_file.h"
+
+#include <functional>
+
+#include "core/error.h"
+#include "inference/direct_posterior.h"
+#include "inference/estimators/ratio_estimator.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/config/study_json.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// An untrained posterior of one parameter, one feature and a small flow.
+inference::DirectPosterior small_posterior(const MethodConfig& method) {
+  inference::NetworkParts parts{
+      .prior = inference::Prior({{"a", "1", inference::Marginal::Kind::uniform, 0.0, 1.0}}),
+      .estimator = method.density_estimator,
+      .trained_features = 0,
+      .structure_seed = 5,
+      .transform = {VectorF::Zero(1), VectorF::Ones(1), {}},
+      .parameters = {},
+      .x_o = VectorF::Zero(1)};
+  const auto network = inference::make_network(parts.estimator, 1, 0, 1, 5);
+  parts.parameters = network.initial_parameters({1, "initial", 0, 0, 0});
+  return inference::DirectPosterior(parts);
+}
+
+// Untrained posteriors in the other roles.
+inference::NetworkParts parts_of(inference::NetworkRole role, const std::string& kind) {
+  inference::NetworkParts parts{
+      .prior = inference::Prior({{"a", "1", inference::Marginal::Kind::uniform, 0.0, 1.0}}),
+      .role = role,
+      .estimator = {.kind = kind, .num_transforms = 2, .num_components = 3, .hidden_features = 8},
+      .structure_seed = 5,
+      .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
+      .parameters = {},
+      .x_o = VectorF::Zero(2)};
+  const StreamId id{1, "initial", 0, 0, 0};
+  if (role == inference::NetworkRole::ratio) {
+    parts.parameters =
+        inference::RatioEstimator<float>(parts.estimator, 1, 2).initial_parameters(id);
+  } else {
+    const bool is_likelihood = role == inference::NetworkRole::likelihood;
+    parts.parameters =
+        inference::make_network(parts.estimator, is_likelihood ? 1 : 2, 0, is_likelihood ? 2 : 1, 5)
+            .initial_parameters(id);
+  }
+  parts.sampler.num_chains = 7;
+  return parts;
+}
+
+class PosteriorFile : public ::testing::Test {
+ protected:
+  PosteriorFile() {
+    method_.density_estimator = {.kind = "maf", .num_transforms = 2, .hidden_features = 8};
+  }
+
+  // Reads the posterior's file after `change` of its attributes.
+  template <class Change>
+  std::unique_ptr<inference::NetworkPosterior> reread(const Change& change) const {
+    const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
+    ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);
+    write_posterior(writer.file(), method_, small_posterior(method_), {}, {}, {});
+    change(writer.file());
+    writer.finish();
+    return read_network_posterior(folder_ / "p.h5");
+  }
+
+  template <class T>
+  std::string message_after(const std::string& attribute, const T& value) const {
+    return message_of<InputError>(
+        [&] { reread([&](h5::File& file) { file.set_attribute(attribute, value); }); }, &folder_);
+  }
+
+  std::string message_of_estimator(const inference::EstimatorConfig& config) const {
+    return message_after("density_estimator", to_json(config).dump());
+  }
+
+  // As it comes back from a file.
+  std::unique_ptr<inference::NetworkPosterior> reread(
+      const inference::NetworkParts& parts,
+      const std::function<void(h5::File&)>& change = [](h5::File&) {}) const {
+    const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
+    ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);
+    write_posterior(writer.file(), method_, *inference::make_posterior(parts), {}, {}, {});
+    change(writer.file());
+    writer.finish();
+    return read_network_posterior(folder_ / "p.h5");
+  }
+
+  MethodConfig method_;
+  TempFolder folder_;
+};
+
+TEST_F(PosteriorFile, EveryRoleComesBackAsItWas) {
+  using inference::NetworkRole;
+  RowMatrix theta(2, 1);
+  theta << 0.2, 0.9;
+  for (const auto& [role, kind] : {std::pair{NetworkRole::likelihood, "nsf"},
+                                   {NetworkRole::likelihood, "mdn"},
+                                   {NetworkRole::ratio, "resnet"}}) {
+    const inference::NetworkParts parts = parts_of(role, kind);
+    const auto posterior = reread(parts);
+    EXPECT_EQ(posterior->parts().role, role);
+    EXPECT_EQ(posterior->parts().sampler.num_chains, 7);
+    EXPECT_EQ(posterior->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
+  }
+}
+
+TEST_F(PosteriorFile, AProposalComesBackAsItWasOrIsRefused) {
+  inference::NetworkParts parts = parts_of(inference::NetworkRole::posterior, "mdn");
+  parts.proposal = {Vector::Zero(1), {Vector::Constant(1, 0.3)}, {Eigen::MatrixXd::Ones(1, 1)}};
+  RowMatrix theta(2, 1);
+  theta << 0.2, 0.9;
+  EXPECT_EQ(reread(parts)->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
+  const auto spoil = [&](h5::File& file) {
+    const RowMatrix singular = RowMatrix::Zero(1, 1);
+    file.group("proposal")
+        .dataset("precision_factor")
+        .write_rows<double>(0, 1, {singular.data(), 1});
+  };
+  EXPECT_EQ(message_of<InputError>([&] { reread(parts, spoil); }, &folder_),
+            "p.h5: group 'proposal': precision_factor must have a positive diagonal; rerun stage "
+            "'infer'");
+}
+
+TEST_F(PosteriorFile, ComesBackAsItWas) {
+  const auto posterior = reread([](h5::File&) {});
+  EXPECT_EQ(posterior->parts().parameters, small_posterior(method_).parts().parameters);
+  EXPECT_EQ(posterior->parts().structure_seed, 5u);
+}
+
+TEST_F(PosteriorFile, AStructureSeedMustBeAnInteger) {
+  for (const char* text : {"abc", "", "5x", "-1", "99999999999999999999"}) {
+    EXPECT_EQ(
+        message_after("structure_seed", std::string(text)),
+        "p.h5: attribute 'structure_seed' = '" + std::string(text) + "', must be an integer >= 0");
+  }
+}
+
+TEST_F(PosteriorFile, LayersOfAbsurdSizesAreRefused) {
+  EXPECT_EQ(message_of_estimator({.hidden_features = 200000}),
+            "p.h5: attribute 'density_estimator': hidden_features = 200000, must be >= 1 and <= "
+            "4096");
+  EXPECT_EQ(message_of_estimator({.num_hidden_layers = 1000000}),
+            "p.h5: attribute 'density_estimator': num_hidden_layers = 1000000, must be >= 1 and <= "
+            "128");
+  for (const Index width : {Index{-1}, Index{1} << 40}) {
+    EXPECT_EQ(message_after("trained_features", width),
+              "p.h5: attribute 'trained_features' = " + std::to_string(width) +
+                  ", must be >= 0 and <= 4096");
+  }
+}
+
+TEST_F(PosteriorFile, ANetworkWithoutItsWeightsIsRefusedBeforeItIsMade) {
+  const std::string found = std::to_string(small_posterior(method_).parts().parameters.size());
+  EXPECT_EQ(message_of_estimator(
+                {.num_transforms = 128, .hidden_features = 4096, .num_hidden_layers = 128}),
+            "p.h5: " + found +
+                " weights, but its density_estimator has more than 272730947584; rerun stage "
+                "'infer'");
+  EXPECT_TRUE(message_of_estimator({.kind = "mdn", .num_components = 128, .hidden_features = 8})
+                  .starts_with("p.h5: posterior: " + found + " weights"));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

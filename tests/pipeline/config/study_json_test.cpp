@@ -1,0 +1,203 @@
+#include "pipeline/config/study_json.h"
+
+#include "pipeline/config/study_keys.h"
+#include "pipeline/config/study_template.h"
+#include "tests/pipeline/study_text.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Every path of a study's JSON down to the fields that study_keys() lists.
+void list_paths(const Json& json, const std::string& prefix, const std::vector<StudyKey>& keys,
+                std::vector<std::string>& paths) {
+  for (const auto& [key, value] : json.items()) {
+    const std::string path = prefix + key;
+    const bool listed =
+        std::any_of(keys.begin(), keys.end(), [&](const StudyKey& k) { return k.path == path; });
+    if (listed) {
+      paths.push_back(path);
+    } else {
+      list_paths(value.is_array() ? value.front() : value, path + ".", keys, paths);
+    }
+  }
+}
+
+TEST(StudyJson, HoldsEveryFieldInTheOrderOfTheDescription) {
+  const std::vector<StudyKey> keys = study_keys();
+  std::vector<std::string> expected, found;
+  for (const StudyKey& key : keys) {
+    // Those that exclude the study's truth and simulator.
+    const bool is_rival = key.path == "target.recording" || key.path == "target.observation" ||
+                          key.path == "simulator.command" || key.path == "simulator.dataset";
+    if (!is_rival) expected.push_back(key.path);
+  }
+  const std::string text = std::string(kStudyText) + "\n[[reference]]\nname = 'measured'";
+  list_paths(to_json(parse_study(text, "s.toml")), "", keys, found);
+  EXPECT_EQ(found, expected);
+}
+
+TEST(StudyJson, WritesThePriorInOrderWithUnits) {
+  EXPECT_EQ(to_json(parse_study(kStudyText, "s.toml"))["prior"].dump(),
+            R"([{"name":"pole_mass","unit":"kg","uniform":[0.3,1.7]},)"
+            R"({"name":"pole_length","unit":"m","log_uniform":[0.3,1.7]}])");
+}
+
+TEST(StudyJson, ReadsEveryKindOfPriorBack) {
+  const Study study = parse_study(
+      kStudyText, "s.toml",
+      {"prior.gravity={ normal = [9.81, 0.05] }", "prior.damping={ log_normal = [-3.0, 0.5] }"});
+  const auto prior = prior_from_json(to_json(study)["prior"], "p.h5");
+  ASSERT_EQ(prior.size(), study.prior.size());
+  for (std::size_t d = 0; d < prior.size(); ++d) {
+    EXPECT_EQ(prior[d].name, study.prior[d].name);
+    EXPECT_EQ(prior[d].kind, study.prior[d].kind);
+    EXPECT_EQ(prior[d].a, study.prior[d].a);
+    EXPECT_EQ(prior[d].b, study.prior[d].b);
+  }
+}
+
+template <class Config>
+void expect_round_trip(const Config& config) {
+  const Json json = to_json(config);
+  const Json again = Json::parse(json.dump());
+  EXPECT_EQ(to_json(from_json<Config>(again, "p.h5")), json);
+}
+
+TEST(StudyJson, ConfigsSurviveARoundTrip) {
+  const Study study =
+      parse_study(kStudyText, "s.toml",
+                  {"method.embedding={kind='bayessim', channels=['theta'], downsample=4}",
+                   "method.density_estimator={kind='mdn', num_components=3}",
+                   "simulator.parameters.gravity=9.8",
+                   "method.training={learning_rate=1e-3, batch_size=7, validation_fraction=0.1}",
+                   "method.num_atoms=3", "method.loss=atomic"});
+  expect_round_trip(study.simulator);
+  const MethodConfig& method = study.methods.front();
+  expect_round_trip(method.embedding);
+  expect_round_trip(method.density_estimator);
+  expect_round_trip(method.training);
+  expect_round_trip(method.algorithm);
+  EXPECT_EQ(from_json<inference::EmbeddingConfig>(to_json(method.embedding), "").channels,
+            method.embedding.channels);
+  EXPECT_EQ(from_json<inference::TrainingConfig>(to_json(method.training), "").learning_rate, 1e-3);
+}
+
+TEST(StudyJson, PriorsSurviveARoundTrip) {
+  const Study study =
+      parse_study(kStudyText, "s.toml", {"prior.gravity={normal=[9.81, 0.123456789012345678]}"});
+  const std::vector<inference::Marginal> prior = prior_from_json(to_json(study.prior), "p.h5");
+  ASSERT_EQ(prior.size(), 3u);
+  for (std::size_t i = 0; i < prior.size(); ++i) {
+    EXPECT_EQ(prior[i].name, study.prior[i].name);
+    EXPECT_EQ(prior[i].unit, study.prior[i].unit);
+    EXPECT_EQ(prior[i].kind, study.prior[i].kind);
+    EXPECT_EQ(prior[i].a, study.prior[i].a);
+    EXPECT_EQ(prior[i].b, study.prior[i].b) << "to the bit";
+  }
+}
+
+TEST(StudyJson, AMissingKeyKeepsItsDefault) {
+  EXPECT_EQ(from_json<inference::TrainingConfig>(Json::object(), "").batch_size, 50);
+}
+
+template <class Config>
+std::string problem_of(const std::string& json) {
+  return message_of<InputError>([&] { from_json<Config>(parse_json(json, "p.h5"), "p.h5"); });
+}
+
+TEST(StudyJson, SaysWhatItCantAccept) {
+  using inference::EmbeddingConfig;
+  using inference::TrainingConfig;
+  EXPECT_EQ(problem_of<TrainingConfig>(R"({"batch_sise": 3})"),
+            "p.h5: unknown key 'batch_sise' (did you mean 'batch_size'?); known: learning_rate, "
+            "batch_size, validation_fraction, stop_after_epochs, max_epochs, clip_norm, "
+            "average_epochs");
+  EXPECT_EQ(problem_of<TrainingConfig>(R"({"batch_size": 3.5})"),
+            "p.h5: batch_size = 3.5, must be an integer, >= 1 and <= 10^9");
+  EXPECT_EQ(problem_of<TrainingConfig>(R"({"batch_size": 18446744073709551615})"),
+            "p.h5: batch_size = 18446744073709551615, must be an integer, >= 1 and <= 10^9");
+  EXPECT_EQ(problem_of<TrainingConfig>(R"({"learning_rate": 0})"),
+            "p.h5: learning_rate = 0, must be > 0");
+  EXPECT_EQ(problem_of<TrainingConfig>(R"({"learning_rate": null})"),
+            "p.h5: learning_rate = null, must be a finite number, > 0");
+  EXPECT_EQ(problem_of<EmbeddingConfig>(R"({"channels": [1]})"),
+            "p.h5: channels = [1], must be a list of texts");
+  EXPECT_EQ(problem_of<EmbeddingConfig>(R"({"kind": "line"})"),
+            "p.h5: kind = \"line\", must be one of linear, all_steps, delta_steps, last_step, "
+            "bayessim, identity");
+  EXPECT_EQ(problem_of<EmbeddingConfig>("[]"), "p.h5: must be a JSON object");
+  EXPECT_EQ(problem_of<EmbeddingConfig>("{"), "p.h5: '{' isn't JSON");
+}
+
+TEST(StudyJson, SaysWhenAPriorIsntOne) {
+  for (const char* text : {"{}", R"([{"name":"a"}])", R"([{"name":"a","unit":"m","uniform":[1]}])",
+                           R"([{"name":"a","unit":"m","other":[1,2]}])", "[3]",
+                           R"([{"name":1,"unit":"m","uniform":[1,2]}])"}) {
+    EXPECT_EQ(message_of<InputError>([&] { prior_from_json(parse_json(text, ""), "p.h5"); }),
+              "p.h5: prior = " + parse_json(text, "").dump() +
+                  R"(, must be a list of {"name", "unit", "uniform": [low, high]})");
+  }
+}
+
+TEST(StudyKeys, SayTypeDefaultAndWhatIsAllowed) {
+  std::map<std::string, StudyKey> keys;
+  for (const StudyKey& key : study_keys()) {
+    EXPECT_FALSE(key.doc.empty()) << key.path;
+    EXPECT_FALSE(key.type.empty()) << key.path;
+    EXPECT_TRUE(keys.emplace(key.path, key).second) << key.path << " occurs twice";
+  }
+  EXPECT_EQ(keys.at("study.name").default_value, "required");
+  EXPECT_EQ(keys.at("target.recording").default_value, "");
+  const StudyKey& rate = keys.at("method.training.learning_rate");
+  EXPECT_EQ(rate.type, "a finite number");
+  EXPECT_EQ(rate.default_value, "0.0005");
+  EXPECT_EQ(rate.allowed, "> 0");
+  EXPECT_EQ(rate.doc, "step size of Adam");
+}
+
+TEST(StudyTemplate, IsAValidStudyThatExplainsEveryKey) {
+  const std::string text = study_template("my_study");
+  EXPECT_EQ(problems_of(text), "");
+  EXPECT_EQ(parse_study(text, "s.toml").name, "my_study");
+  for (const StudyKey& key : study_keys()) {
+    const std::string name = key.path.substr(key.path.rfind('.') + 1);
+    const bool explained = text.find("\n" + name + " = ") != std::string::npos ||
+                           text.find("# " + name + " = ") != std::string::npos ||
+                           text.find("#   " + name + " = ") != std::string::npos ||
+                           text.find("\n[" + name + "]") != std::string::npos;
+    EXPECT_TRUE(explained) << key.path;
+  }
+}
+
+// "# key = value" becomes "key = value".
+std::string with_defaults_spelt_out(const std::string& text) {
+  std::string result;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_default = line.starts_with("# ") && line.find(" = ") != std::string::npos &&
+                            line.find(" = ") == line.find(' ', 2) &&
+                            !line.starts_with("# published");
+    result += (is_default ? line.substr(2) : line) + "\n";
+  }
+  return result;
+}
+
+TEST(StudyTemplate, ShowsTheTrueDefaults) {
+  const std::string text = study_template("a");
+  const std::string spelt_out = with_defaults_spelt_out(text);
+  EXPECT_NE(spelt_out, text);
+  Json expected = to_json(parse_study(text, "s.toml"));
+  expected["simulator"]["parameters"]["gravity"] = 9.81;  // an example: its default is empty
+  EXPECT_EQ(to_json(parse_study(spelt_out, "s.toml")), expected);
+}
+
+TEST(StudyTemplate, RejectsANameThatCantBeAFolder) {
+  EXPECT_EQ(message_of<InputError>([] { study_template("a/b"); }).substr(0, 27),
+            "study.name = 'a/b', must be");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

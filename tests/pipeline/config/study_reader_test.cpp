@@ -1,0 +1,152 @@
+#include "pipeline/config/study_reader.h"
+
+#include <filesystem>
+
+#include "tests/pipeline/study_text.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using inference::Marginal;
+
+Study small_study(const std::vector<std::string>& overrides = {}) {
+  return parse_study(kStudyText, "s.toml", overrides);
+}
+
+TEST(StudyReader, FillsInDefaults) {
+  const Study study = small_study();
+  EXPECT_EQ(study.name, "small");
+  EXPECT_EQ(study.seeds, (std::vector<std::uint64_t>{1, 2}));
+  EXPECT_EQ(study.target.truth->at("pole_mass"), 1.1);
+  EXPECT_EQ(study.target.num_rollouts, 5);
+  EXPECT_EQ(study.simulator.integrator, "erk4");
+  EXPECT_EQ(study.simulate.shard_size, 1000);
+  EXPECT_EQ(study.methods[0].algorithm.num_simulations, 200);
+  EXPECT_EQ(study.methods[0].training.learning_rate, 5e-4);
+  EXPECT_EQ(study.methods[1].algorithm.num_simulations, 1000);
+  EXPECT_EQ(study.evaluate.metrics, (std::vector<std::string>{"dtw", "rmse"}));
+  EXPECT_EQ(study.limits.max_failed_fraction, 0.05);
+}
+
+TEST(StudyReader, KeepsThePriorInTheOrderOfTheFileWithTheUnitsOfTheSimulator) {
+  const std::vector<Marginal> prior = small_study({"prior.gravity={normal=[9.81, 0.1]}"}).prior;
+  ASSERT_EQ(prior.size(), 3u);
+  EXPECT_EQ(prior[0].name, "pole_mass");
+  EXPECT_EQ(prior[0].unit, "kg");
+  EXPECT_EQ(prior[0].kind, Marginal::Kind::uniform);
+  EXPECT_EQ(prior[0].a, 0.3);
+  EXPECT_EQ(prior[0].b, 1.7);
+  EXPECT_EQ(prior[1].name, "pole_length");
+  EXPECT_EQ(prior[1].kind, Marginal::Kind::log_uniform);
+  EXPECT_EQ(prior[2].name, "gravity");
+  EXPECT_EQ(prior[2].kind, Marginal::Kind::normal);
+  EXPECT_EQ(prior[2].unit, "m/s^2");
+}
+
+TEST(StudyReader, ReplacesOlderSpellingsOfNames) {
+  const Study study = small_study({"method.algorithm=snpe_c"});
+  EXPECT_EQ(study.methods[0].algorithm.name, "npe_c");
+  EXPECT_EQ(study.methods[1].density_estimator.kind, "mdn");
+}
+
+TEST(StudyReader, ReadsEveryKindOfKey) {
+  const Study study =
+      small_study({"method.published={ rmse = { mean = 0.263, std = 0.004 } }",
+                   "evaluate.floor=false", "method.embedding.channels=['theta']",
+                   "simulator.parameters={gravity=9.8}", "report.title=A title",
+                   "observation_noise.scale=1", "report.parameters=['pole_mass', 'pole_length']"});
+  EXPECT_EQ(study.methods[1].published.at("rmse").std, 0.004);
+  EXPECT_FALSE(study.evaluate.floor);
+  EXPECT_EQ(study.methods[0].embedding.channels, std::vector<std::string>{"theta"});
+  EXPECT_EQ(study.simulator.parameters.at("gravity"), 9.8);
+  EXPECT_EQ(study.report.title, "A title");
+  EXPECT_EQ(study.observation_noise.scale, 1.0);
+}
+
+TEST(StudyReader, FindsMethodsByName) {
+  EXPECT_EQ(small_study().method("NPDR (MoG)").density_estimator.kind, "mdn");
+  EXPECT_EQ(message_of<InputError>([] { small_study().method("NPDR (MaG)"); }),
+            "unknown method 'NPDR (MaG)' (did you mean 'NPDR (MAF)'?); known: NPDR (MAF), "
+            "NPDR (MoG)");
+}
+
+TEST(StudyReader, KnowsWhereKeysStand) {
+  const Study study = small_study({"simulate.shard_size=7"});
+  EXPECT_EQ(study.places.of("target.truth").str(), "s.toml:6:9");
+  EXPECT_EQ(study.places.of("method[1].embedding.downsample").str(), "s.toml:19:1")
+      << "left out: its table";
+  EXPECT_EQ(study.places.of("simulate.shard_size").str(), "--set simulate.shard_size=7");
+}
+
+TEST(Study, NamesBecomeFolders) {
+  EXPECT_EQ(folder_name("NPDR (MAF)"), "npdr-maf");
+  EXPECT_EQ(folder_name("H = 10"), "h-10");
+  EXPECT_EQ(folder_name("../.."), "unnamed");
+}
+
+TEST(StudyReader, TakesARecordingRelativeToTheStudyFile) {
+  const TempFolder folder;
+  folder.file("r.h5", "");
+  folder.file("s.toml", edited(kStudyText, "truth = { pole_mass = 1.1 }", "recording = 'r.h5'"));
+  const Study study = read_study(folder / "s.toml");
+  EXPECT_EQ(study.target.recording, (folder / "r.h5").string());
+  EXPECT_EQ(study.target.num_rollouts, 0);
+  EXPECT_FALSE(study.target.truth);
+}
+
+TEST(StudyReader, TakesARecordingOfTheCommandLineRelativeToTheCurrentFolder) {
+  const TempFolder folder;
+  folder.file("s.toml", kStudyText);
+  const std::string relative = std::filesystem::relative(folder.file("r.h5", ""));
+  const Study study = read_study(folder / "s.toml", {"target.recording=" + relative});
+  EXPECT_EQ(study.target.recording, relative);
+  EXPECT_FALSE(study.target.truth) << "the other source of rollouts is removed";
+}
+
+TEST(StudyReader, ATruthOfTheCommandLineReplacesTheRecordingOfTheFile) {
+  const std::string text =
+      edited(kStudyText, "truth = { pole_mass = 1.1 }", "recording = 'missing.h5'");
+  const Study study = parse_study(text, "s.toml", {"target.truth.pole_mass=1.3"});
+  EXPECT_FALSE(study.target.recording);
+  EXPECT_EQ(study.target.truth->at("pole_mass"), 1.3);
+}
+
+TEST(StudyReader, ARecordingOfTheCommandLineTakesTheTruthsRolloutsAway) {
+  const std::filesystem::path recording = NPDR_SOURCE_DIR "/CMakeLists.txt";  // has to exist
+  const Study study =
+      small_study({"target.num_rollouts=1", "target.recording=" + recording.string()});
+  EXPECT_FALSE(study.target.truth);
+  EXPECT_EQ(study.target.num_rollouts, 0);
+}
+
+TEST(StudyReader, OverridesEveryMethodOrOne) {
+  Study study = small_study({"method.num_rounds=2"});
+  EXPECT_EQ(study.methods[0].algorithm.num_rounds, 2);
+  EXPECT_EQ(study.methods[1].algorithm.num_rounds, 2);
+  study = small_study({"method.\"NPDR (MAF)\".num_rounds=3", "method.training.batch_size=20"});
+  EXPECT_EQ(study.methods[0].algorithm.num_rounds, 3);
+  EXPECT_EQ(study.methods[1].algorithm.num_rounds, 1);
+  EXPECT_EQ(study.methods[1].training.batch_size, 20);
+}
+
+TEST(StudyReader, AppliesOverridesInTheirOrder) {
+  EXPECT_EQ(small_study({"simulate.shard_size=64", "simulate.shard_size=32"}).simulate.shard_size,
+            32);
+  EXPECT_EQ(small_study({"prior.pole_mass={uniform=[0.5, 0.6]}"}).prior[0].b, 0.6);
+}
+
+TEST(StudyReader, ABareWordOfAnOverrideIsText) {
+  EXPECT_EQ(small_study({"study.name=other-name"}).name, "other-name");
+  EXPECT_EQ(small_study({"report.title=Figure #3: a=b"}).report.title, "Figure #3: a=b");
+  EXPECT_EQ(small_study({"report.title= \"quoted\" "}).report.title, "quoted");
+}
+
+TEST(StudyReader, AcceptsWindowsLineEndsAndAByteOrderMark) {
+  std::string text = "\xEF\xBB\xBF";
+  for (const char c : std::string(kStudyText)) text += c == '\n' ? "\r\n" : std::string(1, c);
+  EXPECT_EQ(problems_of(text), "");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,111 @@
+#include "pipeline/process/shell_call.h"
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "core/error.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class ShellCalls : public ::testing::Test {
+ protected:
+  CallResult call(const std::string& command, double time_limit = 60.0) const {
+    return run_shell({command, folder_.path(), {{"NPDR_TEST", "a value"}}, time_limit});
+  }
+
+  // Whether the process whose number is in a file of the folder is gone, within ten seconds.
+  bool is_gone(const std::string& file) const {
+    const pid_t process = std::stoi(text_of(folder_ / file));
+    for (int i = 0; i < 100; ++i) {
+      if (kill(process, 0) != 0) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return false;
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(ShellCalls, RunInTheFolderWithTheEnvironment) {
+  folder_.file("here.txt", "found\n");
+  const CallResult result = call("cat here.txt; echo \"$NPDR_TEST\" >&2; cat");
+  EXPECT_TRUE(result.succeeded());
+  EXPECT_EQ(result.output, "found\na value\n");
+}
+
+TEST_F(ShellCalls, TellHowTheyEnded) {
+  EXPECT_EQ(call("exit 3").exit_status, 3);
+  EXPECT_EQ(call("nosuchprogram").exit_status, 127);
+  const CallResult killed = call("kill -SEGV $$");
+  EXPECT_EQ(killed.exit_status, 128 + SIGSEGV);
+  EXPECT_TRUE(killed.words(1.0).starts_with("signal 11 (Segmentation fault) after"));
+  EXPECT_TRUE(call("exit 3").words(1.0).starts_with("exit status 3 after"));
+}
+
+TEST_F(ShellCalls, KeepBeginAndEndOfALongOutput) {
+  const CallResult result = call("echo first; yes | head -c 3000000; echo last");
+  EXPECT_LT(result.output.size(), 40'000u);
+  EXPECT_TRUE(result.output.starts_with("first\n"));
+  EXPECT_TRUE(result.output.ends_with("last\n"));
+  EXPECT_NE(result.output.find("bytes left out"), std::string::npos);
+}
+
+TEST_F(ShellCalls, AreEndedAsAGroupAtTheTimeLimit) {
+  // The shell itself and what it started both ignore the polite request.
+  const CallResult result =
+      call("trap '' TERM; (trap '' TERM; echo $$ > shell; sleep 1000) & sleep 1000", 1.0);
+  EXPECT_TRUE(result.timed_out);
+  EXPECT_FALSE(result.succeeded());
+  EXPECT_EQ(result.words(1.0), "ended after its time limit of 1 s");
+  EXPECT_TRUE(is_gone("shell"));
+}
+
+// The shell itself ends at once; what it has started has its second.
+TEST_F(ShellCalls, ProgramsCanCleanUpAtTheTimeLimit) {
+  folder_.file("slow.sh",
+               "trap 'sleep 0.3; echo clean > cleaned; exit' TERM\n"
+               "while true; do sleep 0.1; done\n");
+  EXPECT_TRUE(call("sh slow.sh; true", 0.5).timed_out);
+  EXPECT_EQ(text_of(folder_ / "cleaned"), "clean\n");
+}
+
+TEST_F(ShellCalls, EndWithTheProcessThatMadeThem) {
+  const pid_t maker = fork();
+  if (maker == 0) {
+    call("echo $$ > shell; sleep 100 & echo $! > program; wait");
+    _exit(0);
+  }
+  while (text_of(folder_ / "program").empty()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  kill(maker, SIGKILL);
+  waitpid(maker, nullptr, 0);
+  EXPECT_TRUE(is_gone("shell"));
+  EXPECT_TRUE(is_gone("program"));
+}
+
+TEST_F(ShellCalls, LeaveNothingRunning) {
+  const CallResult result = call("sleep 1000 & echo $! > left");
+  EXPECT_TRUE(result.succeeded());
+  EXPECT_LT(result.seconds, 60.0) << "what was left held on to the output";
+  EXPECT_TRUE(is_gone("left"));
+}
+
+TEST_F(ShellCalls, OutputWithoutEndDoesNotHoldUpTheTimeLimit) {
+  EXPECT_TRUE(call("yes", 0.2).timed_out);
+}
+
+TEST_F(ShellCalls, AFolderThatIsNotThereIsAFailure) {
+  const CallResult result = run_shell({"true", folder_ / "none", {}, 60.0});
+  EXPECT_EQ(result.exit_status, 126);
+  EXPECT_NE(result.output.find("can't be entered"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,99 @@
+#include <numbers>
+
+#include "pipeline/report/figures.h"
+#include "pipeline/report/parameters.h"
+#include "tests/pipeline/study_text.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using inference::Marginal;
+
+Plan plan_of(const std::vector<std::string>& overrides = {}) {
+  return make_plan(parse_study(kStudyText, "s.toml", overrides), WorkFolder("runs"));
+}
+
+sim::SimulatorInfo info_of(const Plan& plan) {
+  return sim::make_simulator(plan.study.simulator)->info();
+}
+
+TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
+  const Plan plan = plan_of(
+      {"prior.gravity={ normal = [9.81, 0.05] }", "prior.damping={ log_normal = [-3.0, 0.5] }"});
+  const analysis::Table table = parameters_table({plan, info_of(plan), {}, {}, {}, {}});
+  std::vector<std::string> priors;
+  for (const analysis::Row& row : table.rows) {
+    priors.push_back(std::get<std::string>(row.cells[1].value));
+  }
+  EXPECT_EQ(priors, (std::vector<std::string>{"[0.3, 1.7]", "[0.3, 1.7], log-uniform",
+                                              "exp N(-3, 0.5²)", "N(9.81, 0.05²)"}));
+}
+
+// The small study, of the mini golf with another prior.
+Plan golf_plan_of(const std::string& prior) {
+  std::string text = edited(kStudyText, "pendulum", "minigolf");
+  text = edited(text, "truth = { pole_mass = 1.1 }", "truth = {}");
+  text = edited(text,
+                "pole_mass = { uniform = [0.3, 1.7] }\n"
+                "pole_length = { log_uniform = [0.3, 1.7] }",
+                prior);
+  return make_plan(parse_study(text, "s.toml"), WorkFolder("runs"));
+}
+
+// One run whose posterior samples are `theta`.
+EvaluatedRun run_of(const RowMatrix& theta) {
+  EvaluatedRun run;
+  run.use = {"NPDR (MAF)", 1, 1};
+  run.last_round = true;
+  run.evaluation.theta = theta;
+  return run;
+}
+
+double contraction(const analysis::Table& table, std::size_t parameter) {
+  return std::get<analysis::MeanStd>(table.rows[parameter].cells[0].value).mean;
+}
+
+// Samples +-s of [-pi/2, pi/2], an obstacle's angle: at its middle, and the same around its end,
+// where the copies modulo pi lie on the other side. Variance 2 s^2 (two values, n - 1).
+TEST(ReportTables, ContractionKnowsPeriods) {
+  const Plan plan = golf_plan_of(
+      "ball_restitution = { uniform = [0.0, 1.0] }\n"
+      "obstacle1_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }\n"
+      "obstacle2_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }");
+  const double s = 0.01, end = std::numbers::pi / 2;
+  RowMatrix theta(2, 3);
+  theta << 0.5 - s, -s, end - s, 0.5 + s, s, -end + s;
+  const analysis::Table table =
+      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
+  EXPECT_NEAR(contraction(table, 0), 1.0 - 2 * s * s * 12.0, 1e-6);
+  const double turn = std::numbers::pi * std::numbers::pi / 12.0;
+  EXPECT_NEAR(contraction(table, 1), 1.0 - 2 * s * s / turn, 1e-6);
+  EXPECT_NEAR(contraction(table, 2), contraction(table, 1), 1e-6);
+}
+
+// A normal prior far wider than the period says nothing about the angle: nor does a posterior that
+// is even over it.
+TEST(ReportTables, ContractionOfAWideNormalIsThatOfItsAngle) {
+  const Plan plan = golf_plan_of("obstacle2_dyaw = { normal = [0.0, 1.5] }");
+  RowMatrix theta(1000, 1);
+  for (Index i = 0; i < 1000; ++i) theta(i, 0) = std::numbers::pi * (double(i) / 1000.0 - 0.5);
+  const analysis::Table table =
+      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
+  EXPECT_NEAR(contraction(table, 0), 0.0, 0.05);
+}
+
+TEST(ReportFigures, SayWhatTheyLeaveOut) {
+  Plan plan = plan_of();
+  const ReportData six{plan, info_of(plan), {"a", "b", "c", "d", "e", "f"}, {}, {}, {}};
+  const ReportData seven{plan, info_of(plan), {"a", "b", "c", "d", "e", "f", "g"}, {}, {}, {}};
+  EXPECT_EQ(left_out_methods(six), "");
+  EXPECT_EQ(left_out_methods(seven), " The first 6 of 7 methods.");
+  EXPECT_EQ(left_out_parameters(plan.study), "");
+  plan.study.prior.resize(16, plan.study.prior.front());
+  EXPECT_EQ(left_out_parameters(plan.study), " 15 of 16 parameters.");
+  plan.study.report.parameters = {"pole_mass", "pole_length"};
+  EXPECT_EQ(left_out_parameters(plan.study), " 2 of 16 parameters.");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

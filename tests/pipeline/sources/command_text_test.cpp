@@ -1,0 +1,45 @@
+#include "pipeline/sources/command_text.h"
+
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+TEST(CommandText, PlaceholdersBecomeQuotedPaths) {
+  EXPECT_EQ(filled_command("sim --in={theta} --out={x}", "/t/a.csv", "/t/b c.csv"),
+            "sim --in=/t/a.csv --out='/t/b c.csv'");
+  EXPECT_EQ(filled_command("sim {x} < {theta}; test -s {x}", "/a", "/b"),
+            "sim /b < /a; test -s /b");
+}
+
+TEST(CommandText, FilesWithoutAPlaceholderAreAppended) {
+  EXPECT_EQ(filled_command("python3 sim.py\n", "/a", "/b"), "python3 sim.py /a /b");
+  EXPECT_EQ(filled_command("sim {theta} -o", "/a", "/b"), "sim /a -o /b");
+  EXPECT_EQ(filled_command("sim {x}", "/a", "/b"), "sim /b /a");
+}
+
+TEST(CommandText, FilesOfTheFolderAreFoundInItsWords) {
+  const TempFolder folder;
+  folder.file("sim.py", "print()");
+  folder.file("my config.json", "{}");
+  folder.file("other.txt", "");
+  const auto files =
+      named_files("OMP=1 python3 ./sim.py --config='my config.json' /bin/sh ../x nothing {theta}",
+                  folder.path());
+  ASSERT_EQ(files.size(), 2u);
+  EXPECT_TRUE(files.contains("./sim.py"));
+  EXPECT_TRUE(files.contains("my config.json"));
+  EXPECT_EQ(named_files(folder / "sim.py", folder.path()).size(), 1u) << "an absolute path into it";
+}
+
+TEST(CommandText, AnEditChangesTheHash) {
+  const TempFolder folder;
+  folder.file("sim.sh", "echo 1");
+  const auto before = named_files("sh sim.sh", folder.path());
+  EXPECT_EQ(named_files("sh sim.sh", folder.path()), before);
+  folder.file("sim.sh", "echo 2");
+  EXPECT_NE(named_files("sh sim.sh", folder.path()), before);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

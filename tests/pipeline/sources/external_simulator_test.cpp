@@ -1,0 +1,207 @@
+#include "pipeline/sources/external_simulator.h"
+
+#include <cmath>
+
+#include "core/error.h"
+#include "pipeline/config/simulator_info.h"
+#include "pipeline/store/h5.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using sim::RolloutStatus;
+
+// x = (2 a + k, seed), with rows whose a is in BAD doing something else. A line a call in `calls`.
+constexpr const char* kScript = R"sh(
+echo "$NPDR_FIRST_ROW $(wc -l < "$NPDR_SEEDS")" >> calls
+exec awk -F, -v seeds="$NPDR_SEEDS" -v bad=" $BAD " -v what="$WHAT" '
+  NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+  {
+    getline seed < seeds
+    a = $column["a"]
+    if (index(bad, " " a " ")) {
+      if (what == "crash") exit 9
+      if (what == "hang") system("sleep 100")
+      if (what == "text") { print "oops," seed; next }
+      if (what == "nan") { print "nan," seed; next }
+      if (what == "short") next
+    }
+    printf "%.17g,%d\n", 2 * a + $column["k"], seed
+  }' "$1" > "$2"
+)sh";
+
+class ExternalSimulators : public ::testing::Test {
+ protected:
+  ExternalSimulators() {
+    folder_.file("sim.sh", kScript);
+    study_.prior = {{"a", "1", inference::Marginal::Kind::uniform, 0.0, 100.0}};
+    study_.simulator.parameters = {{"k", 0.5}};
+    study_.external.folder = folder_.path();
+    study_.external.features = {"y", "seed"};
+    study_.external.start_time = 1.0;
+    study_.external.retries = 0;
+  }
+
+  // Rows a = 0, 1, ..., n - 1 after a simulation with rows that do `what`.
+  sim::Trajectories run(Index n, const std::string& bad, const std::string& what, Index begin = 0) {
+    std::filesystem::remove(folder_ / "calls");
+    study_.external.command = "BAD='" + bad + "' WHAT=" + what + " sh sim.sh";
+    ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+    RowMatrix theta(n, 2);
+    for (Index i = 0; i < n; ++i) theta.row(i) << static_cast<double>(begin + i), 0.5;
+    return simulator.simulate(theta, {7, "test", 1, static_cast<std::uint64_t>(begin), 0});
+  }
+
+  Index num_calls() const {
+    const std::string calls = text_of(folder_ / "calls");
+    return std::ranges::count(calls, '\n');
+  }
+
+  static std::vector<Index> failed_rows(const sim::Trajectories& x, RolloutStatus status) {
+    std::vector<Index> rows;
+    for (Index i = 0; i < x.num_rows; ++i) {
+      if (x.status[static_cast<std::size_t>(i)] != status) continue;
+      rows.push_back(i);
+      EXPECT_TRUE(std::isnan(x.row(i)[0]) && std::isnan(x.row(i)[1])) << i;
+    }
+    return rows;
+  }
+
+  // All rows but those have the values of a simulation without bad rows.
+  void expect_others_as_ever(const sim::Trajectories& x) {
+    const sim::Trajectories whole = run(x.num_rows, "", "none");
+    for (Index i = 0; i < x.num_rows; ++i) {
+      if (x.status[static_cast<std::size_t>(i)] != RolloutStatus::ok) continue;
+      EXPECT_EQ(x.row(i)[0], whole.row(i)[0]) << i;
+      EXPECT_EQ(x.row(i)[1], whole.row(i)[1]) << i;
+    }
+  }
+
+  TempFolder folder_;
+  Study study_;
+};
+
+TEST_F(ExternalSimulators, OneCallDoesAllRows) {
+  const sim::Trajectories x = run(20, "", "none");
+  EXPECT_EQ(text_of(folder_ / "calls"), "0 20\n");
+  EXPECT_EQ(x.row(3)[0], 6.5f);
+  EXPECT_NE(x.row(3)[1], x.row(4)[1]) << "each row has a seed of its own";
+}
+
+TEST_F(ExternalSimulators, SeedsBelongToRowsNotToCalls) {
+  const sim::Trajectories whole = run(10, "", "none");
+  const sim::Trajectories part = run(4, "", "none", 6);
+  EXPECT_EQ(text_of(folder_ / "calls"), "6 4\n");
+  for (Index i = 0; i < 4; ++i) EXPECT_EQ(part.row(i)[1], whole.row(6 + i)[1]);
+}
+
+TEST_F(ExternalSimulators, OnlyTheCulpritsOfACrashAreLost) {
+  const sim::Trajectories x = run(40, "3 17 18 39", "crash");
+  EXPECT_EQ(failed_rows(x, RolloutStatus::crashed), (std::vector<Index>{3, 17, 18, 39}));
+  // 79 calls are the most that 40 rows can take, one for each half and row.
+  EXPECT_LT(num_calls(), 40);
+  expect_others_as_ever(x);
+}
+
+TEST_F(ExternalSimulators, OnlyTheCulpritsOfABadFileAreLost) {
+  const sim::Trajectories text = run(16, "5", "text");
+  EXPECT_EQ(failed_rows(text, RolloutStatus::bad_output), (std::vector<Index>{5}));
+  const sim::Trajectories fewer = run(16, "5", "short");
+  EXPECT_EQ(failed_rows(fewer, RolloutStatus::bad_output), (std::vector<Index>{5}));
+  expect_others_as_ever(fewer);
+}
+
+TEST_F(ExternalSimulators, OnlyTheCulpritOfAHangIsLost) {
+  study_.external.time_limit = 2.0;
+  study_.external.start_time = 1.5;  // enough for a shell on a busy machine
+  const sim::Trajectories x = run(8, "6", "hang");
+  EXPECT_EQ(failed_rows(x, RolloutStatus::timed_out), (std::vector<Index>{6}));
+  expect_others_as_ever(x);
+}
+
+TEST_F(ExternalSimulators, ValuesThatAreNotFiniteAreADivergedRowWithoutAnotherCall) {
+  const sim::Trajectories x = run(16, "5", "nan");
+  EXPECT_EQ(failed_rows(x, RolloutStatus::diverged), (std::vector<Index>{5}));
+  EXPECT_EQ(num_calls(), 1);
+}
+
+TEST_F(ExternalSimulators, ACallThatFailsOnceIsRepeated) {
+  study_.external.retries = 1;
+  study_.external.command = "test -e once || { touch once; exit 1; }; sh sim.sh";
+  ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  const RowMatrix theta = RowMatrix::Constant(5, 2, 1.0);
+  const sim::Trajectories x = simulator.simulate(theta, {1, "test", 0, 0, 0});
+  EXPECT_EQ(std::ranges::count(x.status, RolloutStatus::ok), 5);
+  EXPECT_EQ(simulator.num_calls(), 2);
+}
+
+TEST_F(ExternalSimulators, SmallerCallsHaveTheirShareOfTheTimeLimit) {
+  study_.external.command = "sim";
+  study_.external.time_limit = 100.0;
+  study_.external.start_time = 2.0;
+  const ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  EXPECT_DOUBLE_EQ(simulator.time_limit(1000, 1000), 100.0);
+  EXPECT_DOUBLE_EQ(simulator.time_limit(250, 1000), 27.0);
+  EXPECT_DOUBLE_EQ(simulator.time_limit(999, 1000), 100.0);
+  EXPECT_DOUBLE_EQ(simulator.time_limit(1, 1), 100.0);
+}
+
+TEST_F(ExternalSimulators, AProgramThatIsNotThereIsAnErrorAtOnce) {
+  study_.external.command = "nosuchprogram";
+  ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  const std::string message = message_of<Error>([&] {
+    simulator.simulate(RowMatrix::Zero(100, 2), {1, "test", 0, 0, 0});
+  });
+  EXPECT_NE(message.find("simulator.command = 'nosuchprogram' can't be run: exit status 127"),
+            std::string::npos)
+      << message;
+  EXPECT_NE(message.find("nosuchprogram: not found"), std::string::npos) << message;
+  EXPECT_EQ(simulator.num_calls(), 1);
+}
+
+TEST_F(ExternalSimulators, AProgramThatAlwaysFailsIsAnErrorAfterSomeRows) {
+  study_.external.command = "echo no licence >&2; exit 5 #";
+  ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  const std::string message = message_of<Error>([&] {
+    simulator.simulate(RowMatrix::Zero(1000, 2), {1, "test", 0, 0, 0});
+  });
+  EXPECT_NE(message.find("failed for each of 32 rows: exit status 5"), std::string::npos)
+      << message;
+  EXPECT_NE(message.find("no licence"), std::string::npos) << message;
+  EXPECT_LT(simulator.num_calls(), 100);
+}
+
+TEST_F(ExternalSimulators, TheLogHoldsWhatWasPrinted) {
+  {
+    study_.external.command = "echo hello; sh sim.sh {theta} {x}";
+    ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+    simulator.simulate(RowMatrix::Zero(3, 2), {1, "test", 0, 0, 0});
+  }
+  const std::string log = text_of(folder_ / "log");
+  EXPECT_TRUE(log.starts_with("call 1, 3 rows from row 0: exit status 0 after")) << log;
+  EXPECT_NE(log.find("\nhello\n"), std::string::npos) << log;
+}
+
+TEST_F(ExternalSimulators, Hdf5IsReadAndWritten) {
+  {
+    h5::File file = h5::File::create(folder_ / "made.h5");
+    const RowMatrix x = (RowMatrix(2, 2) << 1, 2, 3, 4).finished();
+    h5::Dataset dataset = file.write("x", x);
+    dataset.set_attribute("labels", std::vector<std::string>{"seed", "y"});  // in another order
+    file.close();
+  }
+  study_.external.format = "hdf5";
+  study_.external.command = "cp {theta} theta.h5; cp made.h5 {x}";
+  ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  const RowMatrix theta = (RowMatrix(2, 2) << 0.1, 0.5, 0.2, 0.5).finished();
+  const sim::Trajectories x = simulator.simulate(theta, {1, "test", 0, 0, 0});
+  EXPECT_EQ(x.values, (std::vector<float>{2, 1, 4, 3}));
+  const h5::File given = h5::File::open(folder_ / "theta.h5");
+  EXPECT_EQ(given.read_matrix<double>("theta"), theta);
+  EXPECT_EQ(given.dataset("theta").attribute<std::vector<std::string>>("labels"),
+            (std::vector<std::string>{"a", "k"}));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

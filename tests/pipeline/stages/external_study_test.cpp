@@ -1,0 +1,213 @@
+/// Studies with a command or a dataset in place of a built-in simulator: problems and keys.
+#include "pipeline/artefacts/dataset_file.h"
+#include "pipeline/plan/plan.h"
+#include "tests/pipeline/study_text.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr const char* kCommandStudy = R"toml([study]
+name = "command"
+[target]
+observation = "x_o.csv"
+[simulator]
+command = "sh sim.sh"
+[prior]
+a = { uniform = [0.0, 1.0] }
+b = { normal = [0.0, 1.0] }
+[[method]]
+name = "A"
+num_simulations = 100
+[[method]]
+name = "B"
+num_simulations = 100
+density_estimator = { kind = "mdn" }
+)toml";
+
+class ExternalStudies : public ::testing::Test {
+ protected:
+  ExternalStudies() {
+    folder_.file("x_o.csv", "peak [m],mean\n1,2\n");
+    folder_.file("sim.sh", "exit 0");
+    import_dataset(folder_.file("theta.csv", "b,a\n1,2\n3,4\n"),
+                   folder_.file("x.csv", "1,2\n3,4\n"), folder_ / "d.h5");
+  }
+
+  Study study_of(const std::vector<std::string>& overrides = {}) const {
+    return parse_study(kCommandStudy, folder_ / "s.toml", overrides);
+  }
+  Plan plan_of(const std::vector<std::string>& overrides = {},
+               const Selection& selection = {}) const {
+    return make_plan(study_of(overrides), WorkFolder(folder_ / "work"), selection);
+  }
+  std::string problems(const std::vector<std::string>& overrides) const {
+    std::string text = message_of<InputError>([&] { plan_of(overrides); }, &folder_);
+    const std::string prefix = "--set " + overrides.front() + ": ";
+    return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(ExternalStudies, HaveDefaultsOfTheirOwn) {
+  const Study study = study_of();
+  EXPECT_EQ(study.methods.front().embedding.kind, "identity");
+  EXPECT_EQ(study.evaluate.metrics, (std::vector<std::string>{"distance"}));
+  EXPECT_FALSE(study.evaluate.floor);
+  EXPECT_EQ(study.external.folder, folder_.path().string() + "/");
+  EXPECT_EQ(plan_of().study.external.features, (std::vector<std::string>{"peak [m]", "mean"}));
+}
+
+TEST_F(ExternalStudies, ReportWhatMeansNothingToThem) {
+  for (const char* assignment :
+       {"simulator.substeps=2", "simulator.integrator=\"erk4\"", "target.num_rollouts=1",
+        "method.num_rollouts=1", "method.embedding.downsample=1", "evaluate.floor=true"}) {
+    const std::string key = std::string(assignment).substr(0, std::string(assignment).find('='));
+    EXPECT_NE(problems({assignment}).find(key + " must be left out: "), std::string::npos)
+        << assignment;
+  }
+  EXPECT_EQ(problems({"method.\"A\".embedding.kind=linear"}),
+            "method.embedding.kind = 'linear', must be 'identity': a command gives no rollouts");
+  EXPECT_EQ(problems({"evaluate.metrics=[\"rmse\"]"}),
+            "evaluate.metrics must be left out: a command gives no rollouts");
+}
+
+TEST_F(ExternalStudies, AndBuiltInSimulatorsReportWhatIsTheirs) {
+  const auto problem = [](const std::string& assignment) {
+    return edited(problems_of(kStudyText, {assignment}), "--set " + assignment + ": ", "");
+  };
+  EXPECT_EQ(problem("simulator.retries=1"),
+            "simulator.retries must be left out: it belongs to simulator.command");
+  EXPECT_EQ(problem("simulator.features=[\"x\"]"),
+            "simulator.features must be left out: the simulator has state channels");
+  EXPECT_EQ(problem("evaluate.metrics=[\"distance\"]"),
+            "evaluate.metrics = 'distance', must be left out: it is for a simulator.command");
+  EXPECT_NE(problem("method.embedding.kind=identity").find("'all_steps' keeps all states"),
+            std::string::npos);
+}
+
+TEST_F(ExternalStudies, AreExactlyOneOfThree) {
+  EXPECT_EQ(message_of<InputError>(
+                [&] {
+                  parse_study(edited(kCommandStudy, "[prior]", "name = \"pendulum\"\n[prior]"),
+                              folder_ / "s.toml");
+                },
+                &folder_),
+            "s.toml:6:11: simulator has name and command, must have one of them");
+  EXPECT_EQ(study_of({"simulator.dataset=" + (folder_ / "d.h5").string()}).external.command,
+            std::nullopt)
+      << "the command line replaces the command";
+}
+
+TEST_F(ExternalStudies, ATypoOfTheirFirstKeyIsAnUnknownKey) {
+  const std::string text = message_of<InputError>(
+      [&] { parse_study(edited(kCommandStudy, "command =", "comand ="), folder_ / "s.toml"); },
+      &folder_);
+  EXPECT_NE(text.find("s.toml:6:1: simulator: unknown key 'comand' (did you mean 'command'?)"),
+            std::string::npos)
+      << text;
+}
+
+TEST_F(ExternalStudies, HaveNoEquationsThatAreARegression) {
+  EXPECT_NE(problems({"method.\"A\".algorithm=linear_regression"})
+                .find("algorithm 'linear_regression' needs simulator.name = 'furuta'"),
+            std::string::npos);
+}
+
+TEST_F(ExternalStudies, OfADatasetCannotBeCalibrated) {
+  const std::string dataset = "simulator.dataset=" + (folder_ / "d.h5").string();
+  const std::vector<std::string> small = {"diagnose.checks=[\"sbc\", \"tarp\"]", dataset,
+                                          "method.num_simulations=2", "method.num_rounds=1"};
+  EXPECT_NE(problems(small).find("diagnose.checks = [sbc, tarp], must be such that one of them "
+                                 "means something to a method"),
+            std::string::npos);
+}
+
+TEST_F(ExternalStudies, NeedAnObservationOrAWholeTruth) {
+  EXPECT_EQ(problems({"target.observation=none.csv"}),
+            "target.observation = 'none.csv', must be an existing CSV or HDF5 file");
+  EXPECT_EQ(problems({"target.truth={ a = 0.5 }", "simulator.features=[\"peak\"]"}),
+            "target.truth: 'b' is missing: a command has no nominal values");
+  EXPECT_NE(problems({"target.truth={ a = 0.5, b = 0.0 }"}).find("simulator.features is missing"),
+            std::string::npos);
+  EXPECT_NE(
+      problems({"target.truth={ a = 0.5, b = 0.0, c = 1.0 }", "simulator.features=[\"peak\"]"})
+          .find("unknown parameter 'c'"),
+      std::string::npos);
+}
+
+TEST_F(ExternalStudies, HaveNamesThatCanHeadAColumn) {
+  EXPECT_NE(problems({"simulator.features=[\"pe,ak\", \"mean\"]"}).find("'pe,ak', must be made of"),
+            std::string::npos);
+  EXPECT_NE(problems({"simulator.features=[\"mean\", \"mean [m]\"]"}).find("there once"),
+            std::string::npos);
+  EXPECT_NE(
+      problems({"simulator.parameters={ \"a b\" = 1.0 }"}).find("the name 'a b' must be made"),
+      std::string::npos);
+  EXPECT_NE(problems({"prior.\"2x\"={ uniform = [0, 1] }"}).find("the name '2x' must be made"),
+            std::string::npos);
+}
+
+TEST_F(ExternalStudies, KnowTheFeaturesThatAnEmbeddingMayPick) {
+  EXPECT_EQ(plan_of({"method.embedding.channels=[\"mean\"]"}).nodes.size(), plan_of().nodes.size());
+  EXPECT_NE(problems({"method.embedding.channels=[\"men\"]"})
+                .find("unknown feature 'men' (did you mean 'mean'?)"),
+            std::string::npos);
+  EXPECT_NE(problems({"method.embedding.principal_components=3"}).find("<= 2"), std::string::npos);
+}
+
+TEST_F(ExternalStudies, AnEditOfTheScriptOrASettingMakesOtherSimulations) {
+  const auto key_of = [&](const std::vector<std::string>& overrides = {}) {
+    return plan_of(overrides).node(Stage::simulate, {"A", 1, 1}).key;
+  };
+  const std::string key = key_of();
+  EXPECT_EQ(key_of({"study.name=other"}), key);
+  EXPECT_EQ(
+      key_of({"target.truth={ a = 0.5, b = 0.0 }", "simulator.features=[\"peak [m]\", \"mean\"]"}),
+      key)
+      << "simulations of the prior know nothing of the target";
+  EXPECT_NE(key_of({"simulator.time_limit=10"}), key);
+  EXPECT_NE(key_of({"simulator.command=sh ./sim.sh"}), key);
+  EXPECT_NE(key_of({"simulator.parameters={ c = 1.0 }"}), key);
+  EXPECT_NE(key_of({"simulator.features=[\"mean\", \"peak [m]\"]"}), key);
+  folder_.file("sim.sh", "exit 1");
+  EXPECT_NE(key_of(), key);
+}
+
+TEST_F(ExternalStudies, AllPosteriorsAreMeasuredInUnitsOfTheSameSimulations) {
+  const Plan both = plan_of({"method.\"B\".num_simulations=200"});
+  const Plan one = plan_of({"method.\"B\".num_simulations=200"}, {{"B"}, {}});
+  const std::string key = both.node(Stage::simulate, {"A", 1, 1}).key;
+  for (const Plan* plan : {&both, &one}) {
+    const Node& evaluation = plan->node(Stage::evaluate, {"B", 1, 1});
+    EXPECT_EQ(evaluation.identity.inputs.at("prior_predictive"), key);
+  }
+  EXPECT_EQ(one.node(Stage::evaluate, {"B", 1, 1}).key,
+            both.node(Stage::evaluate, {"B", 1, 1}).key);
+}
+
+TEST_F(ExternalStudies, OfADatasetHaveOneRoundAndItsRows) {
+  const std::string dataset = "simulator.dataset=" + (folder_ / "d.h5").string();
+  const auto problem = [&](const std::string& more) {
+    return message_of<InputError>(
+        [&] {
+          plan_of({dataset, "method.num_simulations=8", "method.training.batch_size=2",
+                   "method.num_atoms=2", "method.training.validation_fraction=0.5", more});
+        },
+        &folder_);
+  };
+  EXPECT_NE(problem("method.num_rounds=2").find("method.num_rounds = 2, must be 1 with a dataset"),
+            std::string::npos);
+  EXPECT_NE(
+      problem("study.name=x").find("num_simulations = 8, must be <= 2, the rows of the dataset"),
+      std::string::npos);
+  EXPECT_NE(problem("prior={ c = { uniform = [0, 1] } }").find("has no parameter 'c'"),
+            std::string::npos);
+  EXPECT_NE(problem("simulator.parameters={ c = 1 }")
+                .find("simulator.parameters must be left out: a dataset can't be simulated again"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
