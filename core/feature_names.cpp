@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text.h"
+
 namespace npdr {
 namespace {
 
@@ -9,13 +11,17 @@ constexpr const char* kNoUnit = "1";
 
 }  // namespace
 
+Channel parse_channel(const std::string& text) {
+  const std::size_t open = text.rfind('[');
+  const bool has_unit = open != std::string::npos && open > 0 && text[open - 1] == ' ';
+  if (!has_unit || text.back() != ']') return {text, ""};
+  return {trimmed(text.substr(0, open)), trimmed(text.substr(open + 1, text.size() - open - 2))};
+}
+
 Channel parse_feature(const std::string& name) {
-  const std::size_t open = name.rfind('[');
-  const bool has_unit = open != std::string::npos && open > 0 && name[open - 1] == ' ';
-  if (!has_unit || name.back() != ']') return {name, kNoUnit};  // "x[0]" is a name
-  const std::string label = name.substr(0, open);
-  return {label.substr(0, label.find_last_not_of(" \t") + 1),
-          name.substr(open + 1, name.size() - open - 2)};
+  Channel feature = parse_channel(name);
+  if (feature.unit.empty()) feature.unit = kNoUnit;
+  return feature;
 }
 
 std::vector<Channel> parse_features(const std::vector<std::string>& names) {

@@ -1,4 +1,4 @@
-/// How people write a feature of x with its unit: "peak [m]".
+/// How people write a channel, or a feature of x, with its unit: "peak [m]".
 #pragma once
 
 #include <string>
@@ -8,7 +8,11 @@
 
 namespace npdr {
 
-/// "peak [m]" is the channel peak in m; what has no unit has the unit 1.
+/// Splits "x[0] [m]" into the label x[0] and the unit m, which is what stands in the last brackets,
+/// at the end and after a blank. A text without them, such as "x[0]", is a label with the unit "".
+Channel parse_channel(const std::string& text);
+
+/// The same, but what has no unit has the unit 1.
 Channel parse_feature(const std::string& name);
 std::vector<Channel> parse_features(const std::vector<std::string>& names);
 

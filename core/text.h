@@ -17,6 +17,9 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 /// "a, b, c".
 std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
 
+/// `text` without blanks and tabulators on both sides.
+std::string trimmed(const std::string& text);
+
 /// "a:b" at ':' as "a", "b"; none for an empty text.
 std::vector<std::string> split(const std::string& text, char separator);
 

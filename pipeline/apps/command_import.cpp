@@ -44,15 +44,16 @@ void check_output(const ImportArguments& arguments) {
   }
 }
 
-// "theta" or "theta [rad]".
-Channel parse_channel(const std::string& text) {
-  const std::size_t open = text.find('[');
-  if (open == std::string::npos) return {text, ""};
-  const std::size_t close = text.find(']', open);
-  if (close == std::string::npos) throw InputError("'" + text + "': the unit's ']' is missing");
-  std::string label = text.substr(0, open);
-  while (!label.empty() && label.back() == ' ') label.pop_back();
-  return {label, text.substr(open + 1, close - open - 1)};
+std::vector<Channel> parse_channels(const std::vector<std::string>& texts) {
+  std::vector<Channel> channels;
+  for (const std::string& text : texts) {
+    const std::size_t open = text.find('[');
+    if (open != std::string::npos && text.find(']', open) == std::string::npos) {
+      throw InputError("'" + text + "': the unit's ']' is missing");
+    }
+    channels.push_back(parse_channel(text));
+  }
+  return channels;
 }
 
 Channels channels_of_arguments(const ImportArguments& arguments) {
@@ -68,10 +69,7 @@ Channels channels_of_arguments(const ImportArguments& arguments) {
   if (arguments.states.empty() || arguments.actions.empty()) {
     throw InputError("say which columns to take: --simulator NAME, or --states and --actions");
   }
-  Channels channels;
-  for (const std::string& text : arguments.states) channels.states.push_back(parse_channel(text));
-  for (const std::string& text : arguments.actions) channels.actions.push_back(parse_channel(text));
-  return channels;
+  return {parse_channels(arguments.states), parse_channels(arguments.actions)};
 }
 
 // Finished simulations have no channels, times or rollouts.

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/store/csv_file.h"
+#include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -15,88 +16,123 @@ namespace {
 // Rounded times (0.033, 0.067, 0.1) are fine, a lost sample is not.
 constexpr double kTimeTolerance = 0.05;
 
-// Columns of one file, resolved from labels.
-std::vector<std::size_t> find_columns(const CsvFile& file, const std::vector<Channel>& wanted) {
-  std::vector<std::size_t> columns;
-  for (const Channel& channel : wanted) columns.push_back(file.column_of(channel));
-  return columns;
-}
-
-std::vector<Channel> channels_at(const CsvFile& file, const std::vector<std::size_t>& columns) {
-  std::vector<Channel> channels;
-  for (const std::size_t column : columns) channels.push_back(file.columns()[column]);
-  return channels;
-}
-
-RowMatrix read_rows(const CsvFile& file, const std::vector<std::size_t>& columns, Index num_rows) {
-  RowMatrix values(num_rows, static_cast<Index>(columns.size()));
-  for (Index row = 0; row < num_rows; ++row) {
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      values(row, static_cast<Index>(c)) = file.number(row, columns[c]);
-    }
+// The column of a channel; its unit may be any when the channel's is "".
+std::size_t column_of(const NumberTable& table, const Channel& channel) {
+  const std::vector<Channel>& columns = table.columns();
+  const auto column = std::ranges::find(columns, channel.label, &Channel::label);
+  if (column == columns.end()) {
+    std::vector<std::string> labels;
+    for (const Channel& known : columns) labels.push_back(known.label);
+    throw InputError(table.name() + ":1: " + missing_name("column", channel.label, labels));
   }
-  return values;
+  const auto index = static_cast<std::size_t>(column - columns.begin());
+  if (!channel.unit.empty() && column->unit != channel.unit) {
+    throw InputError(fmt::format("{}:1: column {} '{}' is in [{}], must be in [{}]", table.name(),
+                                 index + 1, channel.label, column->unit, channel.unit));
+  }
+  return index;
+}
+
+std::optional<std::size_t> time_column(const NumberTable& table) {
+  for (const char* label : {"t", "time"}) {
+    if (std::ranges::count(table.columns(), label, &Channel::label) == 0) continue;
+    return column_of(table, {label, "s"});
+  }
+  return std::nullopt;
+}
+
+// The columns of one file that are taken.
+struct Columns {
+  std::vector<std::size_t> states, actions;
+  std::optional<std::size_t> time;
+};
+
+Columns taken_columns(const NumberTable& table, const CsvOptions& options) {
+  Columns columns;
+  for (const Channel& c : options.channels.states) columns.states.push_back(column_of(table, c));
+  for (const Channel& c : options.channels.actions) columns.actions.push_back(column_of(table, c));
+  columns.time = time_column(table);
+  if (columns.time || options.dt) return columns;
+  throw InputError(table.name() + ":1: no column 't [s]' or 'time [s]'; give the time between " +
+                   "two rows with --dt");
+}
+
+// What these columns hold, row by row.
+struct Rows {
+  Index count = 0;
+  std::vector<double> states, actions, times;
+};
+
+// The last row's actions come after the last state: they may be missing, but must not be rubbish.
+Rows read_rows(NumberTable& table, const Columns& columns) {
+  Rows rows;
+  std::optional<InputError> gap;
+  for (; table.next(); ++rows.count) {
+    if (gap) throw *gap;
+    for (const std::size_t c : columns.states) rows.states.push_back(table.finite_number(c));
+    for (const std::size_t c : columns.actions) {
+      const bool is_missing = table.is_missing(c);
+      if (is_missing && !gap) gap = table.problem(c, "a finite number");
+      rows.actions.push_back(is_missing ? 0.0 : table.finite_number(c));
+    }
+    if (columns.time) rows.times.push_back(table.finite_number(*columns.time));
+  }
+  if (rows.count >= 2) return rows;
+  throw InputError(fmt::format("{}: has {} rows below its header, must have at least 2",
+                               table.name(), rows.count));
 }
 
 // A lost line is found where it is missing.
-void check_steps(const CsvFile& file, std::size_t column) {
-  std::vector<double> steps;
-  for (Index row = 1; row < file.num_rows(); ++row) {
-    steps.push_back(file.number(row, column) - file.number(row - 1, column));
-  }
+void check_steps(const std::string& where, const std::string& column,
+                 const std::vector<double>& times) {
+  std::vector<double> steps(times.size());
+  std::adjacent_difference(times.begin(), times.end(), steps.begin());
+  steps.erase(steps.begin());
   std::vector<double> sorted = steps;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::ranges::nth_element(sorted, middle);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (steps[i] > 0.0 && std::abs(steps[i] - *middle) <= 2.0 * kTimeTolerance * *middle) continue;
     throw InputError(fmt::format(
-        "{}:{}: column {} '{}' is {:.6g} after the line before, elsewhere {:.6g}: times must be "
-        "equally spaced and increase",
-        file.name(), i + 3, column + 1, file.columns()[column].label, steps[i], *middle));
+        "{}:{}: {} is {:.6g} after the line before, elsewhere {:.6g}: times must be equally spaced "
+        "and increase",
+        where, i + 3, column, steps[i], *middle));
   }
 }
 
 // Mean step of equally spaced times.
-double time_step(const CsvFile& file, std::size_t column) {
-  file.column_of({file.columns()[column].label, "s"});
-  check_steps(file, column);
-  const Index last = file.num_rows() - 1;
-  const double start = file.number(0, column);
-  const double dt = (file.number(last, column) - start) / static_cast<double>(last);
-  for (Index row = 0; row <= last; ++row) {
-    const double expected = start + static_cast<double>(row) * dt;
-    const double found = file.number(row, column);
-    if (!(std::abs(found - expected) <= kTimeTolerance * dt)) {
-      throw InputError(fmt::format(
-          "{}:{}: column {} '{}' = {}, must be {:.6g}: times must be equally spaced and increase",
-          file.name(), row + 2, column + 1, file.columns()[column].label, found, expected));
-    }
+double mean_step(const std::string& where, const std::string& column,
+                 const std::vector<double>& times) {
+  check_steps(where, column, times);
+  const double dt = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  for (std::size_t row = 0; row < times.size(); ++row) {
+    const double expected = times.front() + static_cast<double>(row) * dt;
+    if (std::abs(times[row] - expected) <= kTimeTolerance * dt) continue;
+    throw InputError(
+        fmt::format("{}:{}: {} = {}, must be {:.6g}: times must be equally spaced and increase",
+                    where, row + 2, column, times[row], expected));
   }
   return dt;
 }
 
-double time_step(const CsvFile& file, std::optional<double> given) {
-  auto column = file.find("t");
-  if (!column) column = file.find("time");
-  if (!column && given) return *given;
-  if (!column) {
-    throw InputError(file.name() + ":1: no column 't [s]' or 'time [s]'; give the time between " +
-                     "two rows with --dt");
-  }
-  const double dt = time_step(file, *column);
+double time_step(const NumberTable& table, const Columns& columns, const Rows& rows,
+                 std::optional<double> given) {
+  if (!columns.time) return given.value();
+  const std::string column =
+      fmt::format("column {} '{}'", *columns.time + 1, table.columns()[*columns.time].label);
+  const double dt = mean_step(table.name(), column, rows.times);
   if (given && std::abs(dt - *given) > kTimeTolerance * *given) {
     throw InputError(fmt::format("{}: its times are {:.6g} s apart, but --dt says {} s",
-                                 file.name(), dt, *given));
+                                 table.name(), dt, *given));
   }
   return given.value_or(dt);
 }
 
-// The last row's actions come after the last state: they may be missing, but must not be rubbish.
-void check_last_actions(const CsvFile& file, const std::vector<std::size_t>& columns) {
-  const Index last = file.num_rows() - 1;
-  for (const std::size_t column : columns) {
-    if (!file.is_missing(last, column)) file.number(last, column);
-  }
+std::vector<Channel> channels_at(const NumberTable& table,
+                                 const std::vector<std::size_t>& columns) {
+  std::vector<Channel> channels;
+  for (const std::size_t column : columns) channels.push_back(table.columns()[column]);
+  return channels;
 }
 
 struct CsvRollout {
@@ -107,19 +143,17 @@ struct CsvRollout {
 };
 
 CsvRollout read_file(const std::filesystem::path& path, const CsvOptions& options) {
-  const CsvFile file(path);
-  if (file.num_rows() < 2) {
-    throw InputError(fmt::format("{}: has {} rows below its header, must have at least 2",
-                                 file.name(), file.num_rows()));
-  }
-  const auto states = find_columns(file, options.channels.states);
-  const auto actions = find_columns(file, options.channels.actions);
-  check_last_actions(file, actions);
-  return {.dt = time_step(file, options.dt),
-          .states = channels_at(file, states),
-          .actions = channels_at(file, actions),
-          .rollout = {path.stem().string(), read_rows(file, states, file.num_rows()),
-                      read_rows(file, actions, file.num_rows() - 1)}};
+  NumberTable table(path, Header::with_units);
+  const Columns columns = taken_columns(table, options);
+  const Rows rows = read_rows(table, columns);
+  const auto matrix = [](const std::vector<double>& values, Index count, std::size_t width) {
+    return RowMatrix(Eigen::Map<const RowMatrix>(values.data(), count, static_cast<Index>(width)));
+  };
+  return {.dt = time_step(table, columns, rows, options.dt),
+          .states = channels_at(table, columns.states),
+          .actions = channels_at(table, columns.actions),
+          .rollout = {path.stem().string(), matrix(rows.states, rows.count, columns.states.size()),
+                      matrix(rows.actions, rows.count - 1, columns.actions.size())}};
 }
 
 // Every file must be a rollout of the same system, sampled alike, and as long as the first.

@@ -38,11 +38,10 @@ SampleSet read_csv(const std::filesystem::path& path, Index most_rows) {
   NumberTable table(path);
   const auto width = static_cast<std::size_t>(table.num_columns());
   SampleSet set{table.name(), table.columns(), {}};
-  std::vector<double> row(width), all;
+  std::vector<double> all;
   Index count = 0;
-  for (; count < most_rows && table.next(row); ++count) {
-    table.require_finite(row);
-    all.insert(all.end(), row.begin(), row.end());
+  for (; count < most_rows && table.next(); ++count) {
+    for (std::size_t c = 0; c < width; ++c) all.push_back(table.finite_number(c));
   }
   set.rows = Eigen::Map<const RowMatrix>(all.data(), count, table.num_columns());
   return set;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/text.h"
+#include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
 
 namespace npdr::pipeline {
@@ -51,9 +52,9 @@ void check_cluster(const Study& study, Reading& reading) {
     if (!reading.good(path) || !reading.good("cluster.signal_seconds")) continue;
     const std::optional<double> seconds = seconds_of(*time);
     if (!seconds || *seconds > static_cast<double>(cluster.signal_seconds)) continue;
-    reading.fail(path, must_be(path, quoted(*time),
-                               fmt::format("longer than cluster.signal_seconds = {}",
-                                           cluster.signal_seconds)));
+    Checker(reading).fail(
+        path, quoted(*time),
+        fmt::format("longer than cluster.signal_seconds = {}", cluster.signal_seconds));
   }
 }
 

@@ -10,17 +10,18 @@
 #include "core/feature_names.h"
 #include "core/text.h"
 #include "inference/embeddings/embedding_config.h"
+#include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
 
 namespace npdr::pipeline {
 namespace {
 
-class ExternalChecker {
+class ExternalChecker : Checker {
  public:
   ExternalChecker(const Study& study, Reading& reading)
-      : study_(study),
+      : Checker(reading),
+        study_(study),
         external_(study.external),
-        reading_(reading),
         what_(study.external.dataset ? "dataset" : "command") {}
 
   void check() {
@@ -47,15 +48,6 @@ class ExternalChecker {
   }
 
  private:
-  void fail(const std::string& path, const std::string& found, const std::string& words) {
-    reading_.fail(path, must_be(display(path), found, words));
-  }
-
-  void must_be_left_out(const std::string& path, const std::string& why) {
-    if (!reading_.has(path)) return;
-    reading_.fail(path, fmt::format("{} must be left out: {}", display(path), why));
-  }
-
   void check_built_in() {
     must_be_left_out("simulator.features", "the simulator has state channels");
     must_be_left_out("target.observation", "it is for a simulator.command or dataset");
@@ -169,16 +161,10 @@ class ExternalChecker {
                  "an existing HDF5 file; 'npdr import --theta' makes one of CSV files");
   }
 
-  void require_file(const std::string& path, const std::string& file, const std::string& words) {
-    std::error_code unreadable;
-    if (!std::filesystem::is_regular_file(file, unreadable)) fail(path, quoted(file), words);
-  }
-
   std::string no_rollouts() const { return "a " + what_ + " gives no rollouts"; }
 
   const Study& study_;
   const ExternalConfig& external_;
-  Reading& reading_;
   std::string what_;
 };
 
@@ -213,13 +199,12 @@ void check_dataset_rows(const Study& study, Index num_rows) {
     const Index wanted = study.methods[i].algorithm.num_simulations;
     if (wanted <= num_rows) continue;
     const std::string path = "method[" + std::to_string(i) + "].num_simulations";
-    reading.fail(path, must_be(display(path), std::to_string(wanted),
-                               "<= " + std::to_string(num_rows) + ", the rows of the dataset"));
+    Checker(reading).fail(path, std::to_string(wanted),
+                          "<= " + std::to_string(num_rows) + ", the rows of the dataset");
   }
   if (num_rows > std::numeric_limits<std::uint32_t>::max()) {
-    reading.fail(
-        "simulator.dataset",
-        must_be("simulator.dataset", std::to_string(num_rows) + " rows", "of < 2^32 rows"));
+    Checker(reading).fail("simulator.dataset", std::to_string(num_rows) + " rows",
+                          "of < 2^32 rows");
   }
   reading.problems().throw_if_any();
 }

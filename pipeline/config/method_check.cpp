@@ -8,26 +8,22 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/algorithms/npe_c.h"
+#include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/method_settings.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/config/toml_document.h"
 
 namespace npdr::pipeline {
 namespace {
 
-class MethodChecker {
+class MethodChecker : Checker {
  public:
   MethodChecker(Study& study, const sim::SimulatorInfo* info, Reading& reading)
-      : study_(study), info_(info), reading_(reading) {}
+      : Checker(reading), study_(study), info_(info) {}
 
   void check(std::size_t i);
 
  private:
-  void fail(const std::string& path, const std::string& found, const std::string& words) {
-    reading_.fail(path, must_be(display(path), found, words));
-  }
-
   void check_embedding(const std::string& path, const inference::EmbeddingConfig& embedding);
   void check_training(const std::string& path, const MethodConfig& method);
   void check_split(const std::string& path, const MethodConfig& method);
@@ -40,7 +36,6 @@ class MethodChecker {
 
   Study& study_;
   const sim::SimulatorInfo* info_;
-  Reading& reading_;
 };
 
 void MethodChecker::check(std::size_t i) {
@@ -71,10 +66,8 @@ void MethodChecker::check(std::size_t i) {
   }
   const std::vector<std::string> metrics = metric_names();
   for (const auto& [metric, figure] : method.published) {
-    if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) {
-      reading_.fail(fmt::format("{}.published.{}", path, metric),
-                    "method.published: " + unknown_name("metric", shortened(metric), metrics));
-    }
+    require_known(fmt::format("{}.published.{}", path, metric), "method.published", "metric",
+                  metric, metrics);
   }
 }
 
@@ -91,11 +84,7 @@ void MethodChecker::check_embedding(const std::string& path,
   std::vector<std::string> labels;
   for (const Channel& channel : info_->state_channels) labels.push_back(channel.label);
   for (const std::string& channel : embedding.channels) {
-    if (std::find(labels.begin(), labels.end(), channel) == labels.end()) {
-      reading_.fail(path + ".channels",
-                    fmt::format("{}.channels: {}", display(path),
-                                unknown_name("channel", shortened(channel), labels)));
-    }
+    require_known(path + ".channels", display(path) + ".channels", "channel", channel, labels);
   }
 }
 
@@ -180,10 +169,9 @@ void MethodChecker::check_unused_settings(const std::string& path, const MethodC
   const nlohmann::ordered_json settings = to_json(method);
   for (const auto& [setting, value] : settings.items()) {
     const std::string member = path + "." + setting;
-    if (reads_setting(method.algorithm.name, setting)) continue;
-    if (!reading_.has(member) || is_override(reading_.place(member))) continue;
-    reading_.fail(member, fmt::format("{} must be left out: it means nothing to the algorithm '{}'",
-                                      display(member), method.algorithm.name));
+    if (reads_setting(method.algorithm.name, setting) || !is_in_file(member)) continue;
+    must_be_left_out(member,
+                     fmt::format("it means nothing to the algorithm '{}'", method.algorithm.name));
   }
 }
 

@@ -7,17 +7,17 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/toml_document.h"
 #include "sim/policy_task.h"
 
 namespace npdr::pipeline {
 namespace {
 
-class PolicyChecker {
+class PolicyChecker : Checker {
  public:
   PolicyChecker(const Study& study, const sim::SimulatorInfo* info, Reading& reading)
-      : study_(study), info_(info), reading_(reading) {}
+      : Checker(reading), study_(study), info_(info) {}
 
   void check() {
     if (!study_.policy.is_used() || !reading_.good("policy.optimizer")) return;
@@ -29,23 +29,18 @@ class PolicyChecker {
   }
 
  private:
-  void fail(const std::string& path, const std::string& found, const std::string& words) {
-    reading_.fail(path, must_be(display(path), found, words));
-  }
-
   bool has_task();
   void check_optimizer();
   void check_initial();
   void check_model();
   void check_grid();
   void check_axis(const std::string& path, const PolicyGridAxis& axis);
-  // nullptr, and the problem noted down, for a name that isn't a parameter of the simulator.
-  const sim::Parameter* find_parameter(const std::string& path, const std::string& name);
-  void check_value(const std::string& path, const sim::Parameter& parameter, double value);
+  const sim::Parameter* find_domain_parameter(const std::string& path, const std::string& name) {
+    return find_parameter(path, display(path), *info_, name);
+  }
 
   const Study& study_;
   const sim::SimulatorInfo* info_;
-  Reading& reading_;
 };
 
 bool PolicyChecker::has_task() {
@@ -65,9 +60,8 @@ void PolicyChecker::check_optimizer() {
   const std::string& optimizer = study_.policy.optimizer;
   const auto only_of = [&](const char* owner, const std::string& key) {
     const std::string path = "policy." + key;
-    if (optimizer == owner || !reading_.has(path) || is_override(reading_.place(path))) return;
-    reading_.fail(path, fmt::format("{} must be left out: it means nothing to the optimizer '{}'",
-                                    path, optimizer));
+    if (optimizer == owner || !is_in_file(path)) return;
+    must_be_left_out(path, fmt::format("it means nothing to the optimizer '{}'", optimizer));
   };
   only_of("power", "num_importance_samples");
   only_of("cross_entropy", "elite_fraction");
@@ -86,40 +80,19 @@ void PolicyChecker::check_initial() {
   for (const sim::PolicyParameter& parameter : parameters) names.push_back(parameter.name);
   for (const auto& [name, value] : study_.policy.initial) {
     const std::string path = "policy.initial." + name;
+    if (!require_known(path, "policy.initial", "parameter of the policy", name, names)) continue;
     const auto found = std::ranges::find(parameters, name, &sim::PolicyParameter::name);
-    if (found == parameters.end()) {
-      reading_.fail(path, "policy.initial: " +
-                              unknown_name("parameter of the policy", shortened(name), names));
-    } else if (reading_.good(path) && found->log_scale && !(value > 0.0)) {
+    if (reading_.good(path) && found->log_scale && !(value > 0.0)) {
       fail(path, fmt::format("{}", value), "> 0: its logarithm is searched");
     }
   }
-}
-
-const sim::Parameter* PolicyChecker::find_parameter(const std::string& path,
-                                                    const std::string& name) {
-  std::vector<std::string> names;
-  for (const sim::Parameter& parameter : info_->parameters) {
-    if (parameter.name == name) return &parameter;
-    names.push_back(parameter.name);
-  }
-  reading_.fail(path, fmt::format("{}: {}", display(path),
-                                  unknown_name("parameter", shortened(name), names)));
-  return nullptr;
-}
-
-void PolicyChecker::check_value(const std::string& path, const sim::Parameter& parameter,
-                                double value) {
-  if (value >= parameter.lower && value <= parameter.upper) return;
-  fail(path, fmt::format("{}", value),
-       fmt::format("between {} and {} {}", parameter.lower, parameter.upper, parameter.unit));
 }
 
 void PolicyChecker::check_model() {
   bool is_sound = reading_.good("simulator.parameters");
   for (const auto& [name, value] : study_.policy.model) {
     const std::string path = "policy.model." + name;
-    const sim::Parameter* parameter = find_parameter(path, name);
+    const sim::Parameter* parameter = find_domain_parameter(path, name);
     if (parameter != nullptr && reading_.good(path)) check_value(path, *parameter, value);
     is_sound = is_sound && parameter != nullptr && reading_.good(path);
   }
@@ -155,7 +128,7 @@ void PolicyChecker::check_axis(const std::string& path, const PolicyGridAxis& ax
     reading_.fail(path, path + " has no parameter = '...', must name a domain parameter");
     return;
   }
-  const sim::Parameter* parameter = find_parameter(path + ".parameter", axis.parameter);
+  const sim::Parameter* parameter = find_domain_parameter(path + ".parameter", axis.parameter);
   if (axis.range.empty() == axis.values.empty()) {
     reading_.fail(path, fmt::format("{} has {} range = [low, high] {} values = [...], must have "
                                     "one of them",
@@ -168,8 +141,7 @@ void PolicyChecker::check_axis(const std::string& path, const PolicyGridAxis& ax
     return;
   }
   if (!axis.values.empty() && reading_.has(path + ".steps")) {
-    reading_.fail(path + ".steps", path + ".steps must be left out: it means nothing to values");
-    return;
+    return must_be_left_out(path + ".steps", "it means nothing to values");
   }
   if (parameter == nullptr) return;
   const std::string points = axis.values.empty() ? ".range" : ".values";

@@ -4,18 +4,17 @@
 
 #include <algorithm>
 
-#include "core/text.h"
 #include "inference/embeddings/embedding.h"
 #include "inference/feature_transform.h"
-#include "pipeline/config/constraint.h"
+#include "pipeline/config/checker.h"
 
 namespace npdr::pipeline {
 namespace {
 
-class RolloutChecker {
+class RolloutChecker : Checker {
  public:
   RolloutChecker(const Study& study, const RolloutShape& shape, Reading& reading)
-      : study_(study), shape_(shape), reading_(reading) {}
+      : Checker(reading), study_(study), shape_(shape) {}
 
   void check() {
     if (study_.external.is_used()) {
@@ -42,8 +41,7 @@ class RolloutChecker {
   bool check_at_most(const std::string& path, Index found, Index most, const std::string& why) {
     if (!reading_.good(path)) return false;
     if (found <= most) return true;
-    reading_.fail(
-        path, must_be(display(path), std::to_string(found), fmt::format("<= {}, {}", most, why)));
+    fail(path, std::to_string(found), fmt::format("<= {}, {}", most, why));
     return false;
   }
 
@@ -70,10 +68,8 @@ class RolloutChecker {
     std::vector<std::string> labels;
     for (const Channel& channel : shape_.state_channels) labels.push_back(channel.label);
     for (const std::string& channel : method.embedding.channels) {
-      if (std::ranges::find(labels, channel) != labels.end()) continue;
-      reading_.fail(
-          path + ".embedding.channels",
-          "method.embedding.channels: " + unknown_name("feature", shortened(channel), labels));
+      require_known(path + ".embedding.channels", "method.embedding.channels", "feature", channel,
+                    labels);
     }
     const bool readable =
         reading_.good(path + ".embedding") && reading_.good(path + ".num_simulations");
@@ -115,7 +111,6 @@ class RolloutChecker {
 
   const Study& study_;
   const RolloutShape& shape_;
-  Reading& reading_;
 };
 
 }  // namespace

@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <set>
-#include <system_error>
 
 #include "analysis/pair_plot.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/diagnostics/out_of_distribution.h"
+#include "pipeline/config/checker.h"
 #include "pipeline/config/cluster_check.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/external_check.h"
@@ -20,7 +19,6 @@
 #include "pipeline/config/prior_check.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
-#include "pipeline/config/toml_document.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -28,9 +26,9 @@ namespace {
 using inference::Marginal;
 using Numbers = std::map<std::string, double>;
 
-class StudyChecker {
+class StudyChecker : Checker {
  public:
-  StudyChecker(Study& study, Reading& reading) : study_(study), reading_(reading) {}
+  StudyChecker(Study& study, Reading& reading) : Checker(reading), study_(study) {}
 
   void check() {
     check_source(study_, reading_);
@@ -56,10 +54,6 @@ class StudyChecker {
   }
 
  private:
-  void fail(const std::string& path, const std::string& found, const std::string& words) {
-    reading_.fail(path, must_be(display(path), found, words));
-  }
-
   void load_simulator();
   void check_simulator();
   void check_target();
@@ -75,11 +69,7 @@ class StudyChecker {
   void check_held_out();
   void check_report();
 
-  // nullptr, and the problem noted down, for a name that isn't a parameter of the simulator.
-  const sim::Parameter* find_parameter(const std::string& path, const std::string& name);
-
   Study& study_;
-  Reading& reading_;
   std::optional<sim::SimulatorInfo> info_;
 };
 
@@ -124,10 +114,7 @@ void StudyChecker::check_target() {
 }
 
 void StudyChecker::check_recording(const std::string& recording) {
-  std::error_code unreadable;
-  if (!std::filesystem::is_regular_file(recording, unreadable)) {
-    fail("target.recording", quoted(recording), "an existing HDF5 file");
-  }
+  require_file("target.recording", recording, "an existing HDF5 file");
   if (reading_.has("target.seed")) {
     fail("target.seed", std::to_string(study_.target.seed),
          "left out with a recording: it picks the behaviour of a truth");
@@ -144,29 +131,12 @@ void StudyChecker::check_truths_rollouts() {
                  reading_);
 }
 
-const sim::Parameter* StudyChecker::find_parameter(const std::string& path,
-                                                   const std::string& name) {
-  std::vector<std::string> names;
-  for (const sim::Parameter& parameter : info_->parameters) {
-    if (parameter.name == name) return &parameter;
-    names.push_back(parameter.name);
-  }
-  reading_.fail(path + "." + name, fmt::format("{}: {}", display(path),
-                                               unknown_name("parameter", shortened(name), names)));
-  return nullptr;
-}
-
 void StudyChecker::check_values(const std::string& path, const Numbers& values) {
   if (!info_) return;
   for (const auto& [name, value] : values) {
     const std::string member = fmt::format("{}.{}", path, name);
-    const sim::Parameter* parameter = find_parameter(path, name);
-    if (parameter == nullptr || !reading_.good(member)) continue;
-    if (value < parameter->lower || value > parameter->upper) {
-      fail(
-          member, fmt::format("{}", value),
-          fmt::format("between {} and {} {}", parameter->lower, parameter->upper, parameter->unit));
-    }
+    const sim::Parameter* parameter = find_parameter(member, display(path), *info_, name);
+    if (parameter != nullptr && reading_.good(member)) check_value(member, *parameter, value);
   }
 }
 
@@ -178,7 +148,7 @@ void StudyChecker::check_marginal(Marginal& marginal) {
                             "be in one of them");
   }
   if (!info_) return;
-  const sim::Parameter* parameter = find_parameter("prior", marginal.name);
+  const sim::Parameter* parameter = find_parameter(path, "prior", *info_, marginal.name);
   if (parameter == nullptr || !reading_.good(path)) return;
   marginal.unit = parameter->unit;
   check_bounds(marginal, *parameter, reading_);
@@ -187,10 +157,8 @@ void StudyChecker::check_marginal(Marginal& marginal) {
 void StudyChecker::check_unused_settings() {
   if (!info_ || study_.external.is_used()) return;
   for (const std::string& setting : sim::unused_settings(info_->name)) {
-    const std::string path = "simulator." + setting;
-    if (!reading_.has(path)) continue;
-    reading_.fail(path, fmt::format("{} must be left out: it means nothing to the simulator '{}'",
-                                    path, info_->name));
+    must_be_left_out("simulator." + setting,
+                     fmt::format("it means nothing to the simulator '{}'", info_->name));
   }
 }
 
@@ -284,11 +252,8 @@ void StudyChecker::check_report() {
   for (const Marginal& marginal : study_.prior) names.push_back(marginal.name);
   const std::vector<std::string>& shown = study_.report.parameters;
   for (const std::string& parameter : shown) {
-    if (std::find(names.begin(), names.end(), parameter) == names.end()) {
-      reading_.fail("report.parameters",
-                    "report.parameters: " +
-                        unknown_name("parameter of the prior", shortened(parameter), names));
-    }
+    require_known("report.parameters", "report.parameters", "parameter of the prior", parameter,
+                  names);
   }
   if (shown.empty() || !reading_.good("report.parameters")) return;
   const auto count = static_cast<Index>(shown.size());

@@ -5,14 +5,9 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/text.h"
 
 namespace npdr::pipeline {
-
-std::string trimmed(const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string::npos) return "";
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
 
 std::vector<std::string> csv_fields(const std::string& line, const std::string& where) {
   std::vector<std::string> fields(1);

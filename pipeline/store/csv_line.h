@@ -6,9 +6,6 @@
 
 namespace npdr::pipeline {
 
-/// Without blanks and tabulators on both sides.
-std::string trimmed(const std::string& text);
-
 /// The fields of a line, trimmed (RFC 4180, except that a field can't hold a line break). Throws
 /// InputError, which begins with `where`, when the last quote isn't closed.
 std::vector<std::string> csv_fields(const std::string& line, const std::string& where);

@@ -35,8 +35,11 @@ std::optional<double> parse_number(const std::string& field) {
 
 }  // namespace
 
-NumberTable::NumberTable(const std::filesystem::path& path) : name_(path.string()) {
+NumberTable::NumberTable(const std::filesystem::path& path, Header header) : name_(path.string()) {
   std::error_code unreadable;
+  if (std::filesystem::is_directory(path, unreadable)) {
+    throw InputError(name_ + ": is a folder, must be a file");
+  }
   if (!std::filesystem::is_regular_file(path, unreadable)) {
     throw InputError(
         name_ + (std::filesystem::exists(path, unreadable) ? ": isn't a file" : ": isn't there"));
@@ -47,31 +50,52 @@ NumberTable::NumberTable(const std::filesystem::path& path) : name_(path.string(
   if (line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);
   fields_ = csv_fields(line_, place());
   num_columns_ = static_cast<Index>(fields_.size());
-  has_fields_ =
-      std::ranges::all_of(fields_, [](const auto& f) { return parse_number(f).has_value(); });
-  if (!has_fields_) read_header();
+  is_ahead_ = header == Header::optional && std::ranges::all_of(fields_, [](const auto& f) {
+                return parse_number(f).has_value();
+              });
+  if (!is_ahead_) read_header(header);
 }
 
-bool NumberTable::next(std::span<double> row) {
-  if (!has_fields_) {
-    if (!next_line()) return false;
-    fields_ = csv_fields(line_, place());
+bool NumberTable::next() {
+  if (is_ahead_) {
+    is_ahead_ = false;
+    return true;
   }
-  has_fields_ = false;
+  if (!next_line()) return false;
+  fields_ = csv_fields(line_, place());
   if (static_cast<Index>(fields_.size()) != num_columns_) {
     fail(fmt::format("has {} columns, must have {} like the first line", fields_.size(),
                      num_columns_));
   }
+  return true;
+}
+
+bool NumberTable::next(std::span<double> row) {
+  if (!next()) return false;
   for (std::size_t c = 0; c < fields_.size(); ++c) row[c] = number(c);
   return true;
 }
 
-void NumberTable::require_finite(std::span<const double> row) const {
-  for (std::size_t c = 0; c < row.size(); ++c) {
-    if (!std::isfinite(row[c])) {
-      fail(fmt::format("{} = {}, must be finite", column_name(c), row[c]));
-    }
-  }
+double NumberTable::number(std::size_t column) const {
+  const std::optional<double> value = parse_number(fields_[column]);
+  if (!value) throw problem(column, "a number");
+  return *value;
+}
+
+double NumberTable::finite_number(std::size_t column) const {
+  const std::optional<double> value = parse_number(fields_[column]);
+  if (!value || !std::isfinite(*value)) throw problem(column, "a finite number");
+  return *value;
+}
+
+bool NumberTable::is_missing(std::size_t column) const {
+  return fields_[column].empty() || std::isnan(parse_number(fields_[column]).value_or(0.0));
+}
+
+InputError NumberTable::problem(std::size_t column, const std::string& words) const {
+  const std::string label = columns_.empty() ? "" : fmt::format(" '{}'", columns_[column].label);
+  return InputError(fmt::format("{}: column {}{} = {}, must be {}", place(), column + 1, label,
+                                quoted(fields_[column]), words));
 }
 
 // The next line that isn't blank, without its end. Blank ones are only allowed at the end.
@@ -79,7 +103,7 @@ bool NumberTable::next_line() {
   Index first_blank = 0;
   while (read_line()) {
     ++line_number_;
-    const bool is_blank = line_.find_first_not_of(" \t") == std::string::npos;
+    const bool is_blank = trimmed(line_).empty();
     if (!is_blank && first_blank == 0) return true;
     if (first_blank == 0) first_blank = line_number_;
     if (is_blank) continue;
@@ -90,7 +114,7 @@ bool NumberTable::next_line() {
 }
 
 // Unlike std::getline(), with a limit: a file of one endless line fits into no memory.
-bool NumberTable::read_line() {
+bool NumberTable::read_line() try {
   constexpr int end = std::char_traits<char>::eof();
   std::streambuf& characters = *stream_.rdbuf();
   line_.clear();
@@ -102,23 +126,23 @@ bool NumberTable::read_line() {
   }
   if (!line_.empty() && line_.back() == '\r') line_.pop_back();
   return true;
+} catch (const std::ios_base::failure&) {
+  throw InputError(name_ + ": reading failed");
 }
 
-double NumberTable::number(std::size_t column) const {
-  const std::optional<double> value = parse_number(fields_[column]);
-  if (value) return *value;
-  fail(fmt::format("{} = {}, must be a number", column_name(column), quoted(fields_[column])));
-}
-
-std::string NumberTable::column_name(std::size_t column) const {
-  const std::string number = fmt::format("column {}", column + 1);
-  return columns_.empty() ? number : fmt::format("{} '{}'", number, columns_[column].label);
-}
-
-void NumberTable::read_header() {
+void NumberTable::read_header(Header header) {
   for (const std::string& field : fields_) {
-    const Channel column = parse_feature(field);
+    const bool has_units = header == Header::with_units;
+    const Channel column = has_units ? parse_channel(field) : parse_feature(field);
     const std::size_t number = columns_.size() + 1;
+    // A semicolon or tabulator in a label separates what should be two of them.
+    if (has_units && (column.label.empty() || column.unit.empty() ||
+                      column.label.find_first_of(";\t") != std::string::npos)) {
+      fail(
+          fmt::format("column {} is headed {}, must be 'label [unit]', such as 'theta [rad]' or "
+                      "'gain [1]', with commas between columns",
+                      number, quoted(field)));
+    }
     if (column.label.empty()) fail(fmt::format("column {} has no name", number));
     if (std::ranges::find(columns_, column.label, &Channel::label) != columns_.end()) {
       fail(fmt::format("column {} is a second one headed {}", number, quoted(column.label)));

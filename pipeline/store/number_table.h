@@ -7,42 +7,57 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "core/target.h"
 #include "core/types.h"
 
 namespace npdr::pipeline {
 
-/// Numbers, separated by commas, a line a row; all rows are as long as the first. A first line with
-/// a field that isn't a number is a header: it names each column as `label` or `label [unit]`.
-/// Accepts a byte order mark, CRLF, fields in double quotes, spaces around fields and empty lines
-/// at the end.
+/// Whether the first line of a table names its columns.
+enum class Header {
+  optional,    ///< where one of its fields isn't a number: as `label` or `label [unit]`
+  with_units,  ///< always, as `label [unit]`
+};
+
+/// Numbers, separated by commas, a line a row; all rows are as long as the first line. Accepts what
+/// spreadsheets write: a byte order mark, CRLF, fields in double quotes, spaces around fields and
+/// empty lines at the end. All messages begin with file and line.
 class NumberTable {
  public:
-  /// Throws InputError for what can't be opened, is empty, or has a header with an empty or
-  /// repeated label.
-  explicit NumberTable(const std::filesystem::path& path);
+  /// Throws InputError for what can't be read, is empty, or has a header with an empty or repeated
+  /// label, or without a unit that it must have.
+  explicit NumberTable(const std::filesystem::path& path, Header header = Header::optional);
 
   const std::string& name() const { return name_; }
   bool has_header() const { return !columns_.empty(); }
-  /// As the header names them; empty without one.
+  /// Columns as the header names them; empty without one.
   const std::vector<Channel>& columns() const { return columns_; }
   Index num_columns() const { return num_columns_; }
 
-  /// The next row, num_columns() values; false at the end. NaN (also `NA`) and infinities are read
-  /// as such. Throws InputError with file, line and column for anything else that isn't a number, a
-  /// row of another length, and a line of more than 64 MiB.
+  /// Goes on to the next row; false at the end. Throws InputError for a row of another length, an
+  /// empty line between rows, and a line of more than 64 MiB.
+  bool next();
+
+  /// The same, and reads its num_columns() numbers.
   bool next(std::span<double> row);
 
-  /// Throws InputError with file, line and column unless all values of the row that next() has
-  /// just given are finite.
-  void require_finite(std::span<const double> row) const;
+  /// The number in a column of this row; NaN (also `NA`) and infinities are read as such. Throws
+  /// InputError with line and column for anything else that isn't a number.
+  double number(std::size_t column) const;
+
+  /// The same; throws for what isn't finite, too.
+  double finite_number(std::size_t column) const;
+
+  /// Whether a column of this row holds nothing, or NaN.
+  bool is_missing(std::size_t column) const;
+
+  /// What is wrong with a column of this row, for a caller to throw: `must be <words>`.
+  InputError problem(std::size_t column, const std::string& words) const;
 
  private:
   bool next_line();
   bool read_line();
-  double number(std::size_t column) const;
-  std::string column_name(std::size_t column) const;
-  void read_header();
+  void read_header(Header header);
   std::string place() const;
   [[noreturn]] void fail(const std::string& message) const;
 
@@ -51,7 +66,7 @@ class NumberTable {
   std::string line_;
   Index line_number_ = 0;
   std::vector<std::string> fields_;
-  bool has_fields_ = false;  // of a row that has been split, but not handed out
+  bool is_ahead_ = false;  // the fields of the first row have been read, but not handed out
   std::vector<Channel> columns_;
   Index num_columns_ = 0;
 };

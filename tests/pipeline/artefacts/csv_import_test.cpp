@@ -147,6 +147,17 @@ TEST_F(CsvImport, ChecksLabelsAndUnitsOfTheHeader) {
   EXPECT_EQ(problem("1,2,3\n4,5,6\n").substr(0, 33), "a.csv:1: column 1 is headed '1', ");
 }
 
+TEST_F(CsvImport, AUnitIsTheLastBracketsAfterABlank) {
+  const CsvOptions options = {
+      .channels = {{{"x[0]", "m"}, {"x[1] [old]", ""}}, {}}, .dt = 0.5, .source = ""};
+  const std::string text = "x[0] [m],x[1] [old] [mm]\n1,2\n3,4\n";
+  EXPECT_EQ(imported(text, options).state_channels,
+            (std::vector<Channel>{{"x[0]", "m"}, {"x[1] [old]", "mm"}}));
+  EXPECT_EQ(problem(replaced(text, "x[0] [m]", "x[0]"), options),
+            "a.csv:1: column 1 is headed 'x[0]', must be 'label [unit]', such as 'theta [rad]' or "
+            "'gain [1]', with commas between columns");
+}
+
 TEST_F(CsvImport, NamesLineAndColumnOfWhatIsntANumber) {
   const std::string must = ", must be a finite number";
   EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "0.2,two")),
@@ -165,7 +176,7 @@ TEST_F(CsvImport, NamesLineAndColumnOfWhatIsntANumber) {
 
 TEST_F(CsvImport, RaggedAndBrokenFilesAreRefused) {
   EXPECT_EQ(problem(replaced(kCsv, "2,6\n", "2\n")),
-            "a.csv:3: has 3 columns, must have 4 like the header");
+            "a.csv:3: has 3 columns, must have 4 like the first line");
   EXPECT_EQ(problem(replaced(kCsv, "2,6\n", "2,6\n\n")),
             "a.csv:4: is empty, but rows follow; remove it");
   EXPECT_EQ(problem(replaced(kCsv, "2,6\n", "2,\"6\n")), "a.csv:3: column 4 has no closing quote");
@@ -182,8 +193,7 @@ TEST_F(CsvImport, FilesThatCantBeReadAreNamed) {
   const auto reading = [&](const std::filesystem::path& path) {
     return message_of<InputError>([&] { import_csv({path}, pendulum_options()); }, &folder_);
   };
-  EXPECT_EQ(reading(folder_ / "b.csv"),
-            "b.csv: can't be opened; does it exist and may you read it?");
+  EXPECT_EQ(reading(folder_ / "b.csv"), "b.csv: isn't there");
   std::filesystem::create_directory(folder_ / "c.csv");
   EXPECT_EQ(reading(folder_ / "c.csv"), "c.csv: is a folder, must be a file");
   EXPECT_EQ(message_of<InputError>([&] { import_csv({}, pendulum_options()); }),

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/feature_names.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -33,6 +34,41 @@ TEST_F(NumberTables, MayHaveAHeader) {
   EXPECT_EQ(rows_of("1,+2e-3\n3,4"), (std::vector<std::vector<double>>{{1, 2e-3}, {3, 4}}));
 }
 
+// Heads on which readers of recordings, datasets and options once disagreed.
+TEST_F(NumberTables, AUnitIsTheLastBracketsAfterABlank) {
+  const std::vector<std::pair<std::string, Channel>> heads = {
+      {"x[0] [m]", {"x[0]", "m"}},        {"x[0]", {"x[0]", ""}},
+      {"theta[rad]", {"theta[rad]", ""}}, {"a [b] [ m/s ]", {"a [b]", "m/s"}},
+      {"a [b] c", {"a [b] c", ""}},       {"a [", {"a [", ""}},
+      {"gain []", {"gain", ""}},          {"[m]", {"[m]", ""}}};
+  for (auto [head, channel] : heads) {
+    EXPECT_EQ(parse_channel(head), channel) << head;
+    const std::string name = folder_.file("h.csv", head + "\n1\n");
+    if (!channel.unit.empty()) {
+      EXPECT_EQ(NumberTable(name, Header::with_units).columns().front(), channel) << head;
+    } else {
+      EXPECT_THROW(NumberTable(name, Header::with_units), InputError) << head;
+      channel.unit = "1";
+    }
+    EXPECT_EQ(NumberTable(name).columns().front(), channel) << head;
+    EXPECT_EQ(parse_feature(head), channel) << head;
+  }
+}
+
+TEST_F(NumberTables, FieldsThatArentNeededMayHoldAnything) {
+  NumberTable table(folder_.file("t.csv", "a,note\n1,fine\n2,\nNA,-\n"));
+  ASSERT_TRUE(table.next());
+  EXPECT_EQ(table.finite_number(0), 1.0);
+  EXPECT_FALSE(table.is_missing(1)) << "a word isn't a number, but something";
+  ASSERT_TRUE(table.next());
+  EXPECT_TRUE(table.is_missing(1));
+  ASSERT_TRUE(table.next());
+  EXPECT_TRUE(table.is_missing(0));
+  EXPECT_EQ(message_of<InputError>([&] { table.finite_number(0); }, &folder_),
+            "t.csv:4: column 1 'a' = 'NA', must be a finite number");
+  EXPECT_FALSE(table.next());
+}
+
 TEST_F(NumberTables, KeepNanAndInfinity) {
   const auto rows = rows_of("x,y\nnan,inf\nNA,-1e999\n1e-999,0\n");
   ASSERT_EQ(rows.size(), 3u);
@@ -54,6 +90,10 @@ TEST_F(NumberTables, SayWhereTheyAreWrong) {
             "none.csv: isn't there");
   EXPECT_EQ(message_of<InputError>([&] { NumberTable("/dev/zero"); }, &folder_),
             "/dev/zero: isn't a file");
+  EXPECT_EQ(message_of<InputError>([&] { NumberTable(folder_.path()); }),
+            folder_.path().string() + ": is a folder, must be a file");
+  EXPECT_EQ(message_of<InputError>([&] { NumberTable("/proc/self/mem"); }),
+            "/proc/self/mem: reading failed");
 }
 
 }  // namespace
