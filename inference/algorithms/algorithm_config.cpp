@@ -1,103 +1,81 @@
+#include "inference/algorithms/algorithm_config.h"
+
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "core/error.h"
 #include "core/text.h"
-#include "inference/algorithms/algorithm_config.h"
 
 namespace npdr::inference {
 namespace {
 
-struct Entry {
-  const char* name;
-  AlgorithmFamily family;
-  NetworkRole role;                     // of a network
-  std::vector<std::string> estimators;  // the usual one first
-};
+constexpr std::array kMixtures = {EstimatorKind::mdn};
+constexpr std::array kDensities = {EstimatorKind::maf, EstimatorKind::mdn, EstimatorKind::nsf};
+constexpr std::array kRatios = {EstimatorKind::resnet};
 
-const std::vector<Entry>& entries() {
-  static const std::vector<Entry> all = {
-      {"npe_a", AlgorithmFamily::network, NetworkRole::posterior, {"mdn"}},
-      {"npe_b", AlgorithmFamily::network, NetworkRole::posterior, {"maf", "mdn", "nsf"}},
-      {"npe_c", AlgorithmFamily::network, NetworkRole::posterior, {"maf", "mdn", "nsf"}},
-      {"nle", AlgorithmFamily::network, NetworkRole::likelihood, {"maf", "mdn", "nsf"}},
-      {"nre_a", AlgorithmFamily::network, NetworkRole::ratio, {"resnet"}},
-      {"nre_b", AlgorithmFamily::network, NetworkRole::ratio, {"resnet"}},
-      {"abc_rejection", AlgorithmFamily::abc, {}, {}},
-      {"abc_mcmc", AlgorithmFamily::abc, {}, {}},
-      {"abc_smc", AlgorithmFamily::abc, {}, {}},
-      {"linear_regression", AlgorithmFamily::regression, {}, {}},
-      {"prior", AlgorithmFamily::fixed, {}, {}},
-      {"nominal", AlgorithmFamily::fixed, {}, {}},
-  };
-  return all;
-}
+using A = Algorithm;
+using F = AlgorithmFamily;
+using R = NetworkRole;
 
-// Names that older papers and tools use for the same algorithm.
-constexpr std::array<std::pair<const char*, const char*>, 20> kOlderSpellings = {{
-    {"snpe_a", "npe_a"},
-    {"snpe-a", "npe_a"},
-    {"bayessim", "npe_a"},
-    {"snpe_b", "npe_b"},
-    {"snpe-b", "npe_b"},
-    {"snpe_c", "npe_c"},
-    {"snpe-c", "npe_c"},
-    {"apt", "npe_c"},
-    {"snle", "nle"},
-    {"aalr", "nre_a"},
-    {"snre_a", "nre_a"},
-    {"snre_b", "nre_b"},
-    {"abc", "abc_rejection"},
-    {"rejection_abc", "abc_rejection"},
-    {"mcabc", "abc_rejection"},
-    {"mcmc_abc", "abc_mcmc"},
-    {"smc_abc", "abc_smc"},
-    {"blr", "linear_regression"},
-    {"bayesian_linear_regression", "linear_regression"},
-    {"domain_randomization", "prior"},
-}};
-
-const Entry& find_entry(const std::string& spelling) {
-  const std::string name = canonical_algorithm(spelling);
-  return *std::ranges::find(entries(), name, &Entry::name);
-}
+// Every algorithm. To add one that trains a network, write its Objective, a case for it in
+// round_task.cpp, and a row here. Other spellings are those of older papers and tools.
+constexpr std::array kAlgorithms = std::to_array<AlgorithmTraits>({
+    {{A::npe_a, "npe_a", "snpe_a snpe-a bayessim"},
+     F::network,
+     R::posterior,
+     kMixtures,
+     "component_perturbation",
+     true},
+    {{A::npe_b, "npe_b", "snpe_b snpe-b"}, F::network, R::posterior, kDensities},
+    {{A::npe_c, "npe_c", "snpe_c snpe-c apt"},
+     F::network,
+     R::posterior,
+     kDensities,
+     "num_atoms loss combined_loss"},
+    {{A::nle, "nle", "snle"}, F::network, R::likelihood, kDensities},
+    {{A::nre_a, "nre_a", "aalr snre_a"}, F::network, R::ratio, kRatios},
+    {{A::nre_b, "nre_b", "snre_b"}, F::network, R::ratio, kRatios, "num_atoms"},
+    {{A::abc_rejection, "abc_rejection", "abc rejection_abc mcabc"}, F::abc},
+    {{A::abc_mcmc, "abc_mcmc", "mcmc_abc"}, F::abc},
+    {{A::abc_smc, "abc_smc", "smc_abc"}, F::abc},
+    {{A::linear_regression, "linear_regression", "blr bayesian_linear_regression"}, F::regression},
+    {{A::prior, "prior", "domain_randomization"}, F::fixed},
+    {{A::nominal, "nominal"}, F::fixed},
+});
 
 }  // namespace
 
-std::vector<std::string> algorithm_names() {
+std::span<const AlgorithmTraits> enum_table(Algorithm /*algorithm*/) { return kAlgorithms; }
+
+const AlgorithmTraits& traits_of(Algorithm algorithm) {
+  return *std::ranges::find(kAlgorithms, algorithm, &AlgorithmTraits::value);
+}
+
+std::string estimator_list(const AlgorithmTraits& traits) {
   std::vector<std::string> names;
-  for (const Entry& entry : entries()) names.emplace_back(entry.name);
-  return names;
+  for (const EstimatorKind kind : traits.estimators) names.push_back(name_of(kind));
+  return join(names);
 }
 
-std::string canonical_algorithm(const std::string& spelling) {
-  for (const std::string& name : algorithm_names()) {
-    if (spelling == name) return name;
+void check_estimator(Algorithm algorithm, EstimatorKind estimator) {
+  const AlgorithmTraits& traits = traits_of(algorithm);
+  if (std::ranges::count(traits.estimators, estimator) > 0) return;
+  throw InputError("density_estimator.kind = '" + name_of(estimator) + "', must be one of " +
+                   estimator_list(traits) + " with algorithm '" + name_of(algorithm) + "'");
+}
+
+Loss resolve_loss(const AlgorithmConfig& config, EstimatorKind estimator) {
+  const bool is_mixture = estimator == EstimatorKind::mdn;
+  if (config.loss == Loss::analytic && !is_mixture) {
+    throw InputError("loss = 'analytic' needs density_estimator.kind = 'mdn', found '" +
+                     name_of(estimator) + "'; use 'atomic' or 'auto'");
   }
-  for (const auto& [older, name] : kOlderSpellings) {
-    if (spelling == older) return name;
-  }
-  throw InputError(unknown_name("algorithm", spelling, algorithm_names()));
+  if (config.loss == Loss::automatic) return is_mixture ? Loss::analytic : Loss::atomic;
+  return config.loss;
 }
 
-AlgorithmFamily family_of_algorithm(const std::string& name) { return find_entry(name).family; }
-
-NetworkRole role_of_algorithm(const std::string& name) {
-  const Entry& entry = find_entry(name);
-  if (entry.family == AlgorithmFamily::network) return entry.role;
-  throw Error(std::string("algorithm '") + entry.name + "' has no network");
-}
-
-std::vector<std::string> estimators_of_algorithm(const std::string& name) {
-  return find_entry(name).estimators;
-}
-
-void check_estimator(const std::string& algorithm, const EstimatorConfig& estimator) {
-  const std::vector<std::string>& allowed = find_entry(algorithm).estimators;
-  if (std::ranges::find(allowed, estimator.kind) != allowed.end()) return;
-  throw InputError("density_estimator.kind = '" + estimator.kind + "', must be one of " +
-                   join(allowed) + " with algorithm '" + algorithm + "'");
+bool is_analytic(const AlgorithmConfig& config, EstimatorKind estimator) {
+  return config.kind == Algorithm::npe_c && resolve_loss(config, estimator) == Loss::analytic;
 }
 
 }  // namespace npdr::inference

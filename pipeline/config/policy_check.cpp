@@ -62,16 +62,17 @@ bool PolicyChecker::has_task() {
 
 // Settings that a file gives on purpose; those of --set may be meant for others.
 void PolicyChecker::check_optimizer() {
-  const std::string& optimizer = study_.policy.optimizer;
-  const auto only_of = [&](const char* owner, const std::string& key) {
+  using enum inference::PolicyOptimizerKind;
+  const inference::PolicyOptimizerKind optimizer = study_.policy.search.kind;
+  const auto only_of = [&](inference::PolicyOptimizerKind owner, const std::string& key) {
     const std::string path = "policy." + key;
     if (optimizer == owner || !reading_.has(path) || is_override(reading_.place(path))) return;
     reading_.fail(path, fmt::format("{} must be left out: it means nothing to the optimizer '{}'",
-                                    path, optimizer));
+                                    path, name_of(optimizer)));
   };
-  only_of("power", "num_importance_samples");
-  only_of("cross_entropy", "elite_fraction");
-  only_of("cross_entropy", "smoothing");
+  only_of(power, "num_importance_samples");
+  only_of(cross_entropy, "elite_fraction");
+  only_of(cross_entropy, "smoothing");
   const double initial = study_.policy.search.initial_std;
   if (reading_.good("policy.min_std") && study_.policy.search.min_std > initial) {
     fail("policy.min_std", fmt::format("{}", study_.policy.search.min_std),

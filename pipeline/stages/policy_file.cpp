@@ -91,7 +91,7 @@ void write_policy_parameters(h5::File& file, const sim::PolicyTaskInfo& info,
 void write_policy(h5::File& file, const Plan& plan, const sim::PolicyTaskInfo& info,
                   const PolicyHistory& history) {
   const Vector policy = history.policies.bottomRows(1).transpose();
-  file.set_attribute("optimizer", plan.study.policy.optimizer);
+  file.set_attribute("optimizer", name_of(plan.study.policy.search.kind));
   write_policy_parameters(file, info, policy);
   write_history(file, history);
 }
