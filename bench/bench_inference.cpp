@@ -26,7 +26,7 @@ EstimatorConfig maf(Index transforms, Index hidden) {
 
 EstimatorConfig mixture(Index components) {
   EstimatorConfig config;
-  config.kind = "mdn";
+  config.kind = EstimatorKind::mdn;
   config.num_components = components;
   return config;
 }
@@ -62,7 +62,7 @@ double flops_per_step(const Network& n, double batch, double atoms) {
   const double context = e > 0 ? e : f;
   const double linear = e > 0 ? 2.0 * batch * f * e * 2.0 : 0.0;
   const double context_passes = e > 0 ? 3.0 : 2.0;
-  if (n.estimator.kind == "mdn") {
+  if (n.estimator.kind == EstimatorKind::mdn) {
     const double heads =
         static_cast<double>(n.estimator.num_components) * (1.0 + d + d * (d + 1.0) / 2.0);
     return linear + 2.0 * batch * (context * h * context_passes + (h * h + h * heads) * 3.0);
@@ -90,7 +90,7 @@ DirectPosterior untrained(const Network& n) {
 }
 
 void bm_training_step(benchmark::State& state, const Network& n, std::uint32_t round,
-                      const std::string& loss = "atomic") {
+                      Loss loss = Loss::atomic) {
   const Index rows = 1000, batch_size = 50;
   const RandomRows x(rows, n.x_features);
   const EmbeddedEstimator<float> network =
@@ -100,9 +100,8 @@ void bm_training_step(benchmark::State& state, const Network& n, std::uint32_t r
                     RowMatrixF::Random(rows, n.dimension),
                     std::vector<std::uint32_t>(static_cast<std::size_t>(rows), round),
                     {}};
-  AlgorithmConfig algorithm;
-  algorithm.loss = loss;
-  if (loss == "analytic") data.proposals = {proposal_mixture(untrained(n))};
+  const AlgorithmConfig algorithm{.loss = loss};
+  if (loss == Loss::analytic) data.proposals = {proposal_mixture(untrained(n))};
   NpeC objective(algorithm, network, transform, data, {1, "train", round, 0, 0});
   Parameters<float> parameters = network.initial_parameters({1, "initial", 0, 0, 0});
   Parameters<float> gradient = Parameters<float>::Zero(parameters.size());
@@ -116,7 +115,7 @@ void bm_training_step(benchmark::State& state, const Network& n, std::uint32_t r
     objective.loss(parameters, batch, &gradient);
     adam.step(gradient, clip_scale(gradient, 5.0), parameters);
   }
-  const double atoms = round > 1 && loss == "atomic" ? 10.0 : 1.0;
+  const double atoms = round > 1 && loss == Loss::atomic ? 10.0 : 1.0;
   state.counters["steps/s"] =
       benchmark::Counter(1.0, benchmark::Counter::kIsIterationInvariantRate);
   state.counters["GFLOP/s"] =
@@ -131,7 +130,7 @@ BENCHMARK_CAPTURE(bm_training_step, table_a5_maf_likelihood, kTableA5, 1u);
 BENCHMARK_CAPTURE(bm_training_step, table_a5_maf_atomic, kTableA5, 2u);
 BENCHMARK_CAPTURE(bm_training_step, mixture_likelihood, kMixture, 1u);
 BENCHMARK_CAPTURE(bm_training_step, mixture_atomic, kMixture, 2u);
-BENCHMARK_CAPTURE(bm_training_step, mixture_analytic, kMixture, 2u, "analytic");
+BENCHMARK_CAPTURE(bm_training_step, mixture_analytic, kMixture, 2u, Loss::analytic);
 
 void bm_sample(benchmark::State& state, const Network& n) {
   const DirectPosterior posterior = untrained(n);

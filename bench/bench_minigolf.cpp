@@ -41,7 +41,7 @@ ClubMotion strike_motion(const MinigolfConfig& config) {
 }
 
 // Argument: substeps_near.
-void replay(benchmark::State& state, const std::string& rolling) {
+void replay(benchmark::State& state, Rolling rolling) {
   omp_set_num_threads(1);
   SimulatorConfig config{.name = "minigolf"};
   config.minigolf.rolling = rolling;
@@ -53,13 +53,13 @@ void replay(benchmark::State& state, const std::string& rolling) {
   state.counters["rollouts/s"] = benchmark::Counter(static_cast<double>(theta.rows()),
                                                     benchmark::Counter::kIsIterationInvariantRate);
 }
-BENCHMARK_CAPTURE(replay, exact, "exact")
+BENCHMARK_CAPTURE(replay, exact, Rolling::exact)
     ->ArgName("substeps_near")
     ->Arg(2)
     ->Arg(5)
     ->Arg(10)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(replay, engine, "engine")
+BENCHMARK_CAPTURE(replay, engine, Rolling::engine)
     ->ArgName("substeps_near")
     ->Arg(5)
     ->Unit(benchmark::kMillisecond);
@@ -106,7 +106,7 @@ void make_world(benchmark::State& state) {
 BENCHMARK(make_world)->Unit(benchmark::kMicrosecond);
 
 // One step of 10 ms of a ball at `place` that rolls slowly; the club is far away.
-void step(benchmark::State& state, const std::string& rolling, const Eigen::Vector2d& place) {
+void step(benchmark::State& state, Rolling rolling, const Eigen::Vector2d& place) {
   MinigolfConfig config;
   config.rolling = rolling;
   const ClubMotion motion = strike_motion(config);
@@ -120,9 +120,9 @@ void step(benchmark::State& state, const std::string& rolling, const Eigen::Vect
     world.step(kSteps - 1);
   }
 }
-BENCHMARK_CAPTURE(step, rolled, "exact", kFarAway)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(step, coarse, "engine", kFarAway)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(step, fine_at_the_bound, "exact", Eigen::Vector2d(0.85, 1.6605))
+BENCHMARK_CAPTURE(step, rolled, Rolling::exact, kFarAway)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(step, coarse, Rolling::engine, kFarAway)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(step, fine_at_the_bound, Rolling::exact, Eigen::Vector2d(0.85, 1.6605))
     ->Unit(benchmark::kMicrosecond);
 
 void club_motion(benchmark::State& state) {

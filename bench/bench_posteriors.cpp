@@ -17,6 +17,8 @@
 namespace npdr::bench {
 namespace {
 
+using inference::Algorithm;
+using inference::EstimatorKind;
 using inference::PosteriorEstimationConfig;
 using Clock = std::chrono::steady_clock;
 
@@ -26,10 +28,10 @@ struct Method {
   inference::AbcConfig abc = {};
 };
 
-Method method(const std::string& name, const std::string& algorithm, const std::string& estimator,
+Method method(const std::string& name, Algorithm algorithm, EstimatorKind estimator,
               Index num_rounds) {
   PosteriorEstimationConfig config;
-  config.algorithm.name = algorithm;
+  config.algorithm.kind = algorithm;
   config.algorithm.num_rounds = num_rounds;
   config.estimator.kind = estimator;
   return {name, config};
@@ -37,28 +39,27 @@ Method method(const std::string& name, const std::string& algorithm, const std::
 
 // Particles are smoothed by the density's kernel: otherwise samples repeat them, which any
 // classifier sees.
-Method abc_method(const std::string& name, const std::string& algorithm, Index num_rounds,
-                  double quantile) {
-  Method m = method(name, algorithm, "", num_rounds);
+Method abc_method(const std::string& name, Algorithm algorithm, Index num_rounds, double quantile) {
+  Method m = method(name, algorithm, {}, num_rounds);
   m.abc.quantile = quantile;
   m.abc.smooth = true;
   return m;
 }
 
 std::vector<Method> all_methods() {
-  return {method("NPE-A, MoG", "npe_a", "mdn", 1),
-          method("NPE-A, MoG, 2 rounds", "npe_a", "mdn", 2),
-          method("NPE-B, MAF", "npe_b", "maf", 4),
-          method("NPE-C, MAF", "npe_c", "maf", 4),
-          method("NPE-C, MoG", "npe_c", "mdn", 4),
-          method("NPE-C, splines", "npe_c", "nsf", 4),
-          method("NLE, MAF", "nle", "maf", 4),
-          method("NLE, splines", "nle", "nsf", 4),
-          method("NRE-A", "nre_a", "resnet", 4),
-          method("NRE-B", "nre_b", "resnet", 4),
-          abc_method("ABC, rejection", "abc_rejection", 1, 0.02),
-          abc_method("ABC, SMC", "abc_smc", 4, 0.5),
-          abc_method("ABC, MCMC", "abc_mcmc", 10, 0.1)};
+  return {method("NPE-A, MoG", Algorithm::npe_a, EstimatorKind::mdn, 1),
+          method("NPE-A, MoG, 2 rounds", Algorithm::npe_a, EstimatorKind::mdn, 2),
+          method("NPE-B, MAF", Algorithm::npe_b, EstimatorKind::maf, 4),
+          method("NPE-C, MAF", Algorithm::npe_c, EstimatorKind::maf, 4),
+          method("NPE-C, MoG", Algorithm::npe_c, EstimatorKind::mdn, 4),
+          method("NPE-C, splines", Algorithm::npe_c, EstimatorKind::nsf, 4),
+          method("NLE, MAF", Algorithm::nle, EstimatorKind::maf, 4),
+          method("NLE, splines", Algorithm::nle, EstimatorKind::nsf, 4),
+          method("NRE-A", Algorithm::nre_a, EstimatorKind::resnet, 4),
+          method("NRE-B", Algorithm::nre_b, EstimatorKind::resnet, 4),
+          abc_method("ABC, rejection", Algorithm::abc_rejection, 1, 0.02),
+          abc_method("ABC, SMC", Algorithm::abc_smc, 4, 0.5),
+          abc_method("ABC, MCMC", Algorithm::abc_mcmc, 10, 0.1)};
 }
 
 struct Score {
@@ -73,8 +74,8 @@ double seconds_since(Clock::time_point start) {
 
 std::shared_ptr<const inference::Posterior> infer(const KnownPosterior& task, const Method& method,
                                                   std::uint64_t seed) {
-  const std::string& algorithm = method.config.algorithm.name;
-  if (inference::family_of_algorithm(algorithm) == inference::AlgorithmFamily::abc) {
+  const inference::Algorithm algorithm = method.config.algorithm.kind;
+  if (inference::traits_of(algorithm).family == inference::AlgorithmFamily::abc) {
     return inference::infer_abc(method.config.algorithm, method.abc, task.prior, task.simulator,
                                 task.x_o, seed);
   }

@@ -20,7 +20,7 @@ RowMatrix random_thetas(const Simulator& simulator, Index count) {
 }
 
 // Arguments: rows, store_every.
-void replay(benchmark::State& state, const std::string& name, const std::string& integrator) {
+void replay(benchmark::State& state, const std::string& name, Integrator integrator) {
   omp_set_num_threads(1);
   const auto simulator = make_simulator({.name = name,
                                          .segment_length = 200,
@@ -40,7 +40,7 @@ void replay(benchmark::State& state, const std::string& name, const std::string&
 
 // Closed loop over 1250 steps; argument: rows. The initial policy keeps the limits nearly always,
 // one that pushes the arm away ends all rollouts early.
-void closed_loop(benchmark::State& state, const std::string& integrator, double centring_gain) {
+void closed_loop(benchmark::State& state, Integrator integrator, double centring_gain) {
   omp_set_num_threads(1);
   const SimulatorConfig config{.name = "furuta", .integrator = integrator};
   const auto task = make_policy_task(config);
@@ -57,33 +57,33 @@ void closed_loop(benchmark::State& state, const std::string& integrator, double 
       Counter(static_cast<double>(theta.rows()), Counter::kIsIterationInvariantRate);
 }
 
-BENCHMARK_CAPTURE(closed_loop, furuta_erk4, "erk4", 0.4)
+BENCHMARK_CAPTURE(closed_loop, furuta_erk4, Integrator::erk4, 0.4)
     ->ArgName("rows")
     ->Arg(1)
     ->Arg(128)
     ->Arg(5200)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(closed_loop, furuta_erk4_ends_early, "erk4", -50.0)
+BENCHMARK_CAPTURE(closed_loop, furuta_erk4_ends_early, Integrator::erk4, -50.0)
     ->ArgName("rows")
     ->Arg(5200)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(closed_loop, furuta_cvode, "cvode", 0.4)
+BENCHMARK_CAPTURE(closed_loop, furuta_cvode, Integrator::cvode, 0.4)
     ->ArgName("rows")
     ->Arg(1)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(replay, furuta_erk4, "furuta", "erk4")
+BENCHMARK_CAPTURE(replay, furuta_erk4, "furuta", Integrator::erk4)
     ->ArgNames({"rows", "store_every"})
     ->ArgsProduct({{1, 8, 128, 1024}, {1, 25}})
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(replay, furuta_cvode, "furuta", "cvode")
+BENCHMARK_CAPTURE(replay, furuta_cvode, "furuta", Integrator::cvode)
     ->ArgNames({"rows", "store_every"})
     ->Args({1, 1})
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(replay, pendulum_erk4, "pendulum", "erk4")
+BENCHMARK_CAPTURE(replay, pendulum_erk4, "pendulum", Integrator::erk4)
     ->ArgNames({"rows", "store_every"})
     ->ArgsProduct({{1, 8, 128, 1024}, {1, 25}})
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(replay, pendulum_cvode, "pendulum", "cvode")
+BENCHMARK_CAPTURE(replay, pendulum_cvode, "pendulum", Integrator::cvode)
     ->ArgNames({"rows", "store_every"})
     ->Args({1, 1})
     ->Unit(benchmark::kMillisecond);

@@ -27,7 +27,7 @@ DirectPosterior::DirectPosterior(NetworkParts given)
                      std::to_string(parts().transform.num_inputs()));
   }
   parts().transform.apply(parts().x_o.transpose(), z_);
-  if (parts().estimator.kind == "mdn") mixture_ = mixture_of_network();
+  if (parts().estimator.kind == EstimatorKind::mdn) mixture_ = mixture_of_network();
   if (!parts().proposal) return;
   if (!mixture_ || parts().proposal->dimension() != prior().dimension()) {
     throw ShapeError("posterior: only a mixture can be divided by a proposal of its dimension");

@@ -60,14 +60,14 @@ std::shared_ptr<const ParticlePosterior> infer_abc(const AlgorithmConfig& algori
   for (Index round = 1; round <= algorithm.num_rounds; ++round) {
     const auto r = static_cast<std::uint64_t>(round);
     const RowMatrix theta =
-        population ? propose(algorithm.name, prior, *population, n, {seed, "propose", r, 0, 0})
+        population ? propose(algorithm.kind, prior, *population, n, {seed, "propose", r, 0, 0})
                    : sample_prior(prior, n, seed);
     const RowMatrixF x = simulate(simulator, theta, seed, r);
     const MatrixFeatures source(x);
     if (!population) transform = fit_feature_transform(source, 0);
     const AbcRound simulations{theta, feature_distances(source, transform, x_o)};
     population =
-        advance(algorithm.name, config, prior, simulations, population, {seed, "abc", r, 0, 0});
+        advance(algorithm.kind, config, prior, simulations, population, {seed, "abc", r, 0, 0});
   }
   return std::make_shared<const ParticlePosterior>(
       ParticleParts{.prior = prior,

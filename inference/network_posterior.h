@@ -3,9 +3,7 @@
 
 #include <memory>
 #include <optional>
-#include <string>
-#include <vector>
-
+#include "core/enum_names.h"
 #include "inference/estimators/estimator_config.h"
 #include "inference/estimators/gaussian_mixture.h"
 #include "inference/estimators/parameters.h"
@@ -22,11 +20,11 @@ enum class NetworkRole {
   likelihood,  ///< log q(z | u): NLE
   ratio,       ///< log p(z | u) / p(z): the NRE family
 };
-
-std::string to_string(NetworkRole role);
-std::vector<std::string> network_role_names();
-/// Throws InputError with the nearest known name.
-NetworkRole network_role(const std::string& name);
+constexpr auto enum_table(NetworkRole) {
+  using enum NetworkRole;
+  return std::to_array<EnumRow<NetworkRole>>(
+      {{posterior, "posterior"}, {likelihood, "likelihood"}, {ratio, "ratio"}});
+}
 
 /// Everything that such a posterior consists of: what a file must hold.
 struct NetworkParts {

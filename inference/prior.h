@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "core/random.h"
 #include "core/types.h"
 
@@ -38,6 +39,14 @@ struct Marginal {
   /// Whether exp(a + b u) of a log_normal leaves the range of double for any |u| < 9.
   bool overflows() const;
 };
+
+constexpr auto enum_table(Marginal::Kind) {
+  using enum Marginal::Kind;
+  return std::to_array<EnumRow<Marginal::Kind>>({{uniform, "uniform"},
+                                                 {log_uniform, "log_uniform"},
+                                                 {normal, "normal"},
+                                                 {log_normal, "log_normal"}});
+}
 
 /// Product of independent marginals. Const calls are thread-safe.
 class Prior {

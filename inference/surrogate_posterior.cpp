@@ -107,7 +107,7 @@ Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
   const RowMatrix candidates = draw_prior(id);
   const Resampler resampler(weights_of(surrogate(candidates)));
   SamplerReport report;
-  if (sampler.kind == "importance") {
+  if (sampler.kind == SamplerKind::importance) {
     report.ess = Vector::Constant(1, resampler.effective_size());
     report.num_evaluations = candidates.rows();
     return {prior().to_theta(resample(candidates, resampler, n, id)), report};

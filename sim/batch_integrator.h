@@ -1,10 +1,10 @@
-/// What advances a batch of ODEs in time, and the list of such integrators.
+/// The interface of what advances a batch of ODEs in time.
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "core/types.h"
+#include "sim/integrator.h"
 
 namespace npdr::sim {
 
@@ -38,13 +38,13 @@ class BatchIntegrator {
   virtual void integrate(Index first, Index last, const double* y) = 0;
 };
 
-/// The integrator `name` for steps of dt [s], each made of `substeps` equal ones where the
-/// integrator has a fixed step. Throws InputError for an unknown name.
-std::unique_ptr<BatchIntegrator> make_integrator(const std::string& name, BatchProblem& problem,
+/// An integrator for steps of dt [s], each made of `substeps` equal ones where the integrator has a
+/// fixed step.
+std::unique_ptr<BatchIntegrator> make_integrator(Integrator integrator, BatchProblem& problem,
                                                  double dt, Index substeps);
 
 /// Whether the integrator picks its own steps. Such an integrator takes one row at a time, so that
 /// the steps of a row don't depend on others, and computes only lane 0 of a batch.
-bool is_adaptive(const std::string& name);
+bool is_adaptive(Integrator integrator);
 
 }  // namespace npdr::sim

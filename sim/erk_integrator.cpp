@@ -28,11 +28,19 @@ TablePtr classical_table() {
                                             b.data(), nullptr));
 }
 
-TablePtr table_of(const std::string& method) {
-  if (method == "erk2") return TablePtr(ARKodeButcherTable_LoadERK(ARKODE_HEUN_EULER_2_1_2));
-  if (method == "erk4") return classical_table();
-  if (method == "erk5") return TablePtr(ARKodeButcherTable_LoadERK(ARKODE_CASH_KARP_6_4_5));
-  throw InputError("unknown Runge-Kutta method '" + method + "'; known: erk2, erk4, erk5");
+TablePtr table_of(Integrator method) {
+  switch (method) {
+    case Integrator::erk2:
+      return TablePtr(ARKodeButcherTable_LoadERK(ARKODE_HEUN_EULER_2_1_2));
+    case Integrator::erk4:
+      return classical_table();
+    case Integrator::erk5:
+      return TablePtr(ARKodeButcherTable_LoadERK(ARKODE_CASH_KARP_6_4_5));
+    case Integrator::cvode:
+      break;
+  }
+  throw InputError("'" + name_of(method) +
+                   "' is no Runge-Kutta method; these are erk2, erk4, erk5");
 }
 
 // Error weights have no use with a fixed step (see sim/batch_vector.h).
@@ -40,8 +48,7 @@ int leave_weights(N_Vector /*y*/, N_Vector /*weights*/, void* /*self*/) { return
 
 }  // namespace
 
-ErkIntegrator::ErkIntegrator(const std::string& method, BatchProblem& problem, double dt,
-                             Index substeps)
+ErkIntegrator::ErkIntegrator(Integrator method, BatchProblem& problem, double dt, Index substeps)
     : problem_(problem),
       step_(dt / static_cast<double>(substeps)),
       substeps_(substeps),
@@ -60,7 +67,7 @@ ErkIntegrator::ErkIntegrator(const std::string& method, BatchProblem& problem, d
 
 ErkIntegrator::~ErkIntegrator() { ERKStepFree(&arkode_); }
 
-void ErkIntegrator::configure(const std::string& method) {
+void ErkIntegrator::configure(Integrator method) {
   const TablePtr table = table_of(method);
   require(ERKStepSetErrHandlerFn(arkode_, keep_message, this) == 0, "ERKStepSetErrHandlerFn");
   require(ERKStepSetUserData(arkode_, this) == 0, "ERKStepSetUserData");

@@ -21,8 +21,8 @@ namespace npdr::sim {
 
 class ErkIntegrator final : public BatchIntegrator {
  public:
-  /// `method` is "erk2", "erk4" or "erk5"; the step is dt / substeps.
-  ErkIntegrator(const std::string& method, BatchProblem& problem, double dt, Index substeps);
+  /// `method` is erk2, erk4 or erk5, or InputError; the step is dt / substeps, dt in [s].
+  ErkIntegrator(Integrator method, BatchProblem& problem, double dt, Index substeps);
   ~ErkIntegrator() override;
   ErkIntegrator(const ErkIntegrator&) = delete;
   ErkIntegrator& operator=(const ErkIntegrator&) = delete;
@@ -38,7 +38,7 @@ class ErkIntegrator final : public BatchIntegrator {
   static void keep_message(int code, const char* module, const char* function, char* text,
                            void* self);
 
-  void configure(const std::string& method);
+  void configure(Integrator method);
   void require(bool ok, const char* call) const;
 
   BatchProblem& problem_;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "sim/closed_loop.h"
@@ -42,7 +41,7 @@ class OdePolicyTask final : public PolicyTask {
   std::unique_ptr<ControlTask> task_;
   SimulatorInfo simulator_info_;
   PolicyTaskInfo task_info_;
-  std::string integrator_;
+  Integrator integrator_;
   Index substeps_;
 };
 

@@ -16,8 +16,9 @@ void check_config(const SimulatorConfig& config) {
   if (config.segment_length < 0) reject_setting("segment_length", config.segment_length, ">= 0");
   if (config.substeps < 1) reject_setting("substeps", config.substeps, ">= 1");
   if (adaptive && config.substeps != 1) {
-    reject_setting("substeps", config.substeps,
-                   "1 with integrator '" + config.integrator + "', which picks its own steps");
+    reject_setting(
+        "substeps", config.substeps,
+        "1 with integrator '" + name_of(config.integrator) + "', which picks its own steps");
   }
   if (config.store_every < 1) reject_setting("store_every", config.store_every, ">= 1");
 }

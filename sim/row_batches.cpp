@@ -16,7 +16,7 @@ constexpr Index kMaxRowsPerBatch = 128;
 
 }  // namespace
 
-Index rows_per_batch(const std::string& integrator, Index num_rollouts) {
+Index rows_per_batch(Integrator integrator, Index num_rollouts) {
   if (is_adaptive(integrator)) return 1;
   const Index share = num_rollouts / (Index{4} * num_threads());
   return std::clamp(padded_lanes(share), kMinRowsPerBatch, kMaxRowsPerBatch);

@@ -16,6 +16,7 @@
 #include "core/outline.h"
 #include "core/target.h"
 #include "core/types.h"
+#include "sim/integrator.h"
 #include "sim/minigolf/minigolf_config.h"
 #include "sim/parameter.h"
 #include "sim/policy_task.h"
@@ -29,10 +30,10 @@ struct SimulatorConfig {
   std::string name = {};                          ///< a name of simulator_names()
   std::map<std::string, double> parameters = {};  ///< values that replace the nominal ones
   Index segment_length = 0;                       ///< [steps]; 0: one segment, the whole rollout
-  std::string integrator = "erk4";                ///< a name of integrator_names()
-  Index substeps = 1;                             ///< integrator steps per time step of the target
-  Index store_every = 1;                          ///< keep every k-th state
-  MinigolfConfig minigolf = {};                   ///< of the simulator "minigolf"
+  Integrator integrator = Integrator::erk4;
+  Index substeps = 1;            ///< integrator steps per time step of the target
+  Index store_every = 1;         ///< keep every k-th state
+  MinigolfConfig minigolf = {};  ///< of the simulator "minigolf"
 };
 
 /// What a simulator is about. `dt` and `num_steps` are those of its own behaviour policy.
@@ -85,8 +86,6 @@ std::vector<std::string> simulator_names();
 std::vector<std::string> unused_settings(const std::string& name);
 /// Those of simulator_names() that have a regression_form().
 std::vector<std::string> simulators_with_regression();
-/// Names of integrators: "erk4" and the others of the ODE simulators.
-std::vector<std::string> integrator_names();
 
 /// Throws InputError for a config that is unknown or out of range: names the field, the value and
 /// what is allowed.

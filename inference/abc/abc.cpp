@@ -4,7 +4,6 @@
 #include "inference/abc/abc_mcmc.h"
 #include "inference/abc/abc_smc.h"
 #include "inference/abc/acceptance.h"
-#include "inference/algorithms/algorithm_config.h"
 
 namespace npdr::inference {
 namespace {
@@ -22,28 +21,27 @@ AbcPopulation first_population(const AbcConfig& config, const Prior& prior, cons
 
 }  // namespace
 
-AbcPopulation advance(const std::string& algorithm, const AbcConfig& config, const Prior& prior,
+AbcPopulation advance(Algorithm algorithm, const AbcConfig& config, const Prior& prior,
                       const AbcRound& round, const std::optional<AbcPopulation>& previous,
                       const StreamId& id) {
-  const std::string name = canonical_algorithm(algorithm);
-  if (name == "abc_mcmc") {
+  if (algorithm == Algorithm::abc_mcmc) {
     return previous ? advance_chains(prior, round, *previous, id)
                     : start_chains(prior, first_population(config, prior, round),
                                    round.theta.rows(), id);
   }
-  AbcPopulation population = previous && name == "abc_smc"
-                                 ? next_population(config, prior, round, *previous)
-                                 : first_population(config, prior, round);
-  if (name == "abc_smc") population.kernel = twice_the_covariance(prior, population);
+  const bool is_smc = algorithm == Algorithm::abc_smc;
+  AbcPopulation population = previous && is_smc ? next_population(config, prior, round, *previous)
+                                                : first_population(config, prior, round);
+  if (is_smc) population.kernel = twice_the_covariance(prior, population);
   return population;
 }
 
-RowMatrix propose(const std::string& algorithm, const Prior& prior, const AbcPopulation& population,
-                  Index n, const StreamId& id) {
-  const std::string name = canonical_algorithm(algorithm);
-  if (name == "abc_mcmc") return propose_steps(prior, population, n, id);
-  if (name == "abc_smc") return propose_moved(prior, population, n, id);
-  throw InputError("algorithm '" + name + "' has one round, there is nothing to propose from");
+RowMatrix propose(Algorithm algorithm, const Prior& prior, const AbcPopulation& population, Index n,
+                  const StreamId& id) {
+  if (algorithm == Algorithm::abc_mcmc) return propose_steps(prior, population, n, id);
+  if (algorithm == Algorithm::abc_smc) return propose_moved(prior, population, n, id);
+  throw InputError("algorithm '" + name_of(algorithm) +
+                   "' has one round, there is nothing to propose from");
 }
 
 }  // namespace npdr::inference

@@ -12,26 +12,26 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "core/random.h"
 #include "inference/abc/abc_config.h"
 #include "inference/abc/population.h"
+#include "inference/algorithms/algorithm_config.h"
 #include "inference/prior.h"
 
 namespace npdr::inference {
 
 /// The population after a round: `previous` is that of the round before, none in round 1, which
-/// `round`'s proposals were drawn from. `algorithm`: a name of algorithm_names(). `id` names seed
-/// and round. Throws Error when too few simulations are accepted.
-AbcPopulation advance(const std::string& algorithm, const AbcConfig& config, const Prior& prior,
+/// `round`'s proposals were drawn from. `id` names seed and round. Throws Error when too few
+/// simulations are accepted.
+AbcPopulation advance(Algorithm algorithm, const AbcConfig& config, const Prior& prior,
                       const AbcRound& round, const std::optional<AbcPopulation>& previous,
                       const StreamId& id);
 
 /// (n, D) proposals for the round after `population`. Row i depends on `id` and i alone. Throws
 /// InputError where there is nothing to propose: "abc_rejection" has one round, and Markov chains
 /// propose as many as there are chains.
-RowMatrix propose(const std::string& algorithm, const Prior& prior, const AbcPopulation& population,
-                  Index n, const StreamId& id);
+RowMatrix propose(Algorithm algorithm, const Prior& prior, const AbcPopulation& population, Index n,
+                  const StreamId& id);
 
 }  // namespace npdr::inference

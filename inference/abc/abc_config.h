@@ -1,21 +1,25 @@
 /// Settings of approximate Bayesian computation, as a study gives them.
 #pragma once
 
-#include <string>
-#include <vector>
+#include "core/enum_names.h"
 
 namespace npdr::inference {
 
+/// How far a simulation is from the target: of features, or a metric of trajectories.
+enum class AbcDistance { euclidean, dtw, rmse };
+constexpr auto enum_table(AbcDistance) {
+  using enum AbcDistance;
+  return std::to_array<EnumRow<AbcDistance>>(
+      {{euclidean, "euclidean"}, {dtw, "dtw"}, {rmse, "rmse"}});
+}
+
 struct AbcConfig {
-  std::string distance = "euclidean";  ///< a name of distance_names()
-  double quantile = 0.1;               ///< of distances: the threshold epsilon
+  AbcDistance distance = AbcDistance::euclidean;
+  double quantile = 0.1;  ///< of distances: the threshold epsilon
   /// Of distances. 0: the quantile alone; > 0: the threshold itself or, for "abc_smc", where its
   /// thresholds end.
   double epsilon = 0.0;
   bool smooth = false;  ///< posterior samples are moved by the density's kernel
 };
-
-/// "euclidean" (of features), and metrics of trajectories: "dtw", "rmse".
-std::vector<std::string> distance_names();
 
 }  // namespace npdr::inference

@@ -9,8 +9,6 @@
 
 namespace npdr::inference {
 
-std::vector<std::string> distance_names() { return {"euclidean", "dtw", "rmse"}; }
-
 Accepted accept_nearest(const Vector& distances, double quantile) {
   std::vector<Index> order(static_cast<std::size_t>(distances.size()));
   std::iota(order.begin(), order.end(), Index{0});

@@ -1,30 +1,30 @@
-/// Settings of an inference algorithm, as a study gives them.
+/// The inference algorithms, and their settings as a study gives them.
 #pragma once
 
+#include <span>
 #include <string>
-#include <vector>
+#include <string_view>
 
+#include "core/enum_names.h"
 #include "core/types.h"
 #include "inference/network_posterior.h"
 
 namespace npdr::inference {
 
-struct AlgorithmConfig {
-  std::string name = "npe_c";  ///< a name of algorithm_names(), or an older spelling (snpe_c, apt)
-  Index num_rounds = 1;
-  Index num_simulations = 1000;  ///< per round
-  Index num_atoms = 10;          ///< "npe_c", "nre_b": theta compared per x, the true one included
-  std::string loss = "auto";     ///< "npe_c": "auto", "atomic" or "analytic" (mdn only)
-  double component_perturbation =
-      0.01;                    ///< "npe_a": of the weights, when one Gaussian becomes many
-  bool combined_loss = false;  ///< "npe_c": add -log q on the rows of the prior, when atomic
+enum class Algorithm {
+  npe_a,  ///< this and the next five: posterior_estimation.h
+  npe_b,
+  npe_c,
+  nle,
+  nre_a,
+  nre_b,
+  abc_rejection,  ///< this and the next two: abc.h
+  abc_mcmc,
+  abc_smc,
+  linear_regression,  ///< bayesian_linear_regression.h
+  prior,              ///< infers nothing, to be compared with: domain randomization over the prior
+  nominal,            ///< infers nothing, either: the nominal parameters
 };
-
-/// "npe_a", "npe_b", "npe_c", "nle", "nre_a", "nre_b" (posterior_estimation.h), "abc_rejection",
-/// "abc_mcmc", "abc_smc" (abc.h), "linear_regression" (bayesian_linear_regression.h), and two that
-/// infer nothing and are there to be compared with: "prior" keeps the prior (domain randomisation),
-/// "nominal" the nominal parameters.
-std::vector<std::string> algorithm_names();
 
 /// What an algorithm makes its posterior of.
 enum class AlgorithmFamily {
@@ -33,20 +33,53 @@ enum class AlgorithmFamily {
   regression,  ///< the equations of motion and the recordings, no simulation
   fixed,       ///< nothing: what is known before any observation
 };
-AlgorithmFamily family_of_algorithm(const std::string& name);
 
-/// What the algorithm's network says (network_posterior.h). Throws Error for one that has none.
-NetworkRole role_of_algorithm(const std::string& name);
+/// Everything about an algorithm that others than its own files need.
+struct AlgorithmTraits : EnumRow<Algorithm> {
+  AlgorithmFamily family;
+  NetworkRole role = NetworkRole::posterior;  ///< of a network
+  /// The kinds of density estimators that it can use, the usual one first; none without a network.
+  std::span<const EstimatorKind> estimators = {};
+  std::string_view settings = {};  ///< fields of AlgorithmConfig that not all networks read
+  /// Until its last round the network is one Gaussian, which is then divided by its proposal and
+  /// grows to a mixture.
+  bool grows_in_last_round = false;
+};
 
-/// The kinds of density estimators that the algorithm can use, the usual one first; none without a
-/// network.
-std::vector<std::string> estimators_of_algorithm(const std::string& name);
+/// Every algorithm, in the documented order.
+std::span<const AlgorithmTraits> enum_table(Algorithm);
+const AlgorithmTraits& traits_of(Algorithm algorithm);
 
-/// Throws InputError for another kind, and says which are allowed.
-void check_estimator(const std::string& algorithm, const EstimatorConfig& estimator);
+/// "maf, mdn, nsf": the estimators that the algorithm can use.
+std::string estimator_list(const AlgorithmTraits& traits);
 
-/// The name of algorithm_names() that `spelling` stands for ("snpe_c" and "apt" are "npe_c",
-/// "bayessim" and "snpe_a" are "npe_a", ...); throws InputError with the nearest known name.
-std::string canonical_algorithm(const std::string& spelling);
+/// How NPE-C corrects for proposals that aren't the prior (npe_c.h).
+enum class Loss { automatic, atomic, analytic };
+constexpr auto enum_table(Loss) {
+  using enum Loss;
+  return std::to_array<EnumRow<Loss>>(
+      {{automatic, "auto"}, {atomic, "atomic"}, {analytic, "analytic"}});
+}
+
+struct AlgorithmConfig {
+  Algorithm kind = Algorithm::npe_c;
+  Index num_rounds = 1;
+  Index num_simulations = 1000;  ///< per round
+  Index num_atoms = 10;          ///< "npe_c", "nre_b": theta compared per x, the true one included
+  Loss loss = Loss::automatic;   ///< "npe_c"; analytic with "mdn" only
+  double component_perturbation =
+      0.01;                    ///< "npe_a": of the weights, when one Gaussian becomes many
+  bool combined_loss = false;  ///< "npe_c": add -log q on the rows of the prior, when atomic
+};
+
+/// Throws InputError for a kind that the algorithm can't use, and says which it can.
+void check_estimator(Algorithm algorithm, EstimatorKind estimator);
+
+/// The loss that NPE-C has with this estimator: "auto" is analytic for a mixture and atomic
+/// otherwise. Throws InputError for "analytic" with another estimator.
+Loss resolve_loss(const AlgorithmConfig& config, EstimatorKind estimator);
+
+/// Whether the algorithm is NPE-C with the analytic loss. Throws as resolve_loss().
+bool is_analytic(const AlgorithmConfig& config, EstimatorKind estimator);
 
 }  // namespace npdr::inference

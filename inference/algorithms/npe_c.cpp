@@ -33,16 +33,6 @@ void add_to_heads(const Mixtures& network, const GaussianMixtureGradient& gradie
 
 }  // namespace
 
-std::string resolve_loss(const AlgorithmConfig& config, const EstimatorConfig& estimator) {
-  const bool is_mixture = estimator.kind == "mdn";
-  if (config.loss == "analytic" && !is_mixture) {
-    throw InputError("loss = 'analytic' needs density_estimator.kind = 'mdn', found '" +
-                     estimator.kind + "'; use 'atomic' or 'auto'");
-  }
-  if (config.loss == "auto") return is_mixture ? "analytic" : "atomic";
-  return config.loss;
-}
-
 GaussianMixture proposal_mixture(const NetworkPosterior& posterior) {
   return narrower_than_prior(dynamic_cast<const DirectPosterior&>(posterior).mixture());
 }
@@ -59,9 +49,9 @@ NpeC::NpeC(const AlgorithmConfig& config, const EmbeddedEstimator<float>& networ
       corrections_(data.proposals.begin(), data.proposals.end()),
       scratch_(network.make_scratch()) {
   const bool is_mixture = dynamic_cast<const Mixtures*>(&network.estimator()) != nullptr;
-  EstimatorConfig kind;
-  kind.kind = is_mixture ? "mdn" : "maf";
-  loss_ = resolve_loss(config, kind);
+  if (!corrections_.empty() && !is_mixture) {
+    throw Error("NPE-C: only a mixture can be corrected for proposals by the analytic loss");
+  }
 }
 
 double NpeC::loss(const Parameters<float>& parameters, const Batch& batch,
@@ -73,8 +63,8 @@ double NpeC::loss(const Parameters<float>& parameters, const Batch& batch,
     u_.row(i) = data_.u.row(batch.rows[static_cast<std::size_t>(i)]);
   }
   if (only_prior_) return maximum_likelihood(parameters, gradient);
-  return loss_ == "analytic" ? analytic(parameters, batch, gradient)
-                             : atomic(parameters, batch, gradient);
+  return corrections_.empty() ? atomic(parameters, batch, gradient)
+                              : analytic(parameters, batch, gradient);
 }
 
 double NpeC::maximum_likelihood(const Parameters<float>& parameters, Parameters<float>* gradient) {

@@ -23,13 +23,12 @@ namespace npdr::inference {
 /// posterior's estimator isn't one.
 GaussianMixture proposal_mixture(const NetworkPosterior& posterior);
 
-/// Which loss a config means for this estimator and round: resolves "auto" to "analytic" for a
-/// mixture and "atomic" otherwise. Throws InputError for "analytic" with another estimator.
-std::string resolve_loss(const AlgorithmConfig& config, const EstimatorConfig& estimator);
-
-/// The objective of NPE-C over one round's training. Keeps references to its arguments.
+/// The objective of NPE-C over one round's training: the analytic loss where the data have
+/// proposals, else the atomic one.
 class NpeC : public Objective {
  public:
+  /// Keeps references to its arguments. Throws Error for proposals with a network that isn't a
+  /// mixture.
   NpeC(const AlgorithmConfig& config, const EmbeddedEstimator<float>& network,
        const FeatureTransform& transform, const TrainingData& data, const StreamId& id);
 
@@ -50,8 +49,7 @@ class NpeC : public Objective {
   const TrainingData& data_;
   StreamId id_;
   bool only_prior_;  ///< every row comes from the prior: plain maximum likelihood
-  std::string loss_;
-  std::vector<MixtureCorrection> corrections_;  ///< of rounds 2, 3, ...; "analytic" only
+  std::vector<MixtureCorrection> corrections_;  ///< of rounds 2, 3, ...; analytic loss only
   EmbeddedEstimator<float>::Scratch scratch_;
   RowMatrixF raw_x_;    ///< (n, F)
   RowMatrixF x_;        ///< (n, F or k), transformed

@@ -7,23 +7,20 @@
 namespace npdr::inference {
 namespace {
 
-bool is_npe_a(const PosteriorEstimationConfig& config) {
-  return canonical_algorithm(config.algorithm.name) == "npe_a";
-}
-
-// NPE-A has one Gaussian until its last round.
 EstimatorConfig estimator_of_round(const PosteriorEstimationConfig& config, std::uint64_t round) {
   EstimatorConfig estimator = config.estimator;
   const bool is_last = round >= static_cast<std::uint64_t>(config.algorithm.num_rounds);
-  if (is_npe_a(config) && !is_last) estimator.num_components = 1;
+  const bool grows = traits_of(config.algorithm.kind).grows_in_last_round;
+  if (grows && !is_last) estimator.num_components = 1;
   return estimator;
 }
 
 // What `data` and the last round's posterior give, but for the weights.
 NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const RoundData& data,
                              const StreamId& id) {
+  const AlgorithmTraits& traits = traits_of(config.algorithm.kind);
   NetworkParts parts{.prior = *data.prior,
-                     .role = role_of_algorithm(config.algorithm.name),
+                     .role = traits.role,
                      .estimator = estimator_of_round(config, id.round),
                      .trained_features = config.trained_features,
                      .structure_seed = id.seed,
@@ -38,7 +35,9 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   }
   const NetworkPosterior& previous = *data.posteriors.back();
   parts.transform = previous.parts().transform;
-  if (is_npe_a(config)) parts.proposal = dynamic_cast<const DirectPosterior&>(previous).mixture();
+  if (traits.grows_in_last_round) {
+    parts.proposal = dynamic_cast<const DirectPosterior&>(previous).mixture();
+  }
   return parts;
 }
 
@@ -66,7 +65,7 @@ void require_weights(const RoundTask& task, const TrainingState& state) {
 std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
                                                      const RoundData& data, const StreamId& id,
                                                      TrainingState& state, const EpochHook& hook) {
-  check_estimator(config.algorithm.name, config.estimator);
+  check_estimator(config.algorithm.kind, config.estimator.kind);
   NetworkParts parts = untrained_parts(config, data, id);
   const auto task = make_round_task(config, data, parts, id);
   if (state.epoch == 0 && state.parameters.size() == 0) {
@@ -85,9 +84,7 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
 
 RowMatrix propose(const PosteriorEstimationConfig& config, const NetworkPosterior& posterior,
                   Index n, const StreamId& id) {
-  const bool is_analytic = canonical_algorithm(config.algorithm.name) == "npe_c" &&
-                           resolve_loss(config.algorithm, config.estimator) == "analytic";
-  if (!is_analytic) return posterior.sample(n, id);
+  if (!is_analytic(config.algorithm, config.estimator.kind)) return posterior.sample(n, id);
   return posterior.prior().to_theta(proposal_mixture(posterior).sample(n, id));
 }
 

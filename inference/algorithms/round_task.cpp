@@ -77,18 +77,17 @@ class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
       : TaskOf(make_network(parts.estimator, parts.transform.num_outputs(), parts.trained_features,
                             parts.prior.dimension(), parts.structure_seed),
                data, parts) {
-    const std::string algorithm = canonical_algorithm(config.algorithm.name);
     const auto likelihood = [&](std::vector<std::uint32_t> rows, VectorF weights) {
       objective_ = std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::u_given_z,
                                                          network_, parts.transform, data_,
                                                          std::move(rows), std::move(weights));
     };
-    if (algorithm == "npe_a") {
+    if (config.algorithm.kind == Algorithm::npe_a) {
       likelihood(rows_of_last_round(data), {});
-    } else if (algorithm == "npe_b") {
+    } else if (config.algorithm.kind == Algorithm::npe_b) {
       likelihood(all_rows(data), importance_weights(data));
     } else {
-      if (resolve_loss(config.algorithm, config.estimator) == "analytic") {
+      if (is_analytic(config.algorithm, config.estimator.kind)) {
         data_.proposals = proposal_mixtures(data);
       }
       objective_ = std::make_unique<NpeC>(config.algorithm, network_, parts.transform, data_, id);
@@ -114,7 +113,7 @@ class RatioTask : public TaskOf<RatioEstimator<float>> {
             const NetworkParts& parts, const StreamId& id)
       : TaskOf({parts.estimator, parts.prior.dimension(), parts.transform.num_outputs()}, data,
                parts) {
-    const bool is_binary = canonical_algorithm(config.algorithm.name) == "nre_a";
+    const bool is_binary = config.algorithm.kind == Algorithm::nre_a;
     objective_ = std::make_unique<RatioObjective>(is_binary, config.algorithm.num_atoms, network_,
                                                   parts.transform, data_, id);
   }

@@ -13,7 +13,7 @@ struct TrainingData {
   const FeatureSource* x = nullptr;        ///< (N, F)
   RowMatrixF u;                            ///< (N, D)
   std::vector<std::uint32_t> round;        ///< (N), counted from 1
-  std::vector<GaussianMixture> proposals;  ///< of rounds 2, 3, ...; "analytic" only
+  std::vector<GaussianMixture> proposals;  ///< of rounds 2, 3, ...; analytic loss only
 };
 
 }  // namespace npdr::inference

@@ -36,7 +36,7 @@ SeriesSelection select(const EmbeddingConfig& config, const Target& target, Inde
   selection.num_stored_channels = target.num_states();
   selection.stride = config.downsample / store_every;
   selection.channels = channel_indices(config, target);
-  if (config.kind != kIdentityEmbedding && selection.num_steps() < 2) {
+  if (config.kind != EmbeddingKind::identity && selection.num_steps() < 2) {
     throw InputError("embedding.downsample = " + std::to_string(config.downsample) +
                      " leaves fewer than two of the " + std::to_string(target.num_steps()) +
                      " steps of a rollout, must be smaller");
@@ -57,23 +57,22 @@ void SeriesSelection::pick(std::span<const float> stored, std::span<float> picke
   }
 }
 
-std::vector<std::string> embedding_names() {
-  return {"linear", "all_steps", "delta_steps", "last_step", "bayessim", kIdentityEmbedding};
-}
-
 std::unique_ptr<Embedding> make_embedding(const EmbeddingConfig& config, const Target& target,
                                           Index store_every) {
   const SeriesSelection selection = select(config, target, store_every);
-  const std::string& kind = config.kind;
-  if (kind == "linear" || kind == "all_steps" || kind == kIdentityEmbedding) {
-    return std::make_unique<AllSteps>(selection);
+  switch (config.kind) {
+    case EmbeddingKind::delta_steps:
+      return std::make_unique<DeltaSteps>(selection);
+    case EmbeddingKind::last_step:
+      return std::make_unique<LastStep>(selection);
+    case EmbeddingKind::bayessim:
+      return std::make_unique<BayesSim>(selection, target, config.downsample);
+    case EmbeddingKind::linear:
+    case EmbeddingKind::all_steps:
+    case EmbeddingKind::identity:
+      break;
   }
-  if (kind == "delta_steps") return std::make_unique<DeltaSteps>(selection);
-  if (kind == "last_step") return std::make_unique<LastStep>(selection);
-  if (kind == "bayessim") {
-    return std::make_unique<BayesSim>(selection, target, config.downsample);
-  }
-  throw InputError("embedding.kind: " + unknown_name("embedding", kind, embedding_names()));
+  return std::make_unique<AllSteps>(selection);
 }
 
 std::vector<float> observed_series(const Target& target, Index store_every) {

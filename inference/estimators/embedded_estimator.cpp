@@ -2,7 +2,6 @@
 
 #include "core/error.h"
 #include "core/matrix_blocking.h"
-#include "core/text.h"
 #include "inference/estimators/dense.h"
 #include "inference/estimators/maf.h"
 #include "inference/estimators/mixture_density_network.h"
@@ -14,15 +13,19 @@ std::unique_ptr<DensityEstimator<S>> make_estimator(const EstimatorConfig& confi
                                                     Index context_features,
                                                     const StreamId& structure,
                                                     ParameterLayout& layout) {
-  if (config.kind == "maf" || config.kind == "nsf") {
-    return std::make_unique<MaskedAutoregressiveFlow<S>>(config, dimension, context_features,
-                                                         structure, layout);
+  switch (config.kind) {
+    case EstimatorKind::maf:
+    case EstimatorKind::nsf:
+      return std::make_unique<MaskedAutoregressiveFlow<S>>(config, dimension, context_features,
+                                                           structure, layout);
+    case EstimatorKind::mdn:
+      return std::make_unique<MixtureDensityNetwork<S>>(config, dimension, context_features,
+                                                        layout);
+    case EstimatorKind::resnet:
+      break;
   }
-  if (config.kind == "mdn") {
-    return std::make_unique<MixtureDensityNetwork<S>>(config, dimension, context_features, layout);
-  }
-  throw InputError("density_estimator.kind: " +
-                   unknown_name("density estimator", config.kind, estimator_names()));
+  throw InputError("density_estimator.kind = '" + name_of(config.kind) +
+                   "', must be one of maf, mdn, nsf: it gives ratios, no density");
 }
 
 template <typename S>

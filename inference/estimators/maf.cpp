@@ -27,7 +27,7 @@ void permute_back(const RowMatrixX<S>& from, const std::vector<std::uint32_t>& o
 
 template <typename S>
 std::shared_ptr<const ElementMap<S>> make_map(const EstimatorConfig& config) {
-  if (config.kind == "nsf") return std::make_shared<SplineMap<S>>(config.num_bins);
+  if (config.kind == EstimatorKind::nsf) return std::make_shared<SplineMap<S>>(config.num_bins);
   return std::make_shared<AffineMap<S>>();
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "core/error.h"
@@ -17,22 +16,6 @@ namespace npdr::inference {
 namespace {
 
 using OptimizerPtr = std::unique_ptr<PolicyOptimizer>;
-
-template <typename Optimizer>
-OptimizerPtr make(const PolicySearchConfig& config, const PolicySearchState& state) {
-  return std::make_unique<Optimizer>(config, state);
-}
-
-struct Entry {
-  const char* name;
-  OptimizerPtr (*make)(const PolicySearchConfig&, const PolicySearchState&);
-};
-
-// Every optimizer: to add one, write its file pair and a line here. The first is the default.
-constexpr std::array kOptimizers = {
-    Entry{"power", make<Power>},
-    Entry{"cross_entropy", make<CrossEntropy>},
-};
 
 template <typename Value>
 void require(bool ok, const char* field, const Value& found, const std::string& allowed) {
@@ -56,17 +39,7 @@ void check_state(const PolicySearchState& state, Index num_best) {
 
 }  // namespace
 
-std::vector<std::string> policy_optimizer_names() {
-  std::vector<std::string> names;
-  for (const Entry& entry : kOptimizers) names.emplace_back(entry.name);
-  return names;
-}
-
 void check(const PolicySearchConfig& config) {
-  const std::vector<std::string> names = policy_optimizer_names();
-  if (std::ranges::find(names, config.algorithm) == names.end()) {
-    throw InputError(unknown_name("policy.algorithm", config.algorithm, names));
-  }
   const auto& c = config;
   require(c.population >= 1, "population", c.population, ">= 1");
   require(c.num_iterations >= 1, "num_iterations", c.num_iterations, ">= 1");
@@ -138,8 +111,16 @@ OptimizerPtr make_policy_optimizer(const PolicySearchConfig& config, const Vecto
 
 OptimizerPtr make_policy_optimizer(const PolicySearchConfig& config,
                                    const PolicySearchState& state) {
-  check(config);
-  return std::ranges::find(kOptimizers, config.algorithm, &Entry::name)->make(config, state);
+  switch (config.kind) {
+    case PolicyOptimizerKind::power:
+      return std::make_unique<Power>(config, state);
+    case PolicyOptimizerKind::cross_entropy:
+      return std::make_unique<CrossEntropy>(config, state);
+    case PolicyOptimizerKind::none:
+      break;
+  }
+  throw InputError("policy.optimizer = '', must be one of " +
+                   join(names_of<PolicyOptimizerKind>()));
 }
 
 }  // namespace npdr::inference

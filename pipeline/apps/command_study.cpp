@@ -129,10 +129,10 @@ void list_names(const std::vector<std::string>& names) {
 void list(const std::string& what) {
   if (what == "simulators") return list_simulators();
   if (what == "keys") return list_keys();
-  if (what == "methods") return list_names(inference::algorithm_names());
-  if (what == "embeddings") return list_names(inference::embedding_names());
-  if (what == "estimators") return list_names(inference::estimator_names());
-  if (what == "integrators") return list_names(sim::integrator_names());
+  if (what == "methods") return list_names(names_of<inference::Algorithm>());
+  if (what == "embeddings") return list_names(names_of<inference::EmbeddingKind>());
+  if (what == "estimators") return list_names(names_of<inference::EstimatorKind>());
+  if (what == "integrators") return list_names(names_of<sim::Integrator>());
   if (what == "metrics") return list_names(metric_names());
   if (what == "checks") return list_names(check_names());
   throw InputError(unknown_name("list", what,

@@ -87,9 +87,9 @@ void require_regular_file(const std::filesystem::path& path) {
 
 }  // namespace
 
-FeatureRows read_features(const std::filesystem::path& path, const std::string& format,
-                          Index num_rows, const std::vector<Channel>& expected) {
-  if (format == "csv") return read_csv(path, num_rows, expected);
+FeatureRows read_features(const std::filesystem::path& path, FileFormat format, Index num_rows,
+                          const std::vector<Channel>& expected) {
+  if (format == FileFormat::csv) return read_csv(path, num_rows, expected);
   require_regular_file(path);
   if (!survives([&] { read_hdf5(path, num_rows, expected); })) throw damaged_file(path);
   return read_hdf5(path, num_rows, expected);
@@ -109,7 +109,7 @@ Target observation_target(const std::vector<Channel>& features, const Vector& x_
 }
 
 Target read_observation(const std::filesystem::path& path, const std::vector<Channel>& expected) {
-  const std::string format = path.extension() == ".csv" ? "csv" : "hdf5";
+  const FileFormat format = path.extension() == ".csv" ? FileFormat::csv : FileFormat::hdf5;
   const FeatureRows rows = read_features(path, format, 1, expected);
   Target target =
       observation_target(rows.features, rows.x.row(0).transpose(), path.filename().string());

@@ -10,6 +10,7 @@
 
 #include "core/target.h"
 #include "core/types.h"
+#include "pipeline/store/file_format.h"
 
 namespace npdr::pipeline {
 
@@ -18,12 +19,12 @@ struct FeatureRows {
   RowMatrix x;                    ///< (n, F), NaN and infinities as they stand there
 };
 
-/// Reads exactly `num_rows` rows of a file of the format "csv" or "hdf5". With `expected` features
-/// there must be a column of each; where the file names its columns they may be in any order.
-/// Throws InputError that names the file and what is wrong with it. A child process reads HDF5
-/// first, so no other thread may be using it.
-FeatureRows read_features(const std::filesystem::path& path, const std::string& format,
-                          Index num_rows, const std::vector<Channel>& expected);
+/// Reads exactly `num_rows` rows of a file. With `expected` features there must be a column of
+/// each; where the file names its columns they may be in any order. Throws InputError that names
+/// the file and what is wrong with it. A child process reads HDF5 first, so no other thread may be
+/// using it.
+FeatureRows read_features(const std::filesystem::path& path, FileFormat format, Index num_rows,
+                          const std::vector<Channel>& expected);
 
 /// x_o: the only row of a file, CSV by its extension .csv or else HDF5, as a target of one rollout
 /// of one step, whose state after it is x_o. Throws InputError, also for NaN and infinities.

@@ -88,10 +88,10 @@ void write_policy_parameters(h5::File& file, const sim::PolicyTaskInfo& info,
   dataset.label_dimensions({"parameter"});
 }
 
-void write_policy(h5::File& file, const std::string& optimizer, const sim::PolicyTaskInfo& info,
-                  const PolicyHistory& history) {
+void write_policy(h5::File& file, inference::PolicyOptimizerKind optimizer,
+                  const sim::PolicyTaskInfo& info, const PolicyHistory& history) {
   const Vector policy = history.policies.bottomRows(1).transpose();
-  file.set_attribute("optimizer", optimizer);
+  file.set_attribute("optimizer", name_of(optimizer));
   write_policy_parameters(file, info, policy);
   write_history(file, history);
 }

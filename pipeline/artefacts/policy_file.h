@@ -40,8 +40,8 @@ struct PolicyHistory {
 void write_policy_parameters(h5::File& file, const sim::PolicyTaskInfo& info, const Vector& policy);
 
 /// Writes the artefact of a search whose last policy is the history's.
-void write_policy(h5::File& file, const std::string& optimizer, const sim::PolicyTaskInfo& info,
-                  const PolicyHistory& history);
+void write_policy(h5::File& file, inference::PolicyOptimizerKind optimizer,
+                  const sim::PolicyTaskInfo& info, const PolicyHistory& history);
 
 /// The policy (Q) that a search has found. Throws InputError.
 Vector read_policy(const ArtefactFile& policy);

@@ -102,10 +102,11 @@ Index read_trained_features(const h5::File& file) {
 // alone tell a file that asks for much more than it holds.
 void require_enough_weights(const std::string& where, const inference::NetworkParts& parts) {
   const inference::EstimatorConfig& c = parts.estimator;
-  const bool is_flow = c.kind == "maf" || c.kind == "nsf";
+  using enum inference::EstimatorKind;
+  const bool is_flow = c.kind == maf || c.kind == nsf;
   const bool is_likelihood = parts.role == inference::NetworkRole::likelihood;
   const Index width = is_likelihood ? parts.transform.num_outputs() : parts.prior.dimension();
-  const Index layers = c.kind == "resnet" ? 2 * c.num_hidden_layers : c.num_hidden_layers - 1;
+  const Index layers = c.kind == resnet ? 2 * c.num_hidden_layers : c.num_hidden_layers - 1;
   const Index least =
       (is_flow ? c.num_transforms : 1) * c.hidden_features * (layers * c.hidden_features + width);
   if (parts.parameters.size() >= least) return;
@@ -119,7 +120,8 @@ std::unique_ptr<inference::NetworkPosterior> read_network(const h5::File& file) 
   const std::string prior = file.attribute<std::string>("prior");
   inference::NetworkParts parts{
       .prior = inference::Prior(prior_from_json(parse_json(prior, file.where()), file.where())),
-      .role = inference::network_role(file.attribute<std::string>("network_role")),
+      .role = parse_enum<inference::NetworkRole>("network role",
+                                                 file.attribute<std::string>("network_role")),
       .estimator = read_config<inference::EstimatorConfig>(file, "density_estimator"),
       .trained_features = read_trained_features(file),
       .structure_seed = read_structure_seed(file),
@@ -140,7 +142,7 @@ std::unique_ptr<inference::NetworkPosterior> read_network(const h5::File& file) 
 }  // namespace
 
 inference::PosteriorEstimationConfig estimation_config(const MethodConfig& method) {
-  const bool is_linear = method.embedding.kind == "linear";
+  const bool is_linear = method.embedding.kind == inference::EmbeddingKind::linear;
   return {.algorithm = method.algorithm,
           .estimator = method.density_estimator,
           .training = method.training,
@@ -153,7 +155,7 @@ void write_posterior(h5::File& file, const MethodConfig& method,
                      const inference::NetworkPosterior& posterior, const Target& target,
                      const inference::TrainingState& training, const RowCounts& rows) {
   const inference::NetworkParts& parts = posterior.parts();
-  file.set_attribute("network_role", inference::to_string(parts.role));
+  file.set_attribute("network_role", name_of(parts.role));
   file.set_attribute("sampler", to_json(parts.sampler).dump());
   if (parts.proposal) write_proposal(file, *parts.proposal);
   file.set_attribute("prior", to_json(parts.prior.marginals()).dump());

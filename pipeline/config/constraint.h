@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
@@ -36,6 +37,13 @@ Constraint<double> count_from(double low);
 Constraint<double> not_negative();
 
 Constraint<std::string> one_of(std::vector<std::string> names);
+/// A name of the enumeration, or another spelling of it.
+template <NamedEnum E>
+Constraint<std::string> one_of() {
+  Constraint<std::string> constraint = one_of(names_of<E>());
+  constraint.allows = [](const std::string& name) { return value_named<E>(name).has_value(); };
+  return constraint;
+}
 /// Text without control characters, 1 to 100 bytes.
 Constraint<std::string> label();
 /// A label that can name a folder: letters, digits, '_', '-' and '.', not at the start.

@@ -56,8 +56,8 @@ class ExternalChecker : Checker {
       fail("evaluate.metrics", quoted(metric), "left out: it is for a simulator.command");
     }
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      if (study_.methods[i].embedding.kind != inference::kIdentityEmbedding) continue;
-      fail(fmt::format("method[{}].embedding.kind", i), quoted(inference::kIdentityEmbedding),
+      if (study_.methods[i].embedding.kind != inference::EmbeddingKind::identity) continue;
+      fail(fmt::format("method[{}].embedding.kind", i), "'identity'",
            "another: it is for a simulator.command or dataset; 'all_steps' keeps all states");
     }
   }
@@ -136,9 +136,9 @@ class ExternalChecker : Checker {
     for (const char* key : {".num_rollouts", ".embedding.downsample", ".embedding.features"}) {
       must_be_left_out(path + key, no_rollouts());
     }
-    const std::string& kind = method.embedding.kind;
-    if (kind != inference::kIdentityEmbedding && reading_.good(path + ".embedding.kind")) {
-      fail(path + ".embedding.kind", quoted(kind), "'identity': " + no_rollouts());
+    const inference::EmbeddingKind kind = method.embedding.kind;
+    if (kind != inference::EmbeddingKind::identity && reading_.good(path + ".embedding.kind")) {
+      fail(path + ".embedding.kind", quoted(name_of(kind)), "'identity': " + no_rollouts());
     }
     const Index rounds = method.algorithm.num_rounds;
     if (external_.dataset && rounds != 1 && reading_.good(path + ".num_rounds")) {

@@ -8,6 +8,7 @@
 
 #include "core/types.h"
 #include "pipeline/config/source_traits.h"
+#include "pipeline/store/file_format.h"
 
 namespace npdr::pipeline {
 
@@ -15,14 +16,14 @@ namespace npdr::pipeline {
 struct ExternalConfig {
   std::optional<std::string>
       command;  ///< reads a file of theta, writes a file of x; run by a shell
-  std::optional<std::string> dataset;  ///< path of an HDF5 file that holds theta and x
-  std::string format = "csv";          ///< of the files that the command reads and writes
-  std::string folder;                  ///< where the command runs; resolved: an absolute path
-  double time_limit = 3600.0;          ///< [s] of a call with all rows of a shard
-  double start_time = 2.0;             ///< [s] that a call with fewer rows has besides its share
-  Index retries = 1;                   ///< of a call that failed
-  Index parallel_calls = 0;            ///< at once, of a stage; 0: as many as it has threads
-  std::vector<std::string> features;   ///< of x, as `label` or `label [unit]`
+  std::optional<std::string> dataset;   ///< path of an HDF5 file that holds theta and x
+  FileFormat format = FileFormat::csv;  ///< of the files that the command reads and writes
+  std::string folder;                   ///< where the command runs; resolved: an absolute path
+  double time_limit = 3600.0;           ///< [s] of a call with all rows of a shard
+  double start_time = 2.0;              ///< [s] that a call with fewer rows has besides its share
+  Index retries = 1;                    ///< of a call that failed
+  Index parallel_calls = 0;             ///< at once, of a stage; 0: as many as it has threads
+  std::vector<std::string> features;    ///< of x, as `label` or `label [unit]`
 
   bool is_used() const { return kind() != SourceKind::built_in; }
   SourceKind kind() const {
@@ -30,8 +31,5 @@ struct ExternalConfig {
     return dataset ? SourceKind::dataset : SourceKind::built_in;
   }
 };
-
-/// "csv", "hdf5".
-std::vector<std::string> exchange_formats();
 
 }  // namespace npdr::pipeline

@@ -67,9 +67,6 @@ std::string type_name() {
   return FieldType<T>::kName;
 }
 
-/// The kind that a study calls "uniform", "log_uniform", "normal" or "log_normal".
-std::optional<inference::Marginal::Kind> marginal_kind(const std::string& name);
-std::string marginal_kind_name(inference::Marginal::Kind kind);
 /// "{ uniform = [low, high] }, ...": what a prior's entry must be.
 std::string marginal_words();
 

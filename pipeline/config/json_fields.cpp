@@ -14,7 +14,7 @@ bool read_marginal(const Json& json, inference::Marginal& marginal) {
   if (name == json.end() || unit == json.end()) return false;
   if (!read_value(*name, marginal.name) || !read_value(*unit, marginal.unit)) return false;
   for (const auto& [key, bounds] : json.items()) {
-    const auto kind = marginal_kind(key);
+    const auto kind = value_named<inference::Marginal::Kind>(key);
     if (!kind) continue;
     marginal.kind = *kind;
     return bounds.is_array() && bounds.size() == 2 && read_value(bounds[0], marginal.a) &&
@@ -54,7 +54,7 @@ Json json_value(const std::vector<inference::Marginal>& prior) {
   for (const inference::Marginal& marginal : prior) {
     json.push_back({{"name", marginal.name},
                     {"unit", marginal.unit},
-                    {marginal_kind_name(marginal.kind), {marginal.a, marginal.b}}});
+                    {name_of(marginal.kind), {marginal.a, marginal.b}}});
   }
   return json;
 }

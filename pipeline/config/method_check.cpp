@@ -7,7 +7,6 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "inference/algorithms/npe_c.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/method_settings.h"
@@ -49,7 +48,7 @@ void MethodChecker::check(std::size_t i) {
   check_unused_settings(path, method);
   check_iterations(path, method);
   check_embedding(path + ".embedding", method.embedding);
-  switch (inference::family_of_algorithm(method.algorithm.name)) {
+  switch (inference::traits_of(method.algorithm.kind).family) {
     case inference::AlgorithmFamily::network:
       check_training(path, method);
       check_estimator(path, method);
@@ -124,37 +123,37 @@ void MethodChecker::check_split(const std::string& path, const MethodConfig& met
 void MethodChecker::check_estimator(const std::string& path, MethodConfig& method) {
   const std::string kind_path = path + ".density_estimator.kind";
   if (!reading_.good(path + ".algorithm") || !reading_.good(kind_path)) return;
-  const std::string& algorithm = method.algorithm.name;
-  const auto allowed = inference::estimators_of_algorithm(algorithm);
-  if (!reading_.has(kind_path)) method.density_estimator.kind = allowed.front();
-  const std::string& kind = method.density_estimator.kind;
-  if (std::ranges::count(allowed, kind) == 0) {
-    fail(kind_path, quoted(kind),
-         fmt::format("one of {} with algorithm '{}'", join(allowed), algorithm));
+  const inference::AlgorithmTraits& algorithm = inference::traits_of(method.algorithm.kind);
+  if (!reading_.has(kind_path)) method.density_estimator.kind = algorithm.estimators.front();
+  const inference::EstimatorKind kind = method.density_estimator.kind;
+  if (std::ranges::count(algorithm.estimators, kind) == 0) {
+    fail(kind_path, quoted(name_of(kind)),
+         fmt::format("one of {} with algorithm '{}'", inference::estimator_list(algorithm),
+                     algorithm.name));
   }
-  const bool trains_layer = method.embedding.kind == "linear";
-  if (trains_layer &&
-      inference::role_of_algorithm(algorithm) != inference::NetworkRole::posterior) {
+  const bool trains_layer = method.embedding.kind == inference::EmbeddingKind::linear;
+  if (trains_layer && algorithm.role != inference::NetworkRole::posterior) {
     fail(path + ".embedding.kind", "'linear'",
          fmt::format("another with algorithm '{}', which can't train one: such as 'all_steps' with "
                      "principal_components",
-                     algorithm));
+                     algorithm.name));
   }
 }
 
 void MethodChecker::check_loss(const std::string& path, const MethodConfig& method) {
   const inference::AlgorithmConfig& algorithm = method.algorithm;
   if (!reading_.good(path + ".algorithm") || !reading_.good(path + ".loss")) return;
-  const std::string& kind = method.density_estimator.kind;
+  const inference::EstimatorKind kind = method.density_estimator.kind;
   if (!reading_.good(path + ".density_estimator.kind")) return;
-  if (algorithm.name == "npe_c" && algorithm.loss == "analytic" && kind != "mdn") {
+  if (reads_setting(algorithm.kind, "loss") && algorithm.loss == inference::Loss::analytic &&
+      kind != inference::EstimatorKind::mdn) {
     fail(path + ".loss", "'analytic'",
-         "'auto' or 'atomic' with density_estimator.kind = '" + kind + "': only 'mdn' has one");
+         "'auto' or 'atomic' with density_estimator.kind = '" + name_of(kind) +
+             "': only 'mdn' has one");
     return;
   }
-  const bool is_atomic = algorithm.name == "nre_b" ||
-                         (algorithm.name == "npe_c" &&
-                          inference::resolve_loss(algorithm, method.density_estimator) == "atomic");
+  const bool is_atomic =
+      reads_setting(algorithm.kind, "num_atoms") && !inference::is_analytic(algorithm, kind);
   const bool readable =
       reading_.good(path + ".num_atoms") && reading_.good(path + ".training.batch_size");
   if (is_atomic && readable && algorithm.num_atoms > method.training.batch_size) {
@@ -169,9 +168,9 @@ void MethodChecker::check_unused_settings(const std::string& path, const MethodC
   const nlohmann::ordered_json settings = to_json(method);
   for (const auto& [setting, value] : settings.items()) {
     const std::string member = path + "." + setting;
-    if (reads_setting(method.algorithm.name, setting) || !is_in_file(member)) continue;
-    must_be_left_out(member,
-                     fmt::format("it means nothing to the algorithm '{}'", method.algorithm.name));
+    if (reads_setting(method.algorithm.kind, setting) || !is_in_file(member)) continue;
+    must_be_left_out(member, fmt::format("it means nothing to the algorithm '{}'",
+                                         name_of(method.algorithm.kind)));
   }
 }
 
@@ -181,7 +180,7 @@ void MethodChecker::check_iterations(const std::string& path, const MethodConfig
   if (!reading_.good("policy.optimizer")) return;
   if (!study_.policy.is_used()) {
     if (reading_.good(path + ".algorithm") && !infers(method)) {
-      fail(path + ".algorithm", quoted(method.algorithm.name),
+      fail(path + ".algorithm", quoted(name_of(method.algorithm.kind)),
            "another without a table [policy]: it infers nothing, there is only its policy to look "
            "at");
     }
@@ -200,19 +199,20 @@ void MethodChecker::check_iterations(const std::string& path, const MethodConfig
 
 void MethodChecker::check_abc(const std::string& path, const MethodConfig& method) {
   const std::string kind = path + ".embedding.kind", rounds = path + ".num_rounds";
-  if (reading_.good(kind) && method.embedding.kind == "linear") {
+  if (reading_.good(kind) && method.embedding.kind == inference::EmbeddingKind::linear) {
     fail(kind, "'linear'",
          fmt::format("another with algorithm '{}', which trains no layer: such as 'all_steps'",
-                     method.algorithm.name));
+                     name_of(method.algorithm.kind)));
   }
   if (!reading_.good(rounds)) return;
   const std::string found = std::to_string(method.algorithm.num_rounds);
-  if (method.algorithm.name == "abc_rejection" && method.algorithm.num_rounds != 1) {
+  if (method.algorithm.kind == inference::Algorithm::abc_rejection &&
+      method.algorithm.num_rounds != 1) {
     fail(rounds, found,
          "1 with algorithm 'abc_rejection', whose simulations all come from the prior: raise "
          "num_simulations");
   }
-  if (method.algorithm.name == "abc_mcmc" && method.algorithm.num_rounds < 2) {
+  if (method.algorithm.kind == inference::Algorithm::abc_mcmc && method.algorithm.num_rounds < 2) {
     fail(rounds, found, ">= 2 with algorithm 'abc_mcmc': chains take one step in each round");
   }
 }

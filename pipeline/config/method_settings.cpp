@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "inference/algorithms/algorithm_config.h"
+#include "core/text.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -20,20 +20,21 @@ constexpr std::array<std::string_view, 3> kOfInference = {"num_rollouts", "num_i
 constexpr std::array<std::string_view, 3> kOfSimulations = {"num_rounds", "num_simulations",
                                                             "embedding"};
 
-bool network_reads(const std::string& algorithm, const std::string& key) {
-  if (key == "density_estimator" || key == "training") return true;
-  if (key == "component_perturbation") return algorithm == "npe_a";
-  if (key == "num_atoms") return algorithm == "npe_c" || algorithm == "nre_b";
-  if (key == "loss" || key == "combined_loss") return algorithm == "npe_c";
-  return key == "sampler" &&
-         inference::role_of_algorithm(algorithm) != inference::NetworkRole::posterior;
+constexpr std::array<std::string_view, 2> kOfNetworks = {"density_estimator", "training"};
+
+bool network_reads(const inference::AlgorithmTraits& algorithm, const std::string& key) {
+  if (is_one_of(kOfNetworks, key)) return true;
+  const std::vector<std::string> own = split(std::string(algorithm.settings), ' ');
+  if (std::ranges::find(own, key) != own.end()) return true;
+  return key == "sampler" && algorithm.role != inference::NetworkRole::posterior;
 }
 
 }  // namespace
 
-bool reads_setting(const std::string& algorithm, const std::string& key) {
+bool reads_setting(inference::Algorithm algorithm, const std::string& key) {
   if (is_one_of(kOfAll, key)) return true;
-  const auto family = inference::family_of_algorithm(algorithm);
+  const inference::AlgorithmTraits& traits = inference::traits_of(algorithm);
+  const inference::AlgorithmFamily family = traits.family;
   if (family != inference::AlgorithmFamily::fixed && is_one_of(kOfInference, key)) return true;
   switch (family) {
     case inference::AlgorithmFamily::fixed:
@@ -45,7 +46,7 @@ bool reads_setting(const std::string& algorithm, const std::string& key) {
     case inference::AlgorithmFamily::network:
       break;
   }
-  return is_one_of(kOfSimulations, key) || network_reads(algorithm, key);
+  return is_one_of(kOfSimulations, key) || network_reads(traits, key);
 }
 
 }  // namespace npdr::pipeline

@@ -3,10 +3,12 @@
 
 #include <string>
 
+#include "inference/algorithms/algorithm_config.h"
+
 namespace npdr::pipeline {
 
-/// Whether `key` of a [[method]] means something to the algorithm, a name of algorithm_names(): the
-/// name and the published figures do to all, a table of another family to none.
-bool reads_setting(const std::string& algorithm, const std::string& key);
+/// Whether `key` of a [[method]] means something to the algorithm: the name and the published
+/// figures do to all, a table of another family to none.
+bool reads_setting(inference::Algorithm algorithm, const std::string& key);
 
 }  // namespace npdr::pipeline

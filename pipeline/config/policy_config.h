@@ -30,17 +30,17 @@ struct PolicyGrid {
 };
 
 struct PolicyConfig {
-  std::string optimizer;                  ///< a name of policy_optimizer_names(); "": no search
   Index num_domain_parameters = 50;       ///< that each candidate is tried on, per iteration
   Index num_initial_states = 4;           ///< of each of them
   Index num_test_states = 100;            ///< initial states of a policy's test
   Index num_steps = 0;                    ///< of a rollout; 0: the simulator's own
   std::map<std::string, double> initial;  ///< policy parameters that begin elsewhere
   std::map<std::string, double> model;    ///< of the policy's own model: what isn't nominal
-  inference::PolicySearchConfig search;   ///< its algorithm and num_iterations stand elsewhere
+  /// Its num_iterations stand elsewhere.
+  inference::PolicySearchConfig search = {.kind = inference::PolicyOptimizerKind::none};
   PolicyGrid grid;
 
-  bool is_used() const { return !optimizer.empty(); }
+  bool is_used() const { return search.kind != inference::PolicyOptimizerKind::none; }
 };
 
 }  // namespace npdr::pipeline

@@ -49,7 +49,7 @@ class RolloutChecker : Checker {
     if (!infers(method)) return;
     const bool some_fit = check_at_most(path + ".num_rollouts", method.num_rollouts,
                                         used_rollouts(), "the rollouts of the target");
-    if (inference::family_of_algorithm(method.algorithm.name) ==
+    if (inference::traits_of(method.algorithm.kind).family ==
         inference::AlgorithmFamily::regression) {
       check_at_most(path + ".linear_regression.window", method.linear_regression.window,
                     shape_.num_steps + 1, "the states of a rollout");

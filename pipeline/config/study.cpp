@@ -19,7 +19,7 @@ const MethodConfig& Study::method(const std::string& method_name) const {
 
 DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
   using inference::AlgorithmFamily;
-  const AlgorithmFamily family = inference::family_of_algorithm(method.algorithm.name);
+  const AlgorithmFamily family = inference::traits_of(method.algorithm.kind).family;
   DiagnoseConfig config = diagnose;
   if (!infers(method)) config.checks.clear();
   std::erase_if(config.checks, [&](const std::string& check) {
@@ -37,7 +37,7 @@ Index Study::num_iterations_of(const MethodConfig& method) const {
 }
 
 bool infers(const MethodConfig& method) {
-  return inference::family_of_algorithm(method.algorithm.name) != inference::AlgorithmFamily::fixed;
+  return inference::traits_of(method.algorithm.kind).family != inference::AlgorithmFamily::fixed;
 }
 
 bool DiagnoseConfig::has(std::string_view check) const {
@@ -55,8 +55,6 @@ std::vector<std::string> check_names() {
 std::vector<std::string> metric_names() {
   return {"dtw", "rmse", "final_error", "goal", kFeatureMetric};
 }
-
-std::vector<std::string> exchange_formats() { return {"csv", "hdf5"}; }
 
 namespace {
 

@@ -47,11 +47,18 @@ struct SimulateConfig {
   Index shard_size = 1000;  ///< [rows]
 };
 
+/// Which rounds' posteriors are evaluated.
+enum class EvaluatedRounds { last, all };
+constexpr auto enum_table(EvaluatedRounds) {
+  return std::to_array<EnumRow<EvaluatedRounds>>(
+      {{EvaluatedRounds::last, "last"}, {EvaluatedRounds::all, "all"}});
+}
+
 struct EvaluateConfig {
   Index num_samples = 1000;
   std::vector<std::string> metrics = {"dtw", "rmse"};
-  std::string rounds = "last";  ///< "last" or "all"
-  bool floor = true;            ///< of a recording: also search for the smallest RMSE in the prior
+  EvaluatedRounds rounds = EvaluatedRounds::last;
+  bool floor = true;  ///< of a recording: also search for the smallest RMSE in the prior
 };
 
 /// How posteriors are checked.

@@ -3,7 +3,6 @@
 #include <regex>
 
 #include "core/text.h"
-#include "inference/policy_search/policy_search_config.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -11,15 +10,6 @@ namespace {
 template <class T>
 bool all_distinct(const std::vector<T>& values) {
   return std::set<T>(values.begin(), values.end()).size() == values.size();
-}
-
-bool is_algorithm(const std::string& spelling) {
-  try {
-    inference::canonical_algorithm(spelling);
-    return true;
-  } catch (const InputError&) {
-    return false;
-  }
 }
 
 Constraint<std::vector<std::string>> distinct_of(const std::vector<std::string>& known) {
@@ -54,24 +44,10 @@ bool is_option(const std::string& text) {
 
 }  // namespace
 
-Constraint<std::string> algorithm_constraint() {
-  Constraint<std::string> constraint = one_of(inference::algorithm_names());
-  constraint.allows = is_algorithm;
-  return constraint;
-}
-
 Constraint<std::string> simulator_constraint() {
   Constraint<std::string> constraint = one_of(sim::simulator_names());
   constraint.allows = [names = constraint.allows](const std::string& value) {
     return value.empty() || names(value);
-  };
-  return constraint;
-}
-
-Constraint<std::string> estimator_constraint() {
-  Constraint<std::string> constraint = one_of(inference::estimator_names());
-  constraint.allows = [names = constraint.allows](const std::string& value) {
-    return value == "mog" || names(value);
   };
   return constraint;
 }
@@ -100,14 +76,6 @@ Constraint<std::vector<std::string>> metrics_constraint() {
 }
 
 Constraint<std::vector<std::string>> checks_constraint() { return distinct_of(check_names()); }
-
-Constraint<std::string> optimizer_constraint() {
-  Constraint<std::string> constraint = one_of(inference::policy_optimizer_names());
-  constraint.allows = [names = constraint.allows](const std::string& value) {
-    return value.empty() || names(value);
-  };
-  return constraint;
-}
 
 Constraint<std::vector<double>> range_constraint() {
   return {"[low, high] with low < high", [](const auto& range) {

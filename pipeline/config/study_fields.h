@@ -23,10 +23,8 @@ namespace npdr::pipeline {
 inline constexpr double kMaxWidth = 4096;
 inline constexpr double kMaxLayers = 128;
 
-Constraint<std::string> algorithm_constraint();
 /// Of the simulator; "" where something else takes its place.
 Constraint<std::string> simulator_constraint();
-Constraint<std::string> estimator_constraint();
 /// > 0 and <= 1.
 Constraint<double> quantile_constraint();
 /// Of a smoother: odd, 5 to 1001.
@@ -34,7 +32,6 @@ Constraint<double> window_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
 Constraint<std::vector<std::string>> metrics_constraint();
 Constraint<std::vector<std::string>> checks_constraint();
-Constraint<std::string> optimizer_constraint();
 /// [low, high].
 Constraint<std::vector<double>> range_constraint();
 /// Ascending.
@@ -50,14 +47,20 @@ Constraint<std::string> option_value();
 Constraint<std::vector<std::string>> options_constraint();
 Constraint<std::vector<std::string>> shell_lines();
 
+/// A field that holds one value of an enumeration: its name to every visitor.
+template <class Fields, NamedEnum E>
+void choice(Fields& f, const char* key, E& value, const char* doc) {
+  std::string name = name_of(value);
+  f(key, name, one_of<E>(), doc);
+  value = parse_enum<E>(key, name);
+}
+
 template <class Fields>
 void describe(Fields& f, sim::MinigolfConfig& c) {
-  f("strike", c.strike, one_of(sim::strike_names()),
-    "the recorded joint angles, or the policy of Table A4");
-  f("ball_start", c.ball_start, one_of(sim::ball_start_names()),
-    "where the ball begins: as recorded, or at its nominal place");
-  f("rolling", c.rolling, one_of(sim::rolling_names()),
-    "away from everything: in closed form, or by Bullet as all else");
+  choice(f, "strike", c.strike, "the recorded joint angles, or the policy of Table A4");
+  choice(f, "ball_start", c.ball_start,
+         "where the ball begins: as recorded, or at its nominal place");
+  choice(f, "rolling", c.rolling, "away from everything: in closed form, or by Bullet as all else");
   f("substeps", c.substeps, between(1, 1000), "of Bullet per time step of the target");
   f("substeps_near", c.substeps_near, between(1, 1000),
     "the same where the ball is near something");
@@ -79,7 +82,7 @@ void describe(Fields& f, sim::SimulatorConfig& c) {
     "values that replace the simulator's nominal ones");
   f("segment_length", c.segment_length, count_from(0),
     "steps until the simulation restarts from the recorded state; 0: never");
-  f("integrator", c.integrator, one_of(sim::integrator_names()), "method for the ODE");
+  choice(f, "integrator", c.integrator, "method for the ODE");
   f("substeps", c.substeps, count_from(1), "integrator steps per time step of the target");
   f("store_every", c.store_every, count_from(1), "keep every k-th state of a simulated rollout");
   f.table("minigolf", "settings of the simulator \"minigolf\"",
@@ -92,7 +95,7 @@ void describe(Fields& f, ExternalConfig& c) {
     "a simulator of one's own: a shell command that reads a file of theta and writes a file of x");
   f("dataset", c.dataset, file_path(),
     "HDF5 file of finished simulations, theta and x, relative to the study file's folder");
-  f("format", c.format, one_of(exchange_formats()), "of the command's files");
+  choice(f, "format", c.format, "of the command's files");
   f("folder", c.folder, anything<std::string>(),
     "where the command runs, relative to the study file's folder; empty: that folder");
   f("time_limit", c.time_limit, positive(), "for a call with all rows of a shard [s]");
@@ -119,7 +122,7 @@ void describe(Fields& f, SimulatorTable& c) {
 
 template <class Fields>
 void describe(Fields& f, inference::EmbeddingConfig& c) {
-  f("kind", c.kind, one_of(inference::embedding_names()), "how rollouts become features");
+  choice(f, "kind", c.kind, "how rollouts become features");
   f("features", c.features, between(1, kMaxWidth), "width of the trained layer (\"linear\" only)");
   f("principal_components", c.principal_components, count_from(0),
     "the network sees so many principal components of the features; 0: the features themselves");
@@ -131,8 +134,8 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, inference::EstimatorConfig& c) {
-  f("kind", c.kind, estimator_constraint(),
-    "masked autoregressive flow, mixture of Gaussians, neural spline flow, residual network");
+  choice(f, "kind", c.kind,
+         "masked autoregressive flow, mixture of Gaussians, neural spline flow, residual network");
   f("num_transforms", c.num_transforms, between(1, kMaxLayers),
     "autoregressive transforms (\"maf\" and \"nsf\" only)");
   f("num_bins", c.num_bins, between(2, 100), "bins of each spline (\"nsf\" only)");
@@ -159,8 +162,7 @@ void describe(Fields& f, inference::TrainingConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, inference::SamplerConfig& c) {
-  f("kind", c.kind, one_of(inference::sampler_names()),
-    "Markov chains, or resampled draws of the prior");
+  choice(f, "kind", c.kind, "Markov chains, or resampled draws of the prior");
   f("num_chains", c.num_chains, between(1, 100'000), "chains side by side (\"slice\" only)");
   f("num_warmup", c.num_warmup, between(0, 1'000'000),
     "sweeps that each chain makes first (\"slice\" only)");
@@ -171,8 +173,8 @@ void describe(Fields& f, inference::SamplerConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, inference::AbcConfig& c) {
-  f("distance", c.distance, one_of(inference::distance_names()),
-    "of simulations from the target: of features, or a metric of trajectories");
+  choice(f, "distance", c.distance,
+         "of simulations from the target: of features, or a metric of trajectories");
   f("quantile", c.quantile, quantile_constraint(),
     "the nearest simulations that are accepted, as a share of all");
   f("epsilon", c.epsilon, not_negative(),
@@ -190,15 +192,14 @@ void describe(Fields& f, inference::LinearRegressionConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, inference::AlgorithmConfig& c) {
-  f("algorithm", c.name, algorithm_constraint(), "inference algorithm");
+  choice(f, "algorithm", c.kind, "inference algorithm");
   f("num_rounds", c.num_rounds, count_from(1), "rounds of proposing, simulating and training");
   f("num_simulations", c.num_simulations, count_from(1), "simulations per round");
   f("num_atoms", c.num_atoms, count_from(2),
     "parameter sets that the atomic loss and \"nre_b\" compare per simulation, its own included");
   f("component_perturbation", c.component_perturbation, not_negative(),
     "\"npe_a\": noise on the weights of the Gaussians that the last round makes of one");
-  f("loss", c.loss, one_of({"auto", "atomic", "analytic"}),
-    "loss of later rounds; \"analytic\" needs a mixture of Gaussians");
+  choice(f, "loss", c.loss, "loss of later rounds; \"analytic\" needs a mixture of Gaussians");
   f("combined_loss", c.combined_loss, anything<bool>(),
     "atomic loss: also fit the simulations of the prior by maximum likelihood");
 }
@@ -267,7 +268,7 @@ template <class Fields>
 void describe(Fields& f, EvaluateConfig& c) {
   f("num_samples", c.num_samples, count_from(1), "posterior samples that are simulated");
   f("metrics", c.metrics, metrics_constraint(), "what simulated rollouts are measured by");
-  f("rounds", c.rounds, one_of({"last", "all"}), "which rounds' posteriors are evaluated");
+  choice(f, "rounds", c.rounds, "which rounds' posteriors are evaluated");
   f("floor", c.floor, anything<bool>(),
     "of a recording: also search for the smallest RMSE in the prior; a truth needs none");
 }
@@ -293,8 +294,8 @@ void describe(Fields& f, PolicyGridAxis& c) {
 
 template <class Fields>
 void describe(Fields& f, PolicyConfig& c) {
-  f("optimizer", c.optimizer, optimizer_constraint(),
-    "how policies are searched for; \"power\" in a [policy] without this key");
+  choice(f, "optimizer", c.search.kind,
+         "how policies are searched for; \"power\" in a [policy] without this key");
   f("population", c.search.population, between(2, 100'000), "candidates per search iteration");
   f("num_domain_parameters", c.num_domain_parameters, between(1, 1'000'000),
     "posterior samples that each candidate is tried on, fresh ones in each iteration");

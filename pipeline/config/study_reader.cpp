@@ -4,7 +4,6 @@
 #include <system_error>
 
 #include "core/error.h"
-#include "inference/policy_search/policy_search_config.h"
 #include "pipeline/config/study_check.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/toml_document.h"
@@ -54,11 +53,11 @@ void resolve_target(TargetConfig& target, const fs::path& file, const Reading& r
 // there.
 void resolve_without_network(Study& study, std::size_t i, const Reading& reading) {
   MethodConfig& method = study.methods[i];
-  const auto family = inference::family_of_algorithm(method.algorithm.name);
+  const auto family = inference::traits_of(method.algorithm.kind).family;
   if (family == inference::AlgorithmFamily::network) return;
   const std::string embedding = "method[" + std::to_string(i) + "].embedding.";
   if (!reading.has(embedding + "kind") && !study.external.is_used()) {
-    method.embedding.kind = "all_steps";
+    method.embedding.kind = inference::EmbeddingKind::all_steps;
   }
   if (!reading.has(embedding + "downsample")) {
     method.embedding.downsample = study.simulator.store_every;
@@ -66,7 +65,7 @@ void resolve_without_network(Study& study, std::size_t i, const Reading& reading
   // Each population is that share of the last one: 0.1 would leave none after a few rounds.
   constexpr double smc_quantile = 0.5;
   const std::string quantile = "method[" + std::to_string(i) + "].abc.quantile";
-  if (method.algorithm.name == "abc_smc" && !reading.has(quantile)) {
+  if (method.algorithm.kind == inference::Algorithm::abc_smc && !reading.has(quantile)) {
     method.abc.quantile = smc_quantile;
   }
   const bool has_rounds = family == inference::AlgorithmFamily::abc;
@@ -92,26 +91,21 @@ void resolve_external(Study& study, const fs::path& file, const Reading& reading
   }
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
     const std::string kind = "method[" + std::to_string(i) + "].embedding.kind";
-    if (!reading.has(kind)) study.methods[i].embedding.kind = inference::kIdentityEmbedding;
+    if (!reading.has(kind)) study.methods[i].embedding.kind = inference::EmbeddingKind::identity;
   }
 }
 
-// Defaults that depend on other keys, and one spelling for each name.
+// Defaults that depend on other keys.
 void resolve(Study& study, const fs::path& file, const Reading& reading) {
   resolve_target(study.target, file, reading);
   if (reading.has("diagnose") && !reading.has("diagnose.checks")) {
     study.diagnose.checks = check_names();
   }
   if (reading.has("policy") && !reading.has("policy.optimizer")) {
-    study.policy.optimizer = inference::policy_optimizer_names().front();
+    study.policy.search.kind = inference::PolicyOptimizerKind::power;
   }
   resolve_external(study, file, reading);
-  std::size_t i = 0;
-  for (MethodConfig& method : study.methods) {
-    method.algorithm.name = inference::canonical_algorithm(method.algorithm.name);
-    if (method.density_estimator.kind == "mog") method.density_estimator.kind = "mdn";
-    resolve_without_network(study, i++, reading);
-  }
+  for (std::size_t i = 0; i < study.methods.size(); ++i) resolve_without_network(study, i, reading);
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ bool read_marginal(const TomlSlot& slot, Marginal& marginal) {
   const toml::table* table = slot.node.as_table();
   if (table == nullptr || table->size() != 1) return false;
   const std::string kind(table->begin()->first.str());
-  const auto known = marginal_kind(kind);
+  const auto known = value_named<Marginal::Kind>(kind);
   std::vector<double> bounds;
   if (!known || !read_list({table->begin()->second, slot.path, slot.reading}, bounds)) return false;
   if (bounds.size() != 2) return false;

@@ -1,6 +1,5 @@
 #include "pipeline/plan/key_parts.h"
 
-#include "inference/algorithms/npe_c.h"
 #include "pipeline/config/method_settings.h"
 #include "pipeline/config/study_json.h"
 
@@ -16,9 +15,11 @@ bool is_part_of_posterior(const MethodConfig& method, const std::string& key) {
   if (key == "num_rounds" || key == "num_simulations") return false;
   if (key == "num_iterations" || key == "policy_iterations") return false;
   const bool is_abc =
-      inference::family_of_algorithm(method.algorithm.name) == inference::AlgorithmFamily::abc;
-  if (is_abc && key == "embedding") return method.abc.distance == "euclidean";
-  return reads_setting(method.algorithm.name, key);
+      inference::traits_of(method.algorithm.kind).family == inference::AlgorithmFamily::abc;
+  if (is_abc && key == "embedding") {
+    return method.abc.distance == inference::AbcDistance::euclidean;
+  }
+  return reads_setting(method.algorithm.kind, key);
 }
 
 }  // namespace
@@ -31,9 +32,7 @@ Json inference_json(const MethodConfig& method) {
   }
   // Raised when its bits change, which leaves the keys of other posteriors as they are.
   constexpr int correction_version = 2;
-  const bool is_corrected =
-      method.algorithm.name == "npe_c" &&
-      inference::resolve_loss(method.algorithm, method.density_estimator) == "analytic";
+  const bool is_corrected = inference::is_analytic(method.algorithm, method.density_estimator.kind);
   if (is_corrected) json["correction_version"] = correction_version;
   return json;
 }
@@ -55,7 +54,7 @@ Json policy_task_json(const PolicyConfig& policy) {
 Json policy_search_json(const PolicyConfig& policy) {
   std::vector<std::string> keys = {"optimizer",          "population",  "num_domain_parameters",
                                    "num_initial_states", "initial_std", "min_std"};
-  if (policy.optimizer == "power") {
+  if (policy.search.kind == inference::PolicyOptimizerKind::power) {
     keys.emplace_back("num_importance_samples");
   } else {
     keys.insert(keys.end(), {"elite_fraction", "smoothing"});

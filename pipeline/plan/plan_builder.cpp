@@ -40,7 +40,7 @@ void note(std::vector<std::size_t>& nodes, std::size_t added) {
 }
 
 bool needs_simulations(const MethodConfig& method) {
-  return inference::family_of_algorithm(method.algorithm.name) !=
+  return inference::traits_of(method.algorithm.kind).family !=
          inference::AlgorithmFamily::regression;
 }
 
@@ -195,7 +195,7 @@ PlanBuilder::Rounds PlanBuilder::add_rounds(const MethodConfig& method, Use use,
 // comparable; diagnoses ask about the observation that the posteriors are of.
 void PlanBuilder::add_judgements(const MethodConfig& method, Use use, std::size_t target,
                                  std::size_t first_target, const Rounds& rounds, Results& results) {
-  const bool all_rounds = plan_.study.evaluate.rounds == "all";
+  const bool all_rounds = plan_.study.evaluate.rounds == EvaluatedRounds::all;
   const Index last = method.algorithm.num_rounds;
   for (use.round = all_rounds ? 1 : last; use.round <= last; ++use.round) {
     const std::size_t posterior = rounds.posteriors[static_cast<std::size_t>(use.round - 1)];
@@ -239,10 +239,11 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
                                        const std::vector<std::size_t>& simulations,
                                        const std::vector<std::size_t>& posteriors) {
   Json json = key_document(kPosteriorSchema);
-  const auto family = inference::family_of_algorithm(method.algorithm.name);
+  const inference::AlgorithmTraits& algorithm = inference::traits_of(method.algorithm.kind);
   json.update(inference_json(method));
-  const bool is_abc = family == inference::AlgorithmFamily::abc;
-  const bool compares_trajectories = is_abc && method.abc.distance != "euclidean";
+  const bool is_abc = algorithm.family == inference::AlgorithmFamily::abc;
+  const bool compares_trajectories =
+      is_abc && method.abc.distance != inference::AbcDistance::euclidean;
   if (!needs_simulations(method)) {
     describe_known(plan_.study, json);
   } else if (!compares_trajectories) {
@@ -251,8 +252,7 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   json["seed"] = use.seed;
   json["round"] = use.round;
   if (use.iteration > 1) json["iteration"] = use.iteration;
-  // Its last round has another network.
-  if (method.algorithm.name == "npe_a") json["is_last"] = use.round == method.algorithm.num_rounds;
+  if (algorithm.grows_in_last_round) json["is_last"] = use.round == method.algorithm.num_rounds;
   Inputs inputs = {{"target", target}};
   // A population has all that matters of the rounds before it.
   for (std::size_t r = is_abc ? simulations.size() - 1 : 0; r < simulations.size(); ++r) {

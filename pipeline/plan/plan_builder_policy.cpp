@@ -47,8 +47,8 @@ std::size_t PlanBuilder::add_policy(const MethodConfig& method, const Use& use,
   if (posterior) {
     inputs.emplace_back("posterior", *posterior);
   } else {
-    json["domain_parameters"] = method.algorithm.name;
-    if (method.algorithm.name == "prior") json["prior"] = to_json(study.prior);
+    json["domain_parameters"] = name_of(method.algorithm.kind);
+    if (method.algorithm.kind == inference::Algorithm::prior) json["prior"] = to_json(study.prior);
   }
   if (start) inputs.emplace_back("policy", *start);
   return add(Stage::policy, json, use, inputs);

@@ -62,8 +62,7 @@ ReportData read_report_data(const Plan& plan, const Node& node) {
       data.policies.push_back({use, read_policy_history(*policy)});
   }
   for (const Node* test : plan.inputs(node, Stage::policy_test)) {
-    for (const Use& use : test->uses)
-      data.policy_tests.push_back({use, read_policy_test(*test)});
+    for (const Use& use : test->uses) data.policy_tests.push_back({use, read_policy_test(*test)});
   }
   const auto has_run = [&](const auto& matches) {
     return std::any_of(data.runs.begin(), data.runs.end(), matches);

@@ -299,7 +299,7 @@ std::string prose_of(const ReportData& data) {
   return fmt::format(
       "{}; searched for by {}: {} candidates an iteration, each on {} samples of what the method "
       "believes and {} initial states.",
-      task_info(data).policy, policy.optimizer, policy.search.population,
+      task_info(data).policy, name_of(policy.search.kind), policy.search.population,
       policy.num_domain_parameters, policy.num_initial_states);
 }
 

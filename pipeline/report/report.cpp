@@ -48,7 +48,7 @@ std::vector<std::pair<std::string, std::string>> provenance(const Plan& plan, co
 }
 
 bool shows_rounds(const Study& study) {
-  return study.evaluate.rounds == "all" && !study.evaluate.metrics.empty();
+  return study.evaluate.rounds == EvaluatedRounds::all && !study.evaluate.metrics.empty();
 }
 
 analysis::ReportSection fit_section(const ReportData& data, const Target& target,

@@ -43,7 +43,7 @@ void write_hdf5(const std::filesystem::path& path, const std::vector<std::string
 
 }  // namespace
 
-CallFolder::CallFolder(const std::string& format) : extension_(format == "csv" ? ".csv" : ".h5") {
+CallFolder::CallFolder(FileFormat format) : extension_(format == FileFormat::csv ? ".csv" : ".h5") {
   std::error_code error;
   const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
   if (error) {
@@ -64,11 +64,11 @@ CallFolder::~CallFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-void write_theta_file(const std::filesystem::path& path, const std::string& format,
+void write_theta_file(const std::filesystem::path& path, FileFormat format,
                       const std::vector<sim::Parameter>& parameters, const RowMatrix& theta) {
   std::vector<std::string> names;
   for (const sim::Parameter& parameter : parameters) names.push_back(parameter.name);
-  format == "csv" ? write_csv(path, names, theta) : write_hdf5(path, names, theta);
+  format == FileFormat::csv ? write_csv(path, names, theta) : write_hdf5(path, names, theta);
 }
 
 void write_seeds_file(const std::filesystem::path& path, std::span<const std::uint32_t> seeds) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/types.h"
+#include "pipeline/store/file_format.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
@@ -16,8 +17,8 @@ namespace npdr::pipeline {
 /// all that is in it. Names are absolute.
 class CallFolder {
  public:
-  /// `format`: "csv" or "hdf5". Throws Error.
-  explicit CallFolder(const std::string& format);
+  /// Throws Error.
+  explicit CallFolder(FileFormat format);
   ~CallFolder();
   CallFolder(const CallFolder&) = delete;
   CallFolder& operator=(const CallFolder&) = delete;
@@ -33,7 +34,7 @@ class CallFolder {
 
 /// theta (n, P) with the names of its columns: CSV with the digits that give back the same doubles,
 /// or the dataset `theta` with the attribute `labels`.
-void write_theta_file(const std::filesystem::path& path, const std::string& format,
+void write_theta_file(const std::filesystem::path& path, FileFormat format,
                       const std::vector<sim::Parameter>& parameters, const RowMatrix& theta);
 
 /// One integer a line.

@@ -97,7 +97,7 @@ SourceKeys CommandSource::keys() const {
   const nlohmann::ordered_json json = {{"files", named_files(*external.command, external.folder)},
                                        {"features", external.features},
                                        {"command", *external.command},
-                                       {"format", external.format},
+                                       {"format", name_of(external.format)},
                                        {"time_limit", external.time_limit},
                                        {"start_time", external.start_time},
                                        {"retries", external.retries},

@@ -46,9 +46,9 @@ std::string tail_of(const std::string& text) {
 }
 
 // Held while the files of a call are written and read: HDF5 serves one thread at a time.
-std::unique_lock<std::mutex> lock_files(const std::string& format) {
+std::unique_lock<std::mutex> lock_files(FileFormat format) {
   static std::mutex hdf5;
-  return format == "hdf5" ? std::unique_lock(hdf5) : std::unique_lock<std::mutex>();
+  return format == FileFormat::hdf5 ? std::unique_lock(hdf5) : std::unique_lock<std::mutex>();
 }
 
 // Fits into a signed 32-bit integer, as many programs want it.

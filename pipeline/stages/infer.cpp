@@ -118,7 +118,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
 void run_infer(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kPosteriorSchema, node.identity);
   const MethodConfig& method = plan.study.method(node.uses.front().method);
-  switch (inference::family_of_algorithm(method.algorithm.name)) {
+  switch (inference::traits_of(method.algorithm.kind).family) {
     case inference::AlgorithmFamily::network:
       infer_network(plan, node, writer);
       break;

@@ -67,21 +67,21 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
   inference::AbcRound round{rows.read_matrix<double>("theta", -1, -1, h5::Values::finite), {}};
   std::optional<inference::FeatureTransform> transform;
   if (previous) transform = previous->transform;
-  round.distances = method.abc.distance == "euclidean"
+  round.distances = method.abc.distance == inference::AbcDistance::euclidean
                         ? euclidean_distances(plan, node, target, round.theta.rows(), transform)
-                        : metric_distances(plan, simulation, target, method.abc.distance);
+                        : metric_distances(plan, simulation, target, name_of(method.abc.distance));
 
   const inference::Prior prior(plan.study.prior);
   const auto last = previous ? std::optional(previous->population) : std::nullopt;
   const inference::AbcPopulation population =
-      inference::advance(method.algorithm.name, method.abc, prior, round, last,
+      inference::advance(method.algorithm.kind, method.abc, prior, round, last,
                          {use.seed, "abc", use.stream_round(), 0, 0});
 
   RowCounts counts = previous ? previous->rows : RowCounts{};
   const Index failed = count_infinite(round.distances);
   counts.used += round.theta.rows() - failed;
   counts.failed += failed;
-  write_particles(file, method.algorithm.name,
+  write_particles(file, name_of(method.algorithm.kind),
                   {.prior = prior,
                    .theta = population.theta,
                    .weights = population.weights,

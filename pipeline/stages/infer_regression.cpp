@@ -42,7 +42,7 @@ void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
                                  .theta = theta,
                                  .weights = Vector::Constant(n, 1.0 / static_cast<double>(n)),
                                  .space = inference::ParticleSpace::theta};
-  write_particles(file, method.algorithm.name, parts, {});
+  write_particles(file, name_of(method.algorithm.kind), parts, {});
   write_regression(file, weights, count(prior, simulator->info(), complete, theta));
 }
 

@@ -38,13 +38,8 @@ RowMatrix draw_domain_parameters(const Plan& plan, const Node& node, Index n) {
 }
 
 bool is_nominal(const Plan& plan, const Node& node) {
-  return plan.study.method(node.uses.front().method).algorithm.name == "nominal";
-}
-
-inference::PolicySearchConfig search_config(const PolicyConfig& policy) {
-  inference::PolicySearchConfig config = policy.search;
-  config.algorithm = policy.optimizer;
-  return config;
+  return plan.study.method(node.uses.front().method).algorithm.kind ==
+         inference::Algorithm::nominal;
 }
 
 // What the candidates of an iteration are tried on: the same for all of them.
@@ -93,8 +88,7 @@ class Search {
         num_iterations_(plan.study.method(node.uses.front().method).policy_iterations),
         task_(make_task(plan.study)),
         trials_(plan, node, *task_, num_iterations_),
-        optimizer_(
-            inference::make_policy_optimizer(search_config(plan.study.policy), start_point())) {}
+        optimizer_(inference::make_policy_optimizer(plan.study.policy.search, start_point())) {}
 
   // Goes on from the checkpoint, where there is one. Returns the cost of the runs before.
   Cost resume() {
@@ -106,8 +100,7 @@ class Search {
                                    checkpoint_path().string()));
     }
     history_ = checkpoint->history;
-    optimizer_ =
-        inference::make_policy_optimizer(search_config(plan_.study.policy), checkpoint->optimizer);
+    optimizer_ = inference::make_policy_optimizer(plan_.study.policy.search, checkpoint->optimizer);
     earlier_ = checkpoint->cost;
     return earlier_;
   }
@@ -201,7 +194,7 @@ void run_policy(const Plan& plan, const Node& node) {
   Search search(plan, node);
   writer.add_cost(search.resume());
   const PolicyHistory& history = search.run();
-  write_policy(writer.file(), plan.study.policy.optimizer, search.info(), history);
+  write_policy(writer.file(), plan.study.policy.search.kind, search.info(), history);
   writer.finish();
 }
 

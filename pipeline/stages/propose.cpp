@@ -11,8 +11,8 @@ namespace {
 
 RowMatrix propose_from(const Plan& plan, const Node& posterior, Index n, const StreamId& id,
                        const MethodConfig& method) {
-  const std::string& algorithm = method.algorithm.name;
-  if (inference::family_of_algorithm(algorithm) == inference::AlgorithmFamily::network) {
+  const inference::Algorithm algorithm = method.algorithm.kind;
+  if (inference::traits_of(algorithm).family == inference::AlgorithmFamily::network) {
     const auto network = read_network_posterior(posterior);
     return inference::propose(estimation_config(method), *network, n, id);
   }

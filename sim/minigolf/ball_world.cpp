@@ -44,7 +44,7 @@ BallWorld::BallWorld(const MinigolfConfig& config, const Course& course, const C
       dt_(dt),
       footprints_(footprints(course)),
       rolling_(rolling_law(config, course)),
-      rolls_exactly_(config.rolling == "exact"),
+      rolls_exactly_(config.rolling == Rolling::exact),
       linear_rate_(rate(config.linear_damping)),
       scene_(std::make_unique<BulletScene>(config, course)) {
   set_ball({start.x(), start.y(), course.ball_radius}, Eigen::Vector3d::Zero(),

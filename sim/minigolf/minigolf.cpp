@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <iomanip>
 #include <limits>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -44,18 +44,6 @@ SimulatorInfo make_info() {
   return info;
 }
 
-std::string quoted(const std::string& word) {
-  std::ostringstream text;
-  text << std::quoted(word, '\'');
-  return text.str();
-}
-
-void check_one_of(const std::string& field, const std::string& found,
-                  const std::vector<std::string>& allowed) {
-  if (std::ranges::find(allowed, found) != allowed.end()) return;
-  reject_setting(field, quoted(found), quoted(allowed[0]) + " or " + quoted(allowed[1]));
-}
-
 void check_range(const std::string& field, double found, double lower, double upper) {
   if (found >= lower && found <= upper) return;
   std::ostringstream range;
@@ -73,9 +61,6 @@ void check_config(const SimulatorConfig& config) {
   }
   if (config.store_every < 1) reject_setting("store_every", config.store_every, ">= 1");
   const MinigolfConfig& golf = config.minigolf;
-  check_one_of("minigolf.strike", golf.strike, strike_names());
-  check_one_of("minigolf.ball_start", golf.ball_start, ball_start_names());
-  check_one_of("minigolf.rolling", golf.rolling, rolling_names());
   check_range("minigolf.substeps", double(golf.substeps), 1, 1000);
   check_range("minigolf.substeps_near", double(golf.substeps_near), 1, 1000);
   check_range("minigolf.solver_iterations", double(golf.solver_iterations), 1, 10'000);
@@ -94,9 +79,9 @@ struct Task {
 
 Task make_task(const MinigolfConfig& config, const Rollout& rollout, double dt) {
   const RowMatrix actions =
-      config.strike == "recorded" ? rollout.actions : strike_actions(rollout.num_steps(), dt);
+      config.strike == Strike::recorded ? rollout.actions : strike_actions(rollout.num_steps(), dt);
   Eigen::Vector2d start(kBallStartX, kBallStartY);
-  if (config.ball_start == "recorded") start = rollout.states.row(0).transpose();
+  if (config.ball_start == BallStart::recorded) start = rollout.states.row(0).transpose();
   return {{actions, config.substeps, config.substeps_near}, start};
 }
 
@@ -145,10 +130,6 @@ RolloutStatus simulate(const MinigolfConfig& config, const Course& course, const
 }
 
 }  // namespace
-
-std::vector<std::string> strike_names() { return {"recorded", "policy"}; }
-std::vector<std::string> ball_start_names() { return {"recorded", "nominal"}; }
-std::vector<std::string> rolling_names() { return {"exact", "engine"}; }
 
 Minigolf::Minigolf(const SimulatorConfig& config) : config_(config), info_(make_info()) {
   check_config(config_);

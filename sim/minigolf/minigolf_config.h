@@ -1,30 +1,43 @@
 /// Settings of the mini golf (minigolf.h).
 #pragma once
 
-#include <string>
-#include <vector>
-
+#include "core/enum_names.h"
 #include "core/types.h"
 
 namespace npdr::sim {
 
-struct MinigolfConfig {
-  std::string strike = "recorded";      ///< "recorded" actions, or Table A4's "policy"
-  std::string ball_start = "recorded";  ///< in each rollout, or "nominal"
-  std::string rolling = "exact";        ///< away from everything, or "engine": by Bullet, too
-  Index substeps = 2;                   ///< of Bullet per time step
-  Index substeps_near = 5;              ///< the same where the ball is near something
-  double linear_damping = 0.1;          ///< [1] v loses the factor (1 - damping)^(1 s) by itself
-  double angular_damping = 0.0;         ///< [1] of the ball's spin
-  Index solver_iterations = 100;        ///< of Bullet's contact solver, at most
-  double solver_cfm = 1e-4;             ///< constraint force mixing: softness of contacts
-  double solver_erp = 0.2;              ///< part of an overlap that a substep takes away
-  double restitution_threshold = 0.2;   ///< [m/s] contacts below it don't bounce
-};
+/// The joint angles of a strike: the recorded actions, or the policy of Table A4.
+enum class Strike { recorded, policy };
+constexpr auto enum_table(Strike) {
+  return std::to_array<EnumRow<Strike>>(
+      {{Strike::recorded, "recorded"}, {Strike::policy, "policy"}});
+}
 
-/// What MinigolfConfig::strike, ball_start and rolling can be.
-std::vector<std::string> strike_names();
-std::vector<std::string> ball_start_names();
-std::vector<std::string> rolling_names();
+/// Where the ball begins: as recorded in each rollout, or at its nominal place.
+enum class BallStart { recorded, nominal };
+constexpr auto enum_table(BallStart) {
+  return std::to_array<EnumRow<BallStart>>(
+      {{BallStart::recorded, "recorded"}, {BallStart::nominal, "nominal"}});
+}
+
+/// How a ball rolls away from everything: in closed form, or by Bullet as all else.
+enum class Rolling { exact, engine };
+constexpr auto enum_table(Rolling) {
+  return std::to_array<EnumRow<Rolling>>({{Rolling::exact, "exact"}, {Rolling::engine, "engine"}});
+}
+
+struct MinigolfConfig {
+  Strike strike = Strike::recorded;
+  BallStart ball_start = BallStart::recorded;
+  Rolling rolling = Rolling::exact;
+  Index substeps = 2;                  ///< of Bullet per time step
+  Index substeps_near = 5;             ///< the same where the ball is near something
+  double linear_damping = 0.1;         ///< [1] v loses the factor (1 - damping)^(1 s) by itself
+  double angular_damping = 0.0;        ///< [1] of the ball's spin
+  Index solver_iterations = 100;       ///< of Bullet's contact solver, at most
+  double solver_cfm = 1e-4;            ///< constraint force mixing: softness of contacts
+  double solver_erp = 0.2;             ///< part of an overlap that a substep takes away
+  double restitution_threshold = 0.2;  ///< [m/s] contacts below it don't bounce
+};
 
 }  // namespace npdr::sim

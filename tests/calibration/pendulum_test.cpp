@@ -32,7 +32,7 @@ PendulumTask make_task() {
   auto simulator = sim::make_simulator(simulator_config);
   Target target = simulator->behave(sim::complete_theta(*simulator, {}), 1, 1);
   inference::EmbeddingConfig embedding_config;
-  embedding_config.kind = "all_steps";
+  embedding_config.kind = inference::EmbeddingKind::all_steps;
   embedding_config.downsample = 20;
   auto embedding = inference::make_embedding(embedding_config, target, 1);
   using Kind = inference::Marginal::Kind;
@@ -85,7 +85,7 @@ class NoisyFeatures : public inference::FeatureSource {
 };
 
 std::unique_ptr<inference::NetworkPosterior> train(const PendulumTask& task,
-                                                   const std::string& estimator) {
+                                                   inference::EstimatorKind estimator) {
   constexpr Index num_simulations = 5'000;
   inference::PosteriorEstimationConfig config;
   config.algorithm.num_simulations = num_simulations;
@@ -127,7 +127,7 @@ std::vector<std::vector<Index>> rank_truths(const PendulumTask& task,
 
 // Each p-value falls below 1 % by chance in 1 % of all seeds; there are four of them, with fixed
 // seeds.
-class PendulumCalibration : public testing::TestWithParam<const char*> {};
+class PendulumCalibration : public testing::TestWithParam<inference::EstimatorKind> {};
 
 TEST_P(PendulumCalibration, RanksOfTheTruthAreUniform) {
   const PendulumTask task = make_task();
@@ -136,15 +136,17 @@ TEST_P(PendulumCalibration, RanksOfTheTruthAreUniform) {
     const inference::ChiSquare test = inference::test_chi_square(
         inference::spread_ranks(ranks[d], kNumSamples, {2, "spread", d, 0, 0}), kNumBins);
     const std::string& name = task.prior.marginals()[d].name;
-    std::cout << GetParam() << ", " << name << ": " << kNumTruths << " truths, ranks";
+    std::cout << name_of(GetParam()) << ", " << name << ": " << kNumTruths << " truths, ranks";
     for (const Index count : test.counts) std::cout << ' ' << count;
     std::cout << ", chi^2 = " << test.statistic << ", p = " << test.p_value << '\n';
     EXPECT_GT(test.p_value, 0.01) << name;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Estimators, PendulumCalibration, testing::Values("maf", "mdn"),
-                         [](const auto& test) { return std::string(test.param); });
+INSTANTIATE_TEST_SUITE_P(Estimators, PendulumCalibration,
+                         testing::Values(inference::EstimatorKind::maf,
+                                         inference::EstimatorKind::mdn),
+                         [](const auto& test) { return name_of(test.param); });
 
 }  // namespace
 }  // namespace npdr

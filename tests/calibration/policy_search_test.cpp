@@ -33,14 +33,15 @@ sim::PopulationValues values_of(const sim::PolicyTask& task, const RowMatrix& po
                                   task.initial_states(num_states, id));
 }
 
-class PolicySearch : public testing::TestWithParam<std::string> {};
+class PolicySearch : public testing::TestWithParam<inference::PolicyOptimizerKind> {};
 INSTANTIATE_TEST_SUITE_P(Furuta, PolicySearch,
-                         testing::ValuesIn(inference::policy_optimizer_names()));
+                         testing::Values(inference::PolicyOptimizerKind::power,
+                                         inference::PolicyOptimizerKind::cross_entropy));
 
 // The current policy after 15 iterations.
-Vector search(const sim::PolicyTask& task, const std::string& algorithm, const RowMatrix& theta,
-              const Vector& start, std::uint64_t seed) {
-  const auto optimizer = inference::make_policy_optimizer({.algorithm = algorithm}, start);
+Vector search(const sim::PolicyTask& task, inference::PolicyOptimizerKind kind,
+              const RowMatrix& theta, const Vector& start, std::uint64_t seed) {
+  const auto optimizer = inference::make_policy_optimizer({.kind = kind}, start);
   for (std::uint64_t i = 0; i < 15; ++i) {
     const RowMatrix candidates = optimizer->ask({seed, "search"});
     optimizer->tell(candidates,

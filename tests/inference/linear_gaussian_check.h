@@ -12,11 +12,10 @@
 namespace npdr::inference {
 
 // Networks that are small, but large enough for this task.
-inline PosteriorEstimationConfig small_config(const std::string& algorithm,
-                                              const std::string& estimator, Index rounds,
-                                              Index simulations) {
+inline PosteriorEstimationConfig small_config(Algorithm algorithm, EstimatorKind estimator,
+                                              Index rounds, Index simulations) {
   PosteriorEstimationConfig c;
-  c.algorithm.name = algorithm;
+  c.algorithm.kind = algorithm;
   c.algorithm.num_rounds = rounds;
   c.algorithm.num_simulations = simulations;
   c.estimator.kind = estimator;

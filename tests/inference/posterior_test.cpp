@@ -9,7 +9,7 @@
 namespace npdr::inference {
 namespace {
 
-DirectPosterior untrained(const char* kind) {
+DirectPosterior untrained(EstimatorKind kind) {
   NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
                                      {"b", "1", Marginal::Kind::uniform, 0.0, 0.5}}),
                      .estimator = {},
@@ -27,7 +27,7 @@ DirectPosterior untrained(const char* kind) {
 }
 
 TEST(DirectPosterior, DensityOverThePriorsBoxIntegratesToOne) {
-  for (const char* kind : {"maf", "mdn"}) {
+  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
     const DirectPosterior posterior = untrained(kind);
     constexpr Index side = 300;
     RowMatrix theta(side * side, 2);
@@ -39,12 +39,12 @@ TEST(DirectPosterior, DensityOverThePriorsBoxIntegratesToOne) {
     }
     // Densities may rise towards the border of the box: the midpoint rule is good to a percent.
     EXPECT_NEAR(posterior.log_prob(theta).array().exp().sum() * 2.0 / (side * side), 1.0, 0.01)
-        << kind;
+        << name_of(kind);
   }
 }
 
 TEST(DirectPosterior, SamplesLieInThePriorsSupport) {
-  for (const char* kind : {"maf", "mdn"}) {
+  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
     const DirectPosterior posterior = untrained(kind);
     const RowMatrix theta = posterior.sample(1000, {1, "posterior", 0, 0, 0});
     for (Index i = 0; i < theta.rows(); ++i) {
@@ -54,7 +54,7 @@ TEST(DirectPosterior, SamplesLieInThePriorsSupport) {
 }
 
 TEST(DirectPosterior, SamplesHaveTheSameBitsForAnyCountAndThreadCount) {
-  for (const char* kind : {"maf", "mdn"}) {
+  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
     const DirectPosterior posterior = untrained(kind);
     const StreamId id{1, "posterior", 0, 0, 0};
     const int threads = omp_get_max_threads();
@@ -70,7 +70,7 @@ TEST(DirectPosterior, SamplesHaveTheSameBitsForAnyCountAndThreadCount) {
 }
 
 TEST(DirectPosterior, MapIsAtLeastAsLikelyAsAnySample) {
-  for (const char* kind : {"maf", "mdn"}) {
+  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
     const DirectPosterior posterior = untrained(kind);
     const StreamId id{1, "map", 0, 0, 0};
     const Vector map = posterior.map(id);
@@ -81,14 +81,14 @@ TEST(DirectPosterior, MapIsAtLeastAsLikelyAsAnySample) {
 }
 
 TEST(DirectPosterior, RejectsPartsThatDontGoTogether) {
-  NetworkParts parts = untrained("maf").parts();
+  NetworkParts parts = untrained(EstimatorKind::maf).parts();
   parts.parameters.conservativeResize(parts.parameters.size() - 1);
   EXPECT_THROW(DirectPosterior{parts}, ShapeError);
 }
 
 TEST(DirectPosterior, OnlyAMixtureHasAMixture) {
-  EXPECT_THROW(untrained("maf").mixture(), Error);
-  EXPECT_EQ(untrained("mdn").mixture().num_components(), 3);
+  EXPECT_THROW(untrained(EstimatorKind::maf).mixture(), Error);
+  EXPECT_EQ(untrained(EstimatorKind::mdn).mixture().num_components(), 3);
 }
 
 }  // namespace

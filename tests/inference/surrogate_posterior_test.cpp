@@ -12,11 +12,11 @@ namespace npdr::inference {
 namespace {
 
 // An untrained network with large weights: any density will do.
-NetworkParts some_ratio(const std::string& sampler) {
+NetworkParts some_ratio(SamplerKind sampler) {
   NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
                                      {"b", "1", Marginal::Kind::uniform, 0.0, 1.0}}),
                      .role = NetworkRole::ratio,
-                     .estimator = {.kind = "resnet", .hidden_features = 8},
+                     .estimator = {.kind = EstimatorKind::resnet, .hidden_features = 8},
                      .structure_seed = 5,
                      .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
                      .parameters = {},
@@ -41,7 +41,7 @@ RowMatrix grid(Index n) {
 }
 
 TEST(SurrogatePosterior, DensityIntegratesToOneAndEndsWithThePrior) {
-  const auto posterior = make_posterior(some_ratio("slice"));
+  const auto posterior = make_posterior(some_ratio(SamplerKind::slice));
   constexpr Index n = 200;
   const double cell = 4.0 / (n * n);
   // 20,000 points of importance sampling with weights that vary by less than a factor of three.
@@ -52,7 +52,7 @@ TEST(SurrogatePosterior, DensityIntegratesToOneAndEndsWithThePrior) {
 }
 
 TEST(SurrogatePosterior, DensityUpToAConstantDiffersByAConstant) {
-  const auto posterior = make_posterior(some_ratio("slice"));
+  const auto posterior = make_posterior(some_ratio(SamplerKind::slice));
   const RowMatrix theta = grid(5);
   const Vector difference = posterior->log_prob(theta) - posterior->relative_log_prob(theta);
   EXPECT_LT((difference.array() - difference(0)).abs().maxCoeff(), 1e-9);
@@ -60,10 +60,10 @@ TEST(SurrogatePosterior, DensityUpToAConstantDiffersByAConstant) {
 
 TEST(SurrogatePosterior, BothSamplersHaveTheMeanOfTheDensity) {
   const RowMatrix points = grid(100);
-  const auto reference = make_posterior(some_ratio("slice"));
+  const auto reference = make_posterior(some_ratio(SamplerKind::slice));
   const Vector weights = reference->relative_log_prob(points).array().exp();
   const Eigen::RowVectorXd mean = (weights.transpose() * points) / weights.sum();
-  for (const char* sampler : {"slice", "importance"}) {
+  for (const SamplerKind sampler : {SamplerKind::slice, SamplerKind::importance}) {
     const auto posterior = make_posterior(some_ratio(sampler));
     const Samples samples = posterior->draw(4000, {1, "posterior", 0, 0, 0});
     const RowMatrix centred = samples.theta.rowwise() - mean;
@@ -72,19 +72,20 @@ TEST(SurrogatePosterior, BothSamplersHaveTheMeanOfTheDensity) {
     // below 1e-5.
     const Eigen::RowVectorXd off = samples.theta.colwise().mean() - mean;
     EXPECT_LT((off.array().abs() / deviation.array()).maxCoeff(), 5.0 / std::sqrt(1000.0))
-        << sampler;
+        << name_of(sampler);
     ASSERT_TRUE(samples.report);
-    EXPECT_GT(samples.report->ess.minCoeff(), 1000.0) << sampler;
+    EXPECT_GT(samples.report->ess.minCoeff(), 1000.0) << name_of(sampler);
   }
 }
 
 TEST(SurrogatePosterior, ASampleDependsOnItsNumberAlone) {
-  for (const char* sampler : {"slice", "importance"}) {
+  for (const SamplerKind sampler : {SamplerKind::slice, SamplerKind::importance}) {
     const auto posterior = make_posterior(some_ratio(sampler));
     const StreamId id{1, "posterior", 0, 0, 0};
-    EXPECT_EQ(posterior->sample(150, id), posterior->sample(400, id).topRows(150)) << sampler;
+    EXPECT_EQ(posterior->sample(150, id), posterior->sample(400, id).topRows(150))
+        << name_of(sampler);
     const StreamId other{1, "proposal", 0, 0, 0};
-    EXPECT_NE(posterior->sample(150, id), posterior->sample(150, other)) << sampler;
+    EXPECT_NE(posterior->sample(150, id), posterior->sample(150, other)) << name_of(sampler);
   }
 }
 

@@ -54,7 +54,7 @@ TEST(FurutaExtensions, DelayReachesAcrossTheBordersOfSegments) {
   recording.actions.bottomRows(10).setZero();  // felt only through the delay
   const auto last_state = [&](double delay) {
     BatchReplay batch(model, theta_of(model, {{"action_delay", delay}}).transpose());
-    const auto integrator = make_integrator("erk4", batch, 0.004, 1);
+    const auto integrator = make_integrator(Integrator::erk4, batch, 0.004, 1);
     Vector state(4);
     batch.run(*integrator, recording, 10, [&](Index t, ConstLanes y) {
       if (t == 20) state << y.row(0)[0], y.row(1)[0], y.row(2)[0], y.row(3)[0];
@@ -96,7 +96,7 @@ TEST(FurutaExtensions, CoulombFrictionStopsTheArm) {
   const auto travel = [&](double friction) {
     const Vector theta = theta_of(
         model, {{"coulomb_friction", friction}, {"motor_constant", 0.0}, {"pole_mass", 1e-4}});
-    return states_by("erk4", 1, model, theta, free_motion(start, 500))(500, 0);
+    return states_by(Integrator::erk4, 1, model, theta, free_motion(start, 500))(500, 0);
   };
   EXPECT_NEAR(travel(0.0), 4.0, 0.5);  // hardly slowed in 2 s
   // A sliding mass stops after v^2 J / (2 tau), a bit later since tanh fades near rest.
@@ -111,7 +111,8 @@ TEST(FurutaExtensions, CablePullsTheArmToItsRestAngle) {
                                         {"cable_rest_angle", 0.2},
                                         {"rotary_damping", 2e-3},
                                         {"pole_damping", 5e-4}});
-  const RowMatrix states = states_by("erk4", 1, model, theta, free_motion(Vector::Zero(4), 1250));
+  const RowMatrix states =
+      states_by(Integrator::erk4, 1, model, theta, free_motion(Vector::Zero(4), 1250));
   EXPECT_GT(states(10, 0), 0.0);
   EXPECT_NEAR(states(1250, 0), 0.2, 1e-4);
   EXPECT_NEAR(states(1250, 1), 0.0, 1e-4);

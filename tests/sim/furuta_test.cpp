@@ -82,7 +82,7 @@ TEST(Furuta, KeepsItsEnergyWithoutFrictionAndMotor) {
   const Vector theta =
       theta_of(model, {{"motor_constant", 0.0}, {"rotary_damping", 0.0}, {"pole_damping", 0.0}});
   const Eigen::Vector4d start(0.1, 2.8, 1.0, -2.0);
-  const RowMatrix states = states_by("erk4", 8, model, theta, free_motion(start, 1250));
+  const RowMatrix states = states_by(Integrator::erk4, 8, model, theta, free_motion(start, 1250));
   for (Index t = 0; t <= 1250; ++t) {  // 0.03 J above the lowest
     ASSERT_NEAR(energy(model, theta, states.row(t).transpose()), energy(model, theta, start), 1e-9);
   }
@@ -91,8 +91,8 @@ TEST(Furuta, KeepsItsEnergyWithoutFrictionAndMotor) {
 TEST(Furuta, FrictionTakesEnergyAway) {
   const Furuta model;
   const Vector theta = theta_of(model, {{"motor_constant", 0.0}, {"pole_damping", 1e-4}});
-  const RowMatrix states =
-      states_by("erk4", 1, model, theta, free_motion(Eigen::Vector4d(0.0, 2.0, 1.0, 0.0), 500));
+  const RowMatrix states = states_by(Integrator::erk4, 1, model, theta,
+                                     free_motion(Eigen::Vector4d(0.0, 2.0, 1.0, 0.0), 500));
   EXPECT_LT(energy(model, theta, states.row(500).transpose()),
             energy(model, theta, states.row(0).transpose()) - 1e-3);
 }
@@ -105,7 +105,7 @@ TEST(Furuta, PoleOnAHeavyArmSwingsLikeAFreeRod) {
   const Vector theta = theta_of(model, {{"rotary_mass", 1e9},
                                         {"pole_damping", 0.0},
                                         {"gravity", 2.0 * length / 3.0 * omega * omega}});
-  const RowMatrix states = states_by("erk4", 4, model, theta,
+  const RowMatrix states = states_by(Integrator::erk4, 4, model, theta,
                                      free_motion(Eigen::Vector4d(0.0, amplitude, 0.0, 0.0), 250));
   EXPECT_NEAR(states(250, kAlpha), amplitude, 1e-7);
   EXPECT_NEAR(states(250, kAlphaDot), 0.0, 1e-6);
@@ -117,7 +117,7 @@ TEST(Furuta, StrongMotorTurnsAtItsNoLoadSpeed) {
   const Vector theta =
       theta_of(model, {{"motor_constant", 0.5}, {"rotary_damping", 0.0}, {"pole_damping", 5e-4}});
   const Excitation excitation{Vector::Zero(4), RowMatrix::Constant(1250, 1, 0.5)};
-  const RowMatrix states = states_by("erk4", 1, model, theta, excitation);
+  const RowMatrix states = states_by(Integrator::erk4, 1, model, theta, excitation);
   EXPECT_NEAR(states(1250, kThetaDot), 1.0, 1e-5);  // u / k_m
 }
 
@@ -141,9 +141,9 @@ TEST(Furuta, EveryMethodHasItsOrderAlthoughVoltagesJump) {
   const Vector theta = theta_of(model, {{"cable_stiffness", 2e-3}, {"action_delay", 1.5}});
   const Excitation excitation = two_seconds(model);
   const IntegrationError error(model, theta, excitation);
-  EXPECT_NEAR(std::log2(error.of("erk2", 4) / error.of("erk2", 8)), 2.0, 0.1);
-  EXPECT_NEAR(std::log2(error.of("erk4", 1) / error.of("erk4", 2)), 4.0, 0.2);
-  EXPECT_NEAR(std::log2(error.of("erk5", 1) / error.of("erk5", 2)), 5.0, 0.4);
+  EXPECT_NEAR(std::log2(error.of(Integrator::erk2, 4) / error.of(Integrator::erk2, 8)), 2.0, 0.1);
+  EXPECT_NEAR(std::log2(error.of(Integrator::erk4, 1) / error.of(Integrator::erk4, 2)), 4.0, 0.2);
+  EXPECT_NEAR(std::log2(error.of(Integrator::erk5, 1) / error.of(Integrator::erk5, 2)), 5.0, 0.4);
 }
 
 TEST(Furuta, AgreesWithAnAdaptiveReference) {
@@ -154,9 +154,9 @@ TEST(Furuta, AgreesWithAnAdaptiveReference) {
     const Vector theta = random_theta(model, stream);
     const IntegrationError error(model, theta, excitation);
     // Rates are tens of rad/s. With one step, smoothed dry friction limits the accuracy.
-    EXPECT_LT(error.of("erk4", 1), 1e-2);
-    EXPECT_LT(error.of("erk4", 16), 1e-7);
-    EXPECT_LT(error.of("cvode", 1), 1e-3);
+    EXPECT_LT(error.of(Integrator::erk4, 1), 1e-2);
+    EXPECT_LT(error.of(Integrator::erk4, 16), 1e-7);
+    EXPECT_LT(error.of(Integrator::cvode, 1), 1e-3);
   }
 }
 
@@ -178,7 +178,7 @@ TEST(Furuta, BehaviourExcitesArmAndPoleWithoutSaturating) {
     EXPECT_LT(excitation.actions.cwiseAbs().maxCoeff(), 4.5);
     const Eigen::Array4d limits = Eigen::Array4d(2.0, 1.0, 0.5, 0.5) * degree;
     EXPECT_TRUE((excitation.initial_state.array().abs() <= limits).all());
-    const RowMatrix states = states_by("erk4", 1, model, theta_of(model), excitation);
+    const RowMatrix states = states_by(Integrator::erk4, 1, model, theta_of(model), excitation);
     arm += states.col(kTheta).cwiseAbs().maxCoeff() / 20.0;
     pole += states.col(kAlpha).cwiseAbs().maxCoeff() / 20.0;
   }

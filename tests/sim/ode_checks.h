@@ -25,7 +25,7 @@ inline Excitation free_motion(const Vector& initial_state, Index steps) {
 }
 
 /// All states (T + 1, S) of a rollout by a named integrator.
-inline RowMatrix states_by(const std::string& integrator, Index substeps, const OdeModel& model,
+inline RowMatrix states_by(Integrator integrator, Index substeps, const OdeModel& model,
                            const Vector& theta, const Excitation& excitation) {
   SimulatorConfig config;
   config.integrator = integrator;
@@ -56,7 +56,7 @@ class IntegrationError {
         excitation_(excitation),
         reference_(reference_states(model, theta, excitation)) {}
 
-  double of(const std::string& integrator, Index substeps) const {
+  double of(Integrator integrator, Index substeps) const {
     const RowMatrix states = states_by(integrator, substeps, model_, theta_, excitation_);
     return (states.bottomRows(reference_.rows()) - reference_).cwiseAbs().maxCoeff();
   }

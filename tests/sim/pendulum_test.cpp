@@ -21,7 +21,7 @@ TEST(Pendulum, KeepsItsEnergyWithoutTorqueAndDamping) {
   const Pendulum model;
   const Vector theta = theta_of(model, {{"pole_mass", 0.7}, {"pole_length", 1.3}});
   const RowMatrix states =
-      states_by("erk4", 10, model, theta, free_motion(Eigen::Vector2d(2.5, 1.0), 1000));
+      states_by(Integrator::erk4, 10, model, theta, free_motion(Eigen::Vector2d(2.5, 1.0), 1000));
   for (Index t = 0; t <= 1000; ++t) {
     ASSERT_NEAR(energy(theta, states.row(t)), energy(theta, states.row(0)), 1e-9) << t;
   }
@@ -37,8 +37,8 @@ TEST(Pendulum, HasTheClosedFormPeriodAtSmallAndLargeAngles) {
     const double omega = 4.0 * std::comp_ellint_1(std::sin(amplitude / 2.0)) / period;
     const double gravity = 2.0 * length / 3.0 * omega * omega;
     const Vector theta = theta_of(model, {{"pole_length", length}, {"gravity", gravity}});
-    const RowMatrix states =
-        states_by("erk4", 20, model, theta, free_motion(Eigen::Vector2d(amplitude, 0.0), 100));
+    const RowMatrix states = states_by(Integrator::erk4, 20, model, theta,
+                                       free_motion(Eigen::Vector2d(amplitude, 0.0), 100));
     EXPECT_NEAR(states(25, 0), 0.0, 1e-7 * amplitude) << amplitude;
     EXPECT_NEAR(states(50, 0), -amplitude, 1e-7 * amplitude) << amplitude;
     EXPECT_NEAR(states(100, 0), amplitude, 1e-7 * amplitude) << amplitude;
@@ -50,8 +50,9 @@ TEST(Pendulum, SmallSwingsDecayAtTheRateOfTheDamping) {
   const Pendulum model;
   const double damping = 0.3, inertia = 1.0 / 3.0, decay = damping / (2.0 * inertia);
   const double omega = std::sqrt(1.5 * 9.81 - decay * decay);
-  const RowMatrix states = states_by("erk4", 10, model, theta_of(model, {{"damping", damping}}),
-                                     free_motion(Eigen::Vector2d(1e-4, 0.0), 100));
+  const RowMatrix states =
+      states_by(Integrator::erk4, 10, model, theta_of(model, {{"damping", damping}}),
+                free_motion(Eigen::Vector2d(1e-4, 0.0), 100));
   for (Index k = 0; k <= 100; ++k) {
     const double t = static_cast<double>(k) * model.info().dt;
     const double exact =
@@ -75,12 +76,12 @@ TEST(Pendulum, AgreesWithAnAdaptiveReferenceToTheOrderOfEachMethod) {
   const Vector theta = theta_of(model, {{"damping", 0.1}});
   const Excitation excitation = model.excite(0, 1);
   const IntegrationError error(model, theta, excitation);
-  EXPECT_NEAR(std::log2(error.of("erk2", 4) / error.of("erk2", 8)), 2.0, 0.1);
-  EXPECT_NEAR(std::log2(error.of("erk4", 2) / error.of("erk4", 4)), 4.0, 0.2);
-  EXPECT_NEAR(std::log2(error.of("erk5", 1) / error.of("erk5", 2)), 5.0, 0.4);
-  EXPECT_LT(error.of("erk4", 1), 1e-4);
-  EXPECT_LT(error.of("erk4", 16), 1e-9);
-  EXPECT_LT(error.of("cvode", 1), 1e-5);
+  EXPECT_NEAR(std::log2(error.of(Integrator::erk2, 4) / error.of(Integrator::erk2, 8)), 2.0, 0.1);
+  EXPECT_NEAR(std::log2(error.of(Integrator::erk4, 2) / error.of(Integrator::erk4, 4)), 4.0, 0.2);
+  EXPECT_NEAR(std::log2(error.of(Integrator::erk5, 1) / error.of(Integrator::erk5, 2)), 5.0, 0.4);
+  EXPECT_LT(error.of(Integrator::erk4, 1), 1e-4);
+  EXPECT_LT(error.of(Integrator::erk4, 16), 1e-9);
+  EXPECT_LT(error.of(Integrator::cvode, 1), 1e-5);
 }
 
 }  // namespace

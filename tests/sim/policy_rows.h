@@ -17,7 +17,7 @@ struct PolicyRows {
 };
 
 inline std::unique_ptr<PolicyTask> swing_up(Index num_steps = 0,
-                                            const std::string& integrator = "erk4",
+                                            Integrator integrator = Integrator::erk4,
                                             Index substeps = 1) {
   return make_policy_task({.name = "furuta", .integrator = integrator, .substeps = substeps},
                           {.num_steps = num_steps});

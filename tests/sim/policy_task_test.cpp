@@ -95,7 +95,7 @@ TEST(PolicyTask, AgreesWithAnIndependentClosedLoop) {
   // Accurate steps, and not for long: where the sign of alpha_dot cos(alpha) changes, the voltage
   // jumps, and an error of the state shifts the jump by a whole step or not at all.
   constexpr Index steps = 120;
-  const auto task = swing_up(steps, "erk5", 8);
+  const auto task = swing_up(steps, Integrator::erk5, 8);
   const PolicyRows rows = random_rows(8);
   const RecordedPolicyRollouts result = record(*task, rows);
   for (Index i = 0; i < 8; ++i) {
@@ -111,7 +111,7 @@ TEST(PolicyTask, AgreesWithAnIndependentClosedLoop) {
 TEST(PolicyTask, DefaultStepIsAccurateEnoughForTheWholeTask) {
   const PolicyRows rows = random_rows(8);
   const PolicyRollouts coarse = run(*swing_up(200), rows);
-  const PolicyRollouts exact = run(*swing_up(200, "cvode"), rows);
+  const PolicyRollouts exact = run(*swing_up(200, Integrator::cvode), rows);
   for (Index i = 0; i < 8; ++i) EXPECT_NEAR(coarse.returns(i), exact.returns(i), 1e-3);
 }
 
@@ -241,7 +241,7 @@ TEST(PolicyTask, SameBitsForAnyThreadCount) {
 TEST(PolicyTask, SameBitsAloneInABatchAndAtAnyPosition) {
   PolicyRows rows = random_rows(70);
   for (Index row = 3; row < 70; row += 9) spoil(rows, row, static_cast<int>(row));
-  for (const char* integrator : {"erk4", "erk2", "cvode"}) {
+  for (const Integrator integrator : {Integrator::erk4, Integrator::erk2, Integrator::cvode}) {
     const auto task = swing_up(150, integrator);
     const PolicyRollouts all = run(*task, rows);
     const PolicyRollouts backwards = run(*task, reversed(rows));

@@ -91,14 +91,16 @@ TEST(Replay, SameBitsForAnyThreadCount) {
 TEST(Replay, SameBitsAloneInABatchAndAtAnyPosition) {
   const Target target = short_target();
   const RowMatrix theta = random_thetas(70);
-  for (const char* integrator : {"erk4", "erk2", "erk5", "cvode"}) {
+  using enum Integrator;
+  for (const Integrator integrator : {erk4, erk2, erk5, cvode}) {
     const auto simulator = furuta({.segment_length = 25, .integrator = integrator});
     const Trajectories all = simulator->replay(target, theta);
     const Trajectories reversed = simulator->replay(target, theta.colwise().reverse());
     for (Index i = 0; i < 70; ++i) {
       const Trajectories alone = simulator->replay(target, theta.row(i));
-      ASSERT_TRUE(same_bits(all.row(i), alone.row(0))) << integrator << " row " << i;
-      ASSERT_TRUE(same_bits(all.row(i), reversed.row(69 - i))) << integrator << " row " << i;
+      ASSERT_TRUE(same_bits(all.row(i), alone.row(0))) << name_of(integrator) << " row " << i;
+      ASSERT_TRUE(same_bits(all.row(i), reversed.row(69 - i)))
+          << name_of(integrator) << " row " << i;
     }
   }
 }
@@ -115,7 +117,7 @@ TEST(Replay, SameBitsWhateverTheParametersOfTheNeighbours) {
 
 TEST(Replay, ARowThatDivergesIsMarkedAndLeavesItsNeighboursAlone) {
   const Target target = short_target();
-  for (const char* integrator : {"erk4", "cvode"}) {
+  for (const Integrator integrator : {Integrator::erk4, Integrator::cvode}) {
     const auto simulator = furuta({.integrator = integrator});
     const RowMatrix healthy = random_thetas(24);
     RowMatrix theta = healthy;
@@ -125,14 +127,15 @@ TEST(Replay, ARowThatDivergesIsMarkedAndLeavesItsNeighboursAlone) {
     const Trajectories result = simulator->replay(target, theta);
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
     for (Index i = 0; i < 24; ++i) {
-      const bool sick = i == 3 || i == 8 || (i == 13 && std::string(integrator) != "cvode");
+      const bool sick = i == 3 || i == 8 || (i == 13 && integrator != Integrator::cvode);
       if (i == 13 && !sick) continue;  // an adaptive integrator manages the stiff row
       const auto status = result.status[static_cast<std::size_t>(i)];
-      ASSERT_EQ(status, sick ? RolloutStatus::diverged : RolloutStatus::ok) << integrator << i;
+      ASSERT_EQ(status, sick ? RolloutStatus::diverged : RolloutStatus::ok)
+          << name_of(integrator) << i;
       if (sick) {
         ASSERT_TRUE(std::ranges::all_of(result.row(i), [](float v) { return std::isnan(v); }));
       } else {
-        ASSERT_TRUE(same_bits(result.row(i), expected.row(i))) << integrator << i;
+        ASSERT_TRUE(same_bits(result.row(i), expected.row(i))) << name_of(integrator) << i;
       }
     }
   }
@@ -192,9 +195,10 @@ TEST(Replay, SubstepsRefineTheSolution) {
   const auto final_angle = [&](const SimulatorConfig& config) {
     return double{furuta(config)->replay(target, theta).rollout(0, 0)(59, 1)};
   };
-  const double exact = final_angle({.integrator = "cvode"});
-  const double coarse = std::abs(final_angle({.integrator = "erk2"}) - exact);
-  const double fine = std::abs(final_angle({.integrator = "erk2", .substeps = 8}) - exact);
+  const double exact = final_angle({.integrator = Integrator::cvode});
+  const double coarse = std::abs(final_angle({.integrator = Integrator::erk2}) - exact);
+  const double fine =
+      std::abs(final_angle({.integrator = Integrator::erk2, .substeps = 8}) - exact);
   EXPECT_LT(fine, 0.1 * coarse);
 }
 

@@ -35,11 +35,10 @@ TEST(Simulator, EveryNameMakesASimulatorOfThisName) {
 }
 
 TEST(Simulator, EveryIntegratorSimulatesATarget) {
-  EXPECT_EQ(integrator_names(), (std::vector<std::string>{"erk4", "erk2", "erk5", "cvode"}));
-  for (const std::string& integrator : integrator_names()) {
+  for (const auto& [integrator, name, _] : enum_table(Integrator{})) {
     const auto simulator = make_simulator({.name = "pendulum", .integrator = integrator});
     const Target target = simulator->behave(complete_theta(*simulator, {}), 1, 1);
-    EXPECT_NO_THROW(target.check("behaviour")) << integrator;
+    EXPECT_NO_THROW(target.check("behaviour")) << name;
     EXPECT_EQ(target.num_steps(), 400);
     EXPECT_EQ(target.dt, 0.02);
   }
@@ -85,12 +84,11 @@ TEST(Simulator, ParametersThatAreImpossibleFailTheirRow) {
 
 TEST(Simulator, RejectsAConfigThatIsOutOfRange) {
   expect_part(problem_of({.name = "furta"}), "unknown simulator 'furta' (did you mean 'furuta'?)");
-  expect_part(problem_of({.name = "furuta", .integrator = "erk3"}), "unknown integrator 'erk3'");
   expect_part(problem_of({.name = "furuta", .segment_length = -1}),
               "simulator.segment_length = -1, must be >= 0");
   expect_part(problem_of({.name = "furuta", .substeps = 0}),
               "simulator.substeps = 0, must be >= 1");
-  expect_part(problem_of({.name = "furuta", .integrator = "cvode", .substeps = 4}),
+  expect_part(problem_of({.name = "furuta", .integrator = Integrator::cvode, .substeps = 4}),
               "simulator.substeps = 4, must be 1 with integrator 'cvode'");
   expect_part(problem_of({.name = "furuta", .store_every = 0}),
               "simulator.store_every = 0, must be >= 1");

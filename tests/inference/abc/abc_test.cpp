@@ -51,7 +51,7 @@ AbcRound simulated(const TestDistance& distance, const RowMatrix& theta, std::ui
   return result;
 }
 
-AbcPopulation run(const std::string& algorithm, const AbcConfig& config, const Prior& prior,
+AbcPopulation run(Algorithm algorithm, const AbcConfig& config, const Prior& prior,
                   const TestDistance& distance, Index n, std::uint64_t rounds) {
   AbcPopulation population =
       advance(algorithm, config, prior, simulated(distance, sample_prior(prior, n, 1), 1), {},
@@ -120,10 +120,12 @@ const BoxTask kBox{Eigen::Vector2d(0.8, -0.5)};
 
 TEST(AbcRejection, HasTheClosedFormOfItsThreshold) {
   const Prior prior = LinearGaussian(2).prior();
-  const AbcPopulation wide = run("abc", {.quantile = 0.1}, prior, kBox.distance(), 20'000, 1);
+  const AbcPopulation wide =
+      run(Algorithm::abc_rejection, {.quantile = 0.1}, prior, kBox.distance(), 20'000, 1);
   EXPECT_EQ(wide.theta.rows(), 2000);
   expect_box_posterior(kBox, wide, prior, 2000.0);
-  const AbcPopulation fixed = run("abc", {.epsilon = 0.2}, prior, kBox.distance(), 20'000, 1);
+  const AbcPopulation fixed =
+      run(Algorithm::abc_rejection, {.epsilon = 0.2}, prior, kBox.distance(), 20'000, 1);
   EXPECT_EQ(fixed.epsilon, 0.2);
   expect_box_posterior(kBox, fixed, prior, static_cast<double>(fixed.theta.rows()));
 }
@@ -132,7 +134,7 @@ TEST(AbcMcmc, HasTheClosedFormOfItsThreshold) {
   const Prior prior = LinearGaussian(2).prior();
   constexpr Index chains = 100;
   const AbcPopulation found =
-      run("abc_mcmc", {.quantile = 0.1}, prior, kBox.distance(), chains, 1000);
+      run(Algorithm::abc_mcmc, {.quantile = 0.1}, prior, kBox.distance(), chains, 1000);
   ASSERT_EQ(found.theta.rows(), 500 * chains) << "rounds 501 to 1000";
   const ParticlePosterior posterior({.prior = prior,
                                      .theta = found.theta,
@@ -146,8 +148,8 @@ TEST(AbcMcmc, HasTheClosedFormOfItsThreshold) {
 TEST(AbcSmc, HasTheClosedFormOfItsThresholdWhichShrinks) {
   const Prior prior = LinearGaussian(2).prior();
   const AbcConfig config{.quantile = 0.3};
-  const AbcPopulation first = run("abc_smc", config, prior, kBox.distance(), 5000, 1);
-  const AbcPopulation found = run("abc_smc", config, prior, kBox.distance(), 5000, 4);
+  const AbcPopulation first = run(Algorithm::abc_smc, config, prior, kBox.distance(), 5000, 1);
+  const AbcPopulation found = run(Algorithm::abc_smc, config, prior, kBox.distance(), 5000, 4);
   EXPECT_LT(found.epsilon, 0.5 * first.epsilon);
   EXPECT_NEAR(found.weights.sum(), 1.0, 1e-12);
   expect_box_posterior(kBox, found, prior, effective_size(found.weights));
@@ -158,7 +160,7 @@ TEST(AbcSmc, ThresholdsEndAtEpsilon) {
   const AbcConfig config{.quantile = 0.2, .epsilon = 0.3};
   // Round 1 is rejection within epsilon, and so are all that follow.
   for (const std::uint64_t rounds : {1, 3}) {
-    EXPECT_EQ(run("abc_smc", config, prior, kBox.distance(), 2000, rounds).epsilon, 0.3);
+    EXPECT_EQ(run(Algorithm::abc_smc, config, prior, kBox.distance(), 2000, rounds).epsilon, 0.3);
   }
 }
 
@@ -193,14 +195,14 @@ TEST(Abc, BothModesAreKept) {
     return std::abs(theta(0) * theta(0) - 1.0);
   };
   for (const auto& [algorithm, rounds, n] :
-       {std::tuple("abc_rejection", 1, 20'000), std::tuple("abc_mcmc", 10, 2000),
-        std::tuple("abc_smc", 3, 5000)}) {
+       {std::tuple(Algorithm::abc_rejection, 1, 20'000), std::tuple(Algorithm::abc_mcmc, 10, 2000),
+        std::tuple(Algorithm::abc_smc, 3, 5000)}) {
     const AbcPopulation found =
         run(algorithm, {.quantile = 0.1}, prior, distance, n, static_cast<std::uint64_t>(rounds));
     const double right =
         (found.theta.col(0).array() > 0.0).cast<double>().matrix().dot(found.weights);
-    EXPECT_NEAR(right, 0.5, 0.11) << algorithm;
-    EXPECT_LT((found.theta.array().abs() - 1.0).abs().maxCoeff(), 0.25) << algorithm;
+    EXPECT_NEAR(right, 0.5, 0.11) << name_of(algorithm);
+    EXPECT_LT((found.theta.array().abs() - 1.0).abs().maxCoeff(), 0.25) << name_of(algorithm);
   }
 }
 
@@ -213,30 +215,35 @@ TEST(AbcMcmc, ChainsStayWhereTheirProposalsFail) {
                        .kernel = Eigen::MatrixXd::Identity(1, 1),
                        .num_chains = 2};
   const AbcRound failed{Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(kInfinity, 1.5)};
-  chains = advance("abc_mcmc", {}, prior, failed, chains, {1, "abc", 2, 0, 0});
+  chains = advance(Algorithm::abc_mcmc, {}, prior, failed, chains, {1, "abc", 2, 0, 0});
   EXPECT_EQ(chains.theta, RowMatrix(Eigen::Vector2d(0.5, -0.5))) << "round 2 alone";
   // Nearer to the prior's mean: the ratio is above 1.
   const AbcRound good{Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.3, 0.4)};
-  chains = advance("abc_mcmc", {}, prior, good, chains, {1, "abc", 3, 0, 0});
+  chains = advance(Algorithm::abc_mcmc, {}, prior, good, chains, {1, "abc", 3, 0, 0});
   EXPECT_EQ(chains.theta, RowMatrix(Eigen::Vector4d(0.5, -0.5, 0.0, 0.0))) << "rounds 2 and 3";
   EXPECT_EQ(chains.distances, Vector(Eigen::Vector4d(0.1, 0.2, 0.3, 0.4)));
-  EXPECT_THROW(propose("abc_mcmc", prior, chains, 3, {1, "proposal", 4, 0, 0}), InputError);
+  EXPECT_THROW(propose(Algorithm::abc_mcmc, prior, chains, 3, {1, "proposal", 4, 0, 0}),
+               InputError);
 }
 
 TEST(Abc, ProposalsDependOnTheirRowAlone) {
   const Prior prior = LinearGaussian(2).prior();
-  for (const char* algorithm : {"abc_smc", "abc_mcmc"}) {
+  for (const Algorithm algorithm : {Algorithm::abc_smc, Algorithm::abc_mcmc}) {
     const AbcPopulation population = run(algorithm, {}, prior, kBox.distance(), 200, 1);
     const RowMatrix all = propose(algorithm, prior, population, 200, {1, "proposal", 2, 0, 0});
     EXPECT_EQ(propose(algorithm, prior, population, 200, {1, "proposal", 2, 0, 0}), all);
   }
-  const AbcPopulation population = run("abc_smc", {}, prior, kBox.distance(), 200, 1);
-  const RowMatrix all = propose("abc_smc", prior, population, 50, {1, "proposal", 2, 0, 0});
-  EXPECT_EQ(propose("abc_smc", prior, population, 7, {1, "proposal", 2, 0, 0}), all.topRows(7));
-  EXPECT_THROW(propose("abc", prior, population, 7, {1, "proposal", 2, 0, 0}), InputError);
+  const AbcPopulation population = run(Algorithm::abc_smc, {}, prior, kBox.distance(), 200, 1);
+  const RowMatrix all =
+      propose(Algorithm::abc_smc, prior, population, 50, {1, "proposal", 2, 0, 0});
+  EXPECT_EQ(propose(Algorithm::abc_smc, prior, population, 7, {1, "proposal", 2, 0, 0}),
+            all.topRows(7));
+  EXPECT_THROW(propose(Algorithm::abc_rejection, prior, population, 7, {1, "proposal", 2, 0, 0}),
+               InputError);
   AbcPopulation without = population;
   without.kernel.resize(0, 0);
-  EXPECT_THROW(propose("abc_smc", prior, without, 7, {1, "proposal", 2, 0, 0}), InputError);
+  EXPECT_THROW(propose(Algorithm::abc_smc, prior, without, 7, {1, "proposal", 2, 0, 0}),
+               InputError);
 }
 
 }  // namespace

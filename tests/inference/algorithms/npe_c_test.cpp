@@ -14,27 +14,27 @@
 namespace npdr::inference {
 namespace {
 
-PosteriorEstimationConfig config(const std::string& estimator, const std::string& loss,
-                                 Index rounds, Index simulations) {
-  PosteriorEstimationConfig c = small_config("npe_c", estimator, rounds, simulations);
+PosteriorEstimationConfig config(EstimatorKind estimator, Loss loss, Index rounds,
+                                 Index simulations) {
+  PosteriorEstimationConfig c = small_config(Algorithm::npe_c, estimator, rounds, simulations);
   c.algorithm.loss = loss;
   return c;
 }
 
 TEST(NpeC, MafFindsTheLinearGaussianPosteriorInOneRound) {
-  expect_linear_gaussian(config("maf", "atomic", 1, 4000));
+  expect_linear_gaussian(config(EstimatorKind::maf, Loss::atomic, 1, 4000));
 }
 
 TEST(NpeC, MafFindsTheLinearGaussianPosteriorOverRoundsWithTheAtomicLoss) {
-  expect_linear_gaussian(config("maf", "atomic", 2, 2000));
+  expect_linear_gaussian(config(EstimatorKind::maf, Loss::atomic, 2, 2000));
 }
 
 TEST(NpeC, MixtureFindsTheLinearGaussianPosteriorOverRoundsWithTheAnalyticLoss) {
-  expect_linear_gaussian(config("mdn", "analytic", 2, 2000));
+  expect_linear_gaussian(config(EstimatorKind::mdn, Loss::analytic, 2, 2000));
 }
 
 TEST(NpeC, MixtureFindsTheLinearGaussianPosteriorOverRoundsWithTheAtomicLoss) {
-  expect_linear_gaussian(config("mdn", "atomic", 2, 2000));
+  expect_linear_gaussian(config(EstimatorKind::mdn, Loss::atomic, 2, 2000));
 }
 
 // Two moons (Greenberg et al. 2019, section 4.1): x = crescent + (-|t1 + t2|, t2 - t1) / sqrt 2, so
@@ -54,7 +54,7 @@ VectorF two_moons(const Vector& theta, Stream& stream) {
 TEST(NpeC, FindsBothCrescentsOfTwoMoons) {
   const Prior prior({{"t1", "1", Marginal::Kind::uniform, -1.0, 1.0},
                      {"t2", "1", Marginal::Kind::uniform, -1.0, 1.0}});
-  PosteriorEstimationConfig c = config("maf", "atomic", 2, 2000);
+  PosteriorEstimationConfig c = config(EstimatorKind::maf, Loss::atomic, 2, 2000);
   c.estimator.num_transforms = 5;
   c.estimator.hidden_features = 50;
   const auto posterior = infer(c, prior, two_moons, VectorF::Zero(2), 1);
@@ -79,24 +79,34 @@ TEST(NpeC, FindsBothCrescentsOfTwoMoons) {
 TEST(NpeC, GradientOfEveryLossEqualsCentralDifferences) {
   const SmallBatch small;
   for (const bool combined : {false, true}) {
-    for (const auto& [kind, loss] :
-         {std::pair{"maf", "atomic"}, {"mdn", "atomic"}, {"mdn", "analytic"}}) {
+    for (const auto& [kind, loss] : {std::pair{EstimatorKind::maf, Loss::atomic},
+                                     {EstimatorKind::mdn, Loss::atomic},
+                                     {EstimatorKind::mdn, Loss::analytic}}) {
       PosteriorEstimationConfig c = config(kind, loss, 2, 30);
       c.estimator.hidden_features = 8;
       c.algorithm.combined_loss = combined;
       const auto network = make_network(c.estimator, 2, 0, 2, 1);
-      NpeC objective(c.algorithm, network, small.transform, small.data, {1, "train", 2, 0, 0});
+      TrainingData data = small.data;
+      if (loss == Loss::atomic) data.proposals.clear();
+      NpeC objective(c.algorithm, network, small.transform, data, {1, "train", 2, 0, 0});
       expect_slope_is_gradient(objective, network.initial_parameters({1, "initial", 0, 0, 0}),
-                               small.batch(), std::string(kind) + " " + loss);
+                               small.batch(), name_of(kind) + " " + name_of(loss));
     }
   }
 }
 
 TEST(NpeC, AnalyticLossNeedsAMixture) {
-  AlgorithmConfig algorithm;
-  algorithm.loss = "analytic";
-  EstimatorConfig maf;
-  EXPECT_THROW(resolve_loss(algorithm, maf), InputError);
+  const AlgorithmConfig algorithm{.loss = Loss::analytic};
+  EXPECT_THROW(resolve_loss(algorithm, EstimatorKind::maf), InputError);
+  const SmallBatch small;
+  const auto flow = make_network({}, 2, 0, 2, 1);
+  EXPECT_THROW(NpeC(algorithm, flow, small.transform, small.data, {1, "train"}), Error);
+}
+
+TEST(NpeC, LossSuitsTheEstimatorWhenLeftToIt) {
+  EXPECT_EQ(resolve_loss({}, EstimatorKind::mdn), Loss::analytic);
+  EXPECT_EQ(resolve_loss({}, EstimatorKind::nsf), Loss::atomic);
+  EXPECT_EQ(resolve_loss({.loss = Loss::atomic}, EstimatorKind::mdn), Loss::atomic);
 }
 
 }  // namespace

@@ -11,40 +11,49 @@ namespace npdr::inference {
 namespace {
 
 TEST(NpeA, FindsTheLinearGaussianPosteriorOverRounds) {
-  expect_linear_gaussian(small_config("npe_a", "mdn", 1, 8000));
+  expect_linear_gaussian(small_config(Algorithm::npe_a, EstimatorKind::mdn, 1, 8000));
   // The estimate of the second round is twice as precise as the posterior, and what is left of its
   // precision after the division has twice its relative error.
-  expect_linear_gaussian(small_config("npe_a", "mdn", 2, 4000), 2.0);
+  expect_linear_gaussian(small_config(Algorithm::npe_a, EstimatorKind::mdn, 2, 4000), 2.0);
 }
 
 TEST(NpeB, FindsTheLinearGaussianPosteriorOverRounds) {
-  expect_linear_gaussian(small_config("npe_b", "maf", 2, 2000));
+  expect_linear_gaussian(small_config(Algorithm::npe_b, EstimatorKind::maf, 2, 2000));
 }
 
 TEST(NpeC, SplinesFindTheLinearGaussianPosterior) {
-  expect_linear_gaussian(small_config("npe_c", "nsf", 1, 4000));
+  expect_linear_gaussian(small_config(Algorithm::npe_c, EstimatorKind::nsf, 1, 4000));
 }
 
 TEST(Nle, FindsTheLinearGaussianPosterior) {
-  expect_linear_gaussian(small_config("nle", "maf", 1, 4000));
-  expect_linear_gaussian(small_config("nle", "maf", 2, 2000));
+  expect_linear_gaussian(small_config(Algorithm::nle, EstimatorKind::maf, 1, 4000));
+  expect_linear_gaussian(small_config(Algorithm::nle, EstimatorKind::maf, 2, 2000));
 }
 
 TEST(NreA, FindsTheLinearGaussianPosterior) {
-  expect_linear_gaussian(small_config("nre_a", "resnet", 1, 4000), 2.0);  // as NRE-B below
+  expect_linear_gaussian(small_config(Algorithm::nre_a, EstimatorKind::resnet, 1, 4000),
+                         2.0);  // as NRE-B below
 }
 
 TEST(NreB, FindsTheLinearGaussianPosteriorOverRounds) {
   // A classifier learns the ratio of densities less accurately than a density.
-  expect_linear_gaussian(small_config("nre_b", "resnet", 1, 4000), 2.0);
-  expect_linear_gaussian(small_config("nre_b", "resnet", 2, 2000), 2.0);
+  expect_linear_gaussian(small_config(Algorithm::nre_b, EstimatorKind::resnet, 1, 4000), 2.0);
+  expect_linear_gaussian(small_config(Algorithm::nre_b, EstimatorKind::resnet, 2, 2000), 2.0);
 }
 
 TEST(Algorithms, SayWhichEstimatorsSuitThem) {
-  EXPECT_EQ(message_of<InputError>([] { check_estimator("nre_b", {}); }),
+  EXPECT_EQ(message_of<InputError>([] { check_estimator(Algorithm::nre_b, {}); }),
             "density_estimator.kind = 'maf', must be one of resnet with algorithm 'nre_b'");
-  EXPECT_EQ(canonical_algorithm("bayessim"), "npe_a");
-  EXPECT_EQ(canonical_algorithm("snle"), "nle");
+}
+
+TEST(Algorithms, EveryOneIsFoundByItsNameAndByOlderSpellings) {
+  for (const AlgorithmTraits& traits : enum_table(Algorithm{})) {
+    EXPECT_EQ(value_named<Algorithm>(traits.name), traits.value) << traits.name;
+    EXPECT_EQ(traits.estimators.empty(), traits.family != AlgorithmFamily::network) << traits.name;
+  }
+  EXPECT_EQ(value_named<Algorithm>("bayessim"), Algorithm::npe_a);
+  EXPECT_EQ(value_named<Algorithm>("snle"), Algorithm::nle);
+  EXPECT_EQ(value_named<Algorithm>("apt"), Algorithm::npe_c);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ std::vector<float> embed(const EmbeddingConfig& config, Index store_every = 1) {
   return {x.begin(), x.end()};
 }
 
-EmbeddingConfig config(const std::string& kind, Index downsample = 1,
+EmbeddingConfig config(EmbeddingKind kind, Index downsample = 1,
                        const std::vector<std::string>& channels = {}) {
   EmbeddingConfig c;
   c.kind = kind;
@@ -43,24 +43,25 @@ EmbeddingConfig config(const std::string& kind, Index downsample = 1,
 }
 
 TEST(Embedding, AllStepsKeepsTheStatesAfterEachStep) {
-  const auto x = embed(config("all_steps", 1, {"position"}));
+  const auto x = embed(config(EmbeddingKind::all_steps, 1, {"position"}));
   EXPECT_EQ(x, (std::vector<float>{1, 2, 3, 4, 5, 6, 11, 12, 13, 14, 15, 16}));
 }
 
 TEST(Embedding, DownSamplingKeepsEveryKthStateHoweverTheSeriesIsStored) {
-  const EmbeddingConfig every_second = config("linear", 2, {"energy"});
+  const EmbeddingConfig every_second = config(EmbeddingKind::linear, 2, {"energy"});
   EXPECT_EQ(embed(every_second), (std::vector<float>{4, 16, 36, 4, 16, 36}));
   EXPECT_EQ(embed(every_second, 2), embed(every_second, 1));
 }
 
 TEST(Embedding, DeltaAndLastSteps) {
-  EXPECT_EQ(embed(config("delta_steps", 2)), (std::vector<float>{2, 12, 2, 20, 2, 12, 2, 20}));
-  EXPECT_EQ(embed(config("last_step")), (std::vector<float>{6, 36, 16, 36}));
+  EXPECT_EQ(embed(config(EmbeddingKind::delta_steps, 2)),
+            (std::vector<float>{2, 12, 2, 20, 2, 12, 2, 20}));
+  EXPECT_EQ(embed(config(EmbeddingKind::last_step)), (std::vector<float>{6, 36, 16, 36}));
 }
 
 // Worked by hand, second channel, no down-sampling: ds = 3, 5, 7, 9, 11 with a = 1, 2, 3, 4, 5.
 TEST(Embedding, BayesSimGivesProductsMeanAndVarianceOfTheDifferences) {
-  const auto x = embed(config("bayessim", 1, {"energy"}));
+  const auto x = embed(config(EmbeddingKind::bayessim, 1, {"energy"}));
   ASSERT_EQ(x.size(), 6u);
   EXPECT_FLOAT_EQ(x[0], 1 * 3 + 2 * 5 + 3 * 7 + 4 * 9 + 5 * 11);
   EXPECT_FLOAT_EQ(x[1], 7);
@@ -69,15 +70,14 @@ TEST(Embedding, BayesSimGivesProductsMeanAndVarianceOfTheDifferences) {
 
 // With every second state: ds = 16 - 4, 36 - 16; the actions between are (2 + 3) / 2, (4 + 5) / 2.
 TEST(Embedding, BayesSimAveragesTheActionsBetweenKeptStates) {
-  const auto x = embed(config("bayessim", 2, {"energy"}));
+  const auto x = embed(config(EmbeddingKind::bayessim, 2, {"energy"}));
   EXPECT_FLOAT_EQ(x[0], 2.5f * 12 + 4.5f * 20);
 }
 
-TEST(Embedding, RejectsUnknownKindsAndChannelsAndTooMuchDownSampling) {
-  EXPECT_THROW(embed(config("bayesim")), InputError);
-  EXPECT_THROW(embed(config("all_steps", 1, {"postion"})), InputError);
-  EXPECT_THROW(embed(config("all_steps", 4)), InputError);
-  EXPECT_THROW(embed(config("all_steps", 3), 2), InputError);
+TEST(Embedding, RejectsUnknownChannelsAndTooMuchDownSampling) {
+  EXPECT_THROW(embed(config(EmbeddingKind::all_steps, 1, {"postion"})), InputError);
+  EXPECT_THROW(embed(config(EmbeddingKind::all_steps, 4)), InputError);
+  EXPECT_THROW(embed(config(EmbeddingKind::all_steps, 3), 2), InputError);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace npdr::inference {
 namespace {
 
 TEST(EmbeddedEstimator, BackwardPassEqualsCentralDifferencesThroughTheLinearLayer) {
-  for (const char* kind : {"maf", "mdn"}) {
+  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
     for (const Index trained_features : {0, 4}) {
       EstimatorConfig config;
       config.kind = kind;
@@ -38,9 +38,9 @@ TEST(EmbeddedEstimator, BackwardPassEqualsCentralDifferencesThroughTheLinearLaye
   }
 }
 
-TEST(EmbeddedEstimator, RejectsAnUnknownKind) {
+TEST(EmbeddedEstimator, RejectsAKindWithoutADensity) {
   EstimatorConfig config;
-  config.kind = "maff";
+  config.kind = EstimatorKind::resnet;
   EXPECT_THROW(EmbeddedEstimator<float>(2, 0, config, 2, {1, "structure", 0, 0, 0}), InputError);
 }
 

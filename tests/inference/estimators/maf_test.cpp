@@ -14,7 +14,7 @@ namespace {
 const StreamId kStructure{1, "structure", 0, 0, 0};
 
 // Both kinds: with affine transforms and with splines.
-class Flow : public ::testing::TestWithParam<const char*> {
+class Flow : public ::testing::TestWithParam<EstimatorKind> {
  protected:
   static EstimatorConfig small_config(Index hidden_layers = 2) {
     EstimatorConfig config;
@@ -26,7 +26,7 @@ class Flow : public ::testing::TestWithParam<const char*> {
     return config;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Kinds, Flow, ::testing::Values("maf", "nsf"));
+INSTANTIATE_TEST_SUITE_P(Kinds, Flow, ::testing::Values(EstimatorKind::maf, EstimatorKind::nsf));
 
 TEST_P(Flow, BackwardPassEqualsCentralDifferences) {
   for (const Index layers : {1, 2, 3}) {
@@ -75,7 +75,7 @@ TEST_P(Flow, InverseOfATransformUndoesForward) {
   for (const Index dimension : {1, 3, 9}) {
     ParameterLayout layout;
     std::shared_ptr<const ElementMap<double>> map = std::make_shared<AffineMap<double>>();
-    if (GetParam() == std::string("nsf")) map = std::make_shared<SplineMap<double>>(5);
+    if (GetParam() == EstimatorKind::nsf) map = std::make_shared<SplineMap<double>>(5);
     const AutoregressiveTransform<double> transform(dimension, 7, 2, map, layout);
     Vector parameters = Vector::Zero(layout.size());
     Stream stream({1, "initial", 0, 0, 0});

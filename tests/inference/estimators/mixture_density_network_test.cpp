@@ -10,7 +10,7 @@ namespace {
 
 EstimatorConfig small_config(Index components) {
   EstimatorConfig config;
-  config.kind = "mdn";
+  config.kind = EstimatorKind::mdn;
   config.num_components = components;
   config.hidden_features = 6;
   return config;

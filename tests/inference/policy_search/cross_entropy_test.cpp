@@ -7,7 +7,7 @@ namespace {
 
 // Four candidates of one parameter, of which two are elites.
 PolicySearchConfig small_config(double smoothing) {
-  return {.algorithm = "cross_entropy",
+  return {.kind = PolicyOptimizerKind::cross_entropy,
           .population = 4,
           .initial_std = 1.0,
           .min_std = 0.01,

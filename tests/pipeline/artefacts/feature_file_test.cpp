@@ -15,7 +15,7 @@ class FeatureFiles : public ::testing::Test {
  protected:
   FeatureRows read(const std::string& text, Index num_rows,
                    const std::vector<Channel>& expected = kFeatures) const {
-    return read_features(folder_.file("x.csv", text), "csv", num_rows, expected);
+    return read_features(folder_.file("x.csv", text), FileFormat::csv, num_rows, expected);
   }
   std::string problem_of(const std::string& text, Index num_rows) const {
     return message_of<InputError>([&] { read(text, num_rows); }, &folder_);
@@ -26,8 +26,8 @@ class FeatureFiles : public ::testing::Test {
     h5::File file = h5::File::create(folder_ / "x.h5");
     fill(file);
     file.close();
-    return message_of<InputError>([&] { read_features(folder_ / "x.h5", "hdf5", 2, kFeatures); },
-                                  &folder_);
+    return message_of<InputError>(
+        [&] { read_features(folder_ / "x.h5", FileFormat::hdf5, 2, kFeatures); }, &folder_);
   }
 
   TempFolder folder_;

@@ -28,7 +28,7 @@ inference::DirectPosterior small_posterior(const MethodConfig& method) {
 }
 
 // Untrained posteriors in the other roles.
-inference::NetworkParts parts_of(inference::NetworkRole role, const std::string& kind) {
+inference::NetworkParts parts_of(inference::NetworkRole role, inference::EstimatorKind kind) {
   inference::NetworkParts parts{
       .prior = inference::Prior({{"a", "1", inference::Marginal::Kind::uniform, 0.0, 1.0}}),
       .role = role,
@@ -54,7 +54,8 @@ inference::NetworkParts parts_of(inference::NetworkRole role, const std::string&
 class PosteriorFile : public ::testing::Test {
  protected:
   PosteriorFile() {
-    method_.density_estimator = {.kind = "maf", .num_transforms = 2, .hidden_features = 8};
+    method_.density_estimator = {
+        .kind = inference::EstimatorKind::maf, .num_transforms = 2, .hidden_features = 8};
   }
 
   // Reads the posterior's file after `change` of its attributes.
@@ -98,9 +99,10 @@ TEST_F(PosteriorFile, EveryRoleComesBackAsItWas) {
   using inference::NetworkRole;
   RowMatrix theta(2, 1);
   theta << 0.2, 0.9;
-  for (const auto& [role, kind] : {std::pair{NetworkRole::likelihood, "nsf"},
-                                   {NetworkRole::likelihood, "mdn"},
-                                   {NetworkRole::ratio, "resnet"}}) {
+  for (const auto& [role, kind] :
+       {std::pair{NetworkRole::likelihood, inference::EstimatorKind::nsf},
+        {NetworkRole::likelihood, inference::EstimatorKind::mdn},
+        {NetworkRole::ratio, inference::EstimatorKind::resnet}}) {
     const inference::NetworkParts parts = parts_of(role, kind);
     const auto posterior = reread(parts);
     EXPECT_EQ(posterior->parts().role, role);
@@ -110,7 +112,8 @@ TEST_F(PosteriorFile, EveryRoleComesBackAsItWas) {
 }
 
 TEST_F(PosteriorFile, AProposalComesBackAsItWasOrIsRefused) {
-  inference::NetworkParts parts = parts_of(inference::NetworkRole::posterior, "mdn");
+  inference::NetworkParts parts =
+      parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::mdn);
   parts.proposal = {Vector::Zero(1), {Vector::Constant(1, 0.3)}, {Eigen::MatrixXd::Ones(1, 1)}};
   RowMatrix theta(2, 1);
   theta << 0.2, 0.9;
@@ -161,8 +164,10 @@ TEST_F(PosteriorFile, ANetworkWithoutItsWeightsIsRefusedBeforeItIsMade) {
             "p.h5: " + found +
                 " weights, but its density_estimator has more than 272730947584; rerun stage "
                 "'infer'");
-  EXPECT_TRUE(message_of_estimator({.kind = "mdn", .num_components = 128, .hidden_features = 8})
-                  .starts_with("p.h5: posterior: " + found + " weights"));
+  EXPECT_TRUE(
+      message_of_estimator(
+          {.kind = inference::EstimatorKind::mdn, .num_components = 128, .hidden_features = 8})
+          .starts_with("p.h5: posterior: " + found + " weights"));
 }
 
 }  // namespace

@@ -53,8 +53,8 @@ TEST(StudyProblems, NamesTheNearestOfAFewNames) {
                 join(sim::simulator_names()) + " (did you mean 'pendulum'?)");
   EXPECT_EQ(problems_after(kMaf, "algorithm = \"npe_d\""),
             "s.toml:17:13: method.algorithm = 'npe_d', must be one of " +
-                join(inference::algorithm_names()) + " (did you mean '" +
-                nearest_name("npe_d", inference::algorithm_names()) + "'?)");
+                join(names_of<inference::Algorithm>()) + " (did you mean '" +
+                nearest_name("npe_d", names_of<inference::Algorithm>()) + "'?)");
 }
 
 TEST(StudyProblems, WrongTypesSayWhatTypeIsDue) {

@@ -20,7 +20,7 @@ TEST(StudyReader, FillsInDefaults) {
   EXPECT_EQ(study.seeds, (std::vector<std::uint64_t>{1, 2}));
   EXPECT_EQ(study.target.truth->at("pole_mass"), 1.1);
   EXPECT_EQ(study.target.num_rollouts, 5);
-  EXPECT_EQ(study.simulator.integrator, "erk4");
+  EXPECT_EQ(study.simulator.integrator, sim::Integrator::erk4);
   EXPECT_EQ(study.simulate.shard_size, 1000);
   EXPECT_EQ(study.methods[0].algorithm.num_simulations, 200);
   EXPECT_EQ(study.methods[0].training.learning_rate, 5e-4);
@@ -46,8 +46,8 @@ TEST(StudyReader, KeepsThePriorInTheOrderOfTheFileWithTheUnitsOfTheSimulator) {
 
 TEST(StudyReader, ReplacesOlderSpellingsOfNames) {
   const Study study = small_study({"method.algorithm=snpe_c"});
-  EXPECT_EQ(study.methods[0].algorithm.name, "npe_c");
-  EXPECT_EQ(study.methods[1].density_estimator.kind, "mdn");
+  EXPECT_EQ(study.methods[0].algorithm.kind, inference::Algorithm::npe_c);
+  EXPECT_EQ(study.methods[1].density_estimator.kind, inference::EstimatorKind::mdn);
 }
 
 TEST(StudyReader, ReadsEveryKindOfKey) {
@@ -65,7 +65,8 @@ TEST(StudyReader, ReadsEveryKindOfKey) {
 }
 
 TEST(StudyReader, FindsMethodsByName) {
-  EXPECT_EQ(small_study().method("NPDR (MoG)").density_estimator.kind, "mdn");
+  EXPECT_EQ(small_study().method("NPDR (MoG)").density_estimator.kind,
+            inference::EstimatorKind::mdn);
   EXPECT_EQ(message_of<InputError>([] { small_study().method("NPDR (MaG)"); }),
             "unknown method 'NPDR (MaG)' (did you mean 'NPDR (MAF)'?); known: NPDR (MAF), "
             "NPDR (MoG)");

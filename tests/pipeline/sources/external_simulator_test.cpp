@@ -191,7 +191,7 @@ TEST_F(ExternalSimulators, Hdf5IsReadAndWritten) {
     dataset.set_attribute("labels", std::vector<std::string>{"seed", "y"});  // in another order
     file.close();
   }
-  study_.external.format = "hdf5";
+  study_.external.format = FileFormat::hdf5;
   study_.external.command = "cp {theta} theta.h5; cp made.h5 {x}";
   ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
   const RowMatrix theta = (RowMatrix(2, 2) << 0.1, 0.5, 0.2, 0.5).finished();

@@ -52,7 +52,7 @@ class ExternalStudies : public ::testing::Test {
 
 TEST_F(ExternalStudies, HaveDefaultsOfTheirOwn) {
   const Study study = study_of();
-  EXPECT_EQ(study.methods.front().embedding.kind, "identity");
+  EXPECT_EQ(study.methods.front().embedding.kind, inference::EmbeddingKind::identity);
   EXPECT_EQ(study.evaluate.metrics, (std::vector<std::string>{"distance"}));
   EXPECT_FALSE(study.evaluate.floor);
   EXPECT_EQ(study.external.folder, folder_.path().string() + "/");

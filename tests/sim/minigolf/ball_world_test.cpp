@@ -35,7 +35,7 @@ ClubMotion striking_club(Index num_steps, Index coarse = 2, Index fine = 5) {
   return {strike_actions(num_steps, kStep), coarse, fine};
 }
 
-MinigolfConfig with(double linear_damping, const std::string& rolling = "exact") {
+MinigolfConfig with(double linear_damping, Rolling rolling = Rolling::exact) {
   MinigolfConfig config;
   config.linear_damping = linear_damping;
   config.rolling = rolling;
@@ -51,8 +51,10 @@ void roll(BallWorld& world, const Course& course, double speed) {
 // A rolling sphere: v(t) = v0 - (5/7) g mu_c / r t with mu_c = mu_roll,ball mu_ground +
 // mu_roll,ground mu_ball.
 TEST(BallWorld, RollingFrictionIsThatOfTheClosedForm) {
-  for (const auto& [radius, rolling] :
-       {std::pair{0.015, "exact"}, {0.025, "exact"}, {0.015, "engine"}, {0.025, "engine"}}) {
+  for (const auto& [radius, rolling] : {std::pair{0.015, Rolling::exact},
+                                        {0.025, Rolling::exact},
+                                        {0.015, Rolling::engine},
+                                        {0.025, Rolling::engine}}) {
     const Course course = course_with(radius, {0.6, 2e-4, 0.5}, {0.4, 1e-4, 0.0});
     const double mu = 2e-4 * 0.4 + 1e-4 * 0.6;
     const ClubMotion club = resting_club(200);
@@ -72,12 +74,12 @@ TEST(BallWorld, RollingFrictionIsThatOfTheClosedForm) {
 TEST(BallWorld, DampingIsThatOfTheClosedForm) {
   const Course course = course_with(0.02, {0.6, 0.0, 0.5}, {0.4, 0.0, 0.0});
   const ClubMotion club = resting_club(200);
-  for (const auto* rolling : {"exact", "engine"}) {
+  for (const Rolling rolling : {Rolling::exact, Rolling::engine}) {
     BallWorld world(with(0.1, rolling), course, club, kStep, kFarAway);
     roll(world, course, 0.5);
     for (Index t = 0; t < 200; ++t) world.step(t);
     EXPECT_NEAR(-world.ball_velocity().x(), 0.5 * std::exp(5.0 / 7.0 * std::log(0.9) * 2.0), 5e-4)
-        << rolling;
+        << name_of(rolling);
   }
 }
 
@@ -85,8 +87,8 @@ TEST(BallWorld, DampingIsThatOfTheClosedForm) {
 TEST(BallWorld, RollsInClosedFormAsByTheEngine) {
   const Course course = course_with(0.02, {0.6, 5e-4, 0.5}, {0.4, 1e-4, 0.0});
   const ClubMotion club = resting_club(600);
-  BallWorld exact(with(0.1, "exact"), course, club, kStep, kFarAway);
-  BallWorld engine(with(0.1, "engine"), course, club, kStep, kFarAway);
+  BallWorld exact(with(0.1, Rolling::exact), course, club, kStep, kFarAway);
+  BallWorld engine(with(0.1, Rolling::engine), course, club, kStep, kFarAway);
   for (BallWorld* world : {&exact, &engine}) {
     world->set_ball({kFarAway.x(), kFarAway.y(), 0.02}, {-0.3, 0.2, 0.0}, {-10.0, -15.0, 4.0});
   }

@@ -156,16 +156,18 @@ TEST(Minigolf, RejectsAbsurdRecordings) {
 // Whatever the strike and the start, a simulated target begins where its ball does: no step moves
 // the ball further than it rolls in 10 ms.
 TEST(Minigolf, TargetsBeginWhereTheirBallDoes) {
-  for (const std::string& strike : strike_names()) {
-    for (const std::string& start : ball_start_names()) {
+  for (const Strike strike : {Strike::recorded, Strike::policy}) {
+    for (const BallStart start : {BallStart::recorded, BallStart::nominal}) {
       const Minigolf simulator(
           {.name = "minigolf", .minigolf = {.strike = strike, .ball_start = start}});
       const Vector theta = complete_theta(simulator, {});
       const Target target = simulator.behave(theta, 2, 3);
       for (const Rollout& rollout : target.rollouts) {
-        EXPECT_LT((rollout.states.row(1) - rollout.states.row(0)).norm(), 1e-6) << strike << start;
+        EXPECT_LT((rollout.states.row(1) - rollout.states.row(0)).norm(), 1e-6)
+            << name_of(strike) << name_of(start);
       }
-      EXPECT_EQ(target.rollouts[0].states == target.rollouts[1].states, start == "nominal");
+      EXPECT_EQ(target.rollouts[0].states == target.rollouts[1].states,
+                start == BallStart::nominal);
       const Trajectories again = simulator.replay(target, theta.transpose());
       EXPECT_LT((again.rollout(0, 1).cast<double>() - target.rollouts[1].states.bottomRows(800))
                     .cwiseAbs()
@@ -196,8 +198,8 @@ TEST(Minigolf, KeepsEveryKthState) {
 
 TEST(Minigolf, TakesStrikeAndStartFromWhereTheConfigSays) {
   const Minigolf recorded({.name = "minigolf"});
-  const Minigolf policy(
-      {.name = "minigolf", .minigolf = {.strike = "policy", .ball_start = "nominal"}});
+  const Minigolf policy({.name = "minigolf",
+                         .minigolf = {.strike = Strike::policy, .ball_start = BallStart::nominal}});
   Target target = recorded.behave(complete_theta(recorded, {}), 1, 1);
   const RowMatrix theta = complete_theta(recorded, {}).transpose();
   const Trajectories before = policy.replay(target, theta);
@@ -210,8 +212,6 @@ TEST(Minigolf, RejectsSettingsThatCannotBe) {
   const auto problem_of = [](const SimulatorConfig& config) {
     return message_of<InputError>([&] { const Minigolf simulator(config); });
   };
-  EXPECT_EQ(problem_of({.name = "minigolf", .minigolf = {.strike = "soft"}}),
-            "simulator.minigolf.strike = 'soft', must be 'recorded' or 'policy'");
   EXPECT_EQ(problem_of({.name = "minigolf", .minigolf = {.substeps = 0}}),
             "simulator.minigolf.substeps = 0, must be in [1, 1000]");
   EXPECT_EQ(problem_of({.name = "minigolf", .segment_length = 100}),
