@@ -245,19 +245,33 @@ class LongSearch : public Policies {
   static std::string digest(const std::string& work) {
     return content_digest(file(work + "/searched/randomised/seed-1/iteration-1/policy.h5"));
   }
-  // How often a run was ended by `signal`, each a little later than the one before.
-  static int interrupt(int signal, const std::string& work) {
-    int count = 0;
-    for (int delay = 30; delay <= 900; delay += 60) {
+  static std::filesystem::path cache(const std::string& work) {
+    return file(work) / ".cache/policy";
+  }
+
+  // Waits until the program has done an iteration more.
+  static void wait_for_checkpoint(const Program& program, const std::string& work) {
+    const auto saved = [&] {
+      std::map<std::string, std::filesystem::file_time_type> times;
+      for (const std::string& name : files_ending(cache(work), ".checkpoint.h5")) {
+        std::error_code gone;
+        times[name] = std::filesystem::last_write_time(cache(work) / name, gone);
+      }
+      return times;
+    };
+    const auto before = saved();
+    EXPECT_TRUE(comes_true([&] { return program.has_ended() || saved() != before; }));
+  }
+
+  // Ends some runs by `signal`, each after at least an iteration.
+  static void interrupt(int signal, const std::string& work) {
+    for (int i = 0; i < 4; ++i) {
       const Program program(folder_->path(), words("npdr-policy", work));
-      std::this_thread::sleep_for(std::chrono::milliseconds(delay));
+      wait_for_checkpoint(program, work);
       program.send(signal);
-      const Outcome outcome = program.wait();
-      EXPECT_TRUE(outcome.status == 0 || outcome.status == 75 || outcome.status == 128 + signal)
-          << outcome.status << outcome.err;
-      count += outcome.status == 0 ? 0 : 1;
+      EXPECT_EQ(program.wait().status, signal == SIGKILL ? 128 + SIGKILL : 75)
+          << "the search must take longer";
     }
-    return count;
   }
 };
 
@@ -265,14 +279,11 @@ TEST_F(LongSearch, GoesOnWithTheSameBits) {
   ASSERT_EQ(run(folder_->path(), words("npdr-policy", "whole")).status, 0);
   for (const int signal : {SIGKILL, SIGTERM}) {
     const std::string work = "by-" + std::to_string(signal);
-    EXPECT_GT(interrupt(signal, work), 2) << "the search must take longer";
+    interrupt(signal, work);
     const Outcome last = run(folder_->path(), words("npdr-policy", work));
     ASSERT_EQ(last.status, 0) << last.err;
     EXPECT_EQ(digest(work), digest("whole")) << signal;
-    const std::filesystem::path cache = file(work) / ".cache/policy";
-    for (const auto& entry : std::filesystem::directory_iterator(cache)) {
-      EXPECT_EQ(entry.path().string().find("checkpoint"), std::string::npos) << entry.path();
-    }
+    EXPECT_EQ(files_ending(cache(work), ".checkpoint.h5"), std::set<std::string>());
   }
 }
 
@@ -280,7 +291,7 @@ TEST_F(LongSearch, StopsAtACheckpointThatTheStatusShows) {
   std::vector<std::string> endless = words("npdr-policy", "stopped");
   endless.insert(endless.end(), {"--set", "method.policy_iterations=100000"});
   const Program program(folder_->path(), endless);
-  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  wait_for_checkpoint(program, "stopped");
   program.send(SIGTERM);
   const Outcome outcome = program.wait();
   EXPECT_EQ(outcome.status, 75) << outcome.err;

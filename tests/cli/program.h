@@ -9,17 +9,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "pipeline/store/artefact.h"
 #include "tests/temp_folder.h"
+#include "tests/wait_for.h"
 
 namespace npdr::pipeline {
 
@@ -64,6 +65,12 @@ class Program {
   void send(int signal) const { kill(pid_, signal); }
   /// As a terminal sends Ctrl-C: to all that belongs to it.
   void send_to_group(int signal) const { kill(-pid_, signal); }
+
+  bool has_ended() const { return npdr::has_ended(pid_); }
+  /// Lets it go on for up to that long: a random instant, which nothing it does marks.
+  bool ends_within(double seconds) const {
+    return comes_true([&] { return has_ended(); }, std::chrono::duration<double>(seconds));
+  }
 
   /// The processes that it started.
   std::vector<pid_t> children() const {
@@ -171,6 +178,41 @@ parameters = { ball_mass = 0.007 }
 [limits]
 max_failed_fraction = 0.5
 )toml";
+}
+
+/// Names, below the folder, of all files that end so; also while programs work in it.
+inline std::set<std::string> files_ending(const std::filesystem::path& folder,
+                                          const std::string& end) {
+  std::set<std::string> found;
+  std::error_code gone;
+  std::filesystem::recursive_directory_iterator entry(folder, gone);
+  for (; entry != std::filesystem::recursive_directory_iterator(); entry.increment(gone)) {
+    const std::string name = entry->path().lexically_relative(folder);
+    if (name.ends_with(end)) found.insert(name);
+  }
+  return found;
+}
+
+/// Files of unfinished work.
+inline std::set<std::string> temporaries(const std::filesystem::path& folder) {
+  return files_ending(folder, ".tmp");
+}
+
+/// Whether the program, or what it has started, gets to make `count` files below the folder at the
+/// same time. Once it does, it listens to requests to stop.
+inline bool begins_to_make(const Program& program, const std::filesystem::path& folder,
+                           std::ptrdiff_t count = 1) {
+  const auto num_in_the_making = [&] {
+    std::vector<pid_t> processes = program.children();
+    processes.push_back(program.pid());
+    return std::ranges::count_if(temporaries(folder), [&](const std::string& name) {
+      return std::ranges::any_of(processes, [&](pid_t process) {
+        return name.find("." + std::to_string(process) + ".") != std::string::npos;
+      });
+    });
+  };
+  comes_true([&] { return program.has_ended() || num_in_the_making() >= count; });
+  return !program.has_ended();
 }
 
 /// Digests of all artefacts of a work folder, by their place in the study's readable folder.

@@ -7,7 +7,6 @@ namespace npdr::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 const std::string kScript = std::string(NPDR_SOURCE_DIR) + "/jobs/one-machine-cluster";
 
@@ -116,14 +115,10 @@ std::string Cluster::node_of(const std::string& task) const {
 }
 
 void Cluster::wait_until(const std::string& what, const std::function<bool()>& done) const {
-  const auto deadline = Clock::now() + std::chrono::minutes(1);
-  while (!done()) {
-    if (Clock::now() > deadline) {
-      FAIL() << "waited in vain " << what << "\n"
-             << call({"squeue", "-r", "-t", "all"}).out << call({"sinfo", "-N"}).out;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
+  // Rarely, as each question is a program or two.
+  if (comes_true(done, std::chrono::minutes(1), std::chrono::milliseconds(50))) return;
+  FAIL() << "waited in vain " << what << "\n"
+         << call({"squeue", "-r", "-t", "all"}).out << call({"sinfo", "-N"}).out;
 }
 
 void Cluster::wait_for_state(const std::string& task, const std::string& state) const {

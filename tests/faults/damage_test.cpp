@@ -199,13 +199,10 @@ TEST_F(Repair, ADamagedCheckpointIsNamed) {
   const Artefact posterior = artefact("infer", "MAF, seed 1, round 2");
   const fs::path checkpoint = posterior.stem().string() + ".checkpoint.h5";
   forget(posterior);
-  for (int i = 0; i < 20 && !fs::exists(checkpoint); ++i) {
-    const Program program(folder_->path(), FaultFolder::making(posterior));
-    std::this_thread::sleep_for(std::chrono::milliseconds(40 + 10 * i));
-    program.send(SIGTERM);
-    program.wait();
-    if (!fs::exists(checkpoint)) forget(posterior);
-  }
+  const Program stopped(folder_->path(), FaultFolder::making(posterior));
+  EXPECT_TRUE(begins_to_make(stopped, folder_->cache()));
+  stopped.send(SIGTERM);
+  EXPECT_EQ(stopped.wait().status, 75);
   ASSERT_TRUE(fs::exists(checkpoint));
   const std::string good = text_of(checkpoint);
   for (const std::string& bytes :

@@ -34,7 +34,7 @@ class FullDisk : public Faults {
                                                              : artefact.path.filename().string();
     EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
     EXPECT_FALSE(fs::exists(artefact.path)) << artefact.label;
-    EXPECT_EQ(temporaries(folder_->work()), kNone) << artefact.label;
+    EXPECT_EQ(temporaries(folder_->work()), std::set<std::string>()) << artefact.label;
   }
 
   std::unique_ptr<TinyDisk> disk_;

@@ -191,15 +191,6 @@ inline std::vector<std::string> differences(const std::map<std::string, std::str
 
 inline const std::vector<std::string> kNone = {};
 
-/// Files of unfinished work below a folder.
-inline std::vector<std::string> temporaries(const std::filesystem::path& folder) {
-  std::vector<std::string> found;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (entry.path().extension() == ".tmp") found.push_back(entry.path().filename());
-  }
-  return found;
-}
-
 /// A study that has been run without disturbance, shared by the tests of a program.
 class Faults : public ::testing::Test {
  protected:
@@ -218,7 +209,7 @@ class Faults : public ::testing::Test {
   /// That everything is as if nothing had happened.
   static void expect_same_results(const FaultFolder& folder) {
     EXPECT_EQ(differences(results(folder), *expected_), kNone);
-    EXPECT_EQ(temporaries(folder.work()), kNone);
+    EXPECT_EQ(temporaries(folder.work()), std::set<std::string>());
   }
 
   static FaultFolder* folder_;

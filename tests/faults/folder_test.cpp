@@ -78,7 +78,7 @@ TEST_F(Folders, AWorkFolderThatDisappearsEndsTheRunAndTheNextOneGoesOn) {
   fs::remove_all(folder_->cache() / "infer");
   fs::remove_all(folder_->cache() / "evaluate");
   const Program program(folder_->path(), FaultFolder::words("npdr", {"run"}));
-  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  EXPECT_TRUE(begins_to_make(program, folder_->cache()));
   fs::rename(folder_->work(), gone);
   const Outcome outcome = program.wait();
   EXPECT_TRUE(outcome.status == 1 || outcome.status == 2) << outcome.status << outcome.err;

@@ -22,7 +22,7 @@ exec awk -F, -v seeds="$NPDR_SEEDS" -v bad=" $BAD " -v what="$WHAT" '
     a = $column["a"]
     if (index(bad, " " a " ")) {
       if (what == "crash") exit 9
-      if (what == "hang") system("sleep 100")
+      if (what == "hang") system("exec tail -f /dev/null")
       if (what == "text") { print "oops," seed; next }
       if (what == "nan") { print "nan," seed; next }
       if (what == "short") next
