@@ -285,14 +285,13 @@ TEST_F(Commands, TheReportsCaptionStandsBelowItsTables) {
 }
 
 TEST_F(Commands, FiguresShowTheFirstSixMethodsOfMore) {
-  std::string text = small_study();
+  StudyText study = small_study();
   for (int i = 3; i <= 7; ++i) {
-    text = text.insert(text.find("[evaluate]"),
-                       "[[method]]\nname = \"M" + std::to_string(i) +
-                           "\"\nnum_simulations = 150\nembedding = { kind = \"bayessim\" }\n"
-                           "training = { max_epochs = 1 }\n");
+    study.method("M" + std::to_string(i),
+                 {"num_simulations = 150", "embedding = { kind = \"bayessim\" }",
+                  "training = { max_epochs = 1 }"});
   }
-  std::ofstream(file("seven.toml")) << text;
+  std::ofstream(file("seven.toml")) << study;
   const Outcome outcome = npdr({"run", "seven.toml", "--set", "study.name=seven"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string html = text_of(file("runs/seven/report.html"));

@@ -8,57 +8,40 @@ namespace {
 
 // Short rollouts and few candidates: what counts is that everything takes part. One method collects
 // rollouts with its policy and infers again, one infers nothing.
-std::string searched_study() {
-  return R"toml([study]
-name = "searched"
-seeds = [1, 2]
-[target]
-truth = { pole_mass = 0.02 }
-num_rollouts = 1
-[simulator]
-name = "furuta"
-segment_length = 200
-store_every = 25
-[prior]
-pole_mass = { uniform = [0.0168, 0.0312] }
-pole_length = { uniform = [0.1, 0.15] }
-[[method]]
-name = "Online"
-num_simulations = 60
-num_iterations = 2
-policy_iterations = 3
-embedding = { kind = "all_steps", downsample = 125 }
-density_estimator = { kind = "mdn", num_components = 2, hidden_features = 8 }
-training = { max_epochs = 5, batch_size = 20 }
-[[method]]
-name = "Randomised"
-algorithm = "prior"
-policy_iterations = 4
-[[method]]
-name = "Point"
-algorithm = "nominal"
-policy_iterations = 4
-[evaluate]
-num_samples = 20
-metrics = ["rmse"]
-[policy]
-population = 5
-num_domain_parameters = 4
-num_initial_states = 2
-num_test_states = 20
-num_steps = 150
-initial = { energy_gain = 20.0 }
-[policy.grid]
-x = { parameter = "pole_mass", range = [0.0168, 0.0312], steps = 3 }
-y = { parameter = "pole_length", values = [0.1, 0.15] }
-)toml";
+StudyText searched_study() {
+  return furuta_study("searched")
+      .with("study", {"seeds = [1, 2]"})
+      .with("target", {"truth = { pole_mass = 0.02 }"})
+      .with("simulator", {"segment_length = 200", "store_every = 25"})
+      .with("prior", {"pole_length = { uniform = [0.1, 0.15] }"})
+      .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"});
+}
+
+StudyText& with_online(StudyText& study, const StudyText::Lines& more) {
+  StudyText::Lines lines = {"num_simulations = 60",
+                            "embedding = { kind = \"all_steps\", downsample = 125 }", kSmallMixture,
+                            "training = { max_epochs = 5, batch_size = 20 }"};
+  lines.insert(lines.end(), more.begin(), more.end());
+  return study.method("Online", lines);
+}
+
+StudyText& with_search(StudyText& study) {
+  return study.method("Randomised", {"algorithm = \"prior\"", "policy_iterations = 4"})
+      .method("Point", {"algorithm = \"nominal\"", "policy_iterations = 4"})
+      .with("policy", few_trials())
+      .with("policy", {"population = 5", "num_domain_parameters = 4", "num_steps = 150"})
+      .with("policy.grid",
+            {"x = { parameter = \"pole_mass\", range = [0.0168, 0.0312], steps = 3 }",
+             "y = { parameter = \"pole_length\", values = [0.1, 0.15] }"});
 }
 
 class Policies : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
-    std::ofstream(file("searched.toml")) << searched_study();
+    StudyText study = searched_study();
+    with_search(with_online(study, {"num_iterations = 2", "policy_iterations = 3"}));
+    std::ofstream(file("searched.toml")) << study;
     setenv("OMP_NUM_THREADS", "1", 1);
     const Outcome outcome = npdr({"run", "searched.toml", "--jobs", "1"});
     unsetenv("OMP_NUM_THREADS");
@@ -199,20 +182,14 @@ TEST_F(Policies, ValidateSaysHowMuchWorkASearchIs) {
 }
 
 TEST_F(Policies, AStudyWithoutASearchRemovesItsTables) {
-  const auto run_without = [&](const std::string& text) {
+  const auto run_as = [&](const std::string& text) {
     std::ofstream(file("searched2.toml")) << text;
     return npdr({"run", "searched2.toml", "--work", "without"});
   };
-  std::string text = searched_study();
-  ASSERT_EQ(run_without(text).status, 0);
+  ASSERT_EQ(run_as(text_of(file("searched.toml"))).status, 0);
   EXPECT_TRUE(std::filesystem::exists(file("without/searched/tables/policy.md")));
-  text = text.substr(0, text.find("[policy]"));
-  const std::size_t begin = text.find("[[method]]\nname = \"Randomised\"");
-  text.erase(begin, text.find("[evaluate]") - begin);
-  for (const char* line : {"num_iterations = 2\n", "policy_iterations = 3\n"}) {
-    text.erase(text.find(line), std::string(line).size());
-  }
-  const Outcome outcome = run_without(text);
+  StudyText without = searched_study();
+  const Outcome outcome = run_as(with_online(without, {}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   for (const char* name :
        {"policy.md", "policy_seeds.csv", "policy_parameters.csv", "policy_cost.tex"}) {
@@ -221,10 +198,8 @@ TEST_F(Policies, AStudyWithoutASearchRemovesItsTables) {
 }
 
 TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
-  std::string text = searched_study();
-  const std::size_t begin = text.find("[[method]]\nname = \"Online\"");
-  text.erase(begin, text.find("[[method]]\nname = \"Randomised\"") - begin);
-  std::ofstream(file("alone.toml")) << text;
+  StudyText study = searched_study();
+  std::ofstream(file("alone.toml")) << with_search(study);
   const Outcome outcome = npdr({"run", "alone.toml", "--work", "alone"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("| Randomised "), std::string::npos) << outcome.out;

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "pipeline/store/artefact.h"
+#include "tests/study_text.h"
 #include "tests/temp_folder.h"
 #include "tests/wait_for.h"
 
@@ -109,75 +110,32 @@ inline Outcome run(const std::filesystem::path& folder, const std::vector<std::s
 }
 
 /// A small pendulum study that takes a second: two methods, two rounds.
-inline std::string small_study() {
-  return R"toml([study]
-name = "small"
-seeds = [1]
-[target]
-truth = {}
-num_rollouts = 2
-[simulator]
-name = "pendulum"
-[prior]
-pole_mass = { uniform = [0.3, 1.7] }
-pole_length = { uniform = [0.3, 1.7] }
-[observation_noise]
-scale = 0.1
-[[method]]
-name = "NPDR (MAF)"
-algorithm = "npe_c"
-num_rounds = 2
-num_simulations = 150
-embedding = { kind = "linear", features = 8, downsample = 20, principal_components = 12 }
-density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
-training = { max_epochs = 30 }
-[[method]]
-name = "NPDR (MoG)"
-algorithm = "npe_c"
-num_rounds = 2
-num_simulations = 150
-embedding = { kind = "bayessim" }
-density_estimator = { kind = "mdn", num_components = 3, hidden_features = 10 }
-training = { max_epochs = 30 }
-[evaluate]
-num_samples = 50
-)toml";
+inline StudyText small_study() {
+  return pendulum_study("small")
+      .with("study", {"seeds = [1]"})
+      .with("target", {"num_rollouts = 2"})
+      .with("observation_noise", {"scale = 0.1"})
+      .method("NPDR (MAF)", {"num_rounds = 2", "num_simulations = 150",
+                             "embedding = { kind = \"linear\", features = 8, downsample = 20, "
+                             "principal_components = 12 }",
+                             kSmallFlow, "training = { max_epochs = 30 }"})
+      .method("NPDR (MoG)",
+              {"num_rounds = 2", "num_simulations = 150", "embedding = { kind = \"bayessim\" }",
+               kSmallMixture, "training = { max_epochs = 30 }"})
+      .with("evaluate", {"num_samples = 50"});
 }
 
-/// A small mini golf study that takes seconds: two strikes seen, one held out.
-inline std::string small_minigolf_study() {
-  return R"toml([study]
-name = "small"
-seeds = [1]
-[target]
-truth = { ball_radius = 0.0231 }
-num_rollouts = 2
-held_out = 1
-[simulator]
-name = "minigolf"
-store_every = 2
-[prior]
-ball_restitution = { uniform = [0.0, 1.0] }
-obstacle2_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }
-[observation_noise]
-scale = 0.01
-[[method]]
-name = "NPDR (MAF)"
-algorithm = "npe_c"
-num_rounds = 2
-num_simulations = 100
-embedding = { kind = "linear", features = 8, downsample = 20 }
-density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
-training = { max_epochs = 20 }
-[evaluate]
-num_samples = 30
-metrics = ["dtw", "rmse", "final_error", "goal"]
-[[reference]]
-name = "heavy"
-parameters = { ball_mass = 0.007 }
-[limits]
-max_failed_fraction = 0.5
-)toml";
+/// A small mini golf study that takes seconds.
+inline StudyText small_minigolf_study() {
+  return minigolf_study("small")
+      .with("observation_noise", {"scale = 0.01"})
+      .method("NPDR (MAF)", {"num_rounds = 2", "num_simulations = 100",
+                             "embedding = { kind = \"linear\", features = 8, downsample = 20 }",
+                             kSmallFlow, "training = { max_epochs = 20 }"})
+      .with("evaluate",
+            {"num_samples = 30", "metrics = [\"dtw\", \"rmse\", \"final_error\", \"goal\"]"})
+      .add("reference", {"name = \"heavy\"", "parameters = { ball_mass = 0.007 }"})
+      .with("limits", {"max_failed_fraction = 0.5"});
 }
 
 /// Names, below the folder, of all files that end so; also while programs work in it.

@@ -7,30 +7,17 @@ namespace {
 
 // Four shards a round, by a simulator that a test can hold up: the task of an array whose index
 // stands in the file 'hang' never ends.
-constexpr const char* kStudy = R"toml([study]
-name = "slow"
-[target]
-truth = {}
-[simulator]
-command = "sh simulate.sh {theta} {x}"
-features = ["sum", "difference"]
-retries = 0
-[prior]
-a = { uniform = [0.0, 1.0] }
-b = { uniform = [0.0, 1.0] }
-[simulate]
-shard_size = 40
-[[method]]
-name = "NPE"
-num_rounds = 2
-num_simulations = 160
-density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
-training = { max_epochs = 30 }
-[evaluate]
-num_samples = 50
-[cluster]
-setup = ["[ ! -e bad-disk ] || [ \"$SLURM_ARRAY_TASK_ID\" != 2 ] || export NPDR_SCRATCH=/proc/no"]
-)toml";
+std::string slow_study() {
+  return command_study("slow")
+      .only("target", {"truth = { a = 0.4, b = 0.7 }"})
+      .with("simulator", {"features = [\"sum\", \"difference\"]", "retries = 0"})
+      .with("simulate", {"shard_size = 40"})
+      .method("NPE", {"num_rounds = 2", "num_simulations = 160", kSmallFlow,
+                      "training = { max_epochs = 30 }"})
+      .with("evaluate", {"num_samples = 50"})
+      .with("cluster", {"setup = [\"[ ! -e bad-disk ] || [ \\\"$SLURM_ARRAY_TASK_ID\\\" != 2 ] "
+                        "|| export NPDR_SCRATCH=/proc/no\"]"});
+}
 
 constexpr const char* kSimulator = R"sh(
 if [ -e hang ] && [ "$(cat hang)" = "$SLURM_ARRAY_TASK_ID" ]; then
@@ -51,12 +38,7 @@ class Submit : public ClusterTest {
     ClusterTest::SetUp();
     if (IsSkipped()) return;
     write_text_file(cluster_->folder() / "simulate.sh", kSimulator);
-    write_text_file(cluster_->folder() / "slow.toml",
-                    edited(kStudy, "truth = {}", "truth = { a = 0.4, b = 0.7 }"));
-  }
-
-  static std::string edited(std::string text, const std::string& from, const std::string& to) {
-    return text.replace(text.find(from), from.size(), to);
+    write_text_file(cluster_->folder() / "slow.toml", slow_study());
   }
 
   Outcome npdr(std::vector<std::string> words) const {
@@ -105,7 +87,7 @@ class Submit : public ClusterTest {
 };
 
 TEST_F(Submit, AStudyHasTheBitsOfALocalRun) {
-  write_text_file(cluster_->folder() / "small.toml", small_study());
+  write_text_file(cluster_->folder() / "small.toml", std::string(small_study()));
   const Outcome submitted =
       npdr({"submit", "small.toml", "--wait", "--set", "simulate.shard_size=40"});
   EXPECT_EQ(submitted.status, 0) << submitted.err;

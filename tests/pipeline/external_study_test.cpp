@@ -7,23 +7,13 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kCommandStudy = R"toml([study]
-name = "command"
-[target]
-observation = "x_o.csv"
-[simulator]
-command = "sh sim.sh"
-[prior]
-a = { uniform = [0.0, 1.0] }
-b = { normal = [0.0, 1.0] }
-[[method]]
-name = "A"
-num_simulations = 100
-[[method]]
-name = "B"
-num_simulations = 100
-density_estimator = { kind = "mdn" }
-)toml";
+std::string two_methods() {
+  return command_study("command")
+      .with("simulator", {"command = \"sh sim.sh\""})
+      .with("prior", {"b = { normal = [0.0, 1.0] }"})
+      .method("A", {"num_simulations = 100"})
+      .method("B", {"num_simulations = 100", "density_estimator = { kind = \"mdn\" }"});
+}
 
 class ExternalStudies : public ::testing::Test {
  protected:
@@ -35,7 +25,7 @@ class ExternalStudies : public ::testing::Test {
   }
 
   Study study_of(const std::vector<std::string>& overrides = {}) const {
-    return parse_study(kCommandStudy, folder_ / "s.toml", overrides);
+    return parse_study(two_methods(), folder_ / "s.toml", overrides);
   }
   Plan plan_of(const std::vector<std::string>& overrides = {},
                const Selection& selection = {}) const {
@@ -90,7 +80,7 @@ TEST_F(ExternalStudies, AndBuiltInSimulatorsReportWhatIsTheirs) {
 TEST_F(ExternalStudies, AreExactlyOneOfThree) {
   EXPECT_EQ(message_of<InputError>(
                 [&] {
-                  parse_study(edited(kCommandStudy, "[prior]", "name = \"pendulum\"\n[prior]"),
+                  parse_study(edited(two_methods(), "[prior]", "name = \"pendulum\"\n[prior]"),
                               folder_ / "s.toml");
                 },
                 &folder_),
@@ -102,7 +92,7 @@ TEST_F(ExternalStudies, AreExactlyOneOfThree) {
 
 TEST_F(ExternalStudies, ATypoOfTheirFirstKeyIsAnUnknownKey) {
   const std::string text = message_of<InputError>(
-      [&] { parse_study(edited(kCommandStudy, "command =", "comand ="), folder_ / "s.toml"); },
+      [&] { parse_study(edited(two_methods(), "command =", "comand ="), folder_ / "s.toml"); },
       &folder_);
   EXPECT_NE(text.find("s.toml:6:1: simulator: unknown key 'comand' (did you mean 'command'?)"),
             std::string::npos)

@@ -8,22 +8,11 @@ namespace {
 
 const std::string kNpe = "num_simulations = 200";
 
-constexpr const char* kPolicyText = R"toml([study]
-name = "small"
-[target]
-truth = {}
-[simulator]
-name = "furuta"
-[prior]
-pole_mass = { uniform = [0.01, 0.03] }
-[[method]]
-name = "A"
-[policy]
-)toml";
+// Ends in the table [policy], whose first line is the twelfth.
+const std::string kPolicyText =
+    furuta_study("small").only("target", {"truth = {}"}).method("A").with("policy", {});
 
-std::string policy_problems(const std::string& more) {
-  return problems_of(std::string(kPolicyText) + more);
-}
+std::string policy_problems(const std::string& more) { return problems_of(kPolicyText + more); }
 
 TEST(PolicyProblems, APolicyNeedsATask) {
   EXPECT_EQ(policy_problems(""), "");

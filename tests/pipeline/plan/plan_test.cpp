@@ -9,36 +9,27 @@
 #include "pipeline/config/study_reader.h"
 #include "pipeline/store/recording.h"
 #include "tests/pipeline/plan/plan_parts.h"
+#include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kStudy = R"toml(
-[study]
-name = "two"
-seeds = [1, 2]
-[target]
-truth = {}
-[simulator]
-name = "pendulum"
-[prior]
-pole_mass = { uniform = [0.3, 1.7] }
-[[method]]
-name = "A"
-num_rounds = 2
-num_simulations = 100
-embedding = { kind = "bayessim" }
-[[method]]
-name = "B"
-num_rounds = 1
-num_simulations = 100
-embedding = { kind = "bayessim" }
-density_estimator = { kind = "mdn" }
-)toml";
+StudyText two_methods() {
+  return StudyText("two")
+      .with("study", {"seeds = [1, 2]"})
+      .with("target", {"truth = {}"})
+      .with("simulator", {"name = \"pendulum\""})
+      .with("prior", {"pole_mass = { uniform = [0.3, 1.7] }"})
+      .method("A",
+              {"num_rounds = 2", "num_simulations = 100", "embedding = { kind = \"bayessim\" }"})
+      .method("B", {"num_simulations = 100", "embedding = { kind = \"bayessim\" }",
+                    "density_estimator = { kind = \"mdn\" }"});
+}
 
 Plan plan_of(const std::vector<std::string>& overrides = {}, const Selection& selection = {}) {
-  return make_plan(parse_study(kStudy, "two.toml", overrides), WorkFolder("runs"), selection);
+  return make_plan(parse_study(std::string(two_methods()), "two.toml", overrides),
+                   WorkFolder("runs"), selection);
 }
 
 TEST(Plan, EveryNodeComesAfterWhatItNeeds) {
@@ -205,8 +196,7 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
             "--set method.A.embedding.principal_components=13: "
             "method.embedding.principal_components = 13, must be <= 12, the smallest of 12 "
             "features, 95 simulations of round 1 that may not fail, and 2000");
-  const std::string text =
-      std::string(kStudy) + "[[method]]\nname = 'C'\n" + "embedding = { downsample = 30 }\n";
+  const std::string text = two_methods().method("C", {"embedding = { downsample = 30 }"});
   EXPECT_EQ(
       message_of<InputError>([&] {
         make_plan(parse_study(text, "two.toml", {"target.recording=" + (folder / "r.h5").string()}),
@@ -296,19 +286,7 @@ TEST(Plan, PosteriorsDependOnTheSettingsOfTheirOwnFamily) {
 }
 
 TEST(Plan, ARegressionNeedsTheTargetAlone) {
-  const char* text = R"toml(
-[study]
-name = "r"
-[target]
-truth = {}
-[simulator]
-name = "furuta"
-[prior]
-pole_mass = { uniform = [0.01, 0.03] }
-[[method]]
-name = "R"
-algorithm = "linear_regression"
-)toml";
+  const std::string text = furuta_study("r").method("R", {"algorithm = \"linear_regression\""});
   const auto plan = [&](const std::vector<std::string>& overrides) {
     return make_plan(parse_study(text, "r.toml", overrides), WorkFolder("runs"));
   };

@@ -3,40 +3,30 @@
 #include "pipeline/config/study_reader.h"
 #include "pipeline/run/scheduler.h"
 #include "tests/pipeline/plan/plan_parts.h"
+#include "tests/study_text.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kLoop = R"toml(
-[study]
-name = "loop"
-seeds = [1, 2]
-[target]
-truth = { pole_mass = 0.02 }
-num_rollouts = 2
-[simulator]
-name = "furuta"
-[prior]
-pole_mass = { uniform = [0.01, 0.03] }
-[[method]]
-name = "once"
-num_simulations = 100
-[[method]]
-name = "online"
-num_simulations = 100
-num_iterations = 3
-policy_iterations = 1
-[[method]]
-name = "randomised"
-algorithm = "prior"
-[[method]]
-name = "nominal"
-algorithm = "nominal"
-[policy]
-)toml";
+StudyText two_posteriors(const StudyText::Lines& loop) {
+  StudyText::Lines online = {"num_simulations = 100"};
+  online.insert(online.end(), loop.begin(), loop.end());
+  return furuta_study("loop")
+      .with("study", {"seeds = [1, 2]"})
+      .with("target", {"truth = { pole_mass = 0.02 }", "num_rollouts = 2"})
+      .method("once", {"num_simulations = 100"})
+      .method("online", online);
+}
+
+std::string loop_text() {
+  return two_posteriors({"num_iterations = 3", "policy_iterations = 1"})
+      .method("randomised", {"algorithm = \"prior\""})
+      .method("nominal", {"algorithm = \"nominal\""})
+      .with("policy", {});
+}
 
 Plan loop_of(const std::vector<std::string>& overrides = {}) {
-  return make_plan(parse_study(kLoop, "loop.toml", overrides), WorkFolder("runs"));
+  return make_plan(parse_study(loop_text(), "loop.toml", overrides), WorkFolder("runs"));
 }
 
 TEST(PolicyPlan, EveryMethodSearchesAndIsTestedBeforeAndAfter) {
@@ -82,9 +72,7 @@ TEST(PolicyPlan, LaterIterationsInferFromWhatThePolicyCollects) {
 TEST(PolicyPlan, AFirstIterationSharesWhatAStudyWithoutPoliciesHasMade) {
   const Plan plan = loop_of();
   const Plan without =
-      make_plan(parse_study(std::string(kLoop).substr(0, std::string(kLoop).find("num_iterations")),
-                            "loop.toml"),
-                WorkFolder("runs"));
+      make_plan(parse_study(std::string(two_posteriors({})), "loop.toml"), WorkFolder("runs"));
   EXPECT_EQ(without.node(Stage::infer, {"online", 1, 1}).key,
             plan.node(Stage::infer, {"online", 1, 1, 1}).key);
   EXPECT_EQ(&plan.node(Stage::simulate, {"online", 1, 1, 1}),
@@ -156,7 +144,7 @@ TEST(PolicyPlan, StagesUntilInferenceReachTheLaterIterations) {
 
 // It shows of the target whatever else there is.
 TEST(PolicyPlan, TheReportNeedsTheTargetAlsoWhereNothingIsInferred) {
-  const Plan plan = make_plan(parse_study(kLoop, "loop.toml"), WorkFolder("runs"),
+  const Plan plan = make_plan(parse_study(loop_text(), "loop.toml"), WorkFolder("runs"),
                               {{"randomised", "nominal"}, {}});
   const std::vector<Stage> inputs = inputs_of(plan, plan.nodes.back());
   EXPECT_EQ(std::ranges::count(inputs, Stage::target), 1);

@@ -7,44 +7,27 @@
 #include "pipeline/stages/stage_files.h"
 #include "pipeline/stages/stages.h"
 #include "tests/message_of.h"
+#include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kPolicies = R"toml([study]
-name = "policies"
-[target]
-truth = { pole_mass = 0.02 }
-num_rollouts = 2
-[simulator]
-name = "furuta"
-[prior]
-pole_mass = { uniform = [0.0168, 0.0312] }
-[[method]]
-name = "Randomised"
-algorithm = "prior"
-policy_iterations = 2
-[[method]]
-name = "Point"
-algorithm = "nominal"
-policy_iterations = 2
-[policy]
-population = 3
-num_domain_parameters = 2
-num_initial_states = 2
-num_test_states = 20
-num_steps = 60
-initial = { energy_gain = 20.0 }
-[policy.grid]
-x = { parameter = "pole_mass", range = [0.02, 0.03], steps = 2 }
-y = { parameter = "gravity", values = [9.0, 9.8, 10.0] }
-)toml";
+std::string two_searches() {
+  return furuta_study("policies")
+      .with("target", {"truth = { pole_mass = 0.02 }", "num_rollouts = 2"})
+      .method("Randomised", {"algorithm = \"prior\"", "policy_iterations = 2"})
+      .method("Point", {"algorithm = \"nominal\"", "policy_iterations = 2"})
+      .with("policy", few_trials())
+      .with("policy", {"population = 3", "num_steps = 60"})
+      .with("policy.grid", {"x = { parameter = \"pole_mass\", range = [0.02, 0.03], steps = 2 }",
+                            "y = { parameter = \"gravity\", values = [9.0, 9.8, 10.0] }"});
+}
 
 class PolicyStages : public ::testing::Test {
  protected:
   Plan plan(const std::vector<std::string>& overrides = {}) const {
-    return make_plan(parse_study(kPolicies, "p.toml", overrides), WorkFolder(folder_.path()));
+    return make_plan(parse_study(two_searches(), "p.toml", overrides), WorkFolder(folder_.path()));
   }
 
   TempFolder folder_;

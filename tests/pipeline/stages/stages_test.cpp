@@ -28,38 +28,21 @@ TEST(Stages, AMissingInputNamesTheProgramThatMakesIt) {
 }
 
 // Two methods that differ in their names alone.
-constexpr const char* kTwins = R"toml(
-[study]
-name = "twins"
-seeds = [1, 2]
-[target]
-truth = {}
-num_rollouts = 1
-[simulator]
-name = "pendulum"
-[prior]
-pole_length = { uniform = [0.5, 1.5] }
-[[method]]
-name = "A"
-num_simulations = 30
-embedding = { kind = "bayessim" }
-density_estimator = { kind = "mdn", num_components = 2, hidden_features = 5 }
-training = { max_epochs = 2, batch_size = 10 }
-[[method]]
-name = "B"
-num_simulations = 30
-embedding = { kind = "bayessim" }
-density_estimator = { kind = "mdn", num_components = 2, hidden_features = 5 }
-training = { max_epochs = 2, batch_size = 10 }
-[evaluate]
-num_samples = 20
-metrics = ["rmse"]
-)toml";
+std::string twins() {
+  const StudyText::Lines lines = {"num_simulations = 30", "embedding = { kind = \"bayessim\" }",
+                                  kSmallMixture, "training = { max_epochs = 2, batch_size = 10 }"};
+  return pendulum_study("twins")
+      .with("study", {"seeds = [1, 2]"})
+      .only("prior", {"pole_length = { uniform = [0.5, 1.5] }"})
+      .method("A", lines)
+      .method("B", lines)
+      .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"});
+}
 
 class SmallStages : public ::testing::Test {
  protected:
   Plan plan_of(const std::vector<std::string>& overrides = {}) const {
-    return make_plan(parse_study(kTwins, "twins.toml", overrides), WorkFolder(folder_.path()));
+    return make_plan(parse_study(twins(), "twins.toml", overrides), WorkFolder(folder_.path()));
   }
 
   static void run_all(const Plan& plan, Stage last) {
