@@ -125,7 +125,8 @@ TEST_F(Diagnose, CompareRejectsWhatCantBeCompared) {
     return outcome.err;
   };
   std::ofstream(file("few.csv")) << "pole_mass [kg],pole_length [m]\n1,1\n1,2\n";
-  EXPECT_EQ(error({"few.csv", evaluation}), "npdr compare: few.csv: 2 rows, must be at least 10\n");
+  EXPECT_TRUE(says(error({"few.csv", evaluation}),
+                   {"npdr compare: few.csv: 2 rows", "must be at least 10"}));
   std::ofstream(file("nan.csv")) << "pole_mass [kg],pole_length [m]\n1,nan\n";
   EXPECT_NE(error({evaluation, "nan.csv"}).find("nan.csv:2: column 2 'pole_length' = nan"),
             std::string::npos);

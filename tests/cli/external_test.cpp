@@ -134,7 +134,8 @@ TEST_F(External, ADatasetNeedsNoSimulator) {
   const Outcome imported =
       npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
   ASSERT_EQ(imported.status, 0) << imported.err;
-  EXPECT_EQ(imported.out, "wrote dataset.h5: 1000 rows; theta a, b; x total, difference\n");
+  EXPECT_TRUE(
+      says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b", "x total, difference"}));
   EXPECT_NE(npdr({"inspect", "dataset.h5"}).out.find("a dataset of 1000 simulations of 2 features"),
             std::string::npos);
   run_well({"dataset.toml"});
@@ -228,7 +229,8 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
   std::ofstream(folder_ / "wide.csv") << "1,2,3\n";
   const Outcome wide = npdr({"sample", posterior, "--x", "wide.csv"});
   EXPECT_EQ(wide.status, 2);
-  EXPECT_EQ(wide.err, "npdr sample: wide.csv: has 3 columns, must have 2: total, difference\n");
+  EXPECT_TRUE(
+      says(wide.err, {"npdr sample: wide.csv: has 3 columns", "must have 2", "total, difference"}));
 }
 
 TEST_F(External, ACommandThatCannotBeRunIsAnError) {

@@ -123,10 +123,9 @@ TEST(FurutaRegression, RejectsWindowsThatDontFit) {
     return message_of<InputError>(
         [&] { FurutaRegression().rows(target, theta_of(Furuta()), window); });
   };
-  EXPECT_EQ(message(6), "smoothing window = 6 states, must be odd and > 4");
-  EXPECT_EQ(message(3), "smoothing window = 3 states, must be odd and > 4");
-  EXPECT_EQ(message(1253),
-            "smoothing window = 1253 states, must be <= 1251, the states of a rollout");
+  EXPECT_TRUE(says(message(6), {"smoothing window = 6 states", "must be odd and > 4"}));
+  EXPECT_TRUE(says(message(3), {"smoothing window = 3 states", "must be odd and > 4"}));
+  EXPECT_TRUE(says(message(1253), {"smoothing window = 1253 states", "must be <= 1251"}));
 }
 
 TEST(RegressionForm, OnlyTheFurutaPendulumHasOne) {

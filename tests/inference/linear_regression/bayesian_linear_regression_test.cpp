@@ -113,9 +113,9 @@ TEST(BayesianLinearRegression, SamplesHaveThePosteriorsMoments) {
 }
 
 TEST(BayesianLinearRegression, RejectsDataThatTellNothing) {
-  EXPECT_EQ(
+  EXPECT_TRUE(says(
       message_of<InputError>([] { maximise_evidence(RowMatrix::Ones(3, 3), Vector::Ones(3)); }),
-      "linear regression: 3 rows, must be > 3, the number of weights");
+      {"linear regression: 3 rows", "must be > 3"}));
   EXPECT_EQ(
       message_of<InputError>([] { maximise_evidence(RowMatrix::Ones(5, 3), Vector::Zero(5)); }),
       "linear regression: the response is 0 throughout, so it tells nothing");
