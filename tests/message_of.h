@@ -1,4 +1,4 @@
-/// What errors say.
+/// Messages of errors.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace npdr {
 
-/// What the exception of type E that `body` throws says; "" when it throws none.
+/// Message of the exception of type E that `body` throws; "" when it throws none.
 template <class E, class Body>
 std::string message_of(const Body& body) {
   try {

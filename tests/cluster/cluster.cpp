@@ -17,7 +17,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// What the process was started with: its words and its environment. Empty: it has ended meanwhile.
+// Words and environment that the process was started with. Empty: it has ended meanwhile.
 std::string started_with(const fs::path& process) try {
   return text_of(process / "cmdline") + '\0' + text_of(process / "environ");
 } catch (const std::ios_base::failure&) {

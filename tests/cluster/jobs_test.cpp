@@ -1,4 +1,4 @@
-// What the project relies on of Slurm when jobs or machines fail.
+// Promises of Slurm that the project relies on when jobs or machines fail.
 #include <sys/stat.h>
 
 #include "tests/cluster/cluster.h"

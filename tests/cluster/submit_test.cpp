@@ -62,7 +62,7 @@ class Submit : public ClusterTest {
     return id.substr(0, id.find(' '));
   }
 
-  // Of the first submission's only training.
+  // Log of the first submission's only training.
   std::filesystem::path log_of(const std::string& task) const {
     return cluster_->folder() / "runs/slow/jobs/001/logs" /
            ("infer-npe-seed-1-round-1-" + task + ".log");
@@ -146,7 +146,7 @@ TEST_F(Submit, AFailedShardSaysWhyAndDoesntHang) {
   expect_bits_of_a_local_run();
 }
 
-// What waits for the whole array can no longer begin, while a task of it still runs.
+// Jobs that wait for the whole array can no longer begin, while a task of it still runs.
 TEST_F(Submit, AgainAfterAFailureBringsBackWhatWaitsInVain) {
   write_text_file(cluster_->folder() / "bad-disk", "");
   const std::string array = submit_and_hang(3);

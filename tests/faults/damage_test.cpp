@@ -30,7 +30,7 @@ std::size_t flip_step() {
   return text == nullptr ? 397 : static_cast<std::size_t>(std::max(1, std::atoi(text)));
 }
 
-// What became of files in which one byte was wrong.
+// Fates of files in which one byte was wrong.
 struct Flips {
   int detected = 0;  // with an InputError that names the file
   int harmless = 0;  // the same content

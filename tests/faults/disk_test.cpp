@@ -82,7 +82,7 @@ TEST_F(FullDisk, ARunSaysSoAndGoesOnOnceThereIsSpace) {
   expect_same_results(*folder_);
 }
 
-// What a quota does.
+// A limit stands for a quota.
 TEST_F(Faults, AFileThatMayNotGrowIsAnErrorAndNothingIsLeft) {
   const Artefact artefact = folder_->artefacts_of("infer").front();
   fs::remove_all(artefact.path);

@@ -130,8 +130,8 @@ class FaultFolder {
   TempFolder folder_;
 };
 
-/// What a run leaves in a study's readable folder, by place: digests of artefacts, and the texts of
-/// tables, figures and report.
+/// Everything that a run leaves in a study's readable folder, by place: digests of artefacts, and
+/// the texts of tables, figures and report.
 inline std::map<std::string, std::string> results(const FaultFolder& folder) {
   std::map<std::string, std::string> found = digests(folder.readable());
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.readable())) {

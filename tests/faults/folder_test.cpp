@@ -30,7 +30,7 @@ TEST_F(Folders, TimesOfFilesMeanNothing) {
     for (const Artefact& artefact : folder_->artefacts()) {
       EXPECT_EQ(artefact.state, "up to date") << artefact.label;
     }
-    // What is made now is older, or newer, than what it is made from and what is made of it.
+    // The new file is older, or newer, than all that it is made from and that is made of it.
     fs::remove(posterior.path);
     EXPECT_EQ(folder_->npdr({"run"}).status, 0);
     EXPECT_EQ(folder_->npdr({"run", "--dry-run"}).out, "");

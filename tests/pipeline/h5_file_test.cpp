@@ -16,7 +16,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// What the next flock() of HDF5 fails with; 0: nothing.
+// Error that the next flock() of HDF5 fails with; 0: none.
 int lock_error = 0;
 
 struct FailingLocks {

@@ -1,5 +1,4 @@
-// What the reader says about methods that can't be accepted. The texts are what users see: change
-// them on purpose only.
+// Problems of methods: place, value and what is allowed are what users must be told.
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
 #include "study_text.h"

@@ -1,5 +1,5 @@
-// What the reader says about [policy] and what belongs to it. The texts are what users see: change
-// them on purpose only.
+// Problems of [policy] and what belongs to it: place, value and what is allowed are what users must
+// be told.
 #include "study_text.h"
 #include "tests/temp_folder.h"
 

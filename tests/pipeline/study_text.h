@@ -1,4 +1,4 @@
-/// What the reader says of studies.
+/// Studies and what the reader says of them.
 #pragma once
 
 #include <string>

@@ -35,7 +35,7 @@ TEST(SavitzkyGolay, HasThePublishedCoefficients) {
   EXPECT_LT((filter.slope - slope / 12.0).norm(), 1e-13);
 }
 
-// What is held over each step integrates to a polygon, whose slope the filter takes.
+// Values that are held over each step integrate to a polygon, whose slope the filter takes.
 TEST(SavitzkyGolay, StepAverageIsTheSlopeOfTheIntegral) {
   constexpr double dt = 0.01;
   const SavitzkyGolay filter = savitzky_golay(9, 3, dt);
@@ -74,7 +74,7 @@ TEST(FurutaRegression, RecoversTheTruthOfASimulation) {
   const Vector truth = theta_of(model, kTruth);
   const Vector found = recovered(behaviour(kTruth), theta_of(model), 5);
   for (const Index p : FurutaRegression().identified()) {
-    // What is left is the curvature within 20 ms; damping of the pole is 1e-6 of the torques.
+    // The rest is the curvature within 20 ms; damping of the pole is 1e-6 of the torques.
     const bool is_tiny =
         model.info().parameters[static_cast<std::size_t>(p)].name == "pole_damping";
     EXPECT_NEAR(found(p) / truth(p), 1.0, is_tiny ? 0.02 : 0.002)

@@ -8,7 +8,7 @@
 
 namespace npdr::inference {
 
-/// What is wrong with it.
+/// Faults of a wrong one.
 struct Fault {
   double width = 1.0;  ///< times the right deviation
   double shift = 0.0;  ///< of the mean, in right deviations of each parameter

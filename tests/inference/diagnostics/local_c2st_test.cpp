@@ -12,7 +12,7 @@ namespace {
 const StreamId kId{1, "local_c2st", 0, 0, 0};
 constexpr Index kNumSimulations = 300;
 
-// Of the linear-Gaussian task, whose prior is N(0, I) already, at its tenth simulation.
+// Data of the linear-Gaussian task, whose prior is N(0, I) already, at its tenth simulation.
 LocalC2stData data_of(const Fault& fault) {
   const LinearGaussian task(2);
   LocalC2stData data;

@@ -257,7 +257,7 @@ TEST(Plan, KeysOfStudiesWithoutPoliciesStay) {
             "3ebc34cb410298d1ca9f5cacb40fda4b");
 }
 
-// What a population needs of the rounds before the last is in the last one's posterior.
+// The last round's posterior holds all that a population needs of the rounds before it.
 TEST(Plan, APopulationNeedsTheLastRoundAlone) {
   const Plan plan = plan_of({"method.\"A\".algorithm=abc_smc", "method.\"A\".num_rounds=3"});
   const Node& third = plan.node(Stage::infer, {"A", 1, 3});

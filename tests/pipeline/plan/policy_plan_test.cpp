@@ -129,7 +129,7 @@ TEST(PolicyPlan, AMethodSeesItsFirstRolloutsOfEachIteration) {
   EXPECT_EQ(num_rollouts_seen(method, {"A", 1, 1, 3}), 6);
 }
 
-// What comes later in the loop can be asked for without the report.
+// Later parts of the loop can be asked for without the report.
 TEST(PolicyPlan, StagesUntilInferenceReachTheLaterIterations) {
   const Plan plan = loop_of();
   const auto has = [&](Stage until, Stage stage, const Use& use) {

@@ -52,7 +52,7 @@ class ParticleFile : public ::testing::Test {
     });
   }
 
-  // What reading says after `change` of good parts.
+  // Message of reading after `change` of good parts.
   std::string message_after(const std::function<void(inference::ParticleParts&)>& change) const {
     inference::ParticleParts parts = small_parts();
     change(parts);
