@@ -21,7 +21,7 @@ std::string message_of(const Body& body) {
   return "";
 }
 
-/// Whether a message begins with the first of the parts and has the others behind it, in their
+/// Tells whether a message begins with the first of the parts and has the others behind it, in their
 /// order and as whole words: where, what was found, what is allowed, what to do. It may use more
 /// words, but no more lines.
 inline testing::AssertionResult says(const std::string& message,

@@ -24,7 +24,7 @@ bool comes_true(const Condition& condition,
   return true;
 }
 
-/// Whether a process has ended, even if nobody has asked for its status yet.
+/// Tells whether a process has ended, even if nobody has asked for its status yet.
 inline bool has_ended(pid_t process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
   const std::string stat{std::istreambuf_iterator<char>(file), {}};

@@ -26,7 +26,7 @@ StudyText& with_online(StudyText& study, const StudyText::Lines& more) {
 }
 
 StudyText& with_search(StudyText& study) {
-  return study.method("Randomised", {"algorithm = \"prior\"", "policy_iterations = 4"})
+  return study.method("Randomized", {"algorithm = \"prior\"", "policy_iterations = 4"})
       .method("Point", {"algorithm = \"nominal\"", "policy_iterations = 4"})
       .with("policy", few_trials())
       .with("policy", {"population = 5", "num_domain_parameters = 4", "num_steps = 150"})
@@ -68,7 +68,7 @@ std::map<std::string, std::string> Policies::reference_;
 TEST_F(Policies, TheReportHasTablesAndFigures) {
   const std::string table = text_of(file("runs/searched/tables/policy.md"));
   for (const char* words :
-       {"| Online ", "| Randomised ", "| Point ", "return before", "return, seed means",
+       {"| Online ", "| Randomized ", "| Point ", "return before", "return, seed means",
         "success over the grid", "target rollouts", "policy rollouts", "upright within"}) {
     EXPECT_NE(table.find(words), std::string::npos) << words << "\n" << table;
   }
@@ -106,7 +106,7 @@ TEST_F(Policies, EveryArtefactHasALink) {
   EXPECT_EQ(reference_.size(), 2u + 2u * (3 + 2 * 4 + 1 + 1 + 1 + 2 * 2));
   for (const char* name :
        {"online/seed-1/iteration-2/target.h5", "online/seed-2/iteration-2/round-1/infer.h5",
-        "online/seed-1/iteration-2/policy_test.h5", "randomised/seed-2/iteration-1/policy.h5",
+        "online/seed-1/iteration-2/policy_test.h5", "randomized/seed-2/iteration-1/policy.h5",
         "point/seed-1/policy_test.h5"}) {
     EXPECT_TRUE(reference_.contains(name)) << name;
   }
@@ -202,7 +202,7 @@ TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
   std::ofstream(file("alone.toml")) << with_search(study);
   const Outcome outcome = npdr({"run", "alone.toml", "--work", "alone"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("| Randomised "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("| Randomized "), std::string::npos) << outcome.out;
   EXPECT_FALSE(std::filesystem::exists(file("alone/searched/tables/fit.md")));
 }
 
@@ -212,13 +212,13 @@ class LongSearch : public Policies {
   static std::vector<std::string> words(const std::string& program, const std::string& work) {
     return {program,   "searched.toml",
             "--work",  work,
-            "--only",  "Randomised",
+            "--only",  "Randomized",
             "--seeds", "1",
-            "--set",   "method.Randomised.policy_iterations=60",
+            "--set",   "method.Randomized.policy_iterations=60",
             "--set",   "policy.population=40"};
   }
   static std::string digest(const std::string& work) {
-    return content_digest(file(work + "/searched/randomised/seed-1/iteration-1/policy.h5"));
+    return content_digest(file(work + "/searched/randomized/seed-1/iteration-1/policy.h5"));
   }
   static std::filesystem::path cache(const std::string& work) {
     return file(work) / ".cache/policy";

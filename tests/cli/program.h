@@ -32,7 +32,7 @@ struct Outcome {
   long peak_kib = 0;  ///< most memory that was resident at a time
 };
 
-/// Where a program's output goes, as seen from the folder that it runs in.
+/// Places that a program's output goes to, as seen from the folder that it runs in.
 struct Streams {
   std::filesystem::path out = "stdout.txt";
   std::filesystem::path err = "stderr.txt";
@@ -64,7 +64,7 @@ class Program {
   pid_t pid() const { return pid_; }
 
   void send(int signal) const { kill(pid_, signal); }
-  /// As a terminal sends Ctrl-C: to all that belongs to it.
+  /// Sends as a terminal does Ctrl-C: to all that belongs to it.
   void send_to_group(int signal) const { kill(-pid_, signal); }
 
   bool has_ended() const { return npdr::has_ended(pid_); }
@@ -156,7 +156,7 @@ inline std::set<std::string> temporaries(const std::filesystem::path& folder) {
   return files_ending(folder, ".tmp");
 }
 
-/// Whether the program, or what it has started, gets to make `count` files below the folder at the
+/// Tells whether the program, or what it has started, gets to make `count` files below the folder at the
 /// same time. Once it does, it listens to requests to stop.
 inline bool begins_to_make(const Program& program, const std::filesystem::path& folder,
                            std::ptrdiff_t count = 1) {

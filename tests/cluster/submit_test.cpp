@@ -96,7 +96,7 @@ TEST_F(Submit, AStudyHasTheBitsOfALocalRun) {
   expect_bits_of_a_local_run("small");
 }
 
-TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCancelled) {
+TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCanceled) {
   const Outcome first = npdr({"submit", "slow.toml", "--sbatch=--hold"});
   EXPECT_EQ(first.status, 0) << first.err;
   const Outcome second = npdr({"submit", "slow.toml"});

@@ -176,7 +176,7 @@ class Faults : public ::testing::Test {
     delete folder_;
   }
 
-  /// That everything is as if nothing had happened.
+  /// Expects everything to be as if nothing had happened.
   static void expect_same_results(const FaultFolder& folder) {
     EXPECT_EQ(differences(results(folder), *expected_), kNone);
     EXPECT_EQ(temporaries(folder.work()), std::set<std::string>());

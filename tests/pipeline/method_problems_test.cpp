@@ -84,7 +84,7 @@ TEST(StudyReader, PopulationsOfSmcAreHalvedUnlessAStudySaysOtherwise) {
   EXPECT_EQ(quantile("algorithm = 'abc_rejection'\nnum_rounds = 1"), 0.1);
 }
 
-TEST(MethodProblems, OfMethodsWithoutANetwork) {
+TEST(MethodProblems, MethodsWithoutANetworkHaveKeysOfTheirOwn) {
   EXPECT_EQ(problems_after(kMaf, "algorithm = 'abc'\nabc = { quantile = 0.02 }"), "");
   EXPECT_TRUE(says(problems_after(kMaf, "algorithm = 'abc'\nabc = { quantile = 0 }"),
                    {"s.toml:18:20: method.abc.quantile = 0", "must be > 0 and <= 1"}));
@@ -126,7 +126,7 @@ std::string problems_of_furuta(const std::string& prior, const std::string& meth
   return problems_of(edited(text, kMaf, "algorithm = 'linear_regression'\n" + method));
 }
 
-TEST(MethodProblems, OfRegressions) {
+TEST(MethodProblems, RegressionsNeedWhatTheyIdentify) {
   const std::string pole = "pole_mass = { uniform = [0.01, 0.03] }";
   EXPECT_EQ(problems_of_furuta(pole, ""), "");
   EXPECT_TRUE(

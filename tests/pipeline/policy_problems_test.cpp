@@ -20,7 +20,7 @@ TEST(PolicyProblems, APolicyNeedsATask) {
                    {"s.toml:22:1: policy", "simulator.name = 'furuta'", "found 'pendulum'"}));
 }
 
-TEST(PolicyProblems, OfPolicies) {
+TEST(PolicyProblems, SettingsOfASearchAreChecked) {
   EXPECT_TRUE(says(policy_problems("optimizer = 'powr'"),
                    {"s.toml:12:13: policy.optimizer = 'powr'",
                     "must be one of power, cross_entropy", "'power'"}));
@@ -53,7 +53,7 @@ TEST(PolicyProblems, OfPolicies) {
   EXPECT_NE(policy_problems("populaton = 3").find("did you mean 'population'?"), std::string::npos);
 }
 
-TEST(PolicyProblems, OfAPolicysGrid) {
+TEST(PolicyProblems, AGridHasTwoAxes) {
   const auto grid = [](const std::string& x, const std::string& y) {
     return policy_problems("grid = { x = {" + x + "}, y = {" + y + "} }");
   };

@@ -308,7 +308,7 @@ TEST(StudyProblems, ManyDotsThatAreAllowedDontOverflowTheStack) {
             std::string::npos);
 }
 
-TEST(StudyProblems, OfReferencesAndHeldOutRollouts) {
+TEST(StudyProblems, ReferencesAndHeldOutRolloutsAreChecked) {
   const auto with = [](const std::string& tables) {
     return problems_of(std::string(kStudyText) + "\n" + tables);
   };

@@ -98,8 +98,8 @@ TEST(BayesianLinearRegression, SamplesHaveThePosteriorsMoments) {
   constexpr Index n = 20'000;
   const RowMatrix w = posterior.sample(n, {1, "weights", 0, 0, 0});
   const Eigen::RowVectorXd mean = w.colwise().mean();
-  const RowMatrix centred = w.rowwise() - mean;
-  const Eigen::MatrixXd covariance = centred.transpose() * centred / double(n);
+  const RowMatrix centered = w.rowwise() - mean;
+  const Eigen::MatrixXd covariance = centered.transpose() * centered / double(n);
   for (Index k = 0; k < 3; ++k) {
     const double deviation = std::sqrt(posterior.covariance(k, k));
     EXPECT_NEAR(mean(k), kWeights(k), 5.0 * deviation / std::sqrt(double(n)));

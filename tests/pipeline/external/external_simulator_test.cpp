@@ -161,14 +161,14 @@ TEST_F(ExternalSimulators, AProgramThatIsNotThereIsAnErrorAtOnce) {
 }
 
 TEST_F(ExternalSimulators, AProgramThatAlwaysFailsIsAnErrorAfterSomeRows) {
-  study_.external.command = "echo no licence >&2; exit 5 #";
+  study_.external.command = "echo no license >&2; exit 5 #";
   ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
   const std::string message = message_of<Error>([&] {
     simulator.simulate(RowMatrix::Zero(1000, 2), {1, "test", 0, 0, 0});
   });
   EXPECT_NE(message.find("failed for each of 32 rows: exit status 5"), std::string::npos)
       << message;
-  EXPECT_NE(message.find("no licence"), std::string::npos) << message;
+  EXPECT_NE(message.find("no license"), std::string::npos) << message;
   EXPECT_LT(simulator.num_calls(), 100);
 }
 

@@ -20,7 +20,7 @@ StudyText two_posteriors(const StudyText::Lines& loop) {
 
 std::string loop_text() {
   return two_posteriors({"num_iterations = 3", "policy_iterations = 1"})
-      .method("randomised", {"algorithm = \"prior\""})
+      .method("randomized", {"algorithm = \"prior\""})
       .method("nominal", {"algorithm = \"nominal\""})
       .with("policy", {});
 }
@@ -38,7 +38,7 @@ TEST(PolicyPlan, EveryMethodSearchesAndIsTestedBeforeAndAfter) {
   EXPECT_EQ(count(plan, Stage::evaluate), 2 * 2);
   const Node& search = plan.node(Stage::policy, {"once", 1, 0, 1});
   EXPECT_EQ(inputs_of(plan, search), std::vector<Stage>{Stage::infer});
-  EXPECT_TRUE(inputs_of(plan, plan.node(Stage::policy, {"randomised", 1, 0, 1})).empty());
+  EXPECT_TRUE(inputs_of(plan, plan.node(Stage::policy, {"randomized", 1, 0, 1})).empty());
   const Node& before = plan.node(Stage::policy_test, {"nominal", 2, 0, 0});
   EXPECT_EQ(&before, &plan.node(Stage::policy_test, {"online", 2, 0, 0}));
   EXPECT_EQ(before.label(), "policy_test once, seed 2, before any search");
@@ -145,7 +145,7 @@ TEST(PolicyPlan, StagesUntilInferenceReachTheLaterIterations) {
 // It shows of the target whatever else there is.
 TEST(PolicyPlan, TheReportNeedsTheTargetAlsoWhereNothingIsInferred) {
   const Plan plan = make_plan(parse_study(loop_text(), "loop.toml"), WorkFolder("runs"),
-                              {{"randomised", "nominal"}, {}});
+                              {{"randomized", "nominal"}, {}});
   const std::vector<Stage> inputs = inputs_of(plan, plan.nodes.back());
   EXPECT_EQ(std::ranges::count(inputs, Stage::target), 1);
 }

@@ -16,7 +16,7 @@ namespace {
 std::string two_searches() {
   return furuta_study("policies")
       .with("target", {"truth = { pole_mass = 0.02 }", "num_rollouts = 2"})
-      .method("Randomised", {"algorithm = \"prior\"", "policy_iterations = 2"})
+      .method("Randomized", {"algorithm = \"prior\"", "policy_iterations = 2"})
       .method("Point", {"algorithm = \"nominal\"", "policy_iterations = 2"})
       .with("policy", few_trials())
       .with("policy", {"population = 3", "num_steps = 60"})
@@ -94,7 +94,7 @@ TEST_F(PolicyStages, APolicyThatLeavesTheLimitsIsSwitchedOff) {
   const Target like = all_rollouts(p);
   const auto task = make_task(p.study, like.num_steps());
   Vector policy = first_policy(p.study, task->info());
-  policy(2) = -50.0;  // the arm is pushed away from its centre
+  policy(2) = -50.0;  // the arm is pushed away from its center
   const Target collected = collect_rollouts(p, like, policy, 1, {1, "policy_rollouts", 2, 0, 0});
   collected.check("collected");
   const Rollout& rollout = collected.rollouts.front();
@@ -106,7 +106,7 @@ TEST_F(PolicyStages, APolicyThatLeavesTheLimitsIsSwitchedOff) {
 
 TEST_F(PolicyStages, ASearchTellsHowItWent) {
   const Plan p = plan();
-  const Node& node = p.node(Stage::policy, {"Randomised", 1, 0, 1});
+  const Node& node = p.node(Stage::policy, {"Randomized", 1, 0, 1});
   run_stage(p, node);
   const PolicyHistory history = read_policy_history(node);
   ASSERT_EQ(history.num_rows(), 3) << "before each of two iterations, and after the last";
@@ -160,7 +160,7 @@ TEST_F(PolicyStages, WithARecordingThereIsTheGridAlone) {
 
 TEST_F(PolicyStages, ACheckpointOfSomethingElseIsNamed) {
   const Plan p = plan();
-  const Node& node = p.node(Stage::policy, {"Randomised", 1, 0, 1});
+  const Node& node = p.node(Stage::policy, {"Randomized", 1, 0, 1});
   PolicyCheckpoint checkpoint;
   checkpoint.history.policies = RowMatrix::Zero(1, 2);
   checkpoint.history.mean_return = checkpoint.history.success_rate =

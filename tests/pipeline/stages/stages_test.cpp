@@ -67,7 +67,7 @@ TEST_F(SmallStages, TwinMethodsCountEachSampleOnce) {
 }
 
 TEST_F(SmallStages, TheLimitOfFailuresHoldsForSimulationsThatAreThere) {
-  // A rod of some grams and centimetres: the integration diverges in some rows.
+  // A rod of some grams and centimeters: the integration diverges in some rows.
   const auto with_limit = [&](const std::string& limit) {
     return plan_of({"prior.pole_length={ uniform = [0.01, 0.1] }",
                     "simulator.parameters={ pole_mass = 0.02 }",
