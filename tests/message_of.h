@@ -1,11 +1,16 @@
-/// What errors say.
+/// Messages of errors.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
 #include <string>
+#include <vector>
 
 namespace npdr {
 
-/// What the exception of type E that `body` throws says; "" when it throws none.
+/// Message of the exception of type E that `body` throws; "" when it throws none.
 template <class E, class Body>
 std::string message_of(const Body& body) {
   try {
@@ -14,6 +19,33 @@ std::string message_of(const Body& body) {
     return error.what();
   }
   return "";
+}
+
+/// Tells whether a message begins with the first of the parts and has the others behind it, in
+/// their order and as whole words: where, what was found, what is allowed, what to do. It may use
+/// more words, but no more lines.
+inline testing::AssertionResult says(const std::string& message,
+                                     const std::vector<std::string>& parts) {
+  const auto goes_on = [&](std::size_t at) {
+    const auto is_part = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+    const std::size_t next = at < message.size() && message[at] == '.' ? at + 1 : at;
+    return is_part(message[at - 1]) && next < message.size() && is_part(message[next]);
+  };
+  std::size_t at = 0;
+  std::ptrdiff_t num_lines = message.ends_with('\n') ? 1 : 0;
+  for (const std::string& part : parts) {
+    std::size_t found = message.find(part, at);
+    while (found != std::string::npos && goes_on(found + part.size())) {
+      found = message.find(part, found + 1);
+    }
+    if (found == std::string::npos || (at == 0 && found != 0)) {
+      return testing::AssertionFailure() << "'" << part << "' isn't said by: " << message;
+    }
+    at = found + part.size();
+    num_lines += std::ranges::count(part, '\n');
+  }
+  if (std::ranges::count(message, '\n') == num_lines) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "more lines than expected: " << message;
 }
 
 }  // namespace npdr

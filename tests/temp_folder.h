@@ -52,7 +52,7 @@ inline std::string text_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// What the exception of type E that `body` throws says, with the folder's name cut out.
+/// Message of the exception of type E that `body` throws, with the folder's name cut out.
 template <class E, class Body>
 std::string message_of(const Body& body, const TempFolder* folder) {
   std::string message = message_of<E>(body);

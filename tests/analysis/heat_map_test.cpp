@@ -44,7 +44,7 @@ TEST(HeatMap, EachPointOfTheGridIsACell) {
   EXPECT_EQ(data.substr(data.find('\n') + 1), "0 0 1\n0 1 2\n1 0 3\n1 1 4\n2 0 5\n2 1 6\n");
 }
 
-TEST(HeatMap, AMarkLiesBetweenItsNeighbours) {
+TEST(HeatMap, AMarkLiesBetweenItsNeighbors) {
   const TempFolder folder;
   const auto script = [&](double x, double y) {
     HeatMapPlot plot = plot_of({"A"});

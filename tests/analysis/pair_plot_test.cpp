@@ -100,15 +100,15 @@ TEST(PairPlot, FitsFifteenParameters) {
   EXPECT_EQ(count_of(svg, "<circle cx="), 105 * 2 * 5 + 4);
 }
 
-// Of marginal c (from 0), in the order in which panels are drawn.
+// Panel of marginal c (from 0), in the order in which panels are drawn.
 std::string marginal_commands(const std::string& script, int c) {
   std::size_t begin = script.find("unset ytics");
   for (int k = 0; k < c; ++k) begin = script.find("unset ytics", begin + 1);
   return script.substr(begin, script.find("unset label", begin) - begin);
 }
 
-// What a method takes as known is a line, not a spike that flattens the others' densities; sets
-// that lie outside of the box, in whole, leave an empty panel.
+// A parameter that a method takes as known is a line, not a spike that flattens the others'
+// densities; sets that lie outside of the box, in whole, leave an empty panel.
 TEST(PairPlot, KeepsItsScaleWithConstantAndFarSamples) {
   const TempFolder folder;
   PairPlot plot = plot_of(3);

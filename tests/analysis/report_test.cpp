@@ -65,7 +65,7 @@ TEST(Report, LoadsNothingFromElsewhere) {
   EXPECT_EQ(count_of(html, "<link"), 0);
   EXPECT_EQ(count_of(html, " src="), 0);
   EXPECT_EQ(count_of(html, "@import"), 0);
-  // What names a place on the web is the name of a namespace.
+  // The only place on the web that may be named is a namespace.
   EXPECT_EQ(count_of(html, "http://"), count_of(html, "=\"http://www.w3.org/"));
   EXPECT_EQ(count_of(html, "https://"), 0);
 }

@@ -30,7 +30,7 @@ std::vector<std::string> known_layers();
 /// Throws Error when there is no such folder or a file can't be read.
 std::vector<Include> includes_below(const std::filesystem::path& root, const std::string& folder);
 
-/// What an include breaks, one message each, such as
+/// Rules that includes break, one message each, such as
 ///   sim/pendulum.cpp:3: includes analysis/table.h; sim may include only: core, sim
 ///   sim/pendulum.cpp:4: includes hdf5.h; only pipeline/store may include HDF5
 /// Empty when all is well. `include` is of a known folder.

@@ -17,7 +17,7 @@ Vector true_parameters() {
                                                                         {"pole_length", 0.14}});
 }
 
-// As a posterior would be: a few per cent around the truth.
+// As a posterior would be: a few percent around the truth.
 RowMatrix uncertain_parameters(Index count) {
   RowMatrix theta = true_parameters().transpose().replicate(count, 1);
   for (Index k = 0; k < count; ++k) {

@@ -32,7 +32,7 @@ TEST_F(BadInput, PriorWithLowAboveHigh) {
       "small.toml:10:");
 }
 
-// The pendulum's behaviour isn't random: its held-out rollout would be one that inference has seen.
+// The pendulum's behavior isn't random: its held-out rollout would be one that inference has seen.
 TEST_F(BadInput, HeldOutRolloutsThatAreNone) {
   expect_rejected(run_with("num_rollouts = 2", "num_rollouts = 2\nheld_out = 1"),
                   "target.held_out: rollout 'simulated 2' is the same as 'simulated 0'");

@@ -75,13 +75,14 @@ TEST_F(Commands, SampleAndLogProbUseAPosterior) {
   std::ofstream(file("plain.csv")) << rows;
   EXPECT_EQ(npdr({"log-prob", posterior, "plain.csv"}).out, densities.out);
   std::ofstream(file("one.csv")) << "1\n2\n";
-  EXPECT_EQ(npdr({"log-prob", posterior, "one.csv"}).err,
-            "npdr log-prob: one.csv: 1 column without names, must be 2, one for each parameter\n");
+  EXPECT_TRUE(says(
+      npdr({"log-prob", posterior, "one.csv"}).err,
+      {"npdr log-prob: one.csv: 1 column without names", "must be 2, one for each parameter"}));
   std::ofstream(file("grams.csv")) << "pole_mass [g],pole_length [m]\n1000,1\n";
   const Outcome wrong_unit = npdr({"log-prob", posterior, "grams.csv"});
   EXPECT_EQ(wrong_unit.status, 2);
-  EXPECT_EQ(wrong_unit.err,
-            "npdr log-prob: grams.csv: column 'pole_mass' is in [g], must be in [kg]\n");
+  EXPECT_TRUE(says(wrong_unit.err,
+                   {"npdr log-prob: grams.csv: column 'pole_mass' is in [g]", "must be in [kg]"}));
 }
 
 TEST_F(Commands, UnknownOnesAreNamed) {
@@ -181,26 +182,24 @@ TEST_F(Commands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
     EXPECT_EQ(outcome.status, 2);
     return outcome.err;
   };
-  EXPECT_EQ(rejected([](Target& t) { t.dt = 0.01; }),
-            "npdr sample: x.h5: dt = 0.01 s, must be 0.02 s; it must be like what '" + posterior +
-                "' was trained for\n");
-  EXPECT_EQ(rejected([](Target& t) {
-              t = t.first(1);
-              for (Rollout& rollout : t.rollouts) {
-                rollout.states.conservativeResize(400, 2);
-                rollout.actions.conservativeResize(399, 1);
-              }
-            }),
-            "npdr sample: x.h5: 1 rollouts, must be 2; 399 steps, must be 400; it must be like "
-            "what '" +
-                posterior + "' was trained for\n");
-  EXPECT_EQ(
-      rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
-      "npdr sample: x.h5: dataset 'states': channels are theta [deg], theta_dot [rad/s], must "
-      "be theta [rad], theta_dot [rad/s]: only units differ; convert its values\n");
-  EXPECT_EQ(
+  EXPECT_TRUE(says(rejected([](Target& t) { t.dt = 0.01; }),
+                   {"npdr sample: x.h5: dt = 0.01 s", "must be 0.02 s", posterior}));
+  EXPECT_TRUE(
+      says(rejected([](Target& t) {
+             t = t.first(1);
+             for (Rollout& rollout : t.rollouts) {
+               rollout.states.conservativeResize(400, 2);
+               rollout.actions.conservativeResize(399, 1);
+             }
+           }),
+           {"npdr sample: x.h5: 1 rollouts", "must be 2", "399 steps", "must be 400", posterior}));
+  EXPECT_TRUE(
+      says(rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
+           {"npdr sample: x.h5: dataset 'states': channels are theta [deg], theta_dot [rad/s]",
+            "must be theta [rad], theta_dot [rad/s]", "convert its values"}));
+  EXPECT_TRUE(says(
       rejected([](Target& t) { t.action_channels[0].label = "force"; }),
-      "npdr sample: x.h5: dataset 'actions': channels are force [N m], must be torque [N m]\n");
+      {"npdr sample: x.h5: dataset 'actions': channels are force [N m]", "must be torque [N m]"}));
   const Outcome wider = sample([](Target& t) {
     t.state_channels.push_back({"battery", "V"});
     for (Rollout& rollout : t.rollouts) {
@@ -223,12 +222,13 @@ TEST_F(Commands, ImportRefusesWhatItWouldIgnore) {
     return outcome.err;
   };
   for (const char* option : {"--states", "--actions"}) {
-    EXPECT_EQ(rejected({"--dt", "0.1", option, "theta [rad]"}),
-              "npdr import: --simulator pendulum says which columns to take; leave out --states "
-              "and --actions, or it\n");
+    EXPECT_TRUE(says(rejected({"--dt", "0.1", option, "theta [rad]"}),
+                     {"npdr import: --simulator pendulum says which columns to take",
+                      "leave out --states and --actions, or it"}));
   }
-  EXPECT_EQ(rejected({"--dt", "-0.1"}), "npdr import: --dt = -0.1, must be a time > 0 [s]\n");
-  EXPECT_EQ(rejected({"--dt", "0"}), "npdr import: --dt = 0, must be a time > 0 [s]\n");
+  EXPECT_TRUE(
+      says(rejected({"--dt", "-0.1"}), {"npdr import: --dt = -0.1", "must be a time > 0 [s]"}));
+  EXPECT_TRUE(says(rejected({"--dt", "0"}), {"npdr import: --dt = 0", "must be a time > 0 [s]"}));
 }
 
 TEST_F(Commands, ImportLosesNothing) {
@@ -242,12 +242,12 @@ TEST_F(Commands, ImportLosesNothing) {
     EXPECT_EQ(outcome.status, 2);
     return outcome.err;
   };
-  EXPECT_EQ(problem({"b.csv", "-o", "b.csv"}),
-            "npdr import: b.csv: is to hold HDF5, must not end in .csv\n");
-  EXPECT_EQ(problem({"b.data", "--force", "-o", "./b.data"}),
-            "npdr import: ./b.data: is one of the inputs, must be another file\n");
-  EXPECT_EQ(problem({"b.csv", "-o", "b.data"}),
-            "npdr import: b.data: is there already; choose another name or add --force\n");
+  EXPECT_TRUE(says(problem({"b.csv", "-o", "b.csv"}),
+                   {"npdr import: b.csv: is to hold HDF5", "must not end in .csv"}));
+  EXPECT_TRUE(says(problem({"b.data", "--force", "-o", "./b.data"}),
+                   {"npdr import: ./b.data: is one of the inputs", "must be another file"}));
+  EXPECT_TRUE(says(problem({"b.csv", "-o", "b.data"}), {"npdr import: b.data: is there already",
+                                                        "choose another name or add --force"}));
   EXPECT_EQ(text_of(file("b.csv")), before);
   EXPECT_EQ(text_of(file("b.data")), before);
 }
@@ -285,14 +285,13 @@ TEST_F(Commands, TheReportsCaptionStandsBelowItsTables) {
 }
 
 TEST_F(Commands, FiguresShowTheFirstSixMethodsOfMore) {
-  std::string text = small_study();
+  StudyText study = small_study();
   for (int i = 3; i <= 7; ++i) {
-    text = text.insert(text.find("[evaluate]"),
-                       "[[method]]\nname = \"M" + std::to_string(i) +
-                           "\"\nnum_simulations = 150\nembedding = { kind = \"bayessim\" }\n"
-                           "training = { max_epochs = 1 }\n");
+    study.method("M" + std::to_string(i),
+                 {"num_simulations = 150", "embedding = { kind = \"bayessim\" }",
+                  "training = { max_epochs = 1 }"});
   }
-  std::ofstream(file("seven.toml")) << text;
+  std::ofstream(file("seven.toml")) << study;
   const Outcome outcome = npdr({"run", "seven.toml", "--set", "study.name=seven"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string html = text_of(file("runs/seven/report.html"));

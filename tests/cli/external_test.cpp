@@ -8,8 +8,6 @@
 namespace npdr::pipeline {
 namespace {
 
-using std::chrono::milliseconds;
-
 const std::filesystem::path kExamples =
     std::filesystem::path(NPDR_SOURCE_DIR) / "experiments" / "external";
 
@@ -136,7 +134,8 @@ TEST_F(External, ADatasetNeedsNoSimulator) {
   const Outcome imported =
       npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
   ASSERT_EQ(imported.status, 0) << imported.err;
-  EXPECT_EQ(imported.out, "wrote dataset.h5: 1000 rows; theta a, b; x total, difference\n");
+  EXPECT_TRUE(
+      says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b", "x total, difference"}));
   EXPECT_NE(npdr({"inspect", "dataset.h5"}).out.find("a dataset of 1000 simulations of 2 features"),
             std::string::npos);
   run_well({"dataset.toml"});
@@ -230,7 +229,8 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
   std::ofstream(folder_ / "wide.csv") << "1,2,3\n";
   const Outcome wide = npdr({"sample", posterior, "--x", "wide.csv"});
   EXPECT_EQ(wide.status, 2);
-  EXPECT_EQ(wide.err, "npdr sample: wide.csv: has 3 columns, must have 2: total, difference\n");
+  EXPECT_TRUE(
+      says(wide.err, {"npdr sample: wide.csv: has 3 columns", "must have 2", "total, difference"}));
 }
 
 TEST_F(External, ACommandThatCannotBeRunIsAnError) {
@@ -243,17 +243,10 @@ TEST_F(External, ACommandThatCannotBeRunIsAnError) {
       << outcome.err;
 }
 
-// Whether `condition` holds within ten seconds.
-template <class Condition>
-bool comes_true(const Condition& condition) {
-  for (int i = 0; i < 200 && !condition(); ++i) std::this_thread::sleep_for(milliseconds(50));
-  return condition();
-}
-
 TEST_F(External, ARequestToStopEndsTheCommandAndTheNextRunGoesOn) {
   const auto pid_file = folder_ / "pid";
   const std::string wait_once =
-      "test -e go || { echo $$ > pid; sleep 1000; }; sh linear_gaussian.sh";
+      "test -e go || { echo $$ > pid; tail -f /dev/null; }; sh linear_gaussian.sh";
   const std::vector<std::string> words = {"npdr",
                                           "run",
                                           "shell.toml",
@@ -266,7 +259,7 @@ TEST_F(External, ARequestToStopEndsTheCommandAndTheNextRunGoesOn) {
   const pid_t command = std::stoi(text_of(pid_file));
   program.send(SIGTERM);
   EXPECT_EQ(program.wait().status, 75);
-  EXPECT_TRUE(comes_true([&] { return kill(command, 0) != 0; }));
+  EXPECT_TRUE(comes_true([&] { return has_ended(command); }));
   std::ofstream(folder_ / "go");
   EXPECT_EQ(run(folder_.path(), words).status, 0);
 }

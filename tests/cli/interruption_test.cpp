@@ -6,8 +6,6 @@
 namespace npdr::pipeline {
 namespace {
 
-using std::chrono::milliseconds;
-
 class Interruption : public ::testing::Test {
  protected:
   void SetUp() override { prepare(small_study()); }
@@ -19,18 +17,28 @@ class Interruption : public ::testing::Test {
     reference_ = digests(folder_.path() / "whole" / "small");
   }
 
-  // Starts the study again and again, ends each run with `signal` a little later than the one
-  // before, and finishes it.
+  // Starts the study again and again and finishes it. By turns, `signal` ends a run while it makes
+  // something, and when it has made something more.
   void interrupt_and_finish(int signal, const std::string& work) {
     const std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", work};
-    for (int delay = 20; delay <= 400; delay += 38) {
+    const std::filesystem::path cache = folder_.path() / work / ".cache";
+    const auto num_complete = [&] { return files_ending(cache, ".h5").size(); };
+    int num_interrupted = 0;
+    for (int i = 0; i < 12; ++i) {
+      const std::size_t before = num_complete();
       const Program program(folder_.path(), words);
-      std::this_thread::sleep_for(milliseconds(delay));
+      if (i % 2 == 0) {
+        begins_to_make(program, cache);
+      } else {
+        comes_true([&] { return program.has_ended() || num_complete() > before; });
+      }
       program.send(signal);
       const int status = program.wait().status;
-      // 128 + signal: it came before the program could listen.
-      EXPECT_TRUE(status == 0 || status == 75 || status == 128 + signal) << status;
+      const int interrupted = signal == SIGKILL ? 128 + SIGKILL : 75;
+      EXPECT_TRUE(status == 0 || status == interrupted) << status;
+      num_interrupted += status == interrupted ? 1 : 0;
     }
+    EXPECT_GE(num_interrupted, 3);
     const Outcome last = run(folder_.path(), words);
     EXPECT_EQ(last.status, 0) << last.err;
     EXPECT_EQ(digests(folder_.path() / work / "small"), reference_);
@@ -56,7 +64,7 @@ TEST_F(Interruption, CtrlCStopsAtAnyInstant) {
   for (int i = 0; i < 20; ++i) {
     for (const int signal : {SIGINT, SIGUSR1}) {
       const Program program(folder_.path(), words);
-      std::this_thread::sleep_for(milliseconds(random() % 300));
+      program.ends_within(0.001 * static_cast<double>(random() % 300));
       program.send_to_group(signal);
       const Outcome outcome = program.wait();
       // 128 + signal: it came before the program could listen.
@@ -68,13 +76,6 @@ TEST_F(Interruption, CtrlCStopsAtAnyInstant) {
   }
   EXPECT_EQ(run(folder_.path(), words).status, 0);
   EXPECT_EQ(digests(folder_.path() / "ctrl-c" / "small"), reference_);
-}
-
-// Whether `condition` holds within ten seconds.
-template <class Condition>
-bool comes_true(const Condition& condition) {
-  for (int i = 0; i < 100 && !condition(); ++i) std::this_thread::sleep_for(milliseconds(100));
-  return condition();
 }
 
 constexpr const char* kCheckpoint = "checkpoint at epoch";
@@ -100,7 +101,7 @@ class EndlessTraining : public ::testing::Test {
     EXPECT_EQ(run(folder_.path(), words("run", {"--until", "simulate"})).status, 0);
     auto program = std::make_unique<Program>(folder_.path(),
                                              words("run", {"--until", "infer", "--jobs", "2"}));
-    std::this_thread::sleep_for(milliseconds(1500));
+    EXPECT_TRUE(begins_to_make(*program, folder_.path() / "runs/.cache/infer", 2));
     return program;
   }
 
@@ -146,11 +147,13 @@ TEST_F(EndlessTraining, SavesItsWorkWhenItsParentIsKilled) {
   const auto program = started();
   const auto children = program->children();
   ASSERT_EQ(children.size(), 2u);
-  // Stopped for a while, they have progress to report to the dead parent at once.
+  // Stopped for longer than from one report of their progress to the next, they have some for the
+  // dead parent at once.
   for (const pid_t child : children) kill(child, SIGSTOP);
   program->send(SIGKILL);
   EXPECT_EQ(program->wait().status, 128 + SIGKILL);
-  std::this_thread::sleep_for(milliseconds(200));
+  const auto due = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
+  EXPECT_TRUE(comes_true([&] { return std::chrono::steady_clock::now() > due; }));
   for (const pid_t child : children) kill(child, SIGCONT);
   EXPECT_TRUE(comes_true([&] { return num_checkpoints() == 2; }));
 }

@@ -7,40 +7,29 @@ namespace {
 
 // All algorithms beside NPE-C, in two rounds.
 std::string all_algorithms_study() {
-  std::string text = R"toml([study]
-name = "all"
-seeds = [1]
-[target]
-truth = {}
-num_rollouts = 1
-[simulator]
-name = "pendulum"
-[prior]
-pole_mass = { uniform = [0.3, 1.7] }
-pole_length = { uniform = [0.3, 1.7] }
-[observation_noise]
-scale = 0.1
-[evaluate]
-num_samples = 40
-metrics = ["rmse"]
-)toml";
+  StudyText study = pendulum_study("all")
+                        .with("observation_noise", {"scale = 0.1"})
+                        .with("evaluate", {"num_samples = 40", "metrics = [\"rmse\"]"});
   for (const auto& [algorithm, kind] : {std::pair{"npe_a", "mdn"},
                                         {"npe_b", "nsf"},
                                         {"nle", "maf"},
                                         {"nre_a", "resnet"},
                                         {"nre_b", "resnet"}}) {
-    text += "[[method]]\nname = \"" + std::string(algorithm) + "\"\nalgorithm = \"" + algorithm +
-            "\"\nnum_rounds = 2\nnum_simulations = 60\n"
-            "embedding = { kind = \"all_steps\", downsample = 20, principal_components = 4 }\n"
-            "density_estimator = { kind = \"" +
-            kind +
-            "\", num_transforms = 2, num_components = 2, hidden_features = 8 }\n"
-            "training = { max_epochs = 10, batch_size = 20 }\n";
+    StudyText::Lines lines = {
+        std::string("algorithm = \"") + algorithm + "\"",
+        "num_rounds = 2",
+        "num_simulations = 60",
+        "embedding = { kind = \"all_steps\", downsample = 20, principal_components = 4 }",
+        std::string("density_estimator = { kind = \"") + kind +
+            "\", num_transforms = 2, num_components = 2, hidden_features = 8 }",
+        "training = { max_epochs = 10, batch_size = 20 }"};
     if (!std::string(algorithm).starts_with("npe")) {
-      text += "sampler = { num_chains = 10, num_warmup = 10, thin = 2, num_candidates = 100 }\n";
+      lines.emplace_back(
+          "sampler = { num_chains = 10, num_warmup = 10, thin = 2, num_candidates = 100 }");
     }
+    study.method(algorithm, lines);
   }
-  return text;
+  return study;
 }
 
 class Methods : public ::testing::Test {

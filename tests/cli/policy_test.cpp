@@ -8,57 +8,40 @@ namespace {
 
 // Short rollouts and few candidates: what counts is that everything takes part. One method collects
 // rollouts with its policy and infers again, one infers nothing.
-std::string searched_study() {
-  return R"toml([study]
-name = "searched"
-seeds = [1, 2]
-[target]
-truth = { pole_mass = 0.02 }
-num_rollouts = 1
-[simulator]
-name = "furuta"
-segment_length = 200
-store_every = 25
-[prior]
-pole_mass = { uniform = [0.0168, 0.0312] }
-pole_length = { uniform = [0.1, 0.15] }
-[[method]]
-name = "Online"
-num_simulations = 60
-num_iterations = 2
-policy_iterations = 3
-embedding = { kind = "all_steps", downsample = 125 }
-density_estimator = { kind = "mdn", num_components = 2, hidden_features = 8 }
-training = { max_epochs = 5, batch_size = 20 }
-[[method]]
-name = "Randomised"
-algorithm = "prior"
-policy_iterations = 4
-[[method]]
-name = "Point"
-algorithm = "nominal"
-policy_iterations = 4
-[evaluate]
-num_samples = 20
-metrics = ["rmse"]
-[policy]
-population = 5
-num_domain_parameters = 4
-num_initial_states = 2
-num_test_states = 20
-num_steps = 150
-initial = { energy_gain = 20.0 }
-[policy.grid]
-x = { parameter = "pole_mass", range = [0.0168, 0.0312], steps = 3 }
-y = { parameter = "pole_length", values = [0.1, 0.15] }
-)toml";
+StudyText searched_study() {
+  return furuta_study("searched")
+      .with("study", {"seeds = [1, 2]"})
+      .with("target", {"truth = { pole_mass = 0.02 }"})
+      .with("simulator", {"segment_length = 200", "store_every = 25"})
+      .with("prior", {"pole_length = { uniform = [0.1, 0.15] }"})
+      .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"});
+}
+
+StudyText& with_online(StudyText& study, const StudyText::Lines& more) {
+  StudyText::Lines lines = {"num_simulations = 60",
+                            "embedding = { kind = \"all_steps\", downsample = 125 }", kSmallMixture,
+                            "training = { max_epochs = 5, batch_size = 20 }"};
+  lines.insert(lines.end(), more.begin(), more.end());
+  return study.method("Online", lines);
+}
+
+StudyText& with_search(StudyText& study) {
+  return study.method("Randomized", {"algorithm = \"prior\"", "policy_iterations = 4"})
+      .method("Point", {"algorithm = \"nominal\"", "policy_iterations = 4"})
+      .with("policy", few_trials())
+      .with("policy", {"population = 5", "num_domain_parameters = 4", "num_steps = 150"})
+      .with("policy.grid",
+            {"x = { parameter = \"pole_mass\", range = [0.0168, 0.0312], steps = 3 }",
+             "y = { parameter = \"pole_length\", values = [0.1, 0.15] }"});
 }
 
 class Policies : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
-    std::ofstream(file("searched.toml")) << searched_study();
+    StudyText study = searched_study();
+    with_search(with_online(study, {"num_iterations = 2", "policy_iterations = 3"}));
+    std::ofstream(file("searched.toml")) << study;
     setenv("OMP_NUM_THREADS", "1", 1);
     const Outcome outcome = npdr({"run", "searched.toml", "--jobs", "1"});
     unsetenv("OMP_NUM_THREADS");
@@ -85,7 +68,7 @@ std::map<std::string, std::string> Policies::reference_;
 TEST_F(Policies, TheReportHasTablesAndFigures) {
   const std::string table = text_of(file("runs/searched/tables/policy.md"));
   for (const char* words :
-       {"| Online ", "| Randomised ", "| Point ", "return before", "return, seed means",
+       {"| Online ", "| Randomized ", "| Point ", "return before", "return, seed means",
         "success over the grid", "target rollouts", "policy rollouts", "upright within"}) {
     EXPECT_NE(table.find(words), std::string::npos) << words << "\n" << table;
   }
@@ -123,7 +106,7 @@ TEST_F(Policies, EveryArtefactHasALink) {
   EXPECT_EQ(reference_.size(), 2u + 2u * (3 + 2 * 4 + 1 + 1 + 1 + 2 * 2));
   for (const char* name :
        {"online/seed-1/iteration-2/target.h5", "online/seed-2/iteration-2/round-1/infer.h5",
-        "online/seed-1/iteration-2/policy_test.h5", "randomised/seed-2/iteration-1/policy.h5",
+        "online/seed-1/iteration-2/policy_test.h5", "randomized/seed-2/iteration-1/policy.h5",
         "point/seed-1/policy_test.h5"}) {
     EXPECT_TRUE(reference_.contains(name)) << name;
   }
@@ -199,20 +182,14 @@ TEST_F(Policies, ValidateSaysHowMuchWorkASearchIs) {
 }
 
 TEST_F(Policies, AStudyWithoutASearchRemovesItsTables) {
-  const auto run_without = [&](const std::string& text) {
+  const auto run_as = [&](const std::string& text) {
     std::ofstream(file("searched2.toml")) << text;
     return npdr({"run", "searched2.toml", "--work", "without"});
   };
-  std::string text = searched_study();
-  ASSERT_EQ(run_without(text).status, 0);
+  ASSERT_EQ(run_as(text_of(file("searched.toml"))).status, 0);
   EXPECT_TRUE(std::filesystem::exists(file("without/searched/tables/policy.md")));
-  text = text.substr(0, text.find("[policy]"));
-  const std::size_t begin = text.find("[[method]]\nname = \"Randomised\"");
-  text.erase(begin, text.find("[evaluate]") - begin);
-  for (const char* line : {"num_iterations = 2\n", "policy_iterations = 3\n"}) {
-    text.erase(text.find(line), std::string(line).size());
-  }
-  const Outcome outcome = run_without(text);
+  StudyText without = searched_study();
+  const Outcome outcome = run_as(with_online(without, {}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   for (const char* name :
        {"policy.md", "policy_seeds.csv", "policy_parameters.csv", "policy_cost.tex"}) {
@@ -221,13 +198,11 @@ TEST_F(Policies, AStudyWithoutASearchRemovesItsTables) {
 }
 
 TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
-  std::string text = searched_study();
-  const std::size_t begin = text.find("[[method]]\nname = \"Online\"");
-  text.erase(begin, text.find("[[method]]\nname = \"Randomised\"") - begin);
-  std::ofstream(file("alone.toml")) << text;
+  StudyText study = searched_study();
+  std::ofstream(file("alone.toml")) << with_search(study);
   const Outcome outcome = npdr({"run", "alone.toml", "--work", "alone"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("| Randomised "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("| Randomized "), std::string::npos) << outcome.out;
   EXPECT_FALSE(std::filesystem::exists(file("alone/searched/tables/fit.md")));
 }
 
@@ -237,27 +212,41 @@ class LongSearch : public Policies {
   static std::vector<std::string> words(const std::string& program, const std::string& work) {
     return {program,   "searched.toml",
             "--work",  work,
-            "--only",  "Randomised",
+            "--only",  "Randomized",
             "--seeds", "1",
-            "--set",   "method.Randomised.policy_iterations=60",
+            "--set",   "method.Randomized.policy_iterations=60",
             "--set",   "policy.population=40"};
   }
   static std::string digest(const std::string& work) {
-    return content_digest(file(work + "/searched/randomised/seed-1/iteration-1/policy.h5"));
+    return content_digest(file(work + "/searched/randomized/seed-1/iteration-1/policy.h5"));
   }
-  // How often a run was ended by `signal`, each a little later than the one before.
-  static int interrupt(int signal, const std::string& work) {
-    int count = 0;
-    for (int delay = 30; delay <= 900; delay += 60) {
+  static std::filesystem::path cache(const std::string& work) {
+    return file(work) / ".cache/policy";
+  }
+
+  // Waits until the program has done an iteration more.
+  static void wait_for_checkpoint(const Program& program, const std::string& work) {
+    const auto saved = [&] {
+      std::map<std::string, std::filesystem::file_time_type> times;
+      for (const std::string& name : files_ending(cache(work), ".checkpoint.h5")) {
+        std::error_code gone;
+        times[name] = std::filesystem::last_write_time(cache(work) / name, gone);
+      }
+      return times;
+    };
+    const auto before = saved();
+    EXPECT_TRUE(comes_true([&] { return program.has_ended() || saved() != before; }));
+  }
+
+  // Ends some runs by `signal`, each after at least an iteration.
+  static void interrupt(int signal, const std::string& work) {
+    for (int i = 0; i < 4; ++i) {
       const Program program(folder_->path(), words("npdr-policy", work));
-      std::this_thread::sleep_for(std::chrono::milliseconds(delay));
+      wait_for_checkpoint(program, work);
       program.send(signal);
-      const Outcome outcome = program.wait();
-      EXPECT_TRUE(outcome.status == 0 || outcome.status == 75 || outcome.status == 128 + signal)
-          << outcome.status << outcome.err;
-      count += outcome.status == 0 ? 0 : 1;
+      EXPECT_EQ(program.wait().status, signal == SIGKILL ? 128 + SIGKILL : 75)
+          << "the search must take longer";
     }
-    return count;
   }
 };
 
@@ -265,14 +254,11 @@ TEST_F(LongSearch, GoesOnWithTheSameBits) {
   ASSERT_EQ(run(folder_->path(), words("npdr-policy", "whole")).status, 0);
   for (const int signal : {SIGKILL, SIGTERM}) {
     const std::string work = "by-" + std::to_string(signal);
-    EXPECT_GT(interrupt(signal, work), 2) << "the search must take longer";
+    interrupt(signal, work);
     const Outcome last = run(folder_->path(), words("npdr-policy", work));
     ASSERT_EQ(last.status, 0) << last.err;
     EXPECT_EQ(digest(work), digest("whole")) << signal;
-    const std::filesystem::path cache = file(work) / ".cache/policy";
-    for (const auto& entry : std::filesystem::directory_iterator(cache)) {
-      EXPECT_EQ(entry.path().string().find("checkpoint"), std::string::npos) << entry.path();
-    }
+    EXPECT_EQ(files_ending(cache(work), ".checkpoint.h5"), std::set<std::string>());
   }
 }
 
@@ -280,7 +266,7 @@ TEST_F(LongSearch, StopsAtACheckpointThatTheStatusShows) {
   std::vector<std::string> endless = words("npdr-policy", "stopped");
   endless.insert(endless.end(), {"--set", "method.policy_iterations=100000"});
   const Program program(folder_->path(), endless);
-  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  wait_for_checkpoint(program, "stopped");
   program.send(SIGTERM);
   const Outcome outcome = program.wait();
   EXPECT_EQ(outcome.status, 75) << outcome.err;

@@ -9,17 +9,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "pipeline/store/artefact.h"
+#include "tests/study_text.h"
 #include "tests/temp_folder.h"
+#include "tests/wait_for.h"
 
 namespace npdr::pipeline {
 
@@ -30,7 +32,7 @@ struct Outcome {
   long peak_kib = 0;  ///< most memory that was resident at a time
 };
 
-/// Where a program's output goes, as seen from the folder that it runs in.
+/// Places that a program's output goes to, as seen from the folder that it runs in.
 struct Streams {
   std::filesystem::path out = "stdout.txt";
   std::filesystem::path err = "stderr.txt";
@@ -62,8 +64,14 @@ class Program {
   pid_t pid() const { return pid_; }
 
   void send(int signal) const { kill(pid_, signal); }
-  /// As a terminal sends Ctrl-C: to all that belongs to it.
+  /// Sends as a terminal does Ctrl-C: to all that belongs to it.
   void send_to_group(int signal) const { kill(-pid_, signal); }
+
+  bool has_ended() const { return npdr::has_ended(pid_); }
+  /// Lets it go on for up to that long: a random instant, which nothing it does marks.
+  bool ends_within(double seconds) const {
+    return comes_true([&] { return has_ended(); }, std::chrono::duration<double>(seconds));
+  }
 
   /// The processes that it started.
   std::vector<pid_t> children() const {
@@ -102,75 +110,67 @@ inline Outcome run(const std::filesystem::path& folder, const std::vector<std::s
 }
 
 /// A small pendulum study that takes a second: two methods, two rounds.
-inline std::string small_study() {
-  return R"toml([study]
-name = "small"
-seeds = [1]
-[target]
-truth = {}
-num_rollouts = 2
-[simulator]
-name = "pendulum"
-[prior]
-pole_mass = { uniform = [0.3, 1.7] }
-pole_length = { uniform = [0.3, 1.7] }
-[observation_noise]
-scale = 0.1
-[[method]]
-name = "NPDR (MAF)"
-algorithm = "npe_c"
-num_rounds = 2
-num_simulations = 150
-embedding = { kind = "linear", features = 8, downsample = 20, principal_components = 12 }
-density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
-training = { max_epochs = 30 }
-[[method]]
-name = "NPDR (MoG)"
-algorithm = "npe_c"
-num_rounds = 2
-num_simulations = 150
-embedding = { kind = "bayessim" }
-density_estimator = { kind = "mdn", num_components = 3, hidden_features = 10 }
-training = { max_epochs = 30 }
-[evaluate]
-num_samples = 50
-)toml";
+inline StudyText small_study() {
+  return pendulum_study("small")
+      .with("study", {"seeds = [1]"})
+      .with("target", {"num_rollouts = 2"})
+      .with("observation_noise", {"scale = 0.1"})
+      .method("NPDR (MAF)", {"num_rounds = 2", "num_simulations = 150",
+                             "embedding = { kind = \"linear\", features = 8, downsample = 20, "
+                             "principal_components = 12 }",
+                             kSmallFlow, "training = { max_epochs = 30 }"})
+      .method("NPDR (MoG)",
+              {"num_rounds = 2", "num_simulations = 150", "embedding = { kind = \"bayessim\" }",
+               kSmallMixture, "training = { max_epochs = 30 }"})
+      .with("evaluate", {"num_samples = 50"});
 }
 
-/// A small mini golf study that takes seconds: two strikes seen, one held out.
-inline std::string small_minigolf_study() {
-  return R"toml([study]
-name = "small"
-seeds = [1]
-[target]
-truth = { ball_radius = 0.0231 }
-num_rollouts = 2
-held_out = 1
-[simulator]
-name = "minigolf"
-store_every = 2
-[prior]
-ball_restitution = { uniform = [0.0, 1.0] }
-obstacle2_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }
-[observation_noise]
-scale = 0.01
-[[method]]
-name = "NPDR (MAF)"
-algorithm = "npe_c"
-num_rounds = 2
-num_simulations = 100
-embedding = { kind = "linear", features = 8, downsample = 20 }
-density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
-training = { max_epochs = 20 }
-[evaluate]
-num_samples = 30
-metrics = ["dtw", "rmse", "final_error", "goal"]
-[[reference]]
-name = "heavy"
-parameters = { ball_mass = 0.007 }
-[limits]
-max_failed_fraction = 0.5
-)toml";
+/// A small mini golf study that takes seconds.
+inline StudyText small_minigolf_study() {
+  return minigolf_study("small")
+      .with("observation_noise", {"scale = 0.01"})
+      .method("NPDR (MAF)", {"num_rounds = 2", "num_simulations = 100",
+                             "embedding = { kind = \"linear\", features = 8, downsample = 20 }",
+                             kSmallFlow, "training = { max_epochs = 20 }"})
+      .with("evaluate",
+            {"num_samples = 30", "metrics = [\"dtw\", \"rmse\", \"final_error\", \"goal\"]"})
+      .add("reference", {"name = \"heavy\"", "parameters = { ball_mass = 0.007 }"})
+      .with("limits", {"max_failed_fraction = 0.5"});
+}
+
+/// Names, below the folder, of all files that end so; also while programs work in it.
+inline std::set<std::string> files_ending(const std::filesystem::path& folder,
+                                          const std::string& end) {
+  std::set<std::string> found;
+  std::error_code gone;
+  std::filesystem::recursive_directory_iterator entry(folder, gone);
+  for (; entry != std::filesystem::recursive_directory_iterator(); entry.increment(gone)) {
+    const std::string name = entry->path().lexically_relative(folder);
+    if (name.ends_with(end)) found.insert(name);
+  }
+  return found;
+}
+
+/// Files of unfinished work.
+inline std::set<std::string> temporaries(const std::filesystem::path& folder) {
+  return files_ending(folder, ".tmp");
+}
+
+/// Tells whether the program, or what it has started, gets to make `count` files below the folder
+/// at the same time. Once it does, it listens to requests to stop.
+inline bool begins_to_make(const Program& program, const std::filesystem::path& folder,
+                           std::ptrdiff_t count = 1) {
+  const auto num_in_the_making = [&] {
+    std::vector<pid_t> processes = program.children();
+    processes.push_back(program.pid());
+    return std::ranges::count_if(temporaries(folder), [&](const std::string& name) {
+      return std::ranges::any_of(processes, [&](pid_t process) {
+        return name.find("." + std::to_string(process) + ".") != std::string::npos;
+      });
+    });
+  };
+  comes_true([&] { return program.has_ended() || num_in_the_making() >= count; });
+  return !program.has_ended();
 }
 
 /// Digests of all artefacts of a work folder, by their place in the study's readable folder.

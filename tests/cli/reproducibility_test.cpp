@@ -46,41 +46,23 @@ TEST_F(Reproducibility, SameBitsOfTheMinigolf) {
 }
 
 // One method of each kind without a network, each with a distance of its own.
-constexpr const char* kAbcStudy = R"toml([study]
-name = "small"
-[target]
-truth = { pole_length = 0.09 }
-num_rollouts = 1
-[simulator]
-name = "furuta"
-store_every = 25
-[prior]
-pole_length = { uniform = [0.065, 0.194] }
-gravity = { uniform = [8.34, 11.28] }
-[observation_noise]
-scale = 0.1
-[[method]]
-name = "SMC"
-algorithm = "abc_smc"
-num_rounds = 2
-num_simulations = 150
-abc = { quantile = 0.2, smooth = true }
-[[method]]
-name = "MCMC"
-algorithm = "abc_mcmc"
-num_rounds = 2
-num_simulations = 150
-abc = { distance = "dtw" }
-[[method]]
-name = "Regression"
-algorithm = "linear_regression"
-[evaluate]
-num_samples = 30
-metrics = ["rmse"]
-)toml";
+std::string abc_study() {
+  return furuta_study("small")
+      .with("target", {"truth = { pole_length = 0.09 }"})
+      .with("simulator", {"store_every = 25"})
+      .only("prior",
+            {"pole_length = { uniform = [0.065, 0.194] }", "gravity = { uniform = [8.34, 11.28] }"})
+      .with("observation_noise", {"scale = 0.1"})
+      .method("SMC", {"algorithm = \"abc_smc\"", "num_rounds = 2", "num_simulations = 150",
+                      "abc = { quantile = 0.2, smooth = true }"})
+      .method("MCMC", {"algorithm = \"abc_mcmc\"", "num_rounds = 2", "num_simulations = 150",
+                       "abc = { distance = \"dtw\" }"})
+      .method("Regression", {"algorithm = \"linear_regression\""})
+      .with("evaluate", {"num_samples = 30", "metrics = [\"rmse\"]"});
+}
 
 TEST_F(Reproducibility, SameBitsWithoutNetworks) {
-  std::ofstream(folder_.path() / "small.toml") << kAbcStudy;
+  std::ofstream(folder_.path() / "small.toml") << abc_study();
   setenv("OMP_NUM_THREADS", "1", 1);
   const auto reference = digests_of("one", {"--jobs", "1", "--set", "simulate.shard_size=64"});
   setenv("OMP_NUM_THREADS", "3", 1);

@@ -7,7 +7,6 @@ namespace npdr::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 const std::string kScript = std::string(NPDR_SOURCE_DIR) + "/jobs/one-machine-cluster";
 
@@ -18,7 +17,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// What the process was started with: its words and its environment. Empty: it has ended meanwhile.
+// Words and environment that the process was started with. Empty: it has ended meanwhile.
 std::string started_with(const fs::path& process) try {
   return text_of(process / "cmdline") + '\0' + text_of(process / "environ");
 } catch (const std::ios_base::failure&) {
@@ -116,14 +115,10 @@ std::string Cluster::node_of(const std::string& task) const {
 }
 
 void Cluster::wait_until(const std::string& what, const std::function<bool()>& done) const {
-  const auto deadline = Clock::now() + std::chrono::minutes(1);
-  while (!done()) {
-    if (Clock::now() > deadline) {
-      FAIL() << "waited in vain " << what << "\n"
-             << call({"squeue", "-r", "-t", "all"}).out << call({"sinfo", "-N"}).out;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
+  // Rarely, as each question is a program or two.
+  if (comes_true(done, std::chrono::minutes(1), std::chrono::milliseconds(50))) return;
+  FAIL() << "waited in vain " << what << "\n"
+         << call({"squeue", "-r", "-t", "all"}).out << call({"sinfo", "-N"}).out;
 }
 
 void Cluster::wait_for_state(const std::string& task, const std::string& state) const {

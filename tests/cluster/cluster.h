@@ -33,7 +33,7 @@ class Cluster {
   /// A program, of Slurm or of the project, in the folder of the jobs.
   Outcome call(std::vector<std::string> words) const;
 
-  /// Where jobs are submitted and leave their files.
+  /// Place where jobs are submitted and leave their files.
   std::filesystem::path folder() const { return folder_ / "work"; }
   /// The cluster's own.
   std::filesystem::path root() const { return folder_ / "cluster"; }
@@ -44,7 +44,7 @@ class Cluster {
   /// State of each job or task ("12", "12_3") that Slurm knows of, ended ones included.
   std::map<std::string, std::string> states() const;
   std::string state(const std::string& task) const;
-  /// Where it runs.
+  /// Node that it runs on.
   std::string node_of(const std::string& task) const;
 
   /// `what` is for the message, should `done` not come true.

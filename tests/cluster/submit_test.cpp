@@ -7,35 +7,22 @@ namespace {
 
 // Four shards a round, by a simulator that a test can hold up: the task of an array whose index
 // stands in the file 'hang' never ends.
-constexpr const char* kStudy = R"toml([study]
-name = "slow"
-[target]
-truth = {}
-[simulator]
-command = "sh simulate.sh {theta} {x}"
-features = ["sum", "difference"]
-retries = 0
-[prior]
-a = { uniform = [0.0, 1.0] }
-b = { uniform = [0.0, 1.0] }
-[simulate]
-shard_size = 40
-[[method]]
-name = "NPE"
-num_rounds = 2
-num_simulations = 160
-density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
-training = { max_epochs = 30 }
-[evaluate]
-num_samples = 50
-[cluster]
-setup = ["[ ! -e bad-disk ] || [ \"$SLURM_ARRAY_TASK_ID\" != 2 ] || export NPDR_SCRATCH=/proc/no"]
-)toml";
+std::string slow_study() {
+  return command_study("slow")
+      .only("target", {"truth = { a = 0.4, b = 0.7 }"})
+      .with("simulator", {"features = [\"sum\", \"difference\"]", "retries = 0"})
+      .with("simulate", {"shard_size = 40"})
+      .method("NPE", {"num_rounds = 2", "num_simulations = 160", kSmallFlow,
+                      "training = { max_epochs = 30 }"})
+      .with("evaluate", {"num_samples = 50"})
+      .with("cluster", {"setup = [\"[ ! -e bad-disk ] || [ \\\"$SLURM_ARRAY_TASK_ID\\\" != 2 ] "
+                        "|| export NPDR_SCRATCH=/proc/no\"]"});
+}
 
 constexpr const char* kSimulator = R"sh(
 if [ -e hang ] && [ "$(cat hang)" = "$SLURM_ARRAY_TASK_ID" ]; then
   touch hanging
-  sleep 600
+  tail -f /dev/null
 fi
 awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; print "sum,difference"; next }
          { printf "%.9g,%.9g\n", $column["a"] + $column["b"], $column["a"] - $column["b"] }' "$1" > "$2"
@@ -51,12 +38,7 @@ class Submit : public ClusterTest {
     ClusterTest::SetUp();
     if (IsSkipped()) return;
     write_text_file(cluster_->folder() / "simulate.sh", kSimulator);
-    write_text_file(cluster_->folder() / "slow.toml",
-                    edited(kStudy, "truth = {}", "truth = { a = 0.4, b = 0.7 }"));
-  }
-
-  static std::string edited(std::string text, const std::string& from, const std::string& to) {
-    return text.replace(text.find(from), from.size(), to);
+    write_text_file(cluster_->folder() / "slow.toml", slow_study());
   }
 
   Outcome npdr(std::vector<std::string> words) const {
@@ -80,7 +62,7 @@ class Submit : public ClusterTest {
     return id.substr(0, id.find(' '));
   }
 
-  // Of the first submission's only training.
+  // Log of the first submission's only training.
   std::filesystem::path log_of(const std::string& task) const {
     return cluster_->folder() / "runs/slow/jobs/001/logs" /
            ("infer-npe-seed-1-round-1-" + task + ".log");
@@ -105,7 +87,7 @@ class Submit : public ClusterTest {
 };
 
 TEST_F(Submit, AStudyHasTheBitsOfALocalRun) {
-  write_text_file(cluster_->folder() / "small.toml", small_study());
+  write_text_file(cluster_->folder() / "small.toml", std::string(small_study()));
   const Outcome submitted =
       npdr({"submit", "small.toml", "--wait", "--set", "simulate.shard_size=40"});
   EXPECT_EQ(submitted.status, 0) << submitted.err;
@@ -114,7 +96,7 @@ TEST_F(Submit, AStudyHasTheBitsOfALocalRun) {
   expect_bits_of_a_local_run("small");
 }
 
-TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCancelled) {
+TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCanceled) {
   const Outcome first = npdr({"submit", "slow.toml", "--sbatch=--hold"});
   EXPECT_EQ(first.status, 0) << first.err;
   const Outcome second = npdr({"submit", "slow.toml"});
@@ -164,7 +146,7 @@ TEST_F(Submit, AFailedShardSaysWhyAndDoesntHang) {
   expect_bits_of_a_local_run();
 }
 
-// What waits for the whole array can no longer begin, while a task of it still runs.
+// Jobs that wait for the whole array can no longer begin, while a task of it still runs.
 TEST_F(Submit, AgainAfterAFailureBringsBackWhatWaitsInVain) {
   write_text_file(cluster_->folder() / "bad-disk", "");
   const std::string array = submit_and_hang(3);
@@ -197,10 +179,8 @@ TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
     const std::string queue =
         cluster_->call({"squeue", "-h", "-t", "running", "-n", "npdr-slow-infer", "-o", "%i"}).out;
     task = queue.substr(0, queue.find('\n'));
-    return !task.empty() && std::filesystem::exists(cluster_->folder() /
-                                                    "runs/slow/logs/infer-npe-seed-1-round-1.log");
+    return !task.empty() && !temporaries(cluster_->folder() / "runs/.cache/infer").empty();
   });
-  std::this_thread::sleep_for(std::chrono::seconds(1));  // past its start
   EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", task}).status, 0);
   cluster_->wait_until("for a checkpoint", [&] { return has_checkpoint(); });
   cluster_->wait_until_idle();

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/message_of.h"
+
 namespace npdr {
 namespace {
 
@@ -13,8 +15,8 @@ TEST(Text, FindsTheNearestName) {
 }
 
 TEST(Text, UnknownNameListsWhatIsKnown) {
-  EXPECT_EQ(unknown_name("simulator", "furta", {"furuta", "pendulum"}),
-            "unknown simulator 'furta' (did you mean 'furuta'?); known: furuta, pendulum");
+  EXPECT_TRUE(says(unknown_name("simulator", "furta", {"furuta", "pendulum"}),
+                   {"unknown simulator 'furta'", "'furuta'", "known: furuta, pendulum"}));
 }
 
 TEST(Text, SplitsAtASeparator) {

@@ -30,7 +30,7 @@ std::size_t flip_step() {
   return text == nullptr ? 397 : static_cast<std::size_t>(std::max(1, std::atoi(text)));
 }
 
-// What became of files in which one byte was wrong.
+// Fates of files in which one byte was wrong.
 struct Flips {
   int detected = 0;  // with an InputError that names the file
   int harmless = 0;  // the same content
@@ -199,13 +199,10 @@ TEST_F(Repair, ADamagedCheckpointIsNamed) {
   const Artefact posterior = artefact("infer", "MAF, seed 1, round 2");
   const fs::path checkpoint = posterior.stem().string() + ".checkpoint.h5";
   forget(posterior);
-  for (int i = 0; i < 20 && !fs::exists(checkpoint); ++i) {
-    const Program program(folder_->path(), FaultFolder::making(posterior));
-    std::this_thread::sleep_for(std::chrono::milliseconds(40 + 10 * i));
-    program.send(SIGTERM);
-    program.wait();
-    if (!fs::exists(checkpoint)) forget(posterior);
-  }
+  const Program stopped(folder_->path(), FaultFolder::making(posterior));
+  EXPECT_TRUE(begins_to_make(stopped, folder_->cache()));
+  stopped.send(SIGTERM);
+  EXPECT_EQ(stopped.wait().status, 75);
   ASSERT_TRUE(fs::exists(checkpoint));
   const std::string good = text_of(checkpoint);
   for (const std::string& bytes :

@@ -34,7 +34,7 @@ class FullDisk : public Faults {
                                                              : artefact.path.filename().string();
     EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
     EXPECT_FALSE(fs::exists(artefact.path)) << artefact.label;
-    EXPECT_EQ(temporaries(folder_->work()), kNone) << artefact.label;
+    EXPECT_EQ(temporaries(folder_->work()), std::set<std::string>()) << artefact.label;
   }
 
   std::unique_ptr<TinyDisk> disk_;
@@ -82,7 +82,7 @@ TEST_F(FullDisk, ARunSaysSoAndGoesOnOnceThereIsSpace) {
   expect_same_results(*folder_);
 }
 
-// What a quota does.
+// A limit stands for a quota.
 TEST_F(Faults, AFileThatMayNotGrowIsAnErrorAndNothingIsLeft) {
   const Artefact artefact = folder_->artefacts_of("infer").front();
   fs::remove_all(artefact.path);

@@ -10,52 +10,22 @@ namespace npdr::pipeline {
 
 /// All stages, an estimator of each kind, two rounds and several shards, in about three seconds.
 inline std::string fault_study() {
-  return R"toml([study]
-name = "faults"
-seeds = [1]
-[target]
-recording = "recording.h5"
-num_rollouts = 1
-held_out = 1
-[simulator]
-name = "pendulum"
-store_every = 20
-[prior]
-pole_mass = { uniform = [0.3, 1.7] }
-pole_length = { uniform = [0.3, 1.7] }
-[observation_noise]
-scale = 0.1
-[simulate]
-shard_size = 64
-[[method]]
-name = "MAF"
-num_rounds = 2
-num_simulations = 200
-embedding = { kind = "all_steps", downsample = 40, principal_components = 8 }
-density_estimator = { kind = "maf", num_transforms = 2, hidden_features = 10 }
-training = { max_epochs = 300, stop_after_epochs = 300 }
-[[method]]
-name = "MoG"
-num_rounds = 2
-num_simulations = 200
-embedding = { kind = "all_steps", downsample = 40, principal_components = 8 }
-density_estimator = { kind = "mdn", num_components = 2, hidden_features = 10 }
-training = { max_epochs = 40 }
-[[method]]
-name = "ABC"
-algorithm = "abc_smc"
-num_rounds = 2
-num_simulations = 200
-abc = { quantile = 0.2, smooth = true, distance = "rmse" }
-[evaluate]
-num_samples = 40
-metrics = ["rmse"]
-floor = false
-[diagnose]
-checks = ["sbc", "predictive"]
-num_simulations = 60
-num_samples = 40
-)toml";
+  const std::string embedding =
+      "embedding = { kind = \"all_steps\", downsample = 40, principal_components = 8 }";
+  return pendulum_study("faults")
+      .only("target", {"recording = \"recording.h5\"", "num_rollouts = 1", "held_out = 1"})
+      .with("simulator", {"store_every = 20"})
+      .with("observation_noise", {"scale = 0.1"})
+      .with("simulate", {"shard_size = 64"})
+      .method("MAF", {"num_rounds = 2", "num_simulations = 200", embedding, kSmallFlow,
+                      "training = { max_epochs = 300, stop_after_epochs = 300 }"})
+      .method("MoG", {"num_rounds = 2", "num_simulations = 200", embedding, kSmallMixture,
+                      "training = { max_epochs = 40 }"})
+      .method("ABC", {"algorithm = \"abc_smc\"", "num_rounds = 2", "num_simulations = 200",
+                      "abc = { quantile = 0.2, smooth = true, distance = \"rmse\" }"})
+      .with("evaluate", {"num_samples = 40", "metrics = [\"rmse\"]", "floor = false"})
+      .with("diagnose",
+            {"checks = [\"sbc\", \"predictive\"]", "num_simulations = 60", "num_samples = 40"});
 }
 
 /// Two swings of a pendulum that is pushed, by semi-implicit Euler steps.
@@ -160,8 +130,8 @@ class FaultFolder {
   TempFolder folder_;
 };
 
-/// What a run leaves in a study's readable folder, by place: digests of artefacts, and the texts of
-/// tables, figures and report.
+/// Everything that a run leaves in a study's readable folder, by place: digests of artefacts, and
+/// the texts of tables, figures and report.
 inline std::map<std::string, std::string> results(const FaultFolder& folder) {
   std::map<std::string, std::string> found = digests(folder.readable());
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.readable())) {
@@ -191,15 +161,6 @@ inline std::vector<std::string> differences(const std::map<std::string, std::str
 
 inline const std::vector<std::string> kNone = {};
 
-/// Files of unfinished work below a folder.
-inline std::vector<std::string> temporaries(const std::filesystem::path& folder) {
-  std::vector<std::string> found;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (entry.path().extension() == ".tmp") found.push_back(entry.path().filename());
-  }
-  return found;
-}
-
 /// A study that has been run without disturbance, shared by the tests of a program.
 class Faults : public ::testing::Test {
  protected:
@@ -215,10 +176,10 @@ class Faults : public ::testing::Test {
     delete folder_;
   }
 
-  /// That everything is as if nothing had happened.
+  /// Expects everything to be as if nothing had happened.
   static void expect_same_results(const FaultFolder& folder) {
     EXPECT_EQ(differences(results(folder), *expected_), kNone);
-    EXPECT_EQ(temporaries(folder.work()), kNone);
+    EXPECT_EQ(temporaries(folder.work()), std::set<std::string>());
   }
 
   static FaultFolder* folder_;

@@ -30,7 +30,7 @@ TEST_F(Folders, TimesOfFilesMeanNothing) {
     for (const Artefact& artefact : folder_->artefacts()) {
       EXPECT_EQ(artefact.state, "up to date") << artefact.label;
     }
-    // What is made now is older, or newer, than what it is made from and what is made of it.
+    // The new file is older, or newer, than all that it is made from and that is made of it.
     fs::remove(posterior.path);
     EXPECT_EQ(folder_->npdr({"run"}).status, 0);
     EXPECT_EQ(folder_->npdr({"run", "--dry-run"}).out, "");
@@ -78,7 +78,7 @@ TEST_F(Folders, AWorkFolderThatDisappearsEndsTheRunAndTheNextOneGoesOn) {
   fs::remove_all(folder_->cache() / "infer");
   fs::remove_all(folder_->cache() / "evaluate");
   const Program program(folder_->path(), FaultFolder::words("npdr", {"run"}));
-  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  EXPECT_TRUE(begins_to_make(program, folder_->cache()));
   fs::rename(folder_->work(), gone);
   const Outcome outcome = program.wait();
   EXPECT_TRUE(outcome.status == 1 || outcome.status == 2) << outcome.status << outcome.err;

@@ -29,26 +29,12 @@ void write_dataset(const std::filesystem::path& folder, Index num_rows) {
 }
 
 std::string study(Index num_rows) {
-  return fmt::format(R"toml([study]
-name = "memory"
-[target]
-observation = "x_o.h5"
-[simulator]
-dataset = "data.h5"
-[prior]
-a = {{ uniform = [0, 1] }}
-b = {{ uniform = [0, 1] }}
-[simulate]
-shard_size = 5000
-[[method]]
-name = "MoG"
-num_simulations = {}
-density_estimator = {{ kind = "mdn", num_components = 2, hidden_features = 10 }}
-training = {{ max_epochs = 1, batch_size = 500 }}
-[evaluate]
-num_samples = 50
-)toml",
-                     num_rows);
+  return dataset_study("memory")
+      .with("target", {"observation = \"x_o.h5\""})
+      .with("simulate", {"shard_size = 5000"})
+      .method("MoG", {fmt::format("num_simulations = {}", num_rows), kSmallMixture,
+                      "training = { max_epochs = 1, batch_size = 500 }"})
+      .with("evaluate", {"num_samples = 50"});
 }
 
 // Peaks of each stage [bytes].
@@ -65,8 +51,8 @@ std::vector<double> peaks(Index num_rows, const std::vector<std::string>& progra
   return result;
 }
 
-// What a row may cost: proposals hold theta, simulations the dataset's rows in ascending order;
-// training holds x, and theta as it is, over u, and twice while one is made of the other.
+// Memory that a row may cost: proposals hold theta, simulations the dataset's rows in ascending
+// order; training holds x, and theta as it is, over u, and twice while one is made of the other.
 TEST(Memory, GrowsByNoMoreThanThetaAndWhatTrainingHolds) {
   setenv("OMP_NUM_THREADS", "1", 1);
   constexpr Index few = 10'000, many = 40'000;

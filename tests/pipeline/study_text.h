@@ -1,7 +1,5 @@
-/// A small valid study that tests take apart.
+/// Studies and what the reader says of them.
 #pragma once
-
-#include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
@@ -9,9 +7,11 @@
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/message_of.h"
+#include "tests/study_text.h"
 
 namespace npdr::pipeline {
 
+/// A small valid study that tests take apart: messages tell places in this text.
 inline constexpr const char* kStudyText = R"toml([study]
 name = "small"
 seeds = [1, 2]
@@ -34,15 +34,6 @@ num_simulations = 200
 name = "NPDR (MoG)"
 density_estimator = { kind = "mog" }
 )toml";
-
-/// `text` with `from` replaced by `to`; the test fails unless `from` occurs.
-inline std::string edited(const std::string& text, const std::string& from, const std::string& to) {
-  std::string result = text;
-  const std::size_t begin = text.find(from);
-  EXPECT_NE(begin, std::string::npos) << from;
-  if (begin != std::string::npos) result.replace(begin, from.size(), to);
-  return result;
-}
 
 /// The problems of a study's text, as the reader reports them; "" when there are none.
 inline std::string problems_of(const std::string& text,

@@ -9,8 +9,8 @@
 
 namespace npdr::sim {
 
-/// In lane i: y' = a_t - k_i y, with an action a_t that changes sign from each time step to the
-/// next. Over a step of dt: y <- a / k + (y - a / k) exp(-k dt).
+/// Decays in lane i: y' = a_t - k_i y, with an action a_t that changes sign from each time step to
+/// the next. Over a step of dt: y <- a / k + (y - a / k) exp(-k dt).
 class ForcedDecay final : public BatchProblem {
  public:
   Index num_states() const override { return 1; }

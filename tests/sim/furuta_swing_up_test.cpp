@@ -21,7 +21,7 @@ constexpr double kDegree = kPi / 180.0;
 
 FurutaSwingUp nominal_task() { return FurutaSwingUp(theta_of(Furuta())); }
 
-// What the last lane of a block gets.
+// Value of the last lane of a block.
 double command(const FurutaSwingUp& task, const Vector& policy, const Vector& state) {
   const RowMatrix policies = policy.replicate(1, kLaneBlock), y = state.replicate(1, kLaneBlock);
   RowMatrix commanded(1, kLaneBlock);

@@ -32,11 +32,11 @@ TEST(Acceptance, TakesTheNearestAndOfTiesTheFirst) {
 }
 
 TEST(Acceptance, TooFewSayWhatToChange) {
-  EXPECT_EQ(message_of<Error>([] {
-              require_enough({{3, 5}, 0.25}, 100, 2);
-            }),
-            "ABC accepted 2 of 100 simulations (epsilon = 0.25), must be > 2, the number of "
-            "parameters; raise abc.quantile, abc.epsilon or num_simulations");
+  EXPECT_TRUE(says(message_of<Error>([] {
+                     require_enough({{3, 5}, 0.25}, 100, 2);
+                   }),
+                   {"ABC accepted 2 of 100 simulations (epsilon = 0.25)", "must be > 2",
+                    "raise abc.quantile, abc.epsilon or num_simulations"}));
 }
 
 /// d(x, x_o) of theta, with the stream of its row.

@@ -33,7 +33,7 @@ TEST(MlpClassifier, LearnsABorderThatIsNoLine) {
   EXPECT_GT(accuracy(classifier, x.bottomRows(1000), classes.tail(1000)), 0.95);
 }
 
-// Of N(1, 1) against N(-1, 1) the logit of the best classifier is 2 x.
+// The best classifier of N(1, 1) against N(-1, 1) has the logit 2 x.
 TEST(MlpClassifier, LogitsAreTheLogRatioOfDensities) {
   constexpr Index n = 4000;
   RowMatrixF x(2 * n, 1);

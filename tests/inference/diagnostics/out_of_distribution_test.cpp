@@ -24,7 +24,7 @@ VectorF observation(double first, double second) {
   return features(theta, 7).row(0).transpose();
 }
 
-// Of 100 simulations among others at most 8 have p < 0.02: P(more) = 1e-3 by chance for 2 expected,
+// At most 8 of 100 simulations among others have p < 0.02: P(more) = 1e-3 by chance for 2 expected,
 // fixed seed; p is three times the smallest of three, so fewer are likely.
 TEST(OutOfDistribution, ASimulationLooksLikeTheOthers) {
   int alarms = 0;
@@ -65,7 +65,7 @@ TEST(OutOfDistribution, FindsAFeatureThatWasTheSameInAllSimulations) {
   EXPECT_LT(found.p_value, 1e-3);
 }
 
-// Parameters on a ring: its centre is near the mean, but no simulation is near it.
+// Parameters on a ring: its center is near the mean, but no simulation is near it.
 TEST(OutOfDistribution, FindsAHole) {
   RowMatrix theta = gaussian(1000, 2, 1);
   theta = theta.rowwise().normalized().eval();

@@ -40,7 +40,7 @@ TEST(Uniformity, PValueIsKolmogorovsTail) {
   EXPECT_NEAR(p_of(10'000, 0.016276), 0.01, 0.0003);
 }
 
-// Of 400 samples a share of 5 % has p < 0.05; four standard errors are 4.4 % (false-alarm rate
+// A share of 5 % of 400 samples has p < 0.05; four standard errors are 4.4 % (false-alarm rate
 // 6e-5).
 TEST(Uniformity, FalseAlarmsAreAsFrequentAsTheySay) {
   double smirnov = 0.0, chi_square = 0.0;

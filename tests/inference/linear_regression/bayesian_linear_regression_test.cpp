@@ -98,8 +98,8 @@ TEST(BayesianLinearRegression, SamplesHaveThePosteriorsMoments) {
   constexpr Index n = 20'000;
   const RowMatrix w = posterior.sample(n, {1, "weights", 0, 0, 0});
   const Eigen::RowVectorXd mean = w.colwise().mean();
-  const RowMatrix centred = w.rowwise() - mean;
-  const Eigen::MatrixXd covariance = centred.transpose() * centred / double(n);
+  const RowMatrix centered = w.rowwise() - mean;
+  const Eigen::MatrixXd covariance = centered.transpose() * centered / double(n);
   for (Index k = 0; k < 3; ++k) {
     const double deviation = std::sqrt(posterior.covariance(k, k));
     EXPECT_NEAR(mean(k), kWeights(k), 5.0 * deviation / std::sqrt(double(n)));
@@ -113,9 +113,9 @@ TEST(BayesianLinearRegression, SamplesHaveThePosteriorsMoments) {
 }
 
 TEST(BayesianLinearRegression, RejectsDataThatTellNothing) {
-  EXPECT_EQ(
+  EXPECT_TRUE(says(
       message_of<InputError>([] { maximise_evidence(RowMatrix::Ones(3, 3), Vector::Ones(3)); }),
-      "linear regression: 3 rows, must be > 3, the number of weights");
+      {"linear regression: 3 rows", "must be > 3"}));
   EXPECT_EQ(
       message_of<InputError>([] { maximise_evidence(RowMatrix::Ones(5, 3), Vector::Zero(5)); }),
       "linear regression: the response is 0 throughout, so it tells nothing");

@@ -45,21 +45,25 @@ TEST_F(FeatureFiles, NameThemselvesWhereNobodyElseHas) {
 
 TEST_F(FeatureFiles, MustHaveTheRowsAndColumnsThatAreExpected) {
   EXPECT_EQ(problem_of("1,2\n", 2), "x.csv: has 1 rows, must have 2");
-  EXPECT_EQ(problem_of("1,2\n3,4\n5,6\n", 2), "x.csv: has more than 2 rows, must have 2");
-  EXPECT_EQ(problem_of("1\n2\n", 2), "x.csv: has 1 columns, must have 2: peak [m], mean");
-  EXPECT_EQ(problem_of("peak,men\n1,2\n", 1),
-            "x.csv: has no column 'mean' (did you mean 'men'?); it has peak, men");
-  EXPECT_EQ(problem_of("peak,mean,rest\n1,2,3\n", 1),
-            "x.csv: has 3 columns, must have 2: peak [m], mean");
+  EXPECT_TRUE(
+      says(problem_of("1,2\n3,4\n5,6\n", 2), {"x.csv: has more than 2 rows", "must have 2"}));
+  EXPECT_TRUE(says(problem_of("1\n2\n", 2), {"x.csv: has 1 columns", "must have 2"}));
+  EXPECT_TRUE(says(problem_of("peak,men\n1,2\n", 1),
+                   {"x.csv: has no column 'mean'", "'men'", "it has peak, men"}));
+  EXPECT_TRUE(says(problem_of("peak,mean,rest\n1,2,3\n", 1),
+                   {"x.csv: has 3 columns", "must have 2", "peak, mean"}));
 }
 
 TEST_F(FeatureFiles, OfHdf5MustHoldTheDataset) {
-  EXPECT_EQ(hdf5_problem([](h5::File& file) { file.write("y", RowMatrix(RowMatrix::Zero(2, 2))); }),
-            "x.h5: has no dataset 'x' (did you mean 'y'?); it has y");
-  EXPECT_EQ(hdf5_problem([](h5::File& file) { file.write("x", RowMatrix(RowMatrix::Zero(3, 2))); }),
-            "x.h5: dataset 'x' has shape (3, 2), must be (2, any)");
-  EXPECT_EQ(hdf5_problem([](h5::File& file) { file.write("x", RowMatrix(RowMatrix::Zero(2, 3))); }),
-            "x.h5: dataset 'x': has 3 columns, must have 2: peak [m], mean");
+  EXPECT_TRUE(
+      says(hdf5_problem([](h5::File& file) { file.write("y", RowMatrix(RowMatrix::Zero(2, 2))); }),
+           {"x.h5: has no dataset 'x'", "'y'", "it has y"}));
+  EXPECT_TRUE(
+      says(hdf5_problem([](h5::File& file) { file.write("x", RowMatrix(RowMatrix::Zero(3, 2))); }),
+           {"x.h5: dataset 'x' has shape (3, 2)", "must be (2, any)"}));
+  EXPECT_TRUE(
+      says(hdf5_problem([](h5::File& file) { file.write("x", RowMatrix(RowMatrix::Zero(2, 3))); }),
+           {"x.h5: dataset 'x': has 3 columns", "must have 2"}));
   EXPECT_NE(hdf5_problem([](h5::File& file) { file.write_texts("x", {"a", "b"}); }), "");
 }
 
@@ -73,9 +77,9 @@ TEST_F(FeatureFiles, AnObservationIsOneFiniteRow) {
     return message_of<InputError>([&] { read_observation(folder_.file("x_o.csv", text), {}); },
                                   &folder_);
   };
-  EXPECT_EQ(problem("a,b\n1,nan\n"), "x_o.csv: 'b' = nan, must be a finite number");
-  EXPECT_EQ(problem("1,2\n3,4\n"), "x_o.csv: has more than 1 rows, must have 1");
-  EXPECT_EQ(problem("1e200\n"), "x_o.csv: 'x0' = 1e+200, must be a finite number");
+  EXPECT_TRUE(says(problem("a,b\n1,nan\n"), {"x_o.csv: 'b' = nan", "must be a finite number"}));
+  EXPECT_TRUE(says(problem("1,2\n3,4\n"), {"x_o.csv: has more than 1 rows", "must have 1"}));
+  EXPECT_TRUE(says(problem("1e200\n"), {"x_o.csv: 'x0' = 1e+200", "must be a finite number"}));
 }
 
 TEST_F(FeatureFiles, AnObservationMayBeAVectorOfHdf5) {

@@ -124,9 +124,9 @@ TEST_F(PosteriorFile, AProposalComesBackAsItWasOrIsRefused) {
         .dataset("precision_factor")
         .write_rows<double>(0, 1, {singular.data(), 1});
   };
-  EXPECT_EQ(message_of<InputError>([&] { reread(parts, spoil); }, &folder_),
-            "p.h5: group 'proposal': precision_factor must have a positive diagonal; rerun stage "
-            "'infer'");
+  EXPECT_TRUE(says(message_of<InputError>([&] { reread(parts, spoil); }, &folder_),
+                   {"p.h5: group 'proposal': precision_factor", "must have a positive diagonal",
+                    "rerun stage 'infer'"}));
 }
 
 TEST_F(PosteriorFile, ComesBackAsItWas) {
@@ -137,23 +137,23 @@ TEST_F(PosteriorFile, ComesBackAsItWas) {
 
 TEST_F(PosteriorFile, AStructureSeedMustBeAnInteger) {
   for (const char* text : {"abc", "", "5x", "-1", "99999999999999999999"}) {
-    EXPECT_EQ(
-        message_after("structure_seed", std::string(text)),
-        "p.h5: attribute 'structure_seed' = '" + std::string(text) + "', must be an integer >= 0");
+    EXPECT_TRUE(says(message_after("structure_seed", std::string(text)),
+                     {"p.h5: attribute 'structure_seed' = '" + std::string(text) + "'",
+                      "must be an integer >= 0"}));
   }
 }
 
 TEST_F(PosteriorFile, LayersOfAbsurdSizesAreRefused) {
-  EXPECT_EQ(message_of_estimator({.hidden_features = 200000}),
-            "p.h5: attribute 'density_estimator': hidden_features = 200000, must be >= 1 and <= "
-            "4096");
-  EXPECT_EQ(message_of_estimator({.num_hidden_layers = 1000000}),
-            "p.h5: attribute 'density_estimator': num_hidden_layers = 1000000, must be >= 1 and <= "
-            "128");
+  EXPECT_TRUE(says(message_of_estimator({.hidden_features = 200000}),
+                   {"p.h5: attribute 'density_estimator': hidden_features = 200000",
+                    "must be >= 1 and <= 4096"}));
+  EXPECT_TRUE(says(message_of_estimator({.num_hidden_layers = 1000000}),
+                   {"p.h5: attribute 'density_estimator': num_hidden_layers = 1000000",
+                    "must be >= 1 and <= 128"}));
   for (const Index width : {Index{-1}, Index{1} << 40}) {
-    EXPECT_EQ(message_after("trained_features", width),
-              "p.h5: attribute 'trained_features' = " + std::to_string(width) +
-                  ", must be >= 0 and <= 4096");
+    EXPECT_TRUE(says(message_after("trained_features", width),
+                     {"p.h5: attribute 'trained_features' = " + std::to_string(width),
+                      "must be >= 0 and <= 4096"}));
   }
 }
 

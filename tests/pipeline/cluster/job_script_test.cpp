@@ -6,39 +6,21 @@
 #include "pipeline/config/cluster_check.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/message_of.h"
+#include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kStudy = R"([study]
-name = "small"
-
-[target]
-truth = {}
-
-[simulator]
-name = "pendulum"
-
-[prior]
-pole_mass = { uniform = [0.5, 1.5] }
-
-[simulate]
-shard_size = 50
-
-[[method]]
-name = "NPE"
-num_simulations = 225
-
-[cluster]
-partition = "short"
-time = "01:00:00"
-setup = ["module load gcc/12"]
-scratch = "$TMPDIR"
-sbatch = ["--qos=long"]
-mail = "me@example.org"
-simulate = { cpus = 2, memory = "500M" }
-)";
+std::string one_method() {
+  return pendulum_study("small")
+      .with("simulate", {"shard_size = 50"})
+      .method("NPE", {"num_simulations = 225"})
+      .with("cluster",
+            {"partition = \"short\"", "time = \"01:00:00\"", "setup = [\"module load gcc/12\"]",
+             "scratch = \"$TMPDIR\"", "sbatch = [\"--qos=long\"]", "mail = \"me@example.org\"",
+             "simulate = { cpus = 2, memory = \"500M\" }"});
+}
 
 class JobScripts : public testing::Test {
  protected:
@@ -51,7 +33,7 @@ class JobScripts : public testing::Test {
   }
 
   TempFolder folder_;
-  Plan plan_ = make_plan(parse_study(kStudy, "s.toml"), WorkFolder(folder_ / "runs"));
+  Plan plan_ = make_plan(parse_study(one_method(), "s.toml"), WorkFolder(folder_ / "runs"));
 };
 
 #define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
@@ -96,30 +78,31 @@ TEST_F(JobScripts, OfOtherStagesRunTheirArtefacts) {
 }
 
 TEST(ClusterTable, IsCheckedAndASitesKeysAreDefaults) {
-  const std::string text = kStudy;
+  const std::string text = one_method();
   ClusterConfig site;
   site.account = "lab";
   site.partition = "long";
   const Study study = parse_study(text, "s.toml", {}, site);
   EXPECT_EQ(study.cluster.account, "lab");
   EXPECT_EQ(study.cluster.partition, "short");
-  EXPECT_EQ(message_of<InputError>([&] {
-              parse_study(text, "s.toml",
-                          {"cluster.time=\"1 hour\"", "cluster.partition='a b'",
-                           "cluster.scratch='/tmp/\"x'"});
-            }),
-            "--set cluster.partition='a b': cluster.partition = 'a b', must be one word of "
-            "printable characters without quotes\n"
-            "--set cluster.time=\"1 hour\": cluster.time = '1 hour', must be a time such as 90 "
-            "(minutes), 01:30:00 or 1-12:00 (days-hours:minutes)\n"
-            "--set cluster.scratch='/tmp/\"x': cluster.scratch = '/tmp/\"x', must be one word of "
-            "printable characters without quotes");
+  EXPECT_TRUE(says(message_of<InputError>([&] {
+                     parse_study(text, "s.toml",
+                                 {"cluster.time=\"1 hour\"", "cluster.partition='a b'",
+                                  "cluster.scratch='/tmp/\"x'"});
+                   }),
+                   {"--set cluster.partition='a b': cluster.partition = 'a b'",
+                    "must be one word of printable characters without quotes",
+                    "\n--set cluster.time=\"1 hour\": cluster.time = '1 hour'",
+                    "must be a time such as 90 (minutes), 01:30:00 or 1-12:00 (days-hours:minutes)",
+                    "\n--set cluster.scratch='/tmp/\"x': cluster.scratch = '/tmp/\"x'",
+                    "must be one word of printable characters without quotes"}));
 }
 
 TEST(ClusterTable, ATimeLimitIsLongerThanTheWarningBeforeIt) {
-  EXPECT_EQ(message_of<InputError>([] { parse_study(kStudy, "s.toml", {"cluster.time=\"2\""}); }),
-            "--set cluster.time=\"2\": cluster.time = '2', must be longer than "
-            "cluster.signal_seconds = 120");
+  EXPECT_TRUE(says(
+      message_of<InputError>([] { parse_study(one_method(), "s.toml", {"cluster.time=\"2\""}); }),
+      {"--set cluster.time=\"2\": cluster.time = '2'",
+       "must be longer than cluster.signal_seconds = 120"}));
   EXPECT_EQ(seconds_of("90"), 5400.0);
   EXPECT_EQ(seconds_of("01:30"), 90.0);
   EXPECT_EQ(seconds_of("01:00:05"), 3605.0);
@@ -130,7 +113,7 @@ TEST(ClusterTable, ATimeLimitIsLongerThanTheWarningBeforeIt) {
 TEST(ClusterTable, OptionsThatAJobNeedsItselfAreRefused) {
   for (const char* option : {"--dependency=afterok:1", "--comment=x", "-a 1-3", "--output=x"}) {
     EXPECT_THROW(
-        parse_study(kStudy, "s.toml", {"cluster.sbatch=[\"" + std::string(option) + "\"]"}),
+        parse_study(one_method(), "s.toml", {"cluster.sbatch=[\"" + std::string(option) + "\"]"}),
         InputError)
         << option;
   }
@@ -139,8 +122,8 @@ TEST(ClusterTable, OptionsThatAJobNeedsItselfAreRefused) {
 TEST(ClusterTable, ChangesNoKey) {
   TempFolder folder;
   const WorkFolder work(folder / "runs");
-  const Plan one = make_plan(parse_study(kStudy, "s.toml"), work);
-  const Plan other = make_plan(parse_study(kStudy, "s.toml", {"cluster.time=\"5\""}), work);
+  const Plan one = make_plan(parse_study(one_method(), "s.toml"), work);
+  const Plan other = make_plan(parse_study(one_method(), "s.toml", {"cluster.time=\"5\""}), work);
   for (std::size_t i = 0; i < one.nodes.size(); ++i) {
     EXPECT_EQ(one.nodes[i].key, other.nodes[i].key);
   }

@@ -11,37 +11,23 @@
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/config/study_reader.h"
+#include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
 
 // Two seeds of two rounds of 200 simulations in shards of 50.
-constexpr const char* kStudy = R"([study]
-name = "small"
-seeds = [1, 2]
-
-[target]
-truth = {}
-
-[simulator]
-name = "pendulum"
-
-[prior]
-pole_mass = { uniform = [0.5, 1.5] }
-
-[simulate]
-shard_size = 50
-
-[[method]]
-name = "NPE"
-num_rounds = 2
-num_simulations = 200
-)";
+std::string two_seeds() {
+  return pendulum_study("small")
+      .with("study", {"seeds = [1, 2]"})
+      .with("simulate", {"shard_size = 50"})
+      .method("NPE", {"num_rounds = 2", "num_simulations = 200"});
+}
 
 class Jobs : public testing::Test {
  protected:
-  Jobs() : plan_(make_plan(parse_study(kStudy, "s.toml"), WorkFolder(folder_ / "runs"))) {}
+  Jobs() : plan_(make_plan(parse_study(two_seeds(), "s.toml"), WorkFolder(folder_ / "runs"))) {}
 
   JobsInput input() const {
     return {plan_, std::nullopt, std::vector<std::optional<InFlight>>(plan_.nodes.size()),
@@ -211,7 +197,8 @@ TEST_F(Jobs, ThatWaitForAFailedTaskAreDoomed) {
 }
 
 TEST_F(Jobs, OfAnotherWorkFolderAreNotOurs) {
-  const Plan other = make_plan(parse_study(kStudy, "s.toml"), WorkFolder(folder_ / "elsewhere"));
+  const Plan other =
+      make_plan(parse_study(two_seeds(), "s.toml"), WorkFolder(folder_ / "elsewhere"));
   const auto jobs = make_jobs(input());
   const QueuedTask task =
       parse_queued_tasks("40|0|RUNNING|None|n2|" + tag_of(plan_, jobs[1]).text()).front();
@@ -221,23 +208,11 @@ TEST_F(Jobs, OfAnotherWorkFolderAreNotOurs) {
 
 TEST(PolicyJobs, TheNextIterationWaitsForTheRolloutsThatAPolicyCollects) {
   const TempFolder folder;
-  const Plan plan = make_plan(parse_study(R"([study]
-name = "loop"
-[target]
-truth = {}
-[simulator]
-name = "furuta"
-[prior]
-pole_mass = { uniform = [0.01, 0.03] }
-[[method]]
-name = "NPE"
-num_iterations = 2
-[policy]
-[cluster.policy]
-cpus = 7
-)",
-                                          "s.toml"),
-                              WorkFolder(folder / "runs"));
+  const std::string study = furuta_study("loop")
+                                .method("NPE", {"num_iterations = 2"})
+                                .with("policy", {})
+                                .with("cluster.policy", {"cpus = 7"});
+  const Plan plan = make_plan(parse_study(study, "s.toml"), WorkFolder(folder / "runs"));
   const std::vector<Job> jobs =
       make_jobs({plan, std::nullopt, std::vector<std::optional<InFlight>>(plan.nodes.size()),
                  std::vector<Index>(plan.nodes.size(), 1), 1001});

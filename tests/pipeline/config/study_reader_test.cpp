@@ -67,9 +67,8 @@ TEST(StudyReader, ReadsEveryKindOfKey) {
 TEST(StudyReader, FindsMethodsByName) {
   EXPECT_EQ(small_study().method("NPDR (MoG)").density_estimator.kind,
             inference::EstimatorKind::mdn);
-  EXPECT_EQ(message_of<InputError>([] { small_study().method("NPDR (MaG)"); }),
-            "unknown method 'NPDR (MaG)' (did you mean 'NPDR (MAF)'?); known: NPDR (MAF), "
-            "NPDR (MoG)");
+  EXPECT_TRUE(says(message_of<InputError>([] { small_study().method("NPDR (MaG)"); }),
+                   {"unknown method 'NPDR (MaG)'", "'NPDR (MAF)'", "known: NPDR (MAF)"}));
 }
 
 TEST(StudyReader, KnowsWhereKeysStand) {

@@ -1,4 +1,4 @@
-/// What tests ask of plans.
+/// Questions that tests ask of plans.
 #pragma once
 
 #include <algorithm>

@@ -10,36 +10,27 @@
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/pipeline/plan/plan_parts.h"
+#include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kStudy = R"toml(
-[study]
-name = "two"
-seeds = [1, 2]
-[target]
-truth = {}
-[simulator]
-name = "pendulum"
-[prior]
-pole_mass = { uniform = [0.3, 1.7] }
-[[method]]
-name = "A"
-num_rounds = 2
-num_simulations = 100
-embedding = { kind = "bayessim" }
-[[method]]
-name = "B"
-num_rounds = 1
-num_simulations = 100
-embedding = { kind = "bayessim" }
-density_estimator = { kind = "mdn" }
-)toml";
+StudyText two_methods() {
+  return StudyText("two")
+      .with("study", {"seeds = [1, 2]"})
+      .with("target", {"truth = {}"})
+      .with("simulator", {"name = \"pendulum\""})
+      .with("prior", {"pole_mass = { uniform = [0.3, 1.7] }"})
+      .method("A",
+              {"num_rounds = 2", "num_simulations = 100", "embedding = { kind = \"bayessim\" }"})
+      .method("B", {"num_simulations = 100", "embedding = { kind = \"bayessim\" }",
+                    "density_estimator = { kind = \"mdn\" }"});
+}
 
 Plan plan_of(const std::vector<std::string>& overrides = {}, const Selection& selection = {}) {
-  return make_plan(parse_study(kStudy, "two.toml", overrides), WorkFolder("runs"), selection);
+  return make_plan(parse_study(std::string(two_methods()), "two.toml", overrides),
+                   WorkFolder("runs"), selection);
 }
 
 TEST(Plan, EveryNodeComesAfterWhatItNeeds) {
@@ -189,32 +180,27 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
     overrides.insert(overrides.end(), more.begin(), more.end());
     return message_of<InputError>([&] { plan_of(overrides); });
   };
-  EXPECT_EQ(
-      problems({"target.num_rollouts=3"}),
-      "--set target.num_rollouts=3: target.num_rollouts = 3, must be <= 2, what the recording "
-      "holds");
-  EXPECT_EQ(problems({"method.B.num_rollouts=3"}),
-            "--set method.B.num_rollouts=3: method.num_rollouts = 3, must be <= 2, the rollouts of "
-            "the target");
-  EXPECT_EQ(problems({"method.A.embedding.downsample=21"}),
-            "--set method.A.embedding.downsample=21: method.embedding.downsample = 21, must be <= "
-            "20, so that two of the 40 states of a rollout are left");
+  EXPECT_TRUE(says(problems({"target.num_rollouts=3"}),
+                   {"--set target.num_rollouts=3: target.num_rollouts = 3", "must be <= 2"}));
+  EXPECT_TRUE(says(problems({"method.B.num_rollouts=3"}),
+                   {"--set method.B.num_rollouts=3: method.num_rollouts = 3", "must be <= 2"}));
+  EXPECT_TRUE(says(problems({"method.A.embedding.downsample=21"}),
+                   {"--set method.A.embedding.downsample=21: method.embedding.downsample = 21",
+                    "must be <= 20"}));
   EXPECT_TRUE(problems({"simulator.store_every=41", "method.embedding.downsample=41"})
                   .starts_with("--set simulator.store_every=41: simulator.store_every = 41, must "
                                "be <= 40, the steps of a rollout\n--set method.embedding"));
-  EXPECT_EQ(problems({"method.A.embedding.principal_components=13"}),
-            "--set method.A.embedding.principal_components=13: "
-            "method.embedding.principal_components = 13, must be <= 12, the smallest of 12 "
-            "features, 95 simulations of round 1 that may not fail, and 2000");
-  const std::string text =
-      std::string(kStudy) + "[[method]]\nname = 'C'\n" + "embedding = { downsample = 30 }\n";
-  EXPECT_EQ(
-      message_of<InputError>([&] {
-        make_plan(parse_study(text, "two.toml", {"target.recording=" + (folder / "r.h5").string()}),
-                  WorkFolder("runs"));
-      }),
-      "two.toml:24:28: method.embedding.downsample = 30, must be <= 20, so that two of the 40 "
-      "states of a rollout are left");
+  EXPECT_TRUE(says(problems({"method.A.embedding.principal_components=13"}),
+                   {"--set method.A.embedding.principal_components=13: "
+                    "method.embedding.principal_components = 13",
+                    "must be <= 12"}));
+  const std::string text = two_methods().method("C", {"embedding = { downsample = 30 }"});
+  EXPECT_TRUE(says(message_of<InputError>([&] {
+                     make_plan(parse_study(text, "two.toml",
+                                           {"target.recording=" + (folder / "r.h5").string()}),
+                               WorkFolder("runs"));
+                   }),
+                   {"two.toml:24:28: method.embedding.downsample = 30", "must be <= 20"}));
 }
 
 TEST(Plan, MethodsShareTheSimulationsOfCalibration) {
@@ -272,7 +258,7 @@ TEST(Plan, KeysOfStudiesWithoutPoliciesStay) {
             "3ebc34cb410298d1ca9f5cacb40fda4b");
 }
 
-// What a population needs of the rounds before the last is in the last one's posterior.
+// The last round's posterior holds all that a population needs of the rounds before it.
 TEST(Plan, APopulationNeedsTheLastRoundAlone) {
   const Plan plan = plan_of({"method.\"A\".algorithm=abc_smc", "method.\"A\".num_rounds=3"});
   const Node& third = plan.node(Stage::infer, {"A", 1, 3});
@@ -297,19 +283,7 @@ TEST(Plan, PosteriorsDependOnTheSettingsOfTheirOwnFamily) {
 }
 
 TEST(Plan, ARegressionNeedsTheTargetAlone) {
-  const char* text = R"toml(
-[study]
-name = "r"
-[target]
-truth = {}
-[simulator]
-name = "furuta"
-[prior]
-pole_mass = { uniform = [0.01, 0.03] }
-[[method]]
-name = "R"
-algorithm = "linear_regression"
-)toml";
+  const std::string text = furuta_study("r").method("R", {"algorithm = \"linear_regression\""});
   const auto plan = [&](const std::vector<std::string>& overrides) {
     return make_plan(parse_study(text, "r.toml", overrides), WorkFolder("runs"));
   };

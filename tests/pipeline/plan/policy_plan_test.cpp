@@ -3,40 +3,30 @@
 #include "pipeline/config/study_reader.h"
 #include "pipeline/run/scheduler.h"
 #include "tests/pipeline/plan/plan_parts.h"
+#include "tests/study_text.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kLoop = R"toml(
-[study]
-name = "loop"
-seeds = [1, 2]
-[target]
-truth = { pole_mass = 0.02 }
-num_rollouts = 2
-[simulator]
-name = "furuta"
-[prior]
-pole_mass = { uniform = [0.01, 0.03] }
-[[method]]
-name = "once"
-num_simulations = 100
-[[method]]
-name = "online"
-num_simulations = 100
-num_iterations = 3
-policy_iterations = 1
-[[method]]
-name = "randomised"
-algorithm = "prior"
-[[method]]
-name = "nominal"
-algorithm = "nominal"
-[policy]
-)toml";
+StudyText two_posteriors(const StudyText::Lines& loop) {
+  StudyText::Lines online = {"num_simulations = 100"};
+  online.insert(online.end(), loop.begin(), loop.end());
+  return furuta_study("loop")
+      .with("study", {"seeds = [1, 2]"})
+      .with("target", {"truth = { pole_mass = 0.02 }", "num_rollouts = 2"})
+      .method("once", {"num_simulations = 100"})
+      .method("online", online);
+}
+
+std::string loop_text() {
+  return two_posteriors({"num_iterations = 3", "policy_iterations = 1"})
+      .method("randomized", {"algorithm = \"prior\""})
+      .method("nominal", {"algorithm = \"nominal\""})
+      .with("policy", {});
+}
 
 Plan loop_of(const std::vector<std::string>& overrides = {}) {
-  return make_plan(parse_study(kLoop, "loop.toml", overrides), WorkFolder("runs"));
+  return make_plan(parse_study(loop_text(), "loop.toml", overrides), WorkFolder("runs"));
 }
 
 TEST(PolicyPlan, EveryMethodSearchesAndIsTestedBeforeAndAfter) {
@@ -48,7 +38,7 @@ TEST(PolicyPlan, EveryMethodSearchesAndIsTestedBeforeAndAfter) {
   EXPECT_EQ(count(plan, Stage::evaluate), 2 * 2);
   const Node& search = plan.node(Stage::policy, {"once", 1, 0, 1});
   EXPECT_EQ(inputs_of(plan, search), std::vector<Stage>{Stage::infer});
-  EXPECT_TRUE(inputs_of(plan, plan.node(Stage::policy, {"randomised", 1, 0, 1})).empty());
+  EXPECT_TRUE(inputs_of(plan, plan.node(Stage::policy, {"randomized", 1, 0, 1})).empty());
   const Node& before = plan.node(Stage::policy_test, {"nominal", 2, 0, 0});
   EXPECT_EQ(&before, &plan.node(Stage::policy_test, {"online", 2, 0, 0}));
   EXPECT_EQ(before.label(), "policy_test once, seed 2, before any search");
@@ -82,9 +72,7 @@ TEST(PolicyPlan, LaterIterationsInferFromWhatThePolicyCollects) {
 TEST(PolicyPlan, AFirstIterationSharesWhatAStudyWithoutPoliciesHasMade) {
   const Plan plan = loop_of();
   const Plan without =
-      make_plan(parse_study(std::string(kLoop).substr(0, std::string(kLoop).find("num_iterations")),
-                            "loop.toml"),
-                WorkFolder("runs"));
+      make_plan(parse_study(std::string(two_posteriors({})), "loop.toml"), WorkFolder("runs"));
   EXPECT_EQ(without.node(Stage::infer, {"online", 1, 1}).key,
             plan.node(Stage::infer, {"online", 1, 1, 1}).key);
   EXPECT_EQ(&plan.node(Stage::simulate, {"online", 1, 1, 1}),
@@ -141,7 +129,7 @@ TEST(PolicyPlan, AMethodSeesItsFirstRolloutsOfEachIteration) {
   EXPECT_EQ(num_rollouts_seen(method, {"A", 1, 1, 3}), 6);
 }
 
-// What comes later in the loop can be asked for without the report.
+// Later parts of the loop can be asked for without the report.
 TEST(PolicyPlan, StagesUntilInferenceReachTheLaterIterations) {
   const Plan plan = loop_of();
   const auto has = [&](Stage until, Stage stage, const Use& use) {
@@ -156,8 +144,8 @@ TEST(PolicyPlan, StagesUntilInferenceReachTheLaterIterations) {
 
 // It shows of the target whatever else there is.
 TEST(PolicyPlan, TheReportNeedsTheTargetAlsoWhereNothingIsInferred) {
-  const Plan plan = make_plan(parse_study(kLoop, "loop.toml"), WorkFolder("runs"),
-                              {{"randomised", "nominal"}, {}});
+  const Plan plan = make_plan(parse_study(loop_text(), "loop.toml"), WorkFolder("runs"),
+                              {{"randomized", "nominal"}, {}});
   const std::vector<Stage> inputs = inputs_of(plan, plan.nodes.back());
   EXPECT_EQ(std::ranges::count(inputs, Stage::target), 1);
 }

@@ -29,15 +29,10 @@ TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
                                               "exp N(-3, 0.5²)", "N(9.81, 0.05²)"}));
 }
 
-// The small study, of the mini golf with another prior.
-Plan golf_plan_of(const std::string& prior) {
-  std::string text = edited(kStudyText, "pendulum", "minigolf");
-  text = edited(text, "truth = { pole_mass = 1.1 }", "truth = {}");
-  text = edited(text,
-                "pole_mass = { uniform = [0.3, 1.7] }\n"
-                "pole_length = { log_uniform = [0.3, 1.7] }",
-                prior);
-  return make_plan(parse_study(text, "s.toml"), WorkFolder("runs"));
+Plan golf_plan_of(const StudyText::Lines& prior) {
+  const std::string study =
+      minigolf_study("golf").only("prior", prior).method("NPDR (MAF)", {"num_simulations = 200"});
+  return make_plan(parse_study(study, "s.toml"), WorkFolder("runs"));
 }
 
 // One run whose posterior samples are `theta`.
@@ -56,10 +51,10 @@ double contraction(const analysis::Table& table, std::size_t parameter) {
 // Samples +-s of [-pi/2, pi/2], an obstacle's angle: at its middle, and the same around its end,
 // where the copies modulo pi lie on the other side. Variance 2 s^2 (two values, n - 1).
 TEST(ReportTables, ContractionKnowsPeriods) {
-  const Plan plan = golf_plan_of(
-      "ball_restitution = { uniform = [0.0, 1.0] }\n"
-      "obstacle1_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }\n"
-      "obstacle2_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }");
+  const Plan plan =
+      golf_plan_of({"ball_restitution = { uniform = [0.0, 1.0] }",
+                    "obstacle1_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }",
+                    "obstacle2_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }"});
   const double s = 0.01, end = std::numbers::pi / 2;
   RowMatrix theta(2, 3);
   theta << 0.5 - s, -s, end - s, 0.5 + s, s, -end + s;
@@ -74,7 +69,7 @@ TEST(ReportTables, ContractionKnowsPeriods) {
 // A normal prior far wider than the period says nothing about the angle: nor does a posterior that
 // is even over it.
 TEST(ReportTables, ContractionOfAWideNormalIsThatOfItsAngle) {
-  const Plan plan = golf_plan_of("obstacle2_dyaw = { normal = [0.0, 1.5] }");
+  const Plan plan = golf_plan_of({"obstacle2_dyaw = { normal = [0.0, 1.5] }"});
   RowMatrix theta(1000, 1);
   for (Index i = 0; i < 1000; ++i) theta(i, 0) = std::numbers::pi * (double(i) / 1000.0 - 0.5);
   const analysis::Table table =

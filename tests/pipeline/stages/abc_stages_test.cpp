@@ -7,7 +7,6 @@
 #include "inference/weighted_moments.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/proposal_file.h"
-#include "pipeline/run/run_stage.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/features/simulation_distances.h"
@@ -16,6 +15,7 @@
 #include "pipeline/report/data.h"
 #include "pipeline/report/seeds.h"
 #include "pipeline/report/tables.h"
+#include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
 #include "tests/pipeline/study_text.h"
 #include "tests/temp_folder.h"
@@ -23,63 +23,36 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kAbc = R"toml(
-[study]
-name = "abc"
-[target]
-truth = { pole_length = 0.9 }
-num_rollouts = 2
-[simulator]
-name = "pendulum"
-store_every = 20
-segment_length = 100
-[prior]
-pole_length = { uniform = [0.5, 1.5] }
-[observation_noise]
-scale = 0.05
-[[method]]
-name = "SMC"
-algorithm = "abc_smc"
-num_rounds = 2
-num_simulations = 200
-abc = { quantile = 0.2 }
-[[method]]
-name = "MCMC"
-algorithm = "abc_mcmc"
-num_rounds = 3
-num_simulations = 200
-abc = { distance = "rmse" }
-[evaluate]
-num_samples = 20
-metrics = ["rmse"]
-)toml";
+std::string abc_study() {
+  return pendulum_study("abc")
+      .with("target", {"truth = { pole_length = 0.9 }", "num_rollouts = 2"})
+      .with("simulator", {"store_every = 20", "segment_length = 100"})
+      .only("prior", {"pole_length = { uniform = [0.5, 1.5] }"})
+      .with("observation_noise", {"scale = 0.05"})
+      .method("SMC", {"algorithm = \"abc_smc\"", "num_rounds = 2", "num_simulations = 200",
+                      "abc = { quantile = 0.2 }"})
+      .method("MCMC", {"algorithm = \"abc_mcmc\"", "num_rounds = 3", "num_simulations = 200",
+                       "abc = { distance = \"rmse\" }"})
+      .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"});
+}
 
-constexpr const char* kRegression = R"toml(
-[study]
-name = "regression"
-seeds = [1, 2]
-[target]
-truth = { pole_length = 0.12, rotary_mass = 0.1, rotary_damping = 2e-4 }
-num_rollouts = 3
-[simulator]
-name = "furuta"
-[prior]
-rotary_damping = { uniform = [0.0, 1.0e-3] }
-motor_resistance = { uniform = [2.52, 14.28] }
-rotary_mass = { uniform = [0.066, 0.12] }
-pole_length = { uniform = [0.065, 0.1] }
-[[method]]
-name = "Regression"
-algorithm = "blr"
-linear_regression = { window = 5, num_samples = 50 }
-[evaluate]
-num_samples = 20
-metrics = ["rmse"]
-)toml";
+std::string regression_study() {
+  return furuta_study("regression")
+      .with("study", {"seeds = [1, 2]"})
+      .with("target", {"truth = { pole_length = 0.12, rotary_mass = 0.1, rotary_damping = 2e-4 }",
+                       "num_rollouts = 3"})
+      .only("prior", {"rotary_damping = { uniform = [0.0, 1.0e-3] }",
+                      "motor_resistance = { uniform = [2.52, 14.28] }",
+                      "rotary_mass = { uniform = [0.066, 0.12] }",
+                      "pole_length = { uniform = [0.065, 0.1] }"})
+      .method("Regression",
+              {"algorithm = \"blr\"", "linear_regression = { window = 5, num_samples = 50 }"})
+      .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"});
+}
 
 class AbcStages : public ::testing::Test {
  protected:
-  Plan plan_of(const char* text, const std::vector<std::string>& overrides = {}) const {
+  Plan plan_of(const std::string& text, const std::vector<std::string>& overrides = {}) const {
     return make_plan(parse_study(text, "s.toml", overrides), WorkFolder(folder_.path()));
   }
   static void run_all(const Plan& plan, Stage last) {
@@ -99,7 +72,7 @@ class AbcStages : public ::testing::Test {
 };
 
 TEST_F(AbcStages, PopulationsGoFromRoundToRound) {
-  const Plan plan = plan_of(kAbc);
+  const Plan plan = plan_of(abc_study());
   run_all(plan, Stage::infer);
   const auto population = [&](const char* method, Index round) {
     const Node& node = plan.node(Stage::infer, {method, 1, round});
@@ -123,7 +96,7 @@ TEST_F(AbcStages, PopulationsGoFromRoundToRound) {
 // Every 20th state of segments of 100 steps: where all states are stored, the metric of every 20th
 // of them is the same to the single precision of stored states.
 TEST_F(AbcStages, MetricsOfThinnedTrajectoriesRestartWithTheSegments) {
-  const Plan plan = plan_of(kAbc);
+  const Plan plan = plan_of(abc_study());
   run_first_round(plan, Stage::simulate);
   const Node& node = plan.node(Stage::simulate, {"SMC", 1, 1});
   const Target target = read_target(plan, node);
@@ -153,7 +126,7 @@ TEST_F(AbcStages, MetricsOfThinnedTrajectoriesRestartWithTheSegments) {
 }
 
 TEST_F(AbcStages, DistancesHaveTheSameBitsOnAnyNumberOfThreads) {
-  const Plan plan = plan_of(kAbc);
+  const Plan plan = plan_of(abc_study());
   run_first_round(plan, Stage::simulate);
   const Node& node = plan.node(Stage::simulate, {"SMC", 1, 1});
   const Target target = read_target(plan, node);
@@ -173,7 +146,7 @@ TEST_F(AbcStages, FailedRowsAreNeverAccepted) {
       "prior.pole_length={ uniform = [0.01, 0.1] }", "simulator.parameters={ pole_mass = 0.02 }",
       "target.truth={ pole_length = 0.09 }", "limits.max_failed_fraction=1",
       "method.abc.quantile=1"};
-  const Plan plan = plan_of(kAbc, fragile);
+  const Plan plan = plan_of(abc_study(), fragile);
   run_first_round(plan, Stage::simulate);
   for (const char* method : {"SMC", "MCMC"}) {
     const Node& node = plan.node(Stage::infer, {method, 1, 1});
@@ -191,7 +164,7 @@ TEST_F(AbcStages, FailedRowsAreNeverAccepted) {
 }
 
 TEST_F(AbcStages, ARegressionFindsTheTruthWithoutSimulations) {
-  const Plan plan = plan_of(kRegression);
+  const Plan plan = plan_of(regression_study());
   for (const Node& node : plan.nodes) EXPECT_NE(node.stage, Stage::simulate);
   run_all(plan, Stage::evaluate);
   const ReportData data = read_report_data(plan, plan.node(Stage::report, {}));
@@ -219,9 +192,9 @@ TEST_F(AbcStages, RegressionOnRecordingsLeavesThePrior) {
   const auto real =
       std::filesystem::path(NPDR_SOURCE_DIR) / "../shared/data/real/furuta_swingup_5s.h5";
   if (!std::filesystem::exists(real)) GTEST_SKIP() << "no recordings at " << real;
-  const Plan plan = plan_of(
-      kRegression, {"target.recording=" + real.string(), "method.linear_regression.window=11",
-                    "prior.pole_mass={ uniform = [0.0168, 0.0312] }"});
+  const Plan plan = plan_of(regression_study(), {"target.recording=" + real.string(),
+                                                 "method.linear_regression.window=11",
+                                                 "prior.pole_mass={ uniform = [0.0168, 0.0312] }"});
   run_all(plan, Stage::infer);
   const auto posterior = read_posterior(plan.node(Stage::infer, {"Regression", 1, 1}));
   const RowMatrix theta = posterior->sample(50, {1, "test", 0, 0, 0});

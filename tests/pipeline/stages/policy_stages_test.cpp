@@ -1,51 +1,34 @@
 #include "core/error.h"
 #include "pipeline/artefacts/policy_file.h"
-#include "pipeline/run/run_stage.h"
 #include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/closed_loop.h"
+#include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
 #include "tests/message_of.h"
+#include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kPolicies = R"toml([study]
-name = "policies"
-[target]
-truth = { pole_mass = 0.02 }
-num_rollouts = 2
-[simulator]
-name = "furuta"
-[prior]
-pole_mass = { uniform = [0.0168, 0.0312] }
-[[method]]
-name = "Randomised"
-algorithm = "prior"
-policy_iterations = 2
-[[method]]
-name = "Point"
-algorithm = "nominal"
-policy_iterations = 2
-[policy]
-population = 3
-num_domain_parameters = 2
-num_initial_states = 2
-num_test_states = 20
-num_steps = 60
-initial = { energy_gain = 20.0 }
-[policy.grid]
-x = { parameter = "pole_mass", range = [0.02, 0.03], steps = 2 }
-y = { parameter = "gravity", values = [9.0, 9.8, 10.0] }
-)toml";
+std::string two_searches() {
+  return furuta_study("policies")
+      .with("target", {"truth = { pole_mass = 0.02 }", "num_rollouts = 2"})
+      .method("Randomized", {"algorithm = \"prior\"", "policy_iterations = 2"})
+      .method("Point", {"algorithm = \"nominal\"", "policy_iterations = 2"})
+      .with("policy", few_trials())
+      .with("policy", {"population = 3", "num_steps = 60"})
+      .with("policy.grid", {"x = { parameter = \"pole_mass\", range = [0.02, 0.03], steps = 2 }",
+                            "y = { parameter = \"gravity\", values = [9.0, 9.8, 10.0] }"});
+}
 
 class PolicyStages : public ::testing::Test {
  protected:
   Plan plan(const std::vector<std::string>& overrides = {}) const {
-    return make_plan(parse_study(kPolicies, "p.toml", overrides), WorkFolder(folder_.path()));
+    return make_plan(parse_study(two_searches(), "p.toml", overrides), WorkFolder(folder_.path()));
   }
 
   TempFolder folder_;
@@ -111,7 +94,7 @@ TEST_F(PolicyStages, APolicyThatLeavesTheLimitsIsSwitchedOff) {
   const Target like = p.source->behave({});
   const auto task = make_task(p.study, like.num_steps());
   Vector policy = first_policy(p.study, task->info());
-  policy(2) = -50.0;  // the arm is pushed away from its centre
+  policy(2) = -50.0;  // the arm is pushed away from its center
   const Target collected = collect_rollouts(p, like, policy, 1, {1, "policy_rollouts", 2, 0, 0});
   collected.check("collected");
   const Rollout& rollout = collected.rollouts.front();
@@ -123,7 +106,7 @@ TEST_F(PolicyStages, APolicyThatLeavesTheLimitsIsSwitchedOff) {
 
 TEST_F(PolicyStages, ASearchTellsHowItWent) {
   const Plan p = plan();
-  const Node& node = p.node(Stage::policy, {"Randomised", 1, 0, 1});
+  const Node& node = p.node(Stage::policy, {"Randomized", 1, 0, 1});
   run_stage(p, node);
   const PolicyHistory history = read_policy_history(node);
   ASSERT_EQ(history.num_rows(), 3) << "before each of two iterations, and after the last";
@@ -176,7 +159,7 @@ TEST_F(PolicyStages, WithARecordingThereIsTheGridAlone) {
 
 TEST_F(PolicyStages, ACheckpointOfSomethingElseIsNamed) {
   const Plan p = plan();
-  const Node& node = p.node(Stage::policy, {"Randomised", 1, 0, 1});
+  const Node& node = p.node(Stage::policy, {"Randomized", 1, 0, 1});
   PolicyCheckpoint checkpoint;
   checkpoint.history.policies = RowMatrix::Zero(1, 2);
   checkpoint.history.mean_return = checkpoint.history.success_rate =

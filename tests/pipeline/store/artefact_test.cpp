@@ -76,13 +76,14 @@ TEST(Artefact, OpensWithItsSchemaAndKey) {
 TEST(Artefact, AnotherSchemaVersionOrKeySaysWhatToRerun) {
   const TempFolder folder;
   write_artefact(folder / "a.h5", 1.0, {"posterior", 2, "infer"});
-  EXPECT_EQ(opening(folder, kSchema),
-            "a.h5: schema 'posterior' 2, this build reads 3; rerun stage 'infer'");
-  EXPECT_EQ(
-      opening(folder, {"simulations", 3, "simulate"}),
-      "a.h5: schema 'posterior', must be 'simulations'; give an artefact of stage 'simulate'");
-  EXPECT_EQ(opening(folder, {"posterior", 2, "infer"}, "00"),
-            "a.h5: key " + identity().key() + ", must be 00; remove it and rerun stage 'infer'");
+  EXPECT_TRUE(says(opening(folder, kSchema),
+                   {"a.h5: schema 'posterior' 2, this build reads 3", "rerun stage 'infer'"}));
+  EXPECT_TRUE(says(opening(folder, {"simulations", 3, "simulate"}),
+                   {"a.h5: schema 'posterior'", "must be 'simulations'",
+                    "give an artefact of stage 'simulate'"}));
+  EXPECT_TRUE(
+      says(opening(folder, {"posterior", 2, "infer"}, "00"),
+           {"a.h5: key " + identity().key(), "must be 00", "remove it", "rerun stage 'infer'"}));
 }
 
 TEST(Artefact, FilesThatArentCompleteArtefactsAreRefused) {
@@ -93,7 +94,8 @@ TEST(Artefact, FilesThatArentCompleteArtefactsAreRefused) {
   file.set_attribute("schema", std::string("posterior"));
   file.set_attribute("schema_version", Index{3});
   file.close();
-  EXPECT_EQ(opening(folder, kSchema), "a.h5: is incomplete; remove it and run its stage again");
+  EXPECT_TRUE(
+      says(opening(folder, kSchema), {"a.h5: is incomplete", "remove it and run its stage again"}));
 }
 
 TEST(Artefact, DoesntExistUnlessItIsFinished) {

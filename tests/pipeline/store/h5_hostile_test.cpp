@@ -62,8 +62,8 @@ TEST_F(HostileH5, ADatasetThatWasNeverWrittenIsRefused) {
   make_file(folder_ / "a.h5", [](hid_t file) {
     H5Dclose(create(file, H5T_IEEE_F64LE, simple_space({4, 1'000'000'000})));
   });
-  EXPECT_EQ(reading(),
-            "a.h5: dataset 'x' claims shape (4, 1000000000), but nothing was ever written to it");
+  EXPECT_TRUE(says(reading(), {"a.h5: dataset 'x' claims shape (4, 1000000000)",
+                               "nothing was ever written to it"}));
 }
 
 TEST_F(HostileH5, SizesThatOverflowAreRefused) {

@@ -150,9 +150,10 @@ TEST(H5, SaysWhatIsMissing) {
   File file = File::create(folder / "a.h5");
   file.write("theta", counted(2, 2));
   const auto message = [&](const auto& body) { return message_of<InputError>(body, &folder); };
-  EXPECT_EQ(message([&] { file.dataset("thet"); }),
-            "a.h5: has no dataset 'thet' (did you mean 'theta'?); it has theta");
-  EXPECT_EQ(message([&] { file.group("theta"); }), "a.h5: has no group 'theta'; it has theta");
+  EXPECT_TRUE(says(message([&] { file.dataset("thet"); }),
+                   {"a.h5: has no dataset 'thet'", "'theta'", "it has theta"}));
+  EXPECT_TRUE(
+      says(message([&] { file.group("theta"); }), {"a.h5: has no group 'theta'", "it has theta"}));
   EXPECT_EQ(message([&] { file.dataset("theta").attribute<double>("dt"); }),
             "a.h5: dataset 'theta': attribute 'dt' is missing");
   EXPECT_EQ(message([&] { File::open(folder / "b.h5"); }), "b.h5: doesn't exist");
@@ -169,20 +170,20 @@ TEST(H5, SaysWhichShapeTypeAndCountWereFound) {
   file.set_attribute("dts", std::vector<double>{1.0, 2.0});
   file.set_attribute("count", Index{3});
   const auto message = [&](const auto& body) { return message_of<InputError>(body, &folder); };
-  EXPECT_EQ(message([&] { file.read_matrix<double>("theta", -1, 4); }),
-            "a.h5: dataset 'theta' has shape (2, 3), must be (any, 4)");
-  EXPECT_EQ(message([&] { file.read_vector<double>("theta"); }),
-            "a.h5: dataset 'theta' has shape (2, 3), must be (any)");
-  EXPECT_EQ(message([&] { file.read_matrix<float>("theta"); }),
-            "a.h5: dataset 'theta' holds 64-bit floats, must hold 32-bit floats");
-  EXPECT_EQ(message([&] { file.read_matrix<std::int64_t>("theta"); }),
-            "a.h5: dataset 'theta' holds 64-bit floats, must hold 64-bit integers");
-  EXPECT_EQ(message([&] { file.dataset("theta").read_texts(); }),
-            "a.h5: dataset 'theta' holds 64-bit floats, must hold texts");
-  EXPECT_EQ(message([&] { file.attribute<double>("dts"); }),
-            "a.h5: attribute 'dts' holds 2 values, must hold one");
-  EXPECT_EQ(message([&] { file.attribute<std::string>("count"); }),
-            "a.h5: attribute 'count' holds 64-bit integers, must hold texts");
+  EXPECT_TRUE(says(message([&] { file.read_matrix<double>("theta", -1, 4); }),
+                   {"a.h5: dataset 'theta' has shape (2, 3)", "must be (any, 4)"}));
+  EXPECT_TRUE(says(message([&] { file.read_vector<double>("theta"); }),
+                   {"a.h5: dataset 'theta' has shape (2, 3)", "must be (any)"}));
+  EXPECT_TRUE(says(message([&] { file.read_matrix<float>("theta"); }),
+                   {"a.h5: dataset 'theta' holds 64-bit floats", "must hold 32-bit floats"}));
+  EXPECT_TRUE(says(message([&] { file.read_matrix<std::int64_t>("theta"); }),
+                   {"a.h5: dataset 'theta' holds 64-bit floats", "must hold 64-bit integers"}));
+  EXPECT_TRUE(says(message([&] { file.dataset("theta").read_texts(); }),
+                   {"a.h5: dataset 'theta' holds 64-bit floats", "must hold texts"}));
+  EXPECT_TRUE(says(message([&] { file.attribute<double>("dts"); }),
+                   {"a.h5: attribute 'dts' holds 2 values", "must hold one"}));
+  EXPECT_TRUE(says(message([&] { file.attribute<std::string>("count"); }),
+                   {"a.h5: attribute 'count' holds 64-bit integers", "must hold texts"}));
 }
 
 TEST(H5, SaysWhereAValueIsntFinite) {
@@ -192,9 +193,10 @@ TEST(H5, SaysWhereAValueIsntFinite) {
   values(2, 1) = std::numeric_limits<double>::quiet_NaN();
   file.write("theta", values);
   EXPECT_TRUE(std::isnan(file.read_matrix<double>("theta")(2, 1)));
-  EXPECT_EQ(message_of<InputError>(
-                [&] { file.read_matrix<double>("theta", 4, 3, h5::Values::finite); }, &folder),
-            "a.h5: dataset 'theta' holds nan at (2, 1), must be finite");
+  EXPECT_TRUE(
+      says(message_of<InputError>(
+               [&] { file.read_matrix<double>("theta", 4, 3, h5::Values::finite); }, &folder),
+           {"a.h5: dataset 'theta' holds nan at (2, 1)", "must be finite"}));
 }
 
 TEST(H5, RowsThatDontExistAreABugOfTheCaller) {

@@ -12,7 +12,7 @@ void expect_near(const Eigen::Vector3d& found, const Eigen::Vector3d& expected, 
       << found.transpose() << " and " << expected.transpose();
 }
 
-// The two ends of Table A4's strike, worked out with an independent program to a micrometre.
+// The two ends of Table A4's strike, worked out with an independent program to a micrometer.
 TEST(Arm, ReachesTheKnownPosesOfTheClubsHead) {
   expect_near(head_pose(strike(0.0)).translation(), {0.220000, 1.298015, 0.018699}, 1e-6);
   expect_near(head_pose(strike(0.5)).translation(), {0.547284, 1.297953, 0.085017}, 1e-6);

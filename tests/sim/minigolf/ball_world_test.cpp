@@ -138,7 +138,7 @@ TEST(BallWorld, ASlidingBallBeginsToRollAtFiveSeventhsOfItsSpeed) {
   EXPECT_NEAR(world.ball_spin().y(), -0.5 / 0.02, 0.25);
 }
 
-// Dropped from h above the ground, a ball comes back to e^2 h; steps of 2 ms cost some per cent.
+// Dropped from h above the ground, a ball comes back to e^2 h; steps of 2 ms cost some percent.
 TEST(BallWorld, BouncesAsHighAsItsRestitutionSays) {
   for (const double restitution : {0.3, 0.5, 0.8}) {
     const Course course = course_with(0.02, {0.6, 0.0, restitution}, {0.4, 0.0, 1.0});
