@@ -25,7 +25,6 @@ struct ExternalConfig {
   Index parallel_calls = 0;             ///< at once, of a stage; 0: as many as it has threads
   std::vector<std::string> features;    ///< of x, as `label` or `label [unit]`
 
-  bool is_used() const { return kind() != SourceKind::built_in; }
   SourceKind kind() const {
     if (command) return SourceKind::command;
     return dataset ? SourceKind::dataset : SourceKind::built_in;

@@ -79,7 +79,7 @@ void MethodChecker::check_embedding(const std::string& path,
     fail(path + ".downsample", std::to_string(embedding.downsample),
          fmt::format("a multiple of simulator.store_every = {}", store_every));
   }
-  if (!info_ || study_.external.is_used()) return;  // its features may not be known yet
+  if (!info_ || !study_.source().gives_motion) return;  // features may not be known yet
   std::vector<std::string> labels;
   for (const Channel& channel : info_->state_channels) labels.push_back(channel.label);
   for (const std::string& channel : embedding.channels) {
@@ -219,9 +219,9 @@ void MethodChecker::check_abc(const std::string& path, const MethodConfig& metho
 
 void MethodChecker::check_regression(const std::string& path) {
   if (!info_ || !reading_.good(path + ".algorithm")) return;
-  const auto form = study_.external.is_used()
-                        ? nullptr
-                        : sim::make_simulator({.name = info_->name})->regression_form();
+  const auto form = study_.source().has_nominal
+                        ? sim::make_simulator({.name = info_->name})->regression_form()
+                        : nullptr;
   if (!form) {
     const std::string needed = join(sim::simulators_with_regression(), "' or '");
     reading_.fail(path + ".algorithm",

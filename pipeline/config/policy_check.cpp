@@ -45,13 +45,10 @@ class PolicyChecker : Checker {
 
 bool PolicyChecker::has_task() {
   const std::vector<std::string> able = sim::simulators_with_policy_task();
-  const bool is_able =
-      !study_.external.is_used() && std::ranges::count(able, study_.simulator.name) > 0;
-  if (is_able) return true;
-  const std::string found = study_.external.is_used() ? info_->name : study_.simulator.name;
+  if (std::ranges::count(able, info_->name) > 0) return true;
   reading_.fail("policy", fmt::format("policy needs simulator.name = '{}', found '{}': it has no "
                                       "task for a policy",
-                                      join(able, "' or '"), found));
+                                      join(able, "' or '"), info_->name));
   return false;
 }
 

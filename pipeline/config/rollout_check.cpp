@@ -17,7 +17,7 @@ class RolloutChecker : Checker {
       : Checker(reading), study_(study), shape_(shape) {}
 
   void check() {
-    if (study_.external.is_used()) {
+    if (!study_.source().gives_motion) {
       for (std::size_t i = 0; i < study_.methods.size(); ++i) {
         check_features(fmt::format("method[{}]", i), study_.methods[i]);
       }

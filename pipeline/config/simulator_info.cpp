@@ -15,13 +15,13 @@ sim::Parameter unlimited_parameter(const std::string& name, double value) {
 }  // namespace
 
 sim::SimulatorInfo simulator_info(const Study& study) {
-  if (!study.external.is_used()) {
+  if (study.source().has_nominal) {
     sim::SimulatorConfig config;
     config.name = study.simulator.name;
     return sim::make_simulator(config)->info();
   }
   sim::SimulatorInfo info;
-  info.name = study.external.command ? "command" : "dataset";
+  info.name = study.source().name;
   for (const inference::Marginal& marginal : study.prior) {
     info.parameters.push_back(
         unlimited_parameter(marginal.name, std::numeric_limits<double>::quiet_NaN()));

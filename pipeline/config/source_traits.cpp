@@ -10,7 +10,7 @@ const SourceTraits& traits_of(SourceKind kind) {
       {.kind = SourceKind::command,
        .name = "command",
        .gives_motion = false,
-       .draws_random_numbers = true,
+       .calls_program = true,
        .has_nominal = false,
        .advice = "see the logs beside its shards, narrow the prior"},
       {.kind = SourceKind::dataset,

@@ -8,12 +8,12 @@ enum class SourceKind { built_in, command, dataset };
 /// What the rest of the pipeline asks about a source, in place of which one it is.
 struct SourceTraits {
   SourceKind kind = SourceKind::built_in;
-  const char* name = "simulator";     ///< for messages: "a command gives no rollouts"
-  bool gives_motion = true;           ///< rollouts in channels; else a vector x of features a row
-  bool simulates = true;              ///< any theta; else only rows that are there already
-  bool draws_random_numbers = false;  ///< a row depends on its own seed besides theta
-  bool has_nominal = true;            ///< parameters have nominal values, units and limits
-  const char* advice = "";            ///< what to do where many rows fail
+  const char* name = "simulator";  ///< for messages: "a command gives no rollouts"
+  bool gives_motion = true;        ///< rollouts in channels; else a vector x of features a row
+  bool simulates = true;           ///< any theta; else only rows that are there already
+  bool calls_program = false;      ///< with files, and a seed that a row depends on besides theta
+  bool has_nominal = true;         ///< parameters have nominal values, units and limits
+  const char* advice = "";         ///< what to do where many rows fail
 
   /// Whether posteriors can be judged by the features that they predict.
   bool predicts_features() const { return simulates && !gives_motion; }

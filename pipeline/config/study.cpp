@@ -24,7 +24,7 @@ DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
   if (!infers(method)) config.checks.clear();
   std::erase_if(config.checks, [&](const std::string& check) {
     const bool asks_simulator = check != "ood" && check != "training";
-    if (asks_simulator && external.dataset) return true;
+    if (asks_simulator && !source().simulates) return true;
     if (check == "predictive") return false;
     if (check == "ood") return family == AlgorithmFamily::regression;
     return family != AlgorithmFamily::network;

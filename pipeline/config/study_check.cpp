@@ -13,12 +13,12 @@
 #include "pipeline/config/checker.h"
 #include "pipeline/config/cluster_check.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/external_check.h"
 #include "pipeline/config/method_check.h"
 #include "pipeline/config/policy_check.h"
 #include "pipeline/config/prior_check.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/config/source_check.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -33,7 +33,7 @@ class StudyChecker : Checker {
   void check() {
     check_source(study_, reading_);
     load_simulator();
-    check_external(study_, reading_);
+    check_source_settings(study_, reading_);
     check_target();
     check_values("simulator.parameters", study_.simulator.parameters);
     for (Marginal& marginal : study_.prior) check_marginal(marginal);
@@ -78,13 +78,13 @@ void StudyChecker::load_simulator() {
   for (const char* source : {"name", "command", "dataset"}) {
     if (!reading_.good(std::string("simulator.") + source)) return;
   }
-  if (!study_.external.is_used() && study_.simulator.name.empty()) return;
+  if (study_.source().has_nominal && study_.simulator.name.empty()) return;
   info_ = simulator_info(study_);
 }
 
 // The simulator has the last word on its settings; its message has no position.
 void StudyChecker::check_simulator() {
-  if (!reading_.problems().empty() || study_.external.is_used()) return;
+  if (!reading_.problems().empty() || !study_.source().has_nominal) return;
   try {
     sim::make_simulator(study_.simulator);
   } catch (const InputError& error) {
@@ -94,7 +94,7 @@ void StudyChecker::check_simulator() {
 
 void StudyChecker::check_target() {
   const TargetConfig& target = study_.target;
-  if (study_.external.is_used()) {
+  if (!study_.source().gives_motion) {
     if (target.truth) check_values("target.truth", *target.truth);
     return;
   }
@@ -155,7 +155,7 @@ void StudyChecker::check_marginal(Marginal& marginal) {
 }
 
 void StudyChecker::check_unused_settings() {
-  if (!info_ || study_.external.is_used()) return;
+  if (!info_ || !study_.source().has_nominal) return;
   for (const std::string& setting : sim::unused_settings(info_->name)) {
     must_be_left_out("simulator." + setting,
                      fmt::format("it means nothing to the simulator '{}'", info_->name));
@@ -207,7 +207,7 @@ void StudyChecker::check_references() {
 }
 
 void StudyChecker::check_metrics() {
-  if (!info_ || study_.external.is_used() || !reading_.good("evaluate.metrics")) return;
+  if (!info_ || !study_.source().gives_motion || !reading_.good("evaluate.metrics")) return;
   const auto& metrics = study_.evaluate.metrics;
   const auto asks_for = [&](const char* name) { return std::ranges::count(metrics, name) > 0; };
   if (asks_for("goal") && !info_->goal) {

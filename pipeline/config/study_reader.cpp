@@ -56,7 +56,7 @@ void resolve_without_network(Study& study, std::size_t i, const Reading& reading
   const auto family = inference::traits_of(method.algorithm.kind).family;
   if (family == inference::AlgorithmFamily::network) return;
   const std::string embedding = "method[" + std::to_string(i) + "].embedding.";
-  if (!reading.has(embedding + "kind") && !study.external.is_used()) {
+  if (!reading.has(embedding + "kind") && study.source().gives_motion) {
     method.embedding.kind = inference::EmbeddingKind::all_steps;
   }
   if (!reading.has(embedding + "downsample")) {
@@ -75,9 +75,9 @@ void resolve_without_network(Study& study, std::size_t i, const Reading& reading
 // Where the simulator gives features of x: one rollout of one step, that is measured as a whole.
 void resolve_external(Study& study, const fs::path& file, const Reading& reading) {
   ExternalConfig& external = study.external;
-  if (!external.is_used()) return;
+  if (study.source().gives_motion) return;
   resolve_path(external.dataset, "simulator.dataset", file, reading);
-  if (external.command) {
+  if (study.source().calls_program) {
     std::optional<std::string> folder = external.folder;
     resolve_path(folder, "simulator.folder", file, reading);
     std::error_code error;
@@ -87,7 +87,7 @@ void resolve_external(Study& study, const fs::path& file, const Reading& reading
   study.evaluate.floor = false;
   if (!reading.has("evaluate.metrics")) {
     study.evaluate.metrics.clear();
-    if (external.command) study.evaluate.metrics = {kFeatureMetric};
+    if (study.source().predicts_features()) study.evaluate.metrics = {kFeatureMetric};
   }
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
     const std::string kind = "method[" + std::to_string(i) + "].embedding.kind";

@@ -2,7 +2,7 @@
 
 #include "core/feature_names.h"
 #include "pipeline/artefacts/feature_file.h"
-#include "pipeline/config/external_check.h"
+#include "pipeline/config/source_check.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/sources/built_in_source.h"

@@ -1,4 +1,4 @@
-#include "pipeline/config/external_check.h"
+#include "pipeline/config/source_check.h"
 
 #include <fmt/format.h>
 
@@ -16,25 +16,25 @@
 namespace npdr::pipeline {
 namespace {
 
-class ExternalChecker : Checker {
+class SourceChecker : Checker {
  public:
-  ExternalChecker(const Study& study, Reading& reading)
-      : Checker(reading),
-        study_(study),
-        external_(study.external),
-        what_(study.external.dataset ? "dataset" : "command") {}
+  SourceChecker(const Study& study, Reading& reading)
+      : Checker(reading), study_(study), source_(study.source()), what_(source_.name) {}
 
   void check() {
-    if (!external_.command) {
+    if (!source_.calls_program) {
       for (const char* key :
            {"format", "folder", "time_limit", "start_time", "retries", "parallel_calls"}) {
         must_be_left_out(std::string("simulator.") + key, "it belongs to simulator.command");
       }
     }
-    if (!external_.is_used()) {
-      check_built_in();
-      return;
-    }
+    source_.gives_motion ? check_motion() : check_features();
+    if (source_.calls_program) check_program();
+    if (!source_.simulates) check_dataset();
+  }
+
+ private:
+  void check_features() {
     check_unused();
     check_names();
     check_target();
@@ -44,11 +44,9 @@ class ExternalChecker : Checker {
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       check_method(fmt::format("method[{}]", i), study_.methods[i]);
     }
-    external_.dataset ? check_dataset() : check_command();
   }
 
- private:
-  void check_built_in() {
+  void check_motion() {
     must_be_left_out("simulator.features", "the simulator has state channels");
     must_be_left_out("target.observation", "it is for a simulator.command or dataset");
     for (const std::string& metric : study_.evaluate.metrics) {
@@ -72,7 +70,7 @@ class ExternalChecker : Checker {
     }
     must_be_left_out("evaluate.floor", "no search is made with a " + what_);
     const std::vector<std::string> only_metric = {kFeatureMetric};
-    if (external_.dataset || study_.evaluate.metrics != only_metric) {
+    if (!source_.simulates || study_.evaluate.metrics != only_metric) {
       must_be_left_out("evaluate.metrics", no_rollouts());
     }
   }
@@ -81,7 +79,7 @@ class ExternalChecker : Checker {
   void check_names() {
     const Constraint<std::string> allowed = column_name();
     std::set<std::string> features;
-    for (const std::string& name : external_.features) {
+    for (const std::string& name : study_.external.features) {
       const std::string label = parse_feature(name).label;
       if (!satisfies(label, allowed)) fail("simulator.features", quoted(name), allowed.words);
       if (!features.insert(label).second) fail("simulator.features", quoted(name), "there once");
@@ -126,7 +124,7 @@ class ExternalChecker : Checker {
 
   void check_truth(const std::map<std::string, double>& truth) {
     check_complete("target.truth", truth);
-    if (!external_.features.empty() || external_.dataset) return;
+    if (!study_.external.features.empty() || !source_.simulates) return;
     reading_.fail("simulator.features",
                   "simulator.features is missing, must be the names of what x holds: with a truth "
                   "there is no file of x_o to take them from");
@@ -141,30 +139,30 @@ class ExternalChecker : Checker {
       fail(path + ".embedding.kind", quoted(name_of(kind)), "'identity': " + no_rollouts());
     }
     const Index rounds = method.algorithm.num_rounds;
-    if (external_.dataset && rounds != 1 && reading_.good(path + ".num_rounds")) {
+    if (!source_.simulates && rounds != 1 && reading_.good(path + ".num_rounds")) {
       fail(path + ".num_rounds", std::to_string(rounds),
            "1 with a dataset: nothing simulates what later rounds propose");
     }
   }
 
-  void check_command() {
+  void check_program() {
     std::error_code unreadable;
-    if (std::filesystem::is_directory(external_.folder, unreadable)) return;
-    fail("simulator.folder", quoted(external_.folder), "an existing folder");
+    if (std::filesystem::is_directory(study_.external.folder, unreadable)) return;
+    fail("simulator.folder", quoted(study_.external.folder), "an existing folder");
   }
 
   void check_dataset() {
     for (const char* path : {"simulator.parameters", "target.truth", "target.seed"}) {
       must_be_left_out(path, "a dataset can't be simulated again");
     }
-    require_file("simulator.dataset", *external_.dataset,
+    require_file("simulator.dataset", *study_.external.dataset,
                  "an existing HDF5 file; 'npdr import --theta' makes one of CSV files");
   }
 
   std::string no_rollouts() const { return "a " + what_ + " gives no rollouts"; }
 
   const Study& study_;
-  const ExternalConfig& external_;
+  const SourceTraits& source_;
   std::string what_;
 };
 
@@ -186,11 +184,11 @@ void check_source(const Study& study, Reading& reading) {
   }
 }
 
-void check_external(const Study& study, Reading& reading) {
+void check_source_settings(const Study& study, Reading& reading) {
   for (const char* source : {"name", "command", "dataset"}) {
     if (!reading.good(std::string("simulator.") + source)) return;
   }
-  ExternalChecker(study, reading).check();
+  SourceChecker(study, reading).check();
 }
 
 void check_dataset_rows(const Study& study, Index num_rows) {

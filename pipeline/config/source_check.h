@@ -12,7 +12,7 @@ void check_source(const Study& study, Reading& reading);
 
 /// Keys that mean nothing to the study's simulator, and what is different where it gives features
 /// of x instead of rollouts: names, files, the target, embeddings, rounds, metrics.
-void check_external(const Study& study, Reading& reading);
+void check_source_settings(const Study& study, Reading& reading);
 
 /// Throws InputError where a method wants more rows than the dataset has, or these can't be
 /// counted.
