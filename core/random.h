@@ -46,7 +46,7 @@ class Stream {
   std::uint32_t below(std::uint32_t n);
 
   /// Fills `values` with standard normals by the Box-Muller transform in single precision
-  /// (absolute error under 1e-6; |value| < 5.9). Much faster than normal() and vectorised.
+  /// (absolute error under 1e-6; |value| < 5.9). Much faster than normal() and vectorized.
   void fill_normal(std::span<float> values);
 
   /// A uniformly random permutation of 0, ..., n - 1 (Fisher and Yates).

@@ -1,4 +1,4 @@
-/// What x goes through before the network: standardisation and, if asked for, a projection on its
+/// What x goes through before the network: standardization and, if asked for, a projection on its
 /// principal components.
 ///
 ///   z = (x - mean) / deviation   (F),       z = B^T (x - mean) / deviation   (k)
@@ -41,7 +41,7 @@ inline constexpr Index kRowsForCorrelation = 2000;
 FeatureTransform fit_feature_transform(const FeatureSource& x, Index components);
 
 /// The same without the outputs that are 0 for all simulations: where the density of z itself is
-/// learnt, it would be infinite there. Throws InputError when none is left.
+/// learned, it would be infinite there. Throws InputError when none is left.
 FeatureTransform varying_outputs(const FeatureTransform& transform);
 
 }  // namespace npdr::inference

@@ -7,7 +7,7 @@
 namespace npdr::sim {
 namespace {
 
-// How often to look whether any rollout of the batch still goes on. Neighbouring rows often have
+// How often to look whether any rollout of the batch still goes on. Neighboring rows often have
 // the same policy, and a policy that leaves the limits tends to do it everywhere.
 constexpr Index kStepsPerCheck = 50;
 

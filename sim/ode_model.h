@@ -1,4 +1,4 @@
-/// A physical system given by an ordinary differential equation, vectorised over lanes.
+/// A physical system given by an ordinary differential equation, vectorized over lanes.
 ///
 /// With state y (S), action a (A) held over a time step, and domain parameters theta (P):
 ///   dy/dt = f(y, a; theta).
@@ -65,7 +65,7 @@ class OdeModel {
   /// ydot (S, lanes) = f(y, applied; constants).
   virtual void rhs(ConstLanes constants, ConstLanes applied, ConstLanes y, Lanes ydot) const = 0;
 
-  /// The behaviour policy and initial state of rollout `rollout` of a simulated target domain.
+  /// The behavior policy and initial state of rollout `rollout` of a simulated target domain.
   virtual Excitation excite(Index rollout, std::uint64_t seed) const = 0;
 
   /// As Simulator::regression_form().

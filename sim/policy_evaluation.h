@@ -1,4 +1,4 @@
-/// What a population of policies is worth under uncertainty: the objective of domain randomisation.
+/// What a population of policies is worth under uncertainty: the objective of domain randomization.
 ///
 /// A policy's value is its mean return over K domain parameters x S initial states,
 ///   J(phi) = 1 / (K S) sum_k sum_s return(theta_k, s_0^s, phi),

@@ -7,7 +7,7 @@
 ///   s_{t+1}              by the simulator's own dynamics, those that replay recordings.
 /// The return of a rollout is sum_t r_t over its T steps (no discount). A rollout ends early once a
 /// state leaves the task's limits or isn't finite, or an action isn't a number; what would have
-/// come afterwards counts 0, so that a failure is never worth more than staying within the limits.
+/// come afterward counts 0, so that a failure is never worth more than staying within the limits.
 ///
 /// The search for policies acts on other coordinates: log phi of parameters that are positive, phi
 /// of the others.

@@ -3,7 +3,7 @@
 /// distributions can't be told apart, 1: they don't overlap.
 ///
 /// Computed as the benchmark of simulation-based inference does it (Lueckmann et al. 2021,
-/// "Benchmarking simulation-based inference", appendix): columns standardised by mean and deviation
+/// "Benchmarking simulation-based inference", appendix): columns standardized by mean and deviation
 /// of the first sample, a classifier with two hidden layers of 10 D units (mlp_classifier.h), mean
 /// accuracy of a five-fold cross-validation over randomly ordered rows.
 #pragma once

@@ -44,7 +44,7 @@ class MlpClassifier {
     RowMatrixF h1, h2, d1, d2;
     VectorF f, d_f;
   };
-  void initialise(const StreamId& id);
+  void initialize(const StreamId& id);
   void forward(const RowMatrixF& x, Scratch& scratch) const;
   double loss(const RowMatrixF& x, const VectorF& classes, Scratch& scratch,
               Parameters<float>& gradient) const;

@@ -87,7 +87,7 @@ Mmd mmd(const RowMatrix& first, const RowMatrix& second, const StreamId& id,
   if (config.num_permutations < 1) throw InputError("MMD: num_permutations must be >= 1");
   fix_matrix_blocking();
   const RowMatrix both = pooled(first, second);
-  const RowMatrixF x = standardised(both, both);
+  const RowMatrixF x = standardized(both, both);
   Mmd result;
   result.bandwidth = median_distance(x, id);
   const RowMatrixF members = deal_rows(both.rows(), first.rows(), config.num_permutations, id);

@@ -3,7 +3,7 @@
 ///   MMD^2 = sum_{i != j} k(x_i, x_j) / (n (n - 1)) + sum_{i != j} k(y_i, y_j) / (m (m - 1))
 ///           - 2 sum_{i, j} k(x_i, y_j) / (n m),
 /// with k(a, b) = exp(-|a - b|^2 / (2 s^2)) and s the median distance between pooled rows. Rows are
-/// standardised by mean and deviation of both samples together, so that neither units nor which of
+/// standardized by mean and deviation of both samples together, so that neither units nor which of
 /// the two is first matter.
 ///
 /// The p-value is that of a permutation test: rows are dealt to the two samples at random, which is

@@ -2,7 +2,7 @@
 /// extrapolates, and its posterior means nothing (Cannon, Ward and Schmon 2022, "Investigating the
 /// impact of model misspecification in neural simulation-based inference").
 ///
-/// x is standardised and projected on principal components of unit variance, z, as many as have 99
+/// x is standardized and projected on principal components of unit variance, z, as many as have 99
 /// % of the variance, at most 20; half of the simulations make that map, the other half say what is
 /// usual. Three distances:
 /// - |z|, Mahalanobis' within the components (Lee et al. 2018, "A simple unified framework for

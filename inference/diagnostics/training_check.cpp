@@ -18,7 +18,7 @@ TrainingCheck check_training(const Vector& training_loss, const Vector& validati
   // Where no epoch is better than the weights it began with, the count began before the best one.
   check.is_converged =
       epochs < config.max_epochs || epochs - check.best_epoch >= config.stop_after_epochs;
-  check.generalisation_gap = check.validation_loss - training_loss(best);
+  check.generalization_gap = check.validation_loss - training_loss(best);
   return check;
 }
 

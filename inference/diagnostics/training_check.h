@@ -14,7 +14,7 @@ struct TrainingCheck {
   /// Stopped after `stop_after_epochs` epochs without a smaller loss, not by `max_epochs`.
   bool is_converged = false;
   double validation_loss = 0.0;     ///< the smallest, in nats
-  double generalisation_gap = 0.0;  ///< that minus the training loss of the same epoch, in nats
+  double generalization_gap = 0.0;  ///< that minus the training loss of the same epoch, in nats
 };
 
 /// Of the losses of each epoch. Throws InputError unless there are as many, at least one.

@@ -1,7 +1,7 @@
 /// The whole trained network: x -> (trained linear layer) -> conditional density of u.
 ///
 ///   c = x W + b  ("linear" embedding; c = x for the others),   q(u | x) = q_estimator(u | c).
-/// x: (n, F), standardised. One flat parameter vector holds W, b and the estimator's weights.
+/// x: (n, F), standardized. One flat parameter vector holds W, b and the estimator's weights.
 #pragma once
 
 #include <memory>
@@ -28,7 +28,7 @@ class EmbeddedEstimator {
   Index num_parameters() const { return layout_.size(); }
   const DensityEstimator<S>& estimator() const { return *estimator_; }
 
-  /// Fresh random weights; see DensityEstimator::initialise.
+  /// Fresh random weights; see DensityEstimator::initialize.
   Parameters<S> initial_parameters(const StreamId& id) const;
   Scratch make_scratch() const;
 

@@ -2,7 +2,7 @@
 ///
 /// Source: Vehtari et al. 2021, "Rank-normalization, folding, and localization: an improved R-hat",
 /// eqs. 1-4 (split R-hat) and 10-12 (effective sample size with Geyer's initial monotone sequence),
-/// without rank normalisation.
+/// without rank normalization.
 #pragma once
 
 #include "inference/samplers/slice_sampler.h"

@@ -62,7 +62,7 @@ using EpochHook = std::function<bool(const TrainingState&)>;
 /// so a run that is stopped and continued gives the same bits.
 /// A state with epoch 0 and only `parameters` set starts from the beginning.
 /// Throws InputError when there are fewer than two training or two validation rows, and Error when
-/// no epoch had a finite validation loss: then nothing was learnt.
+/// no epoch had a finite validation loss: then nothing was learned.
 void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
            TrainingState& state, const EpochHook& hook);
 

@@ -33,7 +33,7 @@ class ClubMotion {
  private:
   Index coarse_, fine_;
   std::vector<Eigen::Isometry3d> coarse_poses_, fine_poses_;  // (T n + 1)
-  std::vector<Eigen::AlignedBox3d> during_, from_;            // of the head's centre
+  std::vector<Eigen::AlignedBox3d> during_, from_;            // of the head's center
 };
 
 }  // namespace npdr::sim

@@ -12,7 +12,7 @@
 
 namespace npdr::sim {
 
-/// A box on the ground: half extents, centre and rotation about z.
+/// A box on the ground: half extents, center and rotation about z.
 struct CourseBox {
   double half_x, half_y, half_z;
   double x, y, yaw;

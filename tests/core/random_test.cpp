@@ -72,7 +72,7 @@ TEST(Random, NormalsFollowTheNormalDistribution) {
   EXPECT_LT(kolmogorov_distance({bulk.begin(), bulk.end()}), bound);
 }
 
-TEST(Random, BulkNormalsAreUncorrelatedNeighbours) {
+TEST(Random, BulkNormalsAreUncorrelatedNeighbors) {
   constexpr std::size_t n = 100'000;
   std::vector<float> bulk(n);
   Stream(stream_id(3)).fill_normal(bulk);

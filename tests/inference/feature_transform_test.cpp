@@ -10,7 +10,7 @@
 namespace npdr::inference {
 namespace {
 
-TEST(FeatureTransform, StandardisationGivesMeanZeroAndDeviationOne) {
+TEST(FeatureTransform, StandardizationGivesMeanZeroAndDeviationOne) {
   RowMatrixF x(5, 2);
   x << 1, 10, 2, 30, 3, 20, 4, 50, 5, 40;
   RowMatrixF z;

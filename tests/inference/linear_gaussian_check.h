@@ -40,8 +40,8 @@ inline void expect_linear_gaussian(const PosteriorEstimationConfig& c, double sl
   constexpr Index n = 10'000;
   const RowMatrix samples = posterior->sample(n, {1, "posterior", 0, 0, 0});
   const Vector mean = samples.colwise().mean().transpose();
-  const RowMatrix centred = samples.rowwise() - mean.transpose();
-  const Eigen::MatrixXd covariance = centred.transpose() * centred / static_cast<double>(n);
+  const RowMatrix centered = samples.rowwise() - mean.transpose();
+  const Eigen::MatrixXd covariance = centered.transpose() * centered / static_cast<double>(n);
   const Vector deviation = task.covariance().diagonal().cwiseSqrt();
   std::cout << "means off by " << ((mean - task.mean(x_o)).array() / deviation.array()).transpose()
             << " deviations; deviations over the exact ones "

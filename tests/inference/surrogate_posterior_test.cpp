@@ -66,8 +66,8 @@ TEST(SurrogatePosterior, BothSamplersHaveTheMeanOfTheDensity) {
   for (const SamplerKind sampler : {SamplerKind::slice, SamplerKind::importance}) {
     const auto posterior = make_posterior(some_ratio(sampler));
     const Samples samples = posterior->draw(4000, {1, "posterior", 0, 0, 0});
-    const RowMatrix centred = samples.theta.rowwise() - mean;
-    const Eigen::RowVectorXd deviation = (centred.colwise().squaredNorm() / 4000.0).cwiseSqrt();
+    const RowMatrix centered = samples.theta.rowwise() - mean;
+    const Eigen::RowVectorXd deviation = (centered.colwise().squaredNorm() / 4000.0).cwiseSqrt();
     // Five standard errors of 1000 independent samples, fewer than there are: a false-alarm rate
     // below 1e-5.
     const Eigen::RowVectorXd off = samples.theta.colwise().mean() - mean;

@@ -53,7 +53,7 @@ const std::map<std::string, double> kTruth = {{"rotary_damping", 2e-4}, {"pole_d
                                               {"rotary_mass", 0.1},     {"pole_mass", 0.022},
                                               {"rotary_length", 0.08},  {"pole_length", 0.12}};
 
-Target behaviour(const std::map<std::string, double>& truth, Index num_rollouts = 3) {
+Target behavior(const std::map<std::string, double>& truth, Index num_rollouts = 3) {
   SimulatorConfig config;
   config.name = "furuta";
   config.substeps = 4;
@@ -61,7 +61,7 @@ Target behaviour(const std::map<std::string, double>& truth, Index num_rollouts 
   return simulator->behave(complete_theta(*simulator, truth), num_rollouts, 1);
 }
 
-// Least squares alone: no noise, so nothing to regularise.
+// Least squares alone: no noise, so nothing to regularize.
 Vector recovered(const Target& target, const Vector& known, Index window) {
   const FurutaRegression form;
   const RegressionRows rows = form.rows(target, known, window);
@@ -72,7 +72,7 @@ Vector recovered(const Target& target, const Vector& known, Index window) {
 TEST(FurutaRegression, RecoversTheTruthOfASimulation) {
   const Furuta model;
   const Vector truth = theta_of(model, kTruth);
-  const Vector found = recovered(behaviour(kTruth), theta_of(model), 5);
+  const Vector found = recovered(behavior(kTruth), theta_of(model), 5);
   for (const Index p : FurutaRegression().identified()) {
     // What is left is the curvature within 20 ms; damping of the pole is 1e-6 of the torques.
     const bool is_tiny =
@@ -90,7 +90,7 @@ TEST(FurutaRegression, TakesWhatIsKnownIntoAccount) {
   const Vector known = theta_of(Furuta(), extended);
   extended.insert(kTruth.begin(), kTruth.end());
   const Vector truth = theta_of(Furuta(), extended);
-  const Target target = behaviour(extended);
+  const Target target = behavior(extended);
   const Vector found = recovered(target, known, 5);
   const Vector naive = recovered(target, theta_of(Furuta()), 5);
   for (const Index p : FurutaRegression().identified()) {
@@ -111,14 +111,14 @@ TEST(FurutaRegression, RecoveryUndoesEquation2) {
 }
 
 TEST(FurutaRegression, RowsAreAsManyAsWindowsFit) {
-  const Target target = behaviour(kTruth, 2);
+  const Target target = behavior(kTruth, 2);
   const RegressionRows rows = FurutaRegression().rows(target, theta_of(Furuta()), 11);
   EXPECT_EQ(rows.regressors.rows(), 2 * 2 * (1251 - 10));
   EXPECT_EQ(rows.response.size(), rows.regressors.rows());
 }
 
 TEST(FurutaRegression, RejectsWindowsThatDontFit) {
-  const Target target = behaviour(kTruth, 1);
+  const Target target = behavior(kTruth, 1);
   const auto message = [&](Index window) {
     return message_of<InputError>(
         [&] { FurutaRegression().rows(target, theta_of(Furuta()), window); });

@@ -160,7 +160,7 @@ TEST(Furuta, AgreesWithAnAdaptiveReference) {
   }
 }
 
-TEST(Furuta, BehaviourDependsOnSeedAndRolloutAlone) {
+TEST(Furuta, BehaviorDependsOnSeedAndRolloutAlone) {
   const Furuta model;
   const Excitation first = model.excite(2, 7);
   EXPECT_EQ(first.actions, model.excite(2, 7).actions);
@@ -169,7 +169,7 @@ TEST(Furuta, BehaviourDependsOnSeedAndRolloutAlone) {
   EXPECT_NE(first.actions, model.excite(2, 8).actions);
 }
 
-TEST(Furuta, BehaviourExcitesArmAndPoleWithoutSaturating) {
+TEST(Furuta, BehaviorExcitesArmAndPoleWithoutSaturating) {
   const Furuta model;
   constexpr double degree = std::numbers::pi / 180.0;
   double arm = 0.0, pole = 0.0;

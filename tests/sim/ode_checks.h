@@ -68,7 +68,7 @@ class IntegrationError {
   RowMatrix reference_;
 };
 
-/// f(y, applied; theta) of one lane, by the vectorised right-hand side.
+/// f(y, applied; theta) of one lane, by the vectorized right-hand side.
 inline Vector rhs_of(const OdeModel& model, const Vector& theta, const Vector& applied,
                      const Vector& y) {
   const RowMatrix thetas = theta.replicate(1, kLaneBlock);

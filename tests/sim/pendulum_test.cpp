@@ -61,7 +61,7 @@ TEST(Pendulum, SmallSwingsDecayAtTheRateOfTheDamping) {
   }
 }
 
-TEST(Pendulum, BehaviourIsTheSineOfTableA3FromRest) {
+TEST(Pendulum, BehaviorIsTheSineOfTableA3FromRest) {
   const Pendulum model;
   const Excitation excitation = model.excite(3, 99);
   EXPECT_EQ(excitation.initial_state, Vector::Zero(2));

@@ -158,7 +158,7 @@ TEST(PolicyTask, InitialPolicySwingsTheNominalPendulumUp) {
 TEST(PolicyTask, RolloutEndsWhereItLeavesTheLimits) {
   const auto task = swing_up();
   PolicyRows rows = random_rows(2);
-  rows.policies(0, 2) = -50.0;  // pushes the arm away from its centre
+  rows.policies(0, 2) = -50.0;  // pushes the arm away from its center
   const RecordedPolicyRollouts result = record(*task, rows);
   const Rollout& rollout = result.rollouts[0];
   const Index steps = result.outcomes.num_steps[0];

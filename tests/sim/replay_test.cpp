@@ -105,7 +105,7 @@ TEST(Replay, SameBitsAloneInABatchAndAtAnyPosition) {
   }
 }
 
-TEST(Replay, SameBitsWhateverTheParametersOfTheNeighbours) {
+TEST(Replay, SameBitsWhateverTheParametersOfTheNeighbors) {
   const Target target = short_target();
   const auto simulator = furuta();
   RowMatrix theta = random_thetas(16);
@@ -115,7 +115,7 @@ TEST(Replay, SameBitsWhateverTheParametersOfTheNeighbours) {
   EXPECT_TRUE(same_bits(mixed.row(5), plain.row(5)));
 }
 
-TEST(Replay, ARowThatDivergesIsMarkedAndLeavesItsNeighboursAlone) {
+TEST(Replay, ARowThatDivergesIsMarkedAndLeavesItsNeighborsAlone) {
   const Target target = short_target();
   for (const Integrator integrator : {Integrator::erk4, Integrator::cvode}) {
     const auto simulator = furuta({.integrator = integrator});

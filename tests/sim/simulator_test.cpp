@@ -44,7 +44,7 @@ TEST(Simulator, EveryIntegratorSimulatesATarget) {
   }
 }
 
-TEST(Simulator, BehaviourHasTheRolloutsThatWereAskedFor) {
+TEST(Simulator, BehaviorHasTheRolloutsThatWereAskedFor) {
   const auto simulator = make_simulator({.name = "furuta"});
   const Target target = simulator->behave(complete_theta(*simulator, {}), 3, 1);
   EXPECT_EQ(target.num_rollouts(), 3);
@@ -54,7 +54,7 @@ TEST(Simulator, BehaviourHasTheRolloutsThatWereAskedFor) {
   EXPECT_THROW(simulator->behave(complete_theta(*simulator, {}), 0, 1), InputError);
 }
 
-TEST(Simulator, BehaviourThatDivergesIsAnError) {
+TEST(Simulator, BehaviorThatDivergesIsAnError) {
   const auto simulator = make_simulator({.name = "furuta"});
   const Vector theta = complete_theta(*simulator, {{"motor_constant", 1e4}});
   EXPECT_THROW(simulator->behave(theta, 1, 1), Error);

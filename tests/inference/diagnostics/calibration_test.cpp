@@ -27,7 +27,7 @@ Verdicts judge(const Fault& fault) {
   const LinearGaussian task(2);
   const RowMatrix theta = sample_prior(task.prior(), kNumSimulations, 1);
   const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
-  const CalibrationRanks ranks = rank_truths(amortised(task, fault), theta, x, 200, kId);
+  const CalibrationRanks ranks = rank_truths(amortized(task, fault), theta, x, 200, kId);
   RowMatrix of_parameters(kNumSimulations, 2);
   of_parameters << spread(ranks.parameter.col(0), 200, "first"),
       spread(ranks.parameter.col(1), 200, "second");
@@ -78,15 +78,15 @@ TEST(Calibration, ASimulationDependsOnItsOwnNumberAlone) {
   const LinearGaussian task(2);
   const RowMatrix theta = sample_prior(task.prior(), 10, 1);
   const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
-  const CalibrationRanks all = rank_truths(amortised(task), theta, x, 50, kId);
+  const CalibrationRanks all = rank_truths(amortized(task), theta, x, 50, kId);
   const CalibrationRanks some =
-      rank_truths(amortised(task), theta.topRows(4), x.topRows(4), 50, kId);
+      rank_truths(amortized(task), theta.topRows(4), x.topRows(4), 50, kId);
   EXPECT_EQ(some.parameter, all.parameter.topRows(4));
   EXPECT_EQ(some.density, all.density.head(4));
   EXPECT_EQ(some.distance, all.distance.head(4));
   EXPECT_EQ(some.theta, all.theta.topRows(4));
   EXPECT_NE(all.theta.row(0), all.theta.row(1));
-  EXPECT_THROW(rank_truths(amortised(task), theta, x.topRows(3), 50, kId), ShapeError);
+  EXPECT_THROW(rank_truths(amortized(task), theta, x.topRows(3), 50, kId), ShapeError);
 }
 
 }  // namespace

@@ -35,9 +35,9 @@ class GaussianPosterior : public Posterior {
   }
   /// Without its constant.
   Vector log_prob(const RowMatrix& theta) const override {
-    const RowMatrix centred = theta.rowwise() - mean_.transpose();
+    const RowMatrix centered = theta.rowwise() - mean_.transpose();
     const auto triangle = factor_.triangularView<Eigen::Lower>();
-    return -0.5 * triangle.solve(centred.transpose()).colwise().squaredNorm().transpose();
+    return -0.5 * triangle.solve(centered.transpose()).colwise().squaredNorm().transpose();
   }
 
  private:
@@ -46,7 +46,7 @@ class GaussianPosterior : public Posterior {
   Vector mean_;
 };
 
-inline AmortisedPosterior amortised(const LinearGaussian& task, const Fault& fault = {}) {
+inline AmortizedPosterior amortized(const LinearGaussian& task, const Fault& fault = {}) {
   return [task, fault](const VectorF& x) {
     return std::make_unique<GaussianPosterior>(task, x, fault);
   };

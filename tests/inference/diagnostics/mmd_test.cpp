@@ -26,12 +26,12 @@ TEST(Mmd, OfTheSameDistributionHasUniformPValues) {
 }
 
 // E k of x ~ N(a, p^2 I), y ~ N(b, q^2 I) is (s^2 / (s^2 + v))^(D/2) exp(-|a - b|^2 / (2 (s^2 +
-// v))) with v = p^2 + q^2: in the standardised space that the bandwidth belongs to.
+// v))) with v = p^2 + q^2: in the standardized space that the bandwidth belongs to.
 TEST(Mmd, OfShiftedGaussiansIsTheKnownOne) {
   constexpr double shift = 1.0;
   constexpr Index n = 2000;
   const Mmd found = mmd(gaussian(n, 1, 1), gaussian(n, 1, 2, shift), kId);
-  const double variance = 1.0 / (1.0 + shift * shift / 4.0);  // of one sample, standardised
+  const double variance = 1.0 / (1.0 + shift * shift / 4.0);  // of one sample, standardized
   const double s2 = found.bandwidth * found.bandwidth, sum = s2 + 2.0 * variance;
   const double expected =
       2.0 * std::sqrt(s2 / sum) * (1.0 - std::exp(-shift * shift * variance / (2.0 * sum)));

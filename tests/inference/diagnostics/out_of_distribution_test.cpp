@@ -65,7 +65,7 @@ TEST(OutOfDistribution, FindsAFeatureThatWasTheSameInAllSimulations) {
   EXPECT_LT(found.p_value, 1e-3);
 }
 
-// Parameters on a ring: its centre is near the mean, but no simulation is near it.
+// Parameters on a ring: its center is near the mean, but no simulation is near it.
 TEST(OutOfDistribution, FindsAHole) {
   RowMatrix theta = gaussian(1000, 2, 1);
   theta = theta.rowwise().normalized().eval();

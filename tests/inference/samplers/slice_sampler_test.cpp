@@ -44,8 +44,8 @@ TEST(SliceSampler, FindsTheMomentsOfACorrelatedGaussian) {
   EXPECT_LT(diagnostics.r_hat.maxCoeff(), 1.02);
   EXPECT_GT(diagnostics.ess.minCoeff(), 1000.0);
   const Eigen::RowVector3d mean = draws.u.colwise().mean();
-  const RowMatrix centred = draws.u.rowwise() - mean;
-  const Eigen::Matrix3d found = centred.transpose() * centred / 5000.0;
+  const RowMatrix centered = draws.u.rowwise() - mean;
+  const Eigen::Matrix3d found = centered.transpose() * centered / 5000.0;
   for (Index a = 0; a < 3; ++a) {
     const double variance = covariance()(a, a), n = diagnostics.ess(a);
     EXPECT_NEAR(mean(a), kMean(a), 4.0 * std::sqrt(variance / n)) << a;
