@@ -13,7 +13,7 @@
 
 namespace npdr {
 
-/// What a stream of random numbers is for.
+/// Identity of a stream of random numbers: what it is for.
 struct StreamId {
   std::uint64_t seed = 0;   ///< the study seed of the experiment
   std::string_view name;    ///< the purpose, such as "prior" or "observation_noise"
@@ -25,7 +25,7 @@ struct StreamId {
 /// The stream for another purpose of the same experiment, round, row and epoch.
 StreamId named(StreamId id, std::string_view name);
 
-/// The same for a purpose that serves that of `id`: other numbers for each of them.
+/// A stream for a purpose that serves that of `id`: other numbers for each of them.
 StreamId within(StreamId id, std::string_view name);
 
 /// One stream of random numbers. Cheap to make; not thread-safe: make one per row.

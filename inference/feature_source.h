@@ -1,4 +1,4 @@
-/// Where training reads x from: rows on demand, so that memory doesn't grow with their number.
+/// Source of x for training: rows on demand, so that memory doesn't grow with their number.
 #pragma once
 
 #include <span>
@@ -7,11 +7,12 @@
 
 namespace npdr::inference {
 
+/// N simulations, the failed ones left out, each of F features.
 class FeatureSource {
  public:
   virtual ~FeatureSource() = default;
-  virtual Index num_rows() const = 0;
-  virtual Index num_features() const = 0;
+  virtual Index num_rows() const = 0;      ///< N
+  virtual Index num_features() const = 0;  ///< F
 
   /// x of `rows`, (rows.size(), F), not standardized. `epoch` tells draws of fresh observation
   /// noise apart, for sources that have it; epoch 0 is the draw for validation.

@@ -34,7 +34,8 @@ struct Bounds {
   Eigen::ArrayXf lower, upper;
 };
 
-// From the quantiles of the first block of rows. A feature that hardly varies there has no bounds.
+// Bounds from the quantiles of the first block of rows. A feature that hardly varies there has no
+// bounds.
 Bounds usual_bounds(const FeatureSource& x) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   Bounds bounds{Eigen::ArrayXf::Constant(x.num_features(), -infinity),

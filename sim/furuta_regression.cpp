@@ -13,7 +13,7 @@ namespace {
 constexpr Index kNumWeights = 6;
 constexpr Index kDegree = 3;
 
-// What a window of states says about the motion at its middle.
+// Motion at the middle of a window of states.
 struct Motion {
   double theta, alpha, theta_dot, alpha_dot, theta_ddot, alpha_ddot;
 };

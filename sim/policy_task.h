@@ -37,6 +37,7 @@ struct PolicyParameter {
   std::string description;
 };
 
+/// Description of a closed-loop task.
 struct PolicyTaskInfo {
   std::string policy;   ///< what it is
   std::string success;  ///< when a rollout is one
@@ -67,8 +68,8 @@ struct PolicyRollouts {
   Index num_rows() const { return returns.size(); }
 };
 
-/// The same with states and actions; a rollout that ends early has fewer of them, and its last
-/// state is the one that ended it. Its actions are the a_t.
+/// Policy rollouts with their states and actions; a rollout that ends early has fewer of them, and
+/// its last state is the one that ended it. Its actions are the a_t.
 struct RecordedPolicyRollouts {
   PolicyRollouts outcomes;
   std::vector<Rollout> rollouts;  ///< (n)
@@ -88,7 +89,7 @@ class PolicyTask {
   virtual PolicyRollouts run(const RowMatrix& theta, const RowMatrix& initial_states,
                              const RowMatrix& policies) const = 0;
 
-  /// The same, and keeps all states and actions.
+  /// Runs as run() does, and keeps all states and actions.
   virtual RecordedPolicyRollouts record(const RowMatrix& theta, const RowMatrix& initial_states,
                                         const RowMatrix& policies) const = 0;
 
@@ -113,7 +114,7 @@ RowMatrix from_search_space(const PolicyTaskInfo& info, const RowMatrix& points)
 std::unique_ptr<PolicyTask> make_policy_task(const SimulatorConfig& simulator,
                                              const PolicyTaskConfig& config = {});
 
-/// Those of simulator_names() that have a closed-loop task.
+/// Names of the simulators that have a closed-loop task.
 std::vector<std::string> simulators_with_policy_task();
 
 }  // namespace npdr::sim

@@ -15,6 +15,7 @@ namespace npdr::inference {
 
 inline constexpr Index kC2stFolds = 5;
 
+/// Accuracy of the classifier.
 struct C2st {
   double accuracy = 0.0;  ///< mean over the folds
   Vector fold_accuracy;   ///< (kC2stFolds)
@@ -22,8 +23,8 @@ struct C2st {
   double standard_error = 0.0;
 };
 
-/// Of two samples (n, D) with as many rows. Folds run in parallel; the bits depend neither on the
-/// number of threads nor on the order of the folds. Throws ShapeError when shapes differ and
+/// Compares two samples (n, D) with as many rows. Folds run in parallel; the bits depend neither on
+/// the number of threads nor on the order of the folds. Throws ShapeError when shapes differ and
 /// InputError for fewer than 10 rows, or what isn't finite.
 C2st c2st(const RowMatrix& first, const RowMatrix& second, const StreamId& id);
 

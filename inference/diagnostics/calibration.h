@@ -1,4 +1,4 @@
-/// What an amortized posterior says of many simulations with known parameters: the raw material of
+/// Answers of an amortized posterior to many simulations with known parameters: the raw material of
 /// sbc.h, coverage.h and local_c2st.h. Each observation is sampled once for all of them.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace npdr::inference {
 
-/// Of n simulations, in their order. Ranks count among `num_samples` samples.
+/// Ranks of n simulations, in their order. They count among `num_samples` samples.
 struct CalibrationRanks {
   Index num_samples = 0;
   RowMatrixX<std::int64_t> parameter;  ///< (n, D) how many samples are smaller, per parameter

@@ -29,7 +29,7 @@ void check(const LocalC2stData& data, const LocalC2stConfig& config) {
                    std::to_string(kFewestPairs));
 }
 
-// What the classifiers see: standardized u and components of x.
+// Inputs of the classifiers: standardized u and components of x.
 struct Pairs {
   RowMatrixF simulated;  // (n, D + k)
   RowMatrixF sampled;    // (n, D + k)

@@ -39,7 +39,7 @@ class MlpClassifier {
   VectorF logits(const RowMatrixF& x) const;
 
  private:
-  /// What a forward pass keeps for the backward pass.
+  /// Memory of a forward pass for the backward pass.
   struct Scratch {
     RowMatrixF h1, h2, d1, d2;
     VectorF f, d_f;

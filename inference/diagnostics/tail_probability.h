@@ -1,4 +1,4 @@
-/// How improbable a value is, judged by draws of its distribution.
+/// Probability of a value as extreme as the one found, judged by draws of its distribution.
 #pragma once
 
 #include "core/types.h"

@@ -1,4 +1,4 @@
-/// What tests of two samples have in common.
+/// Common parts of the tests of two samples.
 #pragma once
 
 #include <string>

@@ -19,7 +19,7 @@
 
 namespace npdr::inference {
 
-/// What a forward pass of one transform keeps for the backward pass. m = n k rows.
+/// Memory of a forward pass of one transform for the backward pass. m = n k rows.
 template <typename S>
 struct AutoregressiveScratch {
   RowMatrixX<S> input;                ///< (m, D)

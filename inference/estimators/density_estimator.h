@@ -15,7 +15,7 @@
 
 namespace npdr::inference {
 
-/// What a forward pass leaves for the backward pass; one per thread.
+/// Memory of a forward pass for the backward pass; one per thread.
 struct EstimatorScratch {
   virtual ~EstimatorScratch() = default;
 };

@@ -35,12 +35,12 @@ class EmbeddedEstimator {
   /// The context of x: scratch.context, or x itself when no layer is trained.
   const RowMatrixX<S>& embed(const Parameters<S>& parameters, const RowMatrixX<S>& x,
                              Scratch& scratch) const;
-  /// Where the estimator is to leave dL/dcontext; null when nothing needs it.
+  /// The place for the estimator to leave dL/dcontext in; null when nothing needs it.
   RowMatrixX<S>* d_context(Scratch& scratch) const;
   /// Gradient of the linear layer from scratch.d_context.
   void backward_embedding(const RowMatrixX<S>& x, Scratch& scratch, Parameters<S>& gradient) const;
 
-  /// As DensityEstimator's, with x in place of the context.
+  /// Does what DensityEstimator's does, with x in place of the context.
   void log_prob(const Parameters<S>& parameters, const RowMatrixX<S>& u, const RowMatrixX<S>& x,
                 Scratch& scratch, VectorX<S>& log_prob) const;
   void backward(const Parameters<S>& parameters, const RowMatrixX<S>& u, const RowMatrixX<S>& x,

@@ -15,6 +15,7 @@
 
 namespace npdr::inference {
 
+/// Inverse variances of the weights and of the noise.
 struct Precisions {
   double weights = 1.0;  ///< alpha
   double noise = 1.0;    ///< beta

@@ -1,6 +1,6 @@
 /// Mini-batch training with Adam, a validation split, early stopping and weight averaging.
 ///
-/// What is validated and kept is an exponential moving average of the weights (Polyak and Juditsky
+/// An exponential moving average of the weights is what is validated and kept (Polyak and Juditsky
 /// 1992, "Acceleration of stochastic approximation by averaging"): Adam's steps of constant length
 /// leave the weights jumping around the minimum, their average sits in it. After step t
 ///   average += max(1 / (t + 1), 1 / n) (weights - average),
@@ -29,7 +29,7 @@ struct Batch {
 /// The stream of a purpose of this batch.
 StreamId of_batch(StreamId id, std::string_view name, const Batch& batch);
 
-/// What is trained: a loss over rows of a data set. Not thread-safe.
+/// Objective of a training: a loss over rows of a data set. Not thread-safe.
 class Objective {
  public:
   virtual ~Objective() = default;

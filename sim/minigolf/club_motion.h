@@ -1,4 +1,4 @@
-/// Where the club's head is during a rollout, worked out once for all simulations of it.
+/// Motion of the club's head during a rollout, worked out once for all simulations of it.
 #pragma once
 
 #include <Eigen/Geometry>
