@@ -109,7 +109,7 @@ void SplineMap<S>::forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, R
   affine_.forward(u, scratch, scratch.moved, log_det);
   shape(scratch, num_variables);
   z = scratch.moved;
-  // Of dz/dv = slope^2 numerator / denominator^2; 1 outside of [-B, B].
+  // Parts of dz/dv = slope^2 numerator / denominator^2; 1 outside of [-B, B].
   scratch.slope.setOnes(u.rows(), num_variables);
   scratch.numerator.setOnes(u.rows(), num_variables);
   scratch.denominator.setOnes(u.rows(), num_variables);

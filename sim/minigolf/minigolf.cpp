@@ -71,7 +71,7 @@ void check_config(const SimulatorConfig& config) {
   check_range("minigolf.restitution_threshold", golf.restitution_threshold, 0.0, 100.0);
 }
 
-// What all simulations of one rollout of the target share.
+// Data that all simulations of one rollout of the target share.
 struct Task {
   ClubMotion motion;
   Eigen::Vector2d start;

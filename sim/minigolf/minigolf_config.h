@@ -13,14 +13,14 @@ constexpr auto enum_table(Strike) {
       {{Strike::recorded, "recorded"}, {Strike::policy, "policy"}});
 }
 
-/// Where the ball begins: as recorded in each rollout, or at its nominal place.
+/// The ball's first place: as recorded in each rollout, or the nominal one.
 enum class BallStart { recorded, nominal };
 constexpr auto enum_table(BallStart) {
   return std::to_array<EnumRow<BallStart>>(
       {{BallStart::recorded, "recorded"}, {BallStart::nominal, "nominal"}});
 }
 
-/// How a ball rolls away from everything: in closed form, or by Bullet as all else.
+/// Computation of a ball that rolls away from everything: in closed form, or by Bullet as all else.
 enum class Rolling { exact, engine };
 constexpr auto enum_table(Rolling) {
   return std::to_array<EnumRow<Rolling>>({{Rolling::exact, "exact"}, {Rolling::engine, "engine"}});
