@@ -4,11 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "core/range.h"
 #include "core/types.h"
 
 namespace npdr::inference {
 
 struct EstimatorConfig {
+  static constexpr Range kNumBins = {2, 100};
+
   std::string kind = "maf";     ///< a name of estimator_names()
   Index num_transforms = 5;     ///< "maf", "nsf": autoregressive transforms
   Index num_bins = 8;           ///< "nsf": bins of each spline

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/range.h"
+
 namespace npdr::pipeline {
 
 /// `words` completes "must be ..." and `names` lists the choices when there are only a few. A
@@ -25,6 +27,7 @@ Constraint<T> anything() {
 }
 
 Constraint<double> positive();
+Constraint<double> between(const Range& range);
 Constraint<double> between(double low, double high);
 /// Bounds excluded.
 Constraint<double> strictly_between(double low, double high);

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/field_types.h"
 #include "pipeline/config/study.h"
@@ -58,16 +59,17 @@ void describe(Fields& f, sim::MinigolfConfig& c) {
     "where the ball begins: as recorded, or at its nominal place");
   f("rolling", c.rolling, one_of(sim::rolling_names()),
     "away from everything: in closed form, or by Bullet as all else");
-  f("substeps", c.substeps, between(1, 1000), "of Bullet per time step of the target");
-  f("substeps_near", c.substeps_near, between(1, 1000),
+  f("substeps", c.substeps, between(c.kSubsteps), "of Bullet per time step of the target");
+  f("substeps_near", c.substeps_near, between(c.kSubsteps),
     "the same where the ball is near something");
-  f("linear_damping", c.linear_damping, between(0.0, 1.0),
+  f("linear_damping", c.linear_damping, between(c.kPart),
     "part of its velocity that the ball loses in a second by itself");
-  f("angular_damping", c.angular_damping, between(0.0, 1.0), "the same of its spin");
-  f("solver_iterations", c.solver_iterations, between(1, 10'000), "of Bullet's solver, at most");
-  f("solver_cfm", c.solver_cfm, between(0.0, 1.0), "constraint force mixing: softness of contacts");
-  f("solver_erp", c.solver_erp, between(0.0, 1.0), "part of an overlap that a substep takes away");
-  f("restitution_threshold", c.restitution_threshold, between(0.0, 100.0),
+  f("angular_damping", c.angular_damping, between(c.kPart), "the same of its spin");
+  f("solver_iterations", c.solver_iterations, between(c.kSolverIterations),
+    "of Bullet's solver, at most");
+  f("solver_cfm", c.solver_cfm, between(c.kPart), "constraint force mixing: softness of contacts");
+  f("solver_erp", c.solver_erp, between(c.kPart), "part of an overlap that a substep takes away");
+  f("restitution_threshold", c.restitution_threshold, between(c.kRestitutionThreshold),
     "slower contacts don't bounce [m/s]");
 }
 
@@ -135,7 +137,7 @@ void describe(Fields& f, inference::EstimatorConfig& c) {
     "masked autoregressive flow, mixture of Gaussians, neural spline flow, residual network");
   f("num_transforms", c.num_transforms, between(1, kMaxLayers),
     "autoregressive transforms (\"maf\" and \"nsf\" only)");
-  f("num_bins", c.num_bins, between(2, 100), "bins of each spline (\"nsf\" only)");
+  f("num_bins", c.num_bins, between(c.kNumBins), "bins of each spline (\"nsf\" only)");
   f("num_components", c.num_components, between(1, kMaxLayers),
     "Gaussians in the mixture (\"mdn\" only)");
   f("hidden_features", c.hidden_features, between(1, kMaxWidth), "width of each hidden layer");
@@ -276,9 +278,10 @@ template <class Fields>
 void describe(Fields& f, DiagnoseConfig& c) {
   f("checks", c.checks, checks_constraint(),
     "what posteriors are checked by; all of them in a [diagnose] without this key");
-  f("num_simulations", c.num_simulations, between(40, 1'000'000),
+  f("num_simulations", c.num_simulations, between(inference::kFewestSimulations, 1'000'000),
     "fresh draws of the prior that are simulated, to calibrate with");
-  f("num_samples", c.num_samples, between(40, 1'000'000), "posterior samples per observation");
+  f("num_samples", c.num_samples, between(inference::kFewestSimulations, 1'000'000),
+    "posterior samples per observation");
   f("alpha", c.alpha, strictly_between(0, 1),
     "probability that a method without fault fails any of its checks");
 }

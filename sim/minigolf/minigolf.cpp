@@ -56,10 +56,10 @@ void check_one_of(const std::string& field, const std::string& found,
   reject_setting(field, quoted(found), quoted(allowed[0]) + " or " + quoted(allowed[1]));
 }
 
-void check_range(const std::string& field, double found, double lower, double upper) {
-  if (found >= lower && found <= upper) return;
+void check_range(const std::string& field, double found, const Range& allowed) {
+  if (allowed.contains(found)) return;
   std::ostringstream range;
-  range << "in [" << lower << ", " << upper << "]";
+  range << "in [" << allowed.low << ", " << allowed.high << "]";
   reject_setting(field, found, range.str());
 }
 
@@ -76,14 +76,15 @@ void check_config(const SimulatorConfig& config) {
   check_one_of("minigolf.strike", golf.strike, strike_names());
   check_one_of("minigolf.ball_start", golf.ball_start, ball_start_names());
   check_one_of("minigolf.rolling", golf.rolling, rolling_names());
-  check_range("minigolf.substeps", double(golf.substeps), 1, 1000);
-  check_range("minigolf.substeps_near", double(golf.substeps_near), 1, 1000);
-  check_range("minigolf.solver_iterations", double(golf.solver_iterations), 1, 10'000);
-  check_range("minigolf.linear_damping", golf.linear_damping, 0.0, 1.0);
-  check_range("minigolf.angular_damping", golf.angular_damping, 0.0, 1.0);
-  check_range("minigolf.solver_cfm", golf.solver_cfm, 0.0, 1.0);
-  check_range("minigolf.solver_erp", golf.solver_erp, 0.0, 1.0);
-  check_range("minigolf.restitution_threshold", golf.restitution_threshold, 0.0, 100.0);
+  check_range("minigolf.substeps", double(golf.substeps), golf.kSubsteps);
+  check_range("minigolf.substeps_near", double(golf.substeps_near), golf.kSubsteps);
+  check_range("minigolf.solver_iterations", double(golf.solver_iterations), golf.kSolverIterations);
+  check_range("minigolf.linear_damping", golf.linear_damping, golf.kPart);
+  check_range("minigolf.angular_damping", golf.angular_damping, golf.kPart);
+  check_range("minigolf.solver_cfm", golf.solver_cfm, golf.kPart);
+  check_range("minigolf.solver_erp", golf.solver_erp, golf.kPart);
+  check_range("minigolf.restitution_threshold", golf.restitution_threshold,
+              golf.kRestitutionThreshold);
 }
 
 // What all simulations of one rollout of the target share.

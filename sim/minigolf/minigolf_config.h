@@ -4,11 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "core/range.h"
 #include "core/types.h"
 
 namespace npdr::sim {
 
 struct MinigolfConfig {
+  static constexpr Range kSubsteps = {1, 1000};  ///< both numbers of them
+  static constexpr Range kSolverIterations = {1, 10'000};
+  static constexpr Range kPart = {0.0, 1.0};  ///< dampings, cfm and erp
+  static constexpr Range kRestitutionThreshold = {0.0, 100.0};
+
   std::string strike = "recorded";      ///< "recorded" actions, or Table A4's "policy"
   std::string ball_start = "recorded";  ///< in each rollout, or "nominal"
   std::string rolling = "exact";        ///< away from everything, or "engine": by Bullet, too
