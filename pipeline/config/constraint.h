@@ -1,4 +1,4 @@
-/// What the fields of a study may hold: words for people and a test for the readers.
+/// Rules for the values of a study's fields: words for people and a test for the readers.
 #pragma once
 
 #include <concepts>
@@ -56,11 +56,11 @@ bool satisfies(const T& value, const Constraint<C>& allowed) {
   }
 }
 
-/// What a shell is to run: not blank, and without control characters other than line breaks and
+/// Text for a shell to run: not blank, and without control characters other than line breaks and
 /// tabs; at most 65536 bytes.
 Constraint<std::string> shell_command();
 
-/// What can head a column of a CSV file as it stands: letters, digits, '_', '-' and '.'.
+/// Name that heads a column of a CSV file as it stands: letters, digits, '_', '-' and '.'.
 Constraint<std::string> column_name();
 
 /// `key = found, must be words`, with the nearest of `names` when there are any.

@@ -175,7 +175,7 @@ void MethodChecker::check_unused_settings(const std::string& path, const MethodC
   }
 }
 
-// What means something to a policy search alone.
+// Settings that mean something to a policy search alone.
 void MethodChecker::check_iterations(const std::string& path, const MethodConfig& method) {
   const std::string iterations = path + ".num_iterations";
   if (!reading_.good("policy.optimizer")) return;
