@@ -1,8 +1,11 @@
 #include "inference/estimators/spline_map.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "core/error.h"
+#include "inference/estimators/estimator_config.h"
 #include "inference/estimators/softplus.h"
 
 namespace npdr::inference {
@@ -61,10 +64,10 @@ struct SplineMap<S>::Bin {
 
 template <typename S>
 SplineMap<S>::SplineMap(Index num_bins) : bins_(num_bins) {
-  constexpr Index most = 100;
-  if (num_bins < 2 || num_bins > most) {
-    throw InputError("density_estimator.num_bins = " + std::to_string(num_bins) +
-                     ", must be 2 to " + std::to_string(most));
+  constexpr Range allowed = EstimatorConfig::kNumBins;
+  if (!allowed.contains(static_cast<double>(num_bins))) {
+    throw InputError(fmt::format("density_estimator.num_bins = {}, must be {} to {}", num_bins,
+                                 allowed.low, allowed.high));
   }
 }
 

@@ -10,8 +10,6 @@
 namespace npdr::inference {
 namespace {
 
-constexpr std::size_t kFewestRows = 2;
-
 struct Split {
   std::vector<std::uint32_t> training;
   std::vector<std::uint32_t> validation;
@@ -41,10 +39,11 @@ Split split_rows(Index num_rows, const TrainingConfig& config, StreamId id) {
     const bool validates = validating_before(row + 1) > validating_before(row);
     (validates ? split.validation : split.training).push_back(static_cast<std::uint32_t>(row));
   }
-  if (split.training.size() < kFewestRows || split.validation.size() < kFewestRows) {
+  const std::size_t fewest = kFewestTrainingRows;
+  if (split.training.size() < fewest || split.validation.size() < fewest) {
     throw InputError("training: " + std::to_string(split.training.size()) + " training and " +
                      std::to_string(split.validation.size()) +
-                     " validation rows, must be at least " + std::to_string(kFewestRows) +
+                     " validation rows, must be at least " + std::to_string(fewest) +
                      " each; use more simulations");
   }
   return split;

@@ -30,7 +30,7 @@ Target read_recording(const std::filesystem::path& path,
 /// can't be valid, Error when writing fails.
 void write_recording(const Target& target, const std::filesystem::path& path);
 
-/// Writes the datasets and attributes of a recording into an open file.
+/// Writes the datasets and attributes of a recording into an open file. Throws Error.
 void write_target(h5::File& file, const Target& target);
 
 /// 32 hexadecimal digits that depend on all values, channels and dt; not on names and the source.

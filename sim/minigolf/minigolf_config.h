@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/enum_names.h"
+#include "core/range.h"
 #include "core/types.h"
 
 namespace npdr::sim {
@@ -27,6 +28,11 @@ constexpr auto enum_table(Rolling) {
 }
 
 struct MinigolfConfig {
+  static constexpr Range kSubsteps = {1, 1000};  ///< both numbers of them
+  static constexpr Range kSolverIterations = {1, 10'000};
+  static constexpr Range kPart = {0.0, 1.0};  ///< dampings, cfm and erp
+  static constexpr Range kRestitutionThreshold = {0.0, 100.0};
+
   Strike strike = Strike::recorded;
   BallStart ball_start = BallStart::recorded;
   Rolling rolling = Rolling::exact;
