@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "analysis/feature_distance.h"
+#include "analysis/feature_comparison.h"
 #include "pipeline/plan/schemas.h"
 #include "pipeline/stages/simulation_file.h"
 #include "pipeline/stages/stage_files.h"

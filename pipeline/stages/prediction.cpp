@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "analysis/feature_distance.h"
+#include "analysis/feature_comparison.h"
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/stages/stage_files.h"
 

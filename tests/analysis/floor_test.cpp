@@ -84,7 +84,7 @@ TEST(Floor, WorksInOneDimension) {
   EXPECT_NEAR(find_in_cube(rowwise(rastrigin), 1, 5.12).theta(0), 1.3, 1e-6);
 }
 
-// Ranges as different as those of the Furuta pendulum, a valley that couples neighbours, and the
+// Ranges as different as those of the Furuta pendulum, a valley that couples neighbors, and the
 // unconstrained minimum outside the box in the first, third and fifth parameter.
 TEST(Floor, FindsAMinimumOnSeveralBoundsExactly) {
   Vector lower(6), upper(6);
@@ -92,9 +92,9 @@ TEST(Floor, FindsAMinimumOnSeveralBoundsExactly) {
   upper << 1e-3, 1e-5, 14.28, 0.0714, 0.12, 11.28;
   const auto objective = rowwise([&](const Vector& theta) {
     const Vector u = (theta - lower).cwiseQuotient(upper - lower);
-    Vector centre(6);
-    centre << -0.5, 0.3, 1.4, 0.8, 1.2, 0.4;
-    const Vector e = u - centre;
+    Vector center(6);
+    center << -0.5, 0.3, 1.4, 0.8, 1.2, 0.4;
+    const Vector e = u - center;
     double sum = e.squaredNorm();
     for (Index d = 0; d + 1 < 6; ++d) sum += 0.2 * e(d) * e(d + 1);
     return 0.3 + sum;

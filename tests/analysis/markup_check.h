@@ -43,7 +43,7 @@ inline std::string markup_error(std::string_view text) {
   return open.empty() ? "" : message.append(open.back());
 }
 
-/// How often `what` stands in `text`.
+/// Number of times that `what` stands in `text`.
 inline int count_of(std::string_view text, std::string_view what) {
   int count = 0;
   for (std::size_t at = text.find(what); at != std::string_view::npos;

@@ -98,7 +98,7 @@ TEST(Metrics, StatesAtARestartAreTheRecordedOnes) {
   EXPECT_EQ(Metrics(small_target(), config).rmse(view_of(kSimulated, 1))(0), 0.0);
 }
 
-// Rollout 1, normalised: recorded (0, 0), (1, 1/2), (-1/2, 1), simulated (0, 0), (1, 1/2), (1/2,
+// Rollout 1, normalized: recorded (0, 0), (1, 1/2), (-1/2, 1), simulated (0, 0), (1, 1/2), (1/2,
 // 0).
 //   accumulated cost of the last recorded state, open end, over n + m' for the three ends:
 //   sqrt(5) / 4 = 0.56, (sqrt(10)/2) / 5 = 0.32, (sqrt(1/2) + sqrt(2)) / 6 = 0.35
