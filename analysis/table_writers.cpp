@@ -14,7 +14,7 @@
 namespace npdr::analysis {
 namespace {
 
-// How one format writes what a table holds.
+// Ways in which one language writes what a table holds.
 struct Format {
   std::string (*escape)(std::string_view);
   NumberStyle numbers;
@@ -120,6 +120,13 @@ std::string cell_csv(const Cell& cell, bool three_columns) {
   return three_columns ? text + ",," : text;
 }
 
+// The files of a table.
+struct FileFormat {
+  const char* extension;
+  std::string (*text_of)(const Table&);
+};
+constexpr FileFormat kFileFormats[] = {{".md", to_markdown}, {".csv", to_csv}, {".tex", to_latex}};
+
 }  // namespace
 
 std::string to_markdown(const Table& table) {
@@ -219,14 +226,14 @@ std::string to_html(const Table& table) {
 }
 
 void write_table(const Table& table, const std::filesystem::path& directory) {
-  write_text_file(directory / (table.name + ".md"), to_markdown(table));
-  write_text_file(directory / (table.name + ".csv"), to_csv(table));
-  write_text_file(directory / (table.name + ".tex"), to_latex(table));
+  for (const FileFormat& format : kFileFormats) {
+    write_text_file(directory / (table.name + format.extension), format.text_of(table));
+  }
 }
 
 void remove_table(std::string_view name, const std::filesystem::path& directory) {
-  for (const char* extension : {".md", ".csv", ".tex"}) {
-    const std::filesystem::path path = directory / (std::string(name) + extension);
+  for (const FileFormat& format : kFileFormats) {
+    const std::filesystem::path path = directory / (std::string(name) + format.extension);
     std::error_code error;
     std::filesystem::remove(path, error);
     if (error) throw_file_error(path, "be removed", error.value());

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/feature_distance.h"
+#include "analysis/feature_comparison.h"
 #include "core/feature_names.h"
 
 namespace npdr::pipeline {

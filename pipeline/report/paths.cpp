@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "analysis/figure.h"
 #include "analysis/path_plot.h"
-#include "analysis/plot_layout.h"
 #include "pipeline/predictions/prediction.h"
 
 namespace npdr::pipeline {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "analysis/curve_plot.h"
+#include "analysis/figure.h"
 #include "analysis/heat_map.h"
-#include "analysis/plot_layout.h"
 #include "core/text.h"
 #include "pipeline/predictions/closed_loop.h"
 

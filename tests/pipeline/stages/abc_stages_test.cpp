@@ -17,7 +17,7 @@
 #include "pipeline/report/tables.h"
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
-#include "pipeline/store/recording.h"
+#include "pipeline/artefacts/recording.h"
 #include "tests/device_recordings.h"
 #include "tests/pipeline/study_text.h"
 #include "tests/temp_folder.h"
