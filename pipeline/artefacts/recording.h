@@ -26,6 +26,9 @@ namespace npdr::pipeline {
 Target read_recording(const std::filesystem::path& path,
                       const std::optional<Channels>& expected = std::nullopt);
 
+/// The same of an open file that is known to be intact, such as an artefact of ours.
+Target read_rollouts(const h5::File& file, const std::optional<Channels>& expected = std::nullopt);
+
 /// Writes `target` as a recording, as a whole or not at all. Throws InputError when the target
 /// can't be valid, Error when writing fails.
 void write_recording(const Target& target, const std::filesystem::path& path);

@@ -11,7 +11,6 @@
 #include "pipeline/features/series_summary.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/plan/shards.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
@@ -116,7 +115,6 @@ inference::LocalC2st local_c2st_of(const Case& c, const NetworkPosterior& poster
 // Of the network of round 1, which has learnt from the whole prior.
 void calibrate(const Case& c, Diagnosis& diagnosis) {
   const auto simulations = simulations_of(c, true);
-  check_failed_rows(c.plan, *simulations.front());
   const SimulationFeatures features(c.plan, simulations, c.target, *c.embedding);
   diagnosis.num_simulations = features.num_rows();
   diagnosis.num_failed = features.num_failed();
