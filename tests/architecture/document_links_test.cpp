@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 const fs::path kRoot = NPDR_SOURCE_DIR;
 
 std::vector<fs::path> documents() {
-  std::vector<fs::path> files = {kRoot / "README.md"};
-  for (const char* folder : {"docs", "experiments", "bench"}) {
+  std::vector<fs::path> files;
+  for (const char* folder : {".", "docs", "experiments", "bench"}) {
     for (const auto& entry : fs::directory_iterator(kRoot / folder)) {
       if (entry.path().extension() == ".md") files.push_back(entry.path());
     }
