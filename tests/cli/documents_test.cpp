@@ -137,7 +137,6 @@ class Documents : public ::testing::TestWithParam<std::string> {
  protected:
   Documents() {
     fs::create_directory_symlink(kRoot / "experiments", folder_ / "experiments");
-    fs::create_directory_symlink(kRoot / "jobs", folder_ / "jobs");
     fs::create_directory(folder_ / "recordings");
     write_files_of_the_document();
     if (!fs::exists(folder_ / "study.toml")) shell("npdr new study");
