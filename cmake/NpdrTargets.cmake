@@ -18,6 +18,8 @@ if(NPDR_NATIVE)
   # GCC 12 warns inside its own AVX-512 header (GCC bug 105593).
   target_compile_options(npdr_flags INTERFACE -Wno-uninitialized -Wno-maybe-uninitialized)
   target_compile_options(npdr_flags INTERFACE -march=native -mprefer-vector-width=512)
+elseif(NPDR_BASELINE)
+  target_compile_options(npdr_flags INTERFACE -march=${NPDR_BASELINE})
 endif()
 if(NPDR_WERROR)
   target_compile_options(npdr_flags INTERFACE -Werror)
