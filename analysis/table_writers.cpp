@@ -41,6 +41,8 @@ std::string cell_text(const Cell& cell, const Format& format,
     text = format.escape(*words);
   } else if (const auto* number = std::get_if<double>(&cell.value)) {
     text = number_text(*number, format.numbers);
+  } else if (const auto* count = std::get_if<Index>(&cell.value)) {
+    text = std::to_string(*count);
   } else if (const auto* mean_std = std::get_if<MeanStd>(&cell.value)) {
     text = mean_std_text(mean_std->mean, mean_std->std, format.numbers);
   }
@@ -117,6 +119,7 @@ std::string cell_csv(const Cell& cell, bool three_columns) {
   std::string text = ",";
   if (const auto* words = std::get_if<std::string>(&cell.value)) text += quote_csv(*words);
   if (const auto* number = std::get_if<double>(&cell.value)) text += number_csv(*number);
+  if (const auto* count = std::get_if<Index>(&cell.value)) text += std::to_string(*count);
   return three_columns ? text + ",," : text;
 }
 

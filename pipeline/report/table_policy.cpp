@@ -37,9 +37,9 @@ Vector num_policy_rollouts(const ReportData& data, const std::string& method) {
   return counts;
 }
 
-// A number where all experiments have the same.
+// A count where all experiments have the same.
 Cell count_cell(const Vector& counts) {
-  if ((counts.array() == counts(0)).all()) return fmt::format("{:.0f}", counts(0));
+  if ((counts.array() == counts(0)).all()) return static_cast<Index>(counts(0));
   return analysis::summarize(counts);
 }
 
@@ -69,8 +69,8 @@ Row method_row(const ReportData& data, const std::string& name) {
   if (is_tested_in_target(data)) add_target_cells(data, name, row);
   if (is_tested_on_grid(data)) add_grid_cells(data, name, row);
   const MethodConfig& method = data.plan.study.method(name);
-  row.cells.emplace_back(std::to_string(num_target_rollouts(data, method)));
-  row.cells.emplace_back(std::to_string(num_simulations(data, name)));
+  row.cells.emplace_back(num_target_rollouts(data, method));
+  row.cells.emplace_back(num_simulations(data, name));
   row.cells.push_back(count_cell(num_policy_rollouts(data, name)));
   return row;
 }

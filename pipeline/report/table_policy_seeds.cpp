@@ -22,7 +22,7 @@ Row seed_row(const ReportData& data, const std::string& method, std::size_t seed
   const Index last = history.num_rows() - 1;
   row.cells.emplace_back(history.mean_return(last));
   row.cells.emplace_back(history.success_rate(last));
-  row.cells.emplace_back(std::to_string(history.num_impossible));
+  row.cells.emplace_back(history.num_impossible);
   return row;
 }
 

@@ -76,10 +76,10 @@ Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, 
   for (const ReferenceConfig& reference : data.plan.study.references) {
     row.cells.emplace_back(evaluation.reference_log_prob.at(reference.name));
   }
-  row.cells.emplace_back(std::to_string(run.notes.rows.used + run.notes.rows.failed));
-  row.cells.emplace_back(std::to_string(run.notes.rows.failed));
-  const auto epochs = run.notes.training_loss.size();
-  row.cells.push_back(epochs > 0 ? Cell(std::to_string(epochs)) : Cell());
+  row.cells.emplace_back(run.notes.rows.used + run.notes.rows.failed);
+  row.cells.emplace_back(run.notes.rows.failed);
+  const auto epochs = static_cast<Index>(run.notes.training_loss.size());
+  row.cells.push_back(epochs > 0 ? Cell(epochs) : Cell());
   if (has.has_sampler) add_sampler_cells(run, row, table);
   return row;
 }

@@ -103,6 +103,21 @@ TEST(Table, AsHtmlEscapesItsText) {
 )");
 }
 
+// Unlike a number, a count is never rounded.
+TEST(Table, WritesCountsFlushRightAndInFull) {
+  Table table;
+  table.name = "counts";
+  table.columns = {{"simulations"}};
+  table.rows = {{"one", {Index{1234567}}}, {"all", {Index{8}}}};
+  EXPECT_EQ(to_markdown(table),
+            "|     | simulations |\n|:----|------------:|\n"
+            "| one |     1234567 |\n| all |           8 |\n");
+  EXPECT_EQ(to_csv(table), ",simulations\none,1234567\nall,8\n");
+  EXPECT_NE(to_latex(table).find("{lr}"), std::string::npos);
+  EXPECT_NE(to_latex(table).find("one & 1234567 "), std::string::npos);
+  EXPECT_NE(to_html(table).find("<td class=\"number\">1234567</td>"), std::string::npos);
+}
+
 TEST(Table, IsWrittenInEveryFormat) {
   const TempFolder folder;
   const Table table = small_table();
