@@ -83,7 +83,7 @@ std::vector<fs::path> write_tables(const analysis::Report& report, const fs::pat
     for (const analysis::ReportFigure& figure : section.figures) files.push_back(figure.svg);
     for (const analysis::Table& table : section.tables) {
       analysis::write_table(table, folder);
-      files.push_back(folder / (table.name + ".md"));
+      for (const fs::path& file : analysis::table_files(table.name, folder)) files.push_back(file);
     }
   }
   return files;

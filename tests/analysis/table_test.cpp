@@ -127,6 +127,16 @@ TEST(Table, IsWrittenInEveryFormat) {
   EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.tex"), to_latex(table));
 }
 
+TEST(Table, RemovesAllOfItsFiles) {
+  const TempFolder folder;
+  write_table(small_table(), folder.path());
+  for (const auto& file : table_files("table_a2", folder.path())) {
+    EXPECT_TRUE(std::filesystem::exists(file)) << file;
+  }
+  remove_table("table_a2", folder.path());
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST(Table, KeepsAFootnoteOnce) {
   Table table;
   EXPECT_EQ(table.footnote("one"), 0u);
