@@ -17,14 +17,16 @@ struct MeanStd {
   Index n = 0;
 };
 
-/// One cell: nothing, a text, a number, or a mean with its spread; and the footnotes it refers to.
+/// One cell: nothing, a text, a number, a count, or a mean with its spread; and the footnotes it
+/// refers to.
 struct Cell {
-  using Value = std::variant<std::monostate, std::string, double, MeanStd>;
+  using Value = std::variant<std::monostate, std::string, double, Index, MeanStd>;
 
   Cell() = default;
   Cell(std::string text) : value(std::move(text)) {}
   Cell(const char* text) : value(std::string(text)) {}
   Cell(double number) : value(number) {}
+  Cell(Index count) : value(count) {}
   Cell(const MeanStd& mean_std) : value(mean_std) {}
   Cell(const Summary& summary) : value(MeanStd{summary.mean, summary.std, summary.n}) {}
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "analysis/table.h"
 
@@ -25,10 +26,22 @@ std::string to_latex(const Table& table);
 /// A figure element: the table, its caption and footnotes.
 std::string to_html(const Table& table);
 
-/// Writes <name>.md, <name>.csv and <name>.tex into `directory`.
+/// A format in which tables are written to files.
+struct TableFormat {
+  const char* extension;
+  std::string (*to_text)(const Table& table);
+};
+inline constexpr TableFormat kTableFormats[] = {
+    {".md", to_markdown}, {".csv", to_csv}, {".tex", to_latex}};
+
+/// The files of a table, one a format, in `directory`.
+std::vector<std::filesystem::path> table_files(std::string_view name,
+                                               const std::filesystem::path& directory);
+
+/// Writes all files of a table.
 void write_table(const Table& table, const std::filesystem::path& directory);
 
-/// Removes these files of a table, where there are any. Throws Error.
+/// Removes those that there are. Throws Error.
 void remove_table(std::string_view name, const std::filesystem::path& directory);
 
 }  // namespace npdr::analysis

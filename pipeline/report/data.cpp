@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "core/text.h"
+#include "pipeline/artefacts/recording.h"
+#include "pipeline/artefacts/target_file.h"
 
 namespace npdr::pipeline {
 
@@ -24,6 +26,18 @@ std::string ReportData::each_experiment() const {
   return (seeds.size() == 1 ? "" : "each of ") + experiments();
 }
 
+std::vector<const DiagnosedRun*> ReportData::diagnoses_of(const std::string& method) const {
+  std::vector<const DiagnosedRun*> found;
+  for (const DiagnosedRun& run : diagnoses) {
+    if (run.use.method == method) found.push_back(&run);
+  }
+  return found;
+}
+
+DiagnoseConfig ReportData::checks_of(const std::string& method) const {
+  return plan.study.diagnose_of(plan.study.method(method));
+}
+
 std::vector<std::string> ReportData::policy_methods() const {
   std::vector<std::string> names;
   for (const MethodConfig& method : plan.study.methods) {
@@ -41,10 +55,24 @@ bool ReportData::is_inferred(const std::string& method, Index d) const {
   return std::ranges::any_of(runs_of(method), varies);
 }
 
-ReportData read_report_data(const Plan& plan, const Node& node) {
-  ReportData data{plan, plan.source->info(),
-                  {},   {},
-                  {},   read_baseline(*plan.inputs(node, Stage::baseline).front())};
+double ReportData::period_of(Index d) const {
+  const std::string& name = plan.study.prior[static_cast<std::size_t>(d)].name;
+  return info.parameters[static_cast<std::size_t>(sim::parameter_index(info, name))].period;
+}
+
+bool has_posteriors(const ReportData& data) { return !data.methods.empty(); }
+
+bool evaluates_rounds(const ReportData& data) {
+  const EvaluateConfig& evaluate = data.plan.study.evaluate;
+  return has_posteriors(data) && evaluate.rounds == EvaluatedRounds::all &&
+         !evaluate.metrics.empty();
+}
+
+bool has_policies(const ReportData& data) { return !data.policies.empty(); }
+
+namespace {
+
+void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
   for (const Node* evaluation : plan.inputs(node, Stage::evaluate)) {
     const Node& posterior = *plan.inputs(*evaluation, Stage::infer).front();
     for (const Use& use : evaluation->uses) {
@@ -64,20 +92,34 @@ ReportData read_report_data(const Plan& plan, const Node& node) {
   for (const Node* test : plan.inputs(node, Stage::policy_test)) {
     for (const Use& use : test->uses) data.policy_tests.push_back({use, read_policy_test(*test)});
   }
-  const auto has_run = [&](const auto& matches) {
-    return std::any_of(data.runs.begin(), data.runs.end(), matches);
-  };
-  for (const MethodConfig& method : plan.study.methods) {
-    if (has_run([&](const auto& run) { return run.use.method == method.name; })) {
-      data.methods.push_back(method.name);
-    }
+  data.target = read_target_artefact(plan.node(Stage::target, {}));
+  if (plan.study.target.held_out > 0) {
+    data.held_out = read_recording(plan.node(Stage::held_out, {}).path);
   }
-  for (const std::uint64_t seed : plan.study.seeds) {
-    const auto is_of_seed = [&](const auto& run) { return run.use.seed == seed; };
-    if (has_run(is_of_seed) || std::ranges::any_of(data.policies, is_of_seed)) {
+}
+
+// Methods and seeds of which there is anything, in the study's order.
+void list_methods_and_seeds(const Study& study, ReportData& data) {
+  for (const MethodConfig& method : study.methods) {
+    const auto is_its = [&](const auto& run) { return run.use.method == method.name; };
+    if (std::ranges::any_of(data.runs, is_its)) data.methods.push_back(method.name);
+  }
+  for (const std::uint64_t seed : study.seeds) {
+    const auto is_its = [&](const auto& run) { return run.use.seed == seed; };
+    if (std::ranges::any_of(data.runs, is_its) || std::ranges::any_of(data.policies, is_its)) {
       data.seeds.push_back(seed);
     }
   }
+}
+
+}  // namespace
+
+ReportData read_report_data(const Plan& plan, const Node& node) {
+  ReportData data{plan, plan.source->info(),
+                  {},   {},
+                  {},   read_baseline(*plan.inputs(node, Stage::baseline).front())};
+  read_artefacts(plan, node, data);
+  list_methods_and_seeds(plan.study, data);
   return data;
 }
 

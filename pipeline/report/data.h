@@ -1,4 +1,4 @@
-/// What the report of a study is made from.
+/// The artefacts that the report of a study is made from.
 #pragma once
 
 #include <vector>
@@ -49,9 +49,16 @@ struct ReportData {
   std::vector<DiagnosedRun> diagnoses = {};  ///< where the study asks for any
   std::vector<PolicyRun> policies = {};      ///< of a study with [policy], by iteration
   std::vector<PolicyTestRun> policy_tests = {};
+  Target target = {};  ///< all rollouts that inference may see, or x_o
+  std::optional<Target> held_out = {};
 
   /// Runs of the method, in the order of seeds: of its last round, or of `round` when that is > 0.
   std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;
+
+  /// Checks of the method, in the order of seeds.
+  std::vector<const DiagnosedRun*> diagnoses_of(const std::string& method) const;
+  /// The checks that mean something to the method.
+  DiagnoseConfig checks_of(const std::string& method) const;
 
   /// Methods that have searched for a policy, in the study's order.
   std::vector<std::string> policy_methods() const;
@@ -63,8 +70,16 @@ struct ReportData {
   /// Whether the method's samples differ in parameter d of the prior: some methods take parameters
   /// as known that others infer.
   bool is_inferred(const std::string& method, Index d) const;
+  /// Values of parameter d of the prior that far apart are the same system; 0: none are.
+  double period_of(Index d) const;
 };
 
+/// Conditions under which several tables and figures exist.
+bool has_posteriors(const ReportData& data);
+bool evaluates_rounds(const ReportData& data);
+bool has_policies(const ReportData& data);
+
+/// Reads all that `node` needs. Throws InputError.
 ReportData read_report_data(const Plan& plan, const Node& node);
 
 }  // namespace npdr::pipeline

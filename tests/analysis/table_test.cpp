@@ -103,6 +103,21 @@ TEST(Table, AsHtmlEscapesItsText) {
 )");
 }
 
+// Unlike a number, a count is never rounded.
+TEST(Table, WritesCountsFlushRightAndInFull) {
+  Table table;
+  table.name = "counts";
+  table.columns = {{"simulations"}};
+  table.rows = {{"one", {Index{1234567}}}, {"all", {Index{8}}}};
+  EXPECT_EQ(to_markdown(table),
+            "|     | simulations |\n|:----|------------:|\n"
+            "| one |     1234567 |\n| all |           8 |\n");
+  EXPECT_EQ(to_csv(table), ",simulations\none,1234567\nall,8\n");
+  EXPECT_NE(to_latex(table).find("{lr}"), std::string::npos);
+  EXPECT_NE(to_latex(table).find("one & 1234567 "), std::string::npos);
+  EXPECT_NE(to_html(table).find("<td class=\"number\">1234567</td>"), std::string::npos);
+}
+
 TEST(Table, IsWrittenInEveryFormat) {
   const TempFolder folder;
   const Table table = small_table();
@@ -110,6 +125,16 @@ TEST(Table, IsWrittenInEveryFormat) {
   EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.md"), to_markdown(table));
   EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.csv"), to_csv(table));
   EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.tex"), to_latex(table));
+}
+
+TEST(Table, RemovesAllOfItsFiles) {
+  const TempFolder folder;
+  write_table(small_table(), folder.path());
+  for (const auto& file : table_files("table_a2", folder.path())) {
+    EXPECT_TRUE(std::filesystem::exists(file)) << file;
+  }
+  remove_table("table_a2", folder.path());
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 TEST(Table, KeepsAFootnoteOnce) {

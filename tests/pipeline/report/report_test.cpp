@@ -1,7 +1,7 @@
 #include <numbers>
 
-#include "pipeline/report/figures.h"
-#include "pipeline/report/parameters.h"
+#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/registry.h"
 #include "tests/pipeline/study_text.h"
 
 namespace npdr::pipeline {
@@ -20,7 +20,7 @@ sim::SimulatorInfo info_of(const Plan& plan) {
 TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
   const Plan plan = plan_of(
       {"prior.gravity={ normal = [9.81, 0.05] }", "prior.damping={ log_normal = [-3.0, 0.5] }"});
-  const analysis::Table table = parameters_table({plan, info_of(plan), {}, {}, {}, {}});
+  const analysis::Table table = parameters_table().make({plan, info_of(plan), {}, {}, {}, {}});
   std::vector<std::string> priors;
   for (const analysis::Row& row : table.rows) {
     priors.push_back(std::get<std::string>(row.cells[1].value));
@@ -61,7 +61,7 @@ TEST(ReportTables, ContractionKnowsPeriods) {
   RowMatrix theta(2, 3);
   theta << 0.5 - s, -s, end - s, 0.5 + s, s, -end + s;
   const analysis::Table table =
-      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
+      contraction_table().make({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
   EXPECT_NEAR(contraction(table, 0), 1.0 - 2 * s * s * 12.0, 1e-6);
   const double turn = std::numbers::pi * std::numbers::pi / 12.0;
   EXPECT_NEAR(contraction(table, 1), 1.0 - 2 * s * s / turn, 1e-6);
@@ -75,21 +75,20 @@ TEST(ReportTables, ContractionOfAWideNormalIsThatOfItsAngle) {
   RowMatrix theta(1000, 1);
   for (Index i = 0; i < 1000; ++i) theta(i, 0) = std::numbers::pi * (double(i) / 1000.0 - 0.5);
   const analysis::Table table =
-      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
+      contraction_table().make({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
   EXPECT_NEAR(contraction(table, 0), 0.0, 0.05);
 }
 
 TEST(ReportFigures, SayWhatTheyLeaveOut) {
-  Plan plan = plan_of();
-  const ReportData six{plan, info_of(plan), {"a", "b", "c", "d", "e", "f"}, {}, {}, {}};
-  const ReportData seven{plan, info_of(plan), {"a", "b", "c", "d", "e", "f", "g"}, {}, {}, {}};
+  const std::vector<std::string> six(6, "a"), seven(7, "a");
   EXPECT_EQ(left_out_methods(six), "");
   EXPECT_EQ(left_out_methods(seven), " The first 6 of 7 methods.");
-  EXPECT_EQ(left_out_parameters(plan.study), "");
-  plan.study.prior.resize(16, plan.study.prior.front());
-  EXPECT_EQ(left_out_parameters(plan.study), " 15 of 16 parameters.");
-  plan.study.report.parameters = {"pole_mass", "pole_length"};
-  EXPECT_EQ(left_out_parameters(plan.study), " 2 of 16 parameters.");
+  Study study = plan_of().study;
+  EXPECT_EQ(left_out_parameters(study), "");
+  study.prior.resize(16, study.prior.front());
+  EXPECT_EQ(left_out_parameters(study), " 15 of 16 parameters.");
+  study.report.parameters = {"pole_mass", "pole_length"};
+  EXPECT_EQ(left_out_parameters(study), " 2 of 16 parameters.");
 }
 
 }  // namespace

@@ -13,8 +13,7 @@
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/report/data.h"
-#include "pipeline/report/seeds.h"
-#include "pipeline/report/tables.h"
+#include "pipeline/report/registry.h"
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
 #include "pipeline/artefacts/recording.h"
@@ -182,10 +181,10 @@ TEST_F(AbcStages, ARegressionFindsTheTruthWithoutSimulations) {
   EXPECT_TRUE(data.is_inferred("Regression", 0));
   EXPECT_FALSE(data.is_inferred("Regression", 1));
 
-  const analysis::Table fit = fit_table(data);
+  const analysis::Table fit = fit_table().make(data);
   EXPECT_EQ(fit.footnotes.back(),
             "Regression: 100 of 100 samples lie outside of the prior, 0 are physically impossible");
-  EXPECT_EQ(seeds_table(data).footnotes.front(),
+  EXPECT_EQ(seeds_table().make(data).footnotes.front(),
             "Regression takes as known: motor_resistance; its log p is the density of the others");
 }
 

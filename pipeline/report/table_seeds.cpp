@@ -1,19 +1,13 @@
-#include "pipeline/report/seeds.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "pipeline/report/cells.h"
-#include "pipeline/report/densities.h"
+#include "pipeline/report/registry.h"
+#include "pipeline/report/table_parts.h"
 
 namespace npdr::pipeline {
 namespace {
-
-using analysis::Cell;
-using analysis::Row;
-using analysis::Table;
 
 bool any_was_sampled(const ReportData& data) {
   return std::ranges::any_of(
@@ -50,33 +44,29 @@ void add_sampler_cells(const EvaluatedRun& run, Row& row, Table& table) {
   row.cells.push_back(sampler ? worst(sampler->ess, -1.0) : Cell());
 }
 
-// What the study's settings decide about the columns.
+// Columns that not every study has.
 struct Columns {
   bool has_nominal;
   bool has_truth;
   bool has_sampler;
 };
 
-void add_columns(const ReportData& data, const Columns& has, Table& table) {
-  const auto add = [&](const std::string& title) { table.columns.push_back({title, false}); };
+void add_seed_columns(const ReportData& data, const Columns& has, Table& table) {
   for (const std::string& metric : data.plan.study.evaluate.metrics) {
-    add(title_of(data, metric));
-    add(title_of(data, metric) + " of MAP");
+    add_columns(table, {title_of(data, metric), title_of(data, metric) + " of MAP"});
   }
-  if (has.has_nominal) add("log p(nominal)");
-  if (has.has_truth) add("log p(truth)");
+  if (has.has_nominal) add_columns(table, {"log p(nominal)"});
+  if (has.has_truth) add_columns(table, {"log p(truth)"});
   for (const ReferenceConfig& reference : data.plan.study.references) {
-    add(fmt::format("log p({})", reference.name));
+    add_columns(table, {fmt::format("log p({})", reference.name)});
   }
-  for (const char* title : {"simulations", "failed", "epochs"}) add(title);
-  if (!has.has_sampler) return;
-  add("largest R-hat");
-  add("smallest ESS");
+  add_columns(table, {"simulations", "failed", "epochs"});
+  if (has.has_sampler) add_columns(table, {"largest R-hat", "smallest ESS"});
 }
 
 Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, Table& table) {
   const Evaluation& evaluation = run.evaluation;
-  Row row{fmt::format("{}, {}", run.use.method, run.use.seed), {}};
+  Row row{experiment_label(run.use.method, run.use.seed), {}};
   for (const std::string& metric : data.plan.study.evaluate.metrics) {
     row.cells.push_back(cell_of(table, analysis::summarize(evaluation.metrics.at(metric))));
     row.cells.emplace_back(evaluation.map_metrics.at(metric));
@@ -86,25 +76,20 @@ Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, 
   for (const ReferenceConfig& reference : data.plan.study.references) {
     row.cells.emplace_back(evaluation.reference_log_prob.at(reference.name));
   }
-  row.cells.emplace_back(std::to_string(run.notes.rows.used + run.notes.rows.failed));
-  row.cells.emplace_back(std::to_string(run.notes.rows.failed));
-  const auto epochs = run.notes.training_loss.size();
-  row.cells.push_back(epochs > 0 ? Cell(std::to_string(epochs)) : Cell());
+  row.cells.emplace_back(run.notes.rows.used + run.notes.rows.failed);
+  row.cells.emplace_back(run.notes.rows.failed);
+  const auto epochs = static_cast<Index>(run.notes.training_loss.size());
+  row.cells.push_back(epochs > 0 ? Cell(epochs) : Cell());
   if (has.has_sampler) add_sampler_cells(run, row, table);
   return row;
 }
 
-}  // namespace
-
-Table seeds_table(const ReportData& data) {
-  Table table;
-  table.name = "seeds";
-  table.caption = "Each experiment. log p: posterior density in nats.";
-  table.row_header = "Method, seed";
-  table.command = data.plan.command;
+Table make(const ReportData& data) {
+  Table table =
+      empty_table("Each experiment. log p: posterior density in nats.", "Method, seed", {});
   const Columns has{data.plan.study.source().has_nominal, data.plan.study.target.truth.has_value(),
                     any_was_sampled(data)};
-  add_columns(data, has, table);
+  add_seed_columns(data, has, table);
   note_fixed_parameters(table, data);
   note_known_parameters(table, data);
   for (const std::string& method : data.methods) {
@@ -114,5 +99,10 @@ Table seeds_table(const ReportData& data) {
   }
   return table;
 }
+
+}  // namespace
+
+/// One row a method and seed: fit, densities, simulations, epochs, chains.
+TableEntry seeds_table() { return {"seeds", Section::fit, has_posteriors, make}; }
 
 }  // namespace npdr::pipeline

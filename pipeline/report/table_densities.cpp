@@ -1,21 +1,14 @@
-#include "pipeline/report/densities.h"
-
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "core/text.h"
 #include "inference/prior.h"
-#include "pipeline/report/cells.h"
+#include "pipeline/report/registry.h"
+#include "pipeline/report/table_parts.h"
 
 namespace npdr::pipeline {
 namespace {
-
-using analysis::Cell;
-using analysis::Row;
-using analysis::Table;
 
 // A point in the space of parameters, and where evaluations hold its density.
 struct Point {
@@ -49,10 +42,8 @@ std::vector<Point> points_of(const ReportData& data) {
 
 Cell density_cell(const std::vector<const EvaluatedRun*>& runs, const Point& point, Table& table) {
   if (runs.empty()) return {};
-  Vector values(static_cast<Index>(runs.size()));
-  Index i = 0;
-  for (const EvaluatedRun* run : runs) values(i++) = point.log_prob(run->evaluation);
-  const analysis::Summary summary = analysis::summarize(values);
+  const analysis::Summary summary = analysis::summarize(
+      each(runs, [&](const EvaluatedRun* run) { return point.log_prob(run->evaluation); }));
   if (summary.n == 0) return "outside";
   Cell cell(summary);
   if (summary.n_failed > 0) {
@@ -68,17 +59,11 @@ Cell prior_cell(const ReportData& data, const Point& point) {
   return std::isfinite(log_prob) ? Cell(log_prob) : Cell("outside");
 }
 
-}  // namespace
-
-Table densities_table(const ReportData& data) {
-  Table table;
-  table.name = "densities";
-  table.caption =
+Table make(const ReportData& data) {
+  Table table = empty_table(
       "log p of known or measured parameters after each round, in nats: mean and standard "
-      "deviation over the seeds.";
-  table.row_header = "Method, parameters";
-  table.command = data.plan.command;
-  table.columns.push_back({"prior", false});
+      "deviation over the seeds.",
+      "Method, parameters", {"prior"});
   const Index most_rounds = add_round_columns(table, data);
   for (const Point& point : points_of(data)) {
     for (const std::string& method : data.methods) {
@@ -94,36 +79,11 @@ Table densities_table(const ReportData& data) {
   return table;
 }
 
-// Densities of fewer parameters can't be compared with those of all.
-void note_known_parameters(Table& table, const ReportData& data) {
-  for (const std::string& method : data.methods) {
-    std::vector<std::string> known;
-    for (std::size_t d = 0; d < data.plan.study.prior.size(); ++d) {
-      if (data.is_inferred(method, static_cast<Index>(d))) continue;
-      known.push_back(data.plan.study.prior[d].name);
-    }
-    if (known.empty()) continue;
-    table.footnote(fmt::format("{} takes as known: {}; its log p is the density of the others",
-                               method, join(known)));
-  }
-}
+}  // namespace
 
-// A reference may also set what the posterior takes for known.
-void note_fixed_parameters(Table& table, const ReportData& data) {
-  const auto& prior = data.plan.study.prior;
-  for (const ReferenceConfig& reference : data.plan.study.references) {
-    std::vector<std::string> fixed;
-    for (const auto& [name, value] : reference.parameters) {
-      const bool is_inferred =
-          std::ranges::any_of(prior, [&](const auto& marginal) { return marginal.name == name; });
-      if (!is_inferred) fixed.push_back(name);
-    }
-    if (fixed.empty()) continue;
-    table.footnote(fmt::format(
-        "log p({}) is the density of its parameters in the prior alone; the posterior has others "
-        "of {}",
-        reference.name, join(fixed)));
-  }
-}
+/// One row a method and point (truth, references; nominal parameters where there is neither), one
+/// column a round: log p of the posterior [nats], mean and standard deviation over the seeds,
+/// beside that of the prior.
+TableEntry densities_table() { return {"densities", Section::fit, evaluates_rounds, make}; }
 
 }  // namespace npdr::pipeline

@@ -1,0 +1,81 @@
+#include "analysis/table_text.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+namespace npdr::analysis {
+namespace {
+
+// The mark of each footnote: a, b, ... of those that cells refer to; none of those that are about
+// the table as a whole.
+std::vector<std::string> footnote_marks(const Table& table) {
+  std::vector<std::string> marks(table.footnotes.size());
+  std::set<std::size_t> referred;
+  for (const Row& row : table.rows) {
+    for (const Cell& cell : row.cells) referred.insert(cell.notes.begin(), cell.notes.end());
+  }
+  std::size_t count = 0;
+  for (const std::size_t note : referred) marks[note] = footnote_mark(count++);
+  return marks;
+}
+
+std::string cell_text(const Cell& cell, const Markup& markup,
+                      const std::vector<std::string>& marks) {
+  std::string text;
+  if (const auto* words = std::get_if<std::string>(&cell.value)) {
+    text = markup.escape(*words);
+  } else if (const auto* number = std::get_if<double>(&cell.value)) {
+    text = number_text(*number, markup.numbers);
+  } else if (const auto* count = std::get_if<Index>(&cell.value)) {
+    text = std::to_string(*count);
+  } else if (const auto* mean_std = std::get_if<MeanStd>(&cell.value)) {
+    text = mean_std_text(mean_std->mean, mean_std->std, markup.numbers);
+  }
+  for (const std::size_t note : cell.notes) {
+    text += fmt::format(fmt::runtime(markup.note), marks[note]);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> text_grid(const Table& table, const Markup& markup) {
+  std::vector<std::vector<std::string>> grid(1, {markup.escape(table.row_header)});
+  for (const Column& column : table.columns) grid[0].push_back(markup.escape(column_title(column)));
+  const std::vector<std::string> marks = footnote_marks(table);
+  for (const Row& row : table.rows) {
+    grid.push_back({markup.escape(row.label)});
+    for (const Cell& cell : row.cells) grid.back().push_back(cell_text(cell, markup, marks));
+  }
+  return grid;
+}
+
+bool flush_right(const Table& table, std::size_t grid_column) {
+  return grid_column > 0 && table.is_numeric(grid_column - 1);
+}
+
+std::string footnote_lines(const Table& table, const Markup& markup, const char* line) {
+  const std::vector<std::string> marks = footnote_marks(table);
+  std::string text;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    std::string words = markup.escape(table.footnotes[i]);
+    if (!marks[i].empty()) {
+      const std::string mark = fmt::format(fmt::runtime(markup.note), marks[i]);
+      words = mark.substr(mark.find_first_not_of(' ')) + ' ' + words;
+    }
+    text += fmt::format(fmt::runtime(line), words);
+  }
+  return text;
+}
+
+std::string prefixed_lines(std::string_view text, std::string_view prefix) {
+  std::string result(prefix);
+  for (const char c : text) {
+    result += c;
+    if (c == '\n') result += prefix;
+  }
+  return result + '\n';
+}
+
+}  // namespace npdr::analysis

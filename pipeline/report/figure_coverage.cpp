@@ -1,0 +1,51 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "analysis/calibration_plot.h"
+#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/registry.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// A check that measures coverage, and which regions it is the coverage of.
+struct Panel {
+  const char* check;
+  const char* title;
+  std::optional<CoverageResult> Diagnosis::*result;
+};
+constexpr Panel kPanels[] = {{"coverage", "highest density", &Diagnosis::coverage},
+                             {"tarp", "balls (TARP)", &Diagnosis::tarp}};
+
+analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+  analysis::CoveragePlot plot;
+  plot.name = "coverage";
+  for (const Panel& kind : kPanels) {
+    analysis::CoveragePanel panel{kind.title, {}};
+    for (const std::string& method : drawn_methods_with(data, kind.check)) {
+      const CoverageResult& result = *(first_diagnosis(data, method).*kind.result);
+      plot.num_truths = std::max(plot.num_truths, result.levels.size());
+      panel.curves.push_back({method, result.coverage.level, result.coverage.coverage});
+    }
+    if (!panel.curves.empty()) plot.panels.push_back(std::move(panel));
+  }
+  return {
+      analysis::write_coverage_plot(plot, folder).svg,
+      fmt::format("Share of true parameters within the credible regions of each level, seed {}. "
+                  "Below the diagonal: too narrow, above: too wide. Grey: 99 % of the curves of "
+                  "a posterior without fault, level by level.{}",
+                  data.seeds.front(), left_out_methods(data.methods))};
+}
+
+bool exists(const ReportData& data) {
+  return std::ranges::any_of(
+      kPanels, [&](const Panel& panel) { return !drawn_methods_with(data, panel.check).empty(); });
+}
+
+}  // namespace
+
+/// Coverage of credible regions by their level, of the first seed.
+FigureEntry coverage_figure() { return {Section::diagnostics, exists, make}; }
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,54 @@
+#include "pipeline/report/figure_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "analysis/figure.h"
+#include "analysis/pair_plot.h"
+
+namespace npdr::pipeline {
+
+std::vector<std::string> drawn_methods(std::vector<std::string> methods) {
+  methods.resize(std::min(methods.size(), analysis::kMaxMethods));
+  return methods;
+}
+
+std::vector<std::string> drawn_methods_with(const ReportData& data, const std::string& check) {
+  std::vector<std::string> methods = drawn_methods(data.methods);
+  std::erase_if(methods, [&](const auto& method) { return !data.checks_of(method).has(check); });
+  return methods;
+}
+
+std::string left_out_methods(const std::vector<std::string>& methods) {
+  const std::size_t drawn = drawn_methods(methods).size();
+  if (drawn == methods.size()) return "";
+  return fmt::format(" The first {} of {} methods.", drawn, methods.size());
+}
+
+std::vector<Index> shown_parameters(const Study& study) {
+  std::vector<Index> shown;
+  if (study.report.parameters.empty()) {
+    shown.resize(std::min<std::size_t>(study.prior.size(), analysis::kMaxPairParameters));
+    std::iota(shown.begin(), shown.end(), Index{0});
+  }
+  for (const std::string& name : study.report.parameters) {
+    const auto found = std::find_if(study.prior.begin(), study.prior.end(),
+                                    [&](const auto& m) { return m.name == name; });
+    shown.push_back(found - study.prior.begin());
+  }
+  return shown;
+}
+
+std::string left_out_parameters(const Study& study) {
+  const std::size_t shown = shown_parameters(study).size();
+  if (shown == study.prior.size()) return "";
+  return fmt::format(" {} of {} parameters.", shown, study.prior.size());
+}
+
+const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method) {
+  return data.diagnoses_of(method).front()->diagnosis;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,27 @@
+/// Pieces that the figures of a report share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/report/data.h"
+
+namespace npdr::pipeline {
+
+/// The methods that figures draw: the first, as many as there are colours.
+std::vector<std::string> drawn_methods(std::vector<std::string> methods);
+/// Those of them to which a check means something.
+std::vector<std::string> drawn_methods_with(const ReportData& data, const std::string& check);
+/// A sentence to end a caption with: " The first 6 of 7 methods."; "": all are drawn.
+std::string left_out_methods(const std::vector<std::string>& methods);
+
+/// Positions in the prior of the parameters that figures show: those that the study picks, or the
+/// first.
+std::vector<Index> shown_parameters(const Study& study);
+/// As left_out_methods(): " 2 of 16 parameters."
+std::string left_out_parameters(const Study& study);
+
+/// The first seed's checks of a method.
+const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,41 @@
+#include <fmt/format.h>
+
+#include "analysis/calibration_plot.h"
+#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/registry.h"
+
+namespace npdr::pipeline {
+namespace {
+
+analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+  analysis::RankPlot plot;
+  plot.name = "sbc_ranks";
+  for (const inference::Marginal& m : data.plan.study.prior) plot.parameters.push_back(m.name);
+  for (const std::string& method : drawn_methods_with(data, "sbc")) {
+    const SbcResult& sbc = *first_diagnosis(data, method).sbc;
+    RowMatrix counts(static_cast<Index>(sbc.test.chi_square.front().counts.size()),
+                     sbc.levels.cols());
+    for (Index d = 0; d < counts.cols(); ++d) {
+      const auto& bins = sbc.test.chi_square[static_cast<std::size_t>(d)].counts;
+      for (Index b = 0; b < counts.rows(); ++b) {
+        counts(b, d) = static_cast<double>(bins[static_cast<std::size_t>(b)]);
+      }
+    }
+    plot.methods.push_back({method, counts});
+  }
+  return {analysis::write_rank_plot(plot, folder).svg,
+          fmt::format("Ranks of the true parameters among posterior samples, seed {}: shares over "
+                      "the even one. Grey: the band that holds 99 % of the bars of a posterior "
+                      "without fault. Too narrow a posterior makes a U, too wide a one an arch, a "
+                      "shifted one a slope.{}",
+                      data.seeds.front(), left_out_methods(data.methods))};
+}
+
+bool exists(const ReportData& data) { return !drawn_methods_with(data, "sbc").empty(); }
+
+}  // namespace
+
+/// Histograms of simulation-based calibration's ranks, of the first seed.
+FigureEntry rank_figure() { return {Section::diagnostics, exists, make}; }
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,109 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/normal.h"
+#include "inference/diagnostics/uniformity.h"
+#include "inference/prior.h"
+#include "pipeline/report/registry.h"
+#include "pipeline/report/table_parts.h"
+
+namespace npdr::pipeline {
+namespace {
+
+std::string prior_text(const inference::Marginal& m) {
+  switch (m.kind) {
+    case inference::Marginal::Kind::uniform:
+      return fmt::format("[{:.4g}, {:.4g}]", m.a, m.b);
+    case inference::Marginal::Kind::log_uniform:
+      return fmt::format("[{:.4g}, {:.4g}], log-uniform", m.a, m.b);
+    case inference::Marginal::Kind::normal:
+      return fmt::format("N({:.4g}, {:.4g}²)", m.a, m.b);
+    case inference::Marginal::Kind::log_normal:
+      return fmt::format("exp N({:.4g}, {:.4g}²)", m.a, m.b);
+  }
+  return "";
+}
+
+constexpr Index kMostRows = 10'000;
+constexpr double kFalseAlarmRate = 1e-4;
+
+// Rows inside the prior that the first seed trains on, in the space in which it is N(0, I).
+RowMatrix normal_theta(const ReportData& data) {
+  const Study& study = data.plan.study;
+  const inference::Prior prior(study.prior);
+  const Index count =
+      std::min(kMostRows, study.method(data.methods.front()).algorithm.num_simulations);
+  const RowMatrix all = *data.plan.source->theta(data.seeds.front(), count);
+  RowMatrix inside(all.rows(), all.cols());
+  Index num_inside = 0;
+  for (Index i = 0; i < all.rows(); ++i) {
+    if (prior.contains(all.row(i).transpose())) inside.row(num_inside++) = all.row(i);
+  }
+  return prior.to_normal(inside.topRows(num_inside));
+}
+
+// Posteriors are those of the distribution that the dataset's theta was drawn from: says which
+// parameters aren't distributed as the prior. Kolmogorov-Smirnov of F(theta), which is uniform for
+// draws of the prior; a dataset without fault is accused with probability kFalseAlarmRate.
+void note_foreign_theta(Table& table, const ReportData& data) {
+  if (data.plan.study.source().simulates) return;
+  const RowMatrix u = normal_theta(data);
+  if (u.rows() == 0) return;
+  for (Index d = 0; d < u.cols(); ++d) {
+    const Vector uniform = u.col(d).unaryExpr([](double v) { return normal_cdf(v); });
+    const auto test = inference::test_kolmogorov_smirnov(uniform);
+    if (inference::corrected(test.p_value, u.cols()) >= kFalseAlarmRate) continue;
+    table.footnote(fmt::format(
+        "{} of the dataset isn't distributed as the prior says (Kolmogorov-Smirnov {:.2f}, p = "
+        "{:.1g}): where its theta wasn't drawn from this prior, posteriors are those of another "
+        "one",
+        data.plan.study.prior[static_cast<std::size_t>(d)].name, test.statistic, test.p_value));
+  }
+}
+
+std::string period_note(double period) {
+  return fmt::format("modulo {:.4g}: values that far apart are the same system", period);
+}
+
+Cell posterior_cell(Table& table, const ReportData& data, const std::string& method, Index d) {
+  const auto runs = data.runs_of(method);
+  const double period = data.period_of(d);
+  const auto samples = [d](const EvaluatedRun* run) -> Vector {
+    return run->evaluation.theta.col(d);
+  };
+  Cell cell(analysis::summarize_periodic(pooled(runs, samples), period));
+  if (!data.is_inferred(method, d)) {
+    cell = Cell(runs.front()->evaluation.theta(0, d));
+    note_known(table, cell);
+  }
+  if (period > 0.0) cell.notes.push_back(table.footnote(period_note(period)));
+  return cell;
+}
+
+Table make(const ReportData& data) {
+  Table table =
+      empty_table("Domain parameters: mean and standard deviation of the posterior, all seeds.",
+                  "Parameter", {"unit", "prior"});
+  for (const BaselinePoint& point : data.baseline) add_columns(table, {point.name});
+  add_columns(table, data.methods);
+  Index d = 0;
+  for (const inference::Marginal& marginal : data.plan.study.prior) {
+    Row row{marginal.name, {marginal.unit, prior_text(marginal)}};
+    for (const BaselinePoint& point : data.baseline) row.cells.emplace_back(point.theta(d));
+    for (const std::string& method : data.methods) {
+      row.cells.push_back(posterior_cell(table, data, method, d));
+    }
+    table.rows.push_back(std::move(row));
+    ++d;
+  }
+  note_foreign_theta(table, data);
+  return table;
+}
+
+}  // namespace
+
+/// Prior, baselines and posteriors: mean and deviation, circular for a periodic parameter.
+TableEntry parameters_table() { return {"parameters", Section::posteriors, has_posteriors, make}; }
+
+}  // namespace npdr::pipeline

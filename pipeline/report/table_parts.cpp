@@ -1,0 +1,93 @@
+#include "pipeline/report/table_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/text.h"
+
+namespace npdr::pipeline {
+
+Table empty_table(std::string caption, std::string row_header,
+                  const std::vector<std::string>& columns) {
+  Table table;
+  table.caption = std::move(caption);
+  table.row_header = std::move(row_header);
+  add_columns(table, columns);
+  return table;
+}
+
+void add_columns(Table& table, const std::vector<std::string>& titles) {
+  for (const std::string& title : titles) table.columns.push_back({title, false});
+}
+
+Index add_round_columns(Table& table, const ReportData& data) {
+  Index most_rounds = 0;
+  for (const EvaluatedRun& run : data.runs) most_rounds = std::max(most_rounds, run.use.round);
+  for (Index round = 1; round <= most_rounds; ++round) {
+    add_columns(table, {fmt::format("round {}", round)});
+  }
+  return most_rounds;
+}
+
+std::string title_of(const ReportData& data, const std::string& metric) {
+  if (metric.starts_with(kHeldOutPrefix)) {
+    return title_of(data, metric.substr(kHeldOutPrefix.size())) + ", held out";
+  }
+  if (metric == "dtw") return "DTW dist.";
+  if (metric == "rmse") return "RMSE";
+  if (metric == "final_error") {
+    return fmt::format("Final error [{}]", data.info.state_channels.front().unit);
+  }
+  if (metric == kFeatureMetric) return "Distance to x_o [prior std]";
+  return fmt::format("P({})", data.info.goal->description);
+}
+
+std::string experiment_label(const std::string& method, std::uint64_t seed) {
+  return fmt::format("{}, {}", method, seed);
+}
+
+Cell cell_of(Table& table, const analysis::Summary& summary) {
+  Cell cell(summary);
+  if (summary.n_failed > 0) {
+    cell.notes.push_back(
+        table.footnote(fmt::format("{} of {} samples left out: their simulations failed",
+                                   summary.n_failed, summary.n + summary.n_failed)));
+  }
+  return cell;
+}
+
+void note_known(Table& table, Cell& cell) {
+  cell.notes.push_back(table.footnote("not inferred by this method, which takes it as known"));
+}
+
+void note_known_parameters(Table& table, const ReportData& data) {
+  for (const std::string& method : data.methods) {
+    std::vector<std::string> known;
+    for (std::size_t d = 0; d < data.plan.study.prior.size(); ++d) {
+      if (data.is_inferred(method, static_cast<Index>(d))) continue;
+      known.push_back(data.plan.study.prior[d].name);
+    }
+    if (known.empty()) continue;
+    table.footnote(fmt::format("{} takes as known: {}; its log p is the density of the others",
+                               method, join(known)));
+  }
+}
+
+void note_fixed_parameters(Table& table, const ReportData& data) {
+  const auto& prior = data.plan.study.prior;
+  for (const ReferenceConfig& reference : data.plan.study.references) {
+    std::vector<std::string> fixed;
+    for (const auto& [name, value] : reference.parameters) {
+      const auto is_it = [&, &name = name](const auto& marginal) { return marginal.name == name; };
+      if (std::ranges::none_of(prior, is_it)) fixed.push_back(name);
+    }
+    if (fixed.empty()) continue;
+    table.footnote(fmt::format(
+        "log p({}) is the density of its parameters in the prior alone; the posterior has others "
+        "of {}",
+        reference.name, join(fixed)));
+  }
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,75 @@
+/// Pieces that the tables of a report share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/summary.h"
+#include "analysis/table.h"
+#include "pipeline/report/data.h"
+
+namespace npdr::pipeline {
+
+using analysis::Cell;
+using analysis::Row;
+using analysis::Table;
+
+/// A table without rows.
+Table empty_table(std::string caption, std::string row_header,
+                  const std::vector<std::string>& columns);
+
+void add_columns(Table& table, const std::vector<std::string>& titles);
+/// Adds a column for each round that any method has; returns how many.
+Index add_round_columns(Table& table, const ReportData& data);
+
+/// What people call a metric: "RMSE, held out".
+std::string title_of(const ReportData& data, const std::string& metric);
+
+/// "NPDR (MAF), 1": the label of a row for each method and seed.
+std::string experiment_label(const std::string& method, std::uint64_t seed);
+
+/// Mean and standard deviation; a footnote of `table` says how many samples failed.
+Cell cell_of(Table& table, const analysis::Summary& summary);
+
+/// Says that the method takes the parameter of `cell` as known.
+void note_known(Table& table, Cell& cell);
+
+/// Footnotes for a table of densities: methods that take parameters as known, whose densities can't
+/// be compared with those of all parameters; references that set parameters beyond the prior's.
+void note_known_parameters(Table& table, const ReportData& data);
+void note_fixed_parameters(Table& table, const ReportData& data);
+
+/// One number for each item: (items).
+template <class Items, class Number>
+Vector each(const Items& items, const Number& number_of) {
+  Vector numbers(static_cast<Index>(items.size()));
+  Index i = 0;
+  for (const auto& item : items) numbers(i++) = number_of(item);
+  return numbers;
+}
+
+/// The samples of all runs, one run after the other.
+template <class Runs, class Samples>
+Vector pooled(const Runs& runs, const Samples& samples_of) {
+  Vector all;
+  for (const auto& run : runs) {
+    const Vector samples = samples_of(run);
+    all.conservativeResize(all.size() + samples.size());
+    all.tail(samples.size()) = samples;
+  }
+  return all;
+}
+
+/// Mean and spread of the runs' means.
+template <class Runs, class Samples>
+analysis::Summary summary_of_means(const Runs& runs, const Samples& samples_of) {
+  return analysis::summarize(
+      each(runs, [&](const auto& run) { return analysis::summarize(samples_of(run)).mean; }));
+}
+
+/// A metric's samples of a run, (n).
+inline auto metric_samples(const std::string& metric) {
+  return [metric](const EvaluatedRun* run) { return run->evaluation.metrics.at(metric); };
+}
+
+}  // namespace npdr::pipeline
