@@ -7,7 +7,9 @@
 #include <regex>
 
 #include "core/text.h"
+#include "pipeline/artefacts/recording.h"
 #include "tests/cli/program.h"
+#include "tests/device_recordings.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -140,12 +142,10 @@ class Documents : public ::testing::TestWithParam<std::string> {
     fs::create_directory(folder_ / "recordings");
     write_files_of_the_document();
     if (!fs::exists(folder_ / "study.toml")) shell("npdr new study");
-    make_recording(furuta_study("furuta").with("target", {"num_rollouts = 5"}),
-                   "furuta_swingup_5s.h5");
-    make_recording(minigolf_study("minigolf")
-                       .with("target", {"num_rollouts = 7", "held_out = 0"})
-                       .with("simulator", {"store_every = 1"}),
-                   "minigolf_8s.h5");
+    for (const std::string folder : {"", "recordings/"}) {
+      write_recording(furuta_recording(5), folder_ / (folder + "furuta_swingup_5s.h5"));
+      write_recording(minigolf_recording(7), folder_ / (folder + "minigolf_8s.h5"));
+    }
     if (GetParam() == "docs/file-formats.md") prepare_file_formats();
     for (const char* name : {"rollout1.csv", "rollout2.csv"}) folder_.file(name, furuta_csv());
   }
@@ -159,7 +159,9 @@ class Documents : public ::testing::TestWithParam<std::string> {
  private:
   // A recording that a Python program makes there, a second file like the first, a policy.
   void prepare_file_formats() const {
-    make_recording(pendulum_study("bench"), "recording.h5");
+    const auto device = sim::make_simulator({.name = "pendulum"});
+    write_recording(device->behave(sim::complete_theta(*device, {}), 1, 1),
+                    folder_ / "recording.h5");
     fs::copy(folder_ / "run_a.csv", folder_ / "run_b.csv");
     const Outcome outcome = shell(
         "npdr run experiments/furuta_policy.toml --only NPDR --seeds 1 --set method.num_rounds=1 "
@@ -181,18 +183,6 @@ class Documents : public ::testing::TestWithParam<std::string> {
       for (std::size_t k = i + 3; lines.at(k) != "```"; ++k) text += lines[k] + "\n";
       folder_.file(match[1], text);
     }
-  }
-
-  // The target of a study is a recording.
-  void make_recording(StudyText study, const std::string& name) const {
-    folder_.file("device.toml", study.method("NPE"));
-    const Outcome outcome = shell("npdr run device.toml --until target --work device");
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    for (const std::string& target : files_ending(folder_ / "device", "/target.h5")) {
-      fs::copy(folder_ / "device" / target, folder_ / name);
-      fs::copy(folder_ / "device" / target, folder_ / "recordings" / name);
-    }
-    fs::remove_all(folder_ / "device");
   }
 
   // A second of a pole that swings a little.
