@@ -10,6 +10,7 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/size_text.h"
+#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"
 #include "pipeline/config/study_template.h"
@@ -126,9 +127,16 @@ void list_names(const std::vector<std::string>& names) {
   for (const std::string& name : names) fmt::print("{}\n", name);
 }
 
+void list_layouts() {
+  for (const std::string& name : layout_names()) {
+    fmt::print("<!-- layout: {} -->\n{}<!-- end -->\n", name, layout_table(name));
+  }
+}
+
 void list(const std::string& what) {
   if (what == "simulators") return list_simulators();
   if (what == "keys") return list_keys();
+  if (what == "layouts") return list_layouts();
   if (what == "methods") return list_names(names_of<inference::Algorithm>());
   if (what == "embeddings") return list_names(names_of<inference::EmbeddingKind>());
   if (what == "estimators") return list_names(names_of<inference::EstimatorKind>());
@@ -137,7 +145,7 @@ void list(const std::string& what) {
   if (what == "checks") return list_names(check_names());
   throw InputError(unknown_name("list", what,
                                 {"simulators", "methods", "embeddings", "estimators", "integrators",
-                                 "metrics", "checks", "keys"}));
+                                 "metrics", "checks", "keys", "layouts"}));
 }
 
 void write_new_study(const std::string& name) {
@@ -186,9 +194,9 @@ void add_list_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("list", "what a study can choose from");
   auto what = std::make_shared<std::string>();
   command
-      ->add_option(
-          "WHAT", *what,
-          "simulators, methods, embeddings, estimators, integrators, metrics, checks or keys")
+      ->add_option("WHAT", *what,
+                   "simulators, methods, embeddings, estimators, integrators, metrics, checks, "
+                   "keys or layouts")
       ->required();
   command->callback([&result, what] {
     result = guarded_main("npdr list", [&] {
