@@ -61,8 +61,8 @@ struct Series {
   double opacity = 1.0;        ///< in [0, 1]
 };
 
-/// Looks of a mark, or of an entry of the legend: a filled shape; a line, in a panel from its bottom
-/// to its top; or, only in legends, a line on a translucent band.
+/// Looks of a mark, or of an entry of the legend: a filled shape; a line, in a panel from its
+/// bottom to its top; or, only in legends, a line on a translucent band.
 enum class LegendMark { dot, triangle, diamond, square, line, band };
 
 enum class LineStyle { solid, dashed, dash_dotted };

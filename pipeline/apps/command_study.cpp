@@ -10,6 +10,7 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/size_text.h"
+#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"
 #include "pipeline/config/study_template.h"
@@ -126,12 +127,19 @@ void list_names(const std::vector<std::string>& names) {
   for (const std::string& name : names) fmt::print("{}\n", name);
 }
 
+void list_layouts() {
+  for (const std::string& name : layout_names()) fmt::print("{}:\n{}\n", name, layout_table(name));
+}
+
 void list(const std::string& what, const std::string& table) {
-  if (!table.empty() && what != "keys") {
-    throw InputError("--markdown is for 'npdr list keys'; leave it out");
+  if (!table.empty() && what != "keys" && what != "layouts") {
+    throw InputError("--markdown is for 'npdr list keys' and 'npdr list layouts'; leave it out");
   }
   if (what == "simulators") return list_simulators();
   if (what == "keys") return table.empty() ? list_keys() : fmt::print("{}", keys_markdown(table));
+  if (what == "layouts") {
+    return table.empty() ? list_layouts() : fmt::print("{}", layout_table(table));
+  }
   if (what == "methods") return list_names(names_of<inference::Algorithm>());
   if (what == "embeddings") return list_names(names_of<inference::EmbeddingKind>());
   if (what == "estimators") return list_names(names_of<inference::EstimatorKind>());
@@ -140,7 +148,7 @@ void list(const std::string& what, const std::string& table) {
   if (what == "checks") return list_names(check_names());
   throw InputError(unknown_name("list", what,
                                 {"simulators", "methods", "embeddings", "estimators", "integrators",
-                                 "metrics", "checks", "keys"}));
+                                 "metrics", "checks", "keys", "layouts"}));
 }
 
 void write_new_study(const std::string& name) {
@@ -190,12 +198,12 @@ void add_list_command(CLI::App& app, int& result) {
   auto what = std::make_shared<std::string>();
   auto table = std::make_shared<std::string>();
   command
-      ->add_option(
-          "WHAT", *what,
-          "simulators, methods, embeddings, estimators, integrators, metrics, checks or keys")
+      ->add_option("WHAT", *what,
+                   "simulators, methods, embeddings, estimators, integrators, metrics, checks, "
+                   "keys or layouts")
       ->required();
   command->add_option("--markdown", *table,
-                      "keys: those of one table, such as method.training, as a table of Markdown");
+                      "of keys or layouts: one table, such as method.training, as Markdown");
   command->callback([&result, what, table] {
     result = guarded_main("npdr list", [&] {
       list(*what, *table);

@@ -1,8 +1,4 @@
 /// Baseline artefacts: what single parameter vectors reach, to compare posteriors with.
-///
-///   name   (n) texts: "nominal", and "floor" (the smallest RMSE in the prior) or "truth"
-///   theta  (n, D) float64
-///   one dataset (n) per metric: "rmse", "dtw"
 #pragma once
 
 #include <map>

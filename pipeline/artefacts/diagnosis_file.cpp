@@ -1,139 +1,105 @@
 #include "pipeline/artefacts/diagnosis_file.h"
 
-#include <functional>
-
+#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/artefacts/theta_columns.h"
 
 namespace npdr::pipeline {
 namespace {
 
-using inference::Distance;
-using inference::OutOfDistribution;
+constexpr const char* kPValue = "of the whole check";
 
-template <class Tests, class Value>
-Vector each(const Tests& tests, const Value& value) {
-  Vector values(static_cast<Index>(tests.size()));
-  for (Index i = 0; i < values.size(); ++i) {
-    values(i) = std::invoke(value, tests[static_cast<std::size_t>(i)]);
-  }
+template <class Test>
+std::vector<double> statistics(const std::vector<Test>& tests) {
+  std::vector<double> values;
+  for (const Test& test : tests) values.push_back(test.statistic);
   return values;
 }
 
-void write_sbc(h5::Group group, const std::vector<inference::Marginal>& prior,
-               const SbcResult& sbc) {
-  h5::Dataset ranks = group.write("rank", sbc.ranks);
-  describe_theta(ranks, prior);
-  h5::Dataset levels = group.write("level", sbc.levels);
-  describe_theta(levels, prior);
-  group.write("kolmogorov_smirnov",
-              each(sbc.test.kolmogorov_smirnov, &inference::KolmogorovSmirnov::statistic));
-  group.write("chi_square", each(sbc.test.chi_square, &inference::ChiSquare::statistic));
-  group.write("p_value", sbc.test.parameter_p_value).label_dimensions({"parameter"});
-  group.set_attribute("p_value", sbc.test.p_value);
+void describe(Layout f, SbcResult& sbc, const std::vector<inference::Marginal>& prior) {
+  const Dims dims = {kRow, kParameter};
+  f("level", sbc.levels, dims, "the ranks, spread over (0, 1)", kFinite).columns(prior);
+  f("rank", sbc.ranks, dims, "how many samples are smaller than the truth").columns(prior);
+  if (f.reads()) {
+    sbc.test = inference::test_sbc(sbc.levels);
+    return;
+  }
+  f("kolmogorov_smirnov", statistics(sbc.test.kolmogorov_smirnov), {{"D"}},
+    "a test of each parameter's levels");
+  f("chi_square", statistics(sbc.test.chi_square), {{"D"}}, "another");
+  f("p_value", sbc.test.parameter_p_value, {kParameter}, "of the smaller p-value of both");
+  f.attribute("p_value", sbc.test.p_value, kPValue);
 }
 
-SbcResult read_sbc(const h5::Group& group) {
-  SbcResult sbc;
-  sbc.levels = group.read_matrix<double>("level", -1, -1, h5::Values::finite);
-  sbc.ranks = group.read_matrix<std::int64_t>("rank", sbc.levels.rows(), sbc.levels.cols());
-  sbc.test = inference::test_sbc(sbc.levels);
-  return sbc;
-}
-
-void write_coverage(h5::Group group, const CoverageResult& result) {
-  const inference::Coverage& coverage = result.coverage;
-  group.write("rank", result.ranks).label_dimensions({"row"});
-  group.write("level", result.levels).label_dimensions({"row"});
+void describe(Layout f, CoverageResult& result) {
+  f("level", result.levels, {kRow},
+    "ranks spread over (0, 1): where the truth enters the credible region", kFinite);
+  f("rank", result.ranks, {kRow}, "how many samples are more likely, or nearer, than the truth");
+  inference::Coverage& coverage = result.coverage;
+  if (f.reads()) {
+    coverage = inference::measure_coverage(result.levels);
+    return;
+  }
   RowMatrix curve(coverage.level.size(), 2);
   curve << coverage.level, coverage.coverage;
-  group.write("curve", curve);
-  group.set_attribute("area", coverage.area);
-  group.set_attribute("kolmogorov_smirnov", coverage.kolmogorov_smirnov.statistic);
-  group.set_attribute("p_value", coverage.kolmogorov_smirnov.p_value);
+  f("curve", curve, {{"101"}, {"2"}}, "level, and coverage there");
+  f.attribute("area", coverage.area, "mean of coverage - level above level 1/2");
+  f.attribute("kolmogorov_smirnov", coverage.kolmogorov_smirnov.statistic, "of the levels");
+  f.attribute("p_value", coverage.kolmogorov_smirnov.p_value, kPValue);
 }
 
-CoverageResult read_coverage(const h5::Group& group) {
-  CoverageResult result;
-  result.levels = group.read_vector<double>("level", -1, h5::Values::finite);
-  result.ranks = group.read_vector<std::int64_t>("rank", result.levels.size());
-  result.coverage = inference::measure_coverage(result.levels);
-  return result;
+void describe(Layout f, inference::LocalC2st& test) {
+  f("null", test.null, {{"200", "trial"}}, "the statistic under the hypothesis");
+  f.attribute("statistic", test.statistic, "at the observation");
+  f.attribute("p_value", test.p_value, kPValue);
 }
 
-void write_distance(h5::Group group, const Distance& distance) {
-  group.set_attribute("observed", distance.observed);
-  group.set_attribute("median", distance.median);
-  group.set_attribute("p_value", distance.p_value);
+void describe(Layout f, inference::Distance& distance) {
+  f.attribute("observed", distance.observed, "distance of the observation");
+  f.attribute("median", distance.median, "the usual one");
+  f.attribute("p_value", distance.p_value, "share of simulations that are as far");
 }
 
-Distance read_distance(const h5::Group& group) {
-  return {group.attribute<double>("observed"), group.attribute<double>("median"),
-          group.attribute<double>("p_value")};
+void describe(Layout f, inference::OutOfDistribution& ood, const char* p_value) {
+  describe(f.group("mahalanobis"), ood.mahalanobis);
+  describe(f.group("residual"), ood.residual);
+  describe(f.group("nearest"), ood.nearest);
+  f.attribute("num_components", ood.num_components, "principal components");
+  f.attribute("num_reference", ood.num_reference, "simulations that say what is usual");
+  f.attribute(p_value, ood.p_value, "of all features together");
 }
 
-void write_ood(h5::Group& group, const OutOfDistribution& ood) {
-  write_distance(group.create_group("mahalanobis"), ood.mahalanobis);
-  write_distance(group.create_group("residual"), ood.residual);
-  write_distance(group.create_group("nearest"), ood.nearest);
-  group.set_attribute("num_components", ood.num_components);
-  group.set_attribute("num_reference", ood.num_reference);
+void describe(Layout f, PredictiveResult& result) {
+  const Dims dims = {{"S"}};
+  f("name", result.names, dims, "what is compared, such as `rollout 1, theta: mean`");
+  f("observed", result.observed, dims, "observed");
+  f("median", result.median, dims, "median of the predictions");
+  f("p_value", result.check.summary_p_value, dims, "two-sided");
+  f.attribute("num_failed", result.num_failed, "predictions that were left out");
+  describe(f, result.check.overall, "overall_p_value");
+  f.attribute("p_value", result.check.p_value, kPValue);
 }
 
-OutOfDistribution read_ood(const h5::Group& group, const std::string& p_value) {
-  return {group.attribute<Index>("num_components"),  group.attribute<Index>("num_reference"),
-          read_distance(group.group("mahalanobis")), read_distance(group.group("residual")),
-          read_distance(group.group("nearest")),     group.attribute<double>(p_value)};
+void describe(Layout f, inference::TrainingCheck& check, Index& max_epochs) {
+  f.attribute("num_epochs", check.num_epochs, "of the last round");
+  f.attribute("best_epoch", check.best_epoch, "with the smallest validation loss, from 1");
+  f.attribute("max_epochs", max_epochs, "that there may have been");
+  f.attribute("is_converged", check.is_converged, "1: `stop_after_epochs` ended it; else 0");
+  f.attribute("validation_loss", check.validation_loss, "the smallest [nats]");
+  f.attribute("generalisation_gap", check.generalisation_gap,
+              "that minus the training loss of the same epoch [nats]");
 }
 
-void write_predictive(h5::Group group, const PredictiveResult& result) {
-  group.write_texts("name", result.names);
-  group.write("observed", result.observed);
-  group.write("median", result.median);
-  group.write("p_value", result.check.summary_p_value);
-  write_ood(group, result.check.overall);
-  group.set_attribute("overall_p_value", result.check.overall.p_value);
-  group.set_attribute("num_failed", result.num_failed);
-  group.set_attribute("p_value", result.check.p_value);
-}
-
-PredictiveResult read_predictive(const h5::Group& group) {
-  PredictiveResult result;
-  result.names = group.read_texts("name");
-  const auto count = static_cast<Index>(result.names.size());
-  result.observed = group.read_vector<double>("observed", count);
-  result.median = group.read_vector<double>("median", count);
-  result.num_failed = group.attribute<Index>("num_failed");
-  result.check.summary_p_value = group.read_vector<double>("p_value", count);
-  result.check.overall = read_ood(group, "overall_p_value");
-  result.check.p_value = group.attribute<double>("p_value");
-  return result;
-}
-
-void write_training(h5::Group group, const inference::TrainingCheck& check, Index max_epochs) {
-  group.set_attribute("num_epochs", check.num_epochs);
-  group.set_attribute("best_epoch", check.best_epoch);
-  group.set_attribute("max_epochs", max_epochs);
-  group.set_attribute("is_converged", Index{check.is_converged});
-  group.set_attribute("validation_loss", check.validation_loss);
-  group.set_attribute("generalisation_gap", check.generalization_gap);
-}
-
-inference::TrainingCheck read_training(const h5::Group& group) {
-  return {group.attribute<Index>("num_epochs"), group.attribute<Index>("best_epoch"),
-          group.attribute<Index>("is_converged") != 0, group.attribute<double>("validation_loss"),
-          group.attribute<double>("generalisation_gap")};
-}
-
-void write_local_c2st(h5::Group group, const inference::LocalC2st& test) {
-  group.write("null", test.null).label_dimensions({"trial"});
-  group.set_attribute("statistic", test.statistic);
-  group.set_attribute("p_value", test.p_value);
-}
-
-inference::LocalC2st read_local_c2st(const h5::Group& group) {
-  return {group.attribute<double>("statistic"), group.read_vector<double>("null"),
-          group.attribute<double>("p_value")};
+void describe(Layout f, Diagnosis& d, const std::vector<inference::Marginal>& prior) {
+  f.attribute("num_samples", d.num_samples, "posterior samples per observation");
+  f.attribute("num_simulations", d.num_simulations, "n of calibration, without the failed ones");
+  f.attribute("num_failed", d.num_failed, "those");
+  if (auto group = f.group("sbc", d.sbc)) describe(*group, *d.sbc, prior);
+  if (auto group = f.group("coverage", d.coverage)) describe(*group, *d.coverage);
+  if (auto group = f.group("tarp", d.tarp)) describe(*group, *d.tarp);
+  if (auto group = f.group("local_c2st", d.local_c2st)) describe(*group, *d.local_c2st);
+  if (auto group = f.group("predictive", d.predictive)) describe(*group, *d.predictive);
+  if (auto group = f.group("ood", d.ood)) describe(*group, *d.ood, "p_value");
+  if (auto group = f.group("training", d.training)) describe(*group, *d.training, d.max_epochs);
 }
 
 }  // namespace
@@ -150,43 +116,20 @@ std::map<std::string, double> Diagnosis::p_values() const {
 }
 
 void write_diagnosis(h5::File& file, const std::vector<inference::Marginal>& prior,
-                     const Diagnosis& diagnosis) {
-  file.set_attribute("num_samples", diagnosis.num_samples);
-  file.set_attribute("num_simulations", diagnosis.num_simulations);
-  file.set_attribute("num_failed", diagnosis.num_failed);
-  if (diagnosis.sbc) write_sbc(file.create_group("sbc"), prior, *diagnosis.sbc);
-  if (diagnosis.coverage) write_coverage(file.create_group("coverage"), *diagnosis.coverage);
-  if (diagnosis.tarp) write_coverage(file.create_group("tarp"), *diagnosis.tarp);
-  if (diagnosis.local_c2st) {
-    write_local_c2st(file.create_group("local_c2st"), *diagnosis.local_c2st);
-  }
-  if (diagnosis.predictive) {
-    write_predictive(file.create_group("predictive"), *diagnosis.predictive);
-  }
-  if (diagnosis.ood) {
-    h5::Group group = file.create_group("ood");
-    write_ood(group, *diagnosis.ood);
-    group.set_attribute("p_value", diagnosis.ood->p_value);
-  }
-  if (diagnosis.training) {
-    write_training(file.create_group("training"), *diagnosis.training, diagnosis.max_epochs);
-  }
+                     Diagnosis diagnosis) {
+  describe(Layout::writer(file), diagnosis, prior);
 }
 
 Diagnosis read_diagnosis(const ArtefactFile& artefact) {
   const h5::File file = open_artefact(artefact, kDiagnosisSchema);
   Diagnosis diagnosis;
-  diagnosis.num_samples = file.attribute<Index>("num_samples");
-  diagnosis.num_simulations = file.attribute<Index>("num_simulations");
-  diagnosis.num_failed = file.attribute<Index>("num_failed");
-  if (file.has("sbc")) diagnosis.sbc = read_sbc(file.group("sbc"));
-  if (file.has("coverage")) diagnosis.coverage = read_coverage(file.group("coverage"));
-  if (file.has("tarp")) diagnosis.tarp = read_coverage(file.group("tarp"));
-  if (file.has("local_c2st")) diagnosis.local_c2st = read_local_c2st(file.group("local_c2st"));
-  if (file.has("predictive")) diagnosis.predictive = read_predictive(file.group("predictive"));
-  if (file.has("ood")) diagnosis.ood = read_ood(file.group("ood"), "p_value");
-  if (file.has("training")) diagnosis.training = read_training(file.group("training"));
+  describe(Layout::reader(file), diagnosis, {});
   return diagnosis;
+}
+
+void list_diagnosis(Layout f) {
+  Diagnosis diagnosis;
+  describe(f, diagnosis, {});
 }
 
 }  // namespace npdr::pipeline

@@ -1,18 +1,4 @@
-/// Diagnosis artefacts: what the checks of a method's posteriors have found. A group per check:
-///
-///   sbc         rank (n, D) int64, level (n, D): ranks on (0, 1); kolmogorov_smirnov, chi_square,
-///               p_value (D)
-///   coverage, tarp  rank (n) int64, level (n), curve (101, 2): level and coverage; attributes
-///               area, kolmogorov_smirnov
-///   local_c2st  null (trials); attribute statistic
-///   predictive  name (S) texts, observed, median, p_value (S); groups as those of ood below;
-///               attributes num_failed, overall_p_value
-///   ood         groups mahalanobis, residual, nearest, each with the attributes observed, median
-///               and p_value; attributes num_components, num_reference
-///   training    attributes num_epochs, best_epoch, max_epochs, is_converged, validation_loss,
-///               generalisation_gap
-/// Each but the last has the attribute p_value. Attributes of the file: num_samples, and of
-/// calibration num_simulations and num_failed.
+/// Diagnosis artefacts: what the checks of a method's posteriors have found, a group per check.
 #pragma once
 
 #include <map>
@@ -69,7 +55,7 @@ struct Diagnosis {
 };
 
 void write_diagnosis(h5::File& file, const std::vector<inference::Marginal>& prior,
-                     const Diagnosis& diagnosis);
+                     Diagnosis diagnosis);
 /// Throws InputError.
 Diagnosis read_diagnosis(const ArtefactFile& artefact);
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/study_json.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -12,57 +12,72 @@ namespace {
 constexpr const char* kNormalPrior = "normal_prior";
 constexpr const char* kTheta = "theta";
 
-inference::ParticleSpace read_space(const h5::Group& group) {
-  const auto name = group.attribute<std::string>("space");
+inference::ParticleSpace parse_space(const std::string& where, const std::string& name) {
   const Constraint<std::string> allowed = one_of({kNormalPrior, kTheta});
   if (!satisfies(name, allowed)) {
-    throw InputError(group.where() + ": " +
+    throw InputError(where + ": " +
                      must_be("attribute 'space'", quoted(name), allowed.words, allowed.names));
   }
   return name == kTheta ? inference::ParticleSpace::theta : inference::ParticleSpace::normal_prior;
 }
 
-inference::ParticleParts read_parts(const h5::File& file) {
-  const h5::Group group = file.group("particles");
-  const inference::Prior prior(prior_from_json(
-      parse_json(file.attribute<std::string>("prior"), file.where()), file.where()));
-  inference::ParticleParts parts{.prior = prior, .theta = {}, .weights = {}};
-  parts.space = read_space(group);
-  parts.smooth = group.attribute<Index>("smooth") != 0;
-  parts.num_chains = group.attribute<Index>("num_chains");
+void describe_algorithm(Layout f, std::string name) {
+  f.attribute("algorithm", name, "`abc_smc`, ...");
+}
+
+void describe(Layout f, inference::ParticleParts& parts) {
+  Layout group = f.group("particles");
+  std::string space = parts.space == inference::ParticleSpace::theta ? kTheta : kNormalPrior;
+  group.attribute("space", space, "where densities are estimated: `normal_prior` (u) or `theta`");
+  if (f.reads()) parts.space = parse_space(group.where(), space);
+  group.attribute("smooth", parts.smooth, "1: samples are moved by a draw of the kernel");
+  group.attribute("num_chains", parts.num_chains, "C > 0: row s C + c is draw s of Markov chain c");
   // Where no device is, a regression may divide by 0.
   const bool may_be_infinite = parts.space == inference::ParticleSpace::theta;
-  parts.theta = group.read_matrix<double>("theta", -1, prior.dimension(),
-                                          may_be_infinite ? h5::Values::any : h5::Values::finite);
-  parts.weights = group.read_vector<double>("weight", parts.theta.rows(), h5::Values::finite);
-  return parts;
+  group("theta", parts.theta, {kRow, kParameter},
+        "the particles; not finite only where a regression divides by 0",
+        may_be_infinite ? DatasetOptions{} : kFinite);
+  group("weight", parts.weights, {kRow}, "their weights, >= 0", kFinite);
+}
+
+void describe(Layout f, inference::AbcPopulation& population) {
+  Layout group = f.group("abc");
+  group.attribute("epsilon", population.epsilon, "threshold that all distances keep");
+  group("distance", population.distances, {kRow}, "of each particle's simulation", kFinite);
+  group("kernel", population.kernel, {kParameter, kParameter},
+        "`abc_mcmc`, `abc_smc`: covariance of the steps of the next round's proposals, over u",
+        {.allowed = h5::Values::finite, .unless_empty = true});
+}
+
+void describe(Layout f, std::optional<RegressionCounts>& counts,
+              inference::WeightPosterior weights) {
+  auto group = f.group("regression", counts);
+  if (!group) return;
+  group->attribute("num_samples", counts->samples, "samples of the weights");
+  group->attribute("num_non_physical", counts->non_physical, "that give impossible parameters");
+  group->attribute("num_outside_prior", counts->outside_prior,
+                   "that give some outside of the prior");
+  if (f.reads()) return;
+  group->attribute("noise_deviation", 1.0 / std::sqrt(weights.precisions.noise),
+                   "of the residuals [N m]");
+  (*group)("mean", weights.mean, {{"W", "weight"}},
+           "of the Gaussian posterior of the regression's weights, SI");
+  (*group)("covariance", weights.covariance, {{"W", "weight"}, {"W", "weight"}}, "of the same");
+}
+
+inference::ParticleParts parts_over(const std::vector<inference::Marginal>& prior) {
+  return {.prior = inference::Prior(prior), .theta = {}, .weights = {}};
 }
 
 [[noreturn]] void reject(const h5::File& file, const std::string& what) {
   throw InputError(file.where() + ": " + what + "; rerun stage 'infer'");
 }
 
-}  // namespace
-
-bool holds_particles(const h5::File& file) { return file.has("particles"); }
-
-void write_particles(h5::File& file, const std::string& algorithm,
-                     const inference::ParticleParts& parts, const RowCounts& rows) {
-  file.set_attribute("algorithm", algorithm);
-  file.set_attribute("prior", to_json(parts.prior.marginals()).dump());
-  file.set_attribute("num_simulations", rows.used);
-  file.set_attribute("num_failed", rows.failed);
-  h5::Group group = file.create_group("particles");
-  const bool is_theta = parts.space == inference::ParticleSpace::theta;
-  group.set_attribute("space", std::string(is_theta ? kTheta : kNormalPrior));
-  group.set_attribute("smooth", Index{parts.smooth ? 1 : 0});
-  group.set_attribute("num_chains", parts.num_chains);
-  group.write("theta", parts.theta).label_dimensions({"row", "parameter"});
-  group.write("weight", parts.weights).label_dimensions({"row"});
-}
-
-std::unique_ptr<inference::ParticlePosterior> read_particles(const h5::File& file) {
-  inference::ParticleParts parts = read_parts(file);
+std::unique_ptr<inference::ParticlePosterior> read_posterior(const h5::File& file, Layout f) {
+  std::vector<inference::Marginal> prior;
+  describe(f, prior);
+  inference::ParticleParts parts = parts_over(prior);
+  describe(f, parts);
   try {
     return std::make_unique<inference::ParticlePosterior>(std::move(parts));
   } catch (const Error& error) {
@@ -70,55 +85,64 @@ std::unique_ptr<inference::ParticlePosterior> read_particles(const h5::File& fil
   }
 }
 
-void write_population(h5::File& file, const inference::AbcPopulation& population) {
-  h5::Group group = file.create_group("abc");
-  group.set_attribute("epsilon", population.epsilon);
-  group.write("distance", population.distances).label_dimensions({"row"});
-  if (population.kernel.size() == 0) return;
-  const RowMatrix kernel = population.kernel;
-  group.write("kernel", kernel).label_dimensions({"parameter", "parameter"});
+}  // namespace
+
+bool holds_particles(const h5::File& file) { return file.has("particles"); }
+
+void write_particles(h5::File& file, const std::string& algorithm, inference::ParticleParts parts,
+                     RowCounts rows) {
+  std::vector<inference::Marginal> prior = parts.prior.marginals();
+  const Layout f = Layout::writer(file);
+  describe_algorithm(f, algorithm);
+  describe(f, prior);
+  describe(f, rows);
+  describe(f, parts);
+}
+
+std::unique_ptr<inference::ParticlePosterior> read_particles(const h5::File& file) {
+  return read_posterior(file, Layout::reader(file));
+}
+
+void write_population(h5::File& file, inference::AbcPopulation population) {
+  describe(Layout::writer(file), population);
 }
 
 inference::AbcPopulation read_population(const h5::File& file) {
-  const auto posterior = read_particles(file);
+  const Layout f = Layout::reader(file);
+  const auto posterior = read_posterior(file, f);
   const inference::ParticleParts& parts = posterior->parts();
-  const h5::Group group = file.group("abc");
   inference::AbcPopulation population{.theta = parts.theta,
                                       .weights = parts.weights / parts.weights.sum(),
                                       .distances = {},
-                                      .epsilon = group.attribute<double>("epsilon"),
                                       .kernel = {},
                                       .num_chains = parts.num_chains};
-  population.distances =
-      group.read_vector<double>("distance", parts.theta.rows(), h5::Values::finite);
+  describe(f, population);
   if (!std::isfinite(population.epsilon) || !(population.distances.minCoeff() >= 0.0)) {
     reject(file, "distances and epsilon must be finite and >= 0");
-  }
-  if (group.has("kernel")) {
-    const Index d = parts.prior.dimension();
-    population.kernel = group.read_matrix<double>("kernel", d, d, h5::Values::finite);
   }
   return population;
 }
 
 void write_regression(h5::File& file, const inference::WeightPosterior& weights,
-                      const RegressionCounts& counts) {
-  h5::Group group = file.create_group("regression");
-  group.set_attribute("noise_deviation", 1.0 / std::sqrt(weights.precisions.noise));
-  group.set_attribute("num_samples", counts.samples);
-  group.set_attribute("num_non_physical", counts.non_physical);
-  group.set_attribute("num_outside_prior", counts.outside_prior);
-  group.write("mean", weights.mean).label_dimensions({"weight"});
-  const RowMatrix covariance = weights.covariance;
-  group.write("covariance", covariance).label_dimensions({"weight", "weight"});
+                      RegressionCounts counts) {
+  std::optional<RegressionCounts> regression = counts;
+  describe(Layout::writer(file), regression, weights);
 }
 
 std::optional<RegressionCounts> read_regression_counts(const h5::File& file) {
-  if (!file.has("regression")) return std::nullopt;
-  const h5::Group group = file.group("regression");
-  return RegressionCounts{group.attribute<Index>("num_samples"),
-                          group.attribute<Index>("num_non_physical"),
-                          group.attribute<Index>("num_outside_prior")};
+  std::optional<RegressionCounts> counts;
+  describe(Layout::reader(file), counts, {});
+  return counts;
+}
+
+void list_particles(Layout f) {
+  inference::ParticleParts parts = parts_over({{"", "", inference::Marginal::Kind::uniform, 0, 1}});
+  inference::AbcPopulation population;
+  std::optional<RegressionCounts> counts;
+  describe_algorithm(f, "");
+  describe(f, parts);
+  describe(f, population);
+  describe(f, counts, {});
 }
 
 }  // namespace npdr::pipeline

@@ -1,10 +1,7 @@
 #include "pipeline/artefacts/policy_file.h"
 
-#include <fmt/format.h>
-
-#include "core/error.h"
+#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -19,51 +16,43 @@ void append(RowMatrix& rows, const Vector& row) {
   rows.row(rows.rows() - 1) = row.transpose();
 }
 
-void write_history(h5::File& file, const PolicyHistory& history) {
-  file.set_attribute("num_rollouts", history.num_rollouts);
-  file.set_attribute("num_impossible", history.num_impossible);
-  h5::Group group = file.create_group("history");
-  group.write("policy", history.policies).label_dimensions({"iteration", "parameter"});
-  group.write("return", history.mean_return).label_dimensions({"iteration"});
-  group.write("success_rate", history.success_rate).label_dimensions({"iteration"});
-  group.write("completion_rate", history.completion_rate).label_dimensions({"iteration"});
-  group.write("candidate_return", history.candidate_return)
-      .label_dimensions({"iteration", "candidate"});
+void describe(Layout f, PolicyHistory& history) {
+  f.attribute("num_rollouts", history.num_rollouts, "of the whole search");
+  f.attribute("num_impossible", history.num_impossible,
+              "samples of domain parameters that were left out: physically impossible");
+  Layout group = f.group("history");
+  const Dim iteration{"T + 1", "iteration"};
+  group("policy", history.policies, {iteration, kPolicyParameter},
+        "the policy before each iteration, and after the last");
+  group("return", history.mean_return, {iteration},
+        "its mean return over the domain parameters and initial states of the iteration");
+  group("success_rate", history.success_rate, {iteration}, "share of the rollouts that succeed");
+  group("completion_rate", history.completion_rate, {iteration},
+        "share of them that keep the task's limits");
+  group("candidate_return", history.candidate_return, {{"T", "iteration"}, {"M", "candidate"}},
+        "mean return of each candidate");
 }
 
-PolicyHistory read_history(const h5::File& file) {
-  PolicyHistory history;
-  history.num_rollouts = file.attribute<Index>("num_rollouts");
-  history.num_impossible = file.attribute<Index>("num_impossible");
-  const h5::Group group = file.group("history");
-  history.policies = group.read_matrix<double>("policy");
-  const Index rows = history.num_rows();
-  history.mean_return = group.read_vector<double>("return", rows);
-  history.success_rate = group.read_vector<double>("success_rate", rows);
-  history.completion_rate = group.read_vector<double>("completion_rate", rows);
-  history.candidate_return = group.read_matrix<double>("candidate_return");
-  return history;
+void describe(Layout f, inference::PolicySearchState& state) {
+  Layout group = f.group("optimizer");
+  group.attribute("iteration", state.iteration, "t");
+  group("mean", state.mean, {{"Q"}}, "the policy, in the coordinates of the search", kFinite);
+  group("covariance", state.covariance, {{"Q"}, {"Q"}}, "of the exploration", kFinite);
+  group("best_policies", state.best_policies, {{"B"}, {"Q"}}, "the best first", kFinite);
+  group("best_returns", state.best_returns, {{"B"}}, "theirs");
 }
 
-void write_state(h5::File& file, const inference::PolicySearchState& state) {
-  h5::Group group = file.create_group("optimizer");
-  group.set_attribute("iteration", state.iteration);
-  group.write("mean", state.mean);
-  group.write("covariance", state.covariance);
-  group.write("best_policies", state.best_policies);
-  group.write("best_returns", state.best_returns);
+void describe(Layout f, Vector& policy, const sim::PolicyTaskInfo& info) {
+  f("policy", policy, {kPolicyParameter}, "the policy after the last iteration", kFinite)
+      .columns(policy_columns(info));
 }
 
-inference::PolicySearchState read_state(const h5::File& file) {
-  const h5::Group group = file.group("optimizer");
-  inference::PolicySearchState state;
-  state.iteration = group.attribute<Index>("iteration");
-  state.mean = group.read_vector<double>("mean", -1, h5::Values::finite);
-  const Index q = state.mean.size();
-  state.covariance = group.read_matrix<double>("covariance", q, q, h5::Values::finite);
-  state.best_policies = group.read_matrix<double>("best_policies", -1, q, h5::Values::finite);
-  state.best_returns = group.read_vector<double>("best_returns", state.best_policies.rows());
-  return state;
+void describe_optimizer(Layout f, std::string name) {
+  f.attribute("optimizer", name, "`policy.optimizer`");
+}
+
+void describe_iteration(Layout f, Index iteration) {
+  f.attribute("iteration", iteration, "t: that are done");
 }
 
 }  // namespace
@@ -77,47 +66,69 @@ void PolicyHistory::add(const Vector& policy, const sim::PopulationValues& value
 
 void PolicyHistory::add_candidates(const Vector& returns) { append(candidate_return, returns); }
 
-void write_policy_parameters(h5::File& file, const sim::PolicyTaskInfo& info,
-                             const Vector& policy) {
+std::vector<Channel> policy_columns(const sim::PolicyTaskInfo& info) {
   std::vector<Channel> columns;
   for (const sim::PolicyParameter& parameter : info.parameters) {
     columns.push_back({parameter.name, parameter.unit});
   }
-  h5::Dataset dataset = file.write("policy", policy);
-  describe_columns(dataset, columns);
-  dataset.label_dimensions({"parameter"});
+  return columns;
 }
 
 void write_policy(h5::File& file, inference::PolicyOptimizerKind optimizer,
-                  const sim::PolicyTaskInfo& info, const PolicyHistory& history) {
-  const Vector policy = history.policies.bottomRows(1).transpose();
-  file.set_attribute("optimizer", name_of(optimizer));
-  write_policy_parameters(file, info, policy);
-  write_history(file, history);
+                  const sim::PolicyTaskInfo& info, PolicyHistory history) {
+  const Layout f = Layout::writer(file);
+  Vector policy = history.policies.bottomRows(1).transpose();
+  describe_optimizer(f, name_of(optimizer));
+  describe(f, policy, info);
+  describe(f, history);
 }
 
 Vector read_policy(const ArtefactFile& policy) {
-  return open_artefact(policy, kPolicySchema).read_vector<double>("policy", -1, h5::Values::finite);
+  const h5::File file = open_artefact(policy, kPolicySchema);
+  Vector parameters;
+  describe(Layout::reader(file), parameters, {});
+  return parameters;
 }
 
 PolicyHistory read_policy_history(const ArtefactFile& policy) {
-  return read_history(open_artefact(policy, kPolicySchema));
+  const h5::File file = open_artefact(policy, kPolicySchema);
+  PolicyHistory history;
+  describe(Layout::reader(file), history);
+  return history;
 }
 
 void write_policy_checkpoint(const std::filesystem::path& path, const Identity& identity,
-                             const PolicyCheckpoint& checkpoint) {
+                             PolicyCheckpoint checkpoint) {
   ArtefactWriter writer(path, kPolicyCheckpointSchema, identity);
   writer.add_cost(checkpoint.cost);
-  writer.file().set_attribute("iteration", checkpoint.history.num_rows());
-  write_history(writer.file(), checkpoint.history);
-  write_state(writer.file(), checkpoint.optimizer);
+  const Layout f = Layout::writer(writer.file());
+  describe_iteration(f, checkpoint.history.num_rows());
+  describe(f, checkpoint.history);
+  describe(f, checkpoint.optimizer);
   writer.finish();
 }
 
 std::optional<PolicyCheckpoint> read_policy_checkpoint(const ArtefactFile& checkpoint) {
   const auto file = open_artefact_if_there(checkpoint, kPolicyCheckpointSchema);
   if (!file) return std::nullopt;
-  return PolicyCheckpoint{read_history(*file), read_state(*file), provenance_of(*file).cost};
+  PolicyCheckpoint found{.history = {}, .optimizer = {}, .cost = provenance_of(*file).cost};
+  describe(Layout::reader(*file), found.history);
+  describe(Layout::reader(*file), found.optimizer);
+  return found;
+}
+
+void list_policy(Layout f) {
+  Vector policy;
+  PolicyHistory history;
+  describe_optimizer(f, "");
+  describe(f, policy, {});
+  describe(f, history);
+}
+
+void list_policy_checkpoint(Layout f) {
+  inference::PolicySearchState state;
+  describe_iteration(f, 0);
+  describe(f, state);
 }
 
 }  // namespace npdr::pipeline

@@ -1,19 +1,11 @@
-/// Policy artefacts: what a search has found, and how it got there.
-///
-///   policy (Q) float64: parameters after the last iteration; attributes labels, units
-///   history/policy (T + 1, Q): the policy before each iteration, and after the last
-///   history/return, history/success_rate, history/completion_rate (T + 1): of these policies, over
-///   the domain parameters and initial states of their iteration; those after the last have fresh
-///   ones
-///   history/candidate_return (T, M): of the candidates
-///   attributes of the file: optimizer, num_rollouts, num_impossible
-/// A checkpoint holds the same for the iterations that are done, the state of the optimizer and the
-/// cost so far.
+/// Policy artefacts: what a search has found, and how it got there. A checkpoint holds the same for
+/// the iterations that are done, the state of the optimizer and the cost so far.
 #pragma once
 
 #include <optional>
 
 #include "inference/policy_search/policy_optimizer.h"
+#include "pipeline/artefacts/layout.h"
 #include "pipeline/store/artefact.h"
 #include "sim/policy_evaluation.h"
 #include "sim/policy_task.h"
@@ -36,12 +28,13 @@ struct PolicyHistory {
   void add_candidates(const Vector& returns);
 };
 
-/// Writes `policy` (Q) with the names and units of its parameters.
-void write_policy_parameters(h5::File& file, const sim::PolicyTaskInfo& info, const Vector& policy);
+inline constexpr Dim kPolicyParameter{"Q", "parameter"};
+/// Names and units of a policy's parameters.
+std::vector<Channel> policy_columns(const sim::PolicyTaskInfo& info);
 
 /// Writes the artefact of a search whose last policy is the history's.
 void write_policy(h5::File& file, inference::PolicyOptimizerKind optimizer,
-                  const sim::PolicyTaskInfo& info, const PolicyHistory& history);
+                  const sim::PolicyTaskInfo& info, PolicyHistory history);
 
 /// The policy (Q) that a search has found. Throws InputError.
 Vector read_policy(const ArtefactFile& policy);
@@ -56,7 +49,7 @@ struct PolicyCheckpoint {
 };
 /// The checkpoint of the search `identity`.
 void write_policy_checkpoint(const std::filesystem::path& path, const Identity& identity,
-                             const PolicyCheckpoint& checkpoint);
+                             PolicyCheckpoint checkpoint);
 /// None: there is none. Throws InputError for a damaged one.
 std::optional<PolicyCheckpoint> read_policy_checkpoint(const ArtefactFile& checkpoint);
 

@@ -1,77 +1,63 @@
 #include "pipeline/artefacts/policy_outcomes.h"
 
+#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
 
-void write_target(h5::File& file, const PolicyOutcomes& outcomes) {
-  h5::Group group = file.create_group("target");
-  const Vector returns = outcomes.returns.row(0), success = outcomes.success.row(0);
-  group.write("return", returns).label_dimensions({"row"});
-  group.write("success", success).label_dimensions({"row"});
+void describe(Layout f, PolicyOutcomes& outcomes, const h5::Shape& shape, const Dims& dims) {
+  f("return", outcomes.returns, dims, "of a rollout from each initial state", {.shape = shape});
+  f("success", outcomes.success, dims, "1 or 0", {.shape = shape});
 }
 
-void write_cube(h5::Group& group, const std::string& name, const h5::Shape& shape,
-                const RowMatrix& values) {
-  h5::Dataset dataset = group.create_dataset(name, h5::ElementType::f64, shape);
-  dataset.write_rows<double>(0, shape[0], {values.data(), static_cast<std::size_t>(values.size())});
-  dataset.label_dimensions({"x", "y", "row"});
+std::vector<double> points_of(const PolicyGridAxis& axis) {
+  return axis.is_used() ? axis.points() : std::vector<double>();
 }
 
-void write_grid(h5::File& file, const PolicyGrid& grid, const PolicyOutcomes& outcomes) {
-  h5::Group group = file.create_group("grid");
-  group.set_attribute("x_parameter", grid.x.parameter);
-  group.set_attribute("y_parameter", grid.y.parameter);
-  const std::vector<double> x = grid.x.points(), y = grid.y.points();
-  group.set_attribute("x_values", x);
-  group.set_attribute("y_values", y);
-  const h5::Shape shape = {static_cast<Index>(x.size()), static_cast<Index>(y.size()),
-                           outcomes.returns.cols()};
-  write_cube(group, "return", shape, outcomes.returns);
-  write_cube(group, "success", shape, outcomes.success);
+void describe(Layout f, PolicyOutcomes& outcomes, const PolicyGrid& grid) {
+  const std::vector<double> x = points_of(grid.x), y = points_of(grid.y);
+  describe(f, outcomes, {std::ssize(x), std::ssize(y), outcomes.returns.cols()},
+           {{"X", "x"}, {"Y", "y"}, kRow});
+  if (f.reads()) return;
+  f.attribute("x_parameter", std::string(grid.x.parameter), "a domain parameter");
+  f.attribute("x_values", std::vector(x), "its values (X)");
+  f.attribute("y_parameter", std::string(grid.y.parameter), "another");
+  f.attribute("y_values", std::vector(y), "its values (Y)");
 }
 
-RowMatrix read_cube(const h5::Group& group, const std::string& name, Index n) {
-  const h5::Dataset dataset = group.dataset(name);
-  dataset.require_shape({-1, -1, n});
-  RowMatrix values(dataset.shape()[0] * dataset.shape()[1], n);
-  dataset.read_rows<double>(0, dataset.num_rows(),
-                            {values.data(), static_cast<std::size_t>(values.size())});
-  return values;
+void describe(Layout f, PolicyTest& test, sim::PolicyTaskInfo info,
+              const std::vector<Channel>& states, const PolicyGrid& grid) {
+  f.attribute("success_means", info.success, "when a rollout is one, in words");
+  f("policy", test.policy, {kPolicyParameter}, "the policy").columns(policy_columns(info));
+  f("initial_states", test.initial_states, {kRow, {"C", "channel"}},
+    "that rollouts begin from, the same for all methods of a seed")
+      .columns(states);
+  if (auto group = f.group("target", test.target)) {
+    describe(*group, *test.target, {test.target->returns.cols()}, {kRow});
+  }
+  if (auto group = f.group("grid", test.grid)) describe(*group, *test.grid, grid);
 }
 
 }  // namespace
 
 void write_policy_test(h5::File& file, const Study& study, const sim::PolicyTaskInfo& info,
-                       const PolicyTest& test) {
-  file.set_attribute("success_means", info.success);
-  write_policy_parameters(file, info, test.policy);
-  h5::Dataset states = file.write("initial_states", test.initial_states);
-  describe_columns(states, sim::make_simulator(study.simulator)->info().state_channels);
-  states.label_dimensions({"row", "channel"});
-  if (test.target) write_target(file, *test.target);
-  if (test.grid) write_grid(file, study.policy.grid, *test.grid);
+                       PolicyTest test) {
+  describe(Layout::writer(file), test, info,
+           sim::make_simulator(study.simulator)->info().state_channels, study.policy.grid);
 }
 
 PolicyTest read_policy_test(const ArtefactFile& artefact) {
   const h5::File file = open_artefact(artefact, kPolicyTestSchema);
   PolicyTest test;
-  test.policy = file.read_vector<double>("policy");
-  test.initial_states = file.read_matrix<double>("initial_states");
-  const Index n = test.initial_states.rows();
-  if (file.has("target")) {
-    const h5::Group group = file.group("target");
-    test.target = {group.read_vector<double>("return", n).transpose(),
-                   group.read_vector<double>("success", n).transpose()};
-  }
-  if (file.has("grid")) {
-    const h5::Group group = file.group("grid");
-    test.grid = {read_cube(group, "return", n), read_cube(group, "success", n)};
-  }
+  describe(Layout::reader(file), test, {}, {}, {});
   return test;
+}
+
+void list_policy_test(Layout f) {
+  PolicyTest test;
+  describe(f, test, {}, {}, {});
 }
 
 }  // namespace npdr::pipeline

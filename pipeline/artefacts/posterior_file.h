@@ -1,18 +1,8 @@
 /// Posterior artefacts: portable files that hold everything a posterior is.
-///
-///   weights (P) float32            of the whole network, flat
-///   transform/mean, transform/inverse_deviation (F), transform/basis (F, k)
-///   x_o (F)                        the observation, not transformed; attributes that say what was
-///                                  observed: dt, num_rollouts, num_steps, state_labels,
-///                                  state_units, action_labels, action_units
-///   training/training_loss, training/validation_loss (epochs)
-///   proposal/mean (D), proposal/precision_factor (D, D): NPE-A's, where the network's answer must
-///   be divided by it
-///   attributes: network_role, sampler (JSON), prior, density_estimator, embedding (JSON),
-///   trained_features, structure_seed, num_simulations, num_failed
 #pragma once
 
 #include "inference/algorithms/posterior_estimation.h"
+#include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study.h"
 #include "pipeline/store/artefact.h"
@@ -31,7 +21,7 @@ struct RowCounts {
 /// `target`: the rollouts that x_o was made of.
 void write_posterior(h5::File& file, const MethodConfig& method,
                      const inference::NetworkPosterior& posterior, const Target& target,
-                     const inference::TrainingState& training, const RowCounts& rows);
+                     inference::TrainingState training, RowCounts rows);
 
 /// Reads the posterior of a file, whatever study and algorithm made it. Throws InputError.
 std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefact);
@@ -39,6 +29,11 @@ std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefac
 /// The same of one that a network gives: an InputError for any other (particle_file.h), which holds
 /// for its own observation alone.
 std::unique_ptr<inference::NetworkPosterior> read_network_posterior(const ArtefactFile& artefact);
+
+/// What posteriors of all kinds have in common (layout.h): attributes, and the group `transform`.
+void describe(Layout f, std::vector<inference::Marginal>& prior);
+void describe(Layout f, RowCounts& rows);
+void describe(Layout f, inference::FeatureTransform& transform);
 
 /// The channels of the rollouts that x_o was made of.
 Channels observed_channels(const std::filesystem::path& posterior);
@@ -65,16 +60,5 @@ struct PosteriorNotes {
   Vector validation_loss;  ///< (epochs)
 };
 PosteriorNotes read_posterior_notes(const ArtefactFile& artefact);
-
-/// What a training run goes on from.
-struct Checkpoint {
-  inference::TrainingState training;
-  Cost cost;  ///< of the work that led here
-};
-/// The checkpoint of the posterior `identity`.
-void write_checkpoint(const std::filesystem::path& path, const Identity& identity,
-                      const Checkpoint& checkpoint);
-/// An empty state when there is no checkpoint. Throws InputError for a damaged one.
-Checkpoint read_checkpoint(const ArtefactFile& artefact);
 
 }  // namespace npdr::pipeline

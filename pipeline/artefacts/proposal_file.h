@@ -1,12 +1,15 @@
 /// Proposal artefacts: theta of a round's simulations.
-///
-///   theta  (N, D) float64, attributes labels, units, prior_lower, prior_upper
 #pragma once
 
+#include "inference/prior.h"
 #include "pipeline/artefacts/work_folder.h"
 #include "pipeline/store/artefact.h"
 
 namespace npdr::pipeline {
+
+/// Writes theta (N, D).
+void write_proposal(h5::File& file, const std::vector<inference::Marginal>& prior,
+                    const RowMatrix& theta);
 
 /// The dataset theta (N, D), in the order of the prior. Throws InputError.
 h5::Dataset open_proposal(const ArtefactFile& proposal);

@@ -7,39 +7,14 @@
 
 #include "core/feature_names.h"
 #include "core/text.h"
+#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/artefacts/shard_ledger.h"
-#include "pipeline/artefacts/theta_columns.h"
-#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
 
-// Trajectories hardly compress, so the fastest level is the best one.
-constexpr h5::Storage kTrajectories{.chunked = true, .deflate = 1, .rows_per_chunk = 0};
-
 const char* values_name(const Study& study) {
   return study.source().gives_motion ? "trajectories" : "x";
-}
-
-h5::Shape values_shape(const Study& study, const Target& target, Index num_rows) {
-  if (!study.source().gives_motion) {
-    return {num_rows, static_cast<Index>(study.external.features.size())};
-  }
-  return {num_rows, target.num_rollouts(), target.num_steps() / study.simulator.store_every,
-          target.num_states()};
-}
-
-void describe_values(h5::Dataset& dataset, const Study& study, const Target& target) {
-  if (!study.source().gives_motion) {
-    describe_columns(dataset, parse_features(study.external.features));
-    dataset.label_dimensions({"row", "feature"});
-    return;
-  }
-  describe_columns(dataset, target.state_channels);
-  dataset.set_attribute("dt", target.dt);
-  dataset.set_attribute("store_every", study.simulator.store_every);
-  dataset.label_dimensions({"row", "rollout", "time", "channel"});
 }
 
 // "0 ok", "1 diverged", ...
@@ -53,16 +28,81 @@ std::vector<std::string> status_meanings() {
   return meanings;
 }
 
-void create_row_datasets(h5::File& file, const Study& study, Index num_rows) {
-  const auto dimension = static_cast<Index>(study.prior.size());
-  h5::Dataset theta = file.create_dataset("theta", h5::ElementType::f64, {num_rows, dimension});
-  describe_theta(theta, study.prior);
-  h5::Dataset status = file.create_dataset("status", h5::ElementType::u8, {num_rows});
-  status.set_attribute("meaning", status_meanings());
-  status.label_dimensions({"row"});
-  h5::Dataset seconds = file.create_dataset("seconds", h5::ElementType::f32, {num_rows});
-  seconds.label_dimensions({"row"});
-  mark_volatile(seconds);
+void describe_rows(Layout f, const std::vector<inference::Marginal>& prior, Index num_rows) {
+  const Dim row{"N", "row"};
+  f.rows_later<double>("theta", {num_rows, std::ssize(prior)}, {row, kParameter},
+                       "the parameters of each row")
+      .columns(prior);
+  f.rows_later<std::uint8_t>("status", {num_rows}, {row}, "0: ok, else how the row failed")
+      .attribute("meaning", status_meanings(), "`0 ok`, `1 diverged`, ...");
+  f.rows_later<float>("seconds", {num_rows}, {row},
+                      "time that the row took: that of its block of up to 256 rows, shared evenly")
+      .attribute("volatile", Index{1}, "1: not part of the digest");
+}
+
+void describe_x(Layout f, const h5::Shape& shape, const std::vector<Channel>& features,
+                const std::vector<h5::VirtualSource>& sources) {
+  f.rows_later<float>("x", shape, {{"N", "row"}, kFeature},
+                      "in place of `trajectories` where the simulator is a command or a dataset: "
+                      "features; NaN throughout a row that failed",
+                      kFastest, sources)
+      .columns(features);
+}
+
+void describe_trajectories(Layout f, const h5::Shape& shape, const Target& target,
+                           Index store_every, const std::vector<h5::VirtualSource>& sources) {
+  Layout trajectories = f.rows_later<float>(
+      "trajectories", shape, {{"N", "row"}, {"H", "rollout"}, {"T'", "time"}, {"C", "channel"}},
+      "states after every `store_every`-th step; NaN throughout a row that failed", kFastest,
+      sources);
+  trajectories.columns(target.state_channels);
+  trajectories.attribute("dt", double{target.dt}, "of the target [s]");
+  trajectories.attribute("store_every", store_every, "of the simulator");
+}
+
+void describe_values(Layout f, const Study& study, const Target& target, Index num_rows,
+                     const std::vector<h5::VirtualSource>& sources = {}) {
+  if (study.source().gives_motion) {
+    const Index every = study.simulator.store_every;
+    describe_trajectories(
+        f, {num_rows, target.num_rollouts(), target.num_steps() / every, target.num_states()},
+        target, every, sources);
+  } else {
+    describe_x(f, {num_rows, std::ssize(study.external.features)},
+               parse_features(study.external.features), sources);
+  }
+}
+
+// Who made the shards.
+struct Ledger {
+  std::vector<Index> begin, end, failed;
+  std::vector<std::string> host, batch_job;
+  std::vector<double> wall_seconds, core_seconds;
+
+  void add(const Provenance& provenance, RowRange rows, Index num_failed) {
+    begin.push_back(rows.begin);
+    end.push_back(rows.end);
+    failed.push_back(num_failed);
+    host.push_back(provenance.host);
+    batch_job.push_back(provenance.batch_job);
+    wall_seconds.push_back(provenance.cost.wall_seconds);
+    core_seconds.push_back(provenance.cost.core_seconds);
+  }
+};
+
+// Of the joined file only.
+void describe(Layout f, Ledger& ledger, Index num_failed) {
+  f.attribute("num_failed", num_failed, "of the joined file: rows whose status isn't 0");
+  const Dims shards = {{"S"}};
+  Layout group = f.group("shards");
+  group.attribute("volatile", Index{1}, "1: not part of the digest; of the joined file only");
+  group("begin", ledger.begin, shards, "who made which rows: the first");
+  group("end", ledger.end, shards, "the one after the last");
+  group("failed", ledger.failed, shards, "how many failed");
+  group("host", ledger.host, shards, "machine");
+  group("batch_job", ledger.batch_job, shards, "of the batch system; empty without one");
+  group("wall_seconds", ledger.wall_seconds, shards, "that it took");
+  group("core_seconds", ledger.core_seconds, shards, "that times the threads");
 }
 
 // Copies the rows of a shard; returns how many failed.
@@ -82,10 +122,9 @@ Index copy_rows(const h5::File& shard, h5::File& joined, RowRange rows) {
 
 void create_simulation_datasets(h5::File& file, const Study& study, const Target& target,
                                 Index num_rows) {
-  create_row_datasets(file, study, num_rows);
-  h5::Dataset values = file.create_dataset(values_name(study), h5::ElementType::f32,
-                                           values_shape(study, target, num_rows), kTrajectories);
-  describe_values(values, study, target);
+  const Layout f = Layout::writer(file);
+  describe_rows(f, study.prior, num_rows);
+  describe_values(f, study, target, num_rows);
 }
 
 h5::Dataset simulated_values(const h5::File& file) {
@@ -112,25 +151,23 @@ void join_shards(const ArtefactFile& simulation, const Identity& identity, const
   const Index n = shards.back().rows.end;
   ArtefactWriter writer(simulation.path, kSimulationSchema, identity);
   h5::File& file = writer.file();
-  create_row_datasets(file, study, n);
+  const Layout f = Layout::writer(file);
+  describe_rows(f, study.prior, n);
   std::vector<h5::VirtualSource> sources;
-  ShardLedger ledger;
+  Ledger ledger;
   Index num_failed = 0;
   for (const Shard& part : shards) {
     const h5::File shard =
         open_artefact(part.path, kSimulationShardSchema, shard_identity(identity, part.rows).key());
-    const Index failed = copy_rows(shard, file, part.rows);
-    num_failed += failed;
-    ledger.add(shard, part.rows, failed);
-    writer.add_cost(provenance_of(shard).cost);
+    const Provenance provenance = provenance_of(shard);
+    ledger.add(provenance, part.rows, copy_rows(shard, file, part.rows));
+    num_failed += ledger.failed.back();
+    writer.add_cost(provenance.cost);
     sources.push_back({simulation.key + "/" + part.path.filename().string(), values_name(study),
                        part.rows.size()});
   }
-  h5::Dataset values = file.create_virtual_dataset(values_name(study), h5::ElementType::f32,
-                                                   values_shape(study, target, n), sources);
-  describe_values(values, study, target);
-  file.set_attribute("num_failed", num_failed);
-  ledger.write(file);
+  describe_values(f, study, target, n, sources);
+  describe(f, ledger, num_failed);
   writer.finish();
 }
 
@@ -144,6 +181,14 @@ std::string failures(const h5::File& simulation) {
         fmt::format("{} {}", count, sim::to_string(static_cast<sim::RolloutStatus>(status))));
   }
   return join(parts);
+}
+
+void list_simulation(Layout f) {
+  Ledger ledger;
+  describe_rows(f, {}, 0);
+  describe_trajectories(f, {}, {}, 1, {});
+  describe_x(f, {}, {}, {});
+  describe(f, ledger, 0);
 }
 
 }  // namespace npdr::pipeline

@@ -1,15 +1,5 @@
-/// Simulation artefacts: shards, and the file that joins them.
-///
-///   theta         (N, D) float64, attributes labels, units, prior_lower, prior_upper
-///   trajectories  (N, H, T', C) float32: the states after every store_every-th step; NaN for a row
-///                 that failed; attributes labels, units, dt, store_every
-///   x             (N, F) float32, in their place where the simulator gives features; NaN for a row
-///                 that failed; attributes labels, units
-///   status        (N) uint8: RolloutStatus; attribute meaning
-///   seconds       (N) float32: time that the row took (volatile)
-///   shards        group, of the joined file only: who made which rows (volatile; shard_ledger.h)
-/// A shard holds a range of rows. The joined file holds the trajectories as a virtual dataset over
-/// the shards, and copies of the rest.
+/// Simulation artefacts: shards, and the file that joins them. A shard holds a range of rows. The
+/// joined file holds the trajectories as a virtual dataset over the shards, and copies of the rest.
 #pragma once
 
 #include <vector>

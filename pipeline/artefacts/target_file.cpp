@@ -1,19 +1,26 @@
 #include "pipeline/artefacts/target_file.h"
 
 #include "pipeline/artefacts/feature_file.h"
+#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 
-void write_observation(h5::File& file, const Target& target) {
-  const RowMatrix x = target.rollouts.front().states.bottomRows(1);
-  h5::Dataset dataset = file.write("x", x);
-  describe_columns(dataset, target.state_channels);
-  dataset.label_dimensions({"row", "feature"});
-  file.set_attribute("source", target.source);
+namespace {
+
+void describe(Layout f, RowMatrix x, Target target) {
+  f("x", x, {{"1", "row"}, kFeature}, "x_o").columns(target.state_channels);
+  f.attribute("source", target.source, "where it comes from");
 }
+
+}  // namespace
+
+void write_observation(h5::File& file, const Target& target) {
+  describe(Layout::writer(file), target.rollouts.front().states.bottomRows(1), target);
+}
+
+void list_observation(Layout f) { describe(f, {}, {}); }
 
 Target read_target_artefact(const ArtefactFile& target) {
   const h5::File file = open_artefact(target, kTargetSchema);

@@ -1,7 +1,4 @@
 /// Target artefacts: rollouts (recording.h), or x_o where the simulator gives features.
-///
-///   x       (1, F) float64: x_o; attributes labels, units
-///   source  attribute: where it comes from
 #pragma once
 
 #include "core/target.h"

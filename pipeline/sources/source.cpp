@@ -2,9 +2,9 @@
 
 #include "core/feature_names.h"
 #include "pipeline/artefacts/feature_file.h"
-#include "pipeline/config/source_check.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/config/source_check.h"
 #include "pipeline/sources/built_in_source.h"
 #include "pipeline/sources/command_source.h"
 #include "pipeline/sources/dataset_source.h"

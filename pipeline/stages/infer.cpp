@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "core/error.h"
+#include "pipeline/artefacts/checkpoint_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/simulation_features.h"

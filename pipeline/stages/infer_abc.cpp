@@ -5,7 +5,6 @@
 #include "inference/abc/feature_distance.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/artefacts/transform_file.h"
 #include "pipeline/features/simulation_distances.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
@@ -28,7 +27,7 @@ std::optional<Previous> read_previous(const Plan& plan, const Node& node) {
   const Node& posterior = *posteriors.front();
   const h5::File file = open_artefact(posterior, kPosteriorSchema);
   Previous previous{read_population(file), read_posterior_notes(posterior).rows, {}};
-  if (file.has("transform")) previous.transform = read_transform(file);
+  if (file.has("transform")) describe(Layout::reader(file), previous.transform.emplace());
   return previous;
 }
 
@@ -88,7 +87,7 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
                    .num_chains = population.num_chains},
                   counts);
   write_population(file, population);
-  if (transform) write_transform(file, *transform);
+  if (transform) describe(Layout::writer(file), *transform);
 }
 
 }  // namespace npdr::pipeline

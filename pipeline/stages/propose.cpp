@@ -2,8 +2,8 @@
 #include "inference/algorithms/posterior_estimation.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/artefacts/theta_columns.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -40,7 +40,7 @@ void run_propose(const Plan& plan, const Node& node) {
         propose_from(plan, *posteriors.front(), n, {use.seed, "proposal", use.stream_round(), 0, 0},
                      plan.study.method(use.method));
   }
-  write_theta(writer.file(), plan.study.prior, theta);
+  write_proposal(writer.file(), plan.study.prior, theta);
   writer.finish();
 }
 

@@ -1,0 +1,105 @@
+#include "pipeline/artefacts/layout.h"
+
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "core/error.h"
+#include "pipeline/artefacts/layout_tables.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+struct Example {
+  RowMatrix theta = RowMatrix::Constant(3, 2, 0.5);
+  VectorF weights = VectorF::Ones(3);
+  std::optional<double> density;
+  std::vector<std::string> names = {"a", "b"};
+  bool is_done = true;
+};
+
+void describe(Layout f, Example& e) {
+  f.attribute("is_done", e.is_done, "1 or 0");
+  f("theta", e.theta, {kRow, kParameter}, "parameters", kFinite);
+  Layout group = f.group("group");
+  group("weights", e.weights, {kRow}, "of the rows");
+  group("density", e.density, {}, "may be missing");
+  group("names", e.names, {{"D"}}, "of the columns");
+}
+
+class LayoutFile : public ::testing::Test {
+ protected:
+  Example reread(Example example) const {
+    h5::File written = h5::File::create(folder_ / "a.h5");
+    describe(Layout::writer(written), example);
+    written.close();
+    const h5::File file = h5::File::open(folder_ / "a.h5");
+    Example found{{}, {}, {}, {}, false};
+    describe(Layout::reader(file), found);
+    return found;
+  }
+
+  std::string message_after(const std::function<void(Example&)>& change) const {
+    Example example;
+    change(example);
+    return message_of<InputError>([&] { reread(example); }, &folder_);
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(LayoutFile, ComesBackAsItWas) {
+  Example example;
+  const Example without = reread(example);
+  EXPECT_EQ(without.theta, example.theta);
+  EXPECT_EQ(without.weights, example.weights);
+  EXPECT_EQ(without.names, example.names);
+  EXPECT_TRUE(without.is_done);
+  EXPECT_FALSE(without.density);
+  example.density = 2.5;
+  EXPECT_EQ(reread(example).density, 2.5);
+}
+
+TEST_F(LayoutFile, SizesOfTheSameNameMustBeEqual) {
+  EXPECT_TRUE(says(message_after([](Example& e) {
+                     e.weights.resize(4);
+                     e.weights.setOnes();
+                   }),
+                   {"a.h5: dataset 'group/weights' has shape (4), must be (3)"}));
+  EXPECT_TRUE(says(message_after([](Example& e) { e.names.pop_back(); }),
+                   {"a.h5: dataset 'group/names' has shape (1), must be (2)"}));
+}
+
+TEST_F(LayoutFile, WhatMustBeFiniteIs) {
+  EXPECT_TRUE(says(
+      message_after([](Example& e) { e.theta(1, 0) = std::numeric_limits<double>::infinity(); }),
+      {"a.h5: dataset 'theta'", "must be finite"}));
+}
+
+// A document's blocks between "<!-- layout: NAME -->" and "<!-- end -->".
+std::map<std::string, std::string> documented(const std::string& text) {
+  const std::string begin = "<!-- layout: ", end = "<!-- end -->\n";
+  std::map<std::string, std::string> tables;
+  for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at + 1)) {
+    const std::size_t name = at + begin.size(), body = text.find('\n', at) + 1;
+    tables[text.substr(name, text.find(' ', name) - name)] =
+        text.substr(body, text.find(end, body) - body);
+  }
+  return tables;
+}
+
+TEST(LayoutTables, AreThoseOfTheDocument) {
+  const std::filesystem::path document =
+      std::filesystem::path(NPDR_SOURCE_DIR) / "docs" / "file-formats.md";
+  const auto tables = documented(text_of(document));
+  for (const std::string& name : layout_names()) {
+    ASSERT_TRUE(tables.contains(name)) << name;
+    EXPECT_EQ(tables.at(name), layout_table(name)) << "run scripts/docs";
+  }
+  EXPECT_EQ(tables.size(), layout_names().size());
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
