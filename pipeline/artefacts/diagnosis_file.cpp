@@ -85,7 +85,7 @@ void describe(Layout f, inference::TrainingCheck& check, Index& max_epochs) {
   f.attribute("max_epochs", max_epochs, "that there may have been");
   f.attribute("is_converged", check.is_converged, "1: `stop_after_epochs` ended it; else 0");
   f.attribute("validation_loss", check.validation_loss, "the smallest [nats]");
-  f.attribute("generalisation_gap", check.generalisation_gap,
+  f.attribute("generalisation_gap", check.generalization_gap,
               "that minus the training loss of the same epoch [nats]");
 }
 

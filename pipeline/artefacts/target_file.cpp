@@ -4,6 +4,7 @@
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 
