@@ -57,7 +57,7 @@ std::string rollouts_at_goal(const ReportData& data, const Target& target) {
 
 // How many of the target's rollouts, and of the held-out ones, reach the goal themselves.
 void note_recorded_goal(Table& table, const ReportData& data) {
-  if (std::ranges::count(data.plan.study.evaluate.metrics, "goal") == 0) return;
+  if (std::ranges::count(data.plan.study.evaluate.metrics, Metric::goal) == 0) return;
   std::string text = fmt::format("P({}): of the target's own rollouts {}",
                                  data.info.goal->description, rollouts_at_goal(data, data.target));
   if (data.held_out) {
@@ -78,7 +78,7 @@ void add_fit_columns(Table& table, const ReportData& data) {
 // Simulations that went well, but have no distance: there is nothing to measure it in.
 bool has_no_scale(const EvaluatedRun& run, const std::string& metric) {
   const auto& x = run.evaluation.x;
-  return metric == kFeatureMetric && x && x->array().isFinite().any() &&
+  return metric == name_of(Metric::distance) && x && x->array().isFinite().any() &&
          run.evaluation.metrics.at(metric).array().isNaN().all();
 }
 

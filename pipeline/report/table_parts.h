@@ -22,7 +22,7 @@ void add_columns(Table& table, const std::vector<std::string>& titles);
 /// Adds a column for each round that any method has; returns how many.
 Index add_round_columns(Table& table, const ReportData& data);
 
-/// What people call a metric: "RMSE, held out".
+/// Title of one of measured_names(): "RMSE, held out".
 std::string title_of(const ReportData& data, const std::string& metric);
 
 /// "NPDR (MAF), 1": the label of a row for each method and seed.
