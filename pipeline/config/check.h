@@ -8,7 +8,7 @@
 
 namespace npdr::pipeline {
 
-/// Those of a network over many simulations, then those at x_o.
+/// Checks of a network over many simulations, then those at x_o.
 enum class Check { sbc, coverage, tarp, local_c2st, predictive, ood, training };
 
 /// Conditions that a method must meet for a check to mean something to it.

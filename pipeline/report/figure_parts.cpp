@@ -48,7 +48,7 @@ std::string left_out_parameters(const Study& study) {
 }
 
 const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method) {
-  return data.diagnoses_of(method).front()->diagnosis;
+  return data.diagnoses_of(method).front()->result;
 }
 
 }  // namespace npdr::pipeline

@@ -9,7 +9,7 @@
 namespace npdr::pipeline {
 namespace {
 
-using Runs = std::vector<const DiagnosedRun*>;
+using Runs = std::vector<const ResultOf<Diagnosis>*>;
 
 // Bonferroni over the method's checks that have a p-value, and the seeds.
 double level_of(const ReportData& data, const std::string& method, const Runs& runs) {
@@ -26,8 +26,8 @@ std::string seeds_text(std::size_t failed, std::size_t all) {
 Cell training_cell(const Runs& runs) {
   std::size_t failed = 0;
   double gap = 0.0;
-  for (const DiagnosedRun* run : runs) {
-    const inference::TrainingCheck& check = *run->diagnosis.training;
+  for (const auto* run : runs) {
+    const inference::TrainingCheck& check = *run->result.training;
     failed += check.is_converged ? 0 : 1;
     gap += check.generalisation_gap / static_cast<double>(runs.size());
   }
@@ -39,8 +39,8 @@ Cell training_cell(const Runs& runs) {
 Cell test_cell(Check check, const Runs& runs, double level) {
   std::size_t failed = 0;
   double smallest = 1.0;
-  for (const DiagnosedRun* run : runs) {
-    const double p = run->diagnosis.p_values().at(name_of(check));
+  for (const auto* run : runs) {
+    const double p = run->result.p_values().at(name_of(check));
     failed += p < level ? 1 : 0;
     smallest = std::min(smallest, p);
   }
@@ -63,8 +63,8 @@ double times_usual(const inference::Distance& distance) {
 
 // An observation outside of what was simulated makes all else void: said in a sentence.
 void note_outside(const std::string& method, const Runs& runs, double level, Table& table) {
-  for (const DiagnosedRun* run : runs) {
-    const auto& ood = run->diagnosis.ood;
+  for (const auto* run : runs) {
+    const auto& ood = run->result.ood;
     if (!ood || ood->p_value >= level) continue;
     table.footnote(fmt::format(
         "{}: the observation lies outside of what was simulated (seed {}: {:.3g} times the usual "
@@ -77,8 +77,8 @@ void note_outside(const std::string& method, const Runs& runs, double level, Tab
 }
 
 void note_unpredicted(const std::string& method, const Runs& runs, double level, Table& table) {
-  for (const DiagnosedRun* run : runs) {
-    const auto& predictive = run->diagnosis.predictive;
+  for (const auto* run : runs) {
+    const auto& predictive = run->result.predictive;
     if (!predictive || predictive->check.p_value >= level) continue;
     Index worst = 0;
     predictive->check.summary_p_value.minCoeff(&worst);
@@ -135,11 +135,8 @@ Table make(const ReportData& data) {
       "Check", data.methods);
   for (const CheckTraits& check : enum_table(Check{})) {
     if (!any_has(data, check.value)) continue;
-    Row row{std::string(check.title), {}};
-    for (const std::string& method : data.methods) {
-      row.cells.push_back(check_cell(data, method, check.value));
-    }
-    table.rows.push_back(std::move(row));
+    add_row(table, std::string(check.title), data.methods,
+            [&](const std::string& method) { return check_cell(data, method, check.value); });
   }
   for (const std::string& method : data.methods) {
     note_left_out(data, method, table);

@@ -55,7 +55,7 @@ std::string rollouts_at_goal(const ReportData& data, const Target& target) {
                      target.num_rollouts());
 }
 
-// How many of the target's rollouts, and of the held-out ones, reach the goal themselves.
+// Counts the target's rollouts, and the held-out ones, that reach the goal themselves.
 void note_recorded_goal(Table& table, const ReportData& data) {
   if (std::ranges::count(data.plan.study.evaluate.metrics, Metric::goal) == 0) return;
   std::string text = fmt::format("P({}): of the target's own rollouts {}",
@@ -152,7 +152,7 @@ Table make(const ReportData& data) {
 
 }  // namespace
 
-/// How well each method's posterior samples fit the target domain: the twin of Tables 2 and A2,
+/// Fit of each method's posterior samples to the target domain: the twin of Tables 2 and A2,
 /// with the published figures, the nominal parameters and the floor beside them.
 TableEntry fit_table() { return {"fit", Section::fit, exists, make}; }
 

@@ -39,6 +39,14 @@ void note_known(Table& table, Cell& cell);
 void note_known_parameters(Table& table, const ReportData& data);
 void note_fixed_parameters(Table& table, const ReportData& data);
 
+/// Adds a row with a cell for each item.
+template <class Items, class CellOf>
+void add_row(Table& table, std::string label, const Items& items, const CellOf& cell_of_item) {
+  Row row{std::move(label), {}};
+  for (const auto& item : items) row.cells.push_back(cell_of_item(item));
+  table.rows.push_back(std::move(row));
+}
+
 /// One number for each item: (items).
 template <class Items, class Number>
 Vector each(const Items& items, const Number& number_of) {
