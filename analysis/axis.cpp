@@ -6,13 +6,10 @@
 #include <array>
 #include <cmath>
 
-#include "analysis/gnuplot.h"
 #include "core/error.h"
 
 namespace npdr::analysis {
 namespace {
-
-constexpr double kEndMargin = 0.08;
 
 // "10⁻³".
 std::string power_of_ten(int exponent) {
@@ -34,9 +31,39 @@ std::vector<double> multiples(double lower, double upper, double step) {
   return values;
 }
 
+// "[10⁻³ kg]", with the power of ten that the shown values are to be multiplied by.
+std::string unit_text(int exponent, const std::string& unit) {
+  const std::string symbol = unit == "1" ? "" : unit;
+  std::string text = exponent != 0 ? power_of_ten(exponent) : "";
+  if (!text.empty() && !symbol.empty()) text += ' ';
+  text += symbol;
+  return text.empty() ? "" : "[" + text + "]";
+}
+
 }  // namespace
 
-Axis make_axis(double lower, double upper, const std::string& unit, int min_ticks) {
+void Range::add(double value) {
+  if (!std::isfinite(value)) return;
+  lower = std::min(lower, value);
+  upper = std::max(upper, value);
+}
+
+void Range::add(const Eigen::Ref<const Vector>& values) {
+  for (const double v : values) add(v);
+}
+
+double Range::length() const {
+  return upper > lower ? upper - lower : std::max(1e-3, std::abs(upper));
+}
+
+Range Range::widened(double margin) const {
+  if (lower > upper) return {0.0, 1.0};
+  return {lower - margin * length(), upper + margin * length()};
+}
+
+Axis make_axis(const Range& range, const std::string& title, const std::string& unit, int min_ticks,
+               double margin) {
+  const auto [lower, upper] = range;
   if (!std::isfinite(upper - lower) || lower >= upper) {
     throw InputError(
         fmt::format("axis limits [{}, {}], must be finite and ascending", lower, upper));
@@ -44,17 +71,12 @@ Axis make_axis(double lower, double upper, const std::string& unit, int min_tick
   const double size = std::max(std::abs(lower), std::abs(upper));
   const int exponent = static_cast<int>(std::floor(std::log10(size)));
   const int shift = exponent < -1 || exponent > 3 ? exponent : 0;
-  Axis axis;
-  axis.scale = std::pow(10.0, -shift);
-  const bool has_unit = !unit.empty() && unit != "1";
-  const std::string factor = shift != 0 ? power_of_ten(shift) : "";
-  const std::string parts = factor + (has_unit && shift != 0 ? " " : "") + (has_unit ? unit : "");
-  if (!parts.empty()) axis.unit = "[" + parts + "]";
+  Axis axis{lower, upper, title, unit_text(shift, unit), std::pow(10.0, -shift)};
 
-  const double range = (upper - lower) * axis.scale;
-  const double first = lower * axis.scale + kEndMargin * range;
-  const double last = upper * axis.scale - kEndMargin * range;
-  int decade = static_cast<int>(std::floor(std::log10(range)));
+  const double length = (upper - lower) * axis.scale;
+  const double first = lower * axis.scale + margin * length;
+  const double last = upper * axis.scale - margin * length;
+  int decade = static_cast<int>(std::floor(std::log10(length)));
   constexpr std::array<double, 5> mantissas = {5.0, 4.0, 3.0, 2.0, 1.0};
   for (std::size_t k = 0; static_cast<int>(axis.ticks.size()) < min_ticks; ++k) {
     if (k == mantissas.size()) {
@@ -64,19 +86,10 @@ Axis make_axis(double lower, double upper, const std::string& unit, int min_tick
     axis.ticks = multiples(first, last, mantissas[k] * std::pow(10.0, decade));
   }
   const int decimals = std::max(0, -decade);
-  for (const double tick : axis.ticks)
-    axis.labels.push_back(fmt::format("{:.{}f}", tick + 0.0, decimals));
-  return axis;
-}
-
-std::string tics_command(const Axis& axis, const std::string& name, const std::string& options,
-                         bool labelled) {
-  std::string command = "set " + name + "tics nomirror " + options + " (";
-  for (std::size_t i = 0; i < axis.ticks.size(); ++i) {
-    const std::string label = gnuplot_string(labelled ? axis.labels[i] : "");
-    command += fmt::format("{}{} {}", i > 0 ? ", " : "", label, axis.ticks[i]);
+  for (const double tick : axis.ticks) {
+    axis.labels.push_back(fmt::format("{:.{}f}", tick + 0.0, decimals));  // + 0.0: no "-0"
   }
-  return command + ")\n";
+  return axis;
 }
 
 }  // namespace npdr::analysis

@@ -1,28 +1,46 @@
-/// Tick marks and labels of an axis that has little room.
+/// Axes with few ticks, for panels that have little room.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "core/types.h"
+
 namespace npdr::analysis {
 
-/// How an axis over [lower, upper] is labelled.
-struct Axis {
-  double scale = 1.0;               ///< a value is shown as value * scale, a power of ten
-  std::string unit;                 ///< "[10⁻³ N m s/rad]", "[kg]", or "" when dimensionless
-  std::vector<double> ticks;        ///< scaled positions, ascending
-  std::vector<std::string> labels;  ///< of the ticks, at equal decimals
+/// Range of the values that were added; those that aren't finite don't count.
+struct Range {
+  double lower = std::numeric_limits<double>::infinity();
+  double upper = -std::numeric_limits<double>::infinity();
+
+  void add(double value);
+  void add(const Eigen::Ref<const Vector>& values);
+  /// Length; |value|, or 1e-3 where that is more, when there is but one value.
+  double length() const;
+  /// The range with `margin` lengths more at both ends; [0, 1] when nothing was added.
+  Range widened(double margin) const;
 };
 
-/// The axis whose ticks are multiples of a round number, the largest that leaves at least
-/// `min_ticks` of them and keeps 8 % off both ends, so that labels of neighbouring panels don't
-/// meet. Values are scaled by a power of ten where that makes labels shorter. `unit` is SI; "1" or
-/// "": dimensionless. Throws InputError unless lower < upper, both finite.
-Axis make_axis(double lower, double upper, const std::string& unit, int min_ticks = 2);
+struct Axis {
+  double lower = 0.0;  ///< SI
+  double upper = 1.0;  ///< SI
+  std::string title = {};
+  std::string unit = {};           ///< "[10⁻³ N m s/rad]", "[kg]", or "" when dimensionless
+  double scale = 1.0;              ///< a value is shown as value * scale, a power of ten
+  std::vector<double> ticks = {};  ///< scaled positions, ascending
+  std::vector<std::string> labels = {};  ///< of the ticks
+};
 
-/// gnuplot's command "set xtics" or "set ytics" (`name` "x" or "y") with further `options`, such as
-/// a font; with or without the labels.
-std::string tics_command(const Axis& axis, const std::string& name, const std::string& options,
-                         bool labelled);
+/// Part that make_axis() keeps free of ticks at both ends, as a share of the axis, so that labels
+/// of neighboring panels don't meet.
+inline constexpr double kTickMargin = 0.08;
+
+/// The axis whose ticks are multiples of a round number, the largest that leaves at least
+/// `min_ticks` of them and keeps `margin` off both ends. Labels have equal decimals. Values are
+/// scaled by a power of ten where that makes labels shorter. `unit` is SI; "1" or "":
+/// dimensionless. Throws InputError unless lower < upper, both finite.
+Axis make_axis(const Range& range, const std::string& title, const std::string& unit,
+               int min_ticks = 2, double margin = kTickMargin);
 
 }  // namespace npdr::analysis

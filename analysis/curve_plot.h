@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/gnuplot.h"
+#include "analysis/figure.h"
 #include "core/types.h"
 
 namespace npdr::analysis {

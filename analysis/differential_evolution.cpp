@@ -33,7 +33,7 @@ void check(const DifferentialEvolutionConfig& config) {
   }
 }
 
-// What one member of the population tries.
+// Attempt of one member of the population.
 struct Trial {
   double scale = 0.0;      // F
   double crossover = 0.0;  // CR
@@ -163,7 +163,7 @@ class Search {
     trim_archive(generation);
   }
 
-  // The arithmetic mean of what succeeded for CR, the Lehmer mean for F (which favours large
+  // The arithmetic mean of what succeeded for CR, the Lehmer mean for F (which favors large
   // steps).
   void learn(const std::vector<Trial>& successes) {
     if (successes.empty()) return;

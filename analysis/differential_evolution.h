@@ -1,4 +1,4 @@
-/// Global minimisation over a box whose objective is evaluated a whole population at a time.
+/// Global minimization over a box whose objective is evaluated a whole population at a time.
 ///
 /// Differential evolution (Storn and Price 1997) in the self-adapting form JADE (Zhang and
 /// Sanderson 2009, "JADE: adaptive differential evolution with optional external archive", eqs.
@@ -36,7 +36,7 @@ struct DifferentialEvolutionResult {
   Index num_evaluations = 0;
 };
 
-/// Minimises over the unit cube [0, 1]^D. The first population is a Latin hypercube whose first
+/// Minimizes over the unit cube [0, 1]^D. The first population is a Latin hypercube whose first
 /// rows are replaced by those of `start` (k, D), as many as fit, so that the result is never worse
 /// than the best of these. The same bits for the same seed, restart and objective. Throws
 /// InputError for a config out of range, and ShapeError when the objective returns another number

@@ -1,5 +1,5 @@
 // Compiled with -ffp-contract=off: whether a product and a sum are fused must not depend on how the
-// compiler vectorised a loop, for the scalar and the batched form to agree to the bit.
+// compiler vectorized a loop, for the scalar and the batched form to agree to the bit.
 #include "analysis/dtw.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 //   column (n, kLanes): D(., j - 1) on entry, D(., j) on return
 //   below_first: what lies before the first entry of the column; 0 for j = 0, infinity after that
 // kChannels is the number of channels when positive, so that the loop over them unrolls and the one
-// over lanes vectorises; kChannels = 0 takes any number, slowly.
+// over lanes vectorizes; kChannels = 0 takes any number, slowly.
 template <int kLanes, int kChannels>
 void advance_column(const double* __restrict held, Index n, Index channels,
                     const double* __restrict stepped, double below_first,
@@ -76,7 +76,7 @@ void check_series(const Eigen::Ref<const RowMatrix>& recorded, Index m, Index ch
                    std::to_string(channels) + "); neither may be empty, channels must agree");
 }
 
-// The end with the smallest normalised distance so far; the first of several that tie.
+// The end with the smallest normalized distance so far; the first of several that tie.
 void offer_end(DtwResult& best, Index n, Index end, double distance) {
   const double normalized = distance / static_cast<double>(n + end);
   if (best.end > 0 && normalized >= best.normalized_distance) return;

@@ -6,11 +6,11 @@
 /// With d(i, j) = |recorded_i - simulated_j|_2 over the channels, the accumulated cost is
 ///   D(i, j) = min( D(i-1, j) + d(i, j),  D(i, j-1) + d(i, j),  D(i-1, j-1) + 2 d(i, j) ),
 ///   D(0, 0) = d(0, 0)  (as Giorgino; Sakoe and Chiba start from 2 d(0, 0)).
-/// Every path from (0, 0) to (n-1, m'-1) has weights that sum to n + m' - 1, so the normalised
+/// Every path from (0, 0) to (n-1, m'-1) has weights that sum to n + m' - 1, so the normalized
 /// distance is D(n-1, m'-1) / (n + m'). The whole recorded series is always explained. With an open
 /// end it may be explained by the first m' simulated states alone: the m' with the smallest
-/// normalised distance, and the smallest such m' when several tie. What is reported as the distance
-/// is the accumulated cost there, not normalised.
+/// normalized distance, and the smallest such m' when several tie. What is reported as the distance
+/// is the accumulated cost there, not normalized.
 #pragma once
 
 #include <span>
@@ -20,13 +20,13 @@
 
 namespace npdr::analysis {
 
-/// Where the warping path may end along the simulated series.
+/// End of the warping path along the simulated series.
 enum class DtwEnd {
   open,    ///< after any number of simulated states
   closed,  ///< after all of them
 };
 
-/// A warping distance, in the unit of the series (none, where they are normalised).
+/// A warping distance, in the unit of the series (none, where they are normalized).
 struct DtwResult {
   double distance = 0.0;             ///< accumulated cost D(n-1, end-1)
   double normalized_distance = 0.0;  ///< distance / (n + end)
@@ -44,7 +44,7 @@ inline constexpr Index kDtwLanes = 8;
 
 /// The distances of many simulated series to one recorded series: element k is
 /// dtw(recorded, simulated[k]), to the bit, whatever the other series hold. `simulated` is
-/// (num_series, m, C), row-major. Vectorised over groups of kDtwLanes series, on this thread alone.
+/// (num_series, m, C), row-major. Vectorized over groups of kDtwLanes series, on this thread alone.
 /// Memory O(kDtwLanes (n + m C)). Throws ShapeError as dtw() does, and when the size of `simulated`
 /// is no multiple of num_series * C.
 std::vector<DtwResult> dtw_batch(const Eigen::Ref<const RowMatrix>& recorded,

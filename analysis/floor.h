@@ -34,7 +34,7 @@ struct FloorResult {
   Index num_evaluations = 0;
 };
 
-/// Minimises `objective` over lower <= theta <= upper (D each). The rows of `starting_points` (k,
+/// Minimizes `objective` over lower <= theta <= upper (D each). The rows of `starting_points` (k,
 /// D), such as nominal values and earlier best fits, join the first population of the first
 /// restart; they may be none. Points where the objective isn't finite are avoided. The same bits
 /// for the same seed. What the objective throws comes out unchanged. Throws ShapeError for sizes

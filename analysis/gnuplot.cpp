@@ -19,29 +19,33 @@ constexpr const char* kFont = "sans-serif,11";
 // A PNG has twice the pixels of the SVG. Font sizes are pixels in SVG and points (4/3 pixels) in
 // PNG, hence fontscale 1.5.
 
-std::string script_of(const Figure& figure) {
-  std::string script = fmt::format(
-      "# gnuplot -c {0}.gp svg {0}.svg\n"
-      "# gnuplot -c {0}.gp png {0}.png\n"
-      "set encoding utf8\n"
-      "if (ARG1 eq 'png') {{\n"
-      "  set terminal pngcairo noenhanced font '{1}' size {2},{3} fontscale 1.5 linewidth 2 "
-      "pointscale 2 background rgb 'white'\n"
-      "}} else {{\n"
-      "  set terminal svg noenhanced font '{1}' size {4},{5} background rgb 'white'\n"
-      "}}\n"
-      "set output ARG2\n",
-      figure.name, kFont, 2 * figure.width, 2 * figure.height, figure.width, figure.height);
-  return script + figure.commands + "unset output\n";
+std::string file_text(const GnuplotScript& script) {
+  return fmt::format(
+             "# gnuplot -c {0}.gp svg {0}.svg\n"
+             "# gnuplot -c {0}.gp png {0}.png\n"
+             "set encoding utf8\n"
+             "if (ARG1 eq 'png') {{\n"
+             "  set terminal pngcairo noenhanced font '{1}' size {2},{3} fontscale 1.5 linewidth 2 "
+             "pointscale 2 background rgb 'white'\n"
+             "}} else {{\n"
+             "  set terminal svg noenhanced font '{1}' size {4},{5} background rgb 'white'\n"
+             "}}\n"
+             "set output ARG2\n",
+             script.name, kFont, 2 * script.width, 2 * script.height, script.width, script.height) +
+         script.commands + "unset output\n";
 }
 
-void run(const std::string& program, const Figure& figure, const std::filesystem::path& directory,
-         const std::string& format) {
-  const std::string output = figure.name + "." + format;
-  AtomicFile file(directory / output);  // another report may be drawing the same figure
+enum class ImageFormat { svg, png };
+constexpr const char* kFormatNames[] = {"svg", "png"};
+
+std::filesystem::path run(const std::string& program, const GnuplotScript& script,
+                          const std::filesystem::path& directory, ImageFormat format) {
+  const std::string format_name = kFormatNames[static_cast<std::size_t>(format)];
+  const std::filesystem::path path = directory / (script.name + "." + format_name);
+  AtomicFile file(path);  // another report may be drawing the same figure
   // -d: without the user's settings, so that a figure looks the same for everybody.
   const ProcessResult result = run_process(
-      program, {"-d", "-c", figure.name + ".gp", format, file.temporary().filename().string()},
+      program, {"-d", "-c", script.name + ".gp", format_name, file.temporary().filename().string()},
       directory);
   if (!result.found) {
     throw Error(program +
@@ -51,27 +55,25 @@ void run(const std::string& program, const Figure& figure, const std::filesystem
   std::error_code missing;
   if (result.exit_status != 0 || std::filesystem::file_size(file.temporary(), missing) == 0 ||
       missing) {
-    throw Error(fmt::format("{}: {} failed with status {} on {}:\n{}",
-                            (directory / output).string(), program, result.exit_status,
-                            figure.name + ".gp", result.errors));
+    throw Error(fmt::format("{}: {} failed with status {} on {}:\n{}", path.string(), program,
+                            result.exit_status, script.name + ".gp", result.errors));
   }
-  if (format == "svg") {
+  if (format == ImageFormat::svg) {
     write_text_file(file.temporary(), tidy_svg(read_text_file(file.temporary())));
   }
   file.commit();
+  return path;
 }
 
 }  // namespace
 
-FigureFiles render_figure(const Figure& figure, const std::filesystem::path& directory,
+FigureFiles render_script(const GnuplotScript& script, const std::filesystem::path& directory,
                           const std::string& program) {
-  check_file_stem("figure", figure.name);
-  FigureFiles files = {directory / (figure.name + ".gp"), directory / (figure.name + ".svg"),
-                       directory / (figure.name + ".png")};
-  write_text_file(files.script, script_of(figure));
-  run(program, figure, directory, "svg");
-  run(program, figure, directory, "png");
-  return files;
+  check_file_stem("figure", script.name);
+  const std::filesystem::path path = directory / (script.name + ".gp");
+  write_text_file(path, file_text(script));
+  return {path, run(program, script, directory, ImageFormat::svg),
+          run(program, script, directory, ImageFormat::png)};
 }
 
 std::string gnuplot_string(std::string_view text) {
@@ -97,12 +99,7 @@ void write_data_file(const std::filesystem::path& path, std::string_view comment
   for (Index i = 0; i < values.rows(); ++i) {
     for (Index k = 0; k < values.cols(); ++k) {
       const double v = values(i, k);
-      const char* separator = k > 0 ? " " : "";
-      if (std::isfinite(v)) {
-        fmt::format_to(out, "{}{}", separator, v);
-      } else {
-        fmt::format_to(out, "{}NaN", separator);
-      }
+      fmt::format_to(out, "{}{}", k > 0 ? " " : "", std::isfinite(v) ? fmt::to_string(v) : "NaN");
     }
     text.push_back('\n');
   }

@@ -9,15 +9,15 @@
 
 namespace npdr::analysis {
 
-/// What is to be drawn.
-struct Figure {
+/// Commands that draw a figure.
+struct GnuplotScript {
   std::string name;      ///< of its files: letters, digits, '_' and '-'
   int width = 640;       ///< [px] of the SVG; the PNG has twice as many
   int height = 480;      ///< [px]
   std::string commands;  ///< gnuplot's, after terminal and output are set; data files by name
 };
 
-/// What was drawn.
+/// A figure's script and what gnuplot made of it.
 struct FigureFiles {
   std::filesystem::path script;
   std::filesystem::path svg;
@@ -29,7 +29,7 @@ struct FigureFiles {
 /// settings aren't read. `gnuplot -c <name>.gp png <name>.png` in that folder repeats it by hand.
 /// Throws InputError for a name that can't be a file's; Error when gnuplot is missing, fails (with
 /// what it said) or leaves no file.
-FigureFiles render_figure(const Figure& figure, const std::filesystem::path& directory,
+FigureFiles render_script(const GnuplotScript& script, const std::filesystem::path& directory,
                           const std::string& program = "gnuplot");
 
 /// `text` as a string of gnuplot's language: in single quotes, where nothing but the quote itself

@@ -1,4 +1,4 @@
-/// Figures of a quantity over a grid of two others, one map a method, all with the same colours.
+/// Figures of a quantity over a grid of two others, one map a method, all with the same colors.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/gnuplot.h"
+#include "analysis/figure.h"
 #include "core/types.h"
 
 namespace npdr::analysis {
@@ -27,15 +27,15 @@ struct HeatMapPlot {
   std::string name;  ///< of the files: letters, digits, '_' and '-'
   GridAxis x;
   GridAxis y;
-  std::string value_title;  ///< of the colours
-  double low = 0.0;         ///< what the first and the last colour stand for
+  std::string value_title;  ///< of the colors
+  double low = 0.0;         ///< what the first and the last color stand for
   double high = 1.0;
   std::vector<HeatMap> maps;
   std::optional<std::pair<double, double>> mark = {};  ///< a place in (x, y) to point out
 };
 
 /// Draws the maps side by side. Each point of the grid is a cell of the same size, whatever the
-/// distances between points; a mark lies in proportion between the middles of its neighbours, and
+/// distances between points; a mark lies in proportion between the middles of its neighbors, and
 /// is left out when it is outside of the grid. Writes the figure and its data files into
 /// `directory`. Throws InputError for no maps, an axis without points or low >= high, and
 /// ShapeError for values of another shape than the grid.

@@ -1,4 +1,4 @@
-/// How well simulated rollouts fit the recorded ones: RMSE and DTW distance (Tables 2 and A2).
+/// Fit of simulated rollouts to the recorded ones: RMSE and DTW distance (Tables 2 and A2).
 ///
 /// The simulator restarts from the recorded state every segment_length steps, and a simulated
 /// rollout is the concatenation of its segments. Compared are the states before each action, t = 0,
@@ -29,7 +29,7 @@ struct MetricsConfig {
   Index segment_length = 0;          ///< [steps] between restarts; 0: none
 };
 
-/// The recorded rollouts, normalised once, and what simulated ones are measured by against them.
+/// The recorded rollouts, normalized once, and what simulated ones are measured by against them.
 /// Const calls are thread-safe and parallel over samples, with the same bits on any number of
 /// threads. A sample with a value that isn't finite gets NaN: the rollout failed.
 class Metrics {
@@ -37,10 +37,10 @@ class Metrics {
   /// `target` has passed its check().
   /// Throws InputError for a channel that doesn't exist or is listed twice, a negative
   /// segment_length, and a channel that is 0 throughout a recorded rollout: nothing can be
-  /// normalised by it; name the other channels in `channels`.
+  /// normalized by it; name the other channels in `channels`.
   explicit Metrics(const Target& target, const MetricsConfig& config = {});
 
-  /// (n) normalised root mean square errors. Throws ShapeError when `simulated` has another number
+  /// (n) normalized root mean square errors. Throws ShapeError when `simulated` has another number
   /// of rollouts, steps or states than the target.
   Vector rmse(const TrajectoryView& simulated) const;
 
@@ -55,7 +55,7 @@ class Metrics {
 
  private:
   struct Recorded {
-    RowMatrix states;  // (T, selected channels), normalised
+    RowMatrix states;  // (T, selected channels), normalized
     Vector scale;      // (selected channels), SI
     RowMatrix first;   // (1, C) state 0, SI
     RowMatrix last;    // (1, selected channels) state T, SI

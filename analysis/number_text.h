@@ -5,7 +5,7 @@
 
 namespace npdr::analysis {
 
-/// How a number is marked up.
+/// Markup of a number.
 enum class NumberStyle {
   plain,  ///< UTF-8 text, for Markdown and HTML
   latex,  ///< a LaTeX formula

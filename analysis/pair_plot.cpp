@@ -1,89 +1,74 @@
 #include "analysis/pair_plot.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numeric>
 
-#include "analysis/file_stem.h"
-#include "analysis/kernel_density.h"
-#include "analysis/pair_plot_script.h"
-#include "analysis/plot_layout.h"
-#include "core/error.h"
+#include "analysis/density_curve.h"
 
 namespace npdr::analysis {
 namespace {
 
-std::vector<Index> check_selection(const PairPlot& plot) {
-  const auto available = static_cast<Index>(plot.parameters.size());
-  std::vector<Index> shown = plot.selection;
-  if (shown.empty()) {
-    shown.resize(plot.parameters.size());
-    std::iota(shown.begin(), shown.end(), Index{0});
+// Smaller with more parameters, so that fifteen still fit on a screen.
+FigureSizes sizes_for(std::size_t num_parameters) {
+  if (num_parameters <= 4) return {150.0, 150.0, 9.0, 11.0, 9.0};
+  if (num_parameters <= 6) return {124.0, 124.0, 8.0, 10.5, 9.0};
+  if (num_parameters <= 9) return {98.0, 98.0, 7.0, 9.5, 8.0};
+  return {76.0, 76.0, 6.0, 8.5, 7.5};
+}
+
+// The plot without the parameters that aren't shown.
+PairPlot select(const PairPlot& plot) {
+  const auto count = static_cast<Index>(plot.parameters.size());
+  const std::vector<Index> selection =
+      check_selection(fmt::format("pair plot '{}': parameter", plot.name), plot.selection, count,
+                      kMinPairParameters, kMaxPairParameters);
+  PairPlot shown = plot;
+  shown.parameters.clear();
+  for (const Index d : selection) {
+    shown.parameters.push_back(plot.parameters[static_cast<std::size_t>(d)]);
   }
-  const auto count = static_cast<Index>(shown.size());
-  if (count < kMinPairParameters || count > kMaxPairParameters) {
-    throw InputError(fmt::format("pair plot '{}': {} parameters, must be {} to {}; select some",
-                                 plot.name, count, kMinPairParameters, kMaxPairParameters));
+  for (auto& [name, samples] : shown.sets) {
+    require<ShapeError>(samples.cols() == count,
+                        "pair plot '{}': samples of '{}' have {} columns for {} parameters",
+                        plot.name, name, samples.cols(), count);
+    samples = samples(Eigen::all, selection).eval();
   }
-  for (const Index d : shown) {
-    if (d >= 0 && d < available) continue;
-    throw InputError(fmt::format("pair plot '{}': parameter {} selected, must be in [0, {}]",
-                                 plot.name, d, available - 1));
+  for (PairPoint& point : shown.points) {
+    require<ShapeError>(point.theta.size() == count,
+                        "pair plot '{}': '{}' has {} values for {} parameters", plot.name,
+                        point.name, point.theta.size(), count);
+    point.theta = point.theta(selection).eval();
   }
   return shown;
 }
 
-void check(const PairPlot& plot) {
-  check_file_stem("pair plot", plot.name);
-  if (plot.sets.empty() || plot.sets.size() > kMaxMethods || plot.num_points < 1) {
-    throw InputError(
-        fmt::format("pair plot '{}': {} sample sets of {} points, must be 1 to {} of "
-                    "at least 1",
-                    plot.name, plot.sets.size(), plot.num_points, kMaxMethods));
-  }
-  for (const SampleSet& set : plot.sets) {
-    if (set.samples.cols() == static_cast<Index>(plot.parameters.size())) continue;
-    throw ShapeError(
-        fmt::format("pair plot '{}': samples of '{}' have {} columns for {} parameters", plot.name,
-                    set.name, set.samples.cols(), plot.parameters.size()));
-  }
-  for (const PairPoint& point : plot.points) {
-    if (point.theta.size() == static_cast<Index>(plot.parameters.size())) continue;
-    throw ShapeError(fmt::format("pair plot '{}': '{}' has {} values for {} parameters", plot.name,
-                                 point.name, point.theta.size(), plot.parameters.size()));
-  }
+// True when all samples of a parameter have the same value: a method took it as known.
+bool is_constant(const Eigen::Ref<const Vector>& samples) {
+  return samples.size() > 1 && (samples.array() == samples(0)).all();
 }
 
-// Evenly strided rows in the shown columns: chains of an MCMC sampler are all represented.
-RowMatrix shown_samples(const RowMatrix& samples, const std::vector<Index>& shown, Index count) {
+// Evenly strided rows: chains of an MCMC sampler are all represented.
+RowMatrix strided_rows(const RowMatrix& samples, Index count) {
   const Index rows = std::min(count, samples.rows());
-  RowMatrix result(rows, static_cast<Index>(shown.size()));
-  for (Index i = 0; i < rows; ++i) {
-    for (std::size_t k = 0; k < shown.size(); ++k) {
-      result(i, static_cast<Index>(k)) = samples(i * samples.rows() / rows, shown[k]);
-    }
-  }
+  RowMatrix result(rows, samples.cols());
+  for (Index i = 0; i < rows; ++i) result.row(i) = samples.row(i * samples.rows() / rows);
   return result;
 }
 
-// Columns 2 k and 2 k + 1: position and density of shown parameter k.
-RowMatrix marginal_densities(const PairPlot& plot, const RowMatrix& samples,
-                             const std::vector<Index>& shown) {
+// Columns 2 k and 2 k + 1: position and density of parameter k.
+RowMatrix marginal_densities(const std::vector<Axis>& axes, const RowMatrix& samples) {
   RowMatrix curves;
-  for (std::size_t k = 0; k < shown.size(); ++k) {
-    const PairParameter& p = plot.parameters[static_cast<std::size_t>(shown[k])];
-    RowMatrix curve = kernel_density(samples.col(shown[k]), p.lower, p.upper);
-    if (is_constant(samples.col(shown[k]))) curve.col(1).setZero();
-    curves.conservativeResize(curve.rows(), 2 * static_cast<Index>(k) + 2);
+  for (Index k = 0; k < samples.cols(); ++k) {
+    const Axis& axis = axes[static_cast<std::size_t>(k)];
+    RowMatrix curve = density_curve(samples.col(k), axis.lower, axis.upper);
+    if (is_constant(samples.col(k))) curve.col(1).setZero();
+    curves.conservativeResize(curve.rows(), 2 * k + 2);
     curves.rightCols(2) = curve;
   }
   return curves;
 }
 
-// Where the axis of shown parameter k ends: at the highest peak, but for spikes that would flatten
+// The end of the axis of parameter k: at the highest peak, but for spikes that would flatten
 // the curves of the other sets. Curves with little of their samples inside the box don't count.
 double top_of(const std::vector<RowMatrix>& curves, Index k) {
   constexpr double tallest_ratio = 8.0, headroom = 1.05;
@@ -97,33 +82,91 @@ double top_of(const std::vector<RowMatrix>& curves, Index k) {
   return highest > 0.0 ? headroom * std::min(highest, tallest_ratio * lowest) : 1.0;
 }
 
+std::string samples_table(std::size_t set) { return fmt::format("samples_{}", set + 1); }
+std::string density_table(std::size_t set) { return fmt::format("density_{}", set + 1); }
+
+// Density of a parameter. One that a method took as known has none: a line stands for it. Only the
+// shape is shown, so the y axis has no ticks; what stands beside it is the parameter's title.
+Panel marginal(const PairPlot& plot, Index k, const Axis& axis, double top) {
+  Panel panel{.x = axis, .y = {0.0, top, axis.title, axis.unit}};
+  for (std::size_t s = plot.sets.size(); s-- > 0;) {
+    const Series area{
+        SeriesKind::area, density_table(s), {2 * k, 2 * k + 1}, kMethodColors[s], 0.0, 0.22};
+    panel.series.push_back(area);
+    panel.series.push_back({SeriesKind::line, area.table, area.columns, area.color});
+    const auto samples = plot.sets[s].samples.col(k);
+    if (is_constant(samples)) panel.marks.push_back({LegendMark::line, area.color, samples(0)});
+  }
+  for (const PairPoint& point : plot.points) {
+    panel.marks.push_back({LegendMark::line, point.color, point.theta(k), 0.0, 0.0, point.style});
+  }
+  return panel;
+}
+
+Panel scatter(const PairPlot& plot, Index x, Index y, const std::vector<Axis>& axes, double size) {
+  Panel panel{.x = axes[static_cast<std::size_t>(x)], .y = axes[static_cast<std::size_t>(y)]};
+  for (std::size_t s = plot.sets.size(); s-- > 0;) {
+    panel.series.push_back(
+        {SeriesKind::dots, samples_table(s), {x, y}, kMethodColors[s], 0.42 * size, 0.55});
+  }
+  for (const PairPoint& point : plot.points) {
+    panel.marks.push_back({point.mark, point.color, point.theta(x), point.theta(y), size});
+  }
+  return panel;
+}
+
+// Entries of all sets, and of the points that some panel shows.
+std::vector<LegendEntry> legend_of(const PairPlot& plot) {
+  std::vector<LegendEntry> legend;
+  for (const SampleSet& set : plot.sets) {
+    legend.push_back({LegendMark::dot, kMethodColors[legend.size()], set.name});
+  }
+  for (const PairPoint& point : plot.points) {
+    bool is_shown = false;
+    for (Index k = 0; k < point.theta.size(); ++k) {
+      const PairParameter& p = plot.parameters[static_cast<std::size_t>(k)];
+      is_shown = is_shown || (point.theta(k) >= p.lower && point.theta(k) <= p.upper);
+    }
+    if (is_shown) legend.push_back({point.mark, point.color, point.name});
+  }
+  return legend;
+}
+
 }  // namespace
 
 FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& directory) {
-  check(plot);
-  const std::vector<Index> shown = check_selection(plot);
+  require(!plot.sets.empty() && plot.sets.size() <= kMaxMethods && plot.num_points > 0,
+          "pair plot '{}': {} sample sets of {} points, must be 1 to {} of at least 1", plot.name,
+          plot.sets.size(), plot.num_points, kMaxMethods);
+  const PairPlot shown = select(plot);
+  const auto count = static_cast<Index>(shown.parameters.size());
+  std::vector<Axis> axes;
+  std::string names;
+  for (const PairParameter& p : shown.parameters) {
+    axes.push_back(make_axis({p.lower, p.upper}, p.label, p.unit));
+    names += fmt::format("{}{} [{}]", names.empty() ? "" : ", ", p.label, p.unit);
+  }
+  Figure figure{plot.name, axes.size(), sizes_for(axes.size()), legend_of(shown)};
   std::vector<RowMatrix> curves;
-  for (const SampleSet& set : plot.sets) {
-    curves.push_back(marginal_densities(plot, set.samples, shown));
+  for (const auto& [name, samples] : shown.sets) {
+    const std::size_t s = curves.size();
+    curves.push_back(marginal_densities(axes, samples));
+    figure.tables.push_back(
+        {samples_table(s), name + ", samples of " + names, strided_rows(samples, plot.num_points)});
+    figure.tables.push_back({density_table(s),
+                             name + ", position and marginal density of each of " + names,
+                             curves.back()});
   }
-  std::vector<double> tops;
-  for (Index k = 0; k < static_cast<Index>(shown.size()); ++k) tops.push_back(top_of(curves, k));
-  const PairPlotScript script(plot, shown, tops);
-  std::string columns;
-  for (const Index d : shown) {
-    const PairParameter& p = plot.parameters[static_cast<std::size_t>(d)];
-    columns += fmt::format("{}{} [{}]", columns.empty() ? "" : ", ", p.label, p.unit);
+  const double mark = 0.35 + 0.003 * figure.sizes.panel_width;
+  for (Index r = 0; r < count; ++r) {
+    for (Index c = 0; c < count; ++c) {
+      const Axis& axis = axes[static_cast<std::size_t>(c)];
+      figure.panels.push_back(c > r    ? Panel{}
+                              : c == r ? marginal(shown, c, axis, top_of(curves, c))
+                                       : scatter(shown, c, r, axes, mark));
+    }
   }
-  for (std::size_t k = 0; k < plot.sets.size(); ++k) {
-    const SampleSet& set = plot.sets[k];
-    write_data_file(directory / script.samples_file(k), set.name + ", samples of " + columns,
-                    shown_samples(set.samples, shown, plot.num_points));
-    write_data_file(directory / script.density_file(k),
-                    set.name + ", position and marginal density of each of " + columns, curves[k]);
-  }
-  return render_figure({plot.name, static_cast<int>(std::lround(script.width())),
-                        static_cast<int>(std::lround(script.height())), script.commands()},
-                       directory);
+  return write_figure(figure, directory);
 }
 
 }  // namespace npdr::analysis

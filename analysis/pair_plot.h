@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/gnuplot.h"
-#include "analysis/plot_layout.h"
+#include "analysis/figure.h"
 #include "core/types.h"
 
 namespace npdr::analysis {
@@ -28,7 +27,7 @@ struct PairPoint {
   Vector theta;  ///< (D), SI; what lies outside of the axes isn't marked
   LegendMark mark = LegendMark::triangle;
   std::string color;
-  int dash = 1;  ///< gnuplot's dash type of its line in the marginals
+  LineStyle style = LineStyle::solid;  ///< of its line in the marginals
 };
 
 /// Samples of one posterior.
@@ -42,17 +41,17 @@ struct PairPlot {
   std::vector<PairParameter> parameters;
   std::vector<SampleSet> sets;  ///< blue, orange, purple, ...; the first is drawn on top
   std::vector<PairPoint> points = {};
-  std::vector<Index> selection = {};  ///< parameters to show, 2 to 15; empty: all
+  std::vector<Index> selection = {};  ///< parameters to show, 2 to 15; empty: the first 15
   Index num_points = 200;             ///< of each set in an off-diagonal panel
 };
 
 /// Draws the lower triangle of scatter plots, with the marginal densities of all samples on the
-/// diagonal (analysis/kernel_density.h), axes limited to the prior's box, single points
+/// diagonal (analysis/density_curve.h), axes limited to the prior's box, single points
 /// marked. Off the diagonal every panel shows the same samples, evenly strided. Samples outside the
 /// box are not shown and lower the marginal's area; a parameter that doesn't vary within a set has
 /// no density, and gets a line. Spikes of more than 8 times the lowest peak are cut off. Writes the
 /// figure's files and its data files into `directory`. Throws InputError for fewer than 2 or more
-/// than 15 parameters, more sets than there are colours, or a selection that doesn't exist;
+/// than 15 parameters, more sets than there are colors, or a selection that doesn't exist;
 /// ShapeError for samples or points of another width.
 FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& directory);
 

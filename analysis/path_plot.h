@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "analysis/gnuplot.h"
+#include "analysis/figure.h"
 #include "core/outline.h"
 #include "core/types.h"
 
 namespace npdr::analysis {
 
-/// What one method predicts.
+/// Prediction of one method.
 struct PathPrediction {
   std::string name;                 ///< such as "NPDR (MAF)"
   std::vector<RowMatrix> paths;     ///< (T, 2) each: one per sample and rollout

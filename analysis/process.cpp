@@ -52,7 +52,7 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
-// What happens in the new process before the program starts.
+// Steps of the new process before the program starts.
 class FileActions {
  public:
   FileActions(const std::filesystem::path& directory, int errors) {

@@ -28,7 +28,7 @@ struct Report {
   std::string prose;  ///< under the title
   std::vector<ReportSection> sections = {};
   std::vector<std::string> commands = {};  ///< that repeat the study, in order
-  /// What the results come from: ("git revision", "1a2b3c"), ("seed", "1"), ...
+  /// Origin of the results: ("git revision", "1a2b3c"), ("seed", "1"), ...
   std::vector<std::pair<std::string, std::string>> provenance = {};
 };
 

@@ -10,7 +10,7 @@
 
 namespace npdr::analysis {
 
-/// GitHub-flavoured Markdown with columns that line up in a terminal too: caption, table, footnotes
+/// GitHub-flavored Markdown with columns that line up in a terminal too: caption, table, footnotes
 /// marked (a), (b), ..., and the command.
 std::string to_markdown(const Table& table);
 

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "analysis/gnuplot.h"
+#include "analysis/figure.h"
 #include "analysis/quantiles.h"
 #include "core/target.h"
 #include "core/types.h"
 
 namespace npdr::analysis {
 
-/// What one method predicts: quantile_bands() of the rollouts that its samples give.
+/// Prediction of one method: quantile_bands() of the rollouts that its samples give.
 struct Prediction {
   std::string name;  ///< such as "NPDR (MAF)"
   Bands bands;       ///< for all rollouts and channels of the target
@@ -32,7 +32,7 @@ struct TrajectoryPlot {
 /// method's median on its band. Every row has one range of values: that of the recorded series, and
 /// what medians add to it within three times its size and bands within one on either side. Writes
 /// the figure's and its data files into `directory`. Throws InputError for more methods than there
-/// are colours, or rollouts and channels that don't exist or are too many; ShapeError for bands of
+/// are colors, or rollouts and channels that don't exist or are too many; ShapeError for bands of
 /// another shape than the target.
 FigureFiles write_trajectory_plot(const TrajectoryPlot& plot, const Target& target,
                                   const std::filesystem::path& directory);

@@ -40,14 +40,14 @@ void replay(benchmark::State& state, const std::string& name, Integrator integra
 
 // Closed loop over 1250 steps; argument: rows. The initial policy keeps the limits nearly always,
 // one that pushes the arm away ends all rollouts early.
-void closed_loop(benchmark::State& state, Integrator integrator, double centring_gain) {
+void closed_loop(benchmark::State& state, Integrator integrator, double centering_gain) {
   omp_set_num_threads(1);
   const SimulatorConfig config{.name = "furuta", .integrator = integrator};
   const auto task = make_policy_task(config);
   const RowMatrix theta = random_thetas(*make_simulator(config), state.range(0));
   const RowMatrix start = task->initial_states(theta.rows(), {1, "bench_sim"});
   Vector policy = initial_policy(task->info());
-  policy(2) = centring_gain;
+  policy(2) = centering_gain;
   const RowMatrix policies = policy.transpose().replicate(theta.rows(), 1);
   for (auto _ : state) {
     benchmark::DoNotOptimize(task->run(theta, start, policies));

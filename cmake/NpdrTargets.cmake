@@ -18,6 +18,8 @@ if(NPDR_NATIVE)
   # GCC 12 warns inside its own AVX-512 header (GCC bug 105593).
   target_compile_options(npdr_flags INTERFACE -Wno-uninitialized -Wno-maybe-uninitialized)
   target_compile_options(npdr_flags INTERFACE -march=native -mprefer-vector-width=512)
+elseif(NPDR_BASELINE)
+  target_compile_options(npdr_flags INTERFACE -march=${NPDR_BASELINE})
 endif()
 if(NPDR_WERROR)
   target_compile_options(npdr_flags INTERFACE -Werror)
@@ -28,16 +30,21 @@ if(NPDR_SANITIZE)
   target_link_options(npdr_flags INTERFACE -fsanitize=address,undefined)
 endif()
 
-# What nearly every file includes is compiled once for all libraries, by npdr_core, and once for all tests,
-# by npdr_test_headers; those who share it must have the owner's flags. Files still include all that they
+# What nearly every file includes is compiled once for all libraries, by npdr_core, and once more, with JSON,
+# for the upper layers of the pipeline, by npdr_artefacts, and with command lines by npdr_apps; for tests
+# likewise (tests/CMakeLists.txt). Those who share it must have the owner's flags. Files still include all that they
 # use: CMAKE_DISABLE_PRECOMPILE_HEADERS, as in the preset asan and scripts/tidy, shows whether they do.
 set(NPDR_COMMON_HEADERS <Eigen/Core> <algorithm> <cmath> <filesystem> <fmt/format.h> <fstream>
                         <functional> <map> <memory> <optional> <set> <string> <vector>)
 
-# npdr_library(<name> [FOLDER <...>] LINK <...> PRIVATE_LINK <...>): one library per folder, of all sources
-# in it and, where the folder isn't given, below the current one.
+# npdr_library(<name> [FOLDER <...>] [HEADERS_OF <target>] LINK <...> PRIVATE_LINK <...>): one library per
+# folder, of all sources in it and, where the folder isn't given, below the current one. HEADERS_OF: whose
+# precompiled headers it uses, npdr_core's unless given; its own name: it makes them itself.
 function(npdr_library name)
-  cmake_parse_arguments(ARG "" "FOLDER" "LINK;PRIVATE_LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "FOLDER;HEADERS_OF" "LINK;PRIVATE_LINK" ${ARGN})
+  if(NOT ARG_HEADERS_OF)
+    set(ARG_HEADERS_OF npdr_core)
+  endif()
   if(ARG_FOLDER)
     file(GLOB sources CONFIGURE_DEPENDS ${ARG_FOLDER}/*.cpp)
   else()
@@ -45,8 +52,8 @@ function(npdr_library name)
   endif()
   add_library(${name} STATIC ${sources})
   target_link_libraries(${name} PUBLIC npdr_flags ${ARG_LINK} PRIVATE fmt::fmt ${ARG_PRIVATE_LINK})
-  if(NOT name STREQUAL npdr_core)
-    target_precompile_headers(${name} REUSE_FROM npdr_core)
+  if(NOT name STREQUAL ARG_HEADERS_OF)
+    target_precompile_headers(${name} REUSE_FROM ${ARG_HEADERS_OF})
   endif()
 endfunction()
 
@@ -54,20 +61,28 @@ endfunction()
 function(npdr_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE ${ARG_LINK})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} fmt::fmt)
+  target_precompile_headers(${name} REUSE_FROM npdr_apps)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
   install(TARGETS ${name} RUNTIME DESTINATION bin)
 endfunction()
 
-# npdr_test(<name> LINK <...> [SUITES <...>]): a GoogleTest program of all sources in and below the folder;
-# every TEST is a ctest of its own. Those of SUITES, whose tests share what takes long to set up, are one
-# ctest a suite.
+# Tests spend their time in the libraries: their own code is compiled quickly.
+set(NPDR_TEST_OPTIONS -O1)
+
+# npdr_test(<name> LINK <...> [HEADERS_OF <target>] [SUITES <...>]): a GoogleTest program of all sources in
+# and below the folder; every TEST is a ctest of its own. Those of SUITES, whose tests share what takes long
+# to set up, are one ctest a suite.
 function(npdr_test name)
-  cmake_parse_arguments(ARG "" "" "LINK;SUITES" ${ARGN})
+  cmake_parse_arguments(ARG "" "HEADERS_OF" "LINK;SUITES" ${ARGN})
+  if(NOT ARG_HEADERS_OF)
+    set(ARG_HEADERS_OF npdr_test_headers)
+  endif()
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} npdr_core fmt::fmt GTest::gtest_main)
-  target_precompile_headers(${name} REUSE_FROM npdr_test_headers)
+  target_compile_options(${name} PRIVATE ${NPDR_TEST_OPTIONS})
+  target_precompile_headers(${name} REUSE_FROM ${ARG_HEADERS_OF})
   target_compile_definitions(${name} PRIVATE NPDR_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              NPDR_BINARY_DIR="${PROJECT_BINARY_DIR}")
   foreach(suite ${ARG_SUITES})

@@ -25,7 +25,7 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Where to write. The caller closes the file before it calls commit().
+  /// The path to write to. The caller closes the file before it calls commit().
   const std::filesystem::path& temporary() const { return temporary_; }
 
   /// Brings the content to the disk, then gives it its name, in place of an old file of that name.
@@ -53,15 +53,15 @@ std::filesystem::path temporary_name(const std::filesystem::path& path);
 /// run. Returns how many.
 int remove_stale_temporaries(const std::filesystem::path& folder);
 
-/// The same, when this process calls it for the first time with this folder: looking through a
-/// folder of a thousand shards for each of them would take longer than to write them.
+/// Calls remove_stale_temporaries() the first time that this process asks for this folder: looking
+/// through a folder of a thousand shards for each of them would take longer than to write them.
 void remove_stale_temporaries_once(const std::filesystem::path& folder);
 
 /// Name of this machine.
 std::string host_name();
 
-/// Where process numbers mean the same as here: this machine, or on it this container, which may
-/// share the machine's name and folders.
+/// Name of the space in which process numbers mean the same as here: this machine, or on it this
+/// container, which may share the machine's name and folders.
 const std::string& process_space();
 
 }  // namespace npdr

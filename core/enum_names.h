@@ -64,7 +64,8 @@ std::optional<E> value_named(std::string_view name) {
   return std::nullopt;
 }
 
-/// The same; throws InputError with the nearest known name: "unknown `kind` 'crcle' (did you ...".
+/// The value of that name or other spelling. Throws InputError with the nearest known name:
+/// "unknown `kind` 'crcle' (did you mean 'circle'?); known: ...".
 template <NamedEnum E>
 E parse_enum(std::string_view kind, std::string_view name) {
   if (const auto value = value_named<E>(name)) return *value;

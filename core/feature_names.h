@@ -1,4 +1,4 @@
-/// How people write a channel, or a feature of x, with its unit: "peak [m]".
+/// Names of channels, and of features of x, with their units, as people write them: "peak [m]".
 #pragma once
 
 #include <string>

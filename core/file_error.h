@@ -6,7 +6,7 @@
 
 namespace npdr {
 
-/// What to do about the error number of a failed system call; "" when there is nothing to advise.
+/// Advice on the error number of a failed system call; "" when there is nothing to advise.
 std::string file_advice(int error_number);
 
 /// "path: can't action: reason; advice".

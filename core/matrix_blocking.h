@@ -1,4 +1,4 @@
-/// How Eigen cuts matrix products into blocks.
+/// Blocks that Eigen cuts matrix products into.
 #pragma once
 
 namespace npdr {

@@ -17,12 +17,12 @@ double polynomial(const Coefficients& c, double r) {
 }
 
 // Wichura (1988), "Algorithm AS 241: The percentage points of the normal distribution",
-// Applied Statistics 37: numerator and denominator for the centre, the middle and the far tail.
-constexpr Coefficients kCentreNumerator = {3.3871328727963666080e0, 1.3314166789178437745e2,
+// Applied Statistics 37: numerator and denominator for the center, the middle and the far tail.
+constexpr Coefficients kCenterNumerator = {3.3871328727963666080e0, 1.3314166789178437745e2,
                                            1.9715909503065514427e3, 1.3731693765509461125e4,
                                            4.5921953931549871457e4, 6.7265770927008700853e4,
                                            3.3430575583588128105e4, 2.5090809287301226727e3};
-constexpr Coefficients kCentreDenominator = {1.0,
+constexpr Coefficients kCenterDenominator = {1.0,
                                              4.2313330701600911252e1,
                                              6.8718700749205790830e2,
                                              5.3941960214247511077e3,
@@ -69,7 +69,7 @@ double normal_quantile(double p) {
   const double q = p - 0.5;
   if (std::abs(q) <= 0.425) {
     const double r = 0.180625 - q * q;
-    return q * polynomial(kCentreNumerator, r) / polynomial(kCentreDenominator, r);
+    return q * polynomial(kCenterNumerator, r) / polynomial(kCenterDenominator, r);
   }
   const double tail = q < 0.0 ? p : 1.0 - p;
   const double r = std::sqrt(-std::log(tail));

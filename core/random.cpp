@@ -13,7 +13,7 @@
 namespace npdr {
 namespace {
 
-// SplitMix64's finaliser: every input bit flips every output bit with probability near 1/2.
+// SplitMix64's finalizer: every input bit flips every output bit with probability near 1/2.
 std::uint64_t mix(std::uint64_t z) {
   z += 0x9e3779b97f4a7c15ULL;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -32,7 +32,7 @@ constexpr std::uint32_t low(std::uint64_t v) { return static_cast<std::uint32_t>
 constexpr std::uint32_t high(std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); }
 
 // log(v) for v in (0, 1], cos and sin of 2 pi w for w in [0, 1): polynomials without branches, so
-// that loops over them vectorise and give the same bits in every lane. Absolute errors below 1e-6.
+// that loops over them vectorize and give the same bits in every lane. Absolute errors below 1e-6.
 float fast_log(float v) {
   const auto b = std::bit_cast<std::uint32_t>(v);
   // Split v = m 2^e with m in [sqrt(1/2), sqrt(2)).
@@ -59,8 +59,8 @@ float sin_quarter(float w) {
 
 // Folds w in [0, 1) to [-1/4, 1/4] so that sin(2 pi w) is kept.
 float fold(float w) {
-  const float centred = w - static_cast<float>(w >= 0.75f);
-  return centred > 0.25f ? 0.5f - centred : centred;
+  const float centered = w - static_cast<float>(w >= 0.75f);
+  return centered > 0.25f ? 0.5f - centered : centered;
 }
 
 void box_muller(std::uint32_t a, std::uint32_t b, float& first, float& second) {

@@ -13,7 +13,7 @@
 
 namespace npdr {
 
-/// What a stream of random numbers is for.
+/// Identity of a stream of random numbers: what it is for.
 struct StreamId {
   std::uint64_t seed = 0;   ///< the study seed of the experiment
   std::string_view name;    ///< the purpose, such as "prior" or "observation_noise"
@@ -25,7 +25,7 @@ struct StreamId {
 /// The stream for another purpose of the same experiment, round, row and epoch.
 StreamId named(StreamId id, std::string_view name);
 
-/// The same for a purpose that serves that of `id`: other numbers for each of them.
+/// A stream for a purpose that serves that of `id`: other numbers for each of them.
 StreamId within(StreamId id, std::string_view name);
 
 /// One stream of random numbers. Cheap to make; not thread-safe: make one per row.
@@ -46,7 +46,7 @@ class Stream {
   std::uint32_t below(std::uint32_t n);
 
   /// Fills `values` with standard normals by the Box-Muller transform in single precision
-  /// (absolute error under 1e-6; |value| < 5.9). Much faster than normal() and vectorised.
+  /// (absolute error under 1e-6; |value| < 5.9). Much faster than normal() and vectorized.
   void fill_normal(std::span<float> values);
 
   /// A uniformly random permutation of 0, ..., n - 1 (Fisher and Yates).

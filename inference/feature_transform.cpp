@@ -34,7 +34,8 @@ struct Bounds {
   Eigen::ArrayXf lower, upper;
 };
 
-// From the quantiles of the first block of rows. A feature that hardly varies there has no bounds.
+// Bounds from the quantiles of the first block of rows. A feature that hardly varies there has no
+// bounds.
 Bounds usual_bounds(const FeatureSource& x) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   Bounds bounds{Eigen::ArrayXf::Constant(x.num_features(), -infinity),
@@ -56,7 +57,7 @@ Bounds usual_bounds(const FeatureSource& x) {
 }
 
 // Mean and deviation by Welford's algorithm (1962), which doesn't cancel.
-FeatureTransform standardisation(const FeatureSource& x) {
+FeatureTransform standardization(const FeatureSource& x) {
   const Bounds bounds = usual_bounds(x);
   Vector mean = Vector::Zero(x.num_features());
   Vector squares = Vector::Zero(x.num_features());
@@ -97,7 +98,7 @@ RowMatrixF whitening_directions(const RowMatrix& z, Index components) {
   return (directions.array().rowwise() * scale.transpose()).cast<float>();
 }
 
-RowMatrix first_standardised_rows(const FeatureSource& x, const FeatureTransform& transform) {
+RowMatrix first_standardized_rows(const FeatureSource& x, const FeatureTransform& transform) {
   const Index count = std::min(x.num_rows(), kRowsForCorrelation);
   RowMatrix all(count, x.num_features());
   Index next = 0;
@@ -115,12 +116,12 @@ RowMatrix first_standardised_rows(const FeatureSource& x, const FeatureTransform
 void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {
   const bool projects = basis.cols() > 0;
   RowMatrixF unprojected;
-  RowMatrixF& standardised = projects ? unprojected : z;
-  standardised =
+  RowMatrixF& standardized = projects ? unprojected : z;
+  standardized =
       ((x.rowwise() - mean.transpose()).array().rowwise() * inverse_deviation.transpose().array())
           .max(-kFarthest)
           .min(kFarthest);
-  if (projects) z.noalias() = standardised * basis;
+  if (projects) z.noalias() = standardized * basis;
 }
 
 FeatureTransform varying_outputs(const FeatureTransform& transform) {
@@ -146,7 +147,7 @@ FeatureTransform varying_outputs(const FeatureTransform& transform) {
 
 FeatureTransform fit_feature_transform(const FeatureSource& x, Index components) {
   fix_matrix_blocking();
-  FeatureTransform transform = standardisation(x);
+  FeatureTransform transform = standardization(x);
   if (components == 0) return transform;
   const Index most = std::min({x.num_features(), x.num_rows(), kRowsForCorrelation});
   if (components > most) {
@@ -156,7 +157,7 @@ FeatureTransform fit_feature_transform(const FeatureSource& x, Index components)
                      std::to_string(x.num_rows()) + " simulations that didn't fail, and " +
                      std::to_string(kRowsForCorrelation));
   }
-  transform.basis = whitening_directions(first_standardised_rows(x, transform), components);
+  transform.basis = whitening_directions(first_standardized_rows(x, transform), components);
   return transform;
 }
 

@@ -1,4 +1,4 @@
-/// What x goes through before the network: standardisation and, if asked for, a projection on its
+/// Transform of x before the network: standardization and, if asked for, a projection on its
 /// principal components.
 ///
 ///   z = (x - mean) / deviation   (F),       z = B^T (x - mean) / deviation   (k)
@@ -40,8 +40,8 @@ inline constexpr Index kRowsForCorrelation = 2000;
 /// Throws InputError when there are more components than rows or features.
 FeatureTransform fit_feature_transform(const FeatureSource& x, Index components);
 
-/// The same without the outputs that are 0 for all simulations: where the density of z itself is
-/// learnt, it would be infinite there. Throws InputError when none is left.
+/// `transform` without the outputs that are 0 for all simulations: where the density of z itself is
+/// learned, it would be infinite there. Throws InputError when none is left.
 FeatureTransform varying_outputs(const FeatureTransform& transform);
 
 }  // namespace npdr::inference

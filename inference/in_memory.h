@@ -24,7 +24,8 @@ std::shared_ptr<const NetworkPosterior> infer(const PosteriorEstimationConfig& c
                                               const SimulatorFunction& simulator,
                                               const VectorF& x_o, std::uint64_t seed);
 
-/// The same by approximate Bayesian computation, with the Euclidean distance of features.
+/// The posterior after all rounds by approximate Bayesian computation, with the Euclidean distance
+/// of features.
 std::shared_ptr<const ParticlePosterior> infer_abc(const AlgorithmConfig& algorithm,
                                                    const AbcConfig& config, const Prior& prior,
                                                    const SimulatorFunction& simulator,

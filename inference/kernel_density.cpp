@@ -56,7 +56,7 @@ KernelDensity::KernelDensity(const RowMatrix& all, const Vector& all_weights)
           (correlation + kSmallestVariance * Eigen::MatrixXd::Identity(d, d)).llt().matrixL());
   log_constant_ = -0.5 * static_cast<double>(d) * std::log(2.0 * std::numbers::pi) -
                   factor_.diagonal().array().log().sum() - scale_.array().log().sum();
-  centres_ = whitened(points);
+  centers_ = whitened(points);
   log_weights_ = (weights / weights.sum()).array().log();
 }
 
@@ -74,7 +74,7 @@ Vector KernelDensity::log_prob(const RowMatrix& points) const {
       return;
     }
     const Vector at = whitened(points.row(i));
-    const Vector squares = (centres_.colwise() - at).colwise().squaredNorm().transpose();
+    const Vector squares = (centers_.colwise() - at).colwise().squaredNorm().transpose();
     result(i) = log_sum_exp(log_weights_ - 0.5 * squares) + log_constant_;
   });
   return result;

@@ -38,8 +38,8 @@ class KernelDensity {
   Vector scale_;                ///< (d) their deviations
   Eigen::MatrixXd factor_;   ///< (d, d) lower: the kernel's covariance, of scaled columns, is L L^T
   double log_constant_;      ///< of the kernel's density
-  Eigen::MatrixXd centres_;  ///< (d, n) whitened
-  Vector log_weights_;       ///< (n) normalised
+  Eigen::MatrixXd centers_;  ///< (d, n) whitened
+  Vector log_weights_;       ///< (n) normalized
 };
 
 }  // namespace npdr::inference

@@ -13,7 +13,7 @@
 
 namespace npdr::inference {
 
-/// What the network says of u (the parameters where the prior is N(0, I)) and z (the transformed
+/// Role of the network between u (the parameters where the prior is N(0, I)) and z (the transformed
 /// x).
 enum class NetworkRole {
   posterior,   ///< log q(u | z): the NPE family
@@ -36,8 +36,8 @@ struct NetworkParts {
   FeatureTransform transform;
   Parameters<float> parameters;
   VectorF x_o;  ///< (F), not transformed
-  /// What the simulations were drawn from that the network saw, where its answer must still be
-  /// divided by it (NPE-A); role posterior of a mixture only.
+  /// Proposal of the simulations that the network saw, where its answer must still be divided by
+  /// it (NPE-A); role posterior of a mixture only.
   std::optional<GaussianMixture> proposal = {};
   SamplerConfig sampler = {};  ///< roles likelihood and ratio only
 };

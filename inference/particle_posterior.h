@@ -19,8 +19,10 @@
 
 namespace npdr::inference {
 
+/// Space in which the density of particles is estimated (above).
 enum class ParticleSpace { normal_prior, theta };
 
+/// Everything that a posterior of particles consists of: what a file must hold.
 struct ParticleParts {
   Prior prior;
   RowMatrix theta;  ///< (n, D)
@@ -46,8 +48,8 @@ class ParticlePosterior final : public Posterior {
   /// Outside of the prior's support -infinity with normal_prior, not with theta.
   Vector log_prob(const RowMatrix& theta) const override;
 
-  /// With theta, the best of 1000 samples: the refined search of the base ends at the prior's
-  /// borders.
+  /// The best of 1000 samples where the space is theta: the refined search of the base ends at the
+  /// prior's borders.
   Vector map(const StreamId& id) const override;
 
  private:

@@ -10,19 +10,20 @@
 
 namespace npdr::inference {
 
-/// What can be said of samples that didn't come from the posterior directly.
+/// Quality of samples that didn't come from the posterior directly.
 struct SamplerReport {
   Vector r_hat;  ///< (D) of Markov chains, in the space of u; empty: there were none
   Vector ess;    ///< (D) effective sample sizes of the chains; (1) that of importance weights
   Index num_evaluations = 0;  ///< of the density
 };
 
+/// Samples of a posterior, and how good they are where that isn't certain.
 struct Samples {
   RowMatrix theta;  ///< (n, D)
   std::optional<SamplerReport> report = {};
 };
 
-/// Const calls are thread-safe.
+/// Posterior over theta, given one observation. Const calls are thread-safe.
 class Posterior {
  public:
   virtual ~Posterior() = default;
@@ -37,7 +38,7 @@ class Posterior {
 
   /// log p(theta | x_o) in nats, (n); -infinity outside of the prior's support.
   virtual Vector log_prob(const RowMatrix& theta) const = 0;
-  /// The same up to a constant, (n): cheaper where the constant has to be estimated.
+  /// log_prob() up to a constant, (n), in nats: cheaper where the constant has to be estimated.
   virtual Vector relative_log_prob(const RowMatrix& theta) const { return log_prob(theta); }
 
   /// The theta (D) with the largest posterior density: the best of 1000 samples, refined by NLopt

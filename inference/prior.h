@@ -83,7 +83,7 @@ class Prior {
 
 /// (n, D) draws of the prior; row i has the stream `id` with that row.
 RowMatrix sample_prior(const Prior& prior, Index n, StreamId id);
-/// The same from the stream (seed, "prior", round).
+/// (n, D) draws of theta from the stream (seed, "prior", round).
 RowMatrix sample_prior(const Prior& prior, Index n, std::uint64_t seed, std::uint64_t round = 1);
 
 }  // namespace npdr::inference

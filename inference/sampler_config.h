@@ -1,4 +1,4 @@
-/// How posteriors are sampled whose density is known up to a constant.
+/// Settings of the sampling of posteriors whose density is known up to a constant.
 #pragma once
 
 #include "core/enum_names.h"

@@ -40,13 +40,13 @@ RowMatrix resample(const RowMatrix& candidates, const Resampler& resampler, Inde
 }  // namespace
 
 // Written once, by whoever needs it first.
-struct SurrogatePosterior::Normaliser {
+struct SurrogatePosterior::Normalizer {
   std::once_flag once;
   double log_z = 0.0;
 };
 
 SurrogatePosterior::SurrogatePosterior(NetworkParts given)
-    : NetworkPosterior(std::move(given)), normaliser_(std::make_unique<Normaliser>()) {
+    : NetworkPosterior(std::move(given)), normalizer_(std::make_unique<Normalizer>()) {
   const Index dimension = prior().dimension(), features = parts().transform.num_outputs();
   Index num_parameters = 0;
   if (parts().role == NetworkRole::likelihood) {
@@ -122,21 +122,21 @@ Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
   return {prior().to_theta(draws.u.topRows(n)), report};
 }
 
-double SurrogatePosterior::log_normaliser() const {
-  std::call_once(normaliser_->once, [&] { normaliser_->log_z = estimate_log_normaliser(); });
-  return normaliser_->log_z;
+double SurrogatePosterior::log_normalizer() const {
+  std::call_once(normalizer_->once, [&] { normalizer_->log_z = estimate_log_normalizer(); });
+  return normalizer_->log_z;
 }
 
-double SurrogatePosterior::estimate_log_normaliser() const {
+double SurrogatePosterior::estimate_log_normalizer() const {
   constexpr Index num_samples = 1000, num_points = 20'000;
   constexpr double wider = 1.5, prior_share = 0.1;
   const StreamId id{parts().structure_seed, "normaliser", 0, 0, 0};
   const Index d = prior().dimension();
   const RowMatrix samples = prior().to_normal(sample(num_samples, id));
   const Eigen::RowVectorXd mean = samples.colwise().mean();
-  const RowMatrix centred = samples.rowwise() - mean;
+  const RowMatrix centered = samples.rowwise() - mean;
   const Eigen::MatrixXd covariance =
-      wider * wider * (centred.transpose() * centred) / static_cast<double>(num_samples - 1) +
+      wider * wider * (centered.transpose() * centered) / static_cast<double>(num_samples - 1) +
       1e-10 * Eigen::MatrixXd::Identity(d, d);
   const Eigen::MatrixXd precision = covariance.llt().solve(Eigen::MatrixXd::Identity(d, d));
   GaussianMixture around{Vector(2),
@@ -153,7 +153,7 @@ Vector SurrogatePosterior::relative_log_prob(const RowMatrix& theta) const {
 }
 
 Vector SurrogatePosterior::log_prob(const RowMatrix& theta) const {
-  return relative_log_prob(theta).array() - log_normaliser();
+  return relative_log_prob(theta).array() - log_normalizer();
 }
 
 }  // namespace npdr::inference

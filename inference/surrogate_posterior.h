@@ -1,4 +1,4 @@
-/// A posterior whose likelihood, or ratio of likelihood to evidence, a network has learnt:
+/// A posterior whose likelihood, or ratio of likelihood to evidence, a network has learned:
 ///   log p(u | x_o) = l(u) + log N(u; 0, I) - log Z,
 ///   l(u) = log q(z_o | u)   (NLE; Papamakarios, Sterratt and Murray 2019),
 ///   l(u) = f(u, z_o)        (NRE; ratio_loss.h).
@@ -29,17 +29,17 @@ class SurrogatePosterior : public NetworkPosterior {
   Vector log_density(const RowMatrix& u) const;
 
  private:
-  struct Normaliser;
+  struct Normalizer;
 
   Vector surrogate(const RowMatrix& u) const;
   RowMatrix draw_prior(const StreamId& id) const;
-  double log_normaliser() const;
-  double estimate_log_normaliser() const;
+  double log_normalizer() const;
+  double estimate_log_normalizer() const;
 
   std::shared_ptr<const EmbeddedEstimator<float>> likelihood_;  ///< of z given u
   std::shared_ptr<const RatioEstimator<float>> ratio_;
   RowMatrixF z_;  ///< (1, F or k): x_o, transformed
-  std::unique_ptr<Normaliser> normaliser_;
+  std::unique_ptr<Normalizer> normalizer_;
 };
 
 }  // namespace npdr::inference

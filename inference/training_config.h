@@ -5,6 +5,9 @@
 
 namespace npdr::inference {
 
+/// Rows that are needed to train, and to validate.
+inline constexpr Index kFewestTrainingRows = 2;
+
 /// Defaults are the published runs' settings (Adam, early stopping on a validation split).
 struct TrainingConfig {
   double learning_rate = 5e-4;

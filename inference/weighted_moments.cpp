@@ -12,9 +12,10 @@ Vector weighted_mean(const RowMatrix& x, const Vector& weights) {
 }
 
 Eigen::MatrixXd weighted_covariance(const RowMatrix& x, const Vector& weights) {
-  const RowMatrix centred = x.rowwise() - weighted_mean(x, weights).transpose();
+  const RowMatrix centered = x.rowwise() - weighted_mean(x, weights).transpose();
   const double sum = weights.sum();
-  return centred.transpose() * weights.asDiagonal() * centred / (sum - weights.squaredNorm() / sum);
+  return centered.transpose() * weights.asDiagonal() * centered /
+         (sum - weights.squaredNorm() / sum);
 }
 
 }  // namespace npdr::inference

@@ -7,8 +7,8 @@
 namespace npdr::sim {
 namespace {
 
-// How often to look whether any rollout of the batch still goes on. Neighbouring rows often have
-// the same policy, and a policy that leaves the limits tends to do it everywhere.
+// Steps until the next look at whether any rollout of the batch still goes on. Neighboring rows
+// often have the same policy, and a policy that leaves the limits tends to do it everywhere.
 constexpr Index kStepsPerCheck = 50;
 
 }  // namespace

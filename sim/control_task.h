@@ -1,4 +1,4 @@
-/// A policy and what is asked of it, vectorised over lanes: the closed loop's counterpart of
+/// A policy and what is asked of it, vectorized over lanes: the closed loop's counterpart of
 /// OdeModel.
 ///
 /// Arrays are (quantity, lanes), see sim/lanes.h: policies (Q, lanes), states y (S, lanes),

@@ -32,7 +32,7 @@ class ErkIntegrator final : public BatchIntegrator {
   void integrate(Index first, Index last, const double* y) override;
 
  private:
-  // What SUNDIALS calls; `self` is the integrator.
+  // Called by SUNDIALS; `self` is the integrator.
   static int evaluate_rhs(double time, N_Vector y, N_Vector ydot, void* self);
   static int after_substep(double time, N_Vector y, void* self);
   static void keep_message(int code, const char* module, const char* function, char* text,

@@ -1,7 +1,7 @@
 /// The Furuta pendulum (Quanser Qube) of the paper's Section 4.3 and Appendix B: a motor turns an
 /// arm, at whose end a pole swings freely.
 ///
-/// With q = (theta, alpha) [rad], arm and pole angle, zero when centred and hanging down, eq. (1):
+/// With q = (theta, alpha) [rad], arm and pole angle, zero when centered and hanging down, eq. (1):
 ///   M(q) q_ddot + c(q, q_dot) = (tau, 0)
 ///   M = [ w0 + w1 sin^2 alpha   w2 cos alpha ]
 ///       [ w2 cos alpha          4/3 w1       ]
@@ -53,7 +53,7 @@ class Furuta final : public OdeModel {
   void rhs(ConstLanes constants, ConstLanes applied, ConstLanes y, Lanes ydot) const override;
 
   /// A voltage of four sines of random frequency (1 to 5 Hz) and phase, 1 V each, faded in over 1 s
-  /// (furuta_behaviour.cpp says why), from an initial_state(). Both are functions of (seed,
+  /// (furuta_behavior.cpp says why), from an initial_state(). Both are functions of (seed,
   /// rollout).
   Excitation excite(Index rollout, std::uint64_t seed) const override;
 

@@ -13,7 +13,7 @@ namespace {
 constexpr Index kNumWeights = 6;
 constexpr Index kDegree = 3;
 
-// What a window of states says about the motion at its middle.
+// Motion at the middle of a window of states.
 struct Motion {
   double theta, alpha, theta_dot, alpha_dot, theta_ddot, alpha_ddot;
 };
@@ -66,7 +66,7 @@ RegressionRows FurutaRegression::rows(const Target& target, const Vector& known,
   check_target(target, model_.info(), 1);
   const SavitzkyGolay smoother = savitzky_golay(window, kDegree, target.dt);
   const Vector step_average = smoother.step_average(target.dt);
-  const Index count = target.num_steps() + 2 - window;  // states with enough neighbours
+  const Index count = target.num_steps() + 2 - window;  // states with enough neighbors
   if (count < 1) {
     throw InputError("smoothing window = " + std::to_string(window) + " states, must be <= " +
                      std::to_string(target.num_steps() + 1) + ", the states of a rollout");

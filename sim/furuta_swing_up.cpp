@@ -85,9 +85,10 @@ void FurutaSwingUp::act(ConstLanes policies, ConstLanes y, Lanes commanded) cons
   const double threshold = balance_threshold;
   const double *const
       reference = policies.row(kEnergyReference),
-      *const energy_gain = policies.row(kEnergyGain), *const centring = policies.row(kCentringGain),
-      *const k0 = policies.row(kBalanceGains), *const k1 = policies.row(kBalanceGains + 1),
-      *const k2 = policies.row(kBalanceGains + 2), *const k3 = policies.row(kBalanceGains + 3);
+      *const energy_gain = policies.row(kEnergyGain),
+      *const centering = policies.row(kCenteringGain), *const k0 = policies.row(kBalanceGains),
+      *const k1 = policies.row(kBalanceGains + 1), *const k2 = policies.row(kBalanceGains + 2),
+      *const k3 = policies.row(kBalanceGains + 3);
   const double *const theta = y.row(kTheta), *const alpha = y.row(kAlpha),
                       *const theta_dot = y.row(kThetaDot), *const alpha_dot = y.row(kAlphaDot);
   double* const voltage = commanded.row(0);
@@ -96,7 +97,7 @@ void FurutaSwingUp::act(ConstLanes policies, ConstLanes y, Lanes commanded) cons
     const double rate = alpha_dot[i];
     const double energy = half_inertia * rate * rate + weight * (1.0 - cos_alpha);
     const double pump = energy_gain[i] * (energy - reference[i]) * sign(rate * cos_alpha);
-    const double swing_up = volts * clipped(pump - centring[i] * theta[i], kMaxAcceleration);
+    const double swing_up = volts * clipped(pump - centering[i] * theta[i], kMaxAcceleration);
     const double balance = k1[i] * error_to_upright(alpha[i]) -
                            (k0[i] * theta[i] + k2[i] * theta_dot[i] + k3[i] * rate);
     voltage[i] = std::abs(1.0 + cos_alpha) < threshold ? balance : swing_up;

@@ -32,7 +32,7 @@ namespace npdr::sim {
 class FurutaSwingUp final : public ControlTask {
  public:
   /// Positions in a policy.
-  enum Gain : Index { kEnergyReference, kEnergyGain, kCentringGain, kBalanceGains, kNumGains = 7 };
+  enum Gain : Index { kEnergyReference, kEnergyGain, kCenteringGain, kBalanceGains, kNumGains = 7 };
 
   /// `model` (P): the Furuta's domain parameters as the controller believes them to be.
   explicit FurutaSwingUp(const Vector& model);

@@ -3,7 +3,7 @@
 /// A batch holds L lanes (one rollout a lane). A quantity q of all lanes is one contiguous row, so
 /// that arithmetic on it runs on full vector registers. L is a multiple of kLaneBlock and every
 /// loop over lanes advances by whole blocks: the same instructions are executed for a lane wherever
-/// it sits and however many neighbours it has, hence its bits depend on its own inputs alone.
+/// it sits and however many neighbors it has, hence its bits depend on its own inputs alone.
 #pragma once
 
 #include <type_traits>

@@ -1,4 +1,4 @@
-/// A physical system given by an ordinary differential equation, vectorised over lanes.
+/// A physical system given by an ordinary differential equation, vectorized over lanes.
 ///
 /// With state y (S), action a (A) held over a time step, and domain parameters theta (P):
 ///   dy/dt = f(y, a; theta).
@@ -38,7 +38,7 @@ inline ActionSeries in_every_lane(const RowMatrix& actions) {
   return {actions.data(), actions.cols(), 1, 0};
 }
 
-/// What moves a simulated target domain in one rollout.
+/// Initial state and actions of one rollout of a simulated target domain.
 struct Excitation {
   Vector initial_state;  ///< (S)
   RowMatrix actions;     ///< (T, A)
@@ -65,10 +65,10 @@ class OdeModel {
   /// ydot (S, lanes) = f(y, applied; constants).
   virtual void rhs(ConstLanes constants, ConstLanes applied, ConstLanes y, Lanes ydot) const = 0;
 
-  /// The behaviour policy and initial state of rollout `rollout` of a simulated target domain.
+  /// The behavior policy and initial state of rollout `rollout` of a simulated target domain.
   virtual Excitation excite(Index rollout, std::uint64_t seed) const = 0;
 
-  /// As Simulator::regression_form().
+  /// Serves Simulator::regression_form().
   virtual std::unique_ptr<RegressionForm> regression_form() const;
 
   /// The policy and rewards of the system's closed-loop task; nullptr: it has none. `model` (P):

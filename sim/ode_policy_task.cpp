@@ -21,7 +21,7 @@ void check_columns(const char* what, Index found, std::size_t expected) {
       fmt::format("closed loop: {} of {} columns, must have {}", what, found, expected));
 }
 
-// What is recorded of a batch, a rollout a lane; nothing when there are no rollouts.
+// Records a batch, a rollout a lane; nothing when there are no rollouts.
 void begin_rollouts(const Eigen::Ref<const RowMatrix>& initial_states, Index num_steps,
                     std::span<Rollout> rollouts) {
   Index lane = 0;

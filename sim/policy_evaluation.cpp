@@ -40,7 +40,7 @@ PolicyRollouts run_block(const PolicyTask& task, const RowMatrix& policies,
                   conditions.initial_states.replicate(policies.rows(), 1), repeated);
 }
 
-void summarise(const PolicyRollouts& rollouts, Index num_steps, Index first, Index count,
+void summarize(const PolicyRollouts& rollouts, Index num_steps, Index first, Index count,
                PopulationValues& values) {
   for (Index m = 0; m < rollouts.num_rows() / count; ++m) {
     double sum = 0.0, successes = 0.0, completed = 0.0;
@@ -78,7 +78,7 @@ PopulationValues evaluate_population(const PolicyTask& task, const RowMatrix& po
   const Index block_size = std::max<Index>(kRowsPerBlock / count, 1);
   for (Index first = 0; first < num_policies; first += block_size) {
     const Index rows = std::min(block_size, num_policies - first);
-    summarise(run_block(task, policies.middleRows(first, rows), conditions), task.info().num_steps,
+    summarize(run_block(task, policies.middleRows(first, rows), conditions), task.info().num_steps,
               first, count, values);
   }
   return values;

@@ -1,4 +1,4 @@
-/// What a population of policies is worth under uncertainty: the objective of domain randomisation.
+/// Values of a population of policies under uncertainty: the objective of domain randomization.
 ///
 /// A policy's value is its mean return over K domain parameters x S initial states,
 ///   J(phi) = 1 / (K S) sum_k sum_s return(theta_k, s_0^s, phi),
@@ -11,6 +11,7 @@
 
 namespace npdr::sim {
 
+/// Values of M policies.
 struct PopulationValues {
   Vector mean_return;        ///< (M)
   Vector success_rate;       ///< (M) in [0, 1]

@@ -7,7 +7,7 @@
 ///   s_{t+1}              by the simulator's own dynamics, those that replay recordings.
 /// The return of a rollout is sum_t r_t over its T steps (no discount). A rollout ends early once a
 /// state leaves the task's limits or isn't finite, or an action isn't a number; what would have
-/// come afterwards counts 0, so that a failure is never worth more than staying within the limits.
+/// come afterward counts 0, so that a failure is never worth more than staying within the limits.
 ///
 /// The search for policies acts on other coordinates: log phi of parameters that are positive, phi
 /// of the others.
@@ -37,6 +37,7 @@ struct PolicyParameter {
   std::string description;
 };
 
+/// Description of a closed-loop task.
 struct PolicyTaskInfo {
   std::string policy;   ///< what it is
   std::string success;  ///< when a rollout is one
@@ -67,8 +68,8 @@ struct PolicyRollouts {
   Index num_rows() const { return returns.size(); }
 };
 
-/// The same with states and actions; a rollout that ends early has fewer of them, and its last
-/// state is the one that ended it. Its actions are the a_t.
+/// Policy rollouts with their states and actions; a rollout that ends early has fewer of them, and
+/// its last state is the one that ended it. Its actions are the a_t.
 struct RecordedPolicyRollouts {
   PolicyRollouts outcomes;
   std::vector<Rollout> rollouts;  ///< (n)
@@ -88,7 +89,7 @@ class PolicyTask {
   virtual PolicyRollouts run(const RowMatrix& theta, const RowMatrix& initial_states,
                              const RowMatrix& policies) const = 0;
 
-  /// The same, and keeps all states and actions.
+  /// Runs as run() does, and keeps all states and actions.
   virtual RecordedPolicyRollouts record(const RowMatrix& theta, const RowMatrix& initial_states,
                                         const RowMatrix& policies) const = 0;
 
@@ -113,7 +114,7 @@ RowMatrix from_search_space(const PolicyTaskInfo& info, const RowMatrix& points)
 std::unique_ptr<PolicyTask> make_policy_task(const SimulatorConfig& simulator,
                                              const PolicyTaskConfig& config = {});
 
-/// Those of simulator_names() that have a closed-loop task.
+/// Names of the simulators that have a closed-loop task.
 std::vector<std::string> simulators_with_policy_task();
 
 }  // namespace npdr::sim

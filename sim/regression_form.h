@@ -26,7 +26,7 @@ class RegressionForm {
   /// Positions in theta of the parameters that follow from w; all others are taken as known.
   virtual std::vector<Index> identified() const = 0;
 
-  /// The equations at every recorded state of every rollout that has (window - 1) / 2 neighbours on
+  /// The equations at every recorded state of every rollout that has (window - 1) / 2 neighbors on
   /// either side: derivatives and states come from a smoother that looks at `window` states. Throws
   /// InputError for other channels, a window that is even, shorter than 5 or longer than a rollout.
   virtual RegressionRows rows(const Target& target, const Vector& known, Index window) const = 0;

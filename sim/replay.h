@@ -47,8 +47,8 @@ class BatchReplay final : public BatchProblem {
   const Sink* sink_ = nullptr;
 };
 
-/// What Simulator::replay promises, for `model` with the settings of `config`. Batches and rollouts
-/// run in parallel.
+/// Does what Simulator::replay promises, for `model` with the settings of `config`. Batches and
+/// rollouts run in parallel.
 Trajectories replay(const OdeModel& model, const SimulatorConfig& config, const Target& target,
                     const RowMatrix& theta);
 

@@ -10,6 +10,7 @@
 
 namespace npdr::sim {
 
+/// Weights of a window's samples.
 struct SavitzkyGolay {
   Vector smooth;  ///< a, (window)
   Vector slope;   ///< b, (window) [1/s]

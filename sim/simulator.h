@@ -36,7 +36,7 @@ struct SimulatorConfig {
   MinigolfConfig minigolf = {};  ///< of the simulator "minigolf"
 };
 
-/// What a simulator is about. `dt` and `num_steps` are those of its own behaviour policy.
+/// Description of a simulator. `dt` and `num_steps` are those of its own behavior policy.
 struct SimulatorInfo {
   std::string name;
   std::string description;
@@ -64,7 +64,7 @@ class Simulator {
   virtual Trajectories replay(const Target& target, const RowMatrix& theta) const = 0;
 
   /// Rollouts of a simulated target domain at the truth `theta` (P), under the simulator's own
-  /// behaviour policy and initial states; `seed` picks them where they are random.
+  /// behavior policy and initial states; `seed` picks them where they are random.
   virtual Target behave(const Vector& theta, Index num_rollouts, std::uint64_t seed) const = 0;
 
   /// Shapes in the plane of the first two state channels, at all P parameters `theta`, for figures
@@ -84,7 +84,7 @@ class Simulator {
 std::vector<std::string> simulator_names();
 /// Fields of SimulatorConfig that mean nothing to the simulator `name`, one of simulator_names().
 std::vector<std::string> unused_settings(const std::string& name);
-/// Those of simulator_names() that have a regression_form().
+/// Names of the simulators that have a regression_form().
 std::vector<std::string> simulators_with_regression();
 
 /// Throws InputError for a config that is unknown or out of range: names the field, the value and

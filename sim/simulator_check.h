@@ -1,4 +1,4 @@
-/// What every simulator does with its settings, its parameters and its target.
+/// Checks that every simulator makes of its settings, its parameters and its target.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-/// What a simulator hands back: the simulated counterpart of the target's rollouts.
+/// Results of a simulator: the simulated counterparts of the target's rollouts.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace npdr::sim {
 
-/// How the rollouts of one row (one theta) ended. A failed row is data: it keeps its place.
+/// End of the rollouts of one row (one theta). A failed row is data: it keeps its place.
 enum class RolloutStatus : std::uint8_t {
   ok = 0,
   diverged = 1,       ///< a state became NaN or infinite

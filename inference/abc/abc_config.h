@@ -5,7 +5,7 @@
 
 namespace npdr::inference {
 
-/// How far a simulation is from the target: of features, or a metric of trajectories.
+/// Distance of a simulation from the target: of features, or a metric of trajectories.
 enum class AbcDistance { euclidean, dtw, rmse };
 constexpr auto enum_table(AbcDistance) {
   using enum AbcDistance;
@@ -16,8 +16,8 @@ constexpr auto enum_table(AbcDistance) {
 struct AbcConfig {
   AbcDistance distance = AbcDistance::euclidean;
   double quantile = 0.1;  ///< of distances: the threshold epsilon
-  /// Of distances. 0: the quantile alone; > 0: the threshold itself or, for "abc_smc", where its
-  /// thresholds end.
+  /// Threshold of distances. 0: by the quantile alone; > 0: this or, for "abc_smc", the one that
+  /// its thresholds end at.
   double epsilon = 0.0;
   bool smooth = false;  ///< posterior samples are moved by the density's kernel
 };

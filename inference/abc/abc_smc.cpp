@@ -14,12 +14,12 @@ namespace npdr::inference {
 namespace {
 
 // w_i up to a factor: the prior's constant is left out.
-Vector importance_weights(const RowMatrix& u, const RowMatrix& centres, const Vector& weights,
+Vector importance_weights(const RowMatrix& u, const RowMatrix& centers, const Vector& weights,
                           const StepKernel& kernel) {
   const Vector log_weights = weights.array().log();
   Vector result(u.rows());
   parallel_for(u.rows(), [&](Index i) {
-    const RowMatrix steps = centres.rowwise() - u.row(i);
+    const RowMatrix steps = centers.rowwise() - u.row(i);
     result(i) =
         -0.5 * u.row(i).squaredNorm() - log_sum_exp(log_weights + kernel.log_density(steps));
   });
@@ -36,12 +36,12 @@ RowMatrix propose_moved(const Prior& prior, const AbcPopulation& population, Ind
                         const StreamId& id) {
   const StepKernel kernel(population.kernel, prior.dimension());
   const Resampler resampler(population.weights);
-  const RowMatrix centres = prior.to_normal(population.theta);
-  RowMatrix u(n, centres.cols());
+  const RowMatrix centers = prior.to_normal(population.theta);
+  RowMatrix u(n, centers.cols());
   StreamId row = id;
   for (Index i = 0; i < n; ++i, ++row.row) {
     Stream stream(row);
-    u.row(i) = centres.row(resampler.draw(stream.uniform()));
+    u.row(i) = centers.row(resampler.draw(stream.uniform()));
     u.row(i) += kernel.sample(stream).transpose();
   }
   return prior.to_theta(u);

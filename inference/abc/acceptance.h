@@ -1,4 +1,4 @@
-/// Which simulations are near enough to the observation.
+/// Acceptance of the simulations that are near enough to the observation.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ Accepted accept_nearest(const Vector& distances, double quantile);
 /// All rows with a distance <= epsilon.
 Accepted accept_within(const Vector& distances, double epsilon);
 
-/// For simulations of the prior: within config.epsilon if that is > 0, else the nearest.
+/// Accepts simulations of the prior: within config.epsilon if that is > 0, else the nearest.
 Accepted accept_first(const Vector& distances, const AbcConfig& config);
 
 /// Throws Error unless more than `dimension` rows were accepted of `count`: fewer don't span the

@@ -1,4 +1,4 @@
-/// How far the features of simulations are from those that were observed.
+/// Distances of the features of simulations from those that were observed.
 #pragma once
 
 #include "inference/feature_source.h"

@@ -1,4 +1,4 @@
-/// What a round of approximate Bayesian computation leaves behind.
+/// Result of a round of approximate Bayesian computation.
 #pragma once
 
 #include "core/types.h"

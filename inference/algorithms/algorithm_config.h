@@ -26,7 +26,7 @@ enum class Algorithm {
   nominal,            ///< infers nothing, either: the nominal parameters
 };
 
-/// What an algorithm makes its posterior of.
+/// Origin of an algorithm's posterior.
 enum class AlgorithmFamily {
   network,     ///< a network that is trained on simulations
   abc,         ///< the simulations that are near the observation
@@ -41,8 +41,8 @@ struct AlgorithmTraits : EnumRow<Algorithm> {
   /// The kinds of density estimators that it can use, the usual one first; none without a network.
   std::span<const EstimatorKind> estimators = {};
   std::string_view settings = {};  ///< fields of AlgorithmConfig that not all networks read
-  /// Until its last round the network is one Gaussian, which is then divided by its proposal and
-  /// grows to a mixture.
+  /// One Gaussian is the network until the last round, which grows it to a mixture; posteriors are
+  /// divided by their proposal.
   bool grows_in_last_round = false;
 };
 
@@ -53,7 +53,7 @@ const AlgorithmTraits& traits_of(Algorithm algorithm);
 /// "maf, mdn, nsf": the estimators that the algorithm can use.
 std::string estimator_list(const AlgorithmTraits& traits);
 
-/// How NPE-C corrects for proposals that aren't the prior (npe_c.h).
+/// NPE-C's correction for proposals that aren't the prior (npe_c.h).
 enum class Loss { automatic, atomic, analytic };
 constexpr auto enum_table(Loss) {
   using enum Loss;

@@ -13,7 +13,7 @@
 
 namespace npdr::inference {
 
-/// For each of n rows, k - 1 distinct others of the n rows, uniformly; (n k) indices into the
+/// Draws k - 1 distinct others of the n rows for each of them, uniformly; (n k) indices into the
 /// batch, the row itself first. Throws ShapeError when k > n.
 std::vector<std::uint32_t> draw_atoms(Index n, Index k, Stream& stream);
 

@@ -1,4 +1,4 @@
-/// From one Gaussian to a mixture, for the last round of NPE-A.
+/// Growth of one Gaussian to a mixture, for the last round of NPE-A.
 ///
 /// Papamakarios and Murray 2016, section 2.3: the mixture begins as copies of the Gaussian of the
 /// rounds before, each disturbed a little, so that they can become different.

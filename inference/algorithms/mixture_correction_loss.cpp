@@ -48,7 +48,7 @@ MixtureCorrection::Lanes& MixtureCorrection::at(LaneArray& matrix, Index row, In
   return matrix[index(row * dimension_ + col)];
 }
 
-double MixtureCorrection::log_normaliser(const GaussianMixture& q,
+double MixtureCorrection::log_normalizer(const GaussianMixture& q,
                                          GaussianMixtureGradient* gradient) {
   const Index num_blocks = static_cast<Index>(blocks_.size());
   products_.resize(index(q.num_components() * num_blocks));

@@ -33,7 +33,7 @@ class MixtureCorrection {
   explicit MixtureCorrection(const GaussianMixture& proposal);
 
   /// log Z for q, and, unless it is null, the gradient with respect to q's parameters.
-  double log_normaliser(const GaussianMixture& q, GaussianMixtureGradient* gradient);
+  double log_normalizer(const GaussianMixture& q, GaussianMixtureGradient* gradient);
 
  private:
   /// Components of the proposal that are computed together.

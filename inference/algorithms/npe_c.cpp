@@ -115,7 +115,7 @@ double NpeC::analytic(const Parameters<float>& parameters, const Batch& batch,
   for (Index i = 0; i < n; ++i) {
     const std::uint32_t round = data_.round[batch.rows[static_cast<std::size_t>(i)]];
     if (round == 1) continue;
-    const double log_z = corrections_.at(round - 2).log_normaliser(
+    const double log_z = corrections_.at(round - 2).log_normalizer(
         network.mixture(scratch, i), gradient == nullptr ? nullptr : &d_mixture);
     loss += log_z / static_cast<double>(n);
     if (gradient == nullptr) continue;

@@ -15,7 +15,7 @@ EstimatorConfig estimator_of_round(const PosteriorEstimationConfig& config, std:
   return estimator;
 }
 
-// What `data` and the last round's posterior give, but for the weights.
+// Parts that `data` and the last round's posterior give: all but the weights.
 NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const RoundData& data,
                              const StreamId& id) {
   const AlgorithmTraits& traits = traits_of(config.algorithm.kind);

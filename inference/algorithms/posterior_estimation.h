@@ -36,7 +36,7 @@ struct RoundData {
   RowMatrix theta;                   ///< (N, D)
   std::vector<std::uint32_t> round;  ///< (N), counted from 1
   VectorF x_o;                       ///< (F)
-  /// Of the rounds before: what the simulations of rounds 2, 3, ... were drawn from.
+  /// Posteriors of the rounds before, which simulations of rounds 2, 3, ... were drawn from.
   std::vector<std::shared_ptr<const NetworkPosterior>> posteriors;
 };
 

@@ -1,4 +1,4 @@
-/// What a ratio estimator learns from: telling simulated pairs from others.
+/// Losses of ratio estimators, which learn to tell simulated pairs from others.
 ///
 /// With k values of u for an x, the first one that of its simulation and the others those of other
 /// simulations, and f the network's logits (ratio_estimator.h):
@@ -20,7 +20,7 @@ namespace npdr::inference {
 template <typename S>
 double binary_ratio_loss(const VectorX<S>& logits, VectorX<S>& d_logits);
 
-/// The same with k logits each, (n k).
+/// Mean loss over n rows with k logits each, (n k); `d_logits` receives dloss/dlogits.
 template <typename S>
 double categorical_ratio_loss(const VectorX<S>& logits, Index k, VectorX<S>& d_logits);
 

@@ -1,4 +1,4 @@
-/// What one round trains: a network, its first weights, and the objective that belongs to the
+/// Training task of one round: a network, its first weights, and the objective that belongs to the
 /// algorithm. Private to inference/algorithms.
 #pragma once
 
@@ -8,12 +8,13 @@
 
 namespace npdr::inference {
 
+/// Network, data and objective of a training. Not thread-safe.
 class RoundTask {
  public:
   virtual ~RoundTask() = default;
   virtual Objective& objective() = 0;
   virtual Index num_parameters() const = 0;
-  /// Of a network that hasn't been trained in an earlier round.
+  /// Weights of a network that hasn't been trained in an earlier round.
   virtual Parameters<float> initial_parameters(const StreamId& id) const = 0;
 };
 

@@ -1,4 +1,4 @@
-/// What the objectives of all algorithms train on.
+/// Data that the objectives of all algorithms train on.
 #pragma once
 
 #include <vector>

@@ -53,7 +53,7 @@ C2st c2st(const RowMatrix& first, const RowMatrix& second, const StreamId& id) {
                      std::to_string(second.rows()) + " rows, must be as many");
   }
   const Index n = first.rows();
-  const RowMatrixF x = standardised(pooled(first, second), first);
+  const RowMatrixF x = standardized(pooled(first, second), first);
   VectorF classes(2 * n);
   classes << VectorF::Zero(n), VectorF::Ones(n);
   const RowNumbers order = Stream(id).permutation(static_cast<std::uint32_t>(2 * n));

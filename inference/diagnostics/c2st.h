@@ -3,7 +3,7 @@
 /// distributions can't be told apart, 1: they don't overlap.
 ///
 /// Computed as the benchmark of simulation-based inference does it (Lueckmann et al. 2021,
-/// "Benchmarking simulation-based inference", appendix): columns standardised by mean and deviation
+/// "Benchmarking simulation-based inference", appendix): columns standardized by mean and deviation
 /// of the first sample, a classifier with two hidden layers of 10 D units (mlp_classifier.h), mean
 /// accuracy of a five-fold cross-validation over randomly ordered rows.
 #pragma once
@@ -15,6 +15,7 @@ namespace npdr::inference {
 
 inline constexpr Index kC2stFolds = 5;
 
+/// Accuracy of the classifier.
 struct C2st {
   double accuracy = 0.0;  ///< mean over the folds
   Vector fold_accuracy;   ///< (kC2stFolds)
@@ -22,8 +23,8 @@ struct C2st {
   double standard_error = 0.0;
 };
 
-/// Of two samples (n, D) with as many rows. Folds run in parallel; the bits depend neither on the
-/// number of threads nor on the order of the folds. Throws ShapeError when shapes differ and
+/// Compares two samples (n, D) with as many rows. Folds run in parallel; the bits depend neither on
+/// the number of threads nor on the order of the folds. Throws ShapeError when shapes differ and
 /// InputError for fewer than 10 rows, or what isn't finite.
 C2st c2st(const RowMatrix& first, const RowMatrix& second, const StreamId& id);
 

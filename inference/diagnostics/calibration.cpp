@@ -14,7 +14,7 @@ StreamId of_simulation(StreamId id, std::string_view name, Index i) {
 
 }  // namespace
 
-CalibrationRanks rank_truths(const AmortisedPosterior& posterior_given, const RowMatrix& theta,
+CalibrationRanks rank_truths(const AmortizedPosterior& posterior_given, const RowMatrix& theta,
                              const RowMatrixF& x, Index num_samples, const StreamId& id,
                              const CalibrationHook& hook) {
   if (theta.rows() != x.rows() || num_samples < 1) {

@@ -1,4 +1,4 @@
-/// What an amortised posterior says of many simulations with known parameters: the raw material of
+/// Answers of an amortized posterior to many simulations with known parameters: the raw material of
 /// sbc.h, coverage.h and local_c2st.h. Each observation is sampled once for all of them.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace npdr::inference {
 
-/// Of n simulations, in their order. Ranks count among `num_samples` samples.
+/// Ranks of n simulations, in their order. They count among `num_samples` samples.
 struct CalibrationRanks {
   Index num_samples = 0;
   RowMatrixX<std::int64_t> parameter;  ///< (n, D) how many samples are smaller, per parameter
@@ -19,7 +19,7 @@ struct CalibrationRanks {
 };
 
 /// The posterior given x (F).
-using AmortisedPosterior = std::function<std::unique_ptr<Posterior>(const VectorF& x)>;
+using AmortizedPosterior = std::function<std::unique_ptr<Posterior>(const VectorF& x)>;
 
 /// Called after each simulation with their number; may throw to stop.
 using CalibrationHook = std::function<void(Index done)>;
@@ -27,7 +27,7 @@ using CalibrationHook = std::function<void(Index done)>;
 /// Draws from the posterior given each row of x (n, F), whose parameters are the rows of theta
 /// (n, D). Densities are those of theta; distances are taken where the prior is N(0, I). Simulation
 /// i depends on `id` and i alone. Throws ShapeError when shapes don't go together.
-CalibrationRanks rank_truths(const AmortisedPosterior& posterior_given, const RowMatrix& theta,
+CalibrationRanks rank_truths(const AmortizedPosterior& posterior_given, const RowMatrix& theta,
                              const RowMatrixF& x, Index num_samples, const StreamId& id,
                              const CalibrationHook& hook = {});
 

@@ -15,10 +15,10 @@
 
 namespace npdr::inference {
 
-/// How many of the samples' log densities (L) are above the truth's: 0, ..., L.
+/// Number of the samples' log densities (L) that are above the truth's: 0, ..., L.
 Index density_rank(const Vector& log_prob_of_samples, double log_prob_of_truth);
 
-/// How many of `samples` (L, D) are nearer to `reference` (D) than `truth` (D) is: 0, ..., L.
+/// Number of `samples` (L, D) that are nearer to `reference` (D) than `truth` (D) is: 0, ..., L.
 Index distance_rank(const RowMatrix& samples, const Vector& truth, const Vector& reference);
 
 /// The share of truths within the regions of each level.
@@ -31,8 +31,8 @@ struct Coverage {
   KolmogorovSmirnov kolmogorov_smirnov;
 };
 
-/// Of n levels at which truths enter: ranks as spread_ranks() gives them. Throws InputError for
-/// none.
+/// Coverage by the n levels at which truths enter: ranks as spread_ranks() gives them. Throws
+/// InputError for none.
 Coverage measure_coverage(const Vector& spread);
 
 }  // namespace npdr::inference

@@ -29,7 +29,7 @@ void check(const LocalC2stData& data, const LocalC2stConfig& config) {
                    std::to_string(kFewestPairs));
 }
 
-// What the classifiers see: standardised u and components of x.
+// Inputs of the classifiers: standardized u and components of x.
 struct Pairs {
   RowMatrixF simulated;  // (n, D + k)
   RowMatrixF sampled;    // (n, D + k)
@@ -46,7 +46,7 @@ Pairs make_pairs(const LocalC2stData& data, const LocalC2stConfig& config) {
   const RowMatrix all_u = pooled(data.u, data.u_sampled);
   const auto joined = [&](const RowMatrix& u, const RowMatrixF& x) {
     RowMatrixF rows(u.rows(), u.cols() + components);
-    rows << standardised(u, all_u), x;
+    rows << standardized(u, all_u), x;
     return rows;
   };
   return {joined(data.u, z), joined(data.u_sampled, z),

@@ -16,19 +16,21 @@
 
 namespace npdr::inference {
 
+/// Settings of the test.
 struct LocalC2stConfig {
   Index num_trials = 200;     ///< under the null hypothesis
   Index max_epochs = 100;     ///< of each training: the null allows any classifier
   Index max_components = 10;  ///< of x that the classifier sees
 };
 
+/// Result of the test at one observation.
 struct LocalC2st {
   double statistic = 0.0;  ///< t; 0: can't be told apart, 1/4: certainly told apart
   Vector null;             ///< (num_trials) t under the null hypothesis
   double p_value = 1.0;    ///< tail_probability.h
 };
 
-/// What the test compares; all u where the prior is N(0, I).
+/// Data that the test compares; all u where the prior is N(0, I).
 struct LocalC2stData {
   RowMatrix u;          ///< (n, D) parameters of the simulations
   RowMatrix u_sampled;  ///< (n, D) a posterior sample for each of them

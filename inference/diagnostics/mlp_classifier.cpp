@@ -36,9 +36,9 @@ Index padded(Index units) {
 
 // The first `inputs` and `outputs` of the layer. scikit-learn draws biases like weights.
 template <typename W, typename B>
-void initialise_glorot(W weight, B bias, Index inputs, Index outputs, Stream& stream) {
+void initialize_glorot(W weight, B bias, Index inputs, Index outputs, Stream& stream) {
   const auto in = static_cast<double>(inputs), out = static_cast<double>(outputs);
-  initialise_dense(weight.topLeftCorner(inputs, outputs), bias.leftCols(outputs), stream,
+  initialize_dense(weight.topLeftCorner(inputs, outputs), bias.leftCols(outputs), stream,
                    std::sqrt(6.0 * in / (in + out)));
 }
 
@@ -61,16 +61,16 @@ MlpClassifier::MlpClassifier(Index num_features, const ClassifierConfig& config)
   parameters_ = Parameters<float>::Zero(layout.size());
 }
 
-void MlpClassifier::initialise(const StreamId& id) {
+void MlpClassifier::initialize(const StreamId& id) {
   const Index hidden = config_.hidden_features;
   parameters_.setZero();
   Stream stream(id);
-  const auto initialise = [&](const Block& weight, const Block& bias, Index inputs, Index outputs) {
-    initialise_glorot(view(parameters_, weight), view(parameters_, bias), inputs, outputs, stream);
+  const auto initialize = [&](const Block& weight, const Block& bias, Index inputs, Index outputs) {
+    initialize_glorot(view(parameters_, weight), view(parameters_, bias), inputs, outputs, stream);
   };
-  initialise(weight_1_, bias_1_, num_features_, hidden);
-  initialise(weight_2_, bias_2_, hidden, hidden);
-  initialise(weight_out_, bias_out_, hidden, 1);
+  initialize(weight_1_, bias_1_, num_features_, hidden);
+  initialize(weight_2_, bias_2_, hidden, hidden);
+  initialize(weight_out_, bias_out_, hidden, 1);
 }
 
 void MlpClassifier::forward(const RowMatrixF& x, Scratch& s) const {
@@ -108,9 +108,9 @@ double MlpClassifier::loss(const RowMatrixF& x, const VectorF& classes, Scratch&
 
 void MlpClassifier::train(const RowMatrixF& x, const VectorF& classes, const StreamId& id) {
   require_shapes(x, classes, num_features_);
-  initialise(id);
+  initialize(id);
   const Index n = x.rows();
-  Adam optimiser(parameters_.size(), config_.learning_rate);
+  Adam optimizer(parameters_.size(), config_.learning_rate);
   Parameters<float> gradient = Parameters<float>::Zero(parameters_.size());
   Scratch scratch;
   RowMatrixF batch;
@@ -126,7 +126,7 @@ void MlpClassifier::train(const RowMatrixF& x, const VectorF& classes, const Str
       batch = x(rows, Eigen::all);
       batch_classes = classes(rows);
       sum += loss(batch, batch_classes, scratch, gradient) * static_cast<double>(rows.size());
-      optimiser.step(gradient, 1.0, parameters_);
+      optimizer.step(gradient, 1.0, parameters_);
     }
     const double mean = sum / static_cast<double>(n);
     const bool is_better = mean <= smallest - config_.tolerance;

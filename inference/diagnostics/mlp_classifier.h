@@ -39,12 +39,12 @@ class MlpClassifier {
   VectorF logits(const RowMatrixF& x) const;
 
  private:
-  /// What a forward pass keeps for the backward pass.
+  /// Memory of a forward pass for the backward pass.
   struct Scratch {
     RowMatrixF h1, h2, d1, d2;
     VectorF f, d_f;
   };
-  void initialise(const StreamId& id);
+  void initialize(const StreamId& id);
   void forward(const RowMatrixF& x, Scratch& scratch) const;
   double loss(const RowMatrixF& x, const VectorF& classes, Scratch& scratch,
               Parameters<float>& gradient) const;

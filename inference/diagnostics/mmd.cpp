@@ -66,7 +66,7 @@ Vector sums_over_pairs(const RowMatrixF& x, const RowMatrixF& members, double ba
   return sums.colwise().sum().transpose();
 }
 
-// Which rows belong to the first sample, 1 or 0: as given in column 0, at random in the others.
+// Membership of rows in the first sample, 1 or 0: as given in column 0, at random in the others.
 RowMatrixF deal_rows(Index rows, Index first_rows, Index num_permutations, const StreamId& id) {
   RowMatrixF members = RowMatrixF::Zero(rows, 1 + num_permutations);
   members.col(0).head(first_rows).setOnes();
@@ -87,7 +87,7 @@ Mmd mmd(const RowMatrix& first, const RowMatrix& second, const StreamId& id,
   if (config.num_permutations < 1) throw InputError("MMD: num_permutations must be >= 1");
   fix_matrix_blocking();
   const RowMatrix both = pooled(first, second);
-  const RowMatrixF x = standardised(both, both);
+  const RowMatrixF x = standardized(both, both);
   Mmd result;
   result.bandwidth = median_distance(x, id);
   const RowMatrixF members = deal_rows(both.rows(), first.rows(), config.num_permutations, id);

@@ -56,8 +56,8 @@ class Distances {
         std::clamp(x.rows() / kRowsPerComponent, Index{1}, std::min(kMostComponents, x.cols()));
     whitening_ = fit_feature_transform(MatrixFeatures(x), components);
     keep_leading_components(whitening_);
-    standardisation_ = whitening_;
-    standardisation_.basis.resize(0, 0);
+    standardization_ = whitening_;
+    standardization_.basis.resize(0, 0);
     directions_ = whitening_.basis;
     directions_.colwise().normalize();  // leaves a direction of length 0 as it is
     whitening_.apply(x, known_);
@@ -67,13 +67,13 @@ class Distances {
 
   /// Columns: Mahalanobis, residual, nearest; (n, 3).
   RowMatrix of(const RowMatrixF& x) const {
-    RowMatrixF z, standardised;
+    RowMatrixF z, standardized;
     whitening_.apply(x, z);
-    standardisation_.apply(x, standardised);
-    standardised -= (standardised * directions_) * directions_.transpose();
+    standardization_.apply(x, standardized);
+    standardized -= (standardized * directions_) * directions_.transpose();
     RowMatrix result(x.rows(), 3);
     result.col(0) = z.rowwise().norm().cast<double>();
-    result.col(1) = standardised.rowwise().norm().cast<double>();
+    result.col(1) = standardized.rowwise().norm().cast<double>();
     for (Index i = 0; i < x.rows(); ++i) {
       const float nearest = (known_.rowwise() - z.row(i)).rowwise().squaredNorm().minCoeff();
       result(i, 2) = std::sqrt(static_cast<double>(nearest));
@@ -83,7 +83,7 @@ class Distances {
 
  private:
   RowMatrixF known_;  // whitened
-  FeatureTransform whitening_, standardisation_;
+  FeatureTransform whitening_, standardization_;
   RowMatrixF directions_;  // (F, k), orthonormal
 };
 

@@ -1,8 +1,8 @@
-/// Whether an observation looks like the simulations that a network has seen. Outside of them it
-/// extrapolates, and its posterior means nothing (Cannon, Ward and Schmon 2022, "Investigating the
-/// impact of model misspecification in neural simulation-based inference").
+/// Test of whether an observation looks like the simulations that a network has seen. Outside of
+/// them it extrapolates, and its posterior means nothing (Cannon, Ward and Schmon 2022,
+/// "Investigating the impact of model misspecification in neural simulation-based inference").
 ///
-/// x is standardised and projected on principal components of unit variance, z, as many as have 99
+/// x is standardized and projected on principal components of unit variance, z, as many as have 99
 /// % of the variance, at most 20; half of the simulations make that map, the other half say what is
 /// usual. Three distances:
 /// - |z|, Mahalanobis' within the components (Lee et al. 2018, "A simple unified framework for
@@ -24,6 +24,7 @@ struct Distance {
   double p_value = 1.0;  ///< P(a simulation is as far), tail_probability.h
 };
 
+/// The three distances, tested together.
 struct OutOfDistribution {
   Index num_components = 0;  ///< k
   Index num_reference = 0;   ///< simulations that say what is usual
@@ -36,7 +37,7 @@ struct OutOfDistribution {
 /// Fewer simulations than this say nothing.
 inline constexpr Index kFewestSimulations = 40;
 
-/// Of x_o (F) among simulations x (n, F), which are independent draws in any order. At most
+/// Tests x_o (F) among simulations x (n, F), which are independent draws in any order. At most
 /// one component for each 40 rows. Throws ShapeError when the widths differ and InputError for
 /// fewer than kFewestSimulations rows, or what isn't finite.
 OutOfDistribution test_out_of_distribution(const RowMatrixF& x, const VectorF& x_o);

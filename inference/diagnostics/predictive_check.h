@@ -10,6 +10,7 @@
 
 namespace npdr::inference {
 
+/// Tests of S summaries one by one, and of all features at once.
 struct PredictiveCheck {
   /// (S) two-sided: 2 min(P(s <= s_o), P(s >= s_o)), at most 1; equal but for rounding is equal.
   Vector summary_p_value;

@@ -14,10 +14,11 @@
 
 namespace npdr::inference {
 
-/// Per parameter d, how many of `samples` (L, D) are smaller than truth_d: (D), each in 0, ..., L.
-/// Throws ShapeError when the widths differ.
+/// Numbers of `samples` (L, D) that are smaller than truth_d, per parameter d: (D), each in 0, ...,
+/// L. Throws ShapeError when the widths differ.
 std::vector<Index> ranks(const RowMatrix& samples, const Vector& truth);
 
+/// Tests of the uniformity of ranks, parameter by parameter, and of all together.
 struct Sbc {
   std::vector<KolmogorovSmirnov> kolmogorov_smirnov;  ///< (D)
   std::vector<ChiSquare> chi_square;                  ///< (D)

@@ -10,7 +10,7 @@
 namespace npdr::inference {
 namespace {
 
-// P(excess >= y) of a generalised Pareto distribution with the mean and variance of `excess`.
+// P(excess >= y) of a generalized Pareto distribution with the mean and variance of `excess`.
 double pareto_tail(const Eigen::ArrayXd& excess, double y) {
   const double mean = excess.mean(), variance = (excess - mean).square().mean();
   const double shape = std::max(0.0, 0.5 * (1.0 - mean * mean / variance));

@@ -1,4 +1,4 @@
-/// How improbable a value is, judged by draws of its distribution.
+/// Probability of a value as extreme as the one found, judged by draws of its distribution.
 #pragma once
 
 #include "core/types.h"
@@ -9,7 +9,7 @@ namespace npdr::inference {
 /// - Where ten or more reach `observed`, (1 + their number) / (1 + n): the p-value of a permutation
 ///   test.
 /// - Beyond, fewer say too little: the excesses of the largest tenth (at least ten)
-///   over a threshold are described by a generalised Pareto distribution, its shape and scale by
+///   over a threshold are described by a generalized Pareto distribution, its shape and scale by
 ///   their mean and variance (Pickands 1975; Knijnenburg et al. 2009, "Fewer permutations, more
 ///   accurate P-values"). Its shape is taken as at least 0, so that no tail is said to end, and the
 ///   result as at least 1 / (1000 n).

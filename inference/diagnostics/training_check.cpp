@@ -15,10 +15,10 @@ TrainingCheck check_training(const Vector& training_loss, const Vector& validati
   Index best = 0;
   check.validation_loss = validation_loss.minCoeff<Eigen::PropagateNumbers>(&best);
   check.best_epoch = best + 1;
-  // Where no epoch is better than the weights it began with, the count began before the best one.
+  // The count began before the best epoch where none is better than the weights it began with.
   check.is_converged =
       epochs < config.max_epochs || epochs - check.best_epoch >= config.stop_after_epochs;
-  check.generalisation_gap = check.validation_loss - training_loss(best);
+  check.generalization_gap = check.validation_loss - training_loss(best);
   return check;
 }
 

@@ -27,7 +27,7 @@ RowMatrix pooled(const RowMatrix& first, const RowMatrix& second) {
   return both;
 }
 
-RowMatrixF standardised(const RowMatrix& x, const RowMatrix& reference) {
+RowMatrixF standardized(const RowMatrix& x, const RowMatrix& reference) {
   const Eigen::RowVectorXd mean = reference.colwise().mean();
   const Eigen::ArrayXXd variance = (reference.rowwise() - mean).colwise().squaredNorm() /
                                    static_cast<double>(reference.rows() - 1);

@@ -1,4 +1,4 @@
-/// What tests of two samples have in common.
+/// Common parts of the tests of two samples.
 #pragma once
 
 #include <string>
@@ -20,6 +20,6 @@ RowMatrix pooled(const RowMatrix& first, const RowMatrix& second);
 /// (x - mean) / deviation, column by column, with mean and deviation (n - 1 in the denominator) of
 /// `reference`; a column that doesn't vary there is only shifted. Clamped to +-10^6, far enough for
 /// any test to tell it apart, and near enough for single precision.
-RowMatrixF standardised(const RowMatrix& x, const RowMatrix& reference);
+RowMatrixF standardized(const RowMatrix& x, const RowMatrix& reference);
 
 }  // namespace npdr::inference

@@ -22,7 +22,7 @@ struct ChiSquare {
   double p_value = 1.0;       ///< P(chi^2 with B - 1 degrees of freedom >= statistic)
 };
 
-/// Of n >= 1 values in [0, 1]. Throw InputError for none, or one outside.
+/// Tests n >= 1 values in [0, 1]. Throws InputError for none, or one outside, as the next does.
 KolmogorovSmirnov test_kolmogorov_smirnov(const Vector& values);
 /// `num_bins` >= 2; the p-value needs five values or more in each bin by expectation.
 ChiSquare test_chi_square(const Vector& values, Index num_bins);

@@ -6,7 +6,8 @@
 
 namespace npdr::inference {
 
-/// Per rollout, with ds_k = s_{k+1} - s_k and a_k the mean action applied between the two states:
+/// Sums over each rollout, with ds_k = s_{k+1} - s_k and a_k the mean action applied between the
+/// two states:
 ///   ( sum_k a_k ds_k^T  (A C values),  mean_k ds_k  (C),  variance_k ds_k  (C) ).
 /// H (A C + 2 C) features; without down-sampling a_k is the action itself.
 class BayesSim : public Embedding {

@@ -27,7 +27,7 @@ constexpr auto enum_table(EmbeddingKind) {
                                                 {identity, "identity"}});
 }
 
-/// How the H rollouts of one simulation become the feature vector x.
+/// Choice of how the H rollouts of one simulation become the feature vector x.
 struct EmbeddingConfig {
   EmbeddingKind kind = EmbeddingKind::linear;
   Index features = 256;               ///< width of the trained layer ("linear" only)

@@ -33,17 +33,17 @@ AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidde
 }
 
 template <typename S>
-void AutoregressiveTransform<S>::initialise(Parameters<S>& parameters, Stream& stream) const {
+void AutoregressiveTransform<S>::initialize(Parameters<S>& parameters, Stream& stream) const {
   RowMatrixX<S> no_bias;  // the bias of the first layer comes with the context
-  initialise_dense(view(parameters, input_weight_), no_bias, stream);
+  initialize_dense(view(parameters, input_weight_), no_bias, stream);
   view(parameters, input_weight_).array() *= input_mask_.array();
   for (std::size_t l = 0; l < hidden_weight_.size(); ++l) {
-    initialise_dense(view(parameters, hidden_weight_[l]), view(parameters, hidden_bias_[l]),
+    initialize_dense(view(parameters, hidden_weight_[l]), view(parameters, hidden_bias_[l]),
                      stream);
     view(parameters, hidden_weight_[l]).array() *= hidden_mask_.array();
   }
   // A small last layer starts the transform near the identity.
-  initialise_dense(view(parameters, output_weight_), view(parameters, output_bias_), stream, 0.1);
+  initialize_dense(view(parameters, output_weight_), view(parameters, output_bias_), stream, 0.1);
   view(parameters, output_weight_).array() *= output_mask_.array();
 }
 

@@ -19,7 +19,7 @@
 
 namespace npdr::inference {
 
-/// What a forward pass of one transform keeps for the backward pass. m = n k rows.
+/// Memory of a forward pass of one transform for the backward pass. m = n k rows.
 template <typename S>
 struct AutoregressiveScratch {
   RowMatrixX<S> input;                ///< (m, D)
@@ -39,7 +39,7 @@ class AutoregressiveTransform {
 
   Index hidden_features() const { return hidden_; }
 
-  void initialise(Parameters<S>& parameters, Stream& stream) const;
+  void initialize(Parameters<S>& parameters, Stream& stream) const;
 
   /// z(u) for u = scratch.input (m, D); `context` (n, hidden) holds c W_c + b_1; adds log |det| to
   /// `log_det` (m).

@@ -45,7 +45,7 @@ void tanh_backward(const Y& y, D& d) {
 }
 
 /// Given y = max(0, a), turns dL/dy in `d` into dL/da. A loop, because Eigen 3.4's select() isn't
-/// vectorised.
+/// vectorized.
 template <typename S>
 void relu_backward(const RowMatrixX<S>& y, RowMatrixX<S>& d) {
   const S* value = y.data();
@@ -75,7 +75,7 @@ void sum_groups(const R& rows, G&& groups) {
 
 /// Weight and bias uniform on +-scale / sqrt(inputs) (LeCun et al. 1998, "Efficient BackProp").
 template <typename W, typename B>
-void initialise_dense(W&& weight, B&& bias, Stream& stream, double scale = 1.0) {
+void initialize_dense(W&& weight, B&& bias, Stream& stream, double scale = 1.0) {
   using S = typename std::decay_t<W>::Scalar;
   const double bound = scale / std::sqrt(static_cast<double>(weight.rows()));
   const auto draw = [&] { return static_cast<S>(bound * (2.0 * stream.uniform() - 1.0)); };

@@ -15,7 +15,7 @@
 
 namespace npdr::inference {
 
-/// What a forward pass leaves for the backward pass; one per thread.
+/// Memory of a forward pass for the backward pass; one per thread.
 struct EstimatorScratch {
   virtual ~EstimatorScratch() = default;
 };
@@ -32,7 +32,7 @@ class DensityEstimator {
 
   /// Writes random weights with which q starts near the prior, q(u | c) ~ N(0, I), to the
   /// estimator's own blocks of `parameters`.
-  virtual void initialise(Parameters<S>& parameters, Stream& stream) const = 0;
+  virtual void initialize(Parameters<S>& parameters, Stream& stream) const = 0;
 
   virtual std::unique_ptr<EstimatorScratch> make_scratch() const = 0;
 

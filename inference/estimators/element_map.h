@@ -9,7 +9,7 @@
 
 namespace npdr::inference {
 
-/// What forward() leaves for backward(). m rows, D variables, K bins; the second line is the
+/// Memory of forward() for backward(). m rows, D variables, K bins; the second line is the
 /// spline's alone.
 template <typename S>
 struct ElementScratch {

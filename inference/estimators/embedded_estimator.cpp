@@ -48,9 +48,9 @@ Parameters<S> EmbeddedEstimator<S>::initial_parameters(const StreamId& id) const
   Parameters<S> parameters = Parameters<S>::Zero(num_parameters());
   Stream stream(id);
   if (has_layer()) {
-    initialise_dense(view(parameters, weight_), view(parameters, bias_), stream);
+    initialize_dense(view(parameters, weight_), view(parameters, bias_), stream);
   }
-  estimator_->initialise(parameters, stream);
+  estimator_->initialize(parameters, stream);
   return parameters;
 }
 

@@ -1,7 +1,7 @@
 /// The whole trained network: x -> (trained linear layer) -> conditional density of u.
 ///
 ///   c = x W + b  ("linear" embedding; c = x for the others),   q(u | x) = q_estimator(u | c).
-/// x: (n, F), standardised. One flat parameter vector holds W, b and the estimator's weights.
+/// x: (n, F), standardized. One flat parameter vector holds W, b and the estimator's weights.
 #pragma once
 
 #include <memory>
@@ -28,19 +28,19 @@ class EmbeddedEstimator {
   Index num_parameters() const { return layout_.size(); }
   const DensityEstimator<S>& estimator() const { return *estimator_; }
 
-  /// Fresh random weights; see DensityEstimator::initialise.
+  /// Fresh random weights; see DensityEstimator::initialize.
   Parameters<S> initial_parameters(const StreamId& id) const;
   Scratch make_scratch() const;
 
   /// The context of x: scratch.context, or x itself when no layer is trained.
   const RowMatrixX<S>& embed(const Parameters<S>& parameters, const RowMatrixX<S>& x,
                              Scratch& scratch) const;
-  /// Where the estimator is to leave dL/dcontext; null when nothing needs it.
+  /// The place for the estimator to leave dL/dcontext in; null when nothing needs it.
   RowMatrixX<S>* d_context(Scratch& scratch) const;
   /// Gradient of the linear layer from scratch.d_context.
   void backward_embedding(const RowMatrixX<S>& x, Scratch& scratch, Parameters<S>& gradient) const;
 
-  /// As DensityEstimator's, with x in place of the context.
+  /// Does what DensityEstimator's does, with x in place of the context.
   void log_prob(const Parameters<S>& parameters, const RowMatrixX<S>& u, const RowMatrixX<S>& x,
                 Scratch& scratch, VectorX<S>& log_prob) const;
   void backward(const Parameters<S>& parameters, const RowMatrixX<S>& u, const RowMatrixX<S>& x,

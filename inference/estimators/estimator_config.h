@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/enum_names.h"
+#include "core/range.h"
 #include "core/types.h"
 
 namespace npdr::inference {
@@ -19,6 +20,8 @@ constexpr auto enum_table(EstimatorKind) {
 }
 
 struct EstimatorConfig {
+  static constexpr Range kNumBins = {2, 100};
+
   EstimatorKind kind = EstimatorKind::maf;
   Index num_transforms = 5;     ///< "maf", "nsf": autoregressive transforms
   Index num_bins = 8;           ///< "nsf": bins of each spline

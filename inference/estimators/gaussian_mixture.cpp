@@ -63,8 +63,8 @@ GaussianMixture narrower_than_prior(const GaussianMixture& mixture) {
 
 namespace {
 
-// What a Gaussian N(mu, P^-1) says beyond another one N(m, S^-1), along the eigenvectors of P - S:
-// precisions, and shifts V' (P mu - S m). Directions in which it is wider than the other say
+// Knowledge of a Gaussian N(mu, P^-1) beyond another one N(m, S^-1), along the eigenvectors of P -
+// S: precisions, and shifts V' (P mu - S m). Directions in which it is wider than the other say
 // nothing.
 struct Surplus {
   Eigen::MatrixXd axes;

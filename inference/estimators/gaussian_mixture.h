@@ -11,7 +11,7 @@ namespace npdr::inference {
 /// p(u) = sum_k exp(log_weight_k) N(u; mean_k, (U_k^T U_k)^-1), U_k upper triangular with a
 /// positive diagonal: the Cholesky factor of the precision.
 struct GaussianMixture {
-  Vector log_weights;                              ///< (K), normalised
+  Vector log_weights;                              ///< (K), normalized
   std::vector<Vector> means;                       ///< K x (D)
   std::vector<Eigen::MatrixXd> precision_factors;  ///< K x (D, D)
 

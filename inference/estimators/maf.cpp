@@ -64,9 +64,9 @@ MaskedAutoregressiveFlow<S>::MaskedAutoregressiveFlow(const EstimatorConfig& con
 }
 
 template <typename S>
-void MaskedAutoregressiveFlow<S>::initialise(Parameters<S>& parameters, Stream& stream) const {
-  initialise_dense(view(parameters, context_weight_), view(parameters, context_bias_), stream);
-  for (const auto& transform : transforms_) transform.initialise(parameters, stream);
+void MaskedAutoregressiveFlow<S>::initialize(Parameters<S>& parameters, Stream& stream) const {
+  initialize_dense(view(parameters, context_weight_), view(parameters, context_bias_), stream);
+  for (const auto& transform : transforms_) transform.initialize(parameters, stream);
 }
 
 template <typename S>

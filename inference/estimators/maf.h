@@ -21,7 +21,7 @@ class MaskedAutoregressiveFlow : public DensityEstimator<S> {
 
   Index dimension() const override { return dimension_; }
   Index context_features() const override { return context_features_; }
-  void initialise(Parameters<S>& parameters, Stream& stream) const override;
+  void initialize(Parameters<S>& parameters, Stream& stream) const override;
   std::unique_ptr<EstimatorScratch> make_scratch() const override;
   void log_prob(const Parameters<S>& parameters, const RowMatrixX<S>& u,
                 const RowMatrixX<S>& context, EstimatorScratch& scratch,

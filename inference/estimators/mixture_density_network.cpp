@@ -13,9 +13,9 @@ namespace {
 constexpr double kSmallestDiagonal = 1e-3;
 const double kDiagonalOffset = std::log(std::expm1(1.0 - kSmallestDiagonal));
 
-// Turns K raw logits into normalised log weights.
+// Turns K raw logits into normalized log weights.
 template <typename S>
-void normalise_log_weights(S* logits, Index count) {
+void normalize_log_weights(S* logits, Index count) {
   Eigen::Map<Eigen::Array<S, Eigen::Dynamic, 1>> l(logits, count);
   const S largest = l.maxCoeff();
   l -= largest + std::log((l - largest).exp().sum());
@@ -54,10 +54,10 @@ Index MixtureDensityNetwork<S>::factor_column(Index i, Index j) const {
 }
 
 template <typename S>
-void MixtureDensityNetwork<S>::initialise(Parameters<S>& parameters, Stream& stream) const {
+void MixtureDensityNetwork<S>::initialize(Parameters<S>& parameters, Stream& stream) const {
   for (std::size_t l = 0; l < weights_.size(); ++l) {
     const bool is_head = l + 1 == weights_.size();
-    initialise_dense(view(parameters, weights_[l]), view(parameters, biases_[l]), stream,
+    initialize_dense(view(parameters, weights_[l]), view(parameters, biases_[l]), stream,
                      is_head ? 0.1 : 1.0);
   }
   // Components start at different places, or they would all learn the same.
@@ -110,7 +110,7 @@ void MixtureDensityNetwork<S>::forward_heads(const Parameters<S>& parameters,
   }
   dense(*input, view(parameters, weights_.back()), view(parameters, biases_.back()), scratch.heads);
   for (Index n = 0; n < context.rows(); ++n) {
-    normalise_log_weights(&scratch.heads(n, weight_column()), components_);
+    normalize_log_weights(&scratch.heads(n, weight_column()), components_);
   }
   for (Index i = 0; i < dimension_; ++i) {
     auto a = scratch.heads.middleCols(factor_column(i, i), components_).array();

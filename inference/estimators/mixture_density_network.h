@@ -15,7 +15,7 @@
 
 namespace npdr::inference {
 
-/// What a pass of a mixture density network keeps. n contexts, m = n k rows of u.
+/// Memory of a pass of a mixture density network. n contexts, m = n k rows of u.
 template <typename S>
 struct MixtureScratch : EstimatorScratch {
   std::vector<RowMatrixX<S>> hidden;  ///< L x (n, hidden)
@@ -36,7 +36,7 @@ class MixtureDensityNetwork : public DensityEstimator<S> {
   Index dimension() const override { return dimension_; }
   Index context_features() const override { return context_features_; }
   Index num_components() const { return components_; }
-  void initialise(Parameters<S>& parameters, Stream& stream) const override;
+  void initialize(Parameters<S>& parameters, Stream& stream) const override;
   std::unique_ptr<EstimatorScratch> make_scratch() const override;
   void log_prob(const Parameters<S>& parameters, const RowMatrixX<S>& u,
                 const RowMatrixX<S>& context, EstimatorScratch& scratch,
@@ -60,7 +60,7 @@ class MixtureDensityNetwork : public DensityEstimator<S> {
   /// Overwrites scratch.d_heads with dL/d(log weights, means, factors) for dL/dlog_prob (m).
   void accumulate_heads(const RowMatrixX<S>& u, const VectorX<S>& d_log_prob,
                         MixtureScratch<S>& scratch) const;
-  /// From scratch.d_heads to the gradient.
+  /// Adds the gradient of the weights, given scratch.d_heads.
   void backward_heads(const Parameters<S>& parameters, const RowMatrixX<S>& context,
                       MixtureScratch<S>& scratch, Parameters<S>& gradient,
                       RowMatrixX<S>* d_context) const;

@@ -1,4 +1,4 @@
-/// All weights of a network live in one flat vector, so that the optimiser, the gradient norm and a
+/// All weights of a network live in one flat vector, so that the optimizer, the gradient norm and a
 /// checkpoint see one array. Layers hold the place of their matrices in it.
 #pragma once
 

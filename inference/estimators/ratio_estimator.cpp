@@ -30,13 +30,13 @@ Parameters<S> RatioEstimator<S>::initial_parameters(const StreamId& id) const {
   Parameters<S> parameters = Parameters<S>::Zero(num_parameters());
   Stream stream(id);
   RowMatrixX<S> no_bias;
-  initialise_dense(view(parameters, u_weight_), no_bias, stream);
-  initialise_dense(view(parameters, x_weight_), view(parameters, bias_), stream);
+  initialize_dense(view(parameters, u_weight_), no_bias, stream);
+  initialize_dense(view(parameters, x_weight_), view(parameters, bias_), stream);
   for (const ResidualBlock& block : blocks_) {
-    initialise_dense(view(parameters, block.a_weight), view(parameters, block.a_bias), stream);
-    initialise_dense(view(parameters, block.b_weight), view(parameters, block.b_bias), stream, 0.1);
+    initialize_dense(view(parameters, block.a_weight), view(parameters, block.a_bias), stream);
+    initialize_dense(view(parameters, block.b_weight), view(parameters, block.b_bias), stream, 0.1);
   }
-  initialise_dense(view(parameters, out_weight_), view(parameters, out_bias_), stream, 0.1);
+  initialize_dense(view(parameters, out_weight_), view(parameters, out_bias_), stream, 0.1);
   return parameters;
 }
 

@@ -17,7 +17,7 @@
 
 namespace npdr::inference {
 
-/// What a forward pass keeps for the backward pass; one per thread. m = n k rows of u.
+/// Memory of a forward pass for the backward pass; one per thread. m = n k rows of u.
 template <typename S>
 struct RatioScratch {
   RowMatrixX<S> context;              ///< (n, hidden): x W_x + b

@@ -5,7 +5,7 @@
 
 namespace npdr::inference {
 
-/// Without overflow, vectorised; `a` is an Eigen array.
+/// Without overflow, vectorized; `a` is an Eigen array.
 template <typename Derived>
 auto softplus(const Eigen::ArrayBase<Derived>& a) {
   using S = typename Derived::Scalar;

@@ -1,8 +1,11 @@
 #include "inference/estimators/spline_map.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "core/error.h"
+#include "inference/estimators/estimator_config.h"
 #include "inference/estimators/softplus.h"
 
 namespace npdr::inference {
@@ -61,10 +64,10 @@ struct SplineMap<S>::Bin {
 
 template <typename S>
 SplineMap<S>::SplineMap(Index num_bins) : bins_(num_bins) {
-  constexpr Index most = 100;
-  if (num_bins < 2 || num_bins > most) {
-    throw InputError("density_estimator.num_bins = " + std::to_string(num_bins) +
-                     ", must be 2 to " + std::to_string(most));
+  constexpr Range allowed = EstimatorConfig::kNumBins;
+  if (!allowed.contains(static_cast<double>(num_bins))) {
+    throw InputError(fmt::format("density_estimator.num_bins = {}, must be {} to {}", num_bins,
+                                 allowed.low, allowed.high));
   }
 }
 
@@ -109,7 +112,7 @@ void SplineMap<S>::forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, R
   affine_.forward(u, scratch, scratch.moved, log_det);
   shape(scratch, num_variables);
   z = scratch.moved;
-  // Of dz/dv = slope^2 numerator / denominator^2; 1 outside of [-B, B].
+  // Parts of dz/dv = slope^2 numerator / denominator^2; 1 outside of [-B, B].
   scratch.slope.setOnes(u.rows(), num_variables);
   scratch.numerator.setOnes(u.rows(), num_variables);
   scratch.denominator.setOnes(u.rows(), num_variables);

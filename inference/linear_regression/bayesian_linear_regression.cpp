@@ -88,7 +88,7 @@ WeightPosterior weight_posterior(const RowMatrix& phi, const Vector& y,
           factor.solve(Eigen::MatrixXd::Identity(phi.cols(), phi.cols())), precisions};
 }
 
-WeightPosterior maximise_evidence(const RowMatrix& phi, const Vector& y) {
+WeightPosterior maximize_evidence(const RowMatrix& phi, const Vector& y) {
   check_shapes(phi, y);
   if (phi.rows() <= phi.cols()) {
     throw InputError("linear regression: " + std::to_string(phi.rows()) + " rows, must be > " +

@@ -15,6 +15,7 @@
 
 namespace npdr::inference {
 
+/// Inverse variances of the weights and of the noise.
 struct Precisions {
   double weights = 1.0;  ///< alpha
   double noise = 1.0;    ///< beta
@@ -39,6 +40,6 @@ WeightPosterior weight_posterior(const RowMatrix& phi, const Vector& y,
 /// column of phi is scaled to a mean square of 1, so that units don't matter; `precisions.weights`
 /// is that of the scaled ones. Throws InputError for fewer rows than W + 1, for y = 0, or where the
 /// evidence has no maximum because phi tells nothing of y.
-WeightPosterior maximise_evidence(const RowMatrix& phi, const Vector& y);
+WeightPosterior maximize_evidence(const RowMatrix& phi, const Vector& y);
 
 }  // namespace npdr::inference

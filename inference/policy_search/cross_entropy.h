@@ -1,7 +1,7 @@
 /// The cross-entropy method.
 ///
 /// Source: Rubinstein 1999; de Boer, Kroese, Mannor and Rubinstein 2005, "A tutorial on the
-/// cross-entropy method", continuous optimisation with smoothed updates; for policies Mannor,
+/// cross-entropy method", continuous optimization with smoothed updates; for policies Mannor,
 /// Rubinstein and Gat 2003. With E the elites, the elite_fraction best of the M candidates of an
 /// iteration (rounded, at least two), and smoothing s,
 ///   m = mean of phi_i over E,   C = mean of (phi_i - m)(phi_i - m)^T over E,

@@ -7,8 +7,8 @@
 
 namespace npdr::inference {
 
-RowMatrix scatter_around(const Vector& centre, const RowMatrix& x, const Vector& weights) {
-  const RowMatrix steps = x.rowwise() - centre.transpose();
+RowMatrix scatter_around(const Vector& center, const RowMatrix& x, const Vector& weights) {
+  const RowMatrix steps = x.rowwise() - center.transpose();
   return steps.transpose() * weights.asDiagonal() * steps / weights.sum();
 }
 

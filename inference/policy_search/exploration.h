@@ -6,8 +6,8 @@
 
 namespace npdr::inference {
 
-/// sum_i w_i (x_i - centre)(x_i - centre)^T / sum w, (Q, Q). x: (n, Q), weights (n) >= 0.
-RowMatrix scatter_around(const Vector& centre, const RowMatrix& x, const Vector& weights);
+/// sum_i w_i (x_i - center)(x_i - center)^T / sum w, (Q, Q). x: (n, Q), weights (n) >= 0.
+RowMatrix scatter_around(const Vector& center, const RowMatrix& x, const Vector& weights);
 
 /// The covariance with standard deviations of at least `min_std` in every direction: eigenvalues
 /// below min_std^2 become that. Symmetric and positive definite, though few samples span fewer

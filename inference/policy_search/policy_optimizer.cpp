@@ -88,7 +88,7 @@ void PolicyOptimizer::tell(const RowMatrix& policies, const Vector& returns) {
   ++state_.iteration;
 }
 
-// Of equal returns the older one stays.
+// The older of equal returns stays.
 void PolicyOptimizer::remember_best(const RowMatrix& policies, const Vector& returns) {
   const Index known = state_.best_returns.size();
   RowMatrix all(known + policies.rows(), policies.cols());

@@ -25,7 +25,7 @@ struct PolicySearchState {
   Vector best_returns;      ///< (B)
 };
 
-/// Not thread-safe; const calls are.
+/// A search that is under way. Not thread-safe; const calls are.
 class PolicyOptimizer {
  public:
   virtual ~PolicyOptimizer() = default;

@@ -2,7 +2,7 @@
 ///
 /// Source: Kober and Peters 2011, "Policy search for motor primitives in robotics", Machine
 /// Learning 84, with exploration of the parameters that is constant over a rollout:
-/// the M-step of an expectation maximisation whose lower bound weighs rollouts by their return.
+/// the M-step of an expectation maximization whose lower bound weighs rollouts by their return.
 /// With R_i clipped from below at min_return, B the num_importance_samples best policies of all
 /// iterations (importance sampling as there: the best rollouts are used again, the others are
 /// dropped), and the M candidates of the iteration, drawn around the old mean,

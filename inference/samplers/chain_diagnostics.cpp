@@ -36,9 +36,9 @@ Variances variances_of(const Eigen::MatrixXd& halves) {
 }
 
 // Mean over the columns of their autocovariance at `lag`, divided by n.
-double autocovariance(const Eigen::MatrixXd& centred, Index lag) {
-  const Index n = centred.rows();
-  return (centred.topRows(n - lag).cwiseProduct(centred.bottomRows(n - lag)))
+double autocovariance(const Eigen::MatrixXd& centered, Index lag) {
+  const Index n = centered.rows();
+  return (centered.topRows(n - lag).cwiseProduct(centered.bottomRows(n - lag)))
              .colwise()
              .sum()
              .mean() /
@@ -47,11 +47,11 @@ double autocovariance(const Eigen::MatrixXd& centred, Index lag) {
 
 double effective_size(const Eigen::MatrixXd& halves) {
   const Variances v = variances_of(halves);
-  const Eigen::MatrixXd centred = halves.rowwise() - halves.colwise().mean();
+  const Eigen::MatrixXd centered = halves.rowwise() - halves.colwise().mean();
   const auto n = static_cast<double>(halves.rows());
   // rho_t = 1 - (W - mean of s_m^2 rho_{t,m}) / var^+, with s_m^2 rho_{t,m} scaled to n - 1.
   const auto correlation = [&](Index lag) {
-    return 1.0 - (v.within - autocovariance(centred, lag) * n / (n - 1.0)) / v.total;
+    return 1.0 - (v.within - autocovariance(centered, lag) * n / (n - 1.0)) / v.total;
   };
   double sum = 0.0, pair_before = std::numeric_limits<double>::infinity();
   for (Index t = 0; t + 1 < halves.rows(); t += 2) {

@@ -1,15 +1,15 @@
-/// Whether chains of an MCMC sampler agree, and how much their draws are worth.
+/// Diagnostics of an MCMC sampler: whether its chains agree, and how much their draws are worth.
 ///
 /// Source: Vehtari et al. 2021, "Rank-normalization, folding, and localization: an improved R-hat",
 /// eqs. 1-4 (split R-hat) and 10-12 (effective sample size with Geyer's initial monotone sequence),
-/// without rank normalisation.
+/// without rank normalization.
 #pragma once
 
 #include "inference/samplers/slice_sampler.h"
 
 namespace npdr::inference {
 
-/// Of each coordinate.
+/// Diagnostics of each coordinate.
 struct ChainDiagnostics {
   Vector r_hat;  ///< (D); 1 when the halves of all chains agree, above 1.01 they don't
   Vector ess;    ///< (D), of the S C draws; NaN together with r_hat for fewer than 4 draws a chain

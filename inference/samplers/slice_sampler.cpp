@@ -26,7 +26,7 @@ class Chain {
   const Vector& u() const { return u_; }
   Index sweeps() const { return sweeps_; }
 
-  // Begins a new stage: from here on `adapts` says whether the widths are being learnt.
+  // Begins a new stage: from here on `adapts` says whether the widths are being learned.
   void begin(bool adapts) {
     adapts_ = adapts;
     interval_sum_.setZero(u_.size());
@@ -34,7 +34,7 @@ class Chain {
     start_update();
   }
 
-  // Ends a stage in which widths were learnt.
+  // Ends a stage in which widths were learned.
   void keep_widths() {
     width_ = (num_intervals_.array() > 0)
                  .select(interval_sum_.array() / num_intervals_.array().max(1.0), width_.array());

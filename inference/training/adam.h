@@ -1,4 +1,4 @@
-/// The Adam optimiser on a flat parameter vector.
+/// The Adam optimizer on a flat parameter vector.
 #pragma once
 
 #include "inference/estimators/parameters.h"

@@ -10,8 +10,6 @@
 namespace npdr::inference {
 namespace {
 
-constexpr std::size_t kFewestRows = 2;
-
 struct Split {
   std::vector<std::uint32_t> training;
   std::vector<std::uint32_t> validation;
@@ -41,10 +39,11 @@ Split split_rows(Index num_rows, const TrainingConfig& config, StreamId id) {
     const bool validates = validating_before(row + 1) > validating_before(row);
     (validates ? split.validation : split.training).push_back(static_cast<std::uint32_t>(row));
   }
-  if (split.training.size() < kFewestRows || split.validation.size() < kFewestRows) {
+  const std::size_t fewest = kFewestTrainingRows;
+  if (split.training.size() < fewest || split.validation.size() < fewest) {
     throw InputError("training: " + std::to_string(split.training.size()) + " training and " +
                      std::to_string(split.validation.size()) +
-                     " validation rows, must be at least " + std::to_string(kFewestRows) +
+                     " validation rows, must be at least " + std::to_string(fewest) +
                      " each; use more simulations");
   }
   return split;
@@ -60,7 +59,7 @@ void update_average(const TrainingConfig& config, std::size_t steps_per_epoch, T
 
 // Every row once, in random order; the rows that don't fill a last batch wait for another epoch.
 double train_epoch(Objective& objective, const TrainingConfig& config, const Split& split,
-                   const StreamId& id, Adam& optimiser, Parameters<float>& gradient,
+                   const StreamId& id, Adam& optimizer, Parameters<float>& gradient,
                    TrainingState& state) {
   const auto epoch = static_cast<std::uint64_t>(state.epoch + 1);
   std::vector<std::uint32_t> rows = split.training;
@@ -74,8 +73,8 @@ double train_epoch(Objective& objective, const TrainingConfig& config, const Spl
   for (std::size_t b = 0; b < num_batches; ++b) {
     const Batch batch{std::span(rows).subspan(b * batch_size, batch_size), epoch, b};
     sum += objective.loss(state.parameters, batch, &gradient);
-    optimiser.step(gradient, clip_scale(gradient, config.clip_norm), state.parameters);
-    update_average(config, num_batches, state, optimiser.state().num_steps);
+    optimizer.step(gradient, clip_scale(gradient, config.clip_norm), state.parameters);
+    update_average(config, num_batches, state, optimizer.state().num_steps);
   }
   return sum / static_cast<double>(num_batches);
 }
@@ -129,7 +128,7 @@ bool TrainingState::finished(const TrainingConfig& config) const {
 void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
            TrainingState& state, const EpochHook& hook) {
   const Split split = split_rows(objective.num_rows(), config, id);
-  Adam optimiser(state.parameters.size(), config.learning_rate);
+  Adam optimizer(state.parameters.size(), config.learning_rate);
   Parameters<float> gradient = Parameters<float>::Zero(state.parameters.size());
   if (state.epoch == 0) {
     // The weights of the round before are the first candidate: training can't end with worse ones.
@@ -140,15 +139,15 @@ void train(Objective& objective, const TrainingConfig& config, const StreamId& i
       state.best_validation_loss = std::numeric_limits<double>::infinity();
     }
   } else {
-    optimiser.set_state(state.adam);
+    optimizer.set_state(state.adam);
   }
   while (!state.finished(config)) {
     state.training_loss.push_back(
-        train_epoch(objective, config, split, id, optimiser, gradient, state));
+        train_epoch(objective, config, split, id, optimizer, gradient, state));
     state.validation_loss.push_back(validate(objective, config, split, state.average));
     ++state.epoch;
     keep_if_best(state, state.validation_loss.back());
-    state.adam = optimiser.state();
+    state.adam = optimizer.state();
     if (!hook(state)) return;
   }
   require_finite_loss(state);

@@ -1,6 +1,6 @@
 /// Mini-batch training with Adam, a validation split, early stopping and weight averaging.
 ///
-/// What is validated and kept is an exponential moving average of the weights (Polyak and Juditsky
+/// An exponential moving average of the weights is what is validated and kept (Polyak and Juditsky
 /// 1992, "Acceleration of stochastic approximation by averaging"): Adam's steps of constant length
 /// leave the weights jumping around the minimum, their average sits in it. After step t
 ///   average += max(1 / (t + 1), 1 / n) (weights - average),
@@ -29,7 +29,7 @@ struct Batch {
 /// The stream of a purpose of this batch.
 StreamId of_batch(StreamId id, std::string_view name, const Batch& batch);
 
-/// What is trained: a loss over rows of a data set. Not thread-safe.
+/// Objective of a training: a loss over rows of a data set. Not thread-safe.
 class Objective {
  public:
   virtual ~Objective() = default;
@@ -62,7 +62,7 @@ using EpochHook = std::function<bool(const TrainingState&)>;
 /// so a run that is stopped and continued gives the same bits.
 /// A state with epoch 0 and only `parameters` set starts from the beginning.
 /// Throws InputError when there are fewer than two training or two validation rows, and Error when
-/// no epoch had a finite validation loss: then nothing was learnt.
+/// no epoch had a finite validation loss: then nothing was learned.
 void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
            TrainingState& state, const EpochHook& hook);
 

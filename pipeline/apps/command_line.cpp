@@ -21,16 +21,6 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Stage kStages[] = {Stage::target, Stage::held_out,    Stage::propose,  Stage::simulate,
-                             Stage::infer,  Stage::baseline,    Stage::evaluate, Stage::diagnose,
-                             Stage::policy, Stage::policy_test, Stage::report};
-
-std::vector<std::string> stage_names() {
-  std::vector<std::string> names;
-  for (const Stage stage : kStages) names.push_back(to_string(stage));
-  return names;
-}
-
 // What is still in the buffer would be lost without a word at exit.
 void flush_output() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
@@ -121,15 +111,13 @@ std::vector<std::string> StudyArguments::words() const {
 }
 
 void UntilOption::add_to(CLI::App& app, const std::string& purpose) {
-  app.add_option("--until", name, purpose + ": " + join(stage_names()));
+  app.add_option("--until", name, purpose + ": " + join(names_of<Stage>()));
 }
 
 std::optional<Stage> UntilOption::stage() const {
   if (name.empty()) return std::nullopt;
-  for (const Stage stage : kStages) {
-    if (to_string(stage) == name) return stage;
-  }
-  throw InputError("--until: " + unknown_name("stage", name, stage_names()));
+  if (const auto stage = value_named<Stage>(name)) return stage;
+  throw InputError("--until: " + unknown_name("stage", name, names_of<Stage>()));
 }
 
 std::vector<Index> parse_ranges(const std::string& text) {

@@ -124,7 +124,7 @@ void print_cost_tables(const Plan& plan) {
     const ArtefactStatus status = status_of(plan, node);
     if (!status.is_made()) continue;
     const std::string& method = node.uses.front().method;
-    add_cost(by_stage, to_string(node.stage), status);
+    add_cost(by_stage, name_of(node.stage), status);
     add_cost(by_method, method.empty() ? "(all methods)" : method, status);
     add_cost(all, "all", status);
   }
@@ -151,7 +151,7 @@ void print_json(const Plan& plan, Scrutiny scrutiny) {
                       {"iteration", use.iteration},
                       {"round", use.round}});
     }
-    rows.push_back({{"stage", to_string(row.node.stage)},
+    rows.push_back({{"stage", name_of(row.node.stage)},
                     {"label", row.node.label()},
                     {"key", row.node.key},
                     {"path", row.node.path.string()},

@@ -126,9 +126,12 @@ void list_names(const std::vector<std::string>& names) {
   for (const std::string& name : names) fmt::print("{}\n", name);
 }
 
-void list(const std::string& what) {
+void list(const std::string& what, const std::string& table) {
+  if (!table.empty() && what != "keys") {
+    throw InputError("--markdown is for 'npdr list keys'; leave it out");
+  }
   if (what == "simulators") return list_simulators();
-  if (what == "keys") return list_keys();
+  if (what == "keys") return table.empty() ? list_keys() : fmt::print("{}", keys_markdown(table));
   if (what == "methods") return list_names(names_of<inference::Algorithm>());
   if (what == "embeddings") return list_names(names_of<inference::EmbeddingKind>());
   if (what == "estimators") return list_names(names_of<inference::EstimatorKind>());
@@ -185,14 +188,17 @@ void add_new_command(CLI::App& app, int& result) {
 void add_list_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("list", "what a study can choose from");
   auto what = std::make_shared<std::string>();
+  auto table = std::make_shared<std::string>();
   command
       ->add_option(
           "WHAT", *what,
           "simulators, methods, embeddings, estimators, integrators, metrics, checks or keys")
       ->required();
-  command->callback([&result, what] {
+  command->add_option("--markdown", *table,
+                      "keys: those of one table, such as method.training, as a table of Markdown");
+  command->callback([&result, what, table] {
     result = guarded_main("npdr list", [&] {
-      list(*what);
+      list(*what, *table);
       return ExitStatus::done;
     });
   });

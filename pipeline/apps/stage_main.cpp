@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include "pipeline/apps/command_line.h"
@@ -55,15 +56,16 @@ std::vector<Index> its_shards(const Plan& plan, const Node& node, const std::vec
 
 // Without a round, later rounds wait for the stages in between: only what is ready is run. When
 // nothing was, the first missing input is the error, or the first simulation without such shards.
-void run_missing(const Plan& plan, const StageProgram& program, const StageArguments& arguments,
+void run_missing(const Plan& plan, const std::string& program, const StageArguments& arguments,
                  const std::vector<Index>& shard_numbers) {
   const Node* first_waiting = nullptr;
   const Node* first_smaller = nullptr;
   bool any_has_shards = false;
   Index num_run = 0;
-  for (const Stage stage : program.stages) {
+  for (const StageTraits& stage : enum_table(Stage{})) {
+    if (stage.program != program) continue;
     for (const Node& node : plan.nodes) {
-      if (node.stage != stage || !uses_round(node, arguments.round)) continue;
+      if (node.stage != stage.value || !uses_round(node, arguments.round)) continue;
       const bool has_shards =
           shard_numbers.empty() || !its_shards(plan, node, shard_numbers).empty();
       any_has_shards = any_has_shards || has_shards;
@@ -87,25 +89,43 @@ void run_missing(const Plan& plan, const StageProgram& program, const StageArgum
     require_shard(plan, *first_smaller, shard_numbers.front());
   }
   if (first_waiting != nullptr) require_inputs(plan, *first_waiting);
-  fmt::print("{}: nothing to do, all is up to date\n", program.name);
+  fmt::print("{}: nothing to do, all is up to date\n", program);
+}
+
+std::string description_of(const std::string& program) {
+  static const std::map<std::string, std::string> all = {
+      {"npdr-propose",
+       "Draws the parameters of a round's simulations, from the prior or the last posterior."},
+      {"npdr-simulate",
+       "Simulates the proposed parameters in shards, and joins them when all are there."},
+      {"npdr-infer", "Trains the density estimator of a round: simulations to posterior."},
+      {"npdr-evaluate",
+       "Simulates posterior samples and measures how well they fit the target domain."},
+      {"npdr-diagnose",
+       "Checks posteriors: their calibration, and whether the observation is like what was "
+       "simulated."},
+      {"npdr-policy",
+       "Searches for policies under a study's posteriors, and tests them in the target domain."},
+      {"npdr-report", "Writes tables, figures and report.html of a study."}};
+  return all.at(program);
 }
 
 }  // namespace
 
-int stage_main(const StageProgram& program, int argc, char** argv) {
-  CLI::App app(program.description, program.name);
+int stage_main(const std::string& program, int argc, char** argv) {
+  CLI::App app(description_of(program), program);
   StageArguments arguments;
   arguments.study.add_to(app);
   app.add_option("--round", arguments.round, "only this round, counted from 1");
   app.add_option("--artefact", arguments.key, "only the artefact whose key begins like this");
-  const bool has_shards = program.stages.front() == Stage::simulate;
+  const bool has_shards = program == traits_of(Stage::simulate).program;
   if (has_shards) {
     app.add_option("--shard", arguments.shards, "only these shards, such as 0-3,7");
   }
   int status = 0;
   if (!parse_command_line(app, argc, argv, status)) return status;
   stop_with_parent();
-  return guarded_main(program.name, [&] {
+  return guarded_main(program, [&] {
     const Plan plan = arguments.study.plan();
     check_round(plan, arguments.round);
     const std::vector<Index> shard_numbers =

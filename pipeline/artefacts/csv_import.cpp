@@ -57,7 +57,7 @@ Columns taken_columns(const NumberTable& table, const CsvOptions& options) {
                    "two rows with --dt");
 }
 
-// What these columns hold, row by row.
+// Values of these columns, row by row.
 struct Rows {
   Index count = 0;
   std::vector<double> states, actions, times;

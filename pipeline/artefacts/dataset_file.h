@@ -43,7 +43,7 @@ class DatasetFile {
   std::vector<Index> x_columns_;
 };
 
-/// What was imported.
+/// Sizes and names of an imported dataset.
 struct DatasetCounts {
   Index num_rows = 0;
   Index num_failed = 0;  ///< rows of x that hold NaN or infinities

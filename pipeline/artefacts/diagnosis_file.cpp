@@ -116,7 +116,7 @@ void write_training(h5::Group group, const inference::TrainingCheck& check, Inde
   group.set_attribute("max_epochs", max_epochs);
   group.set_attribute("is_converged", Index{check.is_converged});
   group.set_attribute("validation_loss", check.validation_loss);
-  group.set_attribute("generalisation_gap", check.generalisation_gap);
+  group.set_attribute("generalisation_gap", check.generalization_gap);
 }
 
 inference::TrainingCheck read_training(const h5::Group& group) {

@@ -17,7 +17,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// What the columns of a file are, and where those stand that are wanted.
+// The columns of a file, and where those stand that are wanted.
 struct Layout {
   std::vector<Channel> features;
   std::vector<Index> columns;

@@ -92,8 +92,9 @@ void add_matrix(Hasher& hasher, const RowMatrix& values) {
   hasher.add_bytes(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double));
 }
 
-Target read_target(const std::filesystem::path& path, const std::optional<Channels>& expected) {
-  const h5::File file = h5::File::open(path);
+}  // namespace
+
+Target read_rollouts(const h5::File& file, const std::optional<Channels>& expected) {
   const h5::Dataset states = file.dataset("states");
   const h5::Dataset actions = file.dataset("actions");
   states.require_shape({-1, -1, -1});
@@ -125,13 +126,12 @@ Target read_target(const std::filesystem::path& path, const std::optional<Channe
   return target;
 }
 
-}  // namespace
-
 // Files of the format before HDF5 1.10 have no checksums on their metadata, and HDF5's reader of
 // variable-length texts follows a damaged pointer to wherever it leads. So a child goes first.
 Target read_recording(const std::filesystem::path& path, const std::optional<Channels>& expected) {
-  if (!survives([&] { read_target(path, expected); })) throw damaged_file(path);
-  return read_target(path, expected);
+  const auto read = [&] { return read_rollouts(h5::File::open(path), expected); };
+  if (!survives([&] { read(); })) throw damaged_file(path);
+  return read();
 }
 
 void write_recording(const Target& target, const std::filesystem::path& path) {

@@ -26,11 +26,14 @@ namespace npdr::pipeline {
 Target read_recording(const std::filesystem::path& path,
                       const std::optional<Channels>& expected = std::nullopt);
 
+/// The same of an open file that is known to be intact, such as an artefact of ours.
+Target read_rollouts(const h5::File& file, const std::optional<Channels>& expected = std::nullopt);
+
 /// Writes `target` as a recording, as a whole or not at all. Throws InputError when the target
 /// can't be valid, Error when writing fails.
 void write_recording(const Target& target, const std::filesystem::path& path);
 
-/// Writes the datasets and attributes of a recording into an open file.
+/// Writes the datasets and attributes of a recording into an open file. Throws Error.
 void write_target(h5::File& file, const Target& target);
 
 /// 32 hexadecimal digits that depend on all values, channels and dt; not on names and the source.

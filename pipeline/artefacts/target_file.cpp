@@ -16,8 +16,11 @@ void write_observation(h5::File& file, const Target& target) {
 }
 
 Target read_target_artefact(const ArtefactFile& target) {
-  const bool is_observation = open_artefact(target, kTargetSchema).has("x");
-  return is_observation ? read_observation(target.path, {}) : read_recording(target.path);
+  const h5::File file = open_artefact(target, kTargetSchema);
+  if (!file.has("x")) return read_rollouts(file);
+  const RowMatrix x = file.read_matrix<double>("x", 1, -1, h5::Values::finite);
+  return observation_target(column_channels(file.dataset("x"), x.cols()), x.row(0).transpose(),
+                            target.path.filename().string());
 }
 
 }  // namespace npdr::pipeline

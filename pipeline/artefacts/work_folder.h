@@ -4,7 +4,7 @@
 ///   <work>/.cache/simulate/<key>/              shards of a simulation
 ///   <work>/<study>/<method>/seed-1/round-1/    links to the artefacts, by what they are
 ///   <work>/<study>/                            tables, figures, logs, report.html
-/// The file tree is the only state: there is no database, controller or lock.
+/// The file tree is the only state: there is no database or controller.
 #pragma once
 
 #include <filesystem>

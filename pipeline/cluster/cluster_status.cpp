@@ -54,9 +54,9 @@ class Ledger {
 std::string failure_text(const LedgerEntry& entry, const std::string& id) {
   const std::filesystem::path log = log_of_task(entry.logs, entry.stem, id);
   const bool has_log = std::filesystem::exists(log);
-  std::string reason = has_log ? reason_in_log(log) : "";
-  if (reason.starts_with("exit status 0")) return "";
-  if (reason.empty()) reason = ended_state(id);
+  const std::optional<TaskEnd> end = has_log ? end_in_log(log) : std::nullopt;
+  if (end && end->exit_status == 0) return "";
+  std::string reason = end ? end->words : ended_state(id);
   if (!has_log) {
     if (reason.empty() || reason == "CANCELLED") return "";
     return fmt::format("job {}: {}, before it could write a log", id, reason);

@@ -11,31 +11,6 @@
 namespace npdr::pipeline {
 namespace {
 
-const StageResources& own_resources(const ClusterConfig& cluster, Stage stage) {
-  switch (stage) {
-    case Stage::target:
-    case Stage::held_out:
-    case Stage::propose:
-      return cluster.prepare;
-    case Stage::simulate:
-      return cluster.simulate;
-    case Stage::infer:
-      return cluster.infer;
-    case Stage::baseline:
-      return cluster.baseline;
-    case Stage::evaluate:
-      return cluster.evaluate;
-    case Stage::diagnose:
-      return cluster.diagnose;
-    case Stage::policy:
-    case Stage::policy_test:
-      return cluster.policy;
-    case Stage::report:
-      return cluster.report;
-  }
-  return cluster.prepare;
-}
-
 // A value as sbatch reads it from a script, where blanks, quotes and # end it.
 std::string quoted_value(const std::string& value) {
   if (value.find_first_of(" \t'\"#") == std::string::npos) return value;
@@ -90,7 +65,7 @@ class ScriptWriter {
 
   std::string kind() const {
     const std::string label = label_of(context_.plan, job_);
-    return label == kPrepareLabel ? label : to_string(stage_of(context_.plan, job_));
+    return label == kPrepareLabel ? label : name_of(stage_of(context_.plan, job_));
   }
 
   void write_options() {
@@ -197,7 +172,7 @@ std::filesystem::path log_of_task(const std::filesystem::path& logs, const std::
 }
 
 StageResources resources_of(const ClusterConfig& cluster, Stage stage) {
-  StageResources resources = own_resources(cluster, stage);
+  StageResources resources = cluster.*traits_of(stage).resources;
   if (resources.cpus == 0) resources.cpus = cluster.cpus;
   if (resources.memory.empty()) resources.memory = cluster.memory;
   if (resources.time.empty()) resources.time = cluster.time;

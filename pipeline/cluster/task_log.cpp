@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 
 #include "core/atomic_file.h"
@@ -54,14 +55,19 @@ std::string end_line(int exit_status, double seconds) {
   return fmt::format("{}{}{} after {:.1f} s", kMark, kEnd, exit_status, seconds);
 }
 
-std::string reason_in_log(const std::filesystem::path& log) {
+std::optional<TaskEnd> end_in_log(const std::filesystem::path& log) {
   const std::vector<std::string> lines = last_lines(log);
-  if (lines.empty()) return "";
+  const std::string begin = std::string(kMark) + std::string(kEnd);
+  if (lines.empty() || !lines.back().starts_with(begin)) return std::nullopt;
   const std::string& last = lines.back();
-  if (!last.starts_with(std::string(kMark) + std::string(kEnd))) return "";
-  std::string reason = last.substr(kMark.size());
+  TaskEnd end{0, last.substr(kMark.size())};
+  const char* const number = last.data() + begin.size();
+  if (std::from_chars(number, last.data() + last.size(), end.exit_status).ptr == number) {
+    return std::nullopt;
+  }
   const std::string message = message_in({lines.begin(), lines.end() - 1});
-  return message.empty() ? reason : reason + ": " + message;
+  if (!message.empty()) end.words += ": " + message;
+  return end;
 }
 
 }  // namespace npdr::pipeline

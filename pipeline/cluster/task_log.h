@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,13 @@ std::string begin_line(const std::string& id, const std::vector<std::string>& co
 /// "npdr task: exit status 1 after 12.3 s".
 std::string end_line(int exit_status, double seconds);
 
-/// Why the task that wrote `log` ended: its exit status, and what it said last; empty: it didn't
-/// come to its end.
-std::string reason_in_log(const std::filesystem::path& log);
+/// How a task ended.
+struct TaskEnd {
+  int exit_status = 0;
+  std::string words;  ///< "exit status 1 after 12.3 s: npdr-simulate: the disk is full"
+};
+
+/// The end of the task that wrote `log`; none: it didn't come to its end.
+std::optional<TaskEnd> end_in_log(const std::filesystem::path& log);
 
 }  // namespace npdr::pipeline

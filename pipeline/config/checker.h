@@ -1,4 +1,4 @@
-/// What the checks of a study's settings share. Private to pipeline/config.
+/// Helpers that the checks of a study's settings share. Private to pipeline/config.
 #pragma once
 
 #include <string>

@@ -9,10 +9,10 @@
 
 namespace npdr::pipeline {
 
-/// What a job of one stage asks for. Empty, or 0: as the whole [cluster] says.
+/// Resources that a job of one stage asks for. Empty, or 0: as the whole [cluster] says.
 struct StageResources {
   Index cpus = 0;                   ///< cores of a task
-  std::string memory;               ///< of a task, such as "2G"
+  std::string memory;               ///< a task's, such as "2G"
   std::string time;                 ///< limit of a task, such as "01:00:00"
   std::vector<std::string> sbatch;  ///< further options, such as "--constraint=avx512"
 };

@@ -31,10 +31,12 @@ Constraint<double> positive() {
   return {"> 0", [](double v) { return v > 0.0; }};
 }
 
-Constraint<double> between(double low, double high) {
-  return {fmt::format(">= {} and <= {}", low, high),
-          [=](double v) { return v >= low && v <= high; }};
+Constraint<double> between(const Range& range) {
+  return {fmt::format(">= {} and <= {}", range.low, range.high),
+          [range](double v) { return range.contains(v); }};
 }
+
+Constraint<double> between(double low, double high) { return between(Range{low, high}); }
 
 Constraint<double> strictly_between(double low, double high) {
   return {fmt::format("> {} and < {}", low, high), [=](double v) { return v > low && v < high; }};

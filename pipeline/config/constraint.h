@@ -1,4 +1,4 @@
-/// What the fields of a study may hold: words for people and a test for the readers.
+/// Rules for the values of a study's fields: words for people and a test for the readers.
 #pragma once
 
 #include <concepts>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/enum_names.h"
+#include "core/range.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
@@ -28,6 +29,7 @@ Constraint<T> anything() {
 }
 
 Constraint<double> positive();
+Constraint<double> between(const Range& range);
 Constraint<double> between(double low, double high);
 /// Bounds excluded.
 Constraint<double> strictly_between(double low, double high);
@@ -63,11 +65,11 @@ bool satisfies(const T& value, const Constraint<C>& allowed) {
   }
 }
 
-/// What a shell is to run: not blank, and without control characters other than line breaks and
+/// Text for a shell to run: not blank, and without control characters other than line breaks and
 /// tabs; at most 65536 bytes.
 Constraint<std::string> shell_command();
 
-/// What can head a column of a CSV file as it stands: letters, digits, '_', '-' and '.'.
+/// Name that heads a column of a CSV file as it stands: letters, digits, '_', '-' and '.'.
 Constraint<std::string> column_name();
 
 /// "a number, > 0": what a field of type `type` must be when a value of another type was found.

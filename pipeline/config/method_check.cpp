@@ -105,7 +105,7 @@ void MethodChecker::check_training(const std::string& path, const MethodConfig& 
 
 // The trainer's split gives each part at least its share of the rows, rounded down.
 void MethodChecker::check_split(const std::string& path, const MethodConfig& method) {
-  constexpr Index fewest = 2;
+  constexpr Index fewest = inference::kFewestTrainingRows;
   const std::string fraction = path + ".training.validation_fraction";
   if (!reading_.good(fraction) || !reading_.good(path + ".num_simulations")) return;
   const Index rows = method.algorithm.num_simulations;
@@ -174,7 +174,7 @@ void MethodChecker::check_unused_settings(const std::string& path, const MethodC
   }
 }
 
-// What means something to a policy search alone.
+// Settings that mean something to a policy search alone.
 void MethodChecker::check_iterations(const std::string& path, const MethodConfig& method) {
   const std::string iterations = path + ".num_iterations";
   if (!reading_.good("policy.optimizer")) return;

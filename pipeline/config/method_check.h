@@ -1,4 +1,4 @@
-/// What must hold between the settings of a method, and between them and the simulator. Private to
+/// Rules between the settings of a method, and between them and the simulator. Private to
 /// pipeline/config.
 #pragma once
 

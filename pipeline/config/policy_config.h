@@ -31,12 +31,12 @@ struct PolicyGrid {
 
 struct PolicyConfig {
   Index num_domain_parameters = 50;       ///< that each candidate is tried on, per iteration
-  Index num_initial_states = 4;           ///< of each of them
+  Index num_initial_states = 4;           ///< that each of them is tried from
   Index num_test_states = 100;            ///< initial states of a policy's test
-  Index num_steps = 0;                    ///< of a rollout; 0: the simulator's own
+  Index num_steps = 0;                    ///< in a rollout; 0: the simulator's own
   std::map<std::string, double> initial;  ///< policy parameters that begin elsewhere
-  std::map<std::string, double> model;    ///< of the policy's own model: what isn't nominal
-  /// Its num_iterations stand elsewhere.
+  std::map<std::string, double> model;    ///< what isn't nominal in the policy's own model
+  /// The search; its num_iterations stand elsewhere.
   inference::PolicySearchConfig search = {.kind = inference::PolicyOptimizerKind::none};
   PolicyGrid grid;
 

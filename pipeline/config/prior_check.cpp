@@ -24,7 +24,7 @@ double mass_outside(const Marginal& m, const sim::Parameter& p) {
   return normal_cdf(u(0, 0)) + normal_cdf(-u(1, 0));
 }
 
-// What a marginal must be and isn't; "": nothing.
+// The rule that a marginal breaks: what it must be; "" for none.
 std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
   if (m.is_unbounded()) {
     const bool is_log = m.kind == Marginal::Kind::log_normal;

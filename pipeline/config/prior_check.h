@@ -1,4 +1,4 @@
-/// What must hold between a marginal of the prior and the simulator's parameter.
+/// Rules between a marginal of the prior and the simulator's parameter.
 #pragma once
 
 #include "inference/prior.h"

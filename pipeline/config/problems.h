@@ -1,4 +1,4 @@
-/// What is wrong with a study and where: collected, so that one run reports everything.
+/// Problems of a study and their places: collected, so that one run reports everything.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-/// What must hold between a study and the rollouts of its target domain.
+/// Rules between a study and the rollouts of its target domain.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace npdr::pipeline {
 
-/// What is known of the rollouts before any is simulated.
+/// Sizes of the rollouts that are known before any is simulated.
 struct RolloutShape {
   Index num_rollouts = 0;
   Index num_steps = 0;

@@ -1,4 +1,4 @@
-/// What a study's simulator is about, built-in or not.
+/// Description of a study's simulator, built-in or not.
 #pragma once
 
 #include "pipeline/config/study.h"
@@ -6,9 +6,10 @@
 
 namespace npdr::pipeline {
 
-/// What the study's simulator is about. Of a built-in one, what it says itself. Of a command or a
-/// dataset: the parameters of the prior, then those of simulator.parameters, without limits and
-/// with the unit 1; the features of x as the state channels of a single step.
+/// Describes the study's simulator. A built-in one does so itself. A command or a dataset has the
+/// parameters of the prior, then those of simulator.parameters, without limits and with the unit 1;
+/// the features of x are the state channels of a single step. Throws InputError for a name that no
+/// built-in simulator has.
 sim::SimulatorInfo simulator_info(const Study& study);
 
 }  // namespace npdr::pipeline

@@ -1,4 +1,4 @@
-/// What must hold where a command or a dataset takes the place of a built-in simulator. Private to
+/// Rules where a command or a dataset takes the place of a built-in simulator. Private to
 /// pipeline/config.
 #pragma once
 

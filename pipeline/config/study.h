@@ -29,7 +29,7 @@
 
 namespace npdr::pipeline {
 
-/// Where the target domain's rollouts come from: exactly one of `recording`, `truth` and, where the
+/// Source of the target domain's rollouts: exactly one of `recording`, `truth` and, where the
 /// simulator gives no rollouts, `observation`.
 struct TargetConfig {
   std::optional<std::string> recording;                ///< path, as seen from the current folder
@@ -37,7 +37,7 @@ struct TargetConfig {
   std::optional<std::map<std::string, double>> truth;  ///< parameters that aren't nominal
   Index num_rollouts = 0;                              ///< that inference sees; 0: all
   Index held_out = 0;                                  ///< after those, for evaluation alone
-  std::uint64_t seed = 0;                              ///< of a truth's random behaviour
+  std::uint64_t seed = 0;                              ///< picks a truth's random behavior
 };
 
 /// Gaussian noise on the simulated states that the inference sees.
@@ -61,14 +61,14 @@ struct EvaluateConfig {
   Index num_samples = 1000;
   std::vector<Metric> metrics = {Metric::dtw, Metric::rmse};
   EvaluatedRounds rounds = EvaluatedRounds::last;
-  bool floor = true;  ///< of a recording: also search for the smallest RMSE in the prior
+  bool floor = true;  ///< search for the smallest RMSE in the prior, too; only with a recording
 };
 
 /// How posteriors are checked.
 struct DiagnoseConfig {
   std::vector<Check> checks;    ///< all where the study has a [diagnose]
   Index num_simulations = 300;  ///< fresh draws of the prior, to calibrate with
-  Index num_samples = 1000;     ///< of each posterior
+  Index num_samples = 1000;     ///< drawn from each posterior
   double alpha = 0.01;          ///< probability that a method without fault fails any of its checks
 
   bool has(Check check) const;
@@ -83,7 +83,7 @@ struct ReferenceConfig {
 };
 
 struct LimitsConfig {
-  double max_failed_fraction = 0.05;  ///< of the rows of a simulation
+  double max_failed_fraction = 0.05;  ///< share of the rows of a simulation
 };
 
 struct ReportConfig {
@@ -102,9 +102,9 @@ struct PublishedFigure {
 struct MethodConfig {
   std::string name;
   inference::AlgorithmConfig algorithm;
-  Index num_rollouts = 0;        ///< the first h of the target's rollouts; 0: all
-  Index num_iterations = 1;      ///< of target rollouts, inference and policy search
-  Index policy_iterations = 20;  ///< of a policy search
+  Index num_rollouts = 0;    ///< the first h of the target's rollouts; 0: all
+  Index num_iterations = 1;  ///< each collects target rollouts, infers and searches for a policy
+  Index policy_iterations = 20;  ///< steps of a policy search
   inference::EmbeddingConfig embedding;
   inference::EstimatorConfig density_estimator;
   inference::TrainingConfig training;

@@ -73,7 +73,7 @@ class StudyChecker : Checker {
   std::optional<sim::SimulatorInfo> info_;
 };
 
-// What the other checks need is known from the name alone.
+// Needs nothing but the name; the other checks need what it finds.
 void StudyChecker::load_simulator() {
   for (const char* source : {"name", "command", "dataset"}) {
     if (!reading_.good(std::string("simulator.") + source)) return;

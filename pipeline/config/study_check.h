@@ -1,4 +1,4 @@
-/// What must hold between the fields of a study. Private to pipeline/config.
+/// Rules between the fields of a study. Private to pipeline/config.
 #pragma once
 
 #include "pipeline/config/problems.h"

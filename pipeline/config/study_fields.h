@@ -8,10 +8,14 @@
 ///   f.list(key, values, doc, body)       a list of tables: body(visitor of its members, element)
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
+#include "analysis/pair_plot.h"
 #include "core/error.h"
+#include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/field_types.h"
 #include "pipeline/config/study.h"
@@ -23,11 +27,11 @@ namespace npdr::pipeline {
 inline constexpr double kMaxWidth = 4096;
 inline constexpr double kMaxLayers = 128;
 
-/// Of the simulator; "" where something else takes its place.
+/// Name of a built-in simulator; "" where something else takes its place.
 Constraint<std::string> simulator_constraint();
 /// > 0 and <= 1.
 Constraint<double> quantile_constraint();
-/// Of a smoother: odd, 5 to 1001.
+/// States of a smoother's window: odd, 5 to 1001.
 Constraint<double> window_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
 Constraint<std::vector<std::string>> metrics_constraint();
@@ -37,11 +41,11 @@ Constraint<std::vector<double>> range_constraint();
 /// Ascending.
 Constraint<std::vector<double>> ascending();
 Constraint<std::vector<inference::Marginal>> prior_constraint();
-/// Of Slurm: "2G"; "" for none.
+/// Memory as Slurm takes it: "2G"; "" for none.
 Constraint<std::string> memory_constraint();
-/// Of Slurm: "90", "01:30:00", "1-12"; "" for none.
+/// Time as Slurm takes it: "90", "01:30:00", "1-12"; "" for none.
 Constraint<std::string> time_constraint();
-/// What can stand behind the = of a batch system's option: one word, or nothing.
+/// Value behind the = of a batch system's option: one word, or nothing.
 Constraint<std::string> option_value();
 /// Lines such as "--qos=long".
 Constraint<std::vector<std::string>> options_constraint();
@@ -68,19 +72,19 @@ void choices(Fields& f, const char* key, std::vector<E>& values,
 template <class Fields>
 void describe(Fields& f, sim::MinigolfConfig& c) {
   choice(f, "strike", c.strike, "the recorded joint angles, or the policy of Table A4");
-  choice(f, "ball_start", c.ball_start,
-         "where the ball begins: as recorded, or at its nominal place");
-  choice(f, "rolling", c.rolling, "away from everything: in closed form, or by Bullet as all else");
-  f("substeps", c.substeps, between(1, 1000), "of Bullet per time step of the target");
-  f("substeps_near", c.substeps_near, between(1, 1000),
+  choice(f, "ball_start", c.ball_start, "the ball's start: as recorded, or its nominal place");
+  choice(f, "rolling", c.rolling, "away from everything: in closed form, or by Bullet, too");
+  f("substeps", c.substeps, between(c.kSubsteps), "of Bullet per time step of the target");
+  f("substeps_near", c.substeps_near, between(c.kSubsteps),
     "the same where the ball is near something");
-  f("linear_damping", c.linear_damping, between(0.0, 1.0),
+  f("linear_damping", c.linear_damping, between(c.kPart),
     "part of its velocity that the ball loses in a second by itself");
-  f("angular_damping", c.angular_damping, between(0.0, 1.0), "the same of its spin");
-  f("solver_iterations", c.solver_iterations, between(1, 10'000), "of Bullet's solver, at most");
-  f("solver_cfm", c.solver_cfm, between(0.0, 1.0), "constraint force mixing: softness of contacts");
-  f("solver_erp", c.solver_erp, between(0.0, 1.0), "part of an overlap that a substep takes away");
-  f("restitution_threshold", c.restitution_threshold, between(0.0, 100.0),
+  f("angular_damping", c.angular_damping, between(c.kPart), "the same of its spin");
+  f("solver_iterations", c.solver_iterations, between(c.kSolverIterations),
+    "of Bullet's contact solver, at most");
+  f("solver_cfm", c.solver_cfm, between(c.kPart), "constraint force mixing: softness of contacts");
+  f("solver_erp", c.solver_erp, between(c.kPart), "part of an overlap that a substep takes away");
+  f("restitution_threshold", c.restitution_threshold, between(c.kRestitutionThreshold),
     "slower contacts don't bounce [m/s]");
 }
 
@@ -93,7 +97,8 @@ void describe(Fields& f, sim::SimulatorConfig& c) {
   f("segment_length", c.segment_length, count_from(0),
     "steps until the simulation restarts from the recorded state; 0: never");
   choice(f, "integrator", c.integrator, "method for the ODE");
-  f("substeps", c.substeps, count_from(1), "integrator steps per time step of the target");
+  f("substeps", c.substeps, count_from(1),
+    "integrator steps per time step of the target; 1 with \"cvode\"");
   f("store_every", c.store_every, count_from(1), "keep every k-th state of a simulated rollout");
   f.table("minigolf", "settings of the simulator \"minigolf\"",
           [&](auto& t) { describe(t, c.minigolf); });
@@ -102,20 +107,20 @@ void describe(Fields& f, sim::SimulatorConfig& c) {
 template <class Fields>
 void describe(Fields& f, ExternalConfig& c) {
   f("command", c.command, shell_command(),
-    "a simulator of one's own: a shell command that reads a file of theta and writes a file of x");
+    "shell command that reads a file of theta and writes a file of x");
   f("dataset", c.dataset, file_path(),
-    "HDF5 file of finished simulations, theta and x, relative to the study file's folder");
+    "HDF5 file of finished simulations, relative to the study file's folder");
   choice(f, "format", c.format, "of the command's files");
   f("folder", c.folder, anything<std::string>(),
-    "where the command runs, relative to the study file's folder; empty: that folder");
+    "where the command runs, seen from the study file's folder; empty: there");
   f("time_limit", c.time_limit, positive(), "for a call with all rows of a shard [s]");
   f("start_time", c.start_time, not_negative(),
     "added to the share of the time limit that a call with fewer rows has [s]");
   f("retries", c.retries, between(0, 100), "of a call that failed, before its rows are split");
   f("parallel_calls", c.parallel_calls, between(0, 4096),
-    "calls that share the rows of a shard at the same time; 0: one for each thread");
+    "calls that share a shard's rows at the same time; 0: one for each thread");
   f("features", c.features, anything<std::vector<std::string>>(),
-    "names of what x holds, such as [\"peak [m]\", \"mean\"]; empty: those of x_o, or x0, x1, ...");
+    "names of what x holds, each a label or \"label [unit]\"; empty: those of x_o, or x0, x1, ...");
 }
 
 /// The table [simulator] as a whole.
@@ -135,7 +140,7 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
   choice(f, "kind", c.kind, "how rollouts become features");
   f("features", c.features, between(1, kMaxWidth), "width of the trained layer (\"linear\" only)");
   f("principal_components", c.principal_components, count_from(0),
-    "the network sees so many principal components of the features; 0: the features themselves");
+    "of the features, for the network to see; 0: the features themselves");
   f("downsample", c.downsample, count_from(1),
     "keep every k-th state; a multiple of simulator.store_every");
   f("channels", c.channels, anything<std::vector<std::string>>(),
@@ -148,7 +153,7 @@ void describe(Fields& f, inference::EstimatorConfig& c) {
          "masked autoregressive flow, mixture of Gaussians, neural spline flow, residual network");
   f("num_transforms", c.num_transforms, between(1, kMaxLayers),
     "autoregressive transforms (\"maf\" and \"nsf\" only)");
-  f("num_bins", c.num_bins, between(2, 100), "bins of each spline (\"nsf\" only)");
+  f("num_bins", c.num_bins, between(c.kNumBins), "bins of each spline (\"nsf\" only)");
   f("num_components", c.num_components, between(1, kMaxLayers),
     "Gaussians in the mixture (\"mdn\" only)");
   f("hidden_features", c.hidden_features, between(1, kMaxWidth), "width of each hidden layer");
@@ -159,15 +164,16 @@ void describe(Fields& f, inference::EstimatorConfig& c) {
 template <class Fields>
 void describe(Fields& f, inference::TrainingConfig& c) {
   f("learning_rate", c.learning_rate, positive(), "step size of Adam");
-  f("batch_size", c.batch_size, count_from(1), "simulations per optimiser step");
+  f("batch_size", c.batch_size, count_from(1), "simulations per step of the optimizer");
   f("validation_fraction", c.validation_fraction, strictly_between(0, 1),
     "share of the simulations that early stopping is judged on");
   f("stop_after_epochs", c.stop_after_epochs, count_from(1),
     "epochs without a better validation loss before training stops");
-  f("max_epochs", c.max_epochs, count_from(1), "epochs at most");
-  f("clip_norm", c.clip_norm, positive(), "largest norm of a gradient; longer ones are scaled");
+  f("max_epochs", c.max_epochs, count_from(1), "epochs at most, in each round");
+  f("clip_norm", c.clip_norm, positive(),
+    "largest Euclidean norm of a gradient; longer ones are scaled");
   f("average_epochs", c.average_epochs, not_negative(),
-    "memory of the moving average of the weights that is validated and kept; 0: no average");
+    "memory of the weights' moving average, which is validated and kept; 0: none");
 }
 
 template <class Fields>
@@ -183,10 +189,11 @@ void describe(Fields& f, inference::SamplerConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, inference::AbcConfig& c) {
-  choice(f, "distance", c.distance,
-         "of simulations from the target: of features, or a metric of trajectories");
+  choice(f, "distance", c.distance, "of features, or a metric of trajectories");
   f("quantile", c.quantile, quantile_constraint(),
-    "the nearest simulations that are accepted, as a share of all");
+    "the nearest simulations that are accepted, as a share of round 1, or for \"abc_smc\" (0.5 "
+    "when "
+    "left out) of the last population");
   f("epsilon", c.epsilon, not_negative(),
     "largest distance that is accepted; 0: by quantile; \"abc_smc\" ends there");
   f("smooth", c.smooth, anything<bool>(),
@@ -197,7 +204,8 @@ template <class Fields>
 void describe(Fields& f, inference::LinearRegressionConfig& c) {
   f("window", c.window, window_constraint(),
     "states that are smoothed over to differentiate a recording");
-  f("num_samples", c.num_samples, between(2, 10'000'000), "of the regression's weights");
+  f("num_samples", c.num_samples, between(2, 10'000'000),
+    "of the regression's weights, mapped to parameters");
 }
 
 template <class Fields>
@@ -206,10 +214,11 @@ void describe(Fields& f, inference::AlgorithmConfig& c) {
   f("num_rounds", c.num_rounds, count_from(1), "rounds of proposing, simulating and training");
   f("num_simulations", c.num_simulations, count_from(1), "simulations per round");
   f("num_atoms", c.num_atoms, count_from(2),
-    "parameter sets that the atomic loss and \"nre_b\" compare per simulation, its own included");
+    "parameter sets that the atomic loss and \"nre_b\" compare per simulation");
   f("component_perturbation", c.component_perturbation, not_negative(),
-    "\"npe_a\": noise on the weights of the Gaussians that the last round makes of one");
-  choice(f, "loss", c.loss, "loss of later rounds; \"analytic\" needs a mixture of Gaussians");
+    "\"npe_a\": noise on the Gaussians that its last round makes of one");
+  choice(f, "loss", c.loss,
+         "loss of later rounds; \"analytic\" needs \"mdn\"; \"auto\": that there, else \"atomic\"");
   f("combined_loss", c.combined_loss, anything<bool>(),
     "atomic loss: also fit the simulations of the prior by maximum likelihood");
 }
@@ -227,21 +236,22 @@ void describe(Fields& f, MethodConfig& c) {
   f("num_rollouts", c.num_rollouts, count_from(0),
     "use the first k rollouts of the target only; 0: all");
   f("num_iterations", c.num_iterations, between(1, 1000),
-    "with [policy]: how often target rollouts are collected, inferred from and a policy searched");
+    "with [policy]: how often rollouts are collected and a policy is searched");
   f("policy_iterations", c.policy_iterations, between(1, 100'000),
     "with [policy]: steps of each policy search");
-  f.table("embedding", "how rollouts become features", [&](auto& t) { describe(t, c.embedding); });
+  f.table("embedding", "the features that inference sees",
+          [&](auto& t) { describe(t, c.embedding); });
   f.table("density_estimator", "the network that learns the posterior",
           [&](auto& t) { describe(t, c.density_estimator); });
   f.table("training", "how the network is trained", [&](auto& t) { describe(t, c.training); });
-  f.table("sampler", "how posteriors of a learnt likelihood or ratio are sampled",
+  f.table("sampler", "how posteriors of a learned likelihood or ratio are sampled",
           [&](auto& t) { describe(t, c.sampler); });
   f.table("abc", "approximate Bayesian computation: \"abc_rejection\", \"abc_mcmc\", \"abc_smc\"",
           [&](auto& t) { describe(t, c.abc); });
-  f.table("linear_regression", "of the algorithm \"linear_regression\"",
+  f.table("linear_regression", "the algorithm \"linear_regression\"",
           [&](auto& t) { describe(t, c.linear_regression); });
   f("published", c.published, anything<std::map<std::string, PublishedFigure>>(),
-    "figures to print beside ours: { rmse = { mean = 0.263, std = 0.004 } }");
+    "somebody's figures to print beside ours, by metric: mean and std");
 }
 
 template <class Fields>
@@ -256,47 +266,50 @@ void describe(Fields& f, TargetConfig& c) {
   f("recording", c.recording, file_path(),
     "HDF5 file of recorded rollouts, relative to the study file's folder");
   f("observation", c.observation, file_path(),
-    "CSV or HDF5 file that holds x_o, where the simulator gives features and no rollouts");
+    "CSV or HDF5 file of x_o, where the simulator gives features, not rollouts");
   f("truth", c.truth, anything<std::map<std::string, double>>(),
-    "parameters of a simulated target domain that aren't nominal; {}: all nominal");
+    "parameters of a simulated target that aren't nominal; {}: none");
   f("num_rollouts", c.num_rollouts, count_from(0),
     "use the first k rollouts; 0: all of a recording; 5 for a truth when left out");
   f("held_out", c.held_out, count_from(0),
-    "so many rollouts after those, which only the evaluation sees");
-  f("seed", c.seed, not_negative(), "picks a truth's random behaviour");
+    "rollouts after those, which only the evaluation sees; needs num_rollouts");
+  f("seed", c.seed, not_negative(), "picks a truth's random behavior, and its observation noise");
 }
 
 template <class Fields>
 void describe(Fields& f, ObservationNoise& c) {
   f("scale", c.scale, not_negative(),
-    "standard deviation as a fraction of the channel's largest recorded magnitude");
+    "standard deviation / largest recorded magnitude of the channel in a rollout");
   f("redraw", c.redraw, anything<bool>(),
     "fresh noise in each training epoch, instead of once per simulation");
 }
 
 template <class Fields>
 void describe(Fields& f, EvaluateConfig& c) {
-  f("num_samples", c.num_samples, count_from(1), "posterior samples that are simulated");
+  f("num_samples", c.num_samples, count_from(1),
+    "posterior samples that are simulated and measured");
   choices(f, "metrics", c.metrics, metrics_constraint(), "what simulated rollouts are measured by");
   choice(f, "rounds", c.rounds, "which rounds' posteriors are evaluated");
   f("floor", c.floor, anything<bool>(),
-    "of a recording: also search for the smallest RMSE in the prior; a truth needs none");
+    "of a recording: also search for the smallest RMSE in the prior");
 }
 
 template <class Fields>
 void describe(Fields& f, DiagnoseConfig& c) {
   choices(f, "checks", c.checks, checks_constraint(),
-          "what posteriors are checked by; all of them in a [diagnose] without this key");
-  f("num_simulations", c.num_simulations, between(40, 1'000'000),
+          "what posteriors are checked by; all of them when left out, [] for none");
+  f("num_simulations", c.num_simulations, between(inference::kFewestSimulations, 1'000'000),
     "fresh draws of the prior that are simulated, to calibrate with");
-  f("num_samples", c.num_samples, between(40, 1'000'000), "posterior samples per observation");
+  f("num_samples", c.num_samples, between(inference::kFewestSimulations, 1'000'000),
+    "posterior samples per observation");
   f("alpha", c.alpha, strictly_between(0, 1),
     "probability that a method without fault fails any of its checks");
 }
 
 template <class Fields>
 void describe(Fields& f, PolicyGridAxis& c) {
-  f("parameter", c.parameter, anything<std::string>(), "a domain parameter");
+  f("parameter", c.parameter, anything<std::string>(),
+    "a domain parameter of the simulator, another for each axis");
   f("range", c.range, range_constraint(), "its first and last value");
   f("steps", c.steps, between(2, 100), "values in that range, at equal distances");
   f("values", c.values, ascending(), "its values, in place of range and steps");
@@ -304,29 +317,30 @@ void describe(Fields& f, PolicyGridAxis& c) {
 
 template <class Fields>
 void describe(Fields& f, PolicyConfig& c) {
-  choice(f, "optimizer", c.search.kind,
-         "how policies are searched for; \"power\" in a [policy] without this key");
-  f("population", c.search.population, between(2, 100'000), "candidates per search iteration");
+  choice(f, "optimizer", c.search.kind, "how policies are searched for; \"power\" when left out");
+  f("population", c.search.population, between(2, 100'000),
+    "candidates per search iteration, beside the current policy");
   f("num_domain_parameters", c.num_domain_parameters, between(1, 1'000'000),
-    "posterior samples that each candidate is tried on, fresh ones in each iteration");
+    "fresh posterior samples that each candidate of an iteration is tried on");
   f("num_initial_states", c.num_initial_states, between(1, 1'000'000),
     "initial states that each candidate is tried from, for each of them");
   f("num_test_states", c.num_test_states, between(20, 1'000'000),
     "initial states that a policy is tested from");
   f("num_steps", c.num_steps, count_from(0), "of a rollout; 0: as many as the simulator has");
   f("initial", c.initial, anything<std::map<std::string, double>>(),
-    "parameters of the policy that don't begin at the simulator's own values");
+    "parameters of the policy that begin elsewhere: { energy_gain = 30.0 }");
   f("model", c.model, anything<std::map<std::string, double>>(),
     "domain parameters that the policy believes in, in place of the nominal ones");
   f("initial_std", c.search.initial_std, positive(),
     "deviation of the first candidates, in the coordinates of the search");
-  f("min_std", c.search.min_std, positive(), "it never falls below, in any direction");
+  f("min_std", c.search.min_std, positive(),
+    "the deviation never falls below, in any direction; <= initial_std");
   f("num_importance_samples", c.search.num_importance_samples, between(1, 100'000),
-    "the best candidates so far, of which the next policy is made (\"power\" only)");
+    "\"power\": the best candidates so far, of which the next policy is made");
   f("elite_fraction", c.search.elite_fraction, quantile_constraint(),
-    "share of the candidates of which the next policy is made (\"cross_entropy\" only)");
+    "\"cross_entropy\": share of the candidates of which the next policy is made");
   f("smoothing", c.search.smoothing, quantile_constraint(),
-    "weight of the new distribution against the old one (\"cross_entropy\" only)");
+    "\"cross_entropy\": weight of the new distribution against the old one");
   f.table("grid", "domain parameters that policies are tested on", [&](auto& grid) {
     grid.table("x", "one axis of the grid", [&](auto& t) { describe(t, c.grid.x); });
     grid.table("y", "the other axis", [&](auto& t) { describe(t, c.grid.y); });
@@ -336,9 +350,12 @@ void describe(Fields& f, PolicyConfig& c) {
 template <class Fields>
 void describe(Fields& f, ReportConfig& c) {
   f("title", c.title, anything<std::string>(), "title of the report; empty: the study's name");
-  f("caption", c.caption, anything<std::string>(), "text below the main tables");
+  f("caption", c.caption, anything<std::string>(),
+    "text below the main tables; blank lines separate paragraphs");
   f("parameters", c.parameters, anything<std::vector<std::string>>(),
-    "2 to 15 parameters that pair plots show; empty: the prior's first 15");
+    fmt::format("{} to {} parameters of the prior that pair plots show; empty: its first {}",
+                analysis::kMinPairParameters, analysis::kMaxPairParameters,
+                analysis::kMaxPairParameters));
 }
 
 template <class Fields>
@@ -359,7 +376,7 @@ void describe(Fields& f, ClusterConfig& c) {
   f("time", c.time, time_constraint(),
     "limit of a task, such as \"01:00:00\"; empty: the site's default");
   f("array_limit", c.array_limit, count_from(0),
-    "tasks of an array that run at the same time; 0: as many as the cluster likes");
+    "tasks of an array that run at once; 0: as many as the cluster likes");
   f("max_array_size", c.max_array_size, count_from(0),
     "larger arrays are split; 0: the cluster is asked");
   f("task_minutes", c.task_minutes, positive(),
@@ -367,7 +384,7 @@ void describe(Fields& f, ClusterConfig& c) {
   f("signal_seconds", c.signal_seconds, between(1, 65'535),
     "before its time limit a task saves its work and is queued again");
   f("scratch", c.scratch, option_value(),
-    "folder of the node where shards are written first, such as \"$TMPDIR\"; empty: none");
+    "folder of the node for shards in the making, such as \"$TMPDIR\"; empty: none");
   f("mail", c.mail, option_value(), "address for mail when the study ends or a job fails");
   f("setup", c.setup, shell_lines(), "lines of shell before the work, such as \"module load gcc\"");
   f("sbatch", c.sbatch, options_constraint(),
@@ -389,10 +406,12 @@ template <class Fields>
 void describe(Fields& f, Study& c) {
   f.table("study", "what the study is called and repeated over", [&](auto& t) {
     t("name", c.name, folder_name(), "names the study's folder and its report");
-    t("seeds", c.seeds, seeds_constraint(), "one experiment each; tables report mean and std");
+    t("seeds", c.seeds, seeds_constraint(),
+      "one experiment each; tables report mean and standard deviation");
   });
-  f.table("target", "the target domain", [&](auto& t) { describe(t, c.target); });
-  f.table("simulator", "the simulator", [&](auto& t) {
+  f.table("target", "the target domain, whose motion is explained",
+          [&](auto& t) { describe(t, c.target); });
+  f.table("simulator", "the simulator whose parameters are inferred", [&](auto& t) {
     describe(t, c.simulator);
     describe(t, c.external);
   });
@@ -401,7 +420,8 @@ void describe(Fields& f, Study& c) {
   f.table("observation_noise", "noise on the simulated states that the inference sees",
           [&](auto& t) { describe(t, c.observation_noise); });
   f.table("simulate", "how simulations are cut into jobs", [&](auto& t) {
-    t("shard_size", c.simulate.shard_size, count_from(1), "simulations per job");
+    t("shard_size", c.simulate.shard_size, count_from(1),
+      "simulations per job: what is scheduled, retried and resumed");
   });
   f.list("method", c.methods, 1, "a method to compare", [](auto& t, auto& m) { describe(t, m); });
   f.table("evaluate", "how posteriors are judged", [&](auto& t) { describe(t, c.evaluate); });
@@ -411,7 +431,7 @@ void describe(Fields& f, Study& c) {
          [](auto& t, auto& r) { describe(t, r); });
   f.table("limits", "when to give up", [&](auto& t) {
     t("max_failed_fraction", c.limits.max_failed_fraction, between(0, 1),
-      "share of failed simulations above which the study stops");
+      "share of failed simulations above which the study stops, with exit status 3");
   });
   f.table("report", "how results are shown", [&](auto& t) { describe(t, c.report); });
   f.table("cluster", "how a batch system runs the study", [&](auto& t) { describe(t, c.cluster); });

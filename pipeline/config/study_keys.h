@@ -1,4 +1,5 @@
-/// What a study file may hold, for people: `npdr list keys` prints this.
+/// Keys of a study file, for people: `npdr list keys`, the template of `npdr new` and the
+/// tables of docs/study-files.md are made of this.
 #pragma once
 
 #include <string>
@@ -6,17 +7,36 @@
 
 namespace npdr::pipeline {
 
+/// One table of a study file, or one list of tables.
+struct StudyTable {
+  std::string path;  ///< such as "method.training"
+  std::string doc;   ///< one line
+};
+
 /// One key of a study file.
 struct StudyKey {
   std::string path;           ///< such as "method.training.learning_rate"
   std::string type;           ///< such as "a finite number"
-  std::string default_value;  ///< as JSON; "required" when there is none, "" when it may be absent
+  std::string default_value;  ///< as TOML; "required" when there is none, "" when it may be absent
   std::string allowed;        ///< such as "> 0"; empty: everything of the type
-  std::string doc;            ///< one line
+  std::vector<std::string> names;  ///< the choices, where there are only a few
+  std::string doc;                 ///< one line
+
+  /// The path's last part: "learning_rate".
+  std::string name() const { return path.substr(path.rfind('.') + 1); }
 };
 
-/// Every key, in the order of a study file.
+/// Every table, in the order of a study file.
+std::vector<StudyTable> study_tables();
+
+/// Every key, in the same order.
 std::vector<StudyKey> study_keys();
+
+/// Those that stand in one table, such as "method.training", and in no table inside of it.
+std::vector<StudyKey> keys_of_table(const std::string& table);
+
+/// The same as a table of Markdown. Throws InputError when the study file has no such table.
+std::string keys_markdown(const std::string& table);
 
 /// Names of the tables inside of a [[method]]: "embedding", "density_estimator", ...
 std::vector<std::string> method_tables();

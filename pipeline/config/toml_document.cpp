@@ -150,7 +150,7 @@ void assign(toml::table& table, std::span<const std::string> path, const Assignm
   }
 }
 
-// Of keys that exclude each other, the one that was set stays.
+// Removes the keys that one that was set excludes.
 void keep_only(toml::table& table, const std::string& set, const std::vector<std::string>& rivals) {
   if (std::find(rivals.begin(), rivals.end(), set) == rivals.end()) return;
   for (const std::string& rival : rivals) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
+#include "pipeline/plan/shards.h"
 #include "sim/observation_noise.h"
 
 namespace npdr::pipeline {
@@ -38,51 +38,47 @@ SimulationFeatures::SimulationFeatures(const Plan& plan,
       noise_(plan.study.observation_noise),
       seed_(simulations.front()->uses.front().seed),
       amplitude_(picked_amplitude(target, embedding.selection())) {
-  read_theta(simulations);
+  std::vector<h5::File> files;
+  for (const Node* simulation : simulations) files.push_back(open_simulation(plan, *simulation));
+  for (std::size_t s = 0; s < files.size(); ++s) read_theta(files[s], round_of(*simulations[s]));
   const Index width = redraws() ? embedding_.selection().num_values() : embedding_.num_features();
   rows_ = std::make_unique<RowStore>(num_rows(), width, simulations.front()->path.parent_path());
-  read_series(simulations);
+  read_series(files);
 }
 
-void SimulationFeatures::read_theta(const std::vector<const Node*>& simulations) {
-  for (std::size_t s = 0; s < simulations.size(); ++s) {
-    const h5::File file =
-        open_artefact(simulations[s]->path, kSimulationSchema, simulations[s]->key);
-    const auto status = file.dataset("status").read<std::uint8_t>();
-    const RowMatrix theta = file.read_matrix<double>("theta", static_cast<Index>(status.size()), -1,
-                                                     h5::Values::finite);
-    const Index before = num_rows();
-    for (std::size_t i = 0; i < status.size(); ++i) {
-      if (status[i] != 0) {
-        ++num_failed_;
-        continue;
-      }
-      origin_.push_back({round_of(*simulations[s]), static_cast<std::uint32_t>(i)});
-    }
-    theta_.conservativeResize(num_rows(), theta.cols());
-    for (Index i = before; i < num_rows(); ++i) {
-      theta_.row(i) = theta.row(origin_[static_cast<std::size_t>(i)].row);
+void SimulationFeatures::read_theta(const h5::File& file, std::uint32_t round) {
+  const auto status = file.dataset("status").read<std::uint8_t>();
+  const RowMatrix theta =
+      file.read_matrix<double>("theta", static_cast<Index>(status.size()), -1, h5::Values::finite);
+  const Index before = num_rows();
+  for (std::size_t i = 0; i < status.size(); ++i) {
+    if (status[i] == 0) {
+      origin_.push_back({round, static_cast<std::uint32_t>(i)});
+    } else {
+      ++num_failed_;
     }
   }
+  theta_.conservativeResize(num_rows(), theta.cols());
+  for (Index i = before; i < num_rows(); ++i) {
+    theta_.row(i) = theta.row(origin_[static_cast<std::size_t>(i)].row);
+  }
+  end_.push_back(num_rows());
 }
 
-void SimulationFeatures::read_series(const std::vector<const Node*>& simulations) {
-  const auto num_values = static_cast<std::size_t>(embedding_.selection().num_values());
-  std::vector<float> picked(num_values), block;
-  std::vector<float> x(static_cast<std::size_t>(embedding_.num_features()));
+void SimulationFeatures::read_series(const std::vector<h5::File>& files) {
+  std::vector<float> picked(static_cast<std::size_t>(embedding_.selection().num_values()));
+  std::vector<float> x(static_cast<std::size_t>(embedding_.num_features())), block;
   Index next = 0;
-  for (std::size_t s = 0; s < simulations.size(); ++s) {
-    const h5::File file =
-        open_artefact(simulations[s]->path, kSimulationSchema, simulations[s]->key);
-    const h5::Dataset trajectories = simulated_values(file);
-    const Index width = trajectories.row_size();
-    for (Index begin = 0; begin < trajectories.num_rows(); begin += kBlock) {
-      const Index count = std::min(kBlock, trajectories.num_rows() - begin);
+  for (std::size_t s = 0; s < files.size(); ++s) {
+    const h5::Dataset values = simulated_values(files[s]);
+    const Index width = values.row_size();
+    for (Index begin = 0; begin < values.num_rows(); begin += kBlock) {
+      const Index count = std::min(kBlock, values.num_rows() - begin);
       block.resize(static_cast<std::size_t>(count * width));
-      trajectories.read_rows<float>(begin, count, block);
-      for (; next < num_rows(); ++next) {
+      values.read_rows<float>(begin, count, block);
+      for (; next < end_[s]; ++next) {
         const Origin& origin = origin_[static_cast<std::size_t>(next)];
-        if (origin.round != round_of(*simulations[s]) || origin.row >= begin + count) break;
+        if (origin.row >= begin + count) break;
         const std::span<const float> series(block.data() + (origin.row - begin) * width,
                                             static_cast<std::size_t>(width));
         embedding_.selection().pick(series, picked);

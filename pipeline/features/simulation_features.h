@@ -12,6 +12,7 @@
 #include "inference/feature_source.h"
 #include "pipeline/features/row_store.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/store/h5.h"
 
 namespace npdr::pipeline {
 
@@ -40,8 +41,8 @@ class SimulationFeatures : public inference::FeatureSource {
     std::uint32_t row;
   };
   bool redraws() const { return noise_.scale > 0.0 && noise_.redraw; }
-  void read_theta(const std::vector<const Node*>& simulations);
-  void read_series(const std::vector<const Node*>& simulations);
+  void read_theta(const h5::File& file, std::uint32_t round);
+  void read_series(const std::vector<h5::File>& files);
   void add_noise(std::span<float> picked, const Origin& origin, std::uint64_t epoch) const;
 
   const inference::Embedding& embedding_;
@@ -50,6 +51,7 @@ class SimulationFeatures : public inference::FeatureSource {
   RowMatrix amplitude_;  ///< (H, picked channels)
   RowMatrix theta_;
   std::vector<Origin> origin_;
+  std::vector<Index> end_;  // of the rows of each simulation
   Index num_failed_ = 0;
   std::unique_ptr<RowStore> rows_;
 };

@@ -18,7 +18,7 @@ void settle(const Plan& plan, const Node& node) {
   link_uses(plan, node);
   std::error_code ignored;
   if (node.stage == Stage::infer || node.stage == Stage::policy) {
-    std::filesystem::remove(plan.work.checkpoint(to_string(node.stage), node.key), ignored);
+    std::filesystem::remove(plan.work.checkpoint(name_of(node.stage), node.key), ignored);
   }
 }
 
@@ -45,7 +45,8 @@ bool appears(const Plan& plan, const Node& input) {
 void require_input(const Plan& plan, const Node& node, const Node& input) {
   if (is_complete(plan, input) || appears(plan, input)) return;
   throw InputError(node.label() + " needs '" + input.label() + "', which isn't there; run " +
-                   program_of(input.stage) + " on this study first, or npdr run");
+                   std::string(traits_of(input.stage).program) +
+                   " on this study first, or npdr run");
 }
 
 void require_inputs(const Plan& plan, const Node& node) {

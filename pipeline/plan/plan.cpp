@@ -8,56 +8,14 @@
 
 namespace npdr::pipeline {
 
-std::string to_string(Stage stage) {
-  switch (stage) {
-    case Stage::target:
-      return "target";
-    case Stage::held_out:
-      return "held_out";
-    case Stage::propose:
-      return "propose";
-    case Stage::simulate:
-      return "simulate";
-    case Stage::infer:
-      return "infer";
-    case Stage::baseline:
-      return "baseline";
-    case Stage::evaluate:
-      return "evaluate";
-    case Stage::diagnose:
-      return "diagnose";
-    case Stage::policy:
-      return "policy";
-    case Stage::policy_test:
-      return "policy_test";
-    case Stage::report:
-      return "report";
-  }
-  return "";
-}
-
 std::uint64_t Use::stream_round() const {
   const Index earlier = std::max<Index>(0, iteration - 1);
   return static_cast<std::uint64_t>(round) + (static_cast<std::uint64_t>(earlier) << 32);
 }
 
-std::string program_of(Stage stage) {
-  switch (stage) {
-    case Stage::target:
-    case Stage::held_out:
-      return "npdr-propose";
-    case Stage::baseline:
-      return "npdr-evaluate";
-    case Stage::policy_test:
-      return "npdr-policy";
-    default:
-      return "npdr-" + to_string(stage);
-  }
-}
-
 std::string Node::label() const {
   const Use& use = uses.front();
-  std::string text = to_string(stage);
+  std::string text = name_of(stage);
   if (!use.method.empty()) text += " " + use.method + ", seed " + std::to_string(use.seed);
   if (use.iteration > 0) text += ", iteration " + std::to_string(use.iteration);
   if (use.round > 0) text += ", round " + std::to_string(use.round);
@@ -71,7 +29,7 @@ const Node& Plan::node(Stage stage, const Use& use) const {
     if (candidate.stage != stage) continue;
     if (std::ranges::find(candidate.uses, use) != candidate.uses.end()) return candidate;
   }
-  throw InputError("this study has no artefact '" + to_string(stage) + "' for " + use.method +
+  throw InputError("this study has no artefact '" + name_of(stage) + "' for " + use.method +
                    ", seed " + std::to_string(use.seed) + ", iteration " +
                    std::to_string(use.iteration) + ", round " + std::to_string(use.round));
 }
@@ -110,7 +68,7 @@ std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use
   if (use.iteration > 0) folder /= "iteration-" + std::to_string(use.iteration);
   if (use.round > 0) folder /= "round-" + std::to_string(use.round);
   if (is_calibration(node)) folder /= "calibration";
-  return folder / (to_string(node.stage) + ".h5");
+  return folder / (name_of(node.stage) + ".h5");
 }
 
 void link_uses(const Plan& plan, const Node& node) {

@@ -12,30 +12,11 @@
 #include "core/target.h"
 #include "pipeline/artefacts/work_folder.h"
 #include "pipeline/config/study.h"
+#include "pipeline/plan/stage.h"
 #include "pipeline/sources/source.h"
 #include "pipeline/store/artefact.h"
 
 namespace npdr::pipeline {
-
-enum class Stage {
-  target,
-  held_out,
-  propose,
-  simulate,
-  infer,
-  baseline,
-  evaluate,
-  diagnose,
-  policy,
-  policy_test,
-  report
-};
-
-/// "target", "propose", ...
-std::string to_string(Stage stage);
-
-/// The executable that makes a stage's artefacts: "npdr-simulate", ...
-std::string program_of(Stage stage);
 
 /// Who uses an artefact: methods that share prior, budget and seed share simulations.
 struct Use {

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& key) {
   if (stage == Stage::report) return plan.work.study(plan.study.name) / "report.json";
-  return plan.work.artefact(to_string(stage), key);
+  return plan.work.artefact(name_of(stage), key);
 }
 
 // What a posterior without simulations takes from the study.

@@ -48,10 +48,11 @@ std::string too_many_failed(const Plan& plan, const Node& node, const h5::File& 
       limit, static_cast<Index>(limit * static_cast<double>(n)), source.advice);
 }
 
-void check_failed_rows(const Plan& plan, const Node& node) {
-  const h5::File file = open_artefact(node, kSimulationSchema);
+h5::File open_simulation(const Plan& plan, const Node& node) {
+  h5::File file = open_artefact(node, kSimulationSchema);
   const std::string failure = too_many_failed(plan, node, file);
   if (!failure.empty()) throw FailedRolloutsError(failure);
+  return file;
 }
 
 }  // namespace npdr::pipeline

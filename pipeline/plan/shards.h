@@ -21,7 +21,8 @@ void require_shard(const Plan& plan, const Node& node, Index number);
 /// so many.
 std::string too_many_failed(const Plan& plan, const Node& node, const h5::File& simulation);
 
-/// Throws FailedRolloutsError when more rows failed than the study's limit allows.
-void check_failed_rows(const Plan& plan, const Node& node);
+/// Opens the joined simulation `node`. Throws InputError for a damaged one, FailedRolloutsError
+/// when more rows failed than the study's limit allows.
+h5::File open_simulation(const Plan& plan, const Node& node);
 
 }  // namespace npdr::pipeline

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "analysis/feature_distance.h"
+#include "analysis/feature_comparison.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/features/targets.h"

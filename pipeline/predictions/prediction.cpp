@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "analysis/feature_distance.h"
+#include "analysis/feature_comparison.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,19 +1,19 @@
-/// Which build of the program this is.
+/// Description of this build of the program.
 #pragma once
 
 #include <string>
 
 namespace npdr::pipeline {
 
-/// Such as "0.1.0".
+/// Version of the project, such as "0.1.0".
 std::string creator_version();
 
 /// The git revision that was built, with "-dirty" when files were changed since; "unknown" when the
 /// source tree isn't a git checkout.
 std::string git_revision();
 
-/// What the compiler was allowed to use, such as "x86-64 avx2 fma avx512f". Bits of results may
-/// differ between instruction sets.
+/// Instructions that the compiler was allowed to use, such as "x86-64 avx2 fma avx512f". Bits of
+/// results may differ between instruction sets.
 std::string instruction_set();
 
 }  // namespace npdr::pipeline

@@ -5,7 +5,7 @@
 
 namespace npdr::pipeline {
 
-/// Such as "2024-03-01T12:00:00Z".
+/// Now, such as "2024-03-01T12:00:00Z".
 std::string now_utc();
 
 }  // namespace npdr::pipeline

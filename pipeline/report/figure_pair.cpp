@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "analysis/figure.h"
 #include "analysis/pair_plot.h"
-#include "analysis/plot_layout.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
 
@@ -28,15 +28,17 @@ analysis::PairParameter axis_of(const ReportData& data, Index d) {
 std::vector<analysis::PairPoint> marked_points(const ReportData& data) {
   using analysis::LegendMark;
   std::vector<analysis::PairPoint> points;
-  const auto mark = [&](const std::string& name, LegendMark shape, const char* color, int dash) {
+  const auto mark = [&](const std::string& name, LegendMark shape, const char* color,
+                        analysis::LineStyle style) {
     const BaselinePoint* point = find_point(data, name);
-    if (point != nullptr) points.push_back({name, point->theta, shape, color, dash});
+    if (point != nullptr) points.push_back({name, point->theta, shape, color, style});
   };
-  mark("nominal", LegendMark::triangle, analysis::kNominalColor, 2);
-  mark("truth", LegendMark::diamond, analysis::kTruthColor, 1);
+  mark("nominal", LegendMark::triangle, analysis::kNominalColor, analysis::LineStyle::dashed);
+  mark("truth", LegendMark::diamond, analysis::kTruthColor, analysis::LineStyle::solid);
   const auto& references = data.plan.study.references;
   for (std::size_t i = 0; i < std::min(references.size(), analysis::kMaxReferences); ++i) {
-    mark(references[i].name, LegendMark::square, analysis::kReferenceColors[i], 4);
+    mark(references[i].name, LegendMark::square, analysis::kReferenceColors[i],
+         analysis::LineStyle::dash_dotted);
   }
   return points;
 }

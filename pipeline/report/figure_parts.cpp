@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "analysis/figure.h"
 #include "analysis/pair_plot.h"
-#include "analysis/plot_layout.h"
 
 namespace npdr::pipeline {
 

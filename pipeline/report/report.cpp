@@ -65,7 +65,7 @@ analysis::ReportSection make_section(Section section, const ReportData& data,
 // A limit that was lowered after the posteriors were made stops the study all the same.
 void check_failed_rows_of_all(const Plan& plan) {
   for (const Node& node : plan.nodes) {
-    if (node.stage == Stage::simulate && is_complete(plan, node)) check_failed_rows(plan, node);
+    if (node.stage == Stage::simulate && is_complete(plan, node)) open_simulation(plan, node);
   }
 }
 

@@ -29,7 +29,7 @@ Cell training_cell(const Runs& runs) {
   for (const auto* run : runs) {
     const inference::TrainingCheck& check = *run->result.training;
     failed += check.is_converged ? 0 : 1;
-    gap += check.generalisation_gap / static_cast<double>(runs.size());
+    gap += check.generalization_gap / static_cast<double>(runs.size());
   }
   const std::string verdict =
       failed > 0 ? "NOT converged" + seeds_text(failed, runs.size()) : "converged";

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "analysis/feature_distance.h"
+#include "analysis/feature_comparison.h"
 #include "core/feature_names.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"

@@ -43,14 +43,16 @@ std::optional<fs::path> earlier_artefact(const Plan& plan, const Node& node) {
   return found;
 }
 
-std::string partial_detail(const Plan& plan, const Node& node) {
+// Nothing: no part of it is there.
+std::optional<std::string> partial_detail(const Plan& plan, const Node& node) {
   if (node.stage == Stage::simulate) {
     const std::size_t total = shards(plan, node).size();
     const std::size_t missing = missing_shards(plan, node).size();
-    return missing == total ? "" : fmt::format("{} of {} shards", total - missing, total);
+    if (missing == total) return std::nullopt;
+    return fmt::format("{} of {} shards", total - missing, total);
   }
-  const fs::path checkpoint = plan.work.checkpoint(to_string(node.stage), node.key);
-  if (!fs::exists(checkpoint)) return "";
+  const fs::path checkpoint = plan.work.checkpoint(name_of(node.stage), node.key);
+  if (!fs::exists(checkpoint)) return std::nullopt;
   if (node.stage == Stage::policy) {
     const h5::File file = open_artefact(checkpoint, kPolicyCheckpointSchema, node.key);
     return fmt::format("checkpoint at iteration {}", file.attribute<Index>("iteration"));
@@ -141,6 +143,7 @@ void check_artefact(const Plan& plan, const Node& node, Scrutiny scrutiny, Artef
     const h5::File file = open_artefact(node, kSimulationSchema);
     status.cost = provenance_of(file).cost;
     status.detail = too_many_failed(plan, node, file);
+    if (!status.detail.empty()) status.state = ArtefactState::failed;
     shards = simulated_values(file).part_files();
   } else {
     status.cost = read_artefact_info(node.path).provenance.cost;
@@ -160,16 +163,17 @@ std::vector<fs::path> present_shards(const Plan& plan, const Node& node) {
 
 void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
   if (is_complete(plan, node)) {
+    status.state = ArtefactState::up_to_date;
     if (node.stage != Stage::report) check_artefact(plan, node, scrutiny, status);
-    status.state = status.detail.empty() ? ArtefactState::up_to_date : ArtefactState::failed;
     return;
   }
   if (scrutiny == Scrutiny::thorough && node.stage == Stage::simulate) {
     check_shards(present_shards(plan, node));
   }
-  status.detail = partial_detail(plan, node);
+  const std::optional<std::string> part = partial_detail(plan, node);
+  status.detail = part.value_or("");
   status.earlier = earlier_artefact(plan, node);
-  if (!status.detail.empty()) {
+  if (part) {
     status.state = ArtefactState::partial;
   } else if (status.earlier) {
     status.state = ArtefactState::stale;
@@ -199,8 +203,8 @@ ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny) 
 
 std::vector<std::string> reasons(const Plan& plan, const Node& node) {
   if (is_complete(plan, node)) {
-    const std::string detail = status_of(plan, node).detail;
-    return {detail.empty() ? "it is up to date" : detail};
+    const ArtefactStatus status = status_of(plan, node);
+    return {status.state == ArtefactState::up_to_date ? "it is up to date" : status.detail};
   }
   const std::optional<fs::path> earlier = earlier_artefact(plan, node);
   if (!earlier) return {"it was never made"};

@@ -22,11 +22,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-bool uses_threads(Stage stage) {
-  return stage == Stage::simulate || stage == Stage::evaluate || stage == Stage::baseline ||
-         stage == Stage::diagnose || stage == Stage::policy || stage == Stage::policy_test;
-}
-
 // Unlike fmt::print(), doesn't throw: a terminal that was closed or a full disk end no run.
 void print(const std::string& text) { std::fputs(text.c_str(), stderr); }
 
@@ -44,7 +39,7 @@ void print_tail(const std::string& path) {
 }  // namespace
 
 std::vector<std::string> stage_command(const SchedulerConfig& config, const Node& node) {
-  std::vector<std::string> command = {executable_folder() / program_of(node.stage)};
+  std::vector<std::string> command = {executable_folder() / traits_of(node.stage).program};
   command.insert(command.end(), config.study_words.begin(), config.study_words.end());
   command.insert(command.end(), {"--artefact", node.key});
   return command;
@@ -144,7 +139,7 @@ void Scheduler::start_ready_jobs() {
   }
   for (std::size_t r = 0; r < ready.size() && free_slots_ > 0; ++r) {
     const int share = std::max(1, free_slots_ / static_cast<int>(ready.size() - r));
-    start(ready[r], uses_threads(plan_.nodes[ready[r]].stage) ? share : 1);
+    start(ready[r], traits_of(plan_.nodes[ready[r]].stage).uses_threads ? share : 1);
   }
 }
 

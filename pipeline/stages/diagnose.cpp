@@ -11,7 +11,6 @@
 #include "pipeline/features/series_summary.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/plan/shards.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
@@ -94,7 +93,6 @@ std::vector<std::uint32_t> all_rows(Index count) {
 
 Calibration calibrate(const Case& c) {
   const auto simulations = simulations_of(c, true);
-  check_failed_rows(c.plan, *simulations.front());
   const SimulationFeatures features(c.plan, simulations, c.target, *c.embedding);
   require_rows(c, "simulations of calibration", features.num_rows(), features.num_failed(),
                "raise diagnose.num_simulations");

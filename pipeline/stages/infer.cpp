@@ -9,7 +9,6 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/plan/shards.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/infer_methods.h"
@@ -79,9 +78,6 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const auto start = Clock::now();
   const Use& use = node.uses.front();
   const MethodConfig& method = plan.study.method(use.method);
-  for (const Node* simulation : plan.inputs(node, Stage::simulate)) {
-    check_failed_rows(plan, *simulation);
-  }
   const Target target = read_seen_target(plan, node);
   const auto embedding =
       inference::make_embedding(method.embedding, target, plan.study.simulator.store_every);

@@ -59,11 +59,10 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
   const Use& use = node.uses.front();
   const MethodConfig& method = plan.study.method(use.method);
   const Node& simulation = *plan.inputs(node, Stage::simulate).front();
-  check_failed_rows(plan, simulation);
   const Target target = read_seen_target(plan, node);
   std::optional<Previous> previous = read_previous(plan, node);
 
-  const h5::File rows = open_artefact(simulation, kSimulationSchema);
+  const h5::File rows = open_simulation(plan, simulation);
   inference::AbcRound round{rows.read_matrix<double>("theta", -1, -1, h5::Values::finite), {}};
   std::optional<inference::FeatureTransform> transform;
   if (previous) transform = previous->transform;

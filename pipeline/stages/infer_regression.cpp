@@ -28,7 +28,7 @@ void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
 
   const sim::RegressionRows rows = form->rows(target, known, method.linear_regression.window);
   const inference::WeightPosterior weights =
-      inference::maximise_evidence(rows.regressors, rows.response);
+      inference::maximize_evidence(rows.regressors, rows.response);
   const Index n = method.linear_regression.num_samples;
   const RowMatrix w = weights.sample(n, {use.seed, "regression_weights", 0, 0, 0});
   RowMatrix complete(n, known.size());

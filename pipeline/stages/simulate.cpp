@@ -110,7 +110,7 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
   if (missing_shards(plan, node).empty()) {
     join_shards(node, node.identity, plan.study, simulation.target, all);
     link_uses(plan, node);  // one can look at it also where too many rows failed
-    check_failed_rows(plan, node);
+    open_simulation(plan, node);
   }
 }
 

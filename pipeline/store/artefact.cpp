@@ -158,7 +158,7 @@ h5::File open_undamaged(const std::filesystem::path& path) {
   return file;
 }
 
-// What we made can be made again.
+// The file that we made can be made again.
 h5::File open_made_file(const std::filesystem::path& path) {
   try {
     return open_undamaged(path);

@@ -21,17 +21,17 @@
 
 namespace npdr::pipeline {
 
-/// What kind of artefact a file is, and who makes it.
+/// Kind of artefact that a file is, and the stage that makes it.
 struct Schema {
   std::string name;   ///< such as "posterior"
   Index version = 1;  ///< raised whenever the meaning of the content changes
-  std::string stage;  ///< what to rerun for a new one, such as "infer"
+  std::string stage;  ///< to rerun for a new one, such as "infer"
 };
 
-/// What every key document begins with: stage and schema version.
+/// The begin of every key document: stage and schema version.
 nlohmann::ordered_json key_document(const Schema& schema);
 
-/// What an artefact is made from.
+/// Everything that an artefact is made from.
 struct Identity {  // NOLINT(bugprone-exception-escape): moving JSON doesn't throw
   nlohmann::ordered_json key_document;        ///< everything that it depends on
   std::map<std::string, std::string> inputs;  ///< keys of the artefacts that it is made from
@@ -52,7 +52,7 @@ struct ArtefactFile {
   std::string key;  ///< empty: any
 };
 
-/// What it took to make something.
+/// Time that it took to make something.
 struct Cost {
   double wall_seconds = 0.0;
   double core_seconds = 0.0;  ///< wall time by the threads that it had
@@ -60,7 +60,7 @@ struct Cost {
   Cost& operator+=(const Cost& other);
 };
 
-/// Of work on all threads of this process.
+/// Cost of so many seconds of work on all threads of this process.
 Cost cost_of_seconds(double seconds);
 
 /// Who made an artefact, when and where.
@@ -109,7 +109,7 @@ class ArtefactWriter {
 };
 
 /// open_artefact() of a file that may not be there, such as a checkpoint, which another process may
-/// remove at any instant.
+/// remove at any instant. Throws as that does when it is there.
 std::optional<h5::File> open_artefact_if_there(const ArtefactFile& file, const Schema& schema);
 
 /// Opens a complete artefact of this schema, and of this key when that isn't empty. Throws
@@ -118,14 +118,14 @@ h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
                        const std::string& key = "");
 h5::File open_artefact(const ArtefactFile& file, const Schema& schema);
 
-/// What the artefact in `path`, of any schema, says about itself. Throws InputError for a file that
-/// isn't a complete artefact.
+/// Reads what the artefact in `path`, of any schema, says about itself. Throws InputError for a
+/// file that isn't a complete artefact.
 ArtefactInfo read_artefact_info(const std::filesystem::path& path);
 
 /// The attributes of an artefact's file that its stage has added to those of every artefact.
 std::vector<std::string> own_attributes(const h5::File& file);
 
-/// Who made an open artefact.
+/// Reads who made an open artefact. Throws InputError where it doesn't say.
 Provenance provenance_of(const h5::File& file);
 
 /// Excludes a group or dataset from content_digest().
@@ -135,6 +135,7 @@ bool is_volatile(const h5::Object& object);
 /// XXH3-128 of what an artefact holds, 32 hexadecimal digits: names, types, shapes and values of
 /// all datasets and attributes in the order of their names, except for what is marked volatile. How
 /// values are chunked and compressed doesn't count. Equal digests: the same bits were computed.
+/// Throws InputError for a file that can't be read.
 std::string content_digest(const std::filesystem::path& path);
 
 }  // namespace npdr::pipeline

@@ -1,4 +1,4 @@
-/// What the columns of a table in an HDF5 file are called: attributes `labels` and `units`.
+/// Names of the columns of a table in an HDF5 file: attributes `labels` and `units`.
 #pragma once
 
 #include <string>
@@ -17,10 +17,11 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
 /// when there are more or fewer.
 std::vector<std::string> column_units(const h5::Dataset& dataset, std::size_t num_labels);
 
-/// Labels with units, of `label [unit]` or the attribute `units`; "1" where there is none.
+/// Labels with units, of `label [unit]` or the attribute `units`; "1" where there is none. Throws
+/// InputError as the two do.
 std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns);
 
-/// Sets both attributes.
+/// Sets both attributes. Throws Error when that fails.
 void describe_columns(h5::Dataset& dataset, const std::vector<Channel>& columns);
 
 /// The first few of a file's names for a message, none of them long.

@@ -11,7 +11,7 @@ namespace npdr::pipeline {
 /// doesn't. Throws InputError for a number that isn't finite and for text that isn't UTF-8.
 std::string canonical_json(const nlohmann::ordered_json& document);
 
-/// 32 hexadecimal digits: XXH3-128 of the canonical text.
+/// 32 hexadecimal digits: XXH3-128 of the canonical text. Throws as canonical_json() does.
 std::string content_key(const nlohmann::ordered_json& document);
 
 /// `text` as JSON. Throws InputError, which begins with `where`, when it isn't.

@@ -31,7 +31,7 @@ namespace npdr::pipeline::h5 {
 /// How a dataset is laid out in its file.
 struct Storage {
   bool chunked = true;       ///< in checksummed chunks (fletcher32); false: one plain block
-  int deflate = 4;           ///< of chunks, after shuffling their bytes: 0 (not at all) to 9
+  int deflate = 4;           ///< level for chunks, after shuffling their bytes: 0 (none) to 9
   Index rows_per_chunk = 0;  ///< 0: as many as fit in about 256 KiB
 };
 

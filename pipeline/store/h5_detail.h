@@ -1,4 +1,4 @@
-/// What the files of pipeline/store/h5* share about the HDF5 library. Private to them.
+/// Calls of the HDF5 library that the files of pipeline/store/h5* share. Private to them.
 #pragma once
 
 #include <hdf5.h>

@@ -1,4 +1,4 @@
-/// What groups and datasets of HDF5 files have in common: types, an identifier, attributes.
+/// Common parts of groups and datasets of HDF5 files: types, an identifier, attributes.
 #pragma once
 
 #include <cstdint>
@@ -60,7 +60,7 @@ class Handle {
   std::int64_t id_ = -1;
 };
 
-/// What can carry attributes: a group or a dataset.
+/// A group or a dataset: it can carry attributes.
 class Object {
  public:
   /// The file, and the object in it, as messages call it: "theta.h5: dataset 'theta'".

@@ -31,7 +31,7 @@ class VirtualParts {
   /// InputError when the part has changed.
   Piece from(Index row);
 
-  /// What to do about a part that can't be read.
+  /// Words on what to do about a part that can't be read.
   std::string advice() const;
 
  private:
@@ -43,12 +43,12 @@ class VirtualParts {
   };
   Dataset opened(const Part& part) const;
 
-  std::string file_;  ///< of the whole
+  std::string file_;  ///< name of the whole
   Shape shape_;
   ElementType type_;
   std::vector<Part> parts_;
   std::optional<Dataset> current_;
-  std::ptrdiff_t current_number_ = 0;  ///< of the open part, counted from 1; 0: none
+  std::ptrdiff_t current_number_ = 0;  ///< number of the open part, from 1; 0: none
 };
 
 }  // namespace npdr::pipeline::h5

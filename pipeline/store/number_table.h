@@ -51,7 +51,7 @@ class NumberTable {
   /// Whether a column of this row holds nothing, or NaN.
   bool is_missing(std::size_t column) const;
 
-  /// What is wrong with a column of this row, for a caller to throw: `must be <words>`.
+  /// The error that a column of this row must be `words`, for a caller to throw.
   InputError problem(std::size_t column, const std::string& words) const;
 
  private:

@@ -21,7 +21,7 @@ namespace {
 constexpr std::string_view kBegin = "npdr xxh3-128 ";
 constexpr std::size_t kSealBytes = kBegin.size() + 32 + 1;
 
-// Of a regular file; others have none.
+// Size of a regular file; 0 for others.
 std::size_t size_of(const OpenFile& file) {
   struct stat status = {};
   if (::fstat(file.value(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;

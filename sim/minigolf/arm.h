@@ -26,7 +26,7 @@ Eigen::Isometry3d head_pose(const JointAngles& q);
 /// begin + fraction (end - begin), joint by joint.
 JointAngles between(const JointAngles& begin, const JointAngles& end, double fraction);
 
-/// The behaviour policy of Table A4: q_init + (q_end - q_init) min(t / 0.5 s, 1).
+/// The behavior policy of Table A4: q_init + (q_end - q_init) min(t / 0.5 s, 1).
 JointAngles strike(double time);
 
 /// The policy's actions at t dt, t = 0, ..., T - 1: (T, 7).

@@ -14,7 +14,7 @@ constexpr double kClubMargin = 0.02;  // [m] gap below which the club is in the 
 constexpr double kRestSpeed = 1e-3;   // [m/s]
 constexpr double kRestTime = 0.1;     // [s]
 
-// Of two bodies in contact, as Bullet combines theirs (course.h).
+// Coefficients of two bodies in contact, as Bullet combines theirs (course.h).
 double friction(const Surface& a, const Surface& b) { return a.friction * b.friction; }
 double rolling_friction(const Surface& a, const Surface& b) {
   return a.rolling_friction * b.friction + b.rolling_friction * a.friction;

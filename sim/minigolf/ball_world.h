@@ -21,8 +21,7 @@ namespace npdr::sim {
 
 class BulletScene;
 
-/// How many steps of a world went which way: along the closed form, with `substeps`, and with
-/// `substeps_near`.
+/// Numbers of steps of a world: along the closed form, with `substeps`, and with `substeps_near`.
 struct StepCounts {
   Index rolled = 0, coarse = 0, fine = 0;
 };
@@ -49,7 +48,7 @@ class BallWorld {
 
   const StepCounts& step_counts() const { return counts_; }
 
-  /// For experiments with the world itself: sets the ball's state.
+  /// Sets the ball's state, for experiments with the world itself.
   void set_ball(const Eigen::Vector3d& position, const Eigen::Vector3d& velocity,
                 const Eigen::Vector3d& spin);
 

@@ -113,12 +113,12 @@ void BulletScene::add_ball(const MinigolfConfig& config, const Course& course) {
 }
 
 void BulletScene::make_club() {
-  std::array<btVector3, 4> centres = {
+  std::array<btVector3, 4> centers = {
       btVector3(-kHeadHalfX, -kHeadHalfY, 0), btVector3(-kHeadHalfX, kHeadHalfY, 0),
       btVector3(kHeadHalfX, -kHeadHalfY, 0), btVector3(kHeadHalfX, kHeadHalfY, 0)};
   std::array<btScalar, 4> radii;
   radii.fill(kHeadRadius);
-  head_shape_ = std::make_unique<btMultiSphereShape>(centres.data(), radii.data(), 4);
+  head_shape_ = std::make_unique<btMultiSphereShape>(centers.data(), radii.data(), 4);
   head_shape_->setMargin(kHeadRadius);  // of points, whose margin is the sphere
   club_ = std::make_unique<btRigidBody>(0.0, nullptr, head_shape_.get());
   set_surface(kFixtures, *club_);

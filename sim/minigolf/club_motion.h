@@ -1,4 +1,4 @@
-/// Where the club's head is during a rollout, worked out once for all simulations of it.
+/// Motion of the club's head during a rollout, worked out once for all simulations of it.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -33,7 +33,7 @@ class ClubMotion {
  private:
   Index coarse_, fine_;
   std::vector<Eigen::Isometry3d> coarse_poses_, fine_poses_;  // (T n + 1)
-  std::vector<Eigen::AlignedBox3d> during_, from_;            // of the head's centre
+  std::vector<Eigen::AlignedBox3d> during_, from_;            // of the head's center
 };
 
 }  // namespace npdr::sim

@@ -12,14 +12,14 @@
 
 namespace npdr::sim {
 
-/// A box on the ground: half extents, centre and rotation about z.
+/// A box on the ground: half extents, center and rotation about z.
 struct CourseBox {
   double half_x, half_y, half_z;
   double x, y, yaw;
 };
 
-/// Of a body's surface. Two bodies in contact combine theirs as Bullet does: the products of
-/// frictions mu and of restitutions e, and for rolling friction [m] the sum
+/// Properties of a body's surface. Two bodies in contact combine theirs as Bullet does: the
+/// products of frictions mu and of restitutions e, and for rolling friction [m] the sum
 ///   mu_roll,a mu_b + mu_roll,b mu_a.
 /// Rolling friction is a torque of at most mu_roll F_n against the rolling, so mu_roll is a length:
 /// a sphere of radius r on a plane decelerates by (5/7) g mu_roll / r. Appendix F gives it so,

@@ -44,10 +44,10 @@ SimulatorInfo make_info() {
   return info;
 }
 
-void check_range(const std::string& field, double found, double lower, double upper) {
-  if (found >= lower && found <= upper) return;
+void check_range(const std::string& field, double found, const Range& allowed) {
+  if (allowed.contains(found)) return;
   std::ostringstream range;
-  range << "in [" << lower << ", " << upper << "]";
+  range << "in [" << allowed.low << ", " << allowed.high << "]";
   reject_setting(field, found, range.str());
 }
 
@@ -61,17 +61,18 @@ void check_config(const SimulatorConfig& config) {
   }
   if (config.store_every < 1) reject_setting("store_every", config.store_every, ">= 1");
   const MinigolfConfig& golf = config.minigolf;
-  check_range("minigolf.substeps", double(golf.substeps), 1, 1000);
-  check_range("minigolf.substeps_near", double(golf.substeps_near), 1, 1000);
-  check_range("minigolf.solver_iterations", double(golf.solver_iterations), 1, 10'000);
-  check_range("minigolf.linear_damping", golf.linear_damping, 0.0, 1.0);
-  check_range("minigolf.angular_damping", golf.angular_damping, 0.0, 1.0);
-  check_range("minigolf.solver_cfm", golf.solver_cfm, 0.0, 1.0);
-  check_range("minigolf.solver_erp", golf.solver_erp, 0.0, 1.0);
-  check_range("minigolf.restitution_threshold", golf.restitution_threshold, 0.0, 100.0);
+  check_range("minigolf.substeps", double(golf.substeps), golf.kSubsteps);
+  check_range("minigolf.substeps_near", double(golf.substeps_near), golf.kSubsteps);
+  check_range("minigolf.solver_iterations", double(golf.solver_iterations), golf.kSolverIterations);
+  check_range("minigolf.linear_damping", golf.linear_damping, golf.kPart);
+  check_range("minigolf.angular_damping", golf.angular_damping, golf.kPart);
+  check_range("minigolf.solver_cfm", golf.solver_cfm, golf.kPart);
+  check_range("minigolf.solver_erp", golf.solver_erp, golf.kPart);
+  check_range("minigolf.restitution_threshold", golf.restitution_threshold,
+              golf.kRestitutionThreshold);
 }
 
-// What all simulations of one rollout of the target share.
+// Data that all simulations of one rollout of the target share.
 struct Task {
   ClubMotion motion;
   Eigen::Vector2d start;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/enum_names.h"
+#include "core/range.h"
 #include "core/types.h"
 
 namespace npdr::sim {
@@ -13,20 +14,25 @@ constexpr auto enum_table(Strike) {
       {{Strike::recorded, "recorded"}, {Strike::policy, "policy"}});
 }
 
-/// Where the ball begins: as recorded in each rollout, or at its nominal place.
+/// The ball's first place: as recorded in each rollout, or the nominal one.
 enum class BallStart { recorded, nominal };
 constexpr auto enum_table(BallStart) {
   return std::to_array<EnumRow<BallStart>>(
       {{BallStart::recorded, "recorded"}, {BallStart::nominal, "nominal"}});
 }
 
-/// How a ball rolls away from everything: in closed form, or by Bullet as all else.
+/// Computation of a ball that rolls away from everything: in closed form, or by Bullet as all else.
 enum class Rolling { exact, engine };
 constexpr auto enum_table(Rolling) {
   return std::to_array<EnumRow<Rolling>>({{Rolling::exact, "exact"}, {Rolling::engine, "engine"}});
 }
 
 struct MinigolfConfig {
+  static constexpr Range kSubsteps = {1, 1000};  ///< both numbers of them
+  static constexpr Range kSolverIterations = {1, 10'000};
+  static constexpr Range kPart = {0.0, 1.0};  ///< dampings, cfm and erp
+  static constexpr Range kRestitutionThreshold = {0.0, 100.0};
+
   Strike strike = Strike::recorded;
   BallStart ball_start = BallStart::recorded;
   Rolling rolling = Rolling::exact;

@@ -23,7 +23,7 @@ TEST(CalibrationPlot, DrawsAPanelPerParameter) {
   const FigureFiles files = write_rank_plot(ranks_of({"A", "B <&>"}), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
-  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 3);  // the even share and two methods
+  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 4);  // band, even share, two methods
   for (const char* words : {">mass<", ">pole_length<", ">A<", ">B &lt;&amp;><"}) {
     EXPECT_NE(svg.find(words), std::string::npos) << words;
   }
@@ -46,6 +46,20 @@ TEST(CalibrationPlot, DrawsCurvesOfCoverage) {
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);  // band, diagonal and two methods
   EXPECT_NE(svg.find(">highest density<"), std::string::npos);
+}
+
+TEST(CalibrationPlot, AMethodHasOneColorInAllPanels) {
+  const TempFolder folder;
+  const Vector level = Vector::LinSpaced(11, 0.0, 1.0);
+  const CoveragePlot plot{
+      "coverage",
+      {{"1", {{"A", level, level}, {"B", level, level}}}, {"2", {{"B", level, level}}}},
+      9};
+  const FigureFiles files = write_coverage_plot(plot, folder.path());
+  const std::string script = read_text_file(files.script);
+  EXPECT_NE(script.find("'coverage_3.dat' using 1:2 with lines lw 1.6 lc rgb '#00e69f00'"),
+            std::string::npos)
+      << script;
 }
 
 TEST(CalibrationPlot, RejectsWhatCantBeDrawn) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
@@ -42,6 +44,16 @@ TEST(CurvePlot, DrawsABandAndACurveOfEachMethod) {
     EXPECT_NE(svg.find(words), std::string::npos) << words;
   }
   EXPECT_TRUE(is_png(read_text_file(files.png)));
+}
+
+TEST(CurvePlot, CopesWithConstantAndMissingValues) {
+  const TempFolder folder;
+  for (const double value : {0.0, -3.0, std::nan("")}) {
+    CurvePlot plot = plot_of({"A"});
+    Curve& curve = plot.curves.front();
+    for (Vector* part : {&curve.mean, &curve.lower, &curve.upper}) part->setConstant(value);
+    EXPECT_EQ(markup_error(read_text_file(write_curve_plot(plot, folder.path()).svg)), "");
+  }
 }
 
 TEST(CurvePlot, RejectsWhatCantBeDrawn) {

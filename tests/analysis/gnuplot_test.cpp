@@ -14,15 +14,15 @@
 namespace npdr::analysis {
 namespace {
 
-std::string problem_of(const Figure& figure, const std::filesystem::path& directory,
+std::string problem_of(const GnuplotScript& script, const std::filesystem::path& directory,
                        const std::string& program = "gnuplot") {
-  return message_of<Error>([&] { render_figure(figure, directory, program); });
+  return message_of<Error>([&] { render_script(script, directory, program); });
 }
 
 TEST(Gnuplot, MakesSvgAndPngFromOneScript) {
   const TempFolder folder;
   write_data_file(folder.path() / "data.dat", "x y", RowMatrix::Identity(3, 2));
-  const FigureFiles files = render_figure(
+  const FigureFiles files = render_script(
       {"plot", 320, 200, "unset key\nplot 'data.dat' using 1:2 with points pt 7\n"}, folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
@@ -72,7 +72,7 @@ TEST(Gnuplot, StringsStandForThemselves) {
   EXPECT_EQ(gnuplot_string("a\nb\t\x7f"), "'a b  '");
   const TempFolder folder;
   const std::string nasty = "''`touch broken`\" \\n $x @y {/Bold b} <&> 10⁻³";
-  const FigureFiles files = render_figure(
+  const FigureFiles files = render_script(
       {"plot", 320, 200, "unset key\nset title " + gnuplot_string(nasty) + "\nplot x\n"},
       folder.path());
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "broken"));

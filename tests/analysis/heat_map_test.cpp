@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
@@ -55,6 +57,17 @@ TEST(HeatMap, AMarkLiesBetweenItsNeighbors) {
       << script(0.3, 1.25);
   EXPECT_NE(script(0.1, 2.0).find("first 0, first 1"), std::string::npos);
   EXPECT_EQ(script(0.5, 1.0).find("first"), std::string::npos) << "outside of the grid";
+}
+
+TEST(HeatMap, LabelsAsManyCellsAsThereIsRoomFor) {
+  const TempFolder folder;
+  HeatMapPlot plot = plot_of({"A"});
+  plot.x.points = Vector::LinSpaced(40, 0.1001, 0.4991);
+  plot.maps.front().values = RowMatrix::Constant(40, 2, std::nan(""));
+  const std::string svg = read_text_file(write_heat_maps(plot, folder.path()).svg);
+  EXPECT_EQ(markup_error(svg), "");
+  EXPECT_LE(count_of(svg, ">0."), 5);
+  EXPECT_NE(svg.find(">0.1001<"), std::string::npos);
 }
 
 TEST(HeatMap, RejectsWhatCantBeDrawn) {

@@ -27,8 +27,10 @@ PairPlot plot_of(Index dimension) {
   for (Index d = 0; d < dimension; ++d) {
     plot.parameters.push_back({"p_" + std::to_string(d), "kg", 0.0, 2.0});
   }
-  plot.points = {{"nominal", Vector::Constant(dimension, 1.0), LegendMark::triangle, "#1b7837", 2},
-                 {"truth", Vector::Constant(dimension, 1.5), LegendMark::diamond, "#000000", 1}};
+  plot.points = {{"nominal", Vector::Constant(dimension, 1.0), LegendMark::triangle, "#1b7837",
+                  LineStyle::dashed},
+                 {"truth", Vector::Constant(dimension, 1.5), LegendMark::diamond, "#000000",
+                  LineStyle::solid}};
   plot.sets = {{"first", samples(1, 1000, dimension)}, {"second", samples(2, 500, dimension)}};
   return plot;
 }
@@ -41,7 +43,8 @@ TEST(PairPlot, ShowsTheSamplesOfEverySetInEveryPanel) {
   // Three panels off the diagonal of 200 points of two sets, and two dots of the legend; each of
   // the legend's dots has a white rim of its own.
   EXPECT_EQ(count_of(svg, "<circle cx="), 3 * 2 * 200 + 4);
-  for (const char* words : {">first<", ">second<", ">nominal<", ">truth<", ">p 0<", ">p 2<"}) {
+  for (const char* words :
+       {">first<", ">second<", ">nominal<", ">truth<", ">p 0 [kg]<", ">p 2 [kg]<"}) {
     EXPECT_NE(svg.find(words), std::string::npos) << words;
   }
   EXPECT_TRUE(is_png(read_text_file(files.png)));
@@ -87,23 +90,25 @@ TEST(PairPlot, ShowsTheSelectedParameters) {
   plot.selection = {17, 3};
   const FigureFiles files = write_pair_plot(plot, folder.path());
   const std::string svg = read_text_file(files.svg);
-  EXPECT_NE(svg.find(">p 17<"), std::string::npos);
-  EXPECT_NE(svg.find(">p 3<"), std::string::npos);
-  EXPECT_EQ(svg.find(">p 4<"), std::string::npos);
+  EXPECT_NE(svg.find(">p 17 [kg]<"), std::string::npos);
+  EXPECT_NE(svg.find(">p 3 [kg]<"), std::string::npos);
+  EXPECT_EQ(svg.find(">p 4 [kg]<"), std::string::npos);
 }
 
 TEST(PairPlot, FitsFifteenParameters) {
   const TempFolder folder;
-  PairPlot plot = plot_of(15);
+  PairPlot plot = plot_of(16);  // the first fifteen
   plot.num_points = 5;
   const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
   EXPECT_EQ(count_of(svg, "<circle cx="), 105 * 2 * 5 + 4);
+  EXPECT_EQ(markup_error(svg), "");
 }
 
-// Panel of marginal c (from 0), in the order in which panels are drawn.
+// Commands of marginal c (from 0), in the order in which panels are drawn.
 std::string marginal_commands(const std::string& script, int c) {
   std::size_t begin = script.find("unset ytics");
   for (int k = 0; k < c; ++k) begin = script.find("unset ytics", begin + 1);
+  begin = script.rfind("set yrange", begin);
   return script.substr(begin, script.find("unset label", begin) - begin);
 }
 
@@ -118,7 +123,7 @@ TEST(PairPlot, KeepsItsScaleWithConstantAndFarSamples) {
   plot.sets[1].samples(0, 2) = std::numeric_limits<double>::quiet_NaN();
   const FigureFiles files = write_pair_plot(plot, folder.path());
   const std::string script = read_text_file(files.script);
-  const std::string line = "set arrow from first 0.75, graph 0 to first 0.75, graph 1 nohead back";
+  const std::string line = "set arrow from first 0.75, graph 0 to first 0.75, graph 1 nohead front";
   EXPECT_EQ(marginal_commands(script, 0).find(line), std::string::npos);
   EXPECT_NE(marginal_commands(script, 1).find(line), std::string::npos);
   EXPECT_NE(marginal_commands(script, 2).find("set yrange [0:1]"), std::string::npos);
@@ -158,8 +163,10 @@ TEST(PairPlot, RejectsWhatItCannotShow) {
     EXPECT_THROW(write_pair_plot(plot, folder.path()), InputError);
   };
   expect_input_error(plot_of(1));
-  expect_input_error(plot_of(16));
-  PairPlot plot = plot_of(2);
+  PairPlot plot = plot_of(16);
+  plot.selection.assign(16, 0);
+  expect_input_error(plot);
+  plot = plot_of(2);
   plot.selection = {0, 2};
   expect_input_error(plot);
   plot = plot_of(2);

@@ -61,8 +61,29 @@ TEST(PathPlot, PolygonsEndWhereTheyBeginAndPathsDont) {
   const TempFolder folder;
   write_path_plot(plot_of({"A"}), folder.path());
   EXPECT_EQ(read_text_file(folder.path() / "paths_outlines_1.dat"),
-            "0.5 0.5\n0.75 0.5\n0.75 0.75\n0.5 0.75\n0.5 0.5\n\n");
-  EXPECT_EQ(read_text_file(folder.path() / "paths_recorded.dat"), "0.1 0.1\n0.5 0.2\n0.9 0.9\n\n");
+            "# x, y\n0.5 0.5\n0.75 0.5\n0.75 0.75\n0.5 0.75\n0.5 0.5\nNaN NaN\n");
+  EXPECT_EQ(read_text_file(folder.path() / "paths_recorded.dat"),
+            "# x, y\n0.1 0.1\n0.5 0.2\n0.9 0.9\nNaN NaN\n");
+}
+
+TEST(PathPlot, ScalesAreEqual) {
+  const TempFolder folder;
+  PathPlot plot = plot_of({"A"});
+  const auto height = [&] {
+    const std::string svg = read_text_file(write_path_plot(plot, folder.path()).svg);
+    return std::stod(svg.substr(svg.find("height=\"") + 8));
+  };
+  const double square_height = height();
+  plot.fixed[0].col(1) *= 2.0;
+  EXPECT_NEAR(height() - square_height, 420.0, 2.0);
+}
+
+TEST(PathPlot, CopesWithoutPaths) {
+  const TempFolder folder;
+  PathPlot plot = plot_of({"A"});
+  plot.recorded.clear();
+  plot.predictions[0] = {"A", {}, {}};
+  EXPECT_EQ(markup_error(read_text_file(write_path_plot(plot, folder.path()).svg)), "");
 }
 
 TEST(PathPlot, RejectsWhatItCantDraw) {

@@ -23,7 +23,7 @@ Table small_table() {
 
 Report small_report(const std::filesystem::path& directory) {
   const FigureFiles files =
-      render_figure({"plot", 320, 200, "unset key\nplot x with points pt 7\n"}, directory);
+      render_script({"plot", 320, 200, "unset key\nplot x with points pt 7\n"}, directory);
   Report report;
   report.title = "Results of <furuta> & \"friends\"";
   report.prose = "First paragraph,\nsecond line.\n\n  \nSecond <script>alert(1)</script>.";

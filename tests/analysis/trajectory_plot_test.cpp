@@ -54,9 +54,10 @@ TEST(TrajectoryPlot, DrawsAPanelPerChannelAndRollout) {
   EXPECT_EQ(markup_error(svg), "");
   // Four panels: two bands, two medians and the recording in each; every plot is a group.
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4 * 5);
-  for (const char* words : {">rollout_0<", ">rollout_1<", ">angle<", ">angle dot<", ">[rad/s]<",
-                            ">time [s]<", ">target domain<", ">A: median, 90 % of 12 samples<",
-                            ">B &lt;&amp;>: median, 90 % of 12 samples<"}) {
+  for (const char* words :
+       {">rollout_0<", ">rollout_1<", ">angle [rad]<", ">angle dot<", ">[rad/s]<", ">time [s]<",
+        ">target domain<", ">A: median, 90 % of 12 samples<",
+        ">B &lt;&amp;>: median, 90 % of 12 samples<"}) {
     EXPECT_NE(svg.find(words), std::string::npos) << words;
   }
   EXPECT_TRUE(is_png(read_text_file(files.png)));

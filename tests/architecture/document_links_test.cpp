@@ -1,4 +1,4 @@
-/// Every link between the documents, and within one, leads somewhere.
+/// Links between the documents, and within one, lead somewhere, and what they name exists.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 const fs::path kRoot = NPDR_SOURCE_DIR;
 
 std::vector<fs::path> documents() {
-  std::vector<fs::path> files = {kRoot / "README.md"};
-  for (const char* folder : {"docs", "experiments", "bench"}) {
+  std::vector<fs::path> files;
+  for (const char* folder : {".", "docs", "experiments", "bench"}) {
     for (const auto& entry : fs::directory_iterator(kRoot / folder)) {
       if (entry.path().extension() == ".md") files.push_back(entry.path());
     }
@@ -85,6 +85,23 @@ TEST(Documents, EveryLinkLeadsSomewhere) {
   }
   EXPECT_TRUE(broken.empty()) << join(broken, "\n");
   EXPECT_GT(count, 100);
+}
+
+// NAME stands for a name of the reader's.
+TEST(Documents, EverySourceFileThatIsNamedExists) {
+  const std::regex path(R"(`((?:core|sim|inference|analysis|pipeline|tests|scripts)/[\w./-]+)`)");
+  std::vector<std::string> missing;
+  int count = 0;
+  for (const fs::path& file : documents()) {
+    const std::string text = prose_of(file);
+    for (std::sregex_iterator i(text.begin(), text.end(), path), end; i != end; ++i, ++count) {
+      const std::string name = (*i)[1];
+      if (name.find("NAME") != std::string::npos || fs::exists(kRoot / name)) continue;
+      missing.push_back(file.filename().string() + ": " + name);
+    }
+  }
+  EXPECT_TRUE(missing.empty()) << join(missing, "\n");
+  EXPECT_GT(count, 50);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(DirectPosterior, DensityOverThePriorsBoxIntegratesToOne) {
         theta(i * side + j, 1) = 0.5 * (static_cast<double>(j) + 0.5) / side;
       }
     }
-    // Densities may rise towards the border of the box: the midpoint rule is good to a percent.
+    // Densities may rise toward the border of the box: the midpoint rule is good to a percent.
     EXPECT_NEAR(posterior.log_prob(theta).array().exp().sum() * 2.0 / (side * side), 1.0, 0.01)
         << name_of(kind);
   }

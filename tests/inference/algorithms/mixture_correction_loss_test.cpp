@@ -26,7 +26,7 @@ GaussianMixture random_mixture(Index components, Index dimension, std::uint64_t 
 }
 
 // Z = integral of q(u) p~(u) / N(u; 0, I) du, on a grid in two dimensions.
-TEST(MixtureCorrectionLoss, NormaliserEqualsTheIntegral) {
+TEST(MixtureCorrectionLoss, NormalizerEqualsTheIntegral) {
   const GaussianMixture q = random_mixture(3, 2, 1);
   const GaussianMixture proposal = narrower_than_prior(random_mixture(2, 2, 100));
   constexpr Index side = 800;
@@ -41,7 +41,7 @@ TEST(MixtureCorrectionLoss, NormaliserEqualsTheIntegral) {
   const Vector log_prior = -0.5 * u.rowwise().squaredNorm().array() + 2.0 * log_normal_density(0.0);
   const double integral =
       (q.log_prob(u) + proposal.log_prob(u) - log_prior).array().exp().sum() * width * width;
-  EXPECT_NEAR(MixtureCorrection(proposal).log_normaliser(q, nullptr), std::log(integral), 1e-8);
+  EXPECT_NEAR(MixtureCorrection(proposal).log_normalizer(q, nullptr), std::log(integral), 1e-8);
 }
 
 // All parameters of q in one vector, and back.
@@ -76,19 +76,19 @@ TEST(MixtureCorrectionLoss, GradientEqualsCentralDifferences) {
   const GaussianMixture q = random_mixture(3, 3, 1);
   MixtureCorrection correction(narrower_than_prior(random_mixture(11, 3, 100)));
   GaussianMixtureGradient gradient;
-  correction.log_normaliser(q, &gradient);
+  correction.log_normalizer(q, &gradient);
   expect_gradient(
-      [&](const Vector& p) { return correction.log_normaliser(unflatten(p, q), nullptr); },
+      [&](const Vector& p) { return correction.log_normalizer(unflatten(p, q), nullptr); },
       flatten(q.log_weights, q.means, q.precision_factors),
       flatten(gradient.log_weights, gradient.means, gradient.precision_factors));
 }
 
-TEST(MixtureCorrectionLoss, NormaliserIsOneWhenTheProposalIsThePrior) {
+TEST(MixtureCorrectionLoss, NormalizerIsOneWhenTheProposalIsThePrior) {
   GaussianMixture prior;
   prior.log_weights = Vector::Zero(1);
   prior.means = {Vector::Zero(3)};
   prior.precision_factors = {Eigen::MatrixXd::Identity(3, 3)};
-  EXPECT_NEAR(MixtureCorrection(prior).log_normaliser(random_mixture(3, 3, 1), nullptr), 0.0,
+  EXPECT_NEAR(MixtureCorrection(prior).log_normalizer(random_mixture(3, 3, 1), nullptr), 0.0,
               1e-12);
 }
 
@@ -105,7 +105,7 @@ TEST(MixtureCorrectionLoss, SurvivesAFlatComponent) {
       GaussianMixture q = random_mixture(2, 3, 1);
       q.precision_factors[1] << large, large, 0.0, 0.0, small, 0.0, 0.0, 0.0, 1.0;
       GaussianMixtureGradient gradient;
-      const double log_z = correction.log_normaliser(q, &gradient);
+      const double log_z = correction.log_normalizer(q, &gradient);
       // Rounding can make the singular pivot too large by some 10^-16 large^2, and the flat
       // component's mass too small. The sound one's is all there.
       EXPECT_GE(log_z, q.log_weights(0) - 1e-6) << large << " " << small;

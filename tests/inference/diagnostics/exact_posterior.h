@@ -46,7 +46,7 @@ class GaussianPosterior : public Posterior {
   Vector mean_;
 };
 
-inline AmortisedPosterior amortized(const LinearGaussian& task, const Fault& fault = {}) {
+inline AmortizedPosterior amortized(const LinearGaussian& task, const Fault& fault = {}) {
   return [task, fault](const VectorF& x) {
     return std::make_unique<GaussianPosterior>(task, x, fault);
   };

@@ -22,7 +22,7 @@ TEST(TrainingCheck, StoppedByPatienceIsConverged) {
   EXPECT_TRUE(found.is_converged);
   EXPECT_EQ(found.num_epochs, 4);
   EXPECT_EQ(found.best_epoch, 2);
-  EXPECT_DOUBLE_EQ(found.generalisation_gap, 1.0);
+  EXPECT_DOUBLE_EQ(found.generalization_gap, 1.0);
 }
 
 TEST(TrainingCheck, StoppedByTheLimitIsNot) {

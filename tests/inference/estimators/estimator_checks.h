@@ -11,7 +11,7 @@ inline Vector random_parameters(const DensityEstimator<double>& estimator, Index
                                 std::uint64_t seed) {
   Vector parameters = Vector::Zero(size);
   Stream stream({seed, "initial", 0, 0, 0});
-  estimator.initialise(parameters, stream);
+  estimator.initialize(parameters, stream);
   // Masked weights, and nothing else, are zero, and stay so.
   for (double& p : parameters) p *= 1.0 + 0.3 * stream.normal();
   return parameters;

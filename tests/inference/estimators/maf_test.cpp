@@ -59,7 +59,7 @@ TEST_P(Flow, StartsNearThePrior) {
   const MaskedAutoregressiveFlow<double> maf(config, 9, 20, kStructure, layout);
   Vector parameters = Vector::Zero(layout.size());
   Stream stream({1, "initial", 0, 0, 0});
-  maf.initialise(parameters, stream);
+  maf.initialize(parameters, stream);
   const RowMatrix u = random_matrix(50, 9, 1);
   const auto scratch = maf.make_scratch();
   Vector log_prob;
@@ -79,7 +79,7 @@ TEST_P(Flow, InverseOfATransformUndoesForward) {
     const AutoregressiveTransform<double> transform(dimension, 7, 2, map, layout);
     Vector parameters = Vector::Zero(layout.size());
     Stream stream({1, "initial", 0, 0, 0});
-    transform.initialise(parameters, stream);
+    transform.initialize(parameters, stream);
     parameters *= 5.0;
     const RowMatrix context = random_matrix(1, 7, 6);
     AutoregressiveScratch<double> scratch;

@@ -61,7 +61,7 @@ double log_evidence(const Data& d, const Precisions& p) {
 
 TEST(BayesianLinearRegression, FixedPointIsAMaximumOfTheEvidence) {
   const Data d = synthetic(40, kWeights, 1.0, Eigen::Vector3d(1.0, 100.0, 1e-3));
-  const Precisions best = maximise_evidence(d.phi, d.y).precisions;
+  const Precisions best = maximize_evidence(d.phi, d.y).precisions;
   const double log_best = log_evidence(d, best);
   for (const double factor : {0.9, 0.99, 1.01, 1.1}) {
     EXPECT_LT(log_evidence(d, {factor * best.weights, best.noise}), log_best);
@@ -74,7 +74,7 @@ TEST(BayesianLinearRegression, FixedPointIsAMaximumOfTheEvidence) {
 TEST(BayesianLinearRegression, RecoversWeightsAndNoise) {
   const Vector scale = Eigen::Vector3d(1.0, 1e3, 1e-4);
   const Data d = synthetic(10'000, kWeights.cwiseQuotient(scale), 0.3, scale);
-  const WeightPosterior found = maximise_evidence(d.phi, d.y);
+  const WeightPosterior found = maximize_evidence(d.phi, d.y);
   EXPECT_NEAR(1.0 / found.precisions.noise / 0.09, 1.0, 5.0 * 0.0141);
   for (Index k = 0; k < 3; ++k) {
     EXPECT_NEAR(found.mean(k), kWeights(k) / scale(k), 5.0 * std::sqrt(found.covariance(k, k)));
@@ -85,7 +85,7 @@ TEST(BayesianLinearRegression, RecoversWeightsAndNoise) {
 
 TEST(BayesianLinearRegression, NoiselessDataGiveTheirWeights) {
   const Data d = synthetic(50, kWeights, 0.0, Vector::Ones(3));
-  const WeightPosterior found = maximise_evidence(d.phi, d.y);
+  const WeightPosterior found = maximize_evidence(d.phi, d.y);
   EXPECT_LT((found.mean - kWeights).norm(), 1e-9);
   EXPECT_TRUE(found.covariance.allFinite());
 }
@@ -114,10 +114,10 @@ TEST(BayesianLinearRegression, SamplesHaveThePosteriorsMoments) {
 
 TEST(BayesianLinearRegression, RejectsDataThatTellNothing) {
   EXPECT_TRUE(says(
-      message_of<InputError>([] { maximise_evidence(RowMatrix::Ones(3, 3), Vector::Ones(3)); }),
+      message_of<InputError>([] { maximize_evidence(RowMatrix::Ones(3, 3), Vector::Ones(3)); }),
       {"linear regression: 3 rows", "must be > 3"}));
   EXPECT_EQ(
-      message_of<InputError>([] { maximise_evidence(RowMatrix::Ones(5, 3), Vector::Zero(5)); }),
+      message_of<InputError>([] { maximize_evidence(RowMatrix::Ones(5, 3), Vector::Zero(5)); }),
       "linear regression: the response is 0 throughout, so it tells nothing");
   EXPECT_THROW(weight_posterior(RowMatrix::Ones(5, 3), Vector::Zero(4), {}), ShapeError);
 }
@@ -130,7 +130,7 @@ TEST(BayesianLinearRegression, SaysWhenRegressorsTellNothing) {
     const RowMatrix phi = random_matrix(50, 3, 2 * seed);
     const Vector y = random_matrix(50, 1, 2 * seed + 1).col(0);
     try {
-      EXPECT_TRUE(maximise_evidence(phi, y).covariance.allFinite());
+      EXPECT_TRUE(maximize_evidence(phi, y).covariance.allFinite());
     } catch (const InputError&) {
       ++messages;
     }

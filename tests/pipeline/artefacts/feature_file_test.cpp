@@ -51,7 +51,7 @@ TEST_F(FeatureFiles, MustHaveTheRowsAndColumnsThatAreExpected) {
   EXPECT_TRUE(says(problem_of("peak,men\n1,2\n", 1),
                    {"x.csv: has no column 'mean'", "'men'", "it has peak, men"}));
   EXPECT_TRUE(says(problem_of("peak,mean,rest\n1,2,3\n", 1),
-                   {"x.csv: has 3 columns", "must have 2", "peak, mean"}));
+                   {"x.csv: has 3 columns", "must have 2", "peak [m], mean"}));
 }
 
 TEST_F(FeatureFiles, OfHdf5MustHoldTheDataset) {

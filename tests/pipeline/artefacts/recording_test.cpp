@@ -9,13 +9,11 @@
 #include "core/random.h"
 #include "pipeline/process/forked_trial.h"
 #include "pipeline/store/h5.h"
+#include "tests/device_recordings.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
-
-const std::filesystem::path kRealFolder =
-    std::filesystem::path(NPDR_SOURCE_DIR) / "../shared/data/real";
 
 Channels furuta_channels() { return channels_of(sim::make_simulator({.name = "furuta"})->info()); }
 
@@ -84,27 +82,6 @@ TEST(Recording, IsWrittenAsAWholeOrNotAtAll) {
   EXPECT_EQ(folder.size(), 0);
 }
 
-TEST(Recording, OfTheRealFurutaIsRead) {
-  const auto path = kRealFolder / "furuta_swingup_5s.h5";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no recordings at " << kRealFolder;
-  const Target target = read_recording(path, furuta_channels());
-  EXPECT_EQ(target.num_rollouts(), 5);
-  EXPECT_EQ(target.num_steps(), 1250);
-  EXPECT_EQ(target.dt, 0.004);
-  EXPECT_EQ(target.rollouts[4].name, "rollout_real_2021-04-14_18-40-41");
-  EXPECT_EQ(target.action_channels, (std::vector<Channel>{{"voltage", "V"}}));
-}
-
-TEST(Recording, OfTheRealMiniGolfIsRead) {
-  const auto path = kRealFolder / "minigolf_8s.h5";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no recordings at " << kRealFolder;
-  const Target target = read_recording(path);
-  EXPECT_EQ(target.num_rollouts(), 7);
-  EXPECT_EQ(target.num_states(), 9);
-  EXPECT_EQ(target.num_actions(), 7);
-  EXPECT_EQ(target.num_steps(), 800);
-}
-
 // Edits the recording of the twin by HDF5's own means and reads it again.
 class EditedRecording : public ::testing::Test {
  protected:
@@ -145,60 +122,100 @@ void replace_dataset(hid_t file, const char* name, hid_t type, std::vector<hsize
   H5Dclose(H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
 }
 
+void copy_texts(hid_t from, hid_t to, const char* name) {
+  const hid_t attribute = H5Aopen(from, name, H5P_DEFAULT);
+  const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
+  std::vector<char> texts(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)) *
+                          H5Tget_size(type));
+  H5Aread(attribute, type, texts.data());
+  const hid_t copy = H5Acreate2(to, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+  H5Awrite(copy, type, texts.data());
+  H5Dvlen_reclaim(type, space, H5P_DEFAULT, texts.data());
+  for (const hid_t id : {copy, attribute}) H5Aclose(id);
+  H5Tclose(type);
+  H5Sclose(space);
+}
+
+// Writes a dataset anew as other programs do: contiguous, without checksums.
+void write_plainly(hid_t file, const char* name) {
+  const hid_t old = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(old);
+  std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  H5Dread(old, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  H5Ldelete(file, name, H5P_DEFAULT);
+  const hid_t plain = H5Dcreate2(file, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT,  //
+                                 H5P_DEFAULT);
+  H5Dwrite(plain, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  for (const char* texts : {"labels", "units"}) copy_texts(old, plain, texts);
+  for (const hid_t id : {plain, old}) H5Dclose(id);
+  H5Sclose(space);
+}
+
+// A recording of the Furuta pendulum by another program.
+Target write_foreign(const std::filesystem::path& path) {
+  const Target target = furuta_recording(2);
+  write_recording(target, path);
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  for (const char* name : {"states", "actions"}) write_plainly(file, name);
+  H5Fclose(file);
+  return target;
+}
+
+TEST(Recording, OfAnotherProgramIsRead) {
+  const TempFolder folder;
+  const Target target = write_foreign(folder / "a.h5");
+  expect_equal(read_recording(folder / "a.h5", furuta_channels()), target);
+}
+
 TEST_F(EditedRecording, NamesMissingParts) {
-  EXPECT_EQ(reading([](hid_t file) { H5Ldelete(file, "states", H5P_DEFAULT); }),
-            "a.h5: has no dataset 'states'; it has actions, rollout");
+  EXPECT_TRUE(says(reading([](hid_t file) { H5Ldelete(file, "states", H5P_DEFAULT); }),
+                   {"a.h5: has no dataset 'states'", "it has actions, rollout"}));
   EXPECT_EQ(reading([](hid_t file) { H5Adelete(file, "dt"); }), "a.h5: attribute 'dt' is missing");
   EXPECT_EQ(reading([](hid_t file) { H5Adelete_by_name(file, "actions", "units", H5P_DEFAULT); }),
             "a.h5: dataset 'actions': attribute 'units' is missing");
 }
 
 TEST_F(EditedRecording, ChecksTheTimeStep) {
-  EXPECT_EQ(reading([](hid_t file) { write_double(file, "dt", 0.0); }),
-            "a.h5: dt = 0.000000, must be a positive time [s]");
-  EXPECT_EQ(reading([](hid_t file) {
-              write_double(file, "dt", std::numeric_limits<double>::quiet_NaN());
-            }),
-            "a.h5: dt = nan, must be a positive time [s]");
+  EXPECT_TRUE(says(reading([](hid_t file) { write_double(file, "dt", 0.0); }),
+                   {"a.h5: dt = 0.000000", "must be a positive time [s]"}));
+  EXPECT_TRUE(says(reading([](hid_t file) {
+                     write_double(file, "dt", std::numeric_limits<double>::quiet_NaN());
+                   }),
+                   {"a.h5: dt = nan", "must be a positive time [s]"}));
 }
 
 TEST_F(EditedRecording, ChecksRankShapeAndType) {
   const auto replaced = [&](const char* name, hid_t type, const std::vector<hsize_t>& extents) {
     return reading([&](hid_t file) { replace_dataset(file, name, type, extents); });
   };
-  EXPECT_EQ(replaced("states", H5T_IEEE_F64LE, {51, 4}),
-            "a.h5: dataset 'states' has shape (51, 4), must be (any, any, any)");
-  EXPECT_EQ(replaced("actions", H5T_IEEE_F64LE, {3, 51, 1}),
-            "a.h5: dataset 'actions' has shape (3, 51, 1), must be (3, 50, any)");
-  EXPECT_EQ(replaced("actions", H5T_STD_I64LE, {3, 50, 1}),
-            "a.h5: dataset 'actions' holds 64-bit integers, must hold 64-bit floats");
-  EXPECT_EQ(
-      replaced("actions", H5T_IEEE_F64LE, {3, 50, 1'000'000'000}),
-      "a.h5: dataset 'actions' claims shape (3, 50, 1000000000), but nothing was ever written "
-      "to it");
-  EXPECT_EQ(replaced("rollout", H5T_C_S1, {2}),
-            "a.h5: dataset 'rollout' has shape (2), must be (3)");
+  EXPECT_TRUE(says(replaced("states", H5T_IEEE_F64LE, {51, 4}),
+                   {"a.h5: dataset 'states' has shape (51, 4)", "must be (any, any, any)"}));
+  EXPECT_TRUE(says(replaced("actions", H5T_IEEE_F64LE, {3, 51, 1}),
+                   {"a.h5: dataset 'actions' has shape (3, 51, 1)", "must be (3, 50, any)"}));
+  EXPECT_TRUE(says(replaced("actions", H5T_STD_I64LE, {3, 50, 1}),
+                   {"a.h5: dataset 'actions' holds 64-bit integers", "must hold 64-bit floats"}));
+  EXPECT_TRUE(says(replaced("actions", H5T_IEEE_F64LE, {3, 50, 1'000'000'000}),
+                   {"a.h5: dataset 'actions' claims shape (3, 50, 1000000000)",
+                    "nothing was ever written to it"}));
+  EXPECT_TRUE(says(replaced("rollout", H5T_C_S1, {2}),
+                   {"a.h5: dataset 'rollout' has shape (2)", "must be (3)"}));
 }
 
 TEST_F(EditedRecording, ChecksTheChannelsAgainstTheSimulators) {
   Target target = twin();
-  const std::string must =
-      ", must be theta [rad], alpha [rad], theta_dot [rad/s], alpha_dot [rad/s]";
+  const std::string must = "must be theta [rad], alpha [rad], theta_dot [rad/s], alpha_dot [rad/s]";
   target.state_channels[1].label = "beta";
-  EXPECT_EQ(reading(target),
-            "a.h5: dataset 'states': channels are theta [rad], beta [rad], theta_dot [rad/s], "
-            "alpha_dot [rad/s]" +
-                must);
+  EXPECT_TRUE(says(reading(target), {"a.h5: dataset 'states': channels are theta [rad], beta "
+                                     "[rad], theta_dot [rad/s], alpha_dot [rad/s]",
+                                     must}));
   target = twin();
   target.state_channels[1].unit = "deg";
-  EXPECT_EQ(reading(target),
-            "a.h5: dataset 'states': channels are theta [rad], alpha [deg], theta_dot [rad/s], "
-            "alpha_dot [rad/s]" +
-                must + ": only units differ; convert its values");
+  EXPECT_TRUE(says(reading(target), {"a.h5: dataset 'states': channels are theta [rad], alpha "
+                                     "[deg], theta_dot [rad/s], alpha_dot [rad/s]",
+                                     must, "convert its values"}));
   target = twin();
   target.action_channels[0].label = "torque";
-  EXPECT_EQ(reading(target),
-            "a.h5: dataset 'actions': channels are torque [V], must be voltage [V]");
+  EXPECT_TRUE(says(reading(target),
+                   {"a.h5: dataset 'actions': channels are torque [V]", "must be voltage [V]"}));
 }
 
 // A recording may hold more than the simulator knows, in any order; two of a name are a riddle.
@@ -221,8 +238,9 @@ TEST_F(EditedRecording, PicksTheSimulatorsChannels) {
     EXPECT_EQ(picked.rollouts[h].states, expected.rollouts[h].states);
   }
   recorded.state_channels[0].label = "theta";
-  EXPECT_EQ(reading(recorded),
-            "a.h5: dataset 'states' has two channels with the label 'theta'; rename one");
+  EXPECT_TRUE(
+      says(reading(recorded),
+           {"a.h5: dataset 'states' has two channels with the label 'theta'", "rename one"}));
 }
 
 TEST_F(EditedRecording, NamesTheNanItFinds) {
@@ -250,20 +268,19 @@ TEST_F(EditedRecording, NamesTheNanItFinds) {
     }
   }
   file.close();
-  EXPECT_EQ(message_of<InputError>([&] { read_recording(folder_ / "b.h5"); }, &folder_),
-            "b.h5: state of rollout 1 ('1') of channel 'theta_dot' is nan at step 7, must be "
-            "finite; repair or leave out this recording");
+  EXPECT_TRUE(says(message_of<InputError>([&] { read_recording(folder_ / "b.h5"); }, &folder_),
+                   {"b.h5: state of rollout 1 ('1') of channel 'theta_dot' is nan at step 7",
+                    "must be finite", "repair or leave out this recording"}));
 }
 
-// Real recordings were written by another program, in the format without checksums.
+// Those of other programs have no checksums.
 TEST(DamagedRecording, IsReadOrRefusedWhateverBytesAreFlipped) {
   const TempFolder folder;
   write_recording(twin(), folder / "twin.h5");
-  std::vector<std::string> originals = {text_of(folder / "twin.h5")};
-  const std::filesystem::path real = kRealFolder / "furuta_swingup_5s.h5";
-  if (std::filesystem::exists(real)) originals.push_back(text_of(real));
+  write_foreign(folder / "foreign.h5");
   Stream stream({.seed = 1, .name = "damage"});
-  for (const std::string& original : originals) {
+  for (const char* name : {"twin.h5", "foreign.h5"}) {
+    const std::string original = text_of(folder / name);
     for (int trial = 0; trial < 200; ++trial) {
       std::string bytes = original;
       for (int flip = 0; flip < 20; ++flip) {

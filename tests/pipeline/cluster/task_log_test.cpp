@@ -15,7 +15,9 @@ TEST(TaskLog, SaysWhyATaskEnded) {
   std::ofstream(log) << begin_line("17_3", {"npdr-simulate", "a b.toml"}) << "\n"
                      << "npdr-simulate: a.toml: can't be opened\n"
                      << end_line(2, 0.04) << "\n";
-  EXPECT_EQ(reason_in_log(log),
+  ASSERT_TRUE(end_in_log(log));
+  EXPECT_EQ(end_in_log(log)->exit_status, 2);
+  EXPECT_EQ(end_in_log(log)->words,
             "exit status 2 after 0.0 s: npdr-simulate: a.toml: can't be opened");
 }
 
@@ -26,18 +28,19 @@ TEST(TaskLog, OfARunQuotesWhatTheStageSaid) {
                      << "npdr: infer NPE, seed 1, round 1 failed (exit status 1):\n"
                      << "    npdr-infer: the disk is full\n    log: runs/a.log\n"
                      << end_line(1, 2.0) << "\n";
-  EXPECT_EQ(reason_in_log(log), "exit status 1 after 2.0 s: npdr-infer: the disk is full");
+  EXPECT_EQ(end_in_log(log).value_or(TaskEnd()).words,
+            "exit status 1 after 2.0 s: npdr-infer: the disk is full");
 }
 
 TEST(TaskLog, OfATaskThatWasKilledSaysNothing) {
   const TempFolder folder;
   const auto log = folder / "a.log";
-  EXPECT_EQ(reason_in_log(log), "");
+  EXPECT_FALSE(end_in_log(log));
   std::ofstream(log) << begin_line("17_3", {"npdr-simulate"}) << "\n";
-  EXPECT_EQ(reason_in_log(log), "");
+  EXPECT_FALSE(end_in_log(log));
   std::ofstream(log, std::ios::app) << end_line(75, 3.0) << "\n"
                                     << begin_line("17_3", {"npdr-simulate"}) << "\nhalf a li";
-  EXPECT_EQ(reason_in_log(log), "");
+  EXPECT_FALSE(end_in_log(log));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "pipeline/config/study_json.h"
 
 #include "pipeline/config/study_keys.h"
-#include "pipeline/config/study_template.h"
 #include "tests/pipeline/study_text.h"
 #include "tests/temp_folder.h"
 
@@ -140,63 +139,6 @@ TEST(StudyJson, SaysWhenAPriorIsntOne) {
                      {"p.h5: prior = " + parse_json(text, "").dump(),
                       R"(must be a list of {"name", "unit", "uniform": [low, high]})"}));
   }
-}
-
-TEST(StudyKeys, SayTypeDefaultAndWhatIsAllowed) {
-  std::map<std::string, StudyKey> keys;
-  for (const StudyKey& key : study_keys()) {
-    EXPECT_FALSE(key.doc.empty()) << key.path;
-    EXPECT_FALSE(key.type.empty()) << key.path;
-    EXPECT_TRUE(keys.emplace(key.path, key).second) << key.path << " occurs twice";
-  }
-  EXPECT_EQ(keys.at("study.name").default_value, "required");
-  EXPECT_EQ(keys.at("target.recording").default_value, "");
-  const StudyKey& rate = keys.at("method.training.learning_rate");
-  EXPECT_EQ(rate.type, "a finite number");
-  EXPECT_EQ(rate.default_value, "0.0005");
-  EXPECT_EQ(rate.allowed, "> 0");
-  EXPECT_EQ(rate.doc, "step size of Adam");
-}
-
-TEST(StudyTemplate, IsAValidStudyThatExplainsEveryKey) {
-  const std::string text = study_template("my_study");
-  EXPECT_EQ(problems_of(text), "");
-  EXPECT_EQ(parse_study(text, "s.toml").name, "my_study");
-  for (const StudyKey& key : study_keys()) {
-    const std::string name = key.path.substr(key.path.rfind('.') + 1);
-    const bool explained = text.find("\n" + name + " = ") != std::string::npos ||
-                           text.find("# " + name + " = ") != std::string::npos ||
-                           text.find("#   " + name + " = ") != std::string::npos ||
-                           text.find("\n[" + name + "]") != std::string::npos;
-    EXPECT_TRUE(explained) << key.path;
-  }
-}
-
-// "# key = value" becomes "key = value".
-std::string with_defaults_spelt_out(const std::string& text) {
-  std::string result;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const bool is_default = line.starts_with("# ") && line.find(" = ") != std::string::npos &&
-                            line.find(" = ") == line.find(' ', 2) &&
-                            !line.starts_with("# published");
-    result += (is_default ? line.substr(2) : line) + "\n";
-  }
-  return result;
-}
-
-TEST(StudyTemplate, ShowsTheTrueDefaults) {
-  const std::string text = study_template("a");
-  const std::string spelt_out = with_defaults_spelt_out(text);
-  EXPECT_NE(spelt_out, text);
-  Json expected = to_json(parse_study(text, "s.toml"));
-  expected["simulator"]["parameters"]["gravity"] = 9.81;  // an example: its default is empty
-  EXPECT_EQ(to_json(parse_study(spelt_out, "s.toml")), expected);
-}
-
-TEST(StudyTemplate, RejectsANameThatCantBeAFolder) {
-  EXPECT_EQ(message_of<InputError>([] { study_template("a/b"); }).substr(0, 27),
-            "study.name = 'a/b', must be");
 }
 
 }  // namespace

@@ -113,7 +113,7 @@ TEST(Plan, MoreRoundsAndAnotherShardSizeKeepWhatIsThere) {
 void expect_only_differ(const Plan& a, const Plan& b, const std::set<Stage>& stages) {
   for (const Stage stage : {Stage::target, Stage::held_out, Stage::propose, Stage::simulate,
                             Stage::infer, Stage::baseline, Stage::evaluate, Stage::report}) {
-    EXPECT_EQ(keys(a, stage) != keys(b, stage), stages.contains(stage)) << to_string(stage);
+    EXPECT_EQ(keys(a, stage) != keys(b, stage), stages.contains(stage)) << name_of(stage);
   }
 }
 
@@ -200,7 +200,7 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
                                            {"target.recording=" + (folder / "r.h5").string()}),
                                WorkFolder("runs"));
                    }),
-                   {"two.toml:24:28: method.embedding.downsample = 30", "must be <= 20"}));
+                   {"two.toml:22:28: method.embedding.downsample = 30", "must be <= 20"}));
 }
 
 TEST(Plan, MethodsShareTheSimulationsOfCalibration) {

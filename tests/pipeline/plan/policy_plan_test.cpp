@@ -44,7 +44,7 @@ TEST(PolicyPlan, EveryMethodSearchesAndIsTestedBeforeAndAfter) {
   EXPECT_EQ(before.label(), "policy_test once, seed 2, before any search");
   EXPECT_EQ(inputs_of(plan, plan.node(Stage::policy_test, {"online", 2, 0, 3})),
             std::vector<Stage>{Stage::policy});
-  EXPECT_EQ(program_of(Stage::policy_test), "npdr-policy");
+  EXPECT_EQ(traits_of(Stage::policy_test).program, "npdr-policy");
 }
 
 TEST(PolicyPlan, LaterIterationsInferFromWhatThePolicyCollects) {

@@ -31,8 +31,10 @@ TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
 }
 
 Plan golf_plan_of(const StudyText::Lines& prior) {
-  const std::string study =
-      minigolf_study("golf").only("prior", prior).method("NPDR (MAF)", {"num_simulations = 200"});
+  const std::string study = minigolf_study("golf")
+                                .with("simulator", {"store_every = 1"})
+                                .only("prior", prior)
+                                .method("NPDR (MAF)", {"num_simulations = 200"});
   return make_plan(parse_study(study, "s.toml"), WorkFolder("runs"));
 }
 

@@ -16,6 +16,8 @@
 #include "pipeline/report/registry.h"
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
+#include "pipeline/artefacts/recording.h"
+#include "tests/device_recordings.h"
 #include "tests/pipeline/study_text.h"
 #include "tests/temp_folder.h"
 
@@ -139,7 +141,7 @@ TEST_F(AbcStages, DistancesHaveTheSameBitsOnAnyNumberOfThreads) {
   }
 }
 
-// A rod of some grams and centimetres: the integration diverges in some rows.
+// A rod of some grams and centimeters: the integration diverges in some rows.
 TEST_F(AbcStages, FailedRowsAreNeverAccepted) {
   const std::vector<std::string> fragile = {
       "prior.pole_length={ uniform = [0.01, 0.1] }", "simulator.parameters={ pole_mass = 0.02 }",
@@ -186,12 +188,13 @@ TEST_F(AbcStages, ARegressionFindsTheTruthWithoutSimulations) {
             "Regression takes as known: motor_resistance; its log p is the density of the others");
 }
 
-// What appendix D.1 reports: masses far below those of the device. Its recordings are others.
+// Accelerations are slopes of noisy velocities. Noise on what the torque is explained by draws the
+// weights to zero, and the masses with them, as appendix D.1 found on a device: to 0.052 kg of the
+// arm's 0.095 and 0.011 of the pole's 0.024, with deviations of 0.003 and 0.0003. The bounds are
+// the priors'.
 TEST_F(AbcStages, RegressionOnRecordingsLeavesThePrior) {
-  const auto real =
-      std::filesystem::path(NPDR_SOURCE_DIR) / "../shared/data/real/furuta_swingup_5s.h5";
-  if (!std::filesystem::exists(real)) GTEST_SKIP() << "no recordings at " << real;
-  const Plan plan = plan_of(regression_study(), {"target.recording=" + real.string(),
+  write_recording(furuta_recording(5), folder_ / "r.h5");
+  const Plan plan = plan_of(regression_study(), {"target.recording=" + (folder_ / "r.h5").string(),
                                                  "method.linear_regression.window=11",
                                                  "prior.pole_mass={ uniform = [0.0168, 0.0312] }"});
   run_all(plan, Stage::infer);

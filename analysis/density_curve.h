@@ -13,7 +13,7 @@ namespace npdr::analysis {
 /// sag. Samples outside [lower, upper] count in n, so the curve integrates to the share of the
 /// samples inside; values that aren't finite are left out. All zero when there are no samples.
 /// Throws InputError unless lower < upper and num_points >= 2.
-RowMatrix kernel_density(const Eigen::Ref<const Vector>& samples, double lower, double upper,
-                         Index num_points = 256);
+RowMatrix density_curve(const Eigen::Ref<const Vector>& samples, double lower, double upper,
+                        Index num_points = 256);
 
 }  // namespace npdr::analysis

@@ -1,4 +1,4 @@
-#include "analysis/kernel_density.h"
+#include "analysis/density_curve.h"
 
 #include <fmt/format.h>
 
@@ -32,7 +32,7 @@ double silverman_bandwidth(const std::vector<double>& sorted) {
   return 0.9 * std::min(std, iqr / 1.34) * std::pow(n, -0.2);
 }
 
-// How many samples lie at each of the points lower + k * spacing, fractions by distance.
+// Numbers of samples at each of the points lower + k * spacing, fractions by distance.
 Vector linear_counts(const std::vector<double>& samples, double lower, double spacing,
                      Index num_points) {
   Vector counts = Vector::Zero(num_points);
@@ -56,8 +56,8 @@ Index reflect(Index k, Index n) {
 
 }  // namespace
 
-RowMatrix kernel_density(const Eigen::Ref<const Vector>& samples, double lower, double upper,
-                         Index num_points) {
+RowMatrix density_curve(const Eigen::Ref<const Vector>& samples, double lower, double upper,
+                        Index num_points) {
   if (!std::isfinite(upper - lower) || lower >= upper || num_points < 2) {
     throw InputError(
         fmt::format("density over [{}, {}] at {} points, needs finite ascending ends "

@@ -1,4 +1,4 @@
-#include "analysis/feature_distance.h"
+#include "analysis/feature_comparison.h"
 
 #include <algorithm>
 #include <cmath>

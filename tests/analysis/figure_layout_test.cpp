@@ -1,0 +1,116 @@
+#include "analysis/figure_layout.h"
+
+#include <gtest/gtest.h>
+
+namespace npdr::analysis {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+Figure grid_of(std::size_t rows, std::size_t columns) {
+  Figure figure{.name = "grid", .columns = columns};
+  figure.panels.resize(rows * columns);
+  for (Panel& panel : figure.panels) panel.series.resize(1);
+  return figure;
+}
+
+// Only the lower triangle is drawn.
+Figure triangle_of(std::size_t size) {
+  Figure figure = grid_of(size, size);
+  for (std::size_t i = 0; i < size * size; ++i) {
+    if (i % size > i / size) figure.panels[i].series.clear();
+  }
+  return figure;
+}
+
+bool overlap(const Box& a, const Box& b) {
+  return a.left < b.right() && b.left < a.right() && a.top < b.bottom() && b.top < a.bottom();
+}
+
+// Panels and entries of the legend lie inside of the figure and not on each other.
+void expect_apart(const Figure& figure) {
+  const FigureLayout layout(figure);
+  std::vector<Box> boxes = layout.legend;
+  ASSERT_EQ(boxes.size(), figure.legend.size());
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    if (!figure.panels[i].series.empty()) boxes.push_back(layout.panels[i]);
+  }
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    EXPECT_GE(boxes[i].left, 0.0);
+    EXPECT_GE(boxes[i].top, 0.0);
+    EXPECT_LE(boxes[i].right(), layout.width);
+    EXPECT_LE(boxes[i].bottom(), layout.height);
+    for (std::size_t k = 0; k < i; ++k) EXPECT_FALSE(overlap(boxes[i], boxes[k])) << i << " " << k;
+  }
+}
+
+TEST(FigureLayout, LeavesRoomForTheLegend) {
+  for (const std::size_t num_entries : {0u, 1u, 6u}) {
+    for (const std::size_t length : {3u, 40u, 200u}) {
+      for (Figure figure : {grid_of(1, 1), grid_of(2, 3), triangle_of(2), triangle_of(7)}) {
+        figure.legend.assign(num_entries, {LegendMark::line, "#123456", std::string(length, 'x')});
+        expect_apart(figure);
+      }
+    }
+  }
+}
+
+TEST(FigureLayout, LeavesRoomForTitlesAndLabels) {
+  Figure figure = grid_of(2, 2);
+  const FigureLayout bare(figure);
+  figure.panels[0].y.labels = {"0.123456"};
+  figure.panels[3].x.title = "x";
+  const FigureLayout labeled(figure);
+  EXPECT_GT(labeled.panels[0].left, bare.panels[0].left + text_width("0.123456", 10.0));
+  EXPECT_GT(labeled.height - labeled.panels[3].bottom(), bare.height - bare.panels[3].bottom());
+  EXPECT_EQ(labeled.panels[2].top, bare.panels[2].top);
+  figure.panels[2].title = "title";
+  EXPECT_GT(FigureLayout(figure).panels[2].top, bare.panels[2].top);
+}
+
+TEST(FigureLayout, PutsTheColorsBesideTheFirstRow) {
+  Figure figure = grid_of(2, 2);
+  figure.colors = ColorScale{};
+  const FigureLayout layout(figure);
+  EXPECT_GT(layout.colors.left, layout.panels[1].right());
+  EXPECT_EQ(layout.colors.top, layout.panels[1].top);
+  EXPECT_EQ(layout.colors.bottom(), layout.panels[1].bottom());
+  EXPECT_LT(layout.colors.right(), layout.width);
+}
+
+TEST(FigureLayout, TheLowestPanelHasNoOtherBelow) {
+  Figure figure = grid_of(2, 2);
+  EXPECT_FALSE(is_lowest(figure, 0));
+  EXPECT_TRUE(is_lowest(figure, 2));
+  figure.panels[2].series.clear();
+  EXPECT_TRUE(is_lowest(figure, 0));
+}
+
+TEST(FigureLayout, UnitsFollowTheTitleWhereTheyFit) {
+  const Axis axis{.title = "pole_mass", .unit = "[10⁻³ kg]"};
+  EXPECT_EQ(title_lines(axis, 1000.0, 10.0), (Lines{"pole mass [10⁻³ kg]"}));
+  EXPECT_EQ(title_lines(axis, 60.0, 10.0), (Lines{"pole mass", "[10⁻³ kg]"}));
+  EXPECT_EQ(title_lines({.title = "gain"}, 60.0, 10.0), (Lines{"gain"}));
+  EXPECT_EQ(title_lines({}, 60.0, 10.0), Lines{});
+}
+
+TEST(FigureLayout, WrapsTextAtBlanksAndUnderscores) {
+  EXPECT_EQ(wrap_text("voltage_dead_zone_neg", 80.0, 10.0), (Lines{"voltage dead", "zone neg"}));
+  EXPECT_EQ(wrap_text("unbreakable_word", 10.0, 10.0), (Lines{"unbreakable", "word"}));
+  EXPECT_EQ(wrap_text("theta", 1000.0, 10.0), (Lines{"theta"}));
+  EXPECT_EQ(wrap_text("__a__b", 1000.0, 10.0), (Lines{"a b"}));
+}
+
+TEST(FigureLayout, ElidesTheMiddle) {
+  EXPECT_EQ(elide_text("short", 1000.0, 10.0), "short");
+  EXPECT_EQ(elide_text("abcdefghij", 30.0, 10.0), "ab…ij");
+  EXPECT_EQ(elide_text("ααααβββ", 20.0, 10.0), "α…β");  // never half a character
+  EXPECT_EQ(elide_text("abcdef", 0.0, 10.0), "…");
+}
+
+TEST(FigureLayout, WidthCountsCharactersRatherThanBytes) {
+  EXPECT_EQ(text_width("10⁻³", 10.0), text_width("1000", 10.0));
+}
+
+}  // namespace
+}  // namespace npdr::analysis

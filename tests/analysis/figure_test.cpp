@@ -1,0 +1,183 @@
+#include "analysis/figure.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <set>
+
+#include "core/atomic_file.h"
+#include "tests/analysis/markup_check.h"
+#include "tests/message_of.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// A panel per place of the grid, each with a line; x is in thousandths.
+Figure grid_of(std::size_t rows, std::size_t columns) {
+  Figure figure{.name = "grid", .columns = columns};
+  const RowMatrix points = RowMatrix::Random(5, 3).cwiseAbs();
+  const std::string table = add_table(figure, "x, y, z", points);
+  for (std::size_t i = 0; i < rows * columns; ++i) {
+    figure.panels.push_back({.title = "panel " + std::to_string(i),
+                             .x = make_axis({0.0, 1e-3}, "time", "s"),
+                             .y = make_axis({0.0, 1.0}, "height", "m"),
+                             .series = {{SeriesKind::line, table, {0, 1}, "#123456"}}});
+  }
+  return figure;
+}
+
+struct Drawn {
+  std::string script, svg;
+};
+
+Drawn draw(const Figure& figure) {
+  const TempFolder folder;
+  const FigureFiles files = write_figure(figure, folder.path());
+  EXPECT_TRUE(is_png(read_text_file(files.png)));
+  return {read_text_file(files.script), read_text_file(files.svg)};
+}
+
+TEST(Figure, SharesLabelsAlongRowsAndColumns) {
+  const Drawn drawn = draw(grid_of(2, 3));
+  EXPECT_EQ(markup_error(drawn.svg), "");
+  EXPECT_EQ(count_of(drawn.svg, "<g id=\"gnuplot_plot_"), 6);
+  EXPECT_EQ(count_of(drawn.svg, ">time [10⁻³ s]<"), 3);
+  EXPECT_EQ(count_of(drawn.svg, ">height [m]<"), 2);
+  EXPECT_EQ(count_of(drawn.svg, ">panel "), 6);
+  EXPECT_EQ(count_of(drawn.svg, ">0.4<"), 3 + 2) << "a tick of every axis";
+}
+
+TEST(Figure, LeavesPlacesWithoutSeriesEmpty) {
+  Figure figure = grid_of(2, 2);
+  figure.panels[3].series.clear();
+  const Drawn drawn = draw(figure);
+  EXPECT_EQ(count_of(drawn.svg, "<g id=\"gnuplot_plot_"), 3);
+  EXPECT_EQ(count_of(drawn.svg, ">time [10⁻³ s]<"), 2) << "the column's lowest panel is the first";
+  EXPECT_EQ(drawn.svg.find(">panel 3<"), std::string::npos);
+}
+
+TEST(Figure, ShowsValuesInTheUnitOfTheAxis) {
+  const std::string script = draw(grid_of(1, 1)).script;
+  EXPECT_NE(script.find("set xrange [0:1]"), std::string::npos);
+  EXPECT_NE(script.find("'grid_1.dat' using ($1*1000):2 with lines lw 1.6 lc rgb '#00123456'"),
+            std::string::npos)
+      << script;
+}
+
+TEST(Figure, DrawsEveryKindOfSeries) {
+  Figure figure = grid_of(1, 1);
+  figure.colors = {"value", 0.0, 1.0};
+  for (const SeriesKind kind :
+       {SeriesKind::dots, SeriesKind::steps, SeriesKind::band, SeriesKind::area}) {
+    const bool has_three = kind == SeriesKind::band;
+    figure.panels[0].series.push_back(
+        {kind, "1", has_three ? std::vector<Index>{0, 1, 2} : std::vector<Index>{0, 1}, "#123456"});
+  }
+  RowMatrix cells(4, 3);
+  cells << 0, 0, 0, 0, 1, 0.5, 1, 0, 0.7, 1, 1, 1;
+  const std::string table = add_table(figure, "x, y, value", cells);
+  figure.panels[0].series.push_back({SeriesKind::cells, table, {0, 1, 2}});
+  const Drawn drawn = draw(figure);
+  EXPECT_EQ(markup_error(drawn.svg), "");
+  EXPECT_EQ(count_of(drawn.svg, "<g id=\"gnuplot_plot_"), 6);
+  EXPECT_EQ(count_of(drawn.script, "set colorbox user"), 1);
+  for (const char* style :
+       {"points pt 7", "steps lw", ":3 with filledcurves fs", "y1=0", "image"}) {
+    EXPECT_NE(drawn.script.find(style), std::string::npos) << style;
+  }
+}
+
+TEST(Figure, DrawsDataWithoutAnythingToShow) {
+  Figure figure = grid_of(1, 2);
+  figure.panels[0].series[0].table = add_table(figure, "none", RowMatrix(0, 2));
+  figure.panels[1].series[0].table = add_table(figure, "NaN", RowMatrix::Constant(3, 2, kNan));
+  const Drawn drawn = draw(figure);
+  EXPECT_EQ(markup_error(drawn.svg), "");
+  EXPECT_NE(drawn.svg.find(">panel 1<"), std::string::npos);
+}
+
+TEST(Figure, MarksPlacesInsideOfTheAxes) {
+  Figure figure = grid_of(1, 1);
+  const auto mark = [&](LegendMark shape, double x, double y) {
+    figure.panels[0].marks = {{shape, "#123456", x, y, 1.0, LineStyle::dashed}};
+    return draw(figure).script;
+  };
+  EXPECT_NE(
+      mark(LegendMark::diamond, 5e-4, 0.25).find("at first 0.5, first 0.25 point pt 13 ps 1 "),
+      std::string::npos);
+  EXPECT_NE(mark(LegendMark::line, 5e-4, 7.0)
+                .find("from first 0.5, graph 0 to first 0.5, graph 1 nohead front lw 1.5 dt 2"),
+            std::string::npos);
+  EXPECT_EQ(mark(LegendMark::diamond, 5e-4, 7.0).find("first"), std::string::npos);
+  EXPECT_EQ(mark(LegendMark::line, 2e-3, 0.5).find("first"), std::string::npos);
+  EXPECT_EQ(mark(LegendMark::dot, kNan, 0.5).find("first"), std::string::npos);
+}
+
+TEST(Figure, LegendEntriesShowTheirMark) {
+  const auto script = [&](LegendMark mark) {
+    Figure figure = grid_of(1, 1);
+    figure.legend = {{mark, "#123456", "words"}};
+    return draw(figure).script;
+  };
+  EXPECT_NE(script(LegendMark::dot).find("pt 7 ps 0.8 lc rgb '#123456'"), std::string::npos);
+  EXPECT_NE(script(LegendMark::triangle).find("pt 9 "), std::string::npos);
+  EXPECT_NE(script(LegendMark::square).find("pt 5 "), std::string::npos);
+  EXPECT_NE(script(LegendMark::line).find("set arrow"), std::string::npos);
+  EXPECT_EQ(script(LegendMark::line).find("set object rectangle"), std::string::npos);
+  EXPECT_NE(script(LegendMark::band).find("set object rectangle"), std::string::npos);
+  EXPECT_NE(script(LegendMark::band).find("'words'"), std::string::npos);
+}
+
+TEST(Figure, TextsAreTextAndNothingElse) {
+  const std::string nasty = "'`touch broken`\nset output 'elsewhere'<b>&{/Bold";
+  const std::string shown = "’`touch broken` set output ’elsewhere’&lt;b>&amp;{/Bold";
+  Figure figure = grid_of(1, 1);
+  figure.sizes.panel_width = 900.0;
+  figure.panels[0].title = figure.panels[0].x.title = nasty;
+  figure.panels[0].y.unit = figure.panels[0].y.labels[0] = nasty;
+  figure.legend = {{LegendMark::dot, "#123456", nasty}};
+  figure.colors = {nasty, 0.0, 1.0};
+  figure.tables[0].comment = nasty;
+  const TempFolder folder;
+  const std::string svg = read_text_file(write_figure(figure, folder.path()).svg);
+  EXPECT_EQ(markup_error(svg), "");
+  EXPECT_GE(count_of(svg, shown), 4) << svg;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "broken"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "elsewhere"));
+}
+
+TEST(Figure, RejectsNamesThatAreNoFileNames) {
+  Figure figure = grid_of(1, 1);
+  figure.name = "../grid";
+  const TempFolder folder;
+  EXPECT_THROW(write_figure(figure, folder.path()), InputError);
+}
+
+TEST(Figure, MethodsKeepTheirColor) {
+  Figure figure;
+  std::set<std::string> colors = {kTruthColor, kNominalColor};
+  for (const char* method : {"a", "b", "c", "d", "e", "f"}) {
+    colors.insert(method_color(figure, method, LegendMark::line));
+  }
+  EXPECT_EQ(colors.size(), kMaxMethods + 2);
+  EXPECT_EQ(method_color(figure, "b", LegendMark::line), kMethodColors[1]);
+  EXPECT_EQ(figure.legend.size(), kMaxMethods);
+  EXPECT_THROW(method_color(figure, "g", LegendMark::line), InputError);
+}
+
+TEST(Figure, SelectionsAreTheFirstOrThoseWanted) {
+  using Indices = std::vector<Index>;
+  EXPECT_EQ(check_selection("x", {}, 7, 1, 3), (Indices{0, 1, 2}));
+  EXPECT_EQ(check_selection("x", {}, 2, 1, 3), (Indices{0, 1}));
+  EXPECT_EQ(check_selection("x", {6, 1}, 7, 1, 3), (Indices{6, 1}));
+  EXPECT_EQ(message_of<InputError>([] { check_selection("plot 'p': channel", {2}, 2, 1, 3); }),
+            "plot 'p': channel 2 selected, must be in [0, 1]");
+  EXPECT_EQ(message_of<InputError>([] { check_selection("plot 'p': channel", {}, 1, 2, 3); }),
+            "plot 'p': channel: 1 selected, must be 2 to 3");
+}
+
+}  // namespace
+}  // namespace npdr::analysis
