@@ -10,7 +10,7 @@
 
 namespace npdr::analysis {
 
-/// How a format marks up what a table holds.
+/// Marks with which a format writes what a table holds.
 struct Markup {
   std::string (*escape)(std::string_view);
   NumberStyle numbers;
@@ -20,7 +20,7 @@ struct Markup {
 /// All cells as text: the titles, then the rows; the labels first.
 std::vector<std::vector<std::string>> text_grid(const Table& table, const Markup& markup);
 
-/// Whether a column of text_grid() reads best flush right.
+/// True when a column of text_grid() reads best flush right.
 bool flush_right(const Table& table, std::size_t grid_column);
 
 /// The footnotes, each begun with its mark, where cells refer to it, in the fmt pattern `line`.

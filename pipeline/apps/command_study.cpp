@@ -144,8 +144,8 @@ void list(const std::string& what, const std::string& table) {
   if (what == "embeddings") return list_names(names_of<inference::EmbeddingKind>());
   if (what == "estimators") return list_names(names_of<inference::EstimatorKind>());
   if (what == "integrators") return list_names(names_of<sim::Integrator>());
-  if (what == "metrics") return list_names(metric_names());
-  if (what == "checks") return list_names(check_names());
+  if (what == "metrics") return list_names(names_of<Metric>());
+  if (what == "checks") return list_names(names_of<Check>());
   throw InputError(unknown_name("list", what,
                                 {"simulators", "methods", "embeddings", "estimators", "integrators",
                                  "metrics", "checks", "keys", "layouts"}));

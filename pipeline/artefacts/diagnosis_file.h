@@ -50,7 +50,7 @@ struct Diagnosis {
   std::optional<inference::TrainingCheck> training;
   Index max_epochs = 0;  ///< that training may have had
 
-  /// By the names of check_names(); "training" has none.
+  /// By the names of checks; "training" has none.
   std::map<std::string, double> p_values() const;
 };
 

@@ -63,7 +63,7 @@ void MethodChecker::check(std::size_t i) {
     case inference::AlgorithmFamily::fixed:
       break;
   }
-  const std::vector<std::string> metrics = metric_names();
+  const std::vector<std::string> metrics = names_of<Metric>();
   for (const auto& [metric, figure] : method.published) {
     require_known(fmt::format("{}.published.{}", path, metric), "method.published", "metric",
                   metric, metrics);

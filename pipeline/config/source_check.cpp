@@ -49,9 +49,9 @@ class SourceChecker : Checker {
   void check_motion() {
     must_be_left_out("simulator.features", "the simulator has state channels");
     must_be_left_out("target.observation", "it is for a simulator.command or dataset");
-    for (const std::string& metric : study_.evaluate.metrics) {
-      if (metric != kFeatureMetric) continue;
-      fail("evaluate.metrics", quoted(metric), "left out: it is for a simulator.command");
+    for (const Metric metric : study_.evaluate.metrics) {
+      if (metric != Metric::distance) continue;
+      fail("evaluate.metrics", quoted(name_of(metric)), "left out: it is for a simulator.command");
     }
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       if (study_.methods[i].embedding.kind != inference::EmbeddingKind::identity) continue;
@@ -69,7 +69,7 @@ class SourceChecker : Checker {
       must_be_left_out(path, no_rollouts());
     }
     must_be_left_out("evaluate.floor", "no search is made with a " + what_);
-    const std::vector<std::string> only_metric = {kFeatureMetric};
+    const std::vector<Metric> only_metric = {Metric::distance};
     if (!source_.simulates || study_.evaluate.metrics != only_metric) {
       must_be_left_out("evaluate.metrics", no_rollouts());
     }

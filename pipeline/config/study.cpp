@@ -22,12 +22,11 @@ DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
   const AlgorithmFamily family = inference::traits_of(method.algorithm.kind).family;
   DiagnoseConfig config = diagnose;
   if (!infers(method)) config.checks.clear();
-  std::erase_if(config.checks, [&](const std::string& check) {
-    const bool asks_simulator = check != "ood" && check != "training";
-    if (asks_simulator && !source().simulates) return true;
-    if (check == "predictive") return false;
-    if (check == "ood") return family == AlgorithmFamily::regression;
-    return family != AlgorithmFamily::network;
+  std::erase_if(config.checks, [&](Check check) {
+    const CheckTraits traits = traits_of(check);
+    if (traits.asks_simulator && !source().simulates) return true;
+    if (traits.needs == CheckNeeds::network) return family != AlgorithmFamily::network;
+    return traits.needs == CheckNeeds::simulations && family == AlgorithmFamily::regression;
   });
   return config;
 }
@@ -40,20 +39,12 @@ bool infers(const MethodConfig& method) {
   return inference::traits_of(method.algorithm.kind).family != inference::AlgorithmFamily::fixed;
 }
 
-bool DiagnoseConfig::has(std::string_view check) const {
+bool DiagnoseConfig::has(Check check) const {
   return std::ranges::find(checks, check) != checks.end();
 }
 
 bool DiagnoseConfig::calibrates() const {
-  return has("sbc") || has("coverage") || has("tarp") || has("local_c2st");
-}
-
-std::vector<std::string> check_names() {
-  return {"sbc", "coverage", "tarp", "local_c2st", "predictive", "ood", "training"};
-}
-
-std::vector<std::string> metric_names() {
-  return {"dtw", "rmse", "final_error", "goal", kFeatureMetric};
+  return std::ranges::any_of(checks, [](Check check) { return traits_of(check).calibrates; });
 }
 
 namespace {
@@ -69,10 +60,11 @@ std::vector<std::string> with_held_out(std::vector<std::string> names) {
 }  // namespace
 
 std::vector<std::string> measured_names(const Study& study) {
-  return study.target.held_out > 0 ? with_held_out(study.evaluate.metrics) : study.evaluate.metrics;
+  const std::vector<std::string> names = to_names(study.evaluate.metrics);
+  return study.target.held_out > 0 ? with_held_out(names) : names;
 }
 
-std::vector<std::string> all_measured_names() { return with_held_out(metric_names()); }
+std::vector<std::string> all_measured_names() { return with_held_out(names_of<Metric>()); }
 
 std::string folder_name(const std::string& name) {
   std::string folder;

@@ -17,8 +17,11 @@
 #include "inference/linear_regression/linear_regression_config.h"
 #include "inference/prior.h"
 #include "inference/training_config.h"
+#include "pipeline/config/check.h"
 #include "pipeline/config/cluster_config.h"
+#include "pipeline/config/enum_lists.h"
 #include "pipeline/config/external_config.h"
+#include "pipeline/config/metric.h"
 #include "pipeline/config/places.h"
 #include "pipeline/config/policy_config.h"
 #include "pipeline/config/source_traits.h"
@@ -56,20 +59,19 @@ constexpr auto enum_table(EvaluatedRounds) {
 
 struct EvaluateConfig {
   Index num_samples = 1000;
-  std::vector<std::string> metrics = {"dtw", "rmse"};
+  std::vector<Metric> metrics = {Metric::dtw, Metric::rmse};
   EvaluatedRounds rounds = EvaluatedRounds::last;
   bool floor = true;  ///< search for the smallest RMSE in the prior, too; only with a recording
 };
 
 /// How posteriors are checked.
 struct DiagnoseConfig {
-  std::vector<std::string>
-      checks;                   ///< names of check_names(); all where the study has a [diagnose]
+  std::vector<Check> checks;    ///< all where the study has a [diagnose]
   Index num_simulations = 300;  ///< fresh draws of the prior, to calibrate with
   Index num_samples = 1000;     ///< drawn from each posterior
   double alpha = 0.01;          ///< probability that a method without fault fails any of its checks
 
-  bool has(std::string_view check) const;
+  bool has(Check check) const;
   /// Whether any of the checks needs fresh simulations.
   bool calibrates() const;
 };
@@ -145,17 +147,8 @@ struct Study {
   Index num_iterations_of(const MethodConfig& method) const;
 };
 
-/// Names that evaluate.metrics may hold.
-std::vector<std::string> metric_names();
-/// The metric of features, the only one where the simulator gives no rollouts.
-inline constexpr const char* kFeatureMetric = "distance";
-
 /// Whether a method infers anything: "prior" and "nominal" take what there is before.
 bool infers(const MethodConfig& method);
-
-/// Names that diagnose.checks may hold: those of a network over many simulations, then those at
-/// x_o.
-std::vector<std::string> check_names();
 
 /// The names of what a study measures: its metrics, and again with the prefix "held_out_" when
 /// there are held-out rollouts.

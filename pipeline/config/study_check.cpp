@@ -172,7 +172,7 @@ void StudyChecker::check_diagnose() {
         any_means_something || !study_.diagnose_of(study_.methods[i]).checks.empty();
   }
   if (!any_means_something) {
-    fail("diagnose.checks", fmt::format("[{}]", join(study_.diagnose.checks)),
+    fail("diagnose.checks", fmt::format("[{}]", join(to_names(study_.diagnose.checks))),
          "such that one of them means something to a method: calibration needs a network, and "
          "more simulations than a dataset holds");
   }
@@ -180,7 +180,7 @@ void StudyChecker::check_diagnose() {
     const std::string path = fmt::format("method[{}].num_simulations", i);
     const inference::AlgorithmConfig& algorithm = study_.methods[i].algorithm;
     if (!reading_.good(fmt::format("method[{}].algorithm", i)) ||
-        !study_.diagnose_of(study_.methods[i]).has("ood")) {
+        !study_.diagnose_of(study_.methods[i]).has(Check::ood)) {
       continue;
     }
     if (algorithm.num_simulations >= fewest || !reading_.good(path)) continue;
@@ -209,15 +209,15 @@ void StudyChecker::check_references() {
 void StudyChecker::check_metrics() {
   if (!info_ || !study_.source().gives_motion || !reading_.good("evaluate.metrics")) return;
   const auto& metrics = study_.evaluate.metrics;
-  const auto asks_for = [&](const char* name) { return std::ranges::count(metrics, name) > 0; };
-  if (asks_for("goal") && !info_->goal) {
+  const auto asks_for = [&](Metric metric) { return std::ranges::count(metrics, metric) > 0; };
+  if (asks_for(Metric::goal) && !info_->goal) {
     fail("evaluate.metrics", "'goal'",
          fmt::format("left out: the simulator '{}' has no goal", info_->name));
   }
   const auto differs = [&](const Channel& channel) {
     return channel.unit != info_->state_channels.front().unit;
   };
-  if (asks_for("final_error") && std::ranges::any_of(info_->state_channels, differs)) {
+  if (asks_for(Metric::final_error) && std::ranges::any_of(info_->state_channels, differs)) {
     fail("evaluate.metrics", "'final_error'",
          fmt::format("left out: the states of the simulator '{}' have several units", info_->name));
   }

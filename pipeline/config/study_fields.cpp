@@ -67,7 +67,7 @@ Constraint<std::vector<std::uint64_t>> seeds_constraint() {
 }
 
 Constraint<std::vector<std::string>> metrics_constraint() {
-  Constraint<std::vector<std::string>> constraint = distinct_of(metric_names());
+  Constraint<std::vector<std::string>> constraint = distinct_of(names_of<Metric>());
   constraint.words += ", at least one of them";
   constraint.allows = [allows = constraint.allows](const auto& metrics) {
     return !metrics.empty() && allows(metrics);
@@ -75,7 +75,7 @@ Constraint<std::vector<std::string>> metrics_constraint() {
   return constraint;
 }
 
-Constraint<std::vector<std::string>> checks_constraint() { return distinct_of(check_names()); }
+Constraint<std::vector<std::string>> checks_constraint() { return distinct_of(names_of<Check>()); }
 
 Constraint<std::vector<double>> range_constraint() {
   return {"[low, high] with low < high", [](const auto& range) {

@@ -59,6 +59,16 @@ void choice(Fields& f, const char* key, E& value, const char* doc) {
   value = parse_enum<E>(key, name);
 }
 
+/// A field that holds several of them.
+template <class Fields, NamedEnum E>
+void choices(Fields& f, const char* key, std::vector<E>& values,
+             const Constraint<std::vector<std::string>>& allowed, const char* doc) {
+  std::vector<std::string> names = to_names(values);
+  f(key, names, allowed, doc);
+  values.clear();
+  for (const std::string& name : names) values.push_back(parse_enum<E>(key, name));
+}
+
 template <class Fields>
 void describe(Fields& f, sim::MinigolfConfig& c) {
   choice(f, "strike", c.strike, "the recorded joint angles, or the policy of Table A4");
@@ -278,7 +288,7 @@ template <class Fields>
 void describe(Fields& f, EvaluateConfig& c) {
   f("num_samples", c.num_samples, count_from(1),
     "posterior samples that are simulated and measured");
-  f("metrics", c.metrics, metrics_constraint(), "what simulated rollouts are measured by");
+  choices(f, "metrics", c.metrics, metrics_constraint(), "what simulated rollouts are measured by");
   choice(f, "rounds", c.rounds, "which rounds' posteriors are evaluated");
   f("floor", c.floor, anything<bool>(),
     "of a recording: also search for the smallest RMSE in the prior");
@@ -286,8 +296,8 @@ void describe(Fields& f, EvaluateConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, DiagnoseConfig& c) {
-  f("checks", c.checks, checks_constraint(),
-    "what posteriors are checked by; all of them when left out, [] for none");
+  choices(f, "checks", c.checks, checks_constraint(),
+          "what posteriors are checked by; all of them when left out, [] for none");
   f("num_simulations", c.num_simulations, between(inference::kFewestSimulations, 1'000'000),
     "fresh draws of the prior that are simulated, to calibrate with");
   f("num_samples", c.num_samples, between(inference::kFewestSimulations, 1'000'000),

@@ -87,7 +87,7 @@ void resolve_external(Study& study, const fs::path& file, const Reading& reading
   study.evaluate.floor = false;
   if (!reading.has("evaluate.metrics")) {
     study.evaluate.metrics.clear();
-    if (study.source().predicts_features()) study.evaluate.metrics = {kFeatureMetric};
+    if (study.source().predicts_features()) study.evaluate.metrics = {Metric::distance};
   }
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
     const std::string kind = "method[" + std::to_string(i) + "].embedding.kind";
@@ -99,7 +99,7 @@ void resolve_external(Study& study, const fs::path& file, const Reading& reading
 void resolve(Study& study, const fs::path& file, const Reading& reading) {
   resolve_target(study.target, file, reading);
   if (reading.has("diagnose") && !reading.has("diagnose.checks")) {
-    study.diagnose.checks = check_names();
+    study.diagnose.checks = values_of<Check>();
   }
   if (reading.has("policy") && !reading.has("policy.optimizer")) {
     study.policy.search.kind = inference::PolicyOptimizerKind::power;

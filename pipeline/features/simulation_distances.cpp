@@ -36,7 +36,7 @@ Index thinned_segment(Index segment_length, Index stride) {
 }  // namespace
 
 Vector metric_distances(const Plan& plan, const Node& node, const Target& target,
-                        const std::string& metric) {
+                        inference::AbcDistance metric) {
   const Index stride = plan.study.simulator.store_every;
   analysis::MetricsConfig config;
   config.segment_length = thinned_segment(plan.study.simulator.segment_length, stride);
@@ -55,7 +55,8 @@ Vector metric_distances(const Plan& plan, const Node& node, const Target& target
     trajectories.read_rows<float>(begin, count, block);
     const analysis::TrajectoryView view{block, count, target.num_rollouts(), steps,
                                         target.num_states()};
-    distances.segment(begin, count) = metric == "dtw" ? metrics.dtw(view) : metrics.rmse(view);
+    const bool is_dtw = metric == inference::AbcDistance::dtw;
+    distances.segment(begin, count) = is_dtw ? metrics.dtw(view) : metrics.rmse(view);
     progress.update(begin + count);
   }
   const auto failed = [](double d) {

@@ -129,7 +129,7 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
 // What baselines and posteriors are measured by.
 PlanBuilder::Inputs PlanBuilder::add_judgement(std::size_t target, Json& json) const {
   json["simulator"] = keys_.states;
-  json["metrics"] = plan_.study.evaluate.metrics;
+  json["metrics"] = to_names(plan_.study.evaluate.metrics);
   for (const ReferenceConfig& reference : plan_.study.references) {
     json["references"][reference.name] = reference.parameters;
   }
@@ -297,7 +297,7 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& us
     const std::size_t proposal = add_proposal(method, use, {});
     inputs.emplace_back("calibration", add_simulation(method, use, target, proposal));
   }
-  if (diagnose.has("ood")) {
+  if (diagnose.has(Check::ood)) {
     for (std::size_t r = 0; r < rounds.simulations.size(); ++r) {
       inputs.emplace_back("simulation_" + std::to_string(r + 1), rounds.simulations[r]);
     }

@@ -28,17 +28,29 @@ std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajec
   std::map<std::string, Vector> values;
   if (!plan_.study.source().gives_motion) {
     const Vector x_o = target_.rollouts.front().states.row(1).transpose();
-    values[kFeatureMetric] =
+    values[name_of(Metric::distance)] =
         analysis::feature_distance(features_of(trajectories), x_o, feature_deviation_);
     return values;
   }
   const analysis::Metrics metrics(target_, metrics_config());
   const analysis::TrajectoryView view = view_of(trajectories);
-  for (const std::string& name : plan_.study.evaluate.metrics) {
-    if (name == "dtw") values[name] = metrics.dtw(view);
-    if (name == "rmse") values[name] = metrics.rmse(view);
-    if (name == "final_error") values[name] = metrics.final_error(view);
-    if (name == "goal") values[name] = metrics.goal(view, *plan_.source->info().goal);
+  const auto measured = [&](Metric metric) -> Vector {
+    switch (metric) {
+      case Metric::dtw:
+        return metrics.dtw(view);
+      case Metric::rmse:
+        return metrics.rmse(view);
+      case Metric::final_error:
+        return metrics.final_error(view);
+      case Metric::goal:
+        return metrics.goal(view, *plan_.source->info().goal);
+      case Metric::distance:
+        break;  // of features
+    }
+    return {};
+  };
+  for (const Metric metric : plan_.study.evaluate.metrics) {
+    values[name_of(metric)] = measured(metric);
   }
   return values;
 }

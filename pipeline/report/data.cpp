@@ -26,9 +26,9 @@ std::string ReportData::each_experiment() const {
   return (seeds.size() == 1 ? "" : "each of ") + experiments();
 }
 
-std::vector<const DiagnosedRun*> ReportData::diagnoses_of(const std::string& method) const {
-  std::vector<const DiagnosedRun*> found;
-  for (const DiagnosedRun& run : diagnoses) {
+std::vector<const ResultOf<Diagnosis>*> ReportData::diagnoses_of(const std::string& method) const {
+  std::vector<const ResultOf<Diagnosis>*> found;
+  for (const auto& run : diagnoses) {
     if (run.use.method == method) found.push_back(&run);
   }
   return found;
@@ -41,7 +41,7 @@ DiagnoseConfig ReportData::checks_of(const std::string& method) const {
 std::vector<std::string> ReportData::policy_methods() const {
   std::vector<std::string> names;
   for (const MethodConfig& method : plan.study.methods) {
-    const auto is_its = [&](const PolicyRun& run) { return run.use.method == method.name; };
+    const auto is_its = [&](const auto& run) { return run.use.method == method.name; };
     if (std::ranges::any_of(policies, is_its)) names.push_back(method.name);
   }
   return names;
@@ -72,6 +72,14 @@ bool has_policies(const ReportData& data) { return !data.policies.empty(); }
 
 namespace {
 
+template <class Result>
+void collect(const std::vector<const Node*>& nodes, Result (*read)(const ArtefactFile&),
+             std::vector<ResultOf<Result>>& results) {
+  for (const Node* node : nodes) {
+    for (const Use& use : node->uses) results.push_back({use, read(*node)});
+  }
+}
+
 void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
   for (const Node* evaluation : plan.inputs(node, Stage::evaluate)) {
     const Node& posterior = *plan.inputs(*evaluation, Stage::infer).front();
@@ -81,17 +89,9 @@ void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
           {use, is_last, read_evaluation(*evaluation), read_posterior_notes(posterior)});
     }
   }
-  for (const Node* diagnosis : plan.inputs(node, Stage::diagnose)) {
-    for (const Use& use : diagnosis->uses)
-      data.diagnoses.push_back({use, read_diagnosis(*diagnosis)});
-  }
-  for (const Node* policy : plan.inputs(node, Stage::policy)) {
-    for (const Use& use : policy->uses)
-      data.policies.push_back({use, read_policy_history(*policy)});
-  }
-  for (const Node* test : plan.inputs(node, Stage::policy_test)) {
-    for (const Use& use : test->uses) data.policy_tests.push_back({use, read_policy_test(*test)});
-  }
+  collect(plan.inputs(node, Stage::diagnose), &read_diagnosis, data.diagnoses);
+  collect(plan.inputs(node, Stage::policy), &read_policy_history, data.policies);
+  collect(plan.inputs(node, Stage::policy_test), &read_policy_test, data.policy_tests);
   data.target = read_target_artefact(plan.node(Stage::target, {}));
   if (plan.study.target.held_out > 0) {
     data.held_out = read_recording(plan.node(Stage::held_out, {}).path);

@@ -21,22 +21,11 @@ struct EvaluatedRun {
   PosteriorNotes notes;
 };
 
-/// One method and seed.
-struct DiagnosedRun {
+/// Another artefact of a method and seed.
+template <class Result>
+struct ResultOf {
   Use use;
-  Diagnosis diagnosis;
-};
-
-/// One method, seed and iteration.
-struct PolicyRun {
-  Use use;
-  PolicyHistory history;
-};
-
-/// One method and seed; iteration 0: of the policy before any search.
-struct PolicyTestRun {
-  Use use;
-  PolicyTest test;
+  Result result;
 };
 
 struct ReportData {
@@ -46,9 +35,9 @@ struct ReportData {
   std::vector<std::uint64_t> seeds;
   std::vector<EvaluatedRun> runs;
   std::vector<BaselinePoint> baseline;
-  std::vector<DiagnosedRun> diagnoses = {};  ///< where the study asks for any
-  std::vector<PolicyRun> policies = {};      ///< of a study with [policy], by iteration
-  std::vector<PolicyTestRun> policy_tests = {};
+  std::vector<ResultOf<Diagnosis>> diagnoses = {};      ///< where the study asks for any
+  std::vector<ResultOf<PolicyHistory>> policies = {};   ///< of a study with [policy], by iteration
+  std::vector<ResultOf<PolicyTest>> policy_tests = {};  ///< iteration 0: before any search
   Target target = {};  ///< all rollouts that inference may see, or x_o
   std::optional<Target> held_out = {};
 
@@ -56,7 +45,7 @@ struct ReportData {
   std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;
 
   /// Checks of the method, in the order of seeds.
-  std::vector<const DiagnosedRun*> diagnoses_of(const std::string& method) const;
+  std::vector<const ResultOf<Diagnosis>*> diagnoses_of(const std::string& method) const;
   /// The checks that mean something to the method.
   DiagnoseConfig checks_of(const std::string& method) const;
 
@@ -67,8 +56,8 @@ struct ReportData {
   /// "each of 5 experiments (seeds)", "1 experiment (seed)".
   std::string each_experiment() const;
 
-  /// Whether the method's samples differ in parameter d of the prior: some methods take parameters
-  /// as known that others infer.
+  /// True where the method's samples differ in parameter d of the prior: some methods take
+  /// parameters as known that others infer.
   bool is_inferred(const std::string& method, Index d) const;
   /// Values of parameter d of the prior that far apart are the same system; 0: none are.
   double period_of(Index d) const;

@@ -11,12 +11,12 @@ namespace {
 
 // A check that measures coverage, and which regions it is the coverage of.
 struct Panel {
-  const char* check;
+  Check check;
   const char* title;
   std::optional<CoverageResult> Diagnosis::*result;
 };
-constexpr Panel kPanels[] = {{"coverage", "highest density", &Diagnosis::coverage},
-                             {"tarp", "balls (TARP)", &Diagnosis::tarp}};
+constexpr Panel kPanels[] = {{Check::coverage, "highest density", &Diagnosis::coverage},
+                             {Check::tarp, "balls (TARP)", &Diagnosis::tarp}};
 
 analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
   analysis::CoveragePlot plot;

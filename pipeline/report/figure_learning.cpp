@@ -27,10 +27,10 @@ std::string new_beliefs(const ReportData& data) {
 // the other, and after the last.
 Vector learning_curve(const ReportData& data, const std::string& method, std::uint64_t seed) {
   Vector curve;
-  for (const PolicyRun& run : data.policies) {  // iterations of one seed are in their order
+  for (const auto& run : data.policies) {  // iterations of one seed are in their order
     if (run.use.method != method || run.use.seed != seed) continue;
     const Index kept = std::max<Index>(0, curve.size() - 1);
-    const Vector& returns = run.history.mean_return;
+    const Vector& returns = run.result.mean_return;
     curve.conservativeResize(kept + returns.size());
     curve.tail(returns.size()) = returns;
   }

@@ -15,7 +15,7 @@ std::vector<std::string> drawn_methods(std::vector<std::string> methods) {
   return methods;
 }
 
-std::vector<std::string> drawn_methods_with(const ReportData& data, const std::string& check) {
+std::vector<std::string> drawn_methods_with(const ReportData& data, Check check) {
   std::vector<std::string> methods = drawn_methods(data.methods);
   std::erase_if(methods, [&](const auto& method) { return !data.checks_of(method).has(check); });
   return methods;
@@ -48,7 +48,7 @@ std::string left_out_parameters(const Study& study) {
 }
 
 const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method) {
-  return data.diagnoses_of(method).front()->diagnosis;
+  return data.diagnoses_of(method).front()->result;
 }
 
 }  // namespace npdr::pipeline

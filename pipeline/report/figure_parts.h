@@ -10,8 +10,8 @@ namespace npdr::pipeline {
 
 /// The methods that figures draw: the first, as many as there are colours.
 std::vector<std::string> drawn_methods(std::vector<std::string> methods);
-/// Those of them to which a check means something.
-std::vector<std::string> drawn_methods_with(const ReportData& data, const std::string& check);
+/// Keeps of these the ones to which a check means something.
+std::vector<std::string> drawn_methods_with(const ReportData& data, Check check);
 /// A sentence to end a caption with: " The first 6 of 7 methods."; "": all are drawn.
 std::string left_out_methods(const std::vector<std::string>& methods);
 

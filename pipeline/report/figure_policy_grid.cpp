@@ -27,7 +27,7 @@ analysis::GridAxis axis_of(const ReportData& data, const PolicyGridAxis& axis) {
           Eigen::Map<const Vector>(points.data(), static_cast<Index>(points.size()))};
 }
 
-// Where the target domain lies on the grid, or the nominal parameters do.
+// Point of the target domain on the grid, or of the nominal parameters.
 std::pair<double, double> center(const ReportData& data) {
   const Study& study = data.plan.study;
   const Vector theta = data.plan.source->parameters().nominal(

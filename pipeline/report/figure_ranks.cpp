@@ -11,7 +11,7 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
   analysis::RankPlot plot;
   plot.name = "sbc_ranks";
   for (const inference::Marginal& m : data.plan.study.prior) plot.parameters.push_back(m.name);
-  for (const std::string& method : drawn_methods_with(data, "sbc")) {
+  for (const std::string& method : drawn_methods_with(data, Check::sbc)) {
     const SbcResult& sbc = *first_diagnosis(data, method).sbc;
     RowMatrix counts(static_cast<Index>(sbc.test.chi_square.front().counts.size()),
                      sbc.levels.cols());
@@ -31,7 +31,7 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
                       data.seeds.front(), left_out_methods(data.methods))};
 }
 
-bool exists(const ReportData& data) { return !drawn_methods_with(data, "sbc").empty(); }
+bool exists(const ReportData& data) { return !drawn_methods_with(data, Check::sbc).empty(); }
 
 }  // namespace
 

@@ -17,9 +17,9 @@ bool is_tested_on_grid(const ReportData& data) { return data.plan.study.policy.g
 std::vector<const PolicyTest*> tests_of(const ReportData& data, const std::string& method,
                                         bool is_before) {
   std::vector<const PolicyTest*> tests;
-  for (const PolicyTestRun& run : data.policy_tests) {
+  for (const auto& run : data.policy_tests) {
     if (run.use.method == method && (run.use.iteration == 0) == is_before) {
-      tests.push_back(&run.test);
+      tests.push_back(&run.result);
     }
   }
   return tests;
@@ -27,12 +27,12 @@ std::vector<const PolicyTest*> tests_of(const ReportData& data, const std::strin
 
 const PolicyHistory& last_history(const ReportData& data, const std::string& method,
                                   std::uint64_t seed) {
-  const PolicyRun* last = nullptr;
-  for (const PolicyRun& run : data.policies) {
+  const ResultOf<PolicyHistory>* last = nullptr;
+  for (const auto& run : data.policies) {
     if (run.use.method != method || run.use.seed != seed) continue;
     if (last == nullptr || run.use.iteration > last->use.iteration) last = &run;
   }
-  return last->history;
+  return last->result;
 }
 
 sim::PolicyTaskInfo task_info(const ReportData& data) { return make_task(data.plan.study)->info(); }

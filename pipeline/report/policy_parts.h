@@ -34,7 +34,7 @@ const PolicyHistory& last_history(const ReportData& data, const std::string& met
 
 sim::PolicyTaskInfo task_info(const ReportData& data);
 
-/// Whether an experiment uses an artefact; what is made for calibration doesn't count.
+/// True when an experiment uses an artefact, for other things than calibration.
 bool is_used_by(const Node& node, const std::string& method, std::uint64_t seed);
 
 /// The text above the tables of policies.

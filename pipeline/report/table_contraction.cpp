@@ -39,11 +39,9 @@ Table make(const ReportData& data) {
   for (const inference::Marginal& marginal : data.plan.study.prior) {
     const double prior_std =
         analysis::summarize_periodic(quantiles_of(marginal), data.period_of(d)).std;
-    Row row{marginal.name, {}};
-    for (const std::string& method : data.methods) {
-      row.cells.push_back(contraction_cell(table, data, method, d, prior_std));
-    }
-    table.rows.push_back(std::move(row));
+    add_row(table, marginal.name, data.methods, [&](const std::string& method) {
+      return contraction_cell(table, data, method, d, prior_std);
+    });
     ++d;
   }
   return table;
@@ -51,7 +49,7 @@ Table make(const ReportData& data) {
 
 }  // namespace
 
-/// How much narrower than the prior each posterior is:
+/// Contraction, which says how much narrower than the prior each posterior is:
 ///   1 - Var(theta_d | x_o) / Var(theta_d),
 /// both variances around the circular mean for a periodic parameter.
 TableEntry contraction_table() {

@@ -9,22 +9,13 @@
 namespace npdr::pipeline {
 namespace {
 
-using Runs = std::vector<const DiagnosedRun*>;
-
-std::string title_of(const std::string& check) {
-  if (check == "sbc") return "SBC ranks, round 1";
-  if (check == "coverage") return "Expected coverage, round 1";
-  if (check == "tarp") return "TARP coverage, round 1";
-  if (check == "local_c2st") return "Local C2ST at x_o, round 1";
-  if (check == "predictive") return "Posterior predictive";
-  if (check == "ood") return "x_o among simulations";
-  return "Training";
-}
+using Runs = std::vector<const ResultOf<Diagnosis>*>;
 
 // Bonferroni over the method's checks that have a p-value, and the seeds.
 double level_of(const ReportData& data, const std::string& method, const Runs& runs) {
   const DiagnoseConfig config = data.checks_of(method);
-  const auto tests = config.checks.size() - (config.has("training") ? 1 : 0);
+  const auto has_p_value = [](Check check) { return traits_of(check).has_p_value; };
+  const auto tests = static_cast<std::size_t>(std::ranges::count_if(config.checks, has_p_value));
   return config.alpha / static_cast<double>(std::max<std::size_t>(tests * runs.size(), 1));
 }
 
@@ -35,8 +26,8 @@ std::string seeds_text(std::size_t failed, std::size_t all) {
 Cell training_cell(const Runs& runs) {
   std::size_t failed = 0;
   double gap = 0.0;
-  for (const DiagnosedRun* run : runs) {
-    const inference::TrainingCheck& check = *run->diagnosis.training;
+  for (const auto* run : runs) {
+    const inference::TrainingCheck& check = *run->result.training;
     failed += check.is_converged ? 0 : 1;
     gap += check.generalization_gap / static_cast<double>(runs.size());
   }
@@ -45,24 +36,24 @@ Cell training_cell(const Runs& runs) {
   return fmt::format("{}, gap {:.2g} nats", verdict, gap);
 }
 
-Cell test_cell(const std::string& check, const Runs& runs, double level) {
+Cell test_cell(Check check, const Runs& runs, double level) {
   std::size_t failed = 0;
   double smallest = 1.0;
-  for (const DiagnosedRun* run : runs) {
-    const double p = run->diagnosis.p_values().at(check);
+  for (const auto* run : runs) {
+    const double p = run->result.p_values().at(name_of(check));
     failed += p < level ? 1 : 0;
     smallest = std::min(smallest, p);
   }
   const char* sign = runs.size() > 1 ? "≥" : "=";
   if (failed == 0) return fmt::format("passes, p {} {:.2g}", sign, smallest);
-  const char* verdict = check == "ood" ? "x_o lies OUTSIDE" : "FAILS";
-  return fmt::format("{}{}, p {} {:.2g}", verdict, seeds_text(failed, runs.size()), sign, smallest);
+  return fmt::format("{}{}, p {} {:.2g}", traits_of(check).failure, seeds_text(failed, runs.size()),
+                     sign, smallest);
 }
 
-Cell check_cell(const ReportData& data, const std::string& method, const std::string& check) {
+Cell check_cell(const ReportData& data, const std::string& method, Check check) {
   if (!data.checks_of(method).has(check)) return {};
   const Runs runs = data.diagnoses_of(method);
-  if (check == "training") return training_cell(runs);
+  if (!traits_of(check).has_p_value) return training_cell(runs);
   return test_cell(check, runs, level_of(data, method, runs));
 }
 
@@ -72,8 +63,8 @@ double times_usual(const inference::Distance& distance) {
 
 // An observation outside of what was simulated makes all else void: said in a sentence.
 void note_outside(const std::string& method, const Runs& runs, double level, Table& table) {
-  for (const DiagnosedRun* run : runs) {
-    const auto& ood = run->diagnosis.ood;
+  for (const auto* run : runs) {
+    const auto& ood = run->result.ood;
     if (!ood || ood->p_value >= level) continue;
     table.footnote(fmt::format(
         "{}: the observation lies outside of what was simulated (seed {}: {:.3g} times the usual "
@@ -86,8 +77,8 @@ void note_outside(const std::string& method, const Runs& runs, double level, Tab
 }
 
 void note_unpredicted(const std::string& method, const Runs& runs, double level, Table& table) {
-  for (const DiagnosedRun* run : runs) {
-    const auto& predictive = run->diagnosis.predictive;
+  for (const auto* run : runs) {
+    const auto& predictive = run->result.predictive;
     if (!predictive || predictive->check.p_value >= level) continue;
     Index worst = 0;
     predictive->check.summary_p_value.minCoeff(&worst);
@@ -102,7 +93,7 @@ void note_unpredicted(const std::string& method, const Runs& runs, double level,
   }
 }
 
-bool any_has(const ReportData& data, const std::string& check) {
+bool any_has(const ReportData& data, Check check) {
   return std::ranges::any_of(data.methods,
                              [&](const auto& method) { return data.checks_of(method).has(check); });
 }
@@ -122,8 +113,8 @@ void note_left_out(const ReportData& data, const std::string& method, Table& tab
   const Study& study = data.plan.study;
   const DiagnoseConfig applied = data.checks_of(method);
   std::vector<std::string> left_out;
-  for (const std::string& check : study.diagnose.checks) {
-    if (!applied.has(check)) left_out.push_back(check);
+  for (const Check check : study.diagnose.checks) {
+    if (!applied.has(check)) left_out.push_back(name_of(check));
   }
   if (left_out.empty()) return;
   table.footnote(fmt::format("{}: without {}: {}", method, join(left_out),
@@ -142,13 +133,10 @@ Table make(const ReportData& data) {
           "method's checks and seeds. p: the smallest of the seeds.{}",
           config.alpha, calibration_text(data)),
       "Check", data.methods);
-  for (const std::string& check : check_names()) {
-    if (!any_has(data, check)) continue;
-    Row row{title_of(check), {}};
-    for (const std::string& method : data.methods) {
-      row.cells.push_back(check_cell(data, method, check));
-    }
-    table.rows.push_back(std::move(row));
+  for (const CheckTraits& check : enum_table(Check{})) {
+    if (!any_has(data, check.value)) continue;
+    add_row(table, std::string(check.title), data.methods,
+            [&](const std::string& method) { return check_cell(data, method, check.value); });
   }
   for (const std::string& method : data.methods) {
     note_left_out(data, method, table);

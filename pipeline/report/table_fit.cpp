@@ -55,9 +55,9 @@ std::string rollouts_at_goal(const ReportData& data, const Target& target) {
                      target.num_rollouts());
 }
 
-// How many of the target's rollouts, and of the held-out ones, reach the goal themselves.
+// Counts the target's rollouts, and the held-out ones, that reach the goal themselves.
 void note_recorded_goal(Table& table, const ReportData& data) {
-  if (std::ranges::count(data.plan.study.evaluate.metrics, "goal") == 0) return;
+  if (std::ranges::count(data.plan.study.evaluate.metrics, Metric::goal) == 0) return;
   std::string text = fmt::format("P({}): of the target's own rollouts {}",
                                  data.info.goal->description, rollouts_at_goal(data, data.target));
   if (data.held_out) {
@@ -78,7 +78,7 @@ void add_fit_columns(Table& table, const ReportData& data) {
 // Simulations that went well, but have no distance: there is nothing to measure it in.
 bool has_no_scale(const EvaluatedRun& run, const std::string& metric) {
   const auto& x = run.evaluation.x;
-  return metric == kFeatureMetric && x && x->array().isFinite().any() &&
+  return metric == name_of(Metric::distance) && x && x->array().isFinite().any() &&
          run.evaluation.metrics.at(metric).array().isNaN().all();
 }
 
@@ -152,7 +152,7 @@ Table make(const ReportData& data) {
 
 }  // namespace
 
-/// How well each method's posterior samples fit the target domain: the twin of Tables 2 and A2,
+/// Fit of each method's posterior samples to the target domain: the twin of Tables 2 and A2,
 /// with the published figures, the nominal parameters and the floor beside them.
 TableEntry fit_table() { return {"fit", Section::fit, exists, make}; }
 

@@ -34,13 +34,7 @@ std::string title_of(const ReportData& data, const std::string& metric) {
   if (metric.starts_with(kHeldOutPrefix)) {
     return title_of(data, metric.substr(kHeldOutPrefix.size())) + ", held out";
   }
-  if (metric == "dtw") return "DTW dist.";
-  if (metric == "rmse") return "RMSE";
-  if (metric == "final_error") {
-    return fmt::format("Final error [{}]", data.info.state_channels.front().unit);
-  }
-  if (metric == kFeatureMetric) return "Distance to x_o [prior std]";
-  return fmt::format("P({})", data.info.goal->description);
+  return traits_of(parse_enum<Metric>("metric", metric)).title(data.info);
 }
 
 std::string experiment_label(const std::string& method, std::uint64_t seed) {

@@ -22,7 +22,7 @@ void add_columns(Table& table, const std::vector<std::string>& titles);
 /// Adds a column for each round that any method has; returns how many.
 Index add_round_columns(Table& table, const ReportData& data);
 
-/// What people call a metric: "RMSE, held out".
+/// Title of one of measured_names(): "RMSE, held out".
 std::string title_of(const ReportData& data, const std::string& metric);
 
 /// "NPDR (MAF), 1": the label of a row for each method and seed.
@@ -38,6 +38,14 @@ void note_known(Table& table, Cell& cell);
 /// be compared with those of all parameters; references that set parameters beyond the prior's.
 void note_known_parameters(Table& table, const ReportData& data);
 void note_fixed_parameters(Table& table, const ReportData& data);
+
+/// Adds a row with a cell for each item.
+template <class Items, class CellOf>
+void add_row(Table& table, std::string label, const Items& items, const CellOf& cell_of_item) {
+  Row row{std::move(label), {}};
+  for (const auto& item : items) row.cells.push_back(cell_of_item(item));
+  table.rows.push_back(std::move(row));
+}
 
 /// One number for each item: (items).
 template <class Items, class Number>

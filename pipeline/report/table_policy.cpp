@@ -29,10 +29,10 @@ Index num_simulations(const ReportData& data, const std::string& method) {
 
 Vector num_policy_rollouts(const ReportData& data, const std::string& method) {
   Vector counts = Vector::Zero(static_cast<Index>(data.seeds.size()));
-  for (const PolicyRun& run : data.policies) {
+  for (const auto& run : data.policies) {
     if (run.use.method != method) continue;
     const auto seed = std::ranges::find(data.seeds, run.use.seed) - data.seeds.begin();
-    counts(seed) += static_cast<double>(run.history.num_rollouts);
+    counts(seed) += static_cast<double>(run.result.num_rollouts);
   }
   return counts;
 }
@@ -79,7 +79,7 @@ bool has_tests(const ReportData& data) {
   return is_tested_in_target(data) || is_tested_on_grid(data);
 }
 
-// Where policies were tested, and on how much.
+// Says where policies were tested, and on how much.
 std::string caption_of(const ReportData& data) {
   const std::string counts =
       "Rollouts and simulations are those of all iterations of one experiment.";

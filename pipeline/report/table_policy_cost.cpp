@@ -31,13 +31,11 @@ Table make(const ReportData& data) {
                   "Method", {});
   for (const auto& group : groups) add_columns(table, {group.first});
   for (const std::string& method : data.policy_methods()) {
-    Row row{method, {}};
-    for (const auto& group : groups) {
-      row.cells.emplace_back(analysis::summarize(each(data.seeds, [&](std::uint64_t seed) {
+    add_row(table, method, groups, [&](const auto& group) {
+      return analysis::summarize(each(data.seeds, [&](std::uint64_t seed) {
         return core_hours(data, method, seed, group.second);
-      })));
-    }
-    table.rows.push_back(std::move(row));
+      }));
+    });
   }
   table.footnote(
       "what several methods share counts for each of them; without tests and evaluations; times "

@@ -7,25 +7,19 @@
 namespace npdr::pipeline {
 namespace {
 
-Row parameters_row(const std::string& title, const Vector& policy) {
-  Row row{title, {}};
-  for (const double value : policy) row.cells.emplace_back(value);
-  return row;
-}
-
 Table make(const ReportData& data) {
   Table table =
       empty_table("Parameters of the policies that the searches found.", "Method, seed", {});
   for (const sim::PolicyParameter& parameter : task_info(data).parameters) {
     add_columns(table, {fmt::format("{} [{}]", parameter.name, parameter.unit)});
   }
-  const PolicyHistory& first = data.policies.front().history;
-  table.rows.push_back(parameters_row("before any search", first.policies.row(0).transpose()));
+  const auto number = [](double value) { return value; };
+  const RowMatrix& first = data.policies.front().result.policies;
+  add_row(table, "before any search", first.row(0), number);
   for (const std::string& method : data.policy_methods()) {
     for (const std::uint64_t seed : data.seeds) {
       const RowMatrix& policies = last_history(data, method, seed).policies;
-      table.rows.push_back(parameters_row(experiment_label(method, seed),
-                                          policies.row(policies.rows() - 1).transpose()));
+      add_row(table, experiment_label(method, seed), policies.row(policies.rows() - 1), number);
     }
   }
   return table;

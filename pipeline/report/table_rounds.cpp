@@ -8,8 +8,8 @@ namespace {
 
 Table make(const ReportData& data) {
   const auto& metrics = data.plan.study.evaluate.metrics;
-  const std::string metric =
-      std::find(metrics.begin(), metrics.end(), "rmse") != metrics.end() ? "rmse" : metrics.front();
+  const bool has_rmse = std::ranges::count(metrics, Metric::rmse) > 0;
+  const std::string metric = name_of(has_rmse ? Metric::rmse : metrics.front());
   Table table = empty_table(
       title_of(data, metric) + " of posterior samples after each round, all seeds.", "Method", {});
   const Index most_rounds = add_round_columns(table, data);

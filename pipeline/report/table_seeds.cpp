@@ -52,7 +52,7 @@ struct Columns {
 };
 
 void add_seed_columns(const ReportData& data, const Columns& has, Table& table) {
-  for (const std::string& metric : data.plan.study.evaluate.metrics) {
+  for (const std::string& metric : to_names(data.plan.study.evaluate.metrics)) {
     add_columns(table, {title_of(data, metric), title_of(data, metric) + " of MAP"});
   }
   if (has.has_nominal) add_columns(table, {"log p(nominal)"});
@@ -67,7 +67,7 @@ void add_seed_columns(const ReportData& data, const Columns& has, Table& table) 
 Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, Table& table) {
   const Evaluation& evaluation = run.evaluation;
   Row row{experiment_label(run.use.method, run.use.seed), {}};
-  for (const std::string& metric : data.plan.study.evaluate.metrics) {
+  for (const std::string& metric : to_names(data.plan.study.evaluate.metrics)) {
     row.cells.push_back(cell_of(table, analysis::summarize(evaluation.metrics.at(metric))));
     row.cells.emplace_back(evaluation.map_metrics.at(metric));
   }

@@ -21,7 +21,17 @@ namespace {
 
 using inference::NetworkPosterior;
 
-// What the checks of one method and seed share.
+// Fresh simulations of the prior, and where their truths rank among samples of the network of round
+// 1, which has learnt from the whole prior.
+struct Calibration {
+  std::unique_ptr<NetworkPosterior> posterior;
+  Index num_failed = 0;
+  RowMatrix theta;  // (n, D)
+  RowMatrixF x;     // (n, F)
+  inference::CalibrationRanks ranks;
+};
+
+// Inputs that the checks of one method and seed share.
 struct Case {
   const Plan& plan;
   const Node& node;
@@ -30,7 +40,9 @@ struct Case {
   DiagnoseConfig config;
   std::unique_ptr<inference::Embedding> embedding;
   VectorF x_o;
+  Calibration calibration;  // where any check calibrates
 
+  const Node& last_posterior() const { return *plan.inputs(node, Stage::infer).front(); }
   StreamId stream(std::string_view name) const { return {node.uses.front().seed, name, 0, 0, 0}; }
 };
 
@@ -42,7 +54,8 @@ Case make_case(const Plan& plan, const Node& node) {
          .target = read_seen_target(plan, node),
          .config = plan.study.diagnose_of(method),
          .embedding = nullptr,
-         .x_o = {}};
+         .x_o = {},
+         .calibration = {}};
   c.embedding =
       inference::make_embedding(method.embedding, c.target, plan.study.simulator.store_every);
   c.x_o = observation(plan, c.target, *c.embedding);
@@ -78,6 +91,27 @@ std::vector<std::uint32_t> all_rows(Index count) {
   return rows;
 }
 
+Calibration calibrate(const Case& c) {
+  const auto simulations = simulations_of(c, true);
+  const SimulationFeatures features(c.plan, simulations, c.target, *c.embedding);
+  require_rows(c, "simulations of calibration", features.num_rows(), features.num_failed(),
+               "raise diagnose.num_simulations");
+  Calibration made{read_network_posterior(*c.plan.inputs(c.node, Stage::infer).back()),
+                   features.num_failed(),
+                   features.theta(),
+                   features_of(features, all_rows(features.num_rows())),
+                   {}};
+  Progress progress(c.node.label(), features.num_rows());
+  made.ranks = inference::rank_truths(
+      [&](const VectorF& observed) { return made.posterior->given(observed); }, made.theta, made.x,
+      c.config.num_samples, c.stream(""),
+      [&](Index done) {
+        stop_here_if_requested();
+        progress.update(done);
+      });
+  return made;
+}
+
 Vector spread(const Case& c, const VectorX<std::int64_t>& ranks, std::string_view name,
               Index column = 0) {
   StreamId id = c.stream(name);
@@ -92,7 +126,8 @@ CoverageResult coverage_of(const Case& c, const VectorX<std::int64_t>& ranks,
   return result;
 }
 
-SbcResult sbc_of(const Case& c, const RowMatrixX<std::int64_t>& ranks) {
+SbcResult check_ranks(const Case& c) {
+  const RowMatrixX<std::int64_t>& ranks = c.calibration.ranks.parameter;
   SbcResult result{ranks, RowMatrix(ranks.rows(), ranks.cols()), {}};
   for (Index d = 0; d < ranks.cols(); ++d) {
     result.levels.col(d) = spread(c, ranks.col(d), "diagnose_sbc", d);
@@ -101,44 +136,14 @@ SbcResult sbc_of(const Case& c, const RowMatrixX<std::int64_t>& ranks) {
   return result;
 }
 
-inference::LocalC2st local_c2st_of(const Case& c, const NetworkPosterior& posterior,
-                                   const RowMatrix& theta, const RowMatrix& sampled,
-                                   const RowMatrixF& x) {
-  const inference::Prior& prior = posterior.prior();
+inference::LocalC2st check_at_x_o(const Case& c) {
+  const auto& [posterior, num_failed, theta, x, ranks] = c.calibration;
+  const inference::Prior& prior = posterior->prior();
   const RowMatrix at_x_o =
-      posterior.sample(c.config.num_samples, c.stream("diagnose_local_c2st_samples"));
+      posterior->sample(c.config.num_samples, c.stream("diagnose_local_c2st_samples"));
   return inference::local_c2st(
-      {prior.to_normal(theta), prior.to_normal(sampled), x, prior.to_normal(at_x_o), c.x_o},
+      {prior.to_normal(theta), prior.to_normal(ranks.theta), x, prior.to_normal(at_x_o), c.x_o},
       c.stream("diagnose_local_c2st"));
-}
-
-// Of the network of round 1, which has learnt from the whole prior.
-void calibrate(const Case& c, Diagnosis& diagnosis) {
-  const auto simulations = simulations_of(c, true);
-  const SimulationFeatures features(c.plan, simulations, c.target, *c.embedding);
-  diagnosis.num_simulations = features.num_rows();
-  diagnosis.num_failed = features.num_failed();
-  require_rows(c, "simulations of calibration", features.num_rows(), features.num_failed(),
-               "raise diagnose.num_simulations");
-  const RowMatrixF x = features_of(features, all_rows(features.num_rows()));
-  const Node& first = *c.plan.inputs(c.node, Stage::infer).back();
-  const auto posterior = read_network_posterior(first);
-  Progress progress(c.node.label(), features.num_rows());
-  const inference::CalibrationRanks ranks =
-      inference::rank_truths([&](const VectorF& observed) { return posterior->given(observed); },
-                             features.theta(), x, c.config.num_samples, c.stream(""),
-                             [&](Index done) {
-                               stop_here_if_requested();
-                               progress.update(done);
-                             });
-  if (c.config.has("sbc")) diagnosis.sbc = sbc_of(c, ranks.parameter);
-  if (c.config.has("coverage")) {
-    diagnosis.coverage = coverage_of(c, ranks.density, "diagnose_coverage");
-  }
-  if (c.config.has("tarp")) diagnosis.tarp = coverage_of(c, ranks.distance, "diagnose_tarp");
-  if (c.config.has("local_c2st")) {
-    diagnosis.local_c2st = local_c2st_of(c, *posterior, features.theta(), ranks.theta, x);
-  }
 }
 
 // Predictions of posterior samples, as the inference would see them.
@@ -186,8 +191,9 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
   return result;
 }
 
-PredictiveResult check_predictions(const Case& c, const inference::Posterior& posterior) {
-  const RowMatrix theta = posterior.sample(c.config.num_samples, c.stream("diagnose_predictive"));
+PredictiveResult check_predictions(const Case& c) {
+  const RowMatrix theta = read_posterior(c.last_posterior())
+                              ->sample(c.config.num_samples, c.stream("diagnose_predictive"));
   const Predictions predictions = predict(c, theta);
   require_rows(c, "predictions", predictions.features.rows(), predictions.num_failed,
                "raise diagnose.num_samples, or narrow the prior");
@@ -222,24 +228,54 @@ inference::OutOfDistribution check_observation(const Case& c) {
   return inference::test_out_of_distribution(features_of(features, rows), c.x_o);
 }
 
+inference::TrainingCheck check_training_curves(const Case& c) {
+  const PosteriorNotes notes = read_posterior_notes(c.last_posterior());
+  return inference::check_training(notes.training_loss, notes.validation_loss, c.method.training);
+}
+
+// The list of all checks: what each of them adds to the diagnosis.
+void run_check(Check check, const Case& c, Diagnosis& diagnosis) {
+  const inference::CalibrationRanks& ranks = c.calibration.ranks;
+  switch (check) {
+    case Check::sbc:
+      diagnosis.sbc = check_ranks(c);
+      break;
+    case Check::coverage:
+      diagnosis.coverage = coverage_of(c, ranks.density, "diagnose_coverage");
+      break;
+    case Check::tarp:
+      diagnosis.tarp = coverage_of(c, ranks.distance, "diagnose_tarp");
+      break;
+    case Check::local_c2st:
+      diagnosis.local_c2st = check_at_x_o(c);
+      break;
+    case Check::predictive:
+      diagnosis.predictive = check_predictions(c);
+      break;
+    case Check::ood:
+      diagnosis.ood = check_observation(c);
+      break;
+    case Check::training:
+      diagnosis.training = check_training_curves(c);
+      diagnosis.max_epochs = c.method.training.max_epochs;
+      break;
+  }
+}
+
 }  // namespace
 
 void run_diagnose(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kDiagnosisSchema, node.identity);
-  const Case c = make_case(plan, node);
-  const Node& last = *plan.inputs(node, Stage::infer).front();
+  Case c = make_case(plan, node);
   Diagnosis diagnosis;
   diagnosis.num_samples = c.config.num_samples;
-  if (c.config.calibrates()) calibrate(c, diagnosis);
-  if (c.config.has("predictive")) {
-    diagnosis.predictive = check_predictions(c, *read_posterior(last));
+  if (c.config.calibrates()) {
+    c.calibration = calibrate(c);
+    diagnosis.num_simulations = c.calibration.theta.rows();
+    diagnosis.num_failed = c.calibration.num_failed;
   }
-  if (c.config.has("ood")) diagnosis.ood = check_observation(c);
-  if (c.config.has("training")) {
-    const PosteriorNotes notes = read_posterior_notes(last);
-    diagnosis.training =
-        inference::check_training(notes.training_loss, notes.validation_loss, c.method.training);
-    diagnosis.max_epochs = c.method.training.max_epochs;
+  for (const Check check : values_of<Check>()) {
+    if (c.config.has(check)) run_check(check, c, diagnosis);
   }
   write_diagnosis(writer.file(), plan.study.prior, diagnosis);
   writer.finish();

@@ -67,7 +67,7 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
   if (previous) transform = previous->transform;
   round.distances = method.abc.distance == inference::AbcDistance::euclidean
                         ? euclidean_distances(plan, node, target, round.theta.rows(), transform)
-                        : metric_distances(plan, simulation, target, name_of(method.abc.distance));
+                        : metric_distances(plan, simulation, target, method.abc.distance);
 
   const inference::Prior prior(plan.study.prior);
   const auto last = previous ? std::optional(previous->population) : std::nullopt;

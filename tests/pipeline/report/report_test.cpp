@@ -1,4 +1,5 @@
 #include <numbers>
+#include <set>
 
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
@@ -77,6 +78,13 @@ TEST(ReportTables, ContractionOfAWideNormalIsThatOfItsAngle) {
   const analysis::Table table =
       contraction_table().make({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
   EXPECT_NEAR(contraction(table, 0), 0.0, 0.05);
+}
+
+// Two of one name would write the same files.
+TEST(ReportTables, HaveNamesOfTheirOwn) {
+  std::set<std::string> names;
+  for (const TableEntry& entry : all_tables()) EXPECT_TRUE(names.insert(entry.name).second);
+  EXPECT_TRUE(names.contains("fit"));
 }
 
 TEST(ReportFigures, SayWhatTheyLeaveOut) {

@@ -101,7 +101,7 @@ TEST_F(AbcStages, MetricsOfThinnedTrajectoriesRestartWithTheSegments) {
   run_first_round(plan, Stage::simulate);
   const Node& node = plan.node(Stage::simulate, {"SMC", 1, 1});
   const Target target = read_target(plan, node);
-  const Vector found = metric_distances(plan, node, target, "rmse");
+  const Vector found = metric_distances(plan, node, target, inference::AbcDistance::rmse);
   const auto simulator =
       sim::make_simulator({.name = "pendulum", .segment_length = 100, .store_every = 1});
   const Node& proposal = *plan.inputs(node, Stage::propose).front();
@@ -132,11 +132,11 @@ TEST_F(AbcStages, DistancesHaveTheSameBitsOnAnyNumberOfThreads) {
   const Node& node = plan.node(Stage::simulate, {"SMC", 1, 1});
   const Target target = read_target(plan, node);
   const int threads = omp_get_max_threads();
-  for (const char* metric : {"rmse", "dtw"}) {
+  for (const auto metric : {inference::AbcDistance::rmse, inference::AbcDistance::dtw}) {
     omp_set_num_threads(1);
     const Vector one = metric_distances(plan, node, target, metric);
     omp_set_num_threads(3);
-    EXPECT_EQ(metric_distances(plan, node, target, metric), one) << metric;
+    EXPECT_EQ(metric_distances(plan, node, target, metric), one) << name_of(metric);
     omp_set_num_threads(threads);
   }
 }

@@ -43,7 +43,7 @@ class ExternalStudies : public ::testing::Test {
 TEST_F(ExternalStudies, HaveDefaultsOfTheirOwn) {
   const Study study = study_of();
   EXPECT_EQ(study.methods.front().embedding.kind, inference::EmbeddingKind::identity);
-  EXPECT_EQ(study.evaluate.metrics, (std::vector<std::string>{"distance"}));
+  EXPECT_EQ(study.evaluate.metrics, std::vector<Metric>{Metric::distance});
   EXPECT_FALSE(study.evaluate.floor);
   EXPECT_EQ(study.external.folder, folder_.path().string() + "/");
   EXPECT_EQ(plan_of().study.external.features, (std::vector<std::string>{"peak [m]", "mean"}));
