@@ -75,7 +75,7 @@ class Tree {
   std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;
 };
 
-// What the artefact says beyond what every one says of itself, in full.
+// Prints in full the attributes that an artefact has beyond those of every artefact.
 void print_own_attributes(const h5::File& file) {
   const std::vector<std::string> own = own_attributes(file);
   if (own.empty()) return;

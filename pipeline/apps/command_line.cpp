@@ -21,7 +21,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// What is still in the buffer would be lost without a word at exit.
+// Flushes explicitly: a write that fails only at exit would be lost without a word.
 void flush_output() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
   throw std::system_error(errno, std::generic_category(), "can't write to standard output");

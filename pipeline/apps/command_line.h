@@ -1,4 +1,4 @@
-/// What all command lines share: the words that name a study, and the outermost error handler.
+/// Parts that all command lines share: the words that name a study, the outermost error handler.
 #pragma once
 
 #include <functional>

@@ -72,7 +72,7 @@ std::string verdict_on_chains(double r_hat) {
              : "";
 }
 
-// Of Markov chains, how far they agree.
+// Prints how far Markov chains agree, where there are any.
 void print_sampler(const inference::Samples& samples) {
   if (!samples.report || samples.report->r_hat.size() == 0) return;
   const double r_hat = samples.report->r_hat.maxCoeff<Eigen::PropagateNaN>();

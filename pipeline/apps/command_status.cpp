@@ -21,7 +21,7 @@ struct Standing {
   ArtefactStatus status;
   std::optional<NodeJobs> jobs;
 
-  // What the batch system does counts more than what it has done so far.
+  // Lets what the batch system is doing count more than what it has done so far.
   std::string state() const {
     if (jobs && !jobs->running.empty()) return "running";
     if (jobs && !jobs->waiting.empty()) return "queued";
@@ -42,7 +42,7 @@ struct Standing {
   }
 };
 
-// What Slurm has, when anything was ever submitted to it.
+// Tasks that Slurm has; none: nothing was ever submitted to it, or it doesn't answer.
 std::optional<std::vector<QueuedTask>> ask_slurm(const Plan& plan) {
   if (read_ledger(plan).empty()) return std::nullopt;
   try {
@@ -117,7 +117,7 @@ void print_costs(const std::string& what, const std::vector<CostRow>& costs) {
   }
 }
 
-// What is there has cost, by stage and by method. What several methods share counts for the first.
+// Costs of what is there, by stage and by method; an artefact of several counts for the first.
 void print_cost_tables(const Plan& plan) {
   std::vector<CostRow> by_stage, by_method, all;
   for (const Node& node : plan.nodes) {

@@ -135,7 +135,7 @@ ExitStatus wait_for_jobs(const Plan& plan, std::optional<Stage> until) {
   return ExitStatus::failed;
 }
 
-// What the study has in the queue. What waits there for what will never come is ended.
+// Tasks that the study has in the queue. Cancels those that wait for what will never come.
 std::vector<QueuedTask> sound_tasks(const Plan& plan) {
   const std::vector<QueuedTask> queued = tasks_of(plan, queued_tasks());
   const std::vector<std::string> doomed = doomed_jobs(plan, queued);

@@ -24,7 +24,7 @@ struct StageArguments {
   std::string key;
 };
 
-// What belongs to no round belongs to each.
+// Takes a node that belongs to no round as one of each.
 bool uses_round(const Node& node, std::optional<Index> round) {
   return !round || std::any_of(node.uses.begin(), node.uses.end(), [&](const Use& use) {
     return use.round == *round || use.round == 0;

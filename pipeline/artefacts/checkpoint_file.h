@@ -6,7 +6,7 @@
 
 namespace npdr::pipeline {
 
-/// What a training run goes on from.
+/// State that an interrupted training goes on from.
 struct Checkpoint {
   inference::TrainingState training;
   Cost cost;  ///< of the work that led here

@@ -36,7 +36,7 @@ struct PredictiveResult {
   inference::PredictiveCheck check;
 };
 
-/// What was asked for is there.
+/// Results of the checks; those that weren't asked for are empty.
 struct Diagnosis {
   Index num_samples = 0;
   Index num_simulations = 0;  ///< of calibration, without the failed ones

@@ -12,7 +12,7 @@
 
 namespace npdr::pipeline {
 
-/// What is known of the policies of a search, a row each.
+/// Outcomes of the policies of a search, a row each.
 struct PolicyHistory {
   RowMatrix policies;          ///< (t, Q)
   Vector mean_return;          ///< (t)
@@ -41,7 +41,7 @@ Vector read_policy(const ArtefactFile& policy);
 /// How a search went. Throws InputError.
 PolicyHistory read_policy_history(const ArtefactFile& policy);
 
-/// What an interrupted search goes on from.
+/// State that an interrupted search goes on from.
 struct PolicyCheckpoint {
   PolicyHistory history;
   inference::PolicySearchState optimizer;

@@ -17,7 +17,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// What x_o was made of.
+// Size and channels of the rollouts that x_o was made of.
 struct Observed {
   double dt = 0.0;
   Index num_rollouts = 0;

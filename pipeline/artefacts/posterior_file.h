@@ -30,7 +30,7 @@ std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefac
 /// for its own observation alone.
 std::unique_ptr<inference::NetworkPosterior> read_network_posterior(const ArtefactFile& artefact);
 
-/// What posteriors of all kinds have in common (layout.h): attributes, and the group `transform`.
+/// Parts that posteriors of all kinds share (layout.h): attributes, and the group `transform`.
 void describe(Layout f, std::vector<inference::Marginal>& prior);
 void describe(Layout f, RowCounts& rows);
 void describe(Layout f, inference::FeatureTransform& transform);
@@ -52,7 +52,7 @@ struct RegressionCounts {
   Index outside_prior = 0;
 };
 
-/// What stands beside the posterior.
+/// Counts and losses that stand beside the posterior.
 struct PosteriorNotes {
   RowCounts rows;
   std::optional<RegressionCounts> regression;

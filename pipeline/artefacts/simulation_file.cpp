@@ -90,7 +90,7 @@ struct Ledger {
   }
 };
 
-// Of the joined file only.
+// Describes what only the joined file has.
 void describe(Layout f, Ledger& ledger, Index num_failed) {
   f.attribute("num_failed", num_failed, "of the joined file: rows whose status isn't 0");
   const Dims shards = {{"S"}};

@@ -29,7 +29,7 @@ class WorkFolder {
 
   const std::filesystem::path& root() const { return root_; }
   std::filesystem::path artefact(const std::string& stage, const std::string& key) const;
-  /// What an interrupted stage goes on from.
+  /// File that an interrupted stage goes on from.
   std::filesystem::path checkpoint(const std::string& stage, const std::string& key) const;
   /// These rows of the simulation `key`.
   std::filesystem::path shard(const std::string& key, RowRange rows) const;

@@ -8,7 +8,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// What a job makes stands in its comment, for which Slurm has 1024 bytes.
+// Limit of what one job makes: all of it stands in its comment, for which Slurm has 1024 bytes.
 constexpr std::size_t kMostNodes = 48;
 
 bool is_preparation(const Node& node) {
@@ -55,9 +55,9 @@ class JobMaker {
     }
   }
 
-  // What a node's job has to wait for: the jobs of what the node needs. An array that the cluster
-  // has may have lost tasks: then it never succeeds, but the job that joins its shards makes what
-  // is missing.
+  // Makes a node's job wait for the jobs of what the node needs. An array that the cluster has may
+  // have lost tasks: then it never succeeds, but the job that joins its shards makes what is
+  // missing.
   void wait_for_needs(std::size_t i, Job& job) const {
     for (const std::size_t need : node(i).needs) {
       if (!is_missing_[need]) continue;

@@ -17,7 +17,7 @@ struct Job {
   std::vector<std::size_t> needs;      ///< positions in the list of jobs, all before this one
   std::vector<std::string> after_ok;   ///< ids of jobs that the cluster has already
   std::vector<std::string> after_any;  ///< the same of arrays, of which some tasks may have failed
-  /// Of an array: task t simulates shards t * shards_per_task, ..., as far as there are any.
+  /// Tasks of an array: t simulates shards t * shards_per_task, ..., as far as there are any.
   std::vector<Index> tasks;
   Index shards_per_task = 0;
   Index first_task = 0;  ///< added to the index that the batch system gives a task
@@ -25,7 +25,7 @@ struct Job {
   bool is_array() const { return shards_per_task > 0; }
 };
 
-/// What of a node a batch system has already: waiting or running.
+/// Jobs that a batch system has for a node already: waiting or running.
 struct InFlight {
   std::vector<std::string> jobs;  ///< ids
   Index shards_per_task = 0;      ///< of an array
@@ -49,10 +49,10 @@ struct JobsInput {
 /// A chain of rounds is a chain of jobs; methods and seeds go on side by side.
 std::vector<Job> make_jobs(const JobsInput& input);
 
-/// What people call a job of several targets and proposals.
+/// Label of a job of several targets and proposals.
 inline constexpr const char* kPrepareLabel = "prepare";
 
-/// What people call a job: the label of its main artefact, or kPrepareLabel.
+/// Name of a job for people: the label of its main artefact, or kPrepareLabel.
 std::string label_of(const Plan& plan, const Job& job);
 
 /// The stage whose resources a job asks for.

@@ -90,7 +90,7 @@ class ScriptWriter {
     for (const std::string& line : resources_.sbatch) text_ += "#SBATCH " + line + "\n";
   }
 
-  // Of every failure, and of the end of the last job.
+  // Asks for mail about every failure, and about the end of the last job.
   void write_mail() {
     if (cluster_.mail.empty()) return;
     const bool is_last = stage_of(context_.plan, job_) == Stage::report;

@@ -9,7 +9,7 @@
 
 namespace npdr::pipeline {
 
-/// What all scripts of one submission share.
+/// Context that all scripts of one submission share.
 struct ScriptContext {
   const Plan& plan;
   std::vector<std::string> study_words;  ///< words that name the study to a program

@@ -1,4 +1,4 @@
-/// What a job says of itself in its comment, so that Slurm's queue tells what is being made.
+/// Tag of a job: its comment, by which Slurm's queue tells what is being made.
 #pragma once
 
 #include <optional>

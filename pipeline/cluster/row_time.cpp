@@ -10,7 +10,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// Of the first complete shard.
+// Core-seconds per row of the first complete shard.
 std::optional<double> seconds_so_far(const Plan& plan) {
   for (const Node& node : plan.nodes) {
     if (node.stage != Stage::simulate) continue;

@@ -29,7 +29,7 @@ struct QueuedTask {
   bool is_running() const { return state != "PENDING"; }
 };
 
-/// What is to be submitted.
+/// A job or an array to be submitted.
 struct Submission {
   std::filesystem::path script;
   std::string array;                   ///< "0-3,7%2"; empty: no array

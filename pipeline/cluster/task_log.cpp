@@ -30,8 +30,8 @@ std::vector<std::string> last_lines(const std::filesystem::path& path) {
   return lines;
 }
 
-// What a program says at its end is "program: message". 'npdr run' quotes it from a stage, indented
-// below "... failed (exit status 1):".
+// Finds the message that a program ends with: "program: message". 'npdr run' quotes it from a
+// stage, indented below "... failed (exit status 1):".
 std::string message_in(const std::vector<std::string>& lines) {
   const auto is_headline = [](const std::string& line) {
     return line.find(" failed (") != std::string::npos && line.ends_with("):");

@@ -5,7 +5,7 @@ namespace npdr::pipeline {
 
 enum class SourceKind { built_in, command, dataset };
 
-/// What the rest of the pipeline asks about a source, in place of which one it is.
+/// Traits that the rest of the pipeline asks for, in place of which source it is.
 struct SourceTraits {
   SourceKind kind = SourceKind::built_in;
   const char* name = "simulator";  ///< for messages: "a command gives no rollouts"

@@ -133,7 +133,7 @@ struct Study {
   ClusterConfig cluster;
   Places places;  ///< where each key stands in what the study was read from
 
-  /// What can be expected of where its rows come from.
+  /// Traits of the source that its rows come from.
   const SourceTraits& source() const { return traits_of(external.kind()); }
 
   /// Throws InputError with the nearest name when no method is called `method_name`.

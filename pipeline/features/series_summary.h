@@ -1,4 +1,4 @@
-/// What a series of states is like in a few numbers, for people to compare.
+/// Summary of a series of states in a few numbers, for people to compare.
 #pragma once
 
 #include <span>

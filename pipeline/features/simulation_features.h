@@ -18,10 +18,10 @@ namespace npdr::pipeline {
 
 class SimulationFeatures : public inference::FeatureSource {
  public:
-  /// Of the simulations among `infer`'s inputs.
+  /// Reads the simulations among `infer`'s inputs.
   SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
                      const inference::Embedding& embedding);
-  /// Of `simulations`, which are read in blocks.
+  /// Reads `simulations`, in blocks.
   SimulationFeatures(const Plan& plan, const std::vector<const Node*>& simulations,
                      const Target& target, const inference::Embedding& embedding);
 

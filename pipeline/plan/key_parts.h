@@ -12,10 +12,11 @@ namespace npdr::pipeline {
 /// many rounds follow.
 nlohmann::ordered_json inference_json(const MethodConfig& method);
 
-/// What decides how a policy's rollouts go: the task, and the policy that the search begins with.
+/// Settings that decide how a policy's rollouts go: the task, and the policy that the search
+/// begins with.
 nlohmann::ordered_json policy_task_json(const PolicyConfig& policy);
 
-/// What a policy search depends on beside that.
+/// Settings that a policy search depends on beside those.
 nlohmann::ordered_json policy_search_json(const PolicyConfig& policy);
 
 /// The resolved study as artefacts keep it: without what changes nothing in it.

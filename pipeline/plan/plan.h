@@ -24,8 +24,8 @@ struct Use {
   std::uint64_t seed = 0;
   /// Counted from 1; 0: none, or, of proposals and simulations, that of calibration.
   Index round = 0;
-  /// Of the loop of target rollouts, inference and policy search, counted from 1. 0: what comes
-  /// before the first policy search, and whatever a method without such a loop infers.
+  /// Iteration of the loop of target rollouts, inference and policy search, counted from 1. 0: what
+  /// comes before the first policy search, and whatever a method without such a loop infers.
   Index iteration = 0;
   friend bool operator==(const Use&, const Use&) = default;
 
@@ -40,7 +40,7 @@ struct Node : ArtefactFile {
   std::vector<Use> uses;           ///< at least one; the first made it part of the plan
   std::vector<std::size_t> needs;  ///< positions in the plan, all before this one
 
-  /// What people call it: "simulate NPDR (MAF), seed 1, iteration 3, round 2".
+  /// Name for people: "simulate NPDR (MAF), seed 1, iteration 3, round 2".
   std::string label() const;
 };
 

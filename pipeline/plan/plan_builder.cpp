@@ -22,7 +22,7 @@ std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& 
   return plan.work.artefact(name_of(stage), key);
 }
 
-// What a posterior without simulations takes from the study.
+// Settings that a posterior without simulations takes from the study.
 void describe_known(const Study& study, Json& json) {
   json["simulator"] = {{"name", study.simulator.name}, {"parameters", study.simulator.parameters}};
   json["prior"] = to_json(study.prior);
@@ -126,7 +126,7 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
   return add(Stage::held_out, json, {}, {});
 }
 
-// What baselines and posteriors are measured by.
+// Describes what baselines and posteriors are measured by.
 PlanBuilder::Inputs PlanBuilder::add_judgement(std::size_t target, Json& json) const {
   json["simulator"] = keys_.states;
   json["metrics"] = to_names(plan_.study.evaluate.metrics);

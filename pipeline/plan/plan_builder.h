@@ -18,14 +18,14 @@ class PlanBuilder {
   void check_selection(const Selection& selection) const;
   std::size_t add_target();
   std::size_t add_baseline(std::size_t target);
-  /// What the report needs.
+  /// Nodes that the report needs.
   struct Results {
     std::vector<std::size_t> evaluations;
     std::vector<std::size_t> diagnoses;
     std::vector<std::size_t> policies;
     std::vector<std::size_t> policy_tests;
   };
-  /// What one inference makes: by round.
+  /// Nodes of one inference, by round.
   struct Rounds {
     std::vector<std::size_t> simulations;
     std::vector<std::size_t> posteriors;
@@ -35,7 +35,7 @@ class PlanBuilder {
                       Results& results);
   /// All rounds of one iteration.
   Rounds add_rounds(const MethodConfig& method, Use use, std::size_t target);
-  /// What is asked of the posteriors of the last iteration.
+  /// Adds evaluations and checks of the posteriors of the last iteration.
   void add_judgements(const MethodConfig& method, Use use, std::size_t target,
                       std::size_t first_target, const Rounds& rounds, Results& results);
   /// The rollouts of `earlier`, and those that `policy` collects.
@@ -44,7 +44,7 @@ class PlanBuilder {
   /// `posterior`: none of a method that infers nothing. `start`: the last iteration's policy.
   std::size_t add_policy(const MethodConfig& method, const Use& use,
                          std::optional<std::size_t> posterior, std::optional<std::size_t> start);
-  /// Of the policy that the search begins with, where there is none. None: nothing can be tested.
+  /// Tests `policy`; none: the one that a search begins with. Returns none when there is no test.
   std::optional<std::size_t> add_policy_test(const Use& use, std::optional<std::size_t> policy);
   std::size_t add_proposal(const MethodConfig& method, const Use& use,
                            std::optional<std::size_t> posterior);

@@ -16,8 +16,8 @@ namespace {
                   name, why));
 }
 
-// What the system does under `actions`, on its own from the first state: the states after step
-// `begin` in place of those of `rollout`.
+// Replaces the states of `rollout` after step `begin` by what the system does under its actions, on
+// its own from the first state.
 void continue_rollout(const sim::Simulator& simulator, const Vector& theta, const Target& like,
                       Index begin, Rollout& rollout) {
   Target alone = like;

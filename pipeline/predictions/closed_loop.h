@@ -15,9 +15,9 @@ std::unique_ptr<sim::PolicyTask> make_task(const Study& study, Index num_steps =
 /// The policy (Q) that the study's first search begins with.
 Vector first_policy(const Study& study, const sim::PolicyTaskInfo& info);
 
-/// What policies are tested on, a row of complete domain parameters (P) each: the target domain,
-/// where it is simulated; then the points of the grid, y fastest. What isn't on the grid is as in
-/// the target domain, or nominal where that is recorded.
+/// Domain parameters that policies are tested on, a row of complete ones (P) each: the target
+/// domain, where it is simulated; then the points of the grid, y fastest. Those not on the grid are
+/// as in the target domain, or nominal where that one is recorded.
 RowMatrix tested_parameters(const Study& study, const Source& source);
 
 /// `count` rollouts of `policy` (Q) in the simulated target domain, as long as those of `like` and

@@ -1,5 +1,5 @@
-/// What parameters are measured by: the study's metrics, on the rollouts that inference saw and on
-/// those that were held out.
+/// Measures parameters by the study's metrics, on the rollouts that inference saw and on those that
+/// were held out.
 #pragma once
 
 #include <map>

@@ -22,7 +22,7 @@ class Predictor {
 
   const Target& target() const { return target_; }
 
-  /// What the distance of features is measured in, (F); not needed for rollouts.
+  /// Sets the deviations by which distances of features are scaled, (F); not needed for rollouts.
   void set_feature_deviation(Vector deviation) { feature_deviation_ = std::move(deviation); }
 
   /// Rollouts, or features, of complete parameters (n, P); `first`: see RowSimulator. Not for a
@@ -44,7 +44,7 @@ class Predictor {
   Vector feature_deviation_;
 };
 
-/// What a simulator that gives features has given, as (n, F).
+/// Features of a simulator that gives these, as (n, F).
 Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x);
 
 analysis::TrajectoryView view_of(const sim::Trajectories& trajectories);

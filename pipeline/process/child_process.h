@@ -23,7 +23,7 @@ class ChildProcess {
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
 
-  /// What the child last said of its progress.
+  /// Progress, as the child last reported it.
   struct State {
     Index done = 0;
     Index total = 0;

@@ -33,7 +33,7 @@ struct ArtefactStatus {
   }
 };
 
-/// What is looked at: what files say about themselves, or every byte of them.
+/// Depth of a look at files: what they say about themselves, or every byte of them.
 enum class Scrutiny { quick, thorough };
 
 ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny = Scrutiny::quick);

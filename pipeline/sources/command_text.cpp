@@ -62,7 +62,7 @@ std::map<std::string, std::string> named_files(const std::string& command,
   for (const std::string& word : words_of(command)) {
     const std::filesystem::path path(word);
     std::error_code error;
-    // Of an absolute path, only what lies in the folder: not the interpreters of the system.
+    // Takes absolute paths only within the folder: not the interpreters of the system.
     const std::filesystem::path inside =
         path.is_absolute() ? path.lexically_normal().lexically_relative(folder) : path;
     if (inside.empty() || *inside.begin() == "..") continue;

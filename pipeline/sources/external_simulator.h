@@ -48,7 +48,7 @@ class ExternalSimulator {
   /// first one may, however many rows hang.
   double time_limit(Index count, Index num_rows) const;
 
-  /// What the last call that failed has said; "": none has.
+  /// Problem of the last call that failed, with the end of its output; "": none has.
   const std::string& last_failure() const { return last_failure_; }
   Index num_calls() const { return num_calls_; }
 

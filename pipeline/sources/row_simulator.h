@@ -26,7 +26,7 @@ class RowSimulator {
   /// Completes the log, and begins another; empty: none. For programs, whose output is kept.
   virtual void log_to(const std::filesystem::path& /*log*/) {}
 
-  /// What the simulator said when it failed last; "": nothing, or it can't say.
+  /// Problem of the last failure, for people; "": there was none, or it can't say.
   virtual std::string last_failure() const { return ""; }
 };
 

@@ -34,7 +34,7 @@ struct RowsConfig {
 
 class Source {
  public:
-  /// Of a study that has been resolved (resolve_source()).
+  /// Takes a study that has been resolved (resolve_source()).
   explicit Source(Study study);
   virtual ~Source() = default;
 
@@ -50,7 +50,7 @@ class Source {
     return std::nullopt;
   }
 
-  /// What theta (n, D) becomes. Throws InputError.
+  /// Opens what simulates rows of theta, or has them already. Throws InputError.
   virtual std::unique_ptr<RowSimulator> open(const RowsConfig& config) const = 0;
 
   /// The simulated target domain, held-out rollouts last. Throws Error when its simulation fails.

@@ -14,7 +14,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// What the round before left behind, and how many rows all rounds before had.
+// Population of the round before, and how many rows all rounds before had.
 struct Previous {
   inference::AbcPopulation population;
   RowCounts rows;

@@ -42,7 +42,7 @@ bool is_nominal(const Plan& plan, const Node& node) {
          inference::Algorithm::nominal;
 }
 
-// What the candidates of an iteration are tried on: the same for all of them.
+// Parameters and states that the candidates of an iteration are tried on, the same for all.
 struct Trials {
   RowMatrix theta;           // (K, P)
   RowMatrix initial_states;  // (S, C), each with every theta
@@ -50,8 +50,8 @@ struct Trials {
 
 class TrialSource {
  public:
-  // Of iterations 0 to num_iterations: samples are drawn at once, since those of some posteriors
-  // come from Markov chains that have to settle first.
+  // Draws the samples of iterations 0 to num_iterations at once: those of some posteriors come from
+  // Markov chains that have to settle first.
   TrialSource(const Plan& plan, const Node& node, const sim::PolicyTask& task, Index num_iterations)
       : node_(node), task_(task) {
     const PolicyConfig& policy = plan.study.policy;

@@ -18,8 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// What all shards of a simulation share: they may be so small that opening files for each would
-// take longest.
+// Files and settings that all shards of a simulation share: shards may be so small that opening
+// files for each would take longest.
 struct Simulation {
   const Plan& plan;
   const Node& node;

@@ -23,7 +23,7 @@ void run_evaluate(const Plan& plan, const Node& node);
 void run_diagnose(const Plan& plan, const Node& node);
 /// Searches for a policy under the posterior of an iteration.
 void run_policy(const Plan& plan, const Node& node);
-/// What a policy does in the target domain, and over the grid.
+/// Tests a policy in the target domain, and over the grid.
 void run_policy_test(const Plan& plan, const Node& node);
 
 }  // namespace npdr::pipeline

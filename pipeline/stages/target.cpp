@@ -15,7 +15,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// What a posterior explains of what it has seen says nothing about what it hasn't.
+// Forbids held-out rollouts that inference sees: explaining them says nothing about others.
 void check_held_out(const Target& seen, const Target& held_out) {
   for (const Rollout& rollout : held_out.rollouts) {
     for (const Rollout& other : seen.rollouts) {

@@ -135,7 +135,7 @@ std::vector<Include> includes_below(const fs::path& root, const std::string& fol
 
 namespace {
 
-// What an include of a layer of pipeline breaks; empty: nothing.
+// Rule that an include of a layer of pipeline breaks; empty: none.
 std::string broken_order(const Include& include) {
   const std::string from = layer_of(include.file), to = layer_of(include.path);
   if (from.empty()) return "";

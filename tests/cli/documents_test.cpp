@@ -36,7 +36,7 @@ const std::map<std::string, std::string> kNotRun = {
     {"h5dump", "a program of HDF5, which nothing else here needs"},
 };
 
-// What is added to runs of studies that really run, besides the --dry-run that all get.
+// Words added to runs of studies that really run, besides the --dry-run that all get.
 const std::map<std::string, std::string> kSmallRuns = {
     {"npdr run study.toml", "--set method.training.max_epochs=5"},
     {"npdr run experiments/pendulum.toml --set 'study.seeds=[1]'", ""},
@@ -53,7 +53,7 @@ struct Command {
   std::string text;
 };
 
-// What follows the first key that `text` begins with.
+// Value of the first key that `text` begins with; null: none.
 const std::string* found_by_beginning(const std::map<std::string, std::string>& map,
                                       const std::string& text) {
   const auto found =
@@ -203,8 +203,8 @@ class Documents : public ::testing::TestWithParam<std::string> {
   TempFolder folder_;
 };
 
-// What is run in place of a command: of a study it says what it would do, for those with a budget
-// it does that, too, and no cluster is asked to end jobs.
+// Commands that are run in place of one: a study says what it would do, one with a budget does it,
+// too, and no cluster is asked to end jobs.
 std::vector<std::string> affordable(const std::string& text) {
   const std::string command = text.substr(0, text.find("  #"));
   if (command.starts_with("npdr cancel ")) return {"npdr validate --quiet" + command.substr(11)};
