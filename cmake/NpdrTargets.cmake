@@ -5,7 +5,7 @@ include(GoogleTest OPTIONAL)
 add_library(npdr_flags INTERFACE)
 target_compile_features(npdr_flags INTERFACE cxx_std_20)
 target_include_directories(npdr_flags INTERFACE ${PROJECT_SOURCE_DIR})
-# errno and floating-point traps are not used here; giving them up lets loops over lanes vectorise.
+# errno and floating-point traps are not used here; giving them up lets loops over lanes vectorize.
 # Nothing that changes the value of a result (such as -ffast-math) is allowed.
 target_compile_options(npdr_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor

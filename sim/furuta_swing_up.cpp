@@ -34,7 +34,7 @@ std::vector<PolicyParameter> parameters() {
   return {
       {"energy_reference", "J", 0.025, true, "energy E_ref that the swing-up aims at"},
       {"energy_gain", "m/(s^2 J)", 50.0, true, "gain mu of the energy's difference"},
-      {"centring_gain", "m/(s^2 rad)", 0.4, false, "pull k_theta of the arm to its centre"},
+      {"centring_gain", "m/(s^2 rad)", 0.4, false, "pull k_theta of the arm to its center"},
       {"balance_gain_theta", "V/rad", -2.0, false, "feedback of the arm's angle near the top"},
       {"balance_gain_alpha", "V/rad", 35.0, false, "feedback of the pole's angle near the top"},
       {"balance_gain_theta_dot", "V s/rad", -1.5, false, "feedback of the arm's rate near the top"},

@@ -53,7 +53,7 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
       simulator.store_every);
 }
 
-// A network of later rounds has learnt around its own x_o.
+// A network of later rounds has learned around its own x_o.
 void warn_of_later_round(const std::string& posterior) {
   const auto document = read_artefact_info(posterior).identity.key_document;
   const auto round = document.find("round");

@@ -200,7 +200,7 @@ ExitStatus cancel(const StudyArguments& arguments) {
   std::set<std::string> jobs;
   for (const QueuedTask& task : tasks) jobs.insert(task.job);
   if (!jobs.empty()) cancel_in_slurm({jobs.begin(), jobs.end()});
-  fmt::print("{}: {} tasks cancelled; what they have made stays\n", plan.study.name, tasks.size());
+  fmt::print("{}: {} tasks canceled; what they have made stays\n", plan.study.name, tasks.size());
   return ExitStatus::done;
 }
 

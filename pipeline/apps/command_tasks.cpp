@@ -28,7 +28,7 @@ void print_task(const std::vector<std::string>& command, const std::string& shar
   fmt::print("{}\n", shell_text(words));
 }
 
-// Neighbours of a simulation's missing shards share a task.
+// Neighbors of a simulation's missing shards share a task.
 void print_shards(const Plan& plan, const Node& node, const std::vector<std::string>& command,
                   Index shards_per_task) {
   const std::vector<Index> missing = missing_shards(plan, node);

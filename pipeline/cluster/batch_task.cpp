@@ -108,9 +108,9 @@ void queue_again() {
 bool ran_out_of_time(int status) {
   const bool was_stopped = status == static_cast<int>(ExitStatus::checkpointed) ||
                            is_stop_signal(status - 128);  // before it could listen
-  const bool was_cancelled =
+  const bool was_canceled =
       stop_signal_came(SIGTERM) || stop_signal_came(SIGINT) || stop_signal_came(SIGHUP);
-  return was_stopped && stop_signal_came(SIGUSR1) && !was_cancelled;
+  return was_stopped && stop_signal_came(SIGUSR1) && !was_canceled;
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace npdr::pipeline {
 /// began and how it ended (task_log.h).
 ///
 /// When it was stopped by SIGUSR1, which Slurm sends before the time limit (--signal=B:USR1@...),
-/// the job is queued again, unless it was cancelled as well. A second attempt that brought nothing
+/// the job is queued again, unless it was canceled as well. A second attempt that brought nothing
 /// to the disk isn't: the next one would come no further. Returns the command's exit status, 128 +
 /// the signal that ended it. Throws Error when the command can't be started.
 int run_batch_task(const std::vector<std::string>& command);

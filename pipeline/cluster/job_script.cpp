@@ -23,7 +23,7 @@ std::string quoted_value(const std::string& value) {
   return text;
 }
 
-// A path in which sbatch replaces %A and the like: other per cent signs are doubled.
+// A path in which sbatch replaces %A and the like: other percent signs are doubled.
 std::string without_patterns(const std::string& path) {
   std::string text;
   for (const char c : path) text.append(c == '%' ? 2 : 1, c);

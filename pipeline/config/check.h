@@ -23,8 +23,8 @@ struct CheckTraits : EnumRow<Check> {
   std::string_view title;  ///< for people
   CheckNeeds needs;
   bool asks_simulator = true;  ///< for other simulations than those that inference has seen
-  /// Concerns the network of round 1, which has learnt from the whole prior, over fresh simulations
-  /// of it; else the posterior of the last round.
+  /// Concerns the network of round 1, which has learned from the whole prior, over fresh
+  /// simulations of it; else the posterior of the last round.
   bool calibrates = false;
   bool has_p_value = true;
   std::string_view failure = "FAILS";  ///< the verdict where p is too small

@@ -117,7 +117,7 @@ class SourceChecker : Checker {
     } else if (target.truth) {
       check_truth(*target.truth);
     } else {
-      must_be_left_out("target.seed", "it picks the random behaviour of a truth");
+      must_be_left_out("target.seed", "it picks the random behavior of a truth");
       require_file("target.observation", *target.observation, "an existing CSV or HDF5 file");
     }
   }

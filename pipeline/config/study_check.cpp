@@ -117,7 +117,7 @@ void StudyChecker::check_recording(const std::string& recording) {
   require_file("target.recording", recording, "an existing HDF5 file");
   if (reading_.has("target.seed")) {
     fail("target.seed", std::to_string(study_.target.seed),
-         "left out with a recording: it picks the behaviour of a truth");
+         "left out with a recording: it picks the behavior of a truth");
   }
 }
 

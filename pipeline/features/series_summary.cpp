@@ -13,7 +13,7 @@ bool is_single(const inference::SeriesSelection& selection) { return selection.n
 
 }  // namespace
 
-Vector summarise(std::span<const float> picked, const inference::SeriesSelection& selection) {
+Vector summarize(std::span<const float> picked, const inference::SeriesSelection& selection) {
   const Index steps = selection.num_steps(), channels = selection.num_channels();
   if (is_single(selection)) {
     return Eigen::Map<const VectorF>(picked.data(), selection.num_values()).cast<double>();

@@ -127,7 +127,7 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
 }
 
 // Describes what baselines and posteriors are measured by.
-PlanBuilder::Inputs PlanBuilder::add_judgement(std::size_t target, Json& json) const {
+PlanBuilder::Inputs PlanBuilder::add_judgment(std::size_t target, Json& json) const {
   json["simulator"] = keys_.states;
   json["metrics"] = to_names(plan_.study.evaluate.metrics);
   for (const ReferenceConfig& reference : plan_.study.references) {
@@ -141,7 +141,7 @@ PlanBuilder::Inputs PlanBuilder::add_judgement(std::size_t target, Json& json) c
 
 std::size_t PlanBuilder::add_baseline(std::size_t target) {
   Json json = key_document(kBaselineSchema);
-  const Inputs inputs = add_judgement(target, json);
+  const Inputs inputs = add_judgment(target, json);
   json["prior"] = to_json(plan_.study.prior);
   if (plan_.study.target.recording) json["floor"] = plan_.study.evaluate.floor;
   return add(Stage::baseline, json, {}, inputs);
@@ -157,7 +157,7 @@ void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
     if (i > 1) seen = add_collection(method, use, seen, *policy);
     const Rounds rounds = infers(method) ? add_rounds(method, use, seen) : Rounds{};
     if (i == num_iterations && infers(method)) {
-      add_judgements(method, use, seen, target, rounds, results);
+      add_judgments(method, use, seen, target, rounds, results);
     }
     if (!plan_.study.policy.is_used()) continue;
     const auto posterior = rounds.posteriors.empty()
@@ -193,8 +193,8 @@ PlanBuilder::Rounds PlanBuilder::add_rounds(const MethodConfig& method, Use use,
 
 // Evaluations measure by the rollouts that all methods have seen first, which makes them
 // comparable; diagnoses ask about the observation that the posteriors are of.
-void PlanBuilder::add_judgements(const MethodConfig& method, Use use, std::size_t target,
-                                 std::size_t first_target, const Rounds& rounds, Results& results) {
+void PlanBuilder::add_judgments(const MethodConfig& method, Use use, std::size_t target,
+                                std::size_t first_target, const Rounds& rounds, Results& results) {
   const bool all_rounds = plan_.study.evaluate.rounds == EvaluatedRounds::all;
   const Index last = method.algorithm.num_rounds;
   for (use.round = all_rounds ? 1 : last; use.round <= last; ++use.round) {
@@ -267,7 +267,7 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
 
 std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std::size_t posterior) {
   Json json = key_document(kEvaluationSchema);
-  Inputs inputs = add_judgement(target, json);
+  Inputs inputs = add_judgment(target, json);
   inputs.emplace_back("posterior", posterior);
   json["num_samples"] = plan_.study.evaluate.num_samples;
   if (plan_.study.target.truth) json["truth"] = *plan_.study.target.truth;
@@ -275,8 +275,8 @@ std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std:
   return add(Stage::evaluate, json, use, inputs);
 }
 
-// Calibration asks the network of round 1, which has learnt from the whole prior; what concerns x_o
-// alone, that of the last round.
+// Calibration asks the network of round 1, which has learned from the whole prior; what concerns
+// x_o alone, that of the last round.
 std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& use,
                                        std::size_t target, const Rounds& rounds) {
   Json json = key_document(kDiagnosisSchema);

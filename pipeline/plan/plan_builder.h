@@ -36,8 +36,8 @@ class PlanBuilder {
   /// All rounds of one iteration.
   Rounds add_rounds(const MethodConfig& method, Use use, std::size_t target);
   /// Adds evaluations and checks of the posteriors of the last iteration.
-  void add_judgements(const MethodConfig& method, Use use, std::size_t target,
-                      std::size_t first_target, const Rounds& rounds, Results& results);
+  void add_judgments(const MethodConfig& method, Use use, std::size_t target,
+                     std::size_t first_target, const Rounds& rounds, Results& results);
   /// The rollouts of `earlier`, and those that `policy` collects.
   std::size_t add_collection(const MethodConfig& method, const Use& use, std::size_t earlier,
                              std::size_t policy);
@@ -56,8 +56,8 @@ class PlanBuilder {
   std::optional<std::size_t> add_held_out();
   /// The simulations of the prior that features are compared in units of.
   std::size_t add_scale();
-  /// Notes down in `json` what a judgement depends on, and returns its inputs.
-  Inputs add_judgement(std::size_t target, nlohmann::ordered_json& json) const;
+  /// Notes down in `json` what a judgment depends on, and returns its inputs.
+  Inputs add_judgment(std::size_t target, nlohmann::ordered_json& json) const;
   std::size_t add_evaluation(const Use& use, std::size_t target, std::size_t posterior);
   std::size_t add_diagnosis(const MethodConfig& method, const Use& use, std::size_t target,
                             const Rounds& rounds);

@@ -33,7 +33,7 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
   return {
       analysis::write_coverage_plot(plot, folder).svg,
       fmt::format("Share of true parameters within the credible regions of each level, seed {}. "
-                  "Below the diagonal: too narrow, above: too wide. Grey: 99 % of the curves of "
+                  "Below the diagonal: too narrow, above: too wide. Gray: 99 % of the curves of "
                   "a posterior without fault, level by level.{}",
                   data.seeds.front(), left_out_methods(data.methods))};
 }

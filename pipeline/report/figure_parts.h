@@ -8,7 +8,7 @@
 
 namespace npdr::pipeline {
 
-/// The methods that figures draw: the first, as many as there are colours.
+/// The methods that figures draw: the first, as many as there are colors.
 std::vector<std::string> drawn_methods(std::vector<std::string> methods);
 /// Keeps of these the ones to which a check means something.
 std::vector<std::string> drawn_methods_with(const ReportData& data, Check check);

@@ -25,7 +25,7 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
   }
   return {analysis::write_rank_plot(plot, folder).svg,
           fmt::format("Ranks of the true parameters among posterior samples, seed {}: shares over "
-                      "the even one. Grey: the band that holds 99 % of the bars of a posterior "
+                      "the even one. Gray: the band that holds 99 % of the bars of a posterior "
                       "without fault. Too narrow a posterior makes a U, too wide a one an arch, a "
                       "shifted one a slope.{}",
                       data.seeds.front(), left_out_methods(data.methods))};

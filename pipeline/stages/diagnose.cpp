@@ -22,7 +22,7 @@ namespace {
 using inference::NetworkPosterior;
 
 // Fresh simulations of the prior, and where their truths rank among samples of the network of round
-// 1, which has learnt from the whole prior.
+// 1, which has learned from the whole prior.
 struct Calibration {
   std::unique_ptr<NetworkPosterior> posterior;
   Index num_failed = 0;
@@ -177,7 +177,7 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
       id.row = static_cast<std::uint64_t>(begin + i);
       Stream stream(id);
       if (scale > 0.0) sim::add_observation_noise(picked, amplitude, scale, stream);
-      const Vector summary = summarise(picked, selection);
+      const Vector summary = summarize(picked, selection);
       if (next == 0) result.summaries.resize(theta.rows(), summary.size());
       result.summaries.row(next) = summary.transpose();
       c.embedding->embed(picked, {result.features.row(next).data(),
@@ -200,7 +200,7 @@ PredictiveResult check_predictions(const Case& c) {
   const inference::SeriesSelection& selection = c.embedding->selection();
   PredictiveResult result;
   result.names = summary_names(selection, c.target.state_channels);
-  result.observed = summarise(picked_observation(c.plan, c.target, *c.embedding), selection);
+  result.observed = summarize(picked_observation(c.plan, c.target, *c.embedding), selection);
   result.num_failed = predictions.num_failed;
   result.median.resize(result.observed.size());
   for (Index s = 0; s < result.median.size(); ++s) {

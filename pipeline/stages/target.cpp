@@ -22,7 +22,7 @@ void check_held_out(const Target& seen, const Target& held_out) {
       if (rollout.states != other.states || rollout.actions != other.actions) continue;
       throw InputError(fmt::format(
           "target.held_out: rollout '{}' is the same as '{}', which inference sees; must be left "
-          "out where the behaviour isn't random",
+          "out where the behavior isn't random",
           rollout.name, other.name));
     }
   }

@@ -7,7 +7,7 @@
 ///
 /// HDF5 locks files by default. Where the file system has no locks, files are opened without;
 /// HDF5_USE_FILE_LOCKING=FALSE switches locks off altogether. Artefacts need none: they are renamed
-/// into place when they are complete and never change afterwards.
+/// into place when they are complete and never change afterward.
 ///
 /// Groups and datasets of a new file are valid until it is closed; those of a file that is read
 /// keep it open. Not thread-safe: one thread at a time may use this module.

@@ -22,7 +22,7 @@ class BadInput : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(BadInput, MisspeltKey) {
+TEST_F(BadInput, MisspelledKey) {
   expect_rejected(run_with("num_simulations = 150", "num_simulation = 150"), "num_simulations");
 }
 

@@ -103,9 +103,9 @@ TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCanceled) {
   EXPECT_TRUE(has(second.out, "nothing to submit")) << second.out;
   EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "queued ("));
   // Also by somebody who has changed the study meanwhile.
-  const Outcome cancelled = npdr({"cancel", "slow.toml", "--set", "target.truth.a=0.5"});
-  EXPECT_TRUE(has(cancelled.out, "tasks cancelled")) << cancelled.err;
-  EXPECT_FALSE(has(cancelled.out, " 0 tasks")) << cancelled.out;
+  const Outcome canceled = npdr({"cancel", "slow.toml", "--set", "target.truth.a=0.5"});
+  EXPECT_TRUE(has(canceled.out, "tasks canceled")) << canceled.err;
+  EXPECT_FALSE(has(canceled.out, " 0 tasks")) << canceled.out;
   cluster_->wait_until_idle();
   EXPECT_TRUE(has(npdr({"submit", "slow.toml", "--dry-run"}).out, "sbatch --parsable --array=0-3"));
 }
@@ -198,7 +198,7 @@ TEST_F(Submit, AStudySurvivesTheCrashOfTheController) {
   EXPECT_TRUE(has(blind.err, "what is queued isn't known")) << blind.err;
   EXPECT_EQ(cluster_->command({"start-controller"}).status, 0);
   EXPECT_TRUE(has(npdr({"submit", "slow.toml"}).out, "nothing to submit"));
-  EXPECT_TRUE(has(npdr({"cancel", "slow.toml"}).out, "tasks cancelled"));
+  EXPECT_TRUE(has(npdr({"cancel", "slow.toml"}).out, "tasks canceled"));
   cluster_->wait_until_idle();
   EXPECT_EQ(npdr({"submit", "slow.toml", "--wait"}).status, 0);
   expect_bits_of_a_local_run();

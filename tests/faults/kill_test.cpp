@@ -30,7 +30,7 @@ struct Tally {
   int running = 0;       // hit while the program ran
   int writing = 0;       // of these, with an unfinished file
   int pieces = 0;        // artefacts and shards that were complete at the instant
-  int pieces_lost = 0;   // of these, made again or changed afterwards
+  int pieces_lost = 0;   // of these, made again or changed afterward
   double seconds = 0.0;  // that killed programs had run: what is done again takes no longer
 
   std::string row(const std::string& name) const {

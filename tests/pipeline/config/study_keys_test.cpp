@@ -81,7 +81,7 @@ TEST(StudyTemplate, IsAValidStudyThatExplainsEveryKey) {
 }
 
 // "# key = value" becomes "key = value".
-std::string with_defaults_spelt_out(const std::string& text) {
+std::string with_defaults_spelled_out(const std::string& text) {
   std::string result;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
@@ -95,11 +95,11 @@ std::string with_defaults_spelt_out(const std::string& text) {
 
 TEST(StudyTemplate, ShowsTheTrueDefaults) {
   const std::string text = study_template("a");
-  const std::string spelt_out = with_defaults_spelt_out(text);
-  EXPECT_NE(spelt_out, text);
+  const std::string spelled_out = with_defaults_spelled_out(text);
+  EXPECT_NE(spelled_out, text);
   Json expected = to_json(parse_study(text, "s.toml"));
   expected["simulator"]["parameters"]["gravity"] = 9.81;  // an example: its default is empty
-  EXPECT_EQ(to_json(parse_study(spelt_out, "s.toml")), expected);
+  EXPECT_EQ(to_json(parse_study(spelled_out, "s.toml")), expected);
 }
 
 TEST(StudyTemplate, RejectsANameThatCantBeAFolder) {

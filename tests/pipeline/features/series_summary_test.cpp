@@ -10,7 +10,7 @@ inference::SeriesSelection selection() { return {1, 2, 3, 1, {0, 2}}; }
 
 TEST(SeriesSummary, HoldsFiveNumbersOfEachChannel) {
   const std::vector<float> picked = {1.0f, -4.0f, 3.0f, -6.0f};
-  EXPECT_EQ(summarise(picked, selection()),
+  EXPECT_EQ(summarize(picked, selection()),
             (Vector{{2.0, 1.0, 1.0, 3.0, 3.0, -5.0, 1.0, -6.0, -4.0, -6.0}}));
 }
 
