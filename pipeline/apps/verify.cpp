@@ -13,7 +13,7 @@
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/predictions/closed_loop.h"
+#include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/sources/source.h"
 #include "sim/simulator.h"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "pipeline/predictions/closed_loop.h"
+#include "pipeline/predictions/policy_rollouts.h"
 
 namespace npdr::pipeline {
 

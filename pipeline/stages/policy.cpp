@@ -10,7 +10,7 @@
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/predictions/closed_loop.h"
+#include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"

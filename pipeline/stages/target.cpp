@@ -9,7 +9,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/target_file.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/predictions/closed_loop.h"
+#include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {

@@ -4,7 +4,7 @@
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/predictions/closed_loop.h"
+#include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"

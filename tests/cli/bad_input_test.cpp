@@ -1,7 +1,7 @@
 #include <sys/resource.h>
 
 #include "tests/cli/program.h"
-#include "tests/pipeline/study_text.h"
+#include "tests/pipeline/small_study.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,7 +1,7 @@
 // Problems of methods: place, value and what is allowed are what users must be told.
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
-#include "tests/pipeline/study_text.h"
+#include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

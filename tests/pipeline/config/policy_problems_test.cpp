@@ -1,6 +1,6 @@
 // Problems of [policy] and what belongs to it: place, value and what is allowed are what users must
 // be told.
-#include "tests/pipeline/study_text.h"
+#include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

@@ -1,7 +1,7 @@
 #include "pipeline/config/study_json.h"
 
 #include "pipeline/config/study_keys.h"
-#include "tests/pipeline/study_text.h"
+#include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

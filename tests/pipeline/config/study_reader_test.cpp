@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "tests/pipeline/study_text.h"
+#include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

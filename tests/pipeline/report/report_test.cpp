@@ -3,7 +3,7 @@
 
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
-#include "tests/pipeline/study_text.h"
+#include "tests/pipeline/small_study.h"
 
 namespace npdr::pipeline {
 namespace {

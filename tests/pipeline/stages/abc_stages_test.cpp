@@ -18,7 +18,7 @@
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
 #include "tests/device_recordings.h"
-#include "tests/pipeline/study_text.h"
+#include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

@@ -1,7 +1,7 @@
 /// Studies with a command or a dataset in place of a built-in simulator: problems and keys.
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/plan/plan.h"
-#include "tests/pipeline/study_text.h"
+#include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

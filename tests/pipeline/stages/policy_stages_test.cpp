@@ -4,7 +4,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/predictions/closed_loop.h"
+#include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
 #include "tests/message_of.h"

@@ -10,7 +10,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/report/data.h"
-#include "tests/pipeline/study_text.h"
+#include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

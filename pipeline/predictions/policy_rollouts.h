@@ -1,4 +1,5 @@
-/// The closed-loop task of a study's simulator.
+/// Rollouts of policies: the closed-loop task of a study, domain parameters that policies are
+/// tested on, and rollouts collected under a policy.
 #pragma once
 
 #include <memory>

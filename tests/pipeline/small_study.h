@@ -1,4 +1,4 @@
-/// Studies and what the reader says of them.
+/// A small valid study that tests take apart, and what the reader says of studies.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-#include "pipeline/predictions/closed_loop.h"
+#include "pipeline/predictions/policy_rollouts.h"
 
 #include <fmt/format.h>
 
