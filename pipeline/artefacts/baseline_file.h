@@ -16,6 +16,7 @@ struct BaselinePoint {
   std::map<std::string, double> metrics;  ///< NaN when the rollout failed
 };
 
+/// Throws Error.
 void write_baseline(h5::File& file, const std::vector<inference::Marginal>& prior,
                     const std::vector<BaselinePoint>& points);
 /// Throws InputError.

@@ -11,7 +11,7 @@ struct Checkpoint {
   inference::TrainingState training;
   Cost cost;  ///< of the work that led here
 };
-/// The checkpoint of the posterior `identity`.
+/// Writes the checkpoint of the posterior `identity`. Throws Error.
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity,
                       Checkpoint checkpoint);
 /// An empty state when there is no checkpoint. Throws InputError for a damaged one.

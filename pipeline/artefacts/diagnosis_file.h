@@ -54,6 +54,7 @@ struct Diagnosis {
   std::map<std::string, double> p_values() const;
 };
 
+/// Throws Error.
 void write_diagnosis(h5::File& file, const std::vector<inference::Marginal>& prior,
                      Diagnosis diagnosis);
 /// Throws InputError.

@@ -27,6 +27,7 @@ struct Evaluation {
   std::optional<analysis::Bands> bands;  ///< of one that gives rollouts
 };
 
+/// Throws Error.
 void write_evaluation(h5::File& file, const Study& study, Evaluation evaluation);
 /// Throws InputError.
 Evaluation read_evaluation(const ArtefactFile& artefact);

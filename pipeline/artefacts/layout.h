@@ -45,7 +45,8 @@ struct LayoutRow {
 };
 
 /// A group or a dataset whose content is described. Reading throws InputError for what is missing
-/// or of another type, and for sizes that don't go together. Copies share their state.
+/// or of another type, and for sizes that don't go together; writing throws Error. Copies share
+/// their state.
 class Layout {
  public:
   static Layout writer(h5::Group& group) { return {&group, nullptr}; }

@@ -11,18 +11,21 @@ namespace npdr::pipeline {
 /// Whether a posterior artefact is of this kind.
 bool holds_particles(const h5::File& file);
 
+/// Throws Error.
 void write_particles(h5::File& file, const std::string& algorithm, inference::ParticleParts parts,
                      RowCounts rows);
 /// Throws InputError.
 std::unique_ptr<inference::ParticlePosterior> read_particles(const h5::File& file);
 
-/// The part of a population that no posterior needs, but the next round does.
+/// Writes what no posterior needs of a population, but the next round does. Throws Error.
 void write_population(h5::File& file, inference::AbcPopulation population);
 /// The population of a round of ABC. Throws InputError.
 inference::AbcPopulation read_population(const h5::File& file);
 
+/// Throws Error.
 void write_regression(h5::File& file, const inference::WeightPosterior& weights,
                       RegressionCounts counts);
+/// None: the posterior isn't a regression's. Throws InputError.
 std::optional<RegressionCounts> read_regression_counts(const h5::File& file);
 
 }  // namespace npdr::pipeline

@@ -32,7 +32,7 @@ inline constexpr Dim kPolicyParameter{"Q", "parameter"};
 /// Names and units of a policy's parameters.
 std::vector<Channel> policy_columns(const sim::PolicyTaskInfo& info);
 
-/// Writes the artefact of a search whose last policy is the history's.
+/// Writes the artefact of a search whose last policy is the history's. Throws Error.
 void write_policy(h5::File& file, inference::PolicyOptimizerKind optimizer,
                   const sim::PolicyTaskInfo& info, PolicyHistory history);
 
@@ -47,7 +47,7 @@ struct PolicyCheckpoint {
   inference::PolicySearchState optimizer;
   Cost cost;
 };
-/// The checkpoint of the search `identity`.
+/// Writes the checkpoint of the search `identity`. Throws Error.
 void write_policy_checkpoint(const std::filesystem::path& path, const Identity& identity,
                              PolicyCheckpoint checkpoint);
 /// None: there is none. Throws InputError for a damaged one.

@@ -22,6 +22,7 @@ struct PolicyTest {
   std::optional<PolicyOutcomes> grid;    ///< X Y rows: row (x Y + y) is point (x, y)
 };
 
+/// Throws Error.
 void write_policy_test(h5::File& file, const Study& study, const sim::PolicyTaskInfo& info,
                        PolicyTest test);
 /// Throws InputError.

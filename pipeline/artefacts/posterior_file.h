@@ -18,7 +18,7 @@ struct RowCounts {
   Index failed = 0;
 };
 
-/// `target`: the rollouts that x_o was made of.
+/// `target`: the rollouts that x_o was made of. Throws Error.
 void write_posterior(h5::File& file, const MethodConfig& method,
                      const inference::NetworkPosterior& posterior, const Target& target,
                      inference::TrainingState training, RowCounts rows);
@@ -35,7 +35,7 @@ void describe(Layout f, std::vector<inference::Marginal>& prior);
 void describe(Layout f, RowCounts& rows);
 void describe(Layout f, inference::FeatureTransform& transform);
 
-/// The channels of the rollouts that x_o was made of.
+/// The channels of the rollouts that x_o was made of. Throws InputError.
 Channels observed_channels(const std::filesystem::path& posterior);
 
 /// Throws InputError unless `found`, with the observed_channels(), could be observed in place of
@@ -59,6 +59,7 @@ struct PosteriorNotes {
   Vector training_loss;    ///< (epochs); empty without a network
   Vector validation_loss;  ///< (epochs)
 };
+/// Throws InputError.
 PosteriorNotes read_posterior_notes(const ArtefactFile& artefact);
 
 }  // namespace npdr::pipeline

@@ -7,7 +7,7 @@
 
 namespace npdr::pipeline {
 
-/// Writes theta (N, D).
+/// Writes theta (N, D). Throws Error.
 void write_proposal(h5::File& file, const std::vector<inference::Marginal>& prior,
                     const RowMatrix& theta);
 

@@ -12,10 +12,11 @@
 
 namespace npdr::pipeline {
 
-/// The dataset of a simulation that holds what was simulated: trajectories, or x.
+/// The dataset of a simulation that holds what was simulated: trajectories, or x. Throws
+/// InputError.
 h5::Dataset simulated_values(const h5::File& file);
 
-/// Makes the empty datasets of `num_rows` rows.
+/// Makes the empty datasets of `num_rows` rows. Throws Error.
 void create_simulation_datasets(h5::File& file, const Study& study, const Target& target,
                                 Index num_rows);
 
@@ -30,11 +31,12 @@ struct Shard {
   std::filesystem::path path;
 };
 
-/// Joins the shards of a simulation, all of which are there. Throws InputError for a damaged one.
+/// Joins the shards of a simulation, all of which are there. Throws InputError for a damaged one,
+/// Error when writing fails.
 void join_shards(const ArtefactFile& simulation, const Identity& identity, const Study& study,
                  const Target& target, const std::vector<Shard>& shards);
 
-/// "3 crashed, 1 timed_out": how the rows of an open simulation failed.
+/// "3 crashed, 1 timed_out": how the rows of an open simulation failed. Throws InputError.
 std::string failures(const h5::File& simulation);
 
 }  // namespace npdr::pipeline

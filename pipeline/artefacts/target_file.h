@@ -6,7 +6,7 @@
 
 namespace npdr::pipeline {
 
-/// Writes x_o: the state after the only step of the only rollout.
+/// Writes x_o: the state after the only step of the only rollout. Throws Error.
 void write_observation(h5::File& file, const Target& target);
 
 /// The target, whichever of both it is. Throws InputError.

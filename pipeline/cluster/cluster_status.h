@@ -19,7 +19,7 @@ struct NodeJobs {
 };
 
 /// For each node of the plan; none: no job has to do with it, or it is complete. `tasks`: those
-/// that Slurm has; without an answer of it nothing counts as failed.
+/// that Slurm has; without an answer of it nothing counts as failed. Throws as ended_state().
 std::vector<std::optional<NodeJobs>> jobs_of_nodes(
     const Plan& plan, const std::optional<std::vector<QueuedTask>>& tasks);
 

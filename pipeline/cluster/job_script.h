@@ -19,7 +19,8 @@ struct ScriptContext {
 };
 
 /// A script for sbatch: resources of the job's stage, then one command. The array's indices and
-/// dependencies, which belong to one submission, are options of sbatch instead.
+/// dependencies, which belong to one submission, are options of sbatch instead. Throws InputError
+/// for folders that Slurm can't be given.
 std::string job_script(const ScriptContext& context, const Job& job);
 
 /// A name for the files of a job: "simulate-npdr-maf-seed-1-round-1".

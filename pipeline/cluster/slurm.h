@@ -55,7 +55,7 @@ std::vector<QueuedTask> parse_queued_tasks(const std::string& line);
 /// "1,5-7,10-20:5%4", as Slurm writes the indices of an array; none for what isn't such a text.
 std::vector<Index> parse_indices(const std::string& text);
 
-/// One more than the largest index that an array may have.
+/// One more than the largest index that an array may have. Throws Error when Slurm doesn't say.
 Index max_array_size();
 
 /// Ends jobs and tasks that wait or run. Throws Error.
@@ -65,7 +65,8 @@ void cancel_in_slurm(const std::vector<std::string>& ids);
 std::vector<std::string> requeue_command(const std::string& id);
 
 /// The state that Slurm remembers of a task that has ended, such as "TIMEOUT"; empty: nothing. It
-/// forgets most after minutes where it keeps no accounts.
+/// forgets most after minutes where it keeps no accounts. Throws Error when no process can be
+/// started.
 std::string ended_state(const std::string& id);
 
 }  // namespace npdr::pipeline

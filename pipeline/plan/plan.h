@@ -63,7 +63,7 @@ struct Plan {
   const Node& node(Stage stage, const Use& use) const;
   /// The node whose key begins with `key`. Throws InputError when there is none or more than one.
   const Node& node_by_key(const std::string& key) const;
-  /// The `i`-th of the inputs of `node` that `stage` makes, in the order of rounds.
+  /// Inputs of `node` that `stage` makes, in the order of rounds.
   std::vector<const Node*> inputs(const Node& node, Stage stage) const;
 };
 
@@ -74,7 +74,7 @@ Plan make_plan(Study study, const WorkFolder& work, const Selection& selection =
 /// The link of a use of `node` in the study's readable folder.
 std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use);
 
-/// Makes the links of all uses of a complete artefact.
+/// Makes the links of all uses of a complete artefact. Throws Error.
 void link_uses(const Plan& plan, const Node& node);
 
 /// Whether a node proposes or simulates what posteriors are calibrated with.

@@ -18,7 +18,7 @@ std::vector<Index> missing_shards(const Plan& plan, const Node& node);
 void require_shard(const Plan& plan, const Node& node, Index number);
 
 /// Says that more rows of the joined `simulation` failed than the study's limit allows; empty: not
-/// so many.
+/// so many. Throws InputError for a damaged one.
 std::string too_many_failed(const Plan& plan, const Node& node, const h5::File& simulation);
 
 /// Opens the joined simulation `node`. Throws InputError for a damaged one, FailedRolloutsError

@@ -25,7 +25,7 @@ struct TableEntry {
 struct FigureEntry {
   Section section;
   bool (*exists)(const ReportData& data);
-  /// Writes the figure into `folder`.
+  /// Writes the figure into `folder`. Throws Error.
   analysis::ReportFigure (*make)(const ReportData& data, const std::filesystem::path& folder);
 };
 

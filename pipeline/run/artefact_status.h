@@ -42,7 +42,8 @@ ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny =
 std::string to_string(ArtefactState state);
 
 /// Why a node isn't up to date: one line for each key of its key document that differs from the
-/// earlier version's, or one line that says that there is none.
+/// earlier version's, or one line that says that there is none. Throws InputError when that
+/// one can't be read.
 std::vector<std::string> reasons(const Plan& plan, const Node& node);
 
 }  // namespace npdr::pipeline

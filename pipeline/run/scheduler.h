@@ -33,11 +33,12 @@ std::vector<const Node*> missing_nodes(const Plan& plan, const SchedulerConfig& 
 
 class Scheduler {
  public:
+  /// Throws InputError as missing_nodes(), Error as settle().
   Scheduler(const Plan& plan, SchedulerConfig config);
 
   /// Runs until all is done, something failed, or a stop was requested. Failures are printed with
   /// the end of their log; what doesn't depend on them is finished first. Returns the status that
-  /// the program should leave with.
+  /// the program should leave with. Throws Error when a process can't be started.
   ExitStatus run();
 
  private:

@@ -33,11 +33,11 @@ class CallFolder {
 };
 
 /// theta (n, P) with the names of its columns: CSV with the digits that give back the same doubles,
-/// or the dataset `theta` with the attribute `labels`.
+/// or the dataset `theta` with the attribute `labels`. Throws Error.
 void write_theta_file(const std::filesystem::path& path, FileFormat format,
                       const std::vector<sim::Parameter>& parameters, const RowMatrix& theta);
 
-/// One integer a line.
+/// One integer a line. Throws Error.
 void write_seeds_file(const std::filesystem::path& path, std::span<const std::uint32_t> seeds);
 
 }  // namespace npdr::pipeline

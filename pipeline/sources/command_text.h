@@ -13,7 +13,7 @@ std::string filled_command(const std::string& command, const std::filesystem::pa
                            const std::filesystem::path& x);
 
 /// Hashes of the files in `folder` that words of the command name, such as a script, by these
-/// words.
+/// words. Throws InputError when one can't be read.
 std::map<std::string, std::string> named_files(const std::string& command,
                                                const std::filesystem::path& folder);
 

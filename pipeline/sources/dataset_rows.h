@@ -13,7 +13,7 @@ namespace npdr::pipeline {
 /// on the seed and on num_rows alone. So a larger count keeps the rows of a smaller one.
 std::vector<Index> dataset_rows(std::uint64_t seed, Index num_rows, Index count);
 
-/// The study's dataset, with the prior's parameters and the study's features.
+/// The study's dataset, with the prior's parameters and the study's features. Throws InputError.
 DatasetFile open_dataset(const Study& study);
 
 }  // namespace npdr::pipeline

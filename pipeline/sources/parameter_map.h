@@ -13,12 +13,12 @@ namespace npdr::pipeline {
 /// Const calls are thread-safe.
 class ParameterMap {
  public:
-  /// `info`: of the study's simulator. Throws InputError for a parameter of the prior, or of
-  /// simulator.parameters, that it doesn't have.
+  /// `info`: of the study's simulator. Throws InputError for a parameter of the prior that it
+  /// doesn't have.
   ParameterMap(const Study& study, const sim::SimulatorInfo& info);
 
   /// All parameters (P): the study's nominal ones, `values` in place of some. Throws InputError for
-  /// an unknown name.
+  /// an unknown name, here or in simulator.parameters.
   Vector nominal(const std::map<std::string, double>& values = {}) const;
 
   /// All parameters (n, P) for theta (n, D): what isn't in the prior is nominal.

@@ -17,7 +17,8 @@ class RowSimulator {
   virtual ~RowSimulator() = default;
 
   /// Rows of all parameters (n, P) as rollouts (n, H, T, C), or features (n, 1, 1, F). `first`
-  /// names the random numbers of row 0, and with its row counted on those of the others.
+  /// names the random numbers of row 0, and with its row counted on those of the others. Throws
+  /// InputError for a damaged dataset, and what ExternalSimulator::simulate() throws.
   virtual sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) = 0;
 
   /// Rows that are worth simulating at once, of a shard of `num_rows`.

@@ -34,7 +34,8 @@ struct RowsConfig {
 
 class Source {
  public:
-  /// Takes a study that has been resolved (resolve_source()).
+  /// Takes a study that has been resolved (resolve_source()). Throws InputError for names that its
+  /// simulator doesn't have.
   explicit Source(Study study);
   virtual ~Source() = default;
 
@@ -46,6 +47,7 @@ class Source {
   virtual SourceKeys keys() const = 0;
 
   /// theta (count, D) that comes with the rows of an experiment; none: it has to be proposed.
+  /// Throws InputError.
   virtual std::optional<RowMatrix> theta(std::uint64_t /*seed*/, Index /*count*/) const {
     return std::nullopt;
   }
@@ -65,6 +67,7 @@ class Source {
   ParameterMap parameters_;
 };
 
+/// The source of a study that has been resolved. Throws InputError as its constructor.
 std::unique_ptr<Source> make_source(const Study& study);
 
 /// Completes a study whose source gives features by what its files say: names of the features, and

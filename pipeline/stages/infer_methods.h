@@ -1,5 +1,5 @@
 /// How the stage 'infer' makes a posterior, by the family of the algorithm. Each fills the artefact
-/// of `node`; the caller finishes it. Private to pipeline/stages.
+/// of `node`; the caller finishes it. Throws as run_infer() does. Private to pipeline/stages.
 #pragma once
 
 #include "pipeline/plan/plan.h"

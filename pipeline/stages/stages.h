@@ -2,6 +2,10 @@
 ///
 /// Killed at any instant, the next call gives the same bits: simulations go on from their last
 /// shard, trainings and policy searches from their last checkpoint, the others begin anew.
+///
+/// Each throws InputError for a damaged input, FailedRolloutsError when more rows of a simulation
+/// failed than the study allows, Error when a truth can't be simulated or writing fails,
+/// Checkpointed when it is asked to stop.
 #pragma once
 
 #include <vector>
@@ -14,7 +18,7 @@ void run_target(const Plan& plan, const Node& node);
 void run_propose(const Plan& plan, const Node& node);
 
 /// The shards with these numbers (empty: all), then, once all are there, the artefact that joins
-/// them. Throws FailedRolloutsError when more rollouts failed than the study allows.
+/// them. Throws InputError for a number that no shard has.
 void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers = {});
 void run_infer(const Plan& plan, const Node& node);
 void run_baseline(const Plan& plan, const Node& node);
