@@ -31,7 +31,7 @@ if(NPDR_SANITIZE)
 endif()
 
 # What nearly every file includes is compiled once for all libraries, by npdr_core, and once more, with JSON,
-# for the upper layers of the pipeline, by npdr_artefacts, and with command lines by npdr_apps; for tests
+# for the upper layers of the pipeline, by npdr_artefacts, and with command lines by npdr_report; for tests
 # likewise (tests/CMakeLists.txt). Those who share it must have the owner's flags. Files still include all that they
 # use: CMAKE_DISABLE_PRECOMPILE_HEADERS, as in the preset asan and scripts/tidy, shows whether they do.
 set(NPDR_COMMON_HEADERS <Eigen/Core> <algorithm> <cmath> <filesystem> <fmt/format.h> <fstream>
@@ -62,7 +62,6 @@ function(npdr_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} fmt::fmt)
-  target_precompile_headers(${name} REUSE_FROM npdr_apps)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
   install(TARGETS ${name} RUNTIME DESTINATION bin)
 endfunction()
