@@ -24,4 +24,10 @@ struct SavitzkyGolay {
 /// `dt` [s] between samples. Throws InputError unless the window is odd and longer than degree + 1.
 SavitzkyGolay savitzky_golay(Index window, Index degree, double dt);
 
+/// Slopes of samples (n) at each of them (n) [1/s]: of the cubic over the window around it. Where
+/// an end is nearer than window / 2 samples, of the quadratic over the first or last window: a
+/// cubic's slope at its own end amplifies noise more than twice as much. Throws InputError unless
+/// the window is odd, at least 5, and no longer than the samples.
+Vector slopes(const Vector& samples, Index window, double dt);
+
 }  // namespace npdr::sim
