@@ -93,8 +93,8 @@ RowMatrix read_at(const h5::Dataset& dataset, std::span<const Index> rows,
 }
 
 // The rows of a file, after they have been read to the end.
-Index count_rows(const std::filesystem::path& path) {
-  NumberTable table(path);
+Index count_rows(const std::filesystem::path& path, const CsvFormat& format) {
+  NumberTable table(path, Header::optional, format);
   std::vector<double> row(static_cast<std::size_t>(table.num_columns()));
   Index count = 0;
   while (table.next(row)) ++count;
@@ -176,15 +176,15 @@ RowMatrix DatasetFile::x(std::span<const Index> rows) const {
 }
 
 DatasetCounts import_dataset(const std::filesystem::path& theta, const std::filesystem::path& x,
-                             const std::filesystem::path& output) {
+                             const std::filesystem::path& output, const CsvFormat& format) {
   DatasetCounts counts;
-  counts.num_rows = count_rows(theta);
-  if (const Index others = count_rows(x); others != counts.num_rows) {
+  counts.num_rows = count_rows(theta, format);
+  if (const Index others = count_rows(x, format); others != counts.num_rows) {
     throw InputError(fmt::format("{}: has {} rows, must have {} like {}", x.string(), others,
                                  counts.num_rows, theta.string()));
   }
-  NumberTable theta_table(theta);
-  NumberTable x_table(x);
+  NumberTable theta_table(theta, Header::optional, format);
+  NumberTable x_table(x, Header::optional, format);
   if (!theta_table.has_header()) {
     throw InputError(theta.string() + ":1: must name the parameters, such as mass,length");
   }

@@ -12,6 +12,7 @@
 
 #include "core/target.h"
 #include "core/types.h"
+#include "pipeline/store/csv_line.h"
 #include "pipeline/store/h5.h"
 
 namespace npdr::pipeline {
@@ -56,6 +57,6 @@ struct DatasetCounts {
 /// InputError with file and line, also for a theta that isn't finite. Memory doesn't grow with the
 /// number of rows.
 DatasetCounts import_dataset(const std::filesystem::path& theta, const std::filesystem::path& x,
-                             const std::filesystem::path& output);
+                             const std::filesystem::path& output, const CsvFormat& format = {});
 
 }  // namespace npdr::pipeline

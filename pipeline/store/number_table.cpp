@@ -13,7 +13,6 @@
 #include "core/feature_names.h"
 #include "core/text.h"
 #include "pipeline/store/column_labels.h"
-#include "pipeline/store/csv_line.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -35,7 +34,9 @@ std::optional<double> parse_number(const std::string& field) {
 
 }  // namespace
 
-NumberTable::NumberTable(const std::filesystem::path& path, Header header) : name_(path.string()) {
+NumberTable::NumberTable(const std::filesystem::path& path, Header header,
+                         const std::optional<CsvFormat>& format)
+    : name_(path.string()), format_(format.value_or(CsvFormat{})), has_choice_(format.has_value()) {
   std::error_code unreadable;
   if (std::filesystem::is_directory(path, unreadable)) {
     throw InputError(name_ + ": is a folder, must be a file");
@@ -48,11 +49,10 @@ NumberTable::NumberTable(const std::filesystem::path& path, Header header) : nam
   if (!stream_) throw InputError(name_ + ": can't be opened; may you read it?");
   if (!next_line()) throw InputError(name_ + ": is empty");
   if (line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);
-  fields_ = csv_fields(line_, place());
+  fields_ = csv_fields(line_, place(), format_.delimiter);
   num_columns_ = static_cast<Index>(fields_.size());
-  is_ahead_ = header == Header::optional && std::ranges::all_of(fields_, [](const auto& f) {
-                return parse_number(f).has_value();
-              });
+  is_ahead_ = header == Header::optional &&
+              std::ranges::all_of(fields_, [&](const auto& f) { return parse(f).has_value(); });
   if (!is_ahead_) read_header(header);
 }
 
@@ -62,10 +62,10 @@ bool NumberTable::next() {
     return true;
   }
   if (!next_line()) return false;
-  fields_ = csv_fields(line_, place());
+  fields_ = csv_fields(line_, place(), format_.delimiter);
   if (static_cast<Index>(fields_.size()) != num_columns_) {
-    fail(fmt::format("has {} columns, must have {} like the first line", fields_.size(),
-                     num_columns_));
+    fail(fmt::format("has {} columns, must have {} like the first line{}", fields_.size(),
+                     num_columns_, hint(line_)));
   }
   return true;
 }
@@ -77,25 +77,25 @@ bool NumberTable::next(std::span<double> row) {
 }
 
 double NumberTable::number(std::size_t column) const {
-  const std::optional<double> value = parse_number(fields_[column]);
+  const std::optional<double> value = parse(fields_[column]);
   if (!value) throw problem(column, "a number");
   return *value;
 }
 
 double NumberTable::finite_number(std::size_t column) const {
-  const std::optional<double> value = parse_number(fields_[column]);
+  const std::optional<double> value = parse(fields_[column]);
   if (!value || !std::isfinite(*value)) throw problem(column, "a finite number");
   return *value;
 }
 
 bool NumberTable::is_missing(std::size_t column) const {
-  return fields_[column].empty() || std::isnan(parse_number(fields_[column]).value_or(0.0));
+  return fields_[column].empty() || std::isnan(parse(fields_[column]).value_or(0.0));
 }
 
 InputError NumberTable::problem(std::size_t column, const std::string& words) const {
   const std::string label = columns_.empty() ? "" : fmt::format(" '{}'", columns_[column].label);
-  return InputError(fmt::format("{}: column {}{} = {}, must be {}", place(), column + 1, label,
-                                quoted(fields_[column]), words));
+  return InputError(fmt::format("{}: column {}{} = {}, must be {}{}", place(), column + 1, label,
+                                quoted(fields_[column]), words, hint(line_)));
 }
 
 // The next line that isn't blank, without its end. Blank ones are only allowed at the end.
@@ -135,20 +135,40 @@ void NumberTable::read_header(Header header) {
     const bool has_units = header == Header::with_units;
     const Channel column = has_units ? parse_channel(field) : parse_feature(field);
     const std::size_t number = columns_.size() + 1;
-    // A semicolon or tabulator in a label separates what should be two of them.
-    if (has_units && (column.label.empty() || column.unit.empty() ||
-                      column.label.find_first_of(";\t") != std::string::npos)) {
-      fail(
-          fmt::format("column {} is headed {}, must be 'label [unit]', such as 'theta [rad]' or "
-                      "'gain [1]', with commas between columns",
-                      number, quoted(field)));
-    }
+    if (has_units) require_unit(column, field, number);
     if (column.label.empty()) fail(fmt::format("column {} has no name", number));
     if (std::ranges::find(columns_, column.label, &Channel::label) != columns_.end()) {
       fail(fmt::format("column {} is a second one headed {}", number, quoted(column.label)));
     }
     columns_.push_back(column);
   }
+}
+
+// Another delimiter in a label separates what should be two of them.
+void NumberTable::require_unit(const Channel& column, const std::string& field,
+                               std::size_t number) {
+  std::string others = fields_.size() == 1 ? ",;\t" : ";\t";
+  std::erase(others, format_.delimiter);
+  const bool is_two = column.label.find_first_of(others) != std::string::npos;
+  if (!column.label.empty() && !column.unit.empty() && !is_two) return;
+  const std::string header = line_;
+  read_line();
+  fail(fmt::format(
+      "column {} is headed {}, must be 'label [unit]', such as 'theta [rad]' or "
+      "'gain [1]', with {} between columns{}",
+      number, quoted(field), delimiter_name(format_.delimiter), hint(header + "\n" + line_)));
+}
+
+std::optional<double> NumberTable::parse(const std::string& field) const {
+  if (!format_.decimal_comma) return parse_number(field);
+  if (field.find('.') != std::string::npos) return std::nullopt;
+  std::string number = field;
+  std::ranges::replace(number, ',', '.');
+  return parse_number(number);
+}
+
+std::string NumberTable::hint(const std::string& lines) const {
+  return has_choice_ ? format_hint(lines, format_) : "";
 }
 
 std::string NumberTable::place() const { return fmt::format("{}:{}", name_, line_number_); }

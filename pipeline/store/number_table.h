@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "core/error.h"
 #include "core/target.h"
 #include "core/types.h"
+#include "pipeline/store/csv_line.h"
 
 namespace npdr::pipeline {
 
@@ -19,14 +21,17 @@ enum class Header {
   with_units,  ///< always, as `label [unit]`
 };
 
-/// Numbers, separated by commas, a line a row; all rows are as long as the first line. Accepts what
-/// spreadsheets write: a byte order mark, CRLF, fields in double quotes, spaces around fields and
-/// empty lines at the end. All messages begin with file and line.
+/// Numbers, separated by commas unless a format says otherwise, a line a row; all rows are as long
+/// as the first line. Accepts what spreadsheets write: a byte order mark, CRLF, fields in double
+/// quotes, spaces around fields and empty lines at the end. All messages begin with file and line.
 class NumberTable {
  public:
-  /// Throws InputError for what can't be read, is empty, or has a header with an empty or repeated
-  /// label, or without a unit that it must have.
-  explicit NumberTable(const std::filesystem::path& path, Header header = Header::optional);
+  /// `format`: as chosen on a command line, whose options messages then name when a file looks like
+  /// another; none: commas and decimal points, without a choice. Throws InputError for what can't
+  /// be read, is empty, or has a header with an empty or repeated label, or without a unit that it
+  /// must have.
+  explicit NumberTable(const std::filesystem::path& path, Header header = Header::optional,
+                       const std::optional<CsvFormat>& format = {});
 
   const std::string& name() const { return name_; }
   bool has_header() const { return !columns_.empty(); }
@@ -58,10 +63,15 @@ class NumberTable {
   bool next_line();
   bool read_line();
   void read_header(Header header);
+  void require_unit(const Channel& column, const std::string& field, std::size_t number);
+  std::optional<double> parse(const std::string& field) const;
+  std::string hint(const std::string& lines) const;
   std::string place() const;
   [[noreturn]] void fail(const std::string& message) const;
 
   std::string name_;
+  CsvFormat format_;
+  bool has_choice_;  // of the format
   std::ifstream stream_;
   std::string line_;
   Index line_number_ = 0;

@@ -77,6 +77,31 @@ TEST_F(NumberTables, KeepNanAndInfinity) {
   EXPECT_EQ(rows[2][0], 0.0);
 }
 
+TEST_F(NumberTables, MayBeSeparatedOtherwise) {
+  const auto rows = [&](const std::string& text, const CsvFormat& format) {
+    NumberTable table(folder_.file("t.csv", text), Header::optional, format);
+    std::vector<std::vector<double>> found;
+    std::vector<double> row(static_cast<std::size_t>(table.num_columns()));
+    while (table.next(row)) found.push_back(row);
+    return found;
+  };
+  const std::vector<std::vector<double>> expected = {{1.5, -2e-3}, {3, 4}};
+  EXPECT_EQ(rows("a [m];b\n1,5;-2e-3\n3;4\n", {';', true}), expected);
+  EXPECT_EQ(rows("1,5;-0,002\n3;4", {';', true}), expected);
+  EXPECT_EQ(rows("1.5\t-0.002\n3\t4", {'\t', false}), expected);
+  const auto problem = [&](const std::string& text, const CsvFormat& format) {
+    return message_of<InputError>([&] { rows(text, format); }, &folder_);
+  };
+  EXPECT_TRUE(says(problem("a;b\n1.234,5;2\n", {';', true}),
+                   {"t.csv:2: column 1 'a' = '1.234,5'", "must be a number"}));
+  EXPECT_TRUE(says(problem("a;b\n1,5;2\n", {';', false}),
+                   {"t.csv:2: column 1 'a' = '1,5'", "must be a number", "--decimal-comma"}));
+  EXPECT_TRUE(says(problem("a;b\n1,5;2\n", {}),
+                   {"t.csv:2: has 2 columns", "must have 1", "--delimiter ';' --decimal-comma"}));
+  EXPECT_EQ(problem_of("a;b\n1,5;2\n"), "t.csv:2: has 2 columns, must have 1 like the first line")
+      << "who has no choice gets no advice";
+}
+
 TEST_F(NumberTables, SayWhereTheyAreWrong) {
   EXPECT_EQ(problem_of(""), "t.csv: is empty");
   EXPECT_TRUE(says(problem_of("a,b\n1,2\n3\n"),
