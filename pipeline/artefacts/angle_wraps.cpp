@@ -1,0 +1,96 @@
+#include "pipeline/artefacts/angle_wraps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr double kDegrees = 360.0;
+constexpr double kRadians = 2.0 * std::numbers::pi;
+constexpr Index kNeighbors = 2;  // steps on each side that say how fast the angle moves
+
+// The steps around step t, without t itself.
+std::vector<double> steps_around(const Vector& steps, Index t, Index neighbors = kNeighbors) {
+  std::vector<double> around;
+  const Index last = std::min(t + neighbors, steps.size() - 1);
+  for (Index i = std::max<Index>(t - neighbors, 0); i <= last; ++i) {
+    if (i != t) around.push_back(steps(i));
+  }
+  return around;
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+double mean_of(const std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+std::vector<Index> jumps_of(const Vector& angle, double period) {
+  const Vector steps = angle.tail(angle.size() - 1) - angle.head(angle.size() - 1);
+  const Vector rest = steps.unaryExpr([&](double d) { return std::remainder(d, period); });
+  const double quarter = 0.25 * period;
+  std::vector<Index> rows;
+  for (Index t = 0; t < steps.size(); ++t) {
+    if (std::abs(steps(t)) < 0.5 * period || std::abs(rest(t)) > quarter) continue;
+    if (std::abs(median_of(steps_around(rest, t))) > quarter) continue;
+    // Who turns that fast all the time does turn. Noise at the end of a turn goes to and fro.
+    const bool goes_on = std::abs(steps(t) - mean_of(steps_around(steps, t))) < 0.5 * period;
+    if (!goes_on) rows.push_back(t);
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::optional<double> turn_in(const std::string& unit) {
+  if (unit == "rad") return kRadians;
+  if (unit == "deg") return kDegrees;
+  return std::nullopt;
+}
+
+AngleJumps find_jumps(const Vector& angle, const std::string& unit) {
+  const std::optional<double> turn = turn_in(unit);
+  if (!turn || angle.size() < 2) return {};
+  if (unit == "rad") {
+    AngleJumps degrees = {kDegrees, jumps_of(angle, kDegrees)};
+    if (!degrees.rows.empty()) return degrees;
+  }
+  return {*turn, jumps_of(angle, *turn)};
+}
+
+Index count_spikes(const Vector& rate, double dt, const std::string& unit) {
+  const std::optional<double> turn = turn_in(unit);
+  if (!turn) return 0;
+  const Vector turns = rate.cwiseAbs() * (dt / *turn);  // in a step
+  Index count = 0;
+  for (Index t = 0; t < turns.size(); ++t) {
+    const bool is_whole = std::abs(turns(t) - 1.0) < 0.15, is_half = std::abs(turns(t) - 0.5) < 0.1;
+    if (!is_whole && !is_half) continue;
+    count += median_of(steps_around(turns, t, kNeighbors + 1)) < 0.1;
+  }
+  return count;
+}
+
+Index unwrap(Eigen::Ref<Vector, 0, Eigen::InnerStride<>> angle, double period) {
+  Index count = 0;
+  double turns = 0.0;
+  for (Index t = 1; t < angle.size(); ++t) {
+    const double step = angle(t) + turns * period - angle(t - 1);
+    const double whole = std::round(step / period);
+    turns -= whole;
+    count += whole != 0.0;
+    angle(t) += turns * period;
+  }
+  return count;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,35 @@
+/// Angles that a device wraps: at the end of a turn they jump back by a whole one.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+
+namespace npdr::pipeline {
+
+/// A whole turn: 2 pi in "rad", 360 in "deg"; none in other units.
+std::optional<double> turn_in(const std::string& unit);
+
+/// Jumps of one period.
+struct AngleJumps {
+  double period = 0.0;      ///< a whole turn in the numbers of the column
+  std::vector<Index> rows;  ///< t of each jump from sample t to t + 1
+};
+
+/// Jumps of a recorded angle (n) by about a whole turn: what is left of such a step without the
+/// turn is at most a quarter of one, as are the steps around it, and these don't go on as fast. In
+/// [rad], jumps of 360 are found, too: of degrees. No rows without jumps, or in another unit.
+AngleJumps find_jumps(const Vector& angle, const std::string& unit);
+
+/// Samples of a rate (n), `dt` [s] apart, that would move the angle by a whole turn in one step, or
+/// by half of one in each of two, while those around them are small: differences of an angle that
+/// wraps. `unit` is the angle's; 0 for others.
+Index count_spikes(const Vector& rate, double dt, const std::string& unit);
+
+/// Adds whole turns to the samples so that no step is longer than half of one; returns the number
+/// of steps that were.
+Index unwrap(Eigen::Ref<Vector, 0, Eigen::InnerStride<>> angle, double period);
+
+}  // namespace npdr::pipeline

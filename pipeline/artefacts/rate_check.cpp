@@ -1,0 +1,137 @@
+#include "pipeline/artefacts/rate_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "sim/savitzky_golay.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr std::array<Index, 7> kWindows = {3, 5, 11, 21, 51, 101, 201};
+constexpr Index kFewestWindows = 10;  // of a length, that fit into a rollout side by side
+// The 90 % quantile of white noise is 1.6 of its standard deviation: 5 of them aren't noise.
+constexpr double kStandsOut = 5.0;
+// What a rate without noise of its own may drift by, while nothing moves.
+constexpr double kStandsOutAlone = 20.0;
+constexpr double kTolerance = 0.15;
+constexpr double kLargestScatter = 0.5;
+// Samples by which filtered rates usually lag: they count where a rollout has few.
+constexpr double kUsualLag = 10.0;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double quantile(std::vector<double> values, double level) {
+  const double last = static_cast<double>(values.size() - 1);
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(level * last);
+  std::ranges::nth_element(values, place);
+  return *place;
+}
+
+double median(const std::vector<double>& values) { return quantile(values, 0.5); }
+
+double size_of(const Vector& values) {
+  const Vector sizes = values.cwiseAbs();
+  return quantile({sizes.begin(), sizes.end()}, 0.9);
+}
+
+// The same about the median.
+double spread_of(const Vector& values) {
+  return size_of(values.array() - median({values.begin(), values.end()}));
+}
+
+Vector differences(const Vector& values) {
+  return values.tail(values.size() - 1) - values.head(values.size() - 1);
+}
+
+double median_size(const Vector& values) {
+  const Vector sizes = values.cwiseAbs();
+  return median({sizes.begin(), sizes.end()});
+}
+
+// Standard deviation of a signal's white noise, rounding included. Third differences hold nothing
+// of a smooth motion, and of white noise sqrt(1 + 9 + 9 + 1) times its deviation. An encoder that
+// hardly moves has none either: rounding to its counts is noise all the same.
+double noise_of(const Vector& values) {
+  const Vector first = differences(values);
+  const double third = median_size(differences(differences(first)));
+  // Smaller steps come from the arithmetic of whoever wrote the numbers.
+  const double least = 1e-9 * values.cwiseAbs().maxCoeff();
+  if (third > least || median_size(first) > least) return 1.4826 * third / std::sqrt(20.0);
+  double count = kInfinity;
+  for (const double step : first) {
+    if (std::abs(step) > least) count = std::min(count, std::abs(step));
+  }
+  return std::isfinite(count) ? count / std::sqrt(12.0) : 0.0;
+}
+
+// Slopes of the positions, and averages of the rates that belong to them, of every whole window.
+struct Slopes {
+  Vector of_position, of_rate;
+  double noise;  // standard deviation that noise gives them, the larger of both
+};
+
+Slopes slopes_over(const Vector& position, const Vector& rate, Index window, double dt) {
+  const sim::SavitzkyGolay line = sim::savitzky_golay(window, 1, dt);
+  const Vector weights = line.step_average(dt);
+  const Index count = position.size() - window + 1;
+  Slopes slopes{Vector(count), Vector(count), 0.0};
+  const Vector held = 0.5 * (rate.head(rate.size() - 1) + rate.tail(rate.size() - 1));
+  for (Index t = 0; t < count; ++t) {
+    slopes.of_position(t) = line.slope.dot(position.segment(t, window));
+    slopes.of_rate(t) = weights.dot(held.segment(t, window - 1));
+  }
+  slopes.noise = std::max(noise_of(position) * line.slope.norm(), noise_of(rate) * weights.norm());
+  return slopes;
+}
+
+RateFit fit_of(const Slopes& slopes, Index window) {
+  const double slack = kUsualLag / static_cast<double>(slopes.of_rate.size() + window - 1);
+  const double large = 0.5 * size_of(slopes.of_rate);
+  std::vector<double> ratios;
+  for (Index t = 0; t < slopes.of_rate.size(); ++t) {
+    if (std::abs(slopes.of_rate(t)) < large || slopes.of_rate(t) == 0.0) continue;
+    ratios.push_back(slopes.of_position(t) / slopes.of_rate(t));
+  }
+  if (ratios.empty()) return {window, 0.0, kInfinity, slack};
+  const double ratio = median(ratios);
+  std::ranges::transform(ratios, ratios.begin(), [&](double r) { return std::abs(r - ratio); });
+  const double scatter = ratio == 0.0 ? kInfinity : median(ratios) / std::abs(ratio);
+  return {window, ratio, scatter, slack};
+}
+
+// Whether both move, or one of them so much that the other should.
+bool is_telling(const Slopes& slopes) {
+  const auto moves = [&](const Vector& values) {
+    return size_of(values) > kStandsOut * slopes.noise;
+  };
+  if (moves(slopes.of_position) && moves(slopes.of_rate)) return true;
+  return std::max(spread_of(slopes.of_position), spread_of(slopes.of_rate)) >
+         kStandsOutAlone * slopes.noise;
+}
+
+}  // namespace
+
+std::optional<RateFit> fit_rate(const Vector& position, const Vector& rate, double dt) {
+  std::optional<RateFit> best;
+  if (position.size() < kFewestSamples) return best;
+  for (const Index window : kWindows) {
+    if (kFewestWindows * window > position.size()) break;
+    const Slopes slopes = slopes_over(position, rate, window, dt);
+    if (!is_telling(slopes)) continue;
+    const RateFit fit = fit_of(slopes, window);
+    if (!best || fit.scatter < best->scatter) best = fit;
+  }
+  return best;
+}
+
+RateVerdict verdict_of(const RateFit& fit) {
+  if (fit.scatter > kLargestScatter + fit.slack) return RateVerdict::unrelated;
+  const double factor = std::max(fit.ratio, 1.0 / fit.ratio);  // negative for a negative ratio
+  const bool is_one = fit.ratio > 0.0 && factor <= 1.0 + kTolerance + fit.scatter + fit.slack;
+  return is_one ? RateVerdict::agrees : RateVerdict::scaled;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,41 @@
+/// Whether a recorded rate is the slope of the recorded position.
+///
+/// The slope of a line through a window of positions (Savitzky and Golay 1964) is an average of the
+/// rates in the window, sum_j b_j x[t + j] = sum_k g_k v[t + k] (sim/savitzky_golay.h). So both are
+/// smoothed alike, and no window biases their ratio. Noise asks for a long window, filters that lag
+/// for one longer than their lag, fast motion for a short one: the window is taken whose ratios
+/// agree best. Medians make single glitches, and what is left of jumps, mean nothing.
+#pragma once
+
+#include <optional>
+
+#include "core/types.h"
+
+namespace npdr::pipeline {
+
+/// What positions and rates of one rollout say of each other.
+struct RateFit {
+  Index window = 0;      ///< samples
+  double ratio = 0.0;    ///< median of slope / rate, where the rate is large: 1 when all is well
+  double scatter = 0.0;  ///< median deviation from it, as a part of it
+  double slack = 0.0;    ///< what a short rollout adds to both, when rates lag behind
+};
+
+enum class RateVerdict {
+  agrees,
+  scaled,     ///< the ratio isn't 1, but the same everywhere
+  unrelated,  ///< there is no common ratio
+};
+
+/// Fewest samples that are judged.
+constexpr Index kFewestSamples = 30;
+
+/// Compares positions (n) with rates (n), dt [s] apart. None when nothing can be said: fewer than
+/// kFewestSamples, or neither stands out of the noise of both.
+std::optional<RateFit> fit_rate(const Vector& position, const Vector& rate, double dt);
+
+/// A ratio may differ from 1 by 15 %, and by its scatter and slack: rates that come from filters,
+/// and coarse encoders, pass. More scatter than half the ratio, and the slack, is none of a rate.
+RateVerdict verdict_of(const RateFit& fit);
+
+}  // namespace npdr::pipeline

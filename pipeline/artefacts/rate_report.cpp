@@ -1,0 +1,245 @@
+#include "pipeline/artefacts/rate_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/text.h"
+#include "pipeline/artefacts/angle_wraps.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr double kDegreesOfRadian = 180.0 / std::numbers::pi;
+constexpr double kAlike = 0.1;  // ratios of one cause differ by less
+constexpr std::size_t kMostFiles = 3;
+
+struct CheckedPair {
+  Channel position, rate;
+  std::vector<std::optional<RateFit>> fits;  // one a rollout
+  std::optional<double> ratio;               // that all of them share that say anything; not 1
+  Index num_spikes = 0;                      // of the rate, where the position wraps
+  std::string slope;                         // label of another rate that is the slope; empty: none
+};
+
+bool are_near(double a, double b) { return std::abs(a - b) < kAlike * std::abs(b); }
+
+std::optional<double> shared_ratio(const std::vector<double>& ratios) {
+  if (ratios.empty()) return std::nullopt;
+  std::vector<double> sorted = ratios;
+  std::ranges::sort(sorted);
+  const double middle = 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
+  const bool is_shared =
+      std::ranges::all_of(ratios, [&](double ratio) { return are_near(ratio, middle); });
+  return is_shared ? std::optional(middle) : std::nullopt;
+}
+
+std::optional<RateFit> fit_of(const Target& target, const RatePair& pair, const Rollout& rollout) {
+  Vector position = rollout.states.col(pair.position);
+  const std::string& unit = target.state_channels[static_cast<std::size_t>(pair.position)].unit;
+  const AngleJumps jumps = find_jumps(position, unit);
+  if (!jumps.rows.empty()) unwrap(position, jumps.period);
+  return fit_rate(position, rollout.states.col(pair.rate), target.dt);
+}
+
+CheckedPair checked(const Target& target, const RatePair& pair) {
+  CheckedPair result{target.state_channels[static_cast<std::size_t>(pair.position)],
+                     target.state_channels[static_cast<std::size_t>(pair.rate)],
+                     {},
+                     {},
+                     0,
+                     ""};
+  std::vector<double> ratios;
+  bool are_all_scaled = true;
+  for (const Rollout& rollout : target.rollouts) {
+    result.fits.push_back(fit_of(target, pair, rollout));
+    result.num_spikes +=
+        count_spikes(rollout.states.col(pair.rate), target.dt, result.position.unit);
+    if (!result.fits.back()) continue;
+    ratios.push_back(result.fits.back()->ratio);
+    are_all_scaled &= verdict_of(*result.fits.back()) == RateVerdict::scaled;
+  }
+  if (are_all_scaled) result.ratio = shared_ratio(ratios);
+  return result;
+}
+
+bool agrees(const std::optional<RateFit>& fit) {
+  return !fit || verdict_of(*fit) == RateVerdict::agrees;
+}
+
+// Another pair's rate that agrees with this position in every rollout, where its own doesn't.
+std::string other_slope(const Target& target, const std::vector<RatePair>& pairs,
+                        const CheckedPair& checked, Index position) {
+  if (std::ranges::all_of(checked.fits, agrees)) return "";
+  for (const RatePair& other : pairs) {
+    if (other.position == position) continue;
+    const bool is_slope = std::ranges::all_of(target.rollouts, [&](const Rollout& rollout) {
+      const auto fit = fit_of(target, {position, other.rate}, rollout);
+      return fit && agrees(fit);
+    });
+    if (is_slope) return target.state_channels[static_cast<std::size_t>(other.rate)].label;
+  }
+  return "";
+}
+
+bool is_known(const CheckedPair& pair) {
+  return std::ranges::any_of(pair.fits, [](const auto& fit) { return fit.has_value(); });
+}
+
+bool is_of_degrees(double ratio, const std::string& unit) {
+  return turn_in(unit) &&
+         (are_near(ratio, kDegreesOfRadian) || are_near(ratio, 1.0 / kDegreesOfRadian));
+}
+
+// The factor of dt that would put all rates right; none when they don't agree about one.
+std::optional<double> factor_of_dt(const std::vector<CheckedPair>& pairs) {
+  std::vector<double> ratios;
+  for (const CheckedPair& pair : pairs) {
+    if (!is_known(pair)) continue;
+    if (!pair.ratio || *pair.ratio < 0.0 || !pair.slope.empty() ||
+        is_of_degrees(*pair.ratio, pair.position.unit)) {
+      return std::nullopt;
+    }
+    ratios.push_back(*pair.ratio);
+  }
+  return shared_ratio(ratios);
+}
+
+// A measured factor, or one that is known.
+std::string scale_option(const Channel& channel, double factor, int digits = 3) {
+  return fmt::format("--scale {}={:.{}g}", channel.label, factor, digits);
+}
+
+// "theta changes 57.3 times as fast as theta_dot says".
+std::string mismatch(const CheckedPair& pair, double ratio) {
+  return fmt::format("{} changes {:.3g} times as fast as {} says", pair.position.label, ratio,
+                     pair.rate.label);
+}
+
+std::string remedy_of_dt(double dt, double factor, const std::string& time) {
+  const std::string found =
+      fmt::format("dt is probably {:.6g} * {:.3g} = {:.3g} s", dt, factor, dt * factor);
+  if (time.empty()) return fmt::format("{}: give --dt {:.3g}", found, dt * factor);
+  return fmt::format("{}: correct column '{}', or add --scale {}={:.3g}", found, time, time,
+                     factor);
+}
+
+std::string dt_problem(const std::vector<CheckedPair>& pairs, double dt, double factor,
+                       const std::string& time) {
+  std::vector<std::string> mismatches;
+  const CheckedPair* only = nullptr;
+  for (const CheckedPair& pair : pairs) {
+    if (!is_known(pair)) continue;
+    mismatches.push_back(mismatch(pair, *pair.ratio));
+    only = &pair;
+  }
+  std::string text = join(mismatches) + ": " + remedy_of_dt(dt, factor, time);
+  if (mismatches.size() > 1) return text;
+  return text + "; or one of both columns is in another unit: add " +
+         scale_option(only->rate, factor);
+}
+
+// One column in degrees, the other in radians: the one that contradicts its unit.
+std::string degrees_problem(const CheckedPair& pair, double ratio) {
+  const bool is_position = (ratio > 1.0) == (pair.position.unit == "rad");
+  const Channel& wrong = is_position ? pair.position : pair.rate;
+  const bool is_degrees = pair.position.unit == "rad";
+  return fmt::format(
+      "{}: {} is probably in {}, though its unit says [{}]: add {}, or convert the column",
+      mismatch(pair, ratio), wrong.label, is_degrees ? "degrees" : "radians", wrong.unit,
+      scale_option(wrong, is_degrees ? 1.0 / kDegreesOfRadian : kDegreesOfRadian, 6));
+}
+
+std::string scale_problem(const CheckedPair& pair, double ratio) {
+  if (is_of_degrees(ratio, pair.position.unit)) return degrees_problem(pair, ratio);
+  if (are_near(ratio, -1.0)) {
+    return fmt::format("{} falls where {} says that it rises: one of both has the wrong sign: {}",
+                       pair.position.label, pair.rate.label, "add " + scale_option(pair.rate, -1));
+  }
+  return fmt::format(
+      "{}: one of both isn't what its header says; if it is in another unit, add {} or {}",
+      mismatch(pair, ratio), scale_option(pair.position, 1.0 / ratio),
+      scale_option(pair.rate, ratio));
+}
+
+std::string problem_of_fit(const CheckedPair& pair, const RateFit& fit) {
+  if (verdict_of(fit) == RateVerdict::unrelated) {
+    return fmt::format(
+        "{} isn't the slope of {}: it has no fixed ratio to it; is it another quantity's? Rename "
+        "its column and add --differentiate",
+        pair.rate.label, pair.position.label);
+  }
+  return mismatch(pair, fit.ratio) + ", unlike in other files: correct this one";
+}
+
+std::string spikes_problem(const CheckedPair& pair) {
+  return fmt::format(
+      "{} jumps in {}, as if {} moved by a turn in a step: it was computed of an angle that wraps; "
+      "rename its column and add --unwrap {} --differentiate",
+      pair.rate.label, counted(pair.num_spikes, "row"), pair.position.label, pair.position.label);
+}
+
+void add_problems(const CheckedPair& pair, const std::vector<std::string>& files,
+                  std::vector<std::string>& problems) {
+  if (pair.num_spikes > 0) problems.push_back(spikes_problem(pair));
+  if (!pair.slope.empty()) {
+    problems.push_back(
+        fmt::format("{} isn't the slope of {}, but {} is: are columns swapped? Correct the header",
+                    pair.rate.label, pair.position.label, pair.slope));
+    return;
+  }
+  if (pair.ratio) {
+    problems.push_back(scale_problem(pair, *pair.ratio));
+    return;
+  }
+  std::size_t count = 0;
+  for (std::size_t h = 0; h < files.size(); ++h) {
+    if (agrees(pair.fits[h])) continue;
+    if (++count > kMostFiles) continue;
+    problems.push_back(files[h] + ": " + problem_of_fit(pair, *pair.fits[h]));
+  }
+  if (count <= kMostFiles) return;
+  problems.back() += fmt::format(" ({} more files are like it)", count - kMostFiles);
+}
+
+void add_note(const CheckedPair& pair, std::vector<std::string>& notes) {
+  if (!is_known(pair)) {
+    notes.push_back(
+        fmt::format("not checked: whether {} is the slope of {}, which moves too little, or is "
+                    "shorter than {} rows",
+                    pair.rate.label, pair.position.label, kFewestSamples));
+    return;
+  }
+  double deviation = 0.0;
+  for (const auto& fit : pair.fits) {
+    if (fit) deviation = std::max(deviation, std::abs(fit->ratio - 1.0));
+  }
+  notes.push_back(fmt::format("checked: {} is the slope of {}, to {:.2g} %", pair.rate.label,
+                              pair.position.label, 100.0 * deviation));
+}
+
+}  // namespace
+
+RateReport report_rates(const Target& target, const std::vector<RatePair>& pairs,
+                        const std::vector<std::string>& files, const std::string& time) {
+  std::vector<CheckedPair> all;
+  for (const RatePair& pair : pairs) {
+    all.push_back(checked(target, pair));
+    all.back().slope = other_slope(target, pairs, all.back(), pair.position);
+  }
+  RateReport report;
+  if (const std::optional<double> factor = factor_of_dt(all)) {
+    report.problems.push_back(dt_problem(all, target.dt, *factor, time));
+    return report;
+  }
+  for (const CheckedPair& pair : all) {
+    add_problems(pair, files, report.problems);
+    add_note(pair, report.notes);
+  }
+  return report;
+}
+
+}  // namespace npdr::pipeline

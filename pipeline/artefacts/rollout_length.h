@@ -1,0 +1,19 @@
+/// Rollouts of different lengths as those of one target, which are all as long.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/target.h"
+
+namespace npdr::pipeline {
+
+/// Cuts all rollouts to `length` steps, 0: to those of the shortest; none: checks that they are
+/// equally long. Returns what each of them loses, in a sentence. `files`: a name for each rollout,
+/// for errors. Throws InputError for a rollout with fewer steps, and for lengths that differ, with
+/// the option that helps.
+std::vector<std::string> cut_rollouts(Target& target, const std::optional<Index>& length,
+                                      const std::vector<std::string>& files);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,28 @@
+#include "pipeline/artefacts/rate_pairs.h"
+
+#include <gtest/gtest.h>
+
+namespace npdr::pipeline {
+namespace {
+
+TEST(RatePairs, HaveTheSameNameAndAUnitPerSecond) {
+  EXPECT_EQ(rate_pairs({{"theta", "rad"}, {"theta_dot", "rad/s"}, {"x_dot", "m/s"}, {"x", "m"}}),
+            (std::vector<RatePair>{{0, 1}, {3, 2}}));
+  EXPECT_TRUE(rate_pairs({{"theta", "deg"}, {"theta_dot", "rad/s"}}).empty());
+  EXPECT_TRUE(rate_pairs({{"theta", "rad"}, {"thetadot", "rad/s"}}).empty());
+}
+
+TEST(RatePairs, MayBeRatesOfRates) {
+  EXPECT_EQ(rate_pairs({{"x", "m"}, {"x_dot", "m/s"}, {"x_dot_dot", "m/s^2"}}),
+            (std::vector<RatePair>{{0, 1}, {1, 2}}));
+  EXPECT_EQ(rate_unit("1"), "1/s");
+}
+
+TEST(RatePairs, AnUnknownUnitMayBeAny) {
+  EXPECT_TRUE(is_rate_of({"theta_dot", ""}, {"theta", "rad"}));
+  EXPECT_TRUE(is_rate_of({"theta_dot", "rad/s"}, {"theta", ""}));
+  EXPECT_FALSE(is_rate_of({"theta_dot", "deg/s"}, {"theta", "rad"}));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,138 @@
+#include "pipeline/artefacts/rate_report.h"
+
+#include "core/text.h"
+#include "tests/message_of.h"
+#include "tests/pipeline/artefacts/encoder_motion.h"
+
+namespace npdr::pipeline {
+namespace {
+
+const std::vector<std::string> kFiles = {"a.csv", "b.csv"};
+const std::vector<RatePair> kPairs = {{0, 2}, {1, 3}};
+
+// Two rollouts of a Furuta pendulum's channels: what encoders and differences give of two motions.
+Target right_target(double dt = 0.004) {
+  Target target{
+      dt,
+      {{"theta", "rad"}, {"alpha", "rad"}, {"theta_dot", "rad/s"}, {"alpha_dot", "rad/s"}},
+      {},
+      {},
+      "test"};
+  for (std::uint64_t h = 0; h < kFiles.size(); ++h) {
+    RowMatrix states(1000, 4);
+    for (Index c = 0; c < 2; ++c) {
+      const auto row = 2 * h + static_cast<std::uint64_t>(c) + 1;
+      const Motion motion = recorded(smooth_motion(1000, 0.004, row), row)[2];
+      states.col(c) = motion.position;
+      states.col(c + 2) = motion.rate;
+    }
+    target.rollouts.push_back({kFiles[h].substr(0, 1), states, RowMatrix(999, 0)});
+  }
+  return target;
+}
+
+std::vector<std::string> problems(const Target& target, const std::string& time = "t") {
+  return report_rates(target, kPairs, kFiles, time).problems;
+}
+
+Target with_factor(Index column, double factor) {
+  Target target = right_target();
+  for (Rollout& rollout : target.rollouts) rollout.states.col(column) *= factor;
+  return target;
+}
+
+// The only problem.
+std::string problem(const Target& target, const std::string& time = "t") {
+  const std::vector<std::string> all = problems(target, time);
+  EXPECT_EQ(all.size(), 1u) << join(all, "\n");
+  return all.empty() ? "" : all.front();
+}
+
+TEST(RateReport, SaysWhatWasChecked) {
+  const RateReport report = report_rates(right_target(), kPairs, kFiles, "t");
+  EXPECT_TRUE(report.problems.empty()) << join(report.problems, "\n");
+  ASSERT_EQ(report.notes.size(), 2u);
+  EXPECT_TRUE(says(report.notes[0], {"checked: theta_dot is the slope of theta"}));
+  Target still = right_target();
+  for (Rollout& rollout : still.rollouts) rollout.states.setZero();
+  EXPECT_TRUE(says(report_rates(still, kPairs, kFiles, "t").notes[1],
+                   {"not checked: whether alpha_dot is the slope of alpha"}));
+}
+
+TEST(RateReport, NamesTheColumnInDegrees) {
+  EXPECT_TRUE(says(problem(with_factor(0, 180.0 / M_PI)),
+                   {"theta changes", "times as fast as theta_dot says",
+                    "theta is probably in "
+                    "degrees",
+                    "[rad]", "--scale theta=0.0174533"}));
+  EXPECT_TRUE(says(problem(with_factor(3, 180.0 / M_PI)),
+                   {"alpha changes", "times as fast as alpha_dot says",
+                    "alpha_dot is probably in degrees", "[rad/s]", "--scale alpha_dot=0.0174533"}));
+  Target target = with_factor(0, 1.0);
+  target.state_channels[0].unit = "deg";
+  target.state_channels[2].unit = "deg/s";
+  for (Rollout& rollout : target.rollouts) rollout.states.col(2) *= 180.0 / M_PI;
+  EXPECT_TRUE(says(problem(target), {"theta changes", "theta is probably in radians", "[deg]",
+                                     "--scale theta=57.2958"}));
+}
+
+// Ratios themselves are those of rate_check_test.cpp.
+TEST(RateReport, ARatioOfAllPairsIsThatOfTime) {
+  const Target target = right_target(0.006);
+  EXPECT_TRUE(says(problem(target), {"theta changes", "alpha changes", "dt is probably 0.006 * ",
+                                     "correct column 't', or add --scale t="}));
+  EXPECT_TRUE(says(problem(target, ""), {"theta changes", "dt is probably 0.006 *", "give --dt "}));
+}
+
+TEST(RateReport, DegreesEverywhereAreNoWrongTime) {
+  Target target = with_factor(0, 180.0 / M_PI);
+  for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / M_PI;
+  EXPECT_EQ(problems(target).size(), 2u);
+}
+
+TEST(RateReport, OtherFactorsAndSignsAreNamed) {
+  EXPECT_TRUE(says(problem(with_factor(0, 2.0)),
+                   {"theta changes", "another unit", "--scale theta=", "--scale theta_dot="}));
+  EXPECT_TRUE(says(problem(with_factor(3, -1.0)),
+                   {"alpha falls where alpha_dot says that it rises", "--scale alpha_dot=-1"}));
+}
+
+TEST(RateReport, NamesColumnsThatAreSwapped) {
+  Target target = right_target();
+  for (Rollout& rollout : target.rollouts) rollout.states.col(2).swap(rollout.states.col(3));
+  const std::vector<std::string> both = problems(target);
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_TRUE(says(both[0], {"theta_dot isn't the slope of theta, but alpha_dot is", "swapped"}));
+  EXPECT_TRUE(says(both[1], {"alpha_dot isn't the slope of alpha, but theta_dot is", "swapped"}));
+}
+
+TEST(RateReport, NamesTheFilesThatAreUnlikeTheOthers) {
+  Target target = right_target();
+  target.rollouts[1].states.col(0) *= 180.0 / M_PI;
+  EXPECT_TRUE(says(problem(target), {"b.csv: theta changes", "unlike in other files"}));
+  target = right_target();
+  for (Rollout& rollout : target.rollouts) rollout.states.col(2) = rollout.states.col(3);
+  const std::vector<std::string> both = problems(target);
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_TRUE(says(both[0], {"a.csv: theta_dot isn't the slope of theta", "--differentiate"}));
+}
+
+TEST(RateReport, NamesRatesOfWrappedAngles) {
+  Target target = right_target();
+  for (Index t = 200; t < 1000; t += 200) {
+    target.rollouts[1].states(t, 3) = -2.0 * M_PI / target.dt;
+  }
+  EXPECT_TRUE(says(problem(target), {"alpha_dot jumps in 4 rows", "an angle that wraps",
+                                     "--unwrap alpha --differentiate"}));
+}
+
+TEST(RateReport, WrapsDontHideAFactor) {
+  Target target = right_target();
+  for (Rollout& rollout : target.rollouts) {
+    for (double& angle : rollout.states.col(1)) angle = std::remainder(8.0 * angle, 2.0 * M_PI);
+  }
+  EXPECT_TRUE(says(problem(target), {"alpha changes", "times as fast as alpha_dot says"}));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,84 @@
+#include "pipeline/artefacts/resample.h"
+
+#include <cmath>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "tests/message_of.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// States that are linear in time, actions that count rows.
+struct Ramp {
+  RowMatrix states, actions;
+};
+
+Ramp ramp(const std::vector<double>& times) {
+  const auto n = static_cast<Index>(times.size());
+  Ramp rows{RowMatrix(n, 2), RowMatrix(n - 1, 1)};
+  for (Index t = 0; t < n; ++t) {
+    const double time = times[static_cast<std::size_t>(t)];
+    rows.states.row(t) << 3.0 * time, 1.0 - time;
+    if (t + 1 < n) rows.actions(t, 0) = static_cast<double>(t);
+  }
+  return rows;
+}
+
+EvenRows even(const std::vector<double>& times, double dt) {
+  const Ramp rows = ramp(times);
+  return resampled(times, rows.states, rows.actions, dt);
+}
+
+TEST(Resample, InterpolatesStatesLinearly) {
+  const EvenRows found = even({5.0, 5.13, 5.19, 5.32, 5.4}, 0.1);
+  ASSERT_EQ(found.states.rows(), 5);
+  for (Index t = 0; t < 5; ++t) {
+    const double time = 5.0 + 0.1 * static_cast<double>(t);
+    EXPECT_NEAR(found.states(t, 0), 3.0 * time, 1e-12);
+    EXPECT_NEAR(found.states(t, 1), 1.0 - time, 1e-12);
+  }
+}
+
+TEST(Resample, ActionsAreThoseHeldForMostOfAStep) {
+  EXPECT_EQ(even({0.0, 0.13, 0.19, 0.32, 0.4}, 0.1).actions, (RowMatrix{{0}, {1}, {2}, {3}}));
+  EXPECT_EQ(even({0.0, 0.1, 0.2, 0.3, 0.4}, 0.2).actions.rows(), 2);
+  EXPECT_EQ(even({0.0, 0.4, 0.8}, 0.2).actions, (RowMatrix{{0}, {0}, {1}, {1}}));
+}
+
+TEST(Resample, RoundedTimesOfAnEvenClockKeepEveryRow) {
+  std::vector<double> times;
+  for (int t = 0; t <= 90; ++t) times.push_back(std::round(1000.0 * t / 30.0) / 1000.0);
+  const Ramp rows = ramp(times);
+  const EvenRows found = even(times, 1.0 / 30.0);
+  ASSERT_EQ(found.actions.rows(), 90);
+  EXPECT_EQ(found.actions, rows.actions);
+  EXPECT_LT((found.states - rows.states).cwiseAbs().maxCoeff(), 3.0 * 0.0006);
+}
+
+// A line between samples h apart is at most h^2 / 8 times the second derivative off.
+TEST(Resample, TheErrorOfALineIsItsCurvature) {
+  std::vector<double> times = {0.0};
+  Stream stream({1, "clock", 0, 0, 0});
+  while (times.back() < 4.0) times.push_back(times.back() + 0.01 * (0.5 + stream.uniform()));
+  RowMatrix states(static_cast<Index>(times.size()), 1);
+  for (Index t = 0; t < states.rows(); ++t) {
+    states(t, 0) = std::sin(5.0 * times[static_cast<std::size_t>(t)]);
+  }
+  const RowMatrix actions = RowMatrix::Zero(states.rows() - 1, 1);
+  const EvenRows found = resampled(times, states, actions, 0.01);
+  for (Index t = 0; t < found.states.rows(); ++t) {
+    EXPECT_NEAR(found.states(t, 0), std::sin(0.05 * static_cast<double>(t)),
+                25.0 * 0.015 * 0.015 / 8.0);
+  }
+}
+
+TEST(Resample, AtLeastOneStepMustFit) {
+  EXPECT_TRUE(says(message_of<InputError>([] {
+                     even({0.0, 0.1}, 0.5);
+                   }),
+                   {"lasts 0.1 s", "must be at least one step of 0.5 s"}));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
