@@ -1,15 +1,20 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <memory>
 #include <optional>
 
 #include "core/feature_names.h"
+#include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/csv_import.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
+#include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -20,9 +25,20 @@ struct ImportArguments {
   std::string output;
   std::string simulator;
   std::vector<std::string> states, actions;
-  std::optional<double> dt;
+  std::optional<double> dt, resample;
+  std::string delimiter = ",";
+  bool decimal_comma = false;
+  std::vector<std::string> scales, unwrap;
+  std::string window, length;  // empty: none
+  bool no_rate_check = false;
   std::string source;
   bool force = false;
+
+  bool has_recording_options() const {
+    return !files.empty() || !simulator.empty() || !states.empty() || !actions.empty() || dt ||
+           resample || !scales.empty() || !unwrap.empty() || !window.empty() || !length.empty() ||
+           no_rate_check || !source.empty();
+  }
 };
 
 // Nothing that was measured may get lost: `-o run_*.csv` names a CSV file first.
@@ -72,21 +88,85 @@ Channels channels_of_arguments(const ImportArguments& arguments) {
   return {parse_channels(arguments.states), parse_channels(arguments.actions)};
 }
 
+// "theta=0.0174533".
+ColumnScale parse_scale(const std::string& text) {
+  const std::size_t sign = text.rfind('=');
+  const std::string number = sign == std::string::npos ? "" : text.substr(sign + 1);
+  double factor = 0.0;
+  const char* const end = number.data() + number.size();
+  const auto [stop, error] = std::from_chars(number.data(), end, factor);
+  const bool is_number = !number.empty() && error == std::errc() && stop == end;
+  if (!is_number || !std::isfinite(factor) || factor == 0.0 || sign == 0) {
+    throw InputError(
+        "--scale " + text +
+        ": must be COLUMN=FACTOR, such as theta=0.0174533, with a factor that isn't 0");
+  }
+  return {text.substr(0, sign), factor};
+}
+
+std::vector<ColumnScale> parse_scales(const std::vector<std::string>& texts) {
+  std::vector<ColumnScale> scales;
+  for (const std::string& text : texts) {
+    scales.push_back(parse_scale(text));
+    const std::string& label = scales.back().label;
+    if (std::ranges::count(scales, label, &ColumnScale::label) == 1) continue;
+    throw InputError("--scale: column '" + label + "' has two factors; give their product");
+  }
+  return scales;
+}
+
+Index parse_window(const std::string& text) {
+  if (const std::optional<Index> window = parse_count(text)) return *window;
+  throw InputError("--differentiate=" + text +
+                   ", must be an odd number of samples, 5 or more, such as --differentiate=11");
+}
+
+// A window behind a blank is read as a file: whether there is one is optional.
+void check_window(const ImportArguments& arguments) {
+  if (arguments.window.empty()) return;
+  for (const std::string& file : arguments.files) {
+    if (!parse_count(file) || std::filesystem::exists(file)) continue;
+    throw InputError(file + ": isn't there; if it is a window, write --differentiate=" + file);
+  }
+}
+
+// 0: of the shortest rollout.
+Index parse_length(const std::string& text) {
+  if (text == "shortest") return 0;
+  const std::optional<Index> length = parse_count(text);
+  if (length && *length > 0) return *length;
+  throw InputError("--length " + text + ": must be 'shortest' or a number of steps, 1 or more");
+}
+
+CsvOptions csv_options(const ImportArguments& arguments) {
+  CsvOptions options;
+  options.channels = channels_of_arguments(arguments);
+  options.dt = arguments.dt;
+  options.source = arguments.source;
+  options.format = parse_csv_format(arguments.delimiter, arguments.decimal_comma);
+  options.scales = parse_scales(arguments.scales);
+  options.unwrap = arguments.unwrap;
+  options.resample = arguments.resample;
+  if (!arguments.window.empty()) options.differentiate = parse_window(arguments.window);
+  if (!arguments.length.empty()) options.length = parse_length(arguments.length);
+  options.check_rates = !arguments.no_rate_check;
+  return options;
+}
+
 // Finished simulations have no channels, times or rollouts.
 void check_dataset_arguments(const ImportArguments& arguments) {
   if (arguments.theta.empty() || arguments.x.empty()) {
     throw InputError("a dataset is made of two CSV files: --theta FILE and --x FILE");
   }
-  const bool has_others = !arguments.files.empty() || !arguments.simulator.empty() ||
-                          !arguments.states.empty() || !arguments.actions.empty() || arguments.dt ||
-                          !arguments.source.empty();
-  if (!has_others) return;
+  if (!arguments.has_recording_options()) return;
   throw InputError("--theta and --x make a dataset; leave out recordings and what belongs to them");
 }
 
 void import_simulations(const ImportArguments& arguments) {
   check_dataset_arguments(arguments);
-  const DatasetCounts counts = import_dataset(arguments.theta, arguments.x, arguments.output);
+  const DatasetCounts counts =
+      import_dataset(arguments.theta, arguments.x, arguments.output,
+                     parse_csv_format(arguments.delimiter, arguments.decimal_comma));
   fmt::print(
       "wrote {}: {} rows; theta {}; x {}{}\n", arguments.output, counts.num_rows,
       fmt::join(feature_names(counts.parameters), ", "),
@@ -94,23 +174,71 @@ void import_simulations(const ImportArguments& arguments) {
       counts.num_failed == 0
           ? ""
           : fmt::format("; {} rows of x aren't finite and count as failed", counts.num_failed));
+  fmt::print("next: npdr run STUDY.toml --set simulator.dataset={}\n",
+             shell_word(arguments.output));
+}
+
+void import_recording(const ImportArguments& arguments) {
+  if (arguments.files.empty()) {
+    throw InputError("name recordings, CSV files with a rollout each, or --theta and --x");
+  }
+  check_window(arguments);
+  const auto [target, notes] =
+      import_csv({arguments.files.begin(), arguments.files.end()}, csv_options(arguments));
+  write_recording(target, arguments.output);
+  for (const std::string& note : notes) fmt::print("{}\n", note);
+  fmt::print("wrote {}: {} rollouts of {} steps of {} s; states {}; actions {}\n", arguments.output,
+             target.num_rollouts(), target.num_steps(), target.dt, to_string(target.state_channels),
+             to_string(target.action_channels));
+  fmt::print(
+      "next: npdr run STUDY.toml --set target.recording={}; npdr new NAME writes a study to start "
+      "from\n",
+      shell_word(arguments.output));
 }
 
 void import(const ImportArguments& arguments) {
   check_output(arguments);
   if (!arguments.theta.empty() || !arguments.x.empty()) return import_simulations(arguments);
-  if (arguments.files.empty()) {
-    throw InputError("name recordings, CSV files with a rollout each, or --theta and --x");
-  }
-  CsvOptions options;
-  options.channels = channels_of_arguments(arguments);
-  options.dt = arguments.dt;
-  options.source = arguments.source;
-  const Target target = import_csv({arguments.files.begin(), arguments.files.end()}, options);
-  write_recording(target, arguments.output);
-  fmt::print("wrote {}: {} rollouts of {} steps of {} s; states {}; actions {}\n", arguments.output,
-             target.num_rollouts(), target.num_steps(), target.dt, to_string(target.state_channels),
-             to_string(target.action_channels));
+  import_recording(arguments);
+}
+
+constexpr const char* kExample =
+    "Example: encoders alone, of a lab with decimal commas, whose clock jitters:\n"
+    "  npdr import run*.csv --simulator furuta --delimiter ';' --decimal-comma --resample 0.004 "
+    "\\\n"
+    "    --unwrap alpha --differentiate -o recording.h5\n"
+    "What each option does to the numbers: docs/file-formats.md, 'Recordings as CSV'.\n";
+
+// What a file's lines mean.
+void add_format_options(CLI::App& command, ImportArguments& arguments) {
+  command.add_option("--delimiter", arguments.delimiter, "between columns: ',', ';', '|' or tab")
+      ->capture_default_str();
+  command.add_flag("--decimal-comma", arguments.decimal_comma, "1,5 is one and a half");
+  command.add_option("--dt", arguments.dt, "[s] where there is no column 't [s]'");
+}
+
+// What is done to the numbers.
+void add_correction_options(CLI::App& command, ImportArguments& arguments) {
+  command
+      .add_option("--scale", arguments.scales,
+                  "COLUMN=FACTOR, such as theta=0.0174533; may be repeated")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      .add_option("--unwrap", arguments.unwrap,
+                  "state whose jumps of a whole turn are taken out; may be repeated")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command.add_option("--resample", arguments.resample,
+                     "[s] of an even grid, for clocks that jitter: interpolates states, holds "
+                     "actions");
+  command.add_flag(fmt::format("--differentiate{{{}}}", kRateWindow), arguments.window,
+                   "compute states X_dot that the files lack of X; --differentiate=WINDOW: over so "
+                   "many samples");
+  command.add_option("--length", arguments.length,
+                     "'shortest' or a number of steps to cut all rollouts to");
+  command.add_flag("--no-rate-check", arguments.no_rate_check,
+                   "accept angles that wrap, and X_dot that isn't the slope of X");
 }
 
 }  // namespace
@@ -131,9 +259,11 @@ void add_import_command(CLI::App& app, int& result) {
   command->add_option("--actions", arguments->actions, "columns, such as 'voltage [V]'")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--dt", arguments->dt, "[s] where there is no column 't [s]'");
+  add_format_options(*command, *arguments);
+  add_correction_options(*command, *arguments);
   command->add_flag("--force", arguments->force, "replace an output file that is there already");
   command->add_option("--source", arguments->source, "where the recordings come from, for people");
+  command->footer(kExample);
   command->callback([&result, arguments] {
     result = guarded_main("npdr import", [&] {
       import(*arguments);

@@ -4,198 +4,181 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/store/number_table.h"
+#include "pipeline/artefacts/csv_rows.h"
+#include "pipeline/artefacts/csv_times.h"
+#include "pipeline/artefacts/csv_turns.h"
+#include "pipeline/artefacts/rate_report.h"
+#include "pipeline/artefacts/resample.h"
+#include "pipeline/artefacts/rollout_length.h"
+#include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
 namespace {
 
-// Rounded times (0.033, 0.067, 0.1) are fine, a lost sample is not.
-constexpr double kTimeTolerance = 0.05;
-
-// The column of a channel; its unit may be any when the channel's is "".
-std::size_t column_of(const NumberTable& table, const Channel& channel) {
-  const std::vector<Channel>& columns = table.columns();
-  const auto column = std::ranges::find(columns, channel.label, &Channel::label);
-  if (column == columns.end()) {
-    std::vector<std::string> labels;
-    for (const Channel& known : columns) labels.push_back(known.label);
-    throw InputError(table.name() + ":1: " + missing_name("column", channel.label, labels));
+void check_options(const CsvOptions& options) {
+  for (const auto& [name, value] :
+       {std::pair("--dt", options.dt), std::pair("--resample", options.resample)}) {
+    if (!value || (*value > 0.0 && std::isfinite(*value))) continue;
+    throw InputError(fmt::format("{} = {}, must be a time > 0 [s]", name, *value));
   }
-  const auto index = static_cast<std::size_t>(column - columns.begin());
-  if (!channel.unit.empty() && column->unit != channel.unit) {
-    throw InputError(fmt::format("{}:1: column {} '{}' is in [{}], must be in [{}]", table.name(),
-                                 index + 1, channel.label, column->unit, channel.unit));
+  if (options.dt && options.resample) {
+    throw InputError("--resample says how far states are apart; leave out --dt, or it");
   }
-  return index;
+  if (options.channels.states.empty()) throw InputError("no states to import: name their columns");
+  const std::optional<Index>& window = options.differentiate;
+  if (window && (*window < 5 || *window % 2 == 0)) {
+    throw InputError(
+        fmt::format("--differentiate={}, must be an odd number of samples, 5 or more", *window));
+  }
 }
 
-std::optional<std::size_t> time_column(const NumberTable& table) {
-  for (const char* label : {"t", "time"}) {
-    if (std::ranges::count(table.columns(), label, &Channel::label) == 0) continue;
-    return column_of(table, {label, "s"});
+// Every file must be a recording of the same system.
+void require_alike(const CsvRows& rows, const CsvRows& first) {
+  check_channels(rows.name + ": states", rows.states, first.states);
+  check_channels(rows.name + ": actions", rows.actions, first.actions);
+  if (rows.lacking == first.lacking) return;
+  throw InputError(fmt::format(
+      "{}: must have columns for the same rates as {}: computed ones differ from measured ones",
+      rows.name, first.name));
+}
+
+std::vector<CsvRows> read_files(const std::vector<std::filesystem::path>& paths,
+                                const CsvOptions& options) {
+  std::vector<CsvRows> files;
+  for (const std::filesystem::path& path : paths) {
+    files.push_back(read_csv_rows(path, options));
+    require_alike(files.back(), files.front());
   }
-  return std::nullopt;
+  if (options.differentiate && files.front().lacking.empty()) {
+    throw InputError(files.front().name +
+                     ": has a column for every rate, so --differentiate has nothing to compute; "
+                     "leave it out, or rename the columns of rates to replace");
+  }
+  return files;
 }
 
-// The columns of one file that are taken.
-struct Columns {
-  std::vector<std::size_t> states, actions;
-  std::optional<std::size_t> time;
-};
-
-Columns taken_columns(const NumberTable& table, const CsvOptions& options) {
-  Columns columns;
-  for (const Channel& c : options.channels.states) columns.states.push_back(column_of(table, c));
-  for (const Channel& c : options.channels.actions) columns.actions.push_back(column_of(table, c));
-  columns.time = time_column(table);
-  if (columns.time || options.dt) return columns;
-  throw InputError(table.name() + ":1: no column 't [s]' or 'time [s]'; give the time between " +
-                   "two rows with --dt");
+Rollout resampled_rollout(const CsvRows& rows, double dt) {
+  check_times_to_resample(rows, dt);
+  try {
+    EvenRows even = resampled(rows.times, rows.state_values, rows.action_values, dt);
+    return {"", std::move(even.states), std::move(even.actions)};
+  } catch (const InputError& error) {
+    throw InputError(rows.name + ": --resample: " + error.what());
+  }
 }
 
-// Values of these columns, row by row.
-struct Rows {
-  Index count = 0;
-  std::vector<double> states, actions, times;
-};
+// Rollouts of one dt; their lengths may differ.
+Target even_target(const std::vector<CsvRows>& files, const CsvOptions& options) {
+  Target target;
+  target.state_channels = files.front().states;
+  target.action_channels = files.front().actions;
+  target.dt = options.resample ? *options.resample : even_step(files.front(), options.dt);
+  for (const CsvRows& rows : files) {
+    if (!options.resample) require_step(rows, options.dt, target.dt);
+    target.rollouts.push_back(options.resample
+                                  ? resampled_rollout(rows, *options.resample)
+                                  : Rollout{"", rows.state_values, rows.action_values});
+    target.rollouts.back().name = std::filesystem::path(rows.name).stem().string();
+  }
+  return target;
+}
 
-// The last row's actions come after the last state: they may be missing, but must not be rubbish.
-Rows read_rows(NumberTable& table, const Columns& columns) {
-  Rows rows;
-  std::optional<InputError> gap;
-  for (; table.next(); ++rows.count) {
-    if (gap) throw *gap;
-    for (const std::size_t c : columns.states) rows.states.push_back(table.finite_number(c));
-    for (const std::size_t c : columns.actions) {
-      const bool is_missing = table.is_missing(c);
-      if (is_missing && !gap) gap = table.problem(c, "a finite number");
-      rows.actions.push_back(is_missing ? 0.0 : table.finite_number(c));
+std::string note_of_resampling(const std::vector<CsvRows>& files, double dt) {
+  TimeSteps all = steps_of(files.front().times);
+  for (const CsvRows& rows : files) {
+    const TimeSteps steps = steps_of(rows.times);
+    all.shortest = std::min(all.shortest, steps.shortest);
+    all.longest = std::max(all.longest, steps.longest);
+  }
+  return fmt::format("resampled to {} s: steps were {:.4g} to {:.4g} s", dt, all.shortest,
+                     all.longest);
+}
+
+// Computes the rates that the files lack; a sentence for each.
+std::vector<std::string> differentiate(Target& target, const std::vector<CsvRows>& files,
+                                       Index window) {
+  for (std::size_t h = 0; h < files.size(); ++h) {
+    const Index num_states = target.rollouts[h].states.rows();
+    if (num_states >= window) continue;
+    throw InputError(fmt::format("{}: has {} states, must have {} or more for --differentiate={}",
+                                 files[h].name, num_states, window, window));
+  }
+  std::vector<std::string> notes;
+  for (const RatePair& pair : files.front().lacking) {
+    for (Rollout& rollout : target.rollouts) {
+      rollout.states.col(pair.rate) =
+          sim::slopes(rollout.states.col(pair.position), window, target.dt);
     }
-    if (columns.time) rows.times.push_back(table.finite_number(*columns.time));
+    const auto label = [&](Index c) {
+      return target.state_channels[static_cast<std::size_t>(c)].label;
+    };
+    notes.push_back(fmt::format(
+        "computed {}: slope of {} over {} samples, {:.4g} s (Savitzky-Golay)", label(pair.rate),
+        label(pair.position), window, static_cast<double>(window - 1) * target.dt));
   }
-  if (rows.count >= 2) return rows;
-  throw InputError(fmt::format("{}: has {} rows below its header, must have at least 2",
-                               table.name(), rows.count));
+  return notes;
 }
 
-// A lost line is found where it is missing.
-void check_steps(const std::string& where, const std::string& column,
-                 const std::vector<double>& times) {
-  std::vector<double> steps(times.size());
-  std::adjacent_difference(times.begin(), times.end(), steps.begin());
-  steps.erase(steps.begin());
-  std::vector<double> sorted = steps;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i] > 0.0 && std::abs(steps[i] - *middle) <= 2.0 * kTimeTolerance * *middle) continue;
-    throw InputError(fmt::format(
-        "{}:{}: {} is {:.6g} after the line before, elsewhere {:.6g}: times must be equally spaced "
-        "and increase",
-        where, i + 3, column, steps[i], *middle));
-  }
+// Rates that were measured; computed ones are right.
+std::vector<RatePair> measured_rates(const CsvRows& rows) {
+  std::vector<RatePair> pairs = rate_pairs(rows.states);
+  std::erase_if(pairs, [&](const RatePair& pair) {
+    return std::ranges::find(rows.lacking, pair) != rows.lacking.end();
+  });
+  return pairs;
 }
 
-// Mean step of equally spaced times.
-double mean_step(const std::string& where, const std::string& column,
-                 const std::vector<double>& times) {
-  check_steps(where, column, times);
-  const double dt = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-  for (std::size_t row = 0; row < times.size(); ++row) {
-    const double expected = times.front() + static_cast<double>(row) * dt;
-    if (std::abs(times[row] - expected) <= kTimeTolerance * dt) continue;
-    throw InputError(
-        fmt::format("{}:{}: {} = {}, must be {:.6g}: times must be equally spaced and increase",
-                    where, row + 2, column, times[row], expected));
-  }
-  return dt;
+std::vector<std::string> names_of_files(const std::vector<CsvRows>& files) {
+  std::vector<std::string> names;
+  for (const CsvRows& rows : files) names.push_back(rows.name);
+  return names;
 }
 
-double time_step(const NumberTable& table, const Columns& columns, const Rows& rows,
-                 std::optional<double> given) {
-  if (!columns.time) return given.value();
-  const std::string column =
-      fmt::format("column {} '{}'", *columns.time + 1, table.columns()[*columns.time].label);
-  const double dt = mean_step(table.name(), column, rows.times);
-  if (given && std::abs(dt - *given) > kTimeTolerance * *given) {
-    throw InputError(fmt::format("{}: its times are {:.6g} s apart, but --dt says {} s",
-                                 table.name(), dt, *given));
-  }
-  return given.value_or(dt);
+std::vector<std::string> bare_names(const std::vector<std::filesystem::path>& paths) {
+  std::vector<std::string> names;
+  for (const std::filesystem::path& path : paths) names.push_back(path.filename().string());
+  return names;
 }
 
-std::vector<Channel> channels_at(const NumberTable& table,
-                                 const std::vector<std::size_t>& columns) {
-  std::vector<Channel> channels;
-  for (const std::size_t column : columns) channels.push_back(table.columns()[column]);
-  return channels;
+void append(const std::vector<std::string>& more, std::vector<std::string>& all) {
+  all.insert(all.end(), more.begin(), more.end());
 }
 
-struct CsvRollout {
-  double dt;
-  std::vector<Channel> states;
-  std::vector<Channel> actions;
-  Rollout rollout;
-};
-
-CsvRollout read_file(const std::filesystem::path& path, const CsvOptions& options) {
-  NumberTable table(path, Header::with_units);
-  const Columns columns = taken_columns(table, options);
-  const Rows rows = read_rows(table, columns);
-  const auto matrix = [](const std::vector<double>& values, Index count, std::size_t width) {
-    return RowMatrix(Eigen::Map<const RowMatrix>(values.data(), count, static_cast<Index>(width)));
-  };
-  return {.dt = time_step(table, columns, rows, options.dt),
-          .states = channels_at(table, columns.states),
-          .actions = channels_at(table, columns.actions),
-          .rollout = {path.stem().string(), matrix(rows.states, rows.count, columns.states.size()),
-                      matrix(rows.actions, rows.count - 1, columns.actions.size())}};
-}
-
-// Every file must be a rollout of the same system, sampled alike, and as long as the first.
-void require_alike(const std::string& name, const CsvRollout& csv, const Target& target) {
-  check_channels(name + ": states", csv.states, target.state_channels);
-  check_channels(name + ": actions", csv.actions, target.action_channels);
-  if (std::abs(csv.dt - target.dt) > kTimeTolerance * target.dt) {
-    throw InputError(
-        fmt::format("{}: its times are {:.6g} s apart, those of the first file {:.6g} s", name,
-                    csv.dt, target.dt));
-  }
-  if (csv.rollout.num_steps() != target.num_steps()) {
-    throw InputError(fmt::format("{}: has {} rows, the first file has {}; cut the longer ones",
-                                 name, csv.rollout.num_steps() + 1, target.num_steps() + 1));
-  }
+// Throws what is wrong with angles and rates, all at once; otherwise says what was checked.
+std::vector<std::string> check_rates(const Target& target, const std::vector<CsvRows>& files) {
+  std::vector<std::string> problems = turn_problems(files);
+  const RateReport report = report_rates(target, measured_rates(files.front()),
+                                         names_of_files(files), files.front().time);
+  append(report.problems, problems);
+  if (problems.empty()) return report.notes;
+  problems.emplace_back(
+      "--no-rate-check imports the files as they are; simulations then start from, and are "
+      "compared with, angles and rates that contradict each other, and nothing else will tell");
+  throw InputError(join(problems, "\n"));
 }
 
 }  // namespace
 
-Target import_csv(const std::vector<std::filesystem::path>& files, const CsvOptions& options) {
-  if (files.empty()) throw InputError("no CSV files to import");
-  if (options.dt && !(*options.dt > 0.0 && std::isfinite(*options.dt))) {
-    throw InputError(fmt::format("--dt = {}, must be a time > 0 [s]", *options.dt));
+ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
+                             const CsvOptions& options) {
+  if (paths.empty()) throw InputError("no CSV files to import");
+  check_options(options);
+  std::vector<CsvRows> files = read_files(paths, options);
+  ImportedRecording result;
+  result.notes = unwrap_turns(files, options.unwrap);
+  Target& target = result.target = even_target(files, options);
+  if (options.resample) result.notes.push_back(note_of_resampling(files, *options.resample));
+  if (options.differentiate) {
+    append(differentiate(target, files, *options.differentiate), result.notes);
   }
-  if (options.channels.states.empty()) throw InputError("no states to import: name their columns");
-  Target target;
-  std::vector<std::string> names;
-  for (const std::filesystem::path& path : files) {
-    CsvRollout csv = read_file(path, options);
-    if (target.rollouts.empty()) {
-      target.dt = csv.dt;
-      target.state_channels = csv.states;
-      target.action_channels = csv.actions;
-    } else {
-      require_alike(path.string(), csv, target);
-    }
-    target.rollouts.push_back(std::move(csv.rollout));
-    names.push_back(path.filename().string());
-  }
-  target.source = options.source.empty() ? join(names) : options.source;
-  target.check(files.front().string());
-  return target;
+  append(cut_rollouts(target, options.length, names_of_files(files)), result.notes);
+  if (options.check_rates) append(check_rates(target, files), result.notes);
+  target.source = options.source.empty() ? join(bare_names(paths)) : options.source;
+  target.check(paths.front().string());
+  return result;
 }
 
 }  // namespace npdr::pipeline

@@ -134,8 +134,8 @@ TEST_F(External, ADatasetNeedsNoSimulator) {
   const Outcome imported =
       npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
   ASSERT_EQ(imported.status, 0) << imported.err;
-  EXPECT_TRUE(
-      says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b", "x total, difference"}));
+  EXPECT_TRUE(says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b",
+                                  "x total, difference", "\nnext: npdr run"}));
   EXPECT_NE(npdr({"inspect", "dataset.h5"}).out.find("a dataset of 1000 simulations of 2 features"),
             std::string::npos);
   run_well({"dataset.toml"});

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/error.h"
 #include "tests/temp_folder.h"
 
@@ -23,7 +25,10 @@ CsvOptions pendulum_options() {
 class CsvImport : public ::testing::Test {
  protected:
   Target imported(const std::string& text, const CsvOptions& options = pendulum_options()) const {
-    return import_csv({folder_.file("a.csv", text)}, options);
+    return import_csv({folder_.file("a.csv", text)}, options).target;
+  }
+  std::vector<std::string> notes(const std::string& text, const CsvOptions& options) const {
+    return import_csv({folder_.file("a.csv", text)}, options).notes;
   }
 
   std::string problem(const std::string& text,
@@ -77,7 +82,8 @@ TEST_F(CsvImport, AQuotedHeaderMayHoldCommasAndQuotes) {
 
 TEST_F(CsvImport, JoinsFilesAsRollouts) {
   const Target target =
-      import_csv({folder_.file("a.csv", kCsv), folder_.file("b.csv", kCsv)}, pendulum_options());
+      import_csv({folder_.file("a.csv", kCsv), folder_.file("b.csv", kCsv)}, pendulum_options())
+          .target;
   EXPECT_EQ(target.num_rollouts(), 2);
   EXPECT_EQ(target.rollouts[1].name, "b");
   EXPECT_EQ(target.source, "a.csv, b.csv");
@@ -91,12 +97,13 @@ TEST_F(CsvImport, FilesMustBeAlike) {
         },
         &folder_);
   };
-  EXPECT_TRUE(says(second(replaced(kCsv, "0.2,0.3,3,7\n", ""), pendulum_options()),
-                   {"b.csv: has 2 rows, the first file has 3", "cut the longer ones"}));
+  EXPECT_TRUE(says(
+      second(replaced(kCsv, "0.2,0.3,3,7\n", ""), pendulum_options()),
+      {"b.csv: has 2 rows, the first file has 3", "cut the longer ones", "--length shortest"}));
   EXPECT_TRUE(
       says(second("t [s],theta [rad],theta_dot [rad/s],torque [N m]\n0,1,1,1\n1,1,1,1\n2,1,1,1\n",
                   pendulum_options()),
-           {"b.csv: its times are 1 s apart", "0.1 s"}));
+           {"b.csv: its times are 1 s apart", "0.1 s", "--resample 1"}));
   const CsvOptions any_unit = {.channels = {{{"theta", ""}}, {}}, .dt = {}, .source = ""};
   EXPECT_TRUE(says(second(replaced(kCsv, "[rad]", "[deg]"), any_unit),
                    {"b.csv: states are theta [deg]", "must be theta [rad]", "convert its values"}));
@@ -122,15 +129,16 @@ TEST_F(CsvImport, TakesTheTimeStepFromTheOptionWithoutATimeColumn) {
 TEST_F(CsvImport, TimesMustBeEquallySpaced) {
   EXPECT_EQ(imported(replaced(kCsv, "0.1,0.2", "0.103,0.2")).num_steps(), 2) << "rounded times";
   const std::string more = kCsv + "0.3,0.4,4,8\n0.4,0.5,5,9\n0.5,0.6,6,10\n";
-  EXPECT_TRUE(says(problem(replaced(more, "0.3,0.4,4,8\n", "")),
-                   {"a.csv:5: column 1 't' is 0.2 after the line before, elsewhere 0.1: times",
-                    "must be equally spaced and increase"}))
+  EXPECT_TRUE(
+      says(problem(replaced(more, "0.3,0.4,4,8\n", "")),
+           {"a.csv:5: column 1 't' is 0.2 after the line before, elsewhere 0.1: times",
+            "must be equally spaced and increase", "its steps are 0.1 to 0.2 s", "--resample 0.1"}))
       << "a lost line";
   EXPECT_TRUE(says(problem(replaced(kCsv, "0.2,0.3", "0.0,0.3")),
                    {"a.csv:4: column 1 't' is -0.1 after the line before, elsewhere 0.1: times",
                     "must be equally spaced and increase"}));
   EXPECT_TRUE(says(problem(replaced(kCsv, "t [s]", "t [ms]")),
-                   {"a.csv:1: column 1 't' is in [ms]", "must be in [s]"}));
+                   {"a.csv:1: column 1 't' is in [ms]", "must be in [s]", "--scale t=0.001"}));
 }
 
 TEST_F(CsvImport, ChecksLabelsAndUnitsOfTheHeader) {
@@ -138,7 +146,8 @@ TEST_F(CsvImport, ChecksLabelsAndUnitsOfTheHeader) {
       says(problem(replaced(kCsv, "theta [rad]", "thet [rad]")),
            {"a.csv:1: has no column 'theta'", "'thet'", "it has t, thet, theta_dot, torque"}));
   EXPECT_TRUE(says(problem(replaced(kCsv, "[rad]", "[deg]")),
-                   {"a.csv:1: column 2 'theta' is in [deg]", "must be in [rad]"}));
+                   {"a.csv:1: column 2 'theta' is in [deg]", "must be in [rad]",
+                    "--scale theta=0.0174533 converts it"}));
   EXPECT_TRUE(says(problem(replaced(kCsv, "theta [rad]", "theta")),
                    {"a.csv:1: column 2 is headed 'theta'", "must be 'label [unit]'",
                     "'theta [rad]'", "'gain [1]'"}));
@@ -185,7 +194,7 @@ TEST_F(CsvImport, RaggedAndBrokenFilesAreRefused) {
                    {"a.csv: has 1 rows below its header", "must have at least 2"}));
   EXPECT_TRUE(says(problem("t [s];theta [rad]\n0;1\n1;1\n"),
                    {"a.csv:1: column 1 is headed 't [s];theta [rad]'", "must be 'label [unit]'",
-                    "'theta [rad]'", "'gain [1]'"}));
+                    "'theta [rad]'", "'gain [1]'", "--delimiter ';'"}));
 }
 
 TEST_F(CsvImport, FilesThatCantBeReadAreNamed) {
@@ -198,6 +207,175 @@ TEST_F(CsvImport, FilesThatCantBeReadAreNamed) {
   EXPECT_EQ(message_of<InputError>([&] { import_csv({}, pendulum_options()); }),
             "no CSV files to import");
   EXPECT_EQ(problem(kCsv, {}), "no states to import: name their columns");
+}
+
+TEST_F(CsvImport, ReadsWhatOtherCountriesWrite) {
+  CsvOptions options = pendulum_options();
+  const std::string text =
+      "t [s];theta [rad];theta_dot [rad/s];torque [N m]\n0;0,1;1;5\n0,1;0,2;2;6\n0,2;0,3;3;\n";
+  EXPECT_TRUE(says(problem(text), {"a.csv:1: column 1 is headed", "separated by ';'",
+                                   "add --delimiter ';' --decimal-comma"}));
+  options.format = {';', true};
+  EXPECT_EQ(imported(text, options).rollouts[0].states, imported(kCsv).rollouts[0].states);
+  EXPECT_TRUE(
+      says(problem(kCsv, options), {"a.csv:1: column 1 is headed", "with ';' between columns",
+                                    "separated by commas: leave out --delimiter"}));
+}
+
+TEST_F(CsvImport, ScalesColumns) {
+  CsvOptions options = pendulum_options();
+  options.scales = {{"theta", 0.1}, {"t", 1e-3}, {"torque", -1.0}};
+  const std::string text =
+      replaced(replaced(kCsv, "theta [rad]", "theta [deg]"), "t [s]", "t [ms]");
+  const Target target = imported(text, options);
+  EXPECT_EQ(target.state_channels, pendulum_options().channels.states) << "the unit asked for";
+  EXPECT_DOUBLE_EQ(target.dt, 1e-4);
+  EXPECT_DOUBLE_EQ(target.rollouts[0].states(1, 0), 0.02);
+  EXPECT_EQ(target.rollouts[0].actions(1, 0), -6.0);
+  options.scales = {{"thet", 0.1}};
+  EXPECT_TRUE(says(problem(kCsv, options),
+                   {"a.csv: --scale: unknown column 'thet'", "'theta'", "theta_dot, torque, t"}));
+}
+
+// Positions of x^2 / 2, one a tenth of a second, without rates.
+std::string encoder_csv(int count) {
+  std::string text = "t [s],theta [rad],torque [N m]\n";
+  for (int i = 0; i < count; ++i) {
+    text += fmt::format("{:.1f},{:.6f},0\n", 0.1 * i, 0.005 * i * i);
+  }
+  return text;
+}
+
+TEST_F(CsvImport, ComputesRatesThatTheFileLacks) {
+  CsvOptions options = pendulum_options();
+  EXPECT_TRUE(says(problem(encoder_csv(20)), {"a.csv:1: has no column 'theta_dot'",
+                                              "--differentiate computes it of 'theta'"}));
+  options.differentiate = 5;
+  const Target target = imported(encoder_csv(20), options);
+  EXPECT_EQ(target.state_channels, pendulum_options().channels.states);
+  for (Index t = 0; t < 20; ++t) {
+    EXPECT_NEAR(target.rollouts[0].states(t, 1), 0.1 * static_cast<double>(t), 1e-4) << t;
+  }
+  const std::vector<std::string> said = notes(encoder_csv(20), options);
+  ASSERT_EQ(said.size(), 1u) << "what was computed needs no check";
+  EXPECT_TRUE(says(said[0], {"computed theta_dot: slope of theta", "5 samples", "0.4 s"}));
+  options.channels = {{{"theta", ""}, {"theta_dot", ""}}, {}};
+  EXPECT_EQ(imported(encoder_csv(20), options).state_channels, pendulum_options().channels.states)
+      << "the unit follows from the file's";
+}
+
+TEST_F(CsvImport, ComputesOnlyWhatItCan) {
+  CsvOptions options = pendulum_options();
+  options.differentiate = 5;
+  EXPECT_TRUE(says(problem(kCsv, options),
+                   {"a.csv: has a column for every rate", "--differentiate", "leave it out"}));
+  EXPECT_TRUE(says(problem(encoder_csv(4), options),
+                   {"a.csv: has 4 states", "must have 5 or more", "--differentiate=5"}));
+  EXPECT_TRUE(says(problem(replaced(encoder_csv(9), "theta [rad]", "alpha [rad]"), options),
+                   {"a.csv:1: has no column 'theta'"}));
+  EXPECT_TRUE(says(message_of<InputError>(
+                       [&] {
+                         import_csv(
+                             {folder_.file("a.csv", encoder_csv(3)), folder_.file("b.csv", kCsv)},
+                             options);
+                       },
+                       &folder_),
+                   {"b.csv: must have columns for the same rates as", "a.csv"}));
+  for (const Index window : {3, 6}) {
+    options.differentiate = window;
+    EXPECT_TRUE(says(problem(encoder_csv(20), options),
+                     {fmt::format("--differentiate={}", window), "must be an odd number", "5"}));
+  }
+}
+
+TEST_F(CsvImport, ResamplesClocksThatJitter) {
+  CsvOptions options = pendulum_options();
+  const std::string text = replaced(kCsv, "0.1,0.2,2", "0.12,0.22,2.2");
+  EXPECT_TRUE(says(problem(text), {"a.csv:4: column 1 't' is 0.08 after the line before",
+                                   "must be equally spaced", "0.08 to 0.12 s", "--resample 0.12"}));
+  options.resample = 0.1;
+  const Target target = imported(text, options);
+  EXPECT_EQ(target.dt, 0.1);
+  EXPECT_LT((target.rollouts[0].states - imported(kCsv).rollouts[0].states).norm(), 1e-12);
+  EXPECT_EQ(target.rollouts[0].actions, (RowMatrix{{5}, {6}}));
+  EXPECT_TRUE(says(notes(text, options).at(0), {"resampled to 0.1 s", "0.08 to 0.12 s"}));
+}
+
+TEST_F(CsvImport, ResamplesOnlyWhatHasTimes) {
+  CsvOptions options = pendulum_options();
+  options.resample = 0.1;
+  EXPECT_TRUE(says(problem(replaced(kCsv, "t [s]", "row [1]"), options),
+                   {"a.csv:1: no column 't [s]' or 'time [s]'", "--resample"}));
+  EXPECT_TRUE(says(problem(replaced(kCsv, "0.1,0.2", "0.0,0.2"), options),
+                   {"a.csv:3: column 1 't' is 0 after the line before", "must increase"}));
+  EXPECT_TRUE(says(problem(kCsv + "9,0,0,0\n", options),
+                   {"a.csv:5: column 1 't' is 8.8 after the line before", "at most 1", "cut"}));
+  options.resample = 0.5;
+  EXPECT_TRUE(says(problem(kCsv, options),
+                   {"a.csv: --resample: lasts 0.2 s", "must be at least one step of 0.5 s"}));
+  options.resample = -1.0;
+  EXPECT_EQ(problem(kCsv, options), "--resample = -1, must be a time > 0 [s]");
+  options.resample = 0.1;
+  options.dt = 0.1;
+  EXPECT_TRUE(says(problem(kCsv, options), {"--resample", "leave out --dt"}));
+}
+
+TEST_F(CsvImport, CutsRolloutsToOneLength) {
+  CsvOptions options = pendulum_options();
+  options.length = 0;
+  const ImportedRecording recording = import_csv(
+      {folder_.file("a.csv", kCsv + "0.3,0.4,4,8\n"), folder_.file("b.csv", kCsv)}, options);
+  EXPECT_EQ(recording.target.num_steps(), 2);
+  EXPECT_EQ(recording.notes.at(0), "cut to 2 steps; steps that are dropped: a 1, b 0");
+}
+
+// A pendulum that goes round with this rate [rad/s], its angle as a device gives it.
+std::string turning_csv(double rate, double factor = 1.0, double rate_factor = 1.0) {
+  std::string text = "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n";
+  for (int i = 0; i < 200; ++i) {
+    const double angle = std::remainder(rate * 0.01 * i, 2.0 * M_PI);
+    text += fmt::format("{:.2f},{:.6f},{:.6f},0\n", 0.01 * i, factor * angle, rate_factor * rate);
+  }
+  return text;
+}
+
+TEST_F(CsvImport, AnglesMayNotWrap) {
+  CsvOptions options = pendulum_options();
+  const std::string found = problem(turning_csv(10.0));
+  EXPECT_TRUE(says(found, {"a.csv:34: theta jumps by -6.183 after the line before",
+                           "3 such jumps in 1 file", "--unwrap theta\n", "--no-rate-check"}));
+  EXPECT_TRUE(says(problem(turning_csv(10.0, 180.0 / M_PI)),
+                   {"a.csv:34: theta jumps by -354.3", "degrees", "[rad]",
+                    "--scale theta=0.0174533 --unwrap theta\n", "theta changes 57.3 times",
+                    "--scale theta=0.0174533", "\n--no-rate-check"}));
+  options.unwrap = {"theta"};
+  const Target target = imported(turning_csv(10.0), options);
+  EXPECT_NEAR(target.rollouts[0].states(199, 0), 19.9, 1e-5);
+  EXPECT_TRUE(says(notes(turning_csv(10.0), options).at(0), {"unwrapped theta: 3 jumps"}));
+  options = pendulum_options();
+  options.check_rates = false;
+  EXPECT_LT(imported(turning_csv(10.0), options).rollouts[0].states(199, 0), M_PI);
+}
+
+TEST_F(CsvImport, UnwrapsAnglesOnly) {
+  CsvOptions options = pendulum_options();
+  options.unwrap = {"thet"};
+  EXPECT_TRUE(says(problem(kCsv, options), {"--unwrap: unknown state 'thet'", "'theta'"}));
+  options.unwrap = {"theta_dot"};
+  EXPECT_TRUE(says(problem(kCsv, options),
+                   {"--unwrap theta_dot: it is in [rad/s]", "must be in [rad] or [deg]"}));
+}
+
+TEST_F(CsvImport, RatesMustBeSlopes) {
+  CsvOptions options = pendulum_options();
+  options.unwrap = {"theta"};
+  EXPECT_TRUE(says(notes(turning_csv(5.0), options).at(1),
+                   {"checked: theta_dot is the slope of theta", "%"}));
+  EXPECT_TRUE(says(problem(turning_csv(5.0, 1.0, 2.0), options),
+                   {"theta changes 0.5 times as fast as theta_dot says", "dt is probably",
+                    "--scale t=0.5", "--scale theta_dot=0.5", "\n--no-rate-check"}));
+  options.check_rates = false;
+  EXPECT_EQ(imported(turning_csv(5.0, 1.0, 2.0), options).num_steps(), 199);
 }
 
 }  // namespace

@@ -1,0 +1,42 @@
+/// What `npdr import` is asked to do with CSV files.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/artefacts/channels.h"
+#include "pipeline/store/csv_line.h"
+
+namespace npdr::pipeline {
+
+/// Samples that a slope is taken over: 0.04 s of 250 Hz, where the slope of an encoder with 2048
+/// counts a turn has a noise of 0.06 rad/s and a swing of 2 Hz loses less than 0.1 %.
+constexpr Index kRateWindow = 11;
+
+/// A factor for all numbers of a column.
+struct ColumnScale {
+  std::string label;
+  double factor = 1.0;
+};
+
+/// How CSV files become a target. Options are done in this order: scales, unwrap, resample,
+/// differentiate, length; then rates are checked.
+struct CsvOptions {
+  /// Columns to take, by label and in this order; other columns are ignored. An empty unit accepts
+  /// the file's, any other must be the file's, but for a column with a scale.
+  Channels channels;
+  std::optional<double> dt;  ///< [s]; none: from the column 't [s]' or 'time [s]'
+  std::string source;        ///< for people; empty: the files' names
+  CsvFormat format = {};
+  std::vector<ColumnScale> scales = {};  ///< of states, actions and the column of times
+  std::vector<std::string> unwrap = {};  ///< states to take jumps of a whole turn from
+  std::optional<double> resample = {};   ///< [s] between states of an even grid; none: as they are
+  std::optional<Index> differentiate = {};  ///< window [samples] of the slopes that rates are,
+                                            ///< which files lack; none: files must have them
+  std::optional<Index> length = {};  ///< steps to keep; 0: of the shortest rollout; none: all,
+                                     ///< which must be as many in every file
+  bool check_rates = true;           ///< false: accept rates that aren't slopes
+};
+
+}  // namespace npdr::pipeline

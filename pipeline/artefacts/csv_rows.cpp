@@ -1,0 +1,229 @@
+#include "pipeline/artefacts/csv_rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/store/number_table.h"
+
+namespace npdr::pipeline {
+namespace {
+
+struct Conversion {
+  const char* from;
+  const char* to;
+  double factor;
+};
+
+// That messages know.
+constexpr std::array<Conversion, 9> kConversions = {{{"deg", "rad", 0.0174533},
+                                                     {"deg/s", "rad/s", 0.0174533},
+                                                     {"rpm", "rad/s", 0.10472},
+                                                     {"ms", "s", 1e-3},
+                                                     {"us", "s", 1e-6},
+                                                     {"mm", "m", 1e-3},
+                                                     {"cm", "m", 1e-2},
+                                                     {"mm/s", "m/s", 1e-3},
+                                                     {"mV", "V", 1e-3}}};
+
+std::string conversion_hint(const Channel& found, const std::string& unit) {
+  for (const Conversion& known : kConversions) {
+    if (found.unit != known.from || unit != known.to) continue;
+    return fmt::format("; --scale {}={} converts it", found.label, known.factor);
+  }
+  return "";
+}
+
+// A column that is taken; none: it is to be computed.
+struct Column {
+  std::optional<std::size_t> index;
+  double factor = 1.0;
+  Channel channel;
+
+  double number(const NumberTable& table) const {
+    return index ? factor * table.finite_number(*index) : 0.0;
+  }
+};
+
+struct Columns {
+  std::vector<Column> states, actions;
+  std::optional<Column> time;
+};
+
+std::vector<std::string> labels_of(const std::vector<Channel>& channels) {
+  std::vector<std::string> labels;
+  for (const Channel& channel : channels) labels.push_back(channel.label);
+  return labels;
+}
+
+// Finds the columns of one file.
+class ColumnFinder {
+ public:
+  ColumnFinder(const NumberTable& table, const CsvOptions& options)
+      : table_(table), options_(options), labels_(labels_of(table.columns())) {}
+
+  Columns all() const {
+    Columns columns;
+    for (const Channel& channel : options_.channels.states) {
+      columns.states.push_back(state(channel));
+    }
+    for (const Channel& channel : options_.channels.actions) {
+      columns.actions.push_back(column(channel));
+    }
+    columns.time = time();
+    check_scales(columns);
+    return columns;
+  }
+
+ private:
+  bool has(const std::string& label) const {
+    return std::ranges::find(labels_, label) != labels_.end();
+  }
+
+  // The channel that this one is the rate of, where the file has its column; null: none.
+  const Channel* position_of(const Channel& rate) const {
+    for (const Channel& channel : options_.channels.states) {
+      if (is_rate_of(rate, channel) && has(channel.label)) return &channel;
+    }
+    return nullptr;
+  }
+
+  Column state(const Channel& channel) const {
+    const Channel* position = has(channel.label) ? nullptr : position_of(channel);
+    if (position == nullptr) return column(channel);
+    if (options_.differentiate) return {{}, 1.0, {channel.label, unit_of_slope(*position)}};
+    throw InputError(fmt::format("{}; --differentiate computes it of '{}'", lack_of(channel.label),
+                                 position->label));
+  }
+
+  std::string unit_of_slope(const Channel& position) const {
+    return rate_unit(column(position).channel.unit);
+  }
+
+  std::string lack_of(const std::string& label) const {
+    return table_.name() + ":1: " + missing_name("column", label, labels_);
+  }
+
+  const ColumnScale* scale_of(const std::string& label) const {
+    const auto scale = std::ranges::find(options_.scales, label, &ColumnScale::label);
+    return scale == options_.scales.end() ? nullptr : &*scale;
+  }
+
+  // The unit may be any when the channel's is "", or when the numbers are scaled.
+  Column column(const Channel& channel) const {
+    const auto label = std::ranges::find(labels_, channel.label);
+    if (label == labels_.end()) throw InputError(lack_of(channel.label));
+    const auto index = static_cast<std::size_t>(label - labels_.begin());
+    const Channel& found = table_.columns()[index];
+    const ColumnScale* scale = scale_of(channel.label);
+    if (scale == nullptr && !channel.unit.empty() && found.unit != channel.unit) {
+      throw InputError(fmt::format("{}:1: column {} '{}' is in [{}], must be in [{}]{}",
+                                   table_.name(), index + 1, channel.label, found.unit,
+                                   channel.unit, conversion_hint(found, channel.unit)));
+    }
+    return {index,
+            scale == nullptr ? 1.0 : scale->factor,
+            {channel.label, channel.unit.empty() ? found.unit : channel.unit}};
+  }
+
+  std::optional<Column> time() const {
+    for (const char* label : {"t", "time"}) {
+      if (has(label)) return column({label, "s"});
+    }
+    if (options_.resample) {
+      throw InputError(table_.name() +
+                       ":1: no column 't [s]' or 'time [s]', which --resample needs");
+    }
+    if (options_.dt) return std::nullopt;
+    throw InputError(table_.name() + ":1: no column 't [s]' or 'time [s]'; give the time between " +
+                     "two rows with --dt");
+  }
+
+  void check_scales(const Columns& columns) const {
+    std::vector<std::string> taken;
+    for (const auto* list : {&columns.states, &columns.actions}) {
+      for (const Column& column : *list) {
+        if (column.index) taken.push_back(column.channel.label);
+      }
+    }
+    if (columns.time) taken.push_back(columns.time->channel.label);
+    for (const ColumnScale& scale : options_.scales) {
+      if (std::ranges::find(taken, scale.label) != taken.end()) continue;
+      throw InputError(table_.name() + ": --scale: " + unknown_name("column", scale.label, taken));
+    }
+  }
+
+  const NumberTable& table_;
+  const CsvOptions& options_;
+  std::vector<std::string> labels_;
+};
+
+// Values of these columns, row by row.
+struct Values {
+  Index count = 0;
+  std::vector<double> states, actions, times;
+};
+
+// The last row's actions come after the last state: they may be missing, but must not be rubbish.
+Values read_values(NumberTable& table, const Columns& columns) {
+  Values values;
+  std::optional<InputError> gap;
+  for (; table.next(); ++values.count) {
+    if (gap) throw InputError(*gap);
+    for (const Column& column : columns.states) values.states.push_back(column.number(table));
+    for (const Column& column : columns.actions) {
+      const bool is_missing = table.is_missing(*column.index);
+      if (is_missing && !gap) gap = table.problem(*column.index, "a finite number");
+      values.actions.push_back(is_missing ? 0.0 : column.number(table));
+    }
+    if (columns.time) values.times.push_back(columns.time->number(table));
+  }
+  if (values.count >= 2) return values;
+  throw InputError(fmt::format("{}: has {} rows below its header, must have at least 2",
+                               table.name(), values.count));
+}
+
+std::vector<Channel> channels_of_columns(const std::vector<Column>& columns) {
+  std::vector<Channel> channels;
+  for (const Column& column : columns) channels.push_back(column.channel);
+  return channels;
+}
+
+std::vector<RatePair> lacking_rates(const std::vector<Column>& states) {
+  std::vector<RatePair> pairs = rate_pairs(channels_of_columns(states));
+  std::erase_if(pairs, [&](const RatePair& pair) {
+    return states[static_cast<std::size_t>(pair.rate)].index.has_value();
+  });
+  return pairs;
+}
+
+RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t width) {
+  return Eigen::Map<const RowMatrix>(values.data(), rows, static_cast<Index>(width));
+}
+
+}  // namespace
+
+CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& options) {
+  NumberTable table(path, Header::with_units, options.format);
+  const Columns columns = ColumnFinder(table, options).all();
+  const Values values = read_values(table, columns);
+  CsvRows rows;
+  rows.name = table.name();
+  rows.states = channels_of_columns(columns.states);
+  rows.actions = channels_of_columns(columns.actions);
+  rows.lacking = lacking_rates(columns.states);
+  if (columns.time) {
+    rows.time = columns.time->channel.label;
+    rows.time_place = fmt::format("column {} '{}'", *columns.time->index + 1, rows.time);
+  }
+  rows.times = values.times;
+  rows.state_values = matrix(values.states, values.count, columns.states.size());
+  rows.action_values = matrix(values.actions, values.count - 1, columns.actions.size());
+  return rows;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,109 @@
+#include "pipeline/artefacts/csv_times.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Rounded times (0.033, 0.067, 0.1) are fine, a lost sample is not.
+constexpr double kTimeTolerance = 0.05;
+// A straight line may stand for a few lost samples, not for more of the motion.
+constexpr double kLongestGap = 10.0;
+
+std::vector<double> differences(const std::vector<double>& times) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
+  return steps;
+}
+
+// "run.csv:12: column 1 't'": of a row.
+std::string place_of(const CsvRows& rows, std::size_t row) {
+  return fmt::format("{}:{}: {}", rows.name, row + 2, rows.time_place);
+}
+
+// What helps when times increase, but unevenly.
+std::string resample_hint(const TimeSteps& steps) {
+  if (!(steps.shortest > 0.0)) return "";
+  return fmt::format("; its steps are {:.4g} to {:.4g} s: --resample {:.3g} interpolates",
+                     steps.shortest, steps.longest, steps.median);
+}
+
+// A lost line is found where it is missing.
+void check_steps(const CsvRows& rows) {
+  const std::vector<double> steps = differences(rows.times);
+  const TimeSteps all = steps_of(rows.times);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const bool is_usual = std::abs(steps[i] - all.median) <= 2.0 * kTimeTolerance * all.median;
+    if (steps[i] > 0.0 && is_usual) continue;
+    throw InputError(
+        fmt::format("{} is {:.6g} after the line before, elsewhere {:.6g}: times must be equally "
+                    "spaced and increase{}",
+                    place_of(rows, i + 1), steps[i], all.median, resample_hint(all)));
+  }
+}
+
+// Mean step of equally spaced times.
+double mean_step(const CsvRows& rows) {
+  check_steps(rows);
+  const std::vector<double>& times = rows.times;
+  const double dt = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  for (std::size_t row = 0; row < times.size(); ++row) {
+    const double expected = times.front() + static_cast<double>(row) * dt;
+    if (std::abs(times[row] - expected) <= kTimeTolerance * dt) continue;
+    throw InputError(
+        fmt::format("{} = {}, must be {:.6g}: times must be equally spaced and increase{}",
+                    place_of(rows, row), times[row], expected, resample_hint(steps_of(times))));
+  }
+  return dt;
+}
+
+}  // namespace
+
+TimeSteps steps_of(const std::vector<double>& times) {
+  std::vector<double> steps = differences(times);
+  std::ranges::sort(steps);
+  return {steps.front(), steps[steps.size() / 2], steps.back()};
+}
+
+double even_step(const CsvRows& rows, const std::optional<double>& given) {
+  if (rows.times.empty()) return given.value();
+  const double dt = mean_step(rows);
+  if (given && std::abs(dt - *given) > kTimeTolerance * *given) {
+    throw InputError(
+        fmt::format("{}: its times are {:.6g} s apart, but --dt says {} s", rows.name, dt, *given));
+  }
+  return given.value_or(dt);
+}
+
+void require_step(const CsvRows& rows, const std::optional<double>& given, double dt) {
+  const double step = even_step(rows, given);
+  if (std::abs(step - dt) <= kTimeTolerance * dt) return;
+  throw InputError(fmt::format(
+      "{}: its times are {:.6g} s apart, those of the first file {:.6g} s; --resample {:.3g} makes "
+      "them alike",
+      rows.name, step, dt, std::max(step, dt)));
+}
+
+void check_times_to_resample(const CsvRows& rows, double dt) {
+  const std::vector<double> steps = differences(rows.times);
+  const double usual = std::max(steps_of(rows.times).median, dt);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const std::string place = place_of(rows, i + 1);
+    if (!(steps[i] > 0.0)) {
+      throw InputError(
+          fmt::format("{} is {:.6g} after the line before: times must increase", place, steps[i]));
+    }
+    if (steps[i] <= kLongestGap * usual) continue;
+    throw InputError(fmt::format(
+        "{} is {:.6g} after the line before, must be at most {:.6g}, {} steps: too much "
+        "is missing to interpolate; cut the file there",
+        place, steps[i], kLongestGap * usual, kLongestGap));
+  }
+}
+
+}  // namespace npdr::pipeline
