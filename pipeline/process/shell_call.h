@@ -1,17 +1,14 @@
 /// One call of a shell command, with a time limit.
 #pragma once
 
-#include <filesystem>
-#include <map>
 #include <string>
+
+#include "pipeline/process/shell_process.h"
 
 namespace npdr::pipeline {
 
 struct ShellCall {
-  std::string command;           ///< for /bin/sh -c
-  std::filesystem::path folder;  ///< where it runs
-  std::map<std::string, std::string>
-      environment;          ///< variables to set, besides those of this process
+  ShellCommand command;
   double time_limit = 0.0;  ///< [s]
 };
 

@@ -1,0 +1,258 @@
+#include "pipeline/process/shell_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include "core/error.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kKeptBytes = 16 << 10;  // of either end of the output
+constexpr int kStreamBytes = 1 << 20;         // that a stream holds, where the system lets it
+
+std::vector<std::string> environment_of(const ShellCommand& call) {
+  std::vector<std::string> variables;
+  for (char** v = environ; *v != nullptr; ++v) {
+    const std::string variable = *v;
+    const std::string name = variable.substr(0, variable.find('='));
+    const bool is_ours = name == "NPDR_PROGRESS_FD";  // the command has no such descriptor
+    if (!is_ours && !call.environment.contains(name)) variables.push_back(variable);
+  }
+  for (const auto& [name, value] : call.environment) variables.push_back(name + "=" + value);
+  return variables;
+}
+
+// Whether anything of the process group still runs; its leader may have ended already.
+bool group_runs(pid_t group) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc", error)) {
+    std::ifstream file(entry.path() / "stat");
+    std::string line;
+    if (!std::getline(file, line)) continue;
+    // pid (name) state parent group ...: the name may hold anything.
+    std::istringstream rest(line.substr(std::min(line.rfind(')') + 1, line.size())));
+    char state = 'Z';
+    pid_t parent = 0, its_group = 0;
+    if (rest >> state >> parent >> its_group && its_group == group && state != 'Z') return true;
+  }
+  return false;
+}
+
+[[noreturn]] void fail() {
+  throw Error(std::string("can't start a shell: ") + std::strerror(errno));
+}
+
+// Both ends of a pipe, closed unless they are taken.
+class Pipe {
+ public:
+  Pipe() {
+    if (pipe2(ends_.data(), O_CLOEXEC) != 0) fail();
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  ~Pipe() {
+    for (const int end : ends_) {
+      if (end >= 0) close(end);
+    }
+  }
+  int read_end() const { return ends_[0]; }
+  int write_end() const { return ends_[1]; }
+  // The end that this process keeps, which never blocks.
+  int take(int end) {
+    fcntl(end, F_SETFL, O_NONBLOCK);
+    *std::ranges::find(ends_, end) = -1;
+    return end;
+  }
+
+ private:
+  std::array<int, 2> ends_ = {-1, -1};
+};
+
+// What a shell has in place of this process's streams.
+struct ShellStreams {
+  int input;  // -1: nothing
+  int output;
+  int error;
+};
+
+// In the new process, which must not allocate.
+[[noreturn]] void become_shell(const char* folder, const ShellStreams& streams, char** arguments,
+                               char** variables) {
+  setpgid(0, 0);
+  std::signal(SIGPIPE, SIG_DFL);  // stop_request.h ignores it
+  const int input = streams.input >= 0 ? streams.input : open("/dev/null", O_RDONLY);
+  dup2(input, STDIN_FILENO);
+  dup2(streams.output, STDOUT_FILENO);
+  dup2(streams.error, STDERR_FILENO);
+  if (chdir(folder) != 0) {
+    dprintf(STDERR_FILENO, "%s: can't be entered: %s\n", folder, std::strerror(errno));
+    _exit(126);
+  }
+  close_range(3, ~0U, 0);
+  execve("/bin/sh", arguments, variables);
+  _exit(127);
+}
+
+}  // namespace
+
+void BoundedText::add(const char* data, std::size_t size) {
+  const std::size_t room = kKeptBytes - begin_.size();
+  const std::size_t taken = std::min(room, size);
+  begin_.append(data, taken);
+  end_.append(data + taken, size - taken);
+  if (end_.size() > 4 * kKeptBytes) drop_middle();
+}
+
+std::string BoundedText::text() {
+  if (end_.size() > kKeptBytes) drop_middle();
+  if (num_dropped_ == 0) return begin_ + end_;
+  return fmt::format("{}\n... ({} bytes left out) ...\n{}", begin_, num_dropped_, end_);
+}
+
+void BoundedText::drop_middle() {
+  num_dropped_ += end_.size() - kKeptBytes;
+  end_.erase(0, end_.size() - kKeptBytes);
+}
+
+// Ends a process group should this process die without having done it, such as by kill -9: a child
+// that waits for the end of a pipe which only this process has open for writing.
+class ShellProcess::Guard {
+ public:
+  explicit Guard(pid_t group) {
+    std::array<int, 2> ends;
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) return;
+    process_ = fork();
+    if (process_ == 0) watch(ends[0], group);
+    close(ends[0]);
+    end_ = ends[1];
+  }
+  Guard(const Guard&) = delete;
+  Guard& operator=(const Guard&) = delete;
+  ~Guard() {
+    if (end_ < 0) return;
+    const char done = 1;
+    [[maybe_unused]] const ssize_t written = write(end_, &done, 1);
+    close(end_);
+    while (process_ > 0 && waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+
+ private:
+  // Nothing in here allocates: another thread may have held the allocator's lock.
+  [[noreturn]] static void watch(int end, pid_t group) {
+    setpgid(0, 0);  // a terminal's Ctrl-C isn't for it
+    const int own = dup2(end, 0);
+    close_range(1, ~0U, 0);
+    char done = 0;
+    ssize_t count = 0;
+    do {
+      count = read(own, &done, 1);
+    } while (count < 0 && errno == EINTR);
+    if (count == 0) kill(-group, SIGKILL);
+    _exit(0);
+  }
+
+  pid_t process_ = -1;
+  int end_ = -1;
+};
+
+ShellProcess::ShellProcess(const ShellCommand& command, Streams streams) {
+  const bool has_streams = streams == Streams::stdin_and_stdout;
+  Pipe error, input, output;
+  // All that allocates comes before the fork: another thread may hold the allocator's lock.
+  std::vector<std::string> environment = environment_of(command);
+  std::vector<char*> variables;
+  for (std::string& variable : environment) variables.push_back(variable.data());
+  variables.push_back(nullptr);
+  std::array<std::string, 3> words = {"sh", "-c", command.text};
+  std::array<char*, 4> arguments = {words[0].data(), words[1].data(), words[2].data(), nullptr};
+  const std::string folder = command.folder.string();
+  const ShellStreams its = {has_streams ? input.read_end() : -1,
+                            has_streams ? output.write_end() : error.write_end(),
+                            error.write_end()};
+  process_ = fork();
+  if (process_ == 0) become_shell(folder.c_str(), its, arguments.data(), variables.data());
+  if (process_ < 0) fail();
+  setpgid(process_, process_);  // by both, as nobody knows who is first
+  output_ = error.take(error.read_end());
+  if (has_streams) {
+    input_stream_ = input.take(input.write_end());
+    output_stream_ = output.take(output.read_end());
+    for (const int stream : {input_stream_, output_stream_}) {
+      fcntl(stream, F_SETPIPE_SZ, kStreamBytes);
+    }
+  }
+  guard_ = std::make_unique<Guard>(process_);
+}
+
+ShellProcess::~ShellProcess() {
+  for (const int stream : {input_stream_, output_stream_}) {
+    if (stream >= 0) close(stream);
+  }
+  end_group(0.0);
+  close(output_);
+}
+
+bool ShellProcess::has_ended(bool waits_for_all) {
+  if (process_ < 0) return true;
+  pollfd more = {is_open_ ? output_ : -1, POLLIN, 0};
+  poll(&more, 1, is_open_ ? 20 : 1);
+  read_output();
+  siginfo_t end = {};
+  waitid(P_PID, static_cast<id_t>(process_), &end, WEXITED | WNOHANG | WNOWAIT);
+  if (end.si_pid == 0 || (waits_for_all && group_runs(process_))) return false;
+  // Whatever it has left behind belongs to the call. The group's number is ours until it is
+  // reaped.
+  kill(-process_, SIGKILL);
+  int status = 0;
+  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  exit_status_ = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  process_ = -1;
+  read_output();
+  return true;
+}
+
+void ShellProcess::end_group(double grace) {
+  if (process_ < 0) return;
+  const auto start = Clock::now();
+  if (grace > 0.0) {
+    kill(-process_, SIGTERM);
+    kill(-process_, SIGCONT);  // a stopped program couldn't hear it
+  }
+  bool is_over = false;
+  while (!has_ended(!is_over)) {
+    is_over = std::chrono::duration<double>(Clock::now() - start).count() >= grace;
+    if (is_over) kill(-process_, SIGKILL);
+  }
+}
+
+void ShellProcess::read_output() {
+  constexpr int most = 64;  // more than a pipe holds; who writes without end must not keep us here
+  std::array<char, 4096> chunk;
+  for (int i = 0; i < most && is_open_; ++i) {
+    const ssize_t count = read(output_, chunk.data(), chunk.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count == 0) is_open_ = false;
+    if (count <= 0) return;
+    text_.add(chunk.data(), static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace npdr::pipeline

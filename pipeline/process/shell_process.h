@@ -1,0 +1,87 @@
+/// A shell in a process group of its own, with all that it starts.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace npdr::pipeline {
+
+/// What a shell is started with.
+struct ShellCommand {
+  std::string text;              ///< for /bin/sh -c
+  std::filesystem::path folder;  ///< where it runs
+  std::map<std::string, std::string>
+      environment;  ///< variables to set, besides those of this process
+};
+
+/// The beginning and the end of a long text, 16 KiB each.
+class BoundedText {
+ public:
+  void add(const char* data, std::size_t size);
+  std::string text();
+
+ private:
+  void drop_middle();
+
+  std::string begin_, end_;
+  std::size_t num_dropped_ = 0;
+};
+
+/// A running shell, which ends with all of its group when this object does, or this process.
+class ShellProcess {
+ public:
+  /// Streams of the shell that lead to this process as they are; others aren't there, or are
+  /// output.
+  enum class Streams { none, stdin_and_stdout };
+
+  /// Throws Error when no process can be started.
+  explicit ShellProcess(const ShellCommand& command, Streams streams = Streams::none);
+  ShellProcess(const ShellProcess&) = delete;
+  ShellProcess& operator=(const ShellProcess&) = delete;
+  ~ShellProcess();
+
+  /// Takes in output for up to 20 ms; true once the shell has ended, and with `waits_for_all` all
+  /// that it has started.
+  bool has_ended(bool waits_for_all = false);
+
+  /// Ends the group: SIGTERM first, SIGKILL after `grace` seconds.
+  void end_group(double grace);
+
+  /// Of the shell that has ended; 128 + signal number when a signal ended it.
+  int exit_status() const { return exit_status_; }
+
+  /// What came on its standard error, and its standard output unless that is a stream; begin and
+  /// end of it.
+  std::string output() { return text_.text(); }
+  /// The same, of what has come since the last call of this function.
+  std::string take_output() { return std::exchange(text_, {}).text(); }
+
+  /// Takes in output that is there.
+  void read_output();
+  int output_descriptor() const { return is_open_ ? output_ : -1; }
+
+  /// Where its standard input can be written to, and its standard output read from, without
+  /// blocking; -1: they are no streams.
+  int input_stream() const { return input_stream_; }
+  int output_stream() const { return output_stream_; }
+
+ private:
+  class Guard;
+
+  pid_t process_ = -1;
+  std::unique_ptr<Guard> guard_;
+  int output_ = -1;
+  int input_stream_ = -1;
+  int output_stream_ = -1;
+  bool is_open_ = true;  // somebody may still write
+  int exit_status_ = 0;
+  BoundedText text_;
+};
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,165 @@
+#include "pipeline/process/worker_process.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/process/shell_call.h"
+#include "pipeline/process/stop_request.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kLongestHeader = 1 << 20;
+constexpr int kPollMilliseconds = 100;  // between two looks at requests to stop
+
+// write() to a program that has ended, without the signal that would end this one.
+ssize_t write_quietly(int descriptor, std::span<const char> bytes) {
+  sigset_t pipe, before;
+  sigemptyset(&pipe);
+  sigaddset(&pipe, SIGPIPE);
+  pthread_sigmask(SIG_BLOCK, &pipe, &before);
+  const ssize_t count = write(descriptor, bytes.data(), bytes.size());
+  const int error = errno;
+  if (count < 0 && error == EPIPE) {
+    const timespec now = {};
+    while (sigtimedwait(&pipe, nullptr, &now) < 0 && errno == EINTR) {
+    }
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  errno = error;
+  return count;
+}
+
+// One request, and what has come of its reply.
+class Exchange {
+ public:
+  Exchange(ShellProcess& shell, std::span<const char> request,
+           const std::function<std::size_t(const std::string&)>& body_size, std::vector<char>& body)
+      : shell_(shell), unsent_(request), body_size_(body_size), body_(body) {}
+
+  bool is_complete() const { return has_header_ && num_read_ == body_.size(); }
+  bool has_failed() const { return !reply_.problem.empty(); }
+  bool is_closed() const { return is_closed_; }
+  bool has_begun() const { return has_header_; }
+  WorkerReply& reply() { return reply_; }
+
+  // Waits until something can be done, and does it.
+  void go_on() {
+    std::array<pollfd, 3> events = {
+        pollfd{unsent_.empty() ? -1 : shell_.input_stream(), POLLOUT, 0},
+        pollfd{is_closed_ ? -1 : shell_.output_stream(), POLLIN, 0},
+        pollfd{shell_.output_descriptor(), POLLIN, 0}};
+    poll(events.data(), events.size(), kPollMilliseconds);
+    if (events[2].revents != 0) shell_.read_output();
+    if (events[0].revents != 0) send();
+    if (events[1].revents != 0) receive();
+  }
+
+ private:
+  void send() {
+    const ssize_t count = write_quietly(shell_.input_stream(), unsent_);
+    if (count >= 0) unsent_ = unsent_.subspan(static_cast<std::size_t>(count));
+    if (count < 0 && errno == EPIPE) unsent_ = {};  // it won't read any more
+  }
+
+  void receive() {
+    while (!is_complete() && !has_failed()) {
+      const ssize_t count = has_header_ ? receive_body() : receive_header();
+      if (count < 0 && errno == EINTR) continue;
+      if (count == 0) is_closed_ = true;
+      if (count <= 0) return;
+    }
+  }
+
+  ssize_t receive_body() {
+    const ssize_t count =
+        read(shell_.output_stream(), body_.data() + num_read_, body_.size() - num_read_);
+    if (count > 0) num_read_ += static_cast<std::size_t>(count);
+    return count;
+  }
+
+  // The header, and what of the body has come with it.
+  ssize_t receive_header() {
+    std::array<char, 4096> chunk;
+    const ssize_t count = read(shell_.output_stream(), chunk.data(), chunk.size());
+    if (count <= 0) return count;
+    const auto end = chunk.begin() + count, line = std::find(chunk.begin(), end, '\n');
+    reply_.header.append(chunk.begin(), line);
+    if (line == end) {
+      if (reply_.header.size() > kLongestHeader) reject("no end of its first line");
+      return count;
+    }
+    has_header_ = true;
+    try {
+      body_.resize(body_size_(reply_.header));
+    } catch (const InputError& error) {
+      reject(error.what());
+      return count;
+    }
+    num_read_ = static_cast<std::size_t>(end - line - 1);
+    if (num_read_ > body_.size()) {
+      reject(fmt::format("{} bytes more than the reply has", num_read_ - body_.size()));
+      return count;
+    }
+    std::copy(line + 1, end, body_.begin());
+    return count;
+  }
+
+  void reject(const std::string& why) {
+    reply_.problem = fmt::format("its standard output isn't a reply: {}", why);
+  }
+
+  ShellProcess& shell_;
+  std::span<const char> unsent_;
+  const std::function<std::size_t(const std::string&)>& body_size_;
+  std::vector<char>& body_;
+  WorkerReply reply_;
+  bool has_header_ = false;
+  bool is_closed_ = false;
+  std::size_t num_read_ = 0;
+};
+
+}  // namespace
+
+WorkerProcess::WorkerProcess(const ShellCommand& command)
+    : shell_(command, ShellProcess::Streams::stdin_and_stdout) {}
+
+WorkerReply WorkerProcess::exchange(std::span<const char> request, double time_limit,
+                                    const std::function<std::size_t(const std::string&)>& body_size,
+                                    std::vector<char>& body) {
+  const auto start = Clock::now();
+  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  Exchange exchange(shell_, request, body_size, body);
+  WorkerReply& reply = exchange.reply();
+  while (!exchange.is_complete() && !exchange.has_failed()) {
+    stop_here_if_requested();
+    exchange.go_on();
+    if (exchange.is_complete()) break;
+    if (seconds() >= time_limit) {
+      reply.timed_out = true;
+      reply.problem = fmt::format("no reply within its time limit of {:.3g} s", time_limit);
+    } else if (exchange.is_closed() && shell_.has_ended()) {
+      reply.has_ended = true;
+      const CallResult result{shell_.exit_status(), false, seconds(), ""};
+      reply.problem =
+          (exchange.has_begun() ? "ended in its reply: " : "ended in place of a reply: ") +
+          result.words(time_limit);
+    }
+  }
+  shell_.read_output();
+  reply.seconds = seconds();
+  return std::move(reply);
+}
+
+}  // namespace npdr::pipeline

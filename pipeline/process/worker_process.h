@@ -1,0 +1,44 @@
+/// A program that stays and answers requests, through its standard input and output.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pipeline/process/shell_process.h"
+
+namespace npdr::pipeline {
+
+/// How a request went. `problem` is empty when all of a reply came in time.
+struct WorkerReply {
+  std::string header;   ///< first line, without its end
+  std::string problem;  ///< "ended with exit status 1", "no reply within its time limit of 2 s"
+  bool timed_out = false;
+  bool has_ended = false;  ///< the program has
+  double seconds = 0.0;
+};
+
+class WorkerProcess {
+ public:
+  /// Starts the program. Throws Error when no process can be started.
+  explicit WorkerProcess(const ShellCommand& command);
+
+  /// Writes a request and reads a reply: a line, and as many bytes as `body_size` says for it, into
+  /// `body`, whose memory is best kept from one request to the next.
+  /// body_size() throws InputError for a line that isn't a reply's. After a problem the program is
+  /// of no use: nobody knows what it will write. Throws Checkpointed when this process is asked to
+  /// stop.
+  WorkerReply exchange(std::span<const char> request, double time_limit,
+                       const std::function<std::size_t(const std::string&)>& body_size,
+                       std::vector<char>& body);
+
+  /// What it has written to its standard error since the last call of this function.
+  std::string take_output() { return shell_.take_output(); }
+
+ private:
+  ShellProcess shell_;
+};
+
+}  // namespace npdr::pipeline
