@@ -15,6 +15,7 @@ find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 set(HDF5_PREFER_PARALLEL FALSE)
 find_package(HDF5 1.10 REQUIRED COMPONENTS C HL)
+find_package(MuJoCo QUIET)  # models of it can be simulated where it is installed
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)

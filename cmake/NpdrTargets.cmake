@@ -37,11 +37,12 @@ endif()
 set(NPDR_COMMON_HEADERS <Eigen/Core> <algorithm> <cmath> <filesystem> <fmt/format.h> <fstream>
                         <functional> <map> <memory> <optional> <set> <string> <vector>)
 
-# npdr_library(<name> [FOLDER <...>] [HEADERS_OF <target>] LINK <...> PRIVATE_LINK <...>): one library per
-# folder, of all sources in it and, where the folder isn't given, below the current one. HEADERS_OF: whose
-# precompiled headers it uses, npdr_core's unless given; its own name: it makes them itself.
+# npdr_library(<name> [FOLDER <...>] [HEADERS_OF <target>] [WITHOUT <folder>] LINK <...> PRIVATE_LINK <...>): one
+# library per folder, of all sources in it and, where the folder isn't given, below the current one, without those
+# of the folder WITHOUT. HEADERS_OF: whose precompiled headers it uses, npdr_core's unless given; its own name: it
+# makes them itself.
 function(npdr_library name)
-  cmake_parse_arguments(ARG "" "FOLDER;HEADERS_OF" "LINK;PRIVATE_LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "FOLDER;HEADERS_OF;WITHOUT" "LINK;PRIVATE_LINK" ${ARGN})
   if(NOT ARG_HEADERS_OF)
     set(ARG_HEADERS_OF npdr_core)
   endif()
@@ -49,6 +50,9 @@ function(npdr_library name)
     file(GLOB sources CONFIGURE_DEPENDS ${ARG_FOLDER}/*.cpp)
   else()
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  endif()
+  if(ARG_WITHOUT)
+    list(FILTER sources EXCLUDE REGEX "/${ARG_WITHOUT}/[^/]*$")
   endif()
   add_library(${name} STATIC ${sources})
   target_link_libraries(${name} PUBLIC npdr_flags ${ARG_LINK} PRIVATE fmt::fmt ${ARG_PRIVATE_LINK})
