@@ -3,16 +3,19 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
 #include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/apps/new_study.h"
 #include "pipeline/apps/size_text.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"
+#include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_template.h"
 #include "pipeline/plan/shards.h"
 
@@ -71,7 +74,7 @@ void print_work(const Plan& plan) {
   const Study& study = plan.study;
   if (!study.source().gives_motion) return print_feature_work(plan);
   const bool is_recorded = study.target.recording.has_value();
-  const sim::SimulatorInfo info = sim::make_simulator(study.simulator)->info();
+  const sim::SimulatorInfo& info = plan.source->info();
   const Index num_rollouts =
       is_recorded ? plan.target.num_rollouts() - study.target.held_out : study.target.num_rollouts;
   const Index num_steps = is_recorded ? plan.target.num_steps() : info.num_steps;
@@ -102,15 +105,46 @@ void print_work(const Plan& plan) {
   print_policy_searches(plan);
 }
 
-void list_simulators() {
+void list_simulator(const sim::SimulatorInfo& info) {
+  fmt::print("{}: {}\n", info.name, info.description);
+  for (const sim::Parameter& p : info.parameters) {
+    fmt::print("    {:<24} {:>10.6g} {:<12} {}\n", p.name, p.nominal, p.unit, p.description);
+  }
+}
+
+std::string limits_text(const sim::Parameter& p) {
+  const bool is_limited = std::isfinite(p.lower) || std::isfinite(p.upper);
+  return is_limited ? fmt::format("[{:g}, {:g}]", p.lower, p.upper) : "";
+}
+
+// All that npdr knows of the simulator of a study.
+void list_simulator_of(const std::string& file) {
+  const Study study = read_study(file, {});
+  const auto source = make_source(study);
+  const sim::SimulatorInfo& info = source->info();
+  fmt::print("{}: {}\nparameters:\n", info.name, info.description);
+  for (const sim::Parameter& p : info.parameters) {
+    fmt::print("    {:<24} {:>10.6g} {:<12} {:<16} {}\n", p.name, p.nominal, p.unit, limits_text(p),
+               p.description);
+  }
+  const auto list_channels = [](const char* title, const std::vector<Channel>& channels) {
+    fmt::print("{}:\n", title);
+    for (const Channel& channel : channels) {
+      fmt::print("    {:<24} {:>10} {}\n", channel.label, "", channel.unit);
+    }
+  };
+  const bool gives_motion = study.source().gives_motion;
+  list_channels(gives_motion ? "states" : "features", info.state_channels);
+  if (gives_motion) list_channels("actions", info.action_channels);
+  if (info.goal) fmt::print("goal: {}\n", info.goal->description);
+}
+
+void list_simulators(const std::string& study) {
+  if (!study.empty()) return list_simulator_of(study);
   for (const std::string& name : sim::simulator_names()) {
     sim::SimulatorConfig config;
     config.name = name;
-    const auto simulator = sim::make_simulator(config);
-    fmt::print("{}: {}\n", name, simulator->info().description);
-    for (const sim::Parameter& p : simulator->info().parameters) {
-      fmt::print("    {:<24} {:>10.6g} {:<12} {}\n", p.name, p.nominal, p.unit, p.description);
-    }
+    list_simulator(sim::make_simulator(config)->info());
   }
 }
 
@@ -131,11 +165,14 @@ void list_layouts() {
   for (const std::string& name : layout_names()) fmt::print("{}:\n{}\n", name, layout_table(name));
 }
 
-void list(const std::string& what, const std::string& table) {
+void list(const std::string& what, const std::string& study, const std::string& table) {
+  if (!study.empty() && what != "simulators") {
+    throw InputError("a study is for 'npdr list simulators STUDY'; leave it out");
+  }
   if (!table.empty() && what != "keys" && what != "layouts") {
     throw InputError("--markdown is for 'npdr list keys' and 'npdr list layouts'; leave it out");
   }
-  if (what == "simulators") return list_simulators();
+  if (what == "simulators") return list_simulators(study);
   if (what == "keys") return table.empty() ? list_keys() : fmt::print("{}", keys_markdown(table));
   if (what == "layouts") {
     return table.empty() ? list_layouts() : fmt::print("{}", layout_table(table));
@@ -151,15 +188,18 @@ void list(const std::string& what, const std::string& table) {
                                  "metrics", "checks", "keys", "layouts"}));
 }
 
-void write_new_study(const std::string& name) {
-  const std::string stem = name.ends_with(".toml") ? name.substr(0, name.size() - 5) : name;
-  const std::filesystem::path path = stem + ".toml";
-  const std::string text = study_template(stem);
+void write_new_study(NewStudy wanted) {
+  if (wanted.name.ends_with(".toml")) wanted.name.resize(wanted.name.size() - 5);
+  const std::filesystem::path path = wanted.name + ".toml";
+  const std::string text =
+      wanted.is_specific() ? new_study_text(wanted) : study_template(wanted.name);
   if (std::filesystem::exists(path)) {
     throw InputError(path.string() + ": is there already; choose another name or remove it");
   }
   write_text_file(path, text);
-  fmt::print("wrote {}; run it with: npdr run {}\n", path.string(), path.string());
+  const bool needs_edits = text.find("EDIT") != std::string::npos;
+  fmt::print("wrote {0}; {1}run it with: npdr run {0}\n", path.string(),
+             needs_edits ? "edit the lines with EDIT, then " : "");
 }
 
 }  // namespace
@@ -182,12 +222,21 @@ void add_validate_command(CLI::App& app, int& result) {
 }
 
 void add_new_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("new", "start a study from a commented template");
-  auto name = std::make_shared<std::string>();
-  command->add_option("NAME", *name, "of the study; NAME.toml is written")->required();
-  command->callback([&result, name] {
+  auto* command = app.add_subcommand("new",
+                                     "start a study: from a commented template, or for a "
+                                     "simulator or recording of yours");
+  auto wanted = std::make_shared<NewStudy>();
+  command->add_option("NAME", wanted->name, "of the study; NAME.toml is written")->required();
+  command->add_option("--recording", wanted->recording, "recorded rollouts (npdr import)");
+  command->add_option("--simulator", wanted->simulator, "a built-in one (npdr list simulators)");
+  command->add_option("--worker", wanted->worker, "program that stays: 'python3 sim.py'");
+  command->add_option("--library", wanted->library, "shared library with npdr_simulator.h");
+  command->add_option("--mjcf", wanted->mjcf, "model of MuJoCo");
+  command->add_option("--command", wanted->command, "program that reads and writes files");
+  command->footer("Example: npdr new spring --recording spring.h5 --worker 'python3 spring.py'");
+  command->callback([&result, wanted] {
     result = guarded_main("npdr new", [&] {
-      write_new_study(*name);
+      write_new_study(*wanted);
       return ExitStatus::done;
     });
   });
@@ -196,17 +245,19 @@ void add_new_command(CLI::App& app, int& result) {
 void add_list_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("list", "what a study can choose from");
   auto what = std::make_shared<std::string>();
+  auto study = std::make_shared<std::string>();
   auto table = std::make_shared<std::string>();
   command
       ->add_option("WHAT", *what,
                    "simulators, methods, embeddings, estimators, integrators, metrics, checks, "
                    "keys or layouts")
       ->required();
+  command->add_option("STUDY", *study, "of simulators: show that of this study file");
   command->add_option("--markdown", *table,
                       "of keys or layouts: one table, such as method.training, as Markdown");
-  command->callback([&result, what, table] {
+  command->callback([&result, what, study, table] {
     result = guarded_main("npdr list", [&] {
-      list(*what, *table);
+      list(*what, *study, *table);
       return ExitStatus::done;
     });
   });

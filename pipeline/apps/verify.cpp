@@ -97,7 +97,7 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
   const Target target = traits.gives_motion
                             ? target_of(simulation_of(path, info), info).first(values.shape()[1])
                             : Target{};
-  const StreamId first = traits.calls_program ? first_stream(path, info) : StreamId{};
+  const StreamId first = traits.takes_seeds ? first_stream(path, info) : StreamId{};
   const auto source = make_source(study);
   const auto simulator = source->open({.simulator = study.simulator, .target = target});
 

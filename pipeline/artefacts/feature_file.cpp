@@ -23,8 +23,21 @@ struct Layout {
   std::vector<Index> columns;
 };
 
+// What a file must hold.
+struct Expected {
+  std::vector<Channel> features;  // empty: whatever there is
+  bool needs_names;               // nobody knows the order of columns without
+};
+
 Layout layout_of(const std::string& where, Index num_columns, const std::vector<Channel>& named,
-                 const std::vector<Channel>& expected) {
+                 const Expected& wanted) {
+  const std::vector<Channel>& expected = wanted.features;
+  if (wanted.needs_names && named.empty() && expected.size() > 1) {
+    throw InputError(fmt::format(
+        "{}: its columns have no names, must be named {}, as those of x_o, in any order; or say "
+        "their order with simulator.features",
+        where, join(few_shortened(feature_names(expected)))));
+  }
   if (!named.empty() && !expected.empty()) {
     return {expected, match_columns(where, named, expected)};
   }
@@ -39,8 +52,7 @@ Layout layout_of(const std::string& where, Index num_columns, const std::vector<
   return layout;
 }
 
-FeatureRows read_csv(const std::filesystem::path& path, Index num_rows,
-                     const std::vector<Channel>& expected) {
+FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Expected& expected) {
   NumberTable table(path);
   const Layout layout = layout_of(table.name(), table.num_columns(), table.columns(), expected);
   FeatureRows rows{layout.features, RowMatrix(num_rows, table.num_columns())};
@@ -60,8 +72,7 @@ FeatureRows read_csv(const std::filesystem::path& path, Index num_rows,
   return rows;
 }
 
-FeatureRows read_hdf5(const std::filesystem::path& path, Index num_rows,
-                      const std::vector<Channel>& expected) {
+FeatureRows read_hdf5(const std::filesystem::path& path, Index num_rows, const Expected& expected) {
   const h5::File file = h5::File::open(path);
   const h5::Dataset x = file.dataset("x");
   const bool is_vector = x.shape().size() == 1 && num_rows == 1;
@@ -88,11 +99,12 @@ void require_regular_file(const std::filesystem::path& path) {
 }  // namespace
 
 FeatureRows read_features(const std::filesystem::path& path, FileFormat format, Index num_rows,
-                          const std::vector<Channel>& expected) {
-  if (format == FileFormat::csv) return read_csv(path, num_rows, expected);
+                          const std::vector<Channel>& expected, bool needs_names) {
+  const Expected wanted{expected, needs_names};
+  if (format == FileFormat::csv) return read_csv(path, num_rows, wanted);
   require_regular_file(path);
-  if (!survives([&] { read_hdf5(path, num_rows, expected); })) throw damaged_file(path);
-  return read_hdf5(path, num_rows, expected);
+  if (!survives([&] { read_hdf5(path, num_rows, wanted); })) throw damaged_file(path);
+  return read_hdf5(path, num_rows, wanted);
 }
 
 Target observation_target(const std::vector<Channel>& features, const Vector& x_o,

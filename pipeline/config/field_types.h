@@ -47,6 +47,14 @@ struct FieldType<std::vector<double>> {
   static constexpr const char* kName = "a list of finite numbers";
 };
 template <>
+struct FieldType<std::vector<std::vector<double>>> {
+  static constexpr const char* kName = "a list of lists of finite numbers";
+};
+template <>
+struct FieldType<FreeTable> {
+  static constexpr const char* kName = "a table";
+};
+template <>
 struct FieldType<std::map<std::string, double>> {
   static constexpr const char* kName = "a table of finite numbers";
 };

@@ -33,6 +33,8 @@ bool read_list(const Json& json, std::vector<T>& values, bool (*read)(const Json
 
 }  // namespace
 
+Json json_value(const FreeTable& table) { return Json::parse(table.json); }
+
 Json json_value(const std::map<std::string, double>& numbers) {
   Json json = Json::object();
   for (const auto& [name, number] : numbers) json[name] = number;
@@ -88,6 +90,19 @@ bool read_value(const Json& json, std::string& value) {
 
 bool read_value(const Json& json, std::vector<std::string>& value) {
   return read_list<std::string>(json, value, read_value);
+}
+
+bool read_value(const Json& json, std::vector<std::vector<double>>& value) {
+  if (!json.is_array()) return false;
+  value.clear();
+  return std::ranges::all_of(json, [&](const Json& row) {
+    return read_list<double>(row, value.emplace_back(), read_value);
+  });
+}
+
+bool read_value(const Json& json, FreeTable& value) {
+  value.json = json.dump();
+  return json.is_object();
 }
 
 bool read_value(const Json& json, std::map<std::string, double>& value) {

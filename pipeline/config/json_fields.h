@@ -21,6 +21,7 @@ template <class T>
 Json json_value(const T& value) {
   return value;
 }
+Json json_value(const FreeTable& table);
 Json json_value(const std::map<std::string, double>& numbers);
 Json json_value(const std::map<std::string, PublishedFigure>& figures);
 Json json_value(const std::vector<inference::Marginal>& prior);
@@ -68,6 +69,8 @@ bool read_value(const Json& json, double& value);
 bool read_value(const Json& json, Index& value);
 bool read_value(const Json& json, std::string& value);
 bool read_value(const Json& json, std::vector<std::string>& value);
+bool read_value(const Json& json, std::vector<std::vector<double>>& value);
+bool read_value(const Json& json, FreeTable& value);
 bool read_value(const Json& json, std::map<std::string, double>& value);
 bool read_value(const Json& json, std::vector<inference::Marginal>& value);
 
@@ -110,6 +113,20 @@ class JsonReader {
     JsonReader members(*found, where_ + ": " + key);
     body(members);
     members.reject_unknown_keys();
+  }
+
+  template <class T, class Body>
+  void list(const std::string& key, std::vector<T>& values, int /*minimum*/,
+            std::string_view /*doc*/, const Body& body) {
+    known_.push_back(key);
+    const auto found = json_.find(key);
+    if (found == json_.end()) return;
+    if (!found->is_array()) throw InputError(where_ + ": " + key + " must be a list of objects");
+    for (const Json& element : *found) {
+      JsonReader members(element, where_ + ": " + key);
+      body(members, values.emplace_back());
+      members.reject_unknown_keys();
+    }
   }
 
   void reject_unknown_keys() const;

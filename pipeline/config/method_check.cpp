@@ -219,7 +219,7 @@ void MethodChecker::check_abc(const std::string& path, const MethodConfig& metho
 
 void MethodChecker::check_regression(const std::string& path) {
   if (!info_ || !reading_.good(path + ".algorithm")) return;
-  const auto form = study_.source().has_nominal
+  const auto form = study_.source().is_built_in
                         ? sim::make_simulator({.name = info_->name})->regression_form()
                         : nullptr;
   if (!form) {

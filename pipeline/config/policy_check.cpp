@@ -45,7 +45,7 @@ class PolicyChecker : Checker {
 
 bool PolicyChecker::has_task() {
   const std::vector<std::string> able = sim::simulators_with_policy_task();
-  if (std::ranges::count(able, info_->name) > 0) return true;
+  if (study_.source().is_built_in && std::ranges::count(able, info_->name) > 0) return true;
   reading_.fail("policy", fmt::format("policy needs simulator.name = '{}', found '{}': it has no "
                                       "task for a policy",
                                       join(able, "' or '"), info_->name));

@@ -1,37 +1,87 @@
 #include "pipeline/config/simulator_info.h"
 
+#include <algorithm>
 #include <limits>
 
+#include "core/error.h"
 #include "core/feature_names.h"
+#include "pipeline/config/library_config.h"
+#include "sim/library/library_simulator.h"
 
 namespace npdr::pipeline {
 namespace {
 
-sim::Parameter unlimited_parameter(const std::string& name, double value) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  return {name, "1", value, -infinity, infinity, ""};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+sim::Parameter described(const DescribedParameter& c) {
+  return {c.name,
+          c.unit,
+          c.nominal.value_or(kUnknown),
+          c.lower.value_or(-kInfinity),
+          c.upper.value_or(kInfinity),
+          c.description,
+          c.period};
+}
+
+// Those that the study describes; where it describes none, all that it names.
+std::vector<sim::Parameter> parameters_of(const Study& study) {
+  std::vector<sim::Parameter> all;
+  for (const DescribedParameter& parameter : study.external.parameters) {
+    all.push_back(described(parameter));
+  }
+  if (!all.empty()) return all;
+  for (const inference::Marginal& marginal : study.prior) {
+    all.push_back(described({.name = marginal.name}));
+  }
+  for (const auto& [name, value] : study.simulator.parameters) {
+    all.push_back(described({.name = name, .nominal = value}));
+  }
+  return all;
+}
+
+std::optional<Goal> goal_of(const GoalConfig& config, const std::vector<Channel>& states) {
+  if (config.radius == 0.0) return std::nullopt;
+  Goal goal{config.description,
+            {},
+            Vector(static_cast<Index>(config.place.size())),
+            config.radius,
+            config.speed > 0.0 ? config.speed : kInfinity};
+  for (const auto& [label, value] : config.place) {
+    const auto channel = std::ranges::find(states, label, &Channel::label);
+    if (channel == states.end()) continue;  // source_check.h reports it
+    goal.place(static_cast<Index>(goal.channels.size())) = value;
+    goal.channels.push_back(channel - states.begin());
+  }
+  return goal;
+}
+
+sim::SimulatorInfo info_of_study(const Study& study) {
+  sim::SimulatorInfo info;
+  info.name = study.source().name;
+  info.parameters = parameters_of(study);
+  const bool gives_motion = study.source().gives_motion;
+  info.state_channels =
+      parse_features(gives_motion ? study.external.states : study.external.features);
+  info.action_channels = parse_features(study.external.actions);
+  return info;
 }
 
 }  // namespace
 
 sim::SimulatorInfo simulator_info(const Study& study) {
-  if (study.source().has_nominal) {
+  const SourceTraits& source = study.source();
+  if (source.is_built_in) {
     sim::SimulatorConfig config;
     config.name = study.simulator.name;
     return sim::make_simulator(config)->info();
   }
-  sim::SimulatorInfo info;
-  info.name = study.source().name;
-  for (const inference::Marginal& marginal : study.prior) {
-    info.parameters.push_back(
-        unlimited_parameter(marginal.name, std::numeric_limits<double>::quiet_NaN()));
-  }
-  for (const auto& [name, value] : study.simulator.parameters) {
-    info.parameters.push_back(unlimited_parameter(name, value));
-  }
-  info.state_channels = parse_features(study.external.features);
-  info.dt = 1.0;
-  info.num_steps = 1;
+  sim::SimulatorInfo info = source.describes_itself
+                                ? sim::LibrarySimulator(library_config(study)).info()
+                                : info_of_study(study);
+  info.dt = source.gives_motion ? study.external.dt : 1.0;
+  info.num_steps = source.gives_motion ? study.external.num_steps : 1;
+  info.goal = goal_of(study.external.goal, info.state_channels);
   return info;
 }
 

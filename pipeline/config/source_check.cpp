@@ -22,18 +22,145 @@ class SourceChecker : Checker {
       : Checker(reading), study_(study), source_(study.source()), what_(source_.name) {}
 
   void check() {
-    if (!source_.calls_program) {
-      for (const char* key :
-           {"format", "folder", "time_limit", "start_time", "retries", "parallel_calls"}) {
-        must_be_left_out(std::string("simulator.") + key, "it belongs to simulator.command");
-      }
-    }
+    check_settings();
     source_.gives_motion ? check_motion() : check_features();
     if (source_.calls_program) check_program();
     if (!source_.simulates) check_dataset();
+    if (study_.external.library) check_library("simulator.library", *study_.external.library);
+    if (study_.external.mjcf) check_library("simulator.mjcf", *study_.external.mjcf);
+    if (!source_.describes_itself) check_parameters();
   }
 
  private:
+  void leave_out(std::initializer_list<const char*> keys, const std::string& why) {
+    for (const char* key : keys) must_be_left_out(std::string("simulator.") + key, why);
+  }
+
+  // Settings that mean nothing to this kind of source.
+  void check_settings() {
+    const bool exchanges_files = study_.external.command.has_value();
+    const bool is_described = !source_.describes_itself;
+    if (!exchanges_files) leave_out({"format"}, "it belongs to simulator.command");
+    if (!source_.calls_program) {
+      leave_out({"time_limit", "start_time", "retries", "parallel_calls"},
+                "it belongs to simulator.command and simulator.worker");
+    }
+    if (source_.is_built_in || !source_.simulates) {
+      leave_out({"folder", "files"}, "it belongs to simulators of the user's");
+    } else {
+      check_files();
+    }
+    if (!is_described) leave_out({"parameter"}, "a " + what_ + " describes its own");
+    if (!study_.external.library) leave_out({"settings"}, "it belongs to simulator.library");
+    if (!source_.gives_motion || (source_.describes_itself && !study_.external.mjcf)) {
+      leave_out({"states", "actions"},
+                source_.gives_motion ? "a " + what_ + " describes its own" : no_rollouts());
+    }
+    if (source_.is_built_in || !source_.gives_motion) {
+      leave_out({"dt", "num_steps", "initial_states", "goal"},
+                "it belongs to simulators of the user's that give rollouts");
+    }
+    if (!source_.is_built_in) {
+      leave_out({"integrator", "substeps", "minigolf"}, "it means nothing to a " + what_);
+    }
+  }
+
+  void check_files() {
+    for (const std::string& name : study_.external.files) {
+      const std::filesystem::path path = std::filesystem::path(study_.external.folder) / name;
+      require_file("simulator.files", path.string(), "existing files");
+    }
+  }
+
+  void check_library(const char* path, const std::string& file) {
+    require_file(path, file, "an existing file");
+  }
+
+  void check_parameters() {
+    const auto& parameters = study_.external.parameters;
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const std::string path = fmt::format("simulator.parameter[{}]", i);
+      const DescribedParameter& p = parameters[i];
+      if (!names.insert(p.name).second) fail(path + ".name", quoted(p.name), "there once");
+      if (p.lower && p.upper && *p.lower >= *p.upper) {
+        fail(path + ".lower", fmt::format("{}", *p.lower), fmt::format("< upper = {}", *p.upper));
+      }
+      const bool is_low = p.nominal && p.lower && *p.nominal < *p.lower;
+      const bool is_high = p.nominal && p.upper && *p.nominal > *p.upper;
+      if (is_low || is_high) {
+        fail(path + ".nominal", fmt::format("{}", *p.nominal), "in the parameter's limits");
+      }
+    }
+  }
+
+  // Channels that the study names, of a program or a model of MuJoCo.
+  void check_channels() {
+    std::set<std::string> labels;
+    for (const std::string& name : study_.external.states) {
+      const std::string label = parse_feature(name).label;
+      if (label.empty() || !labels.insert(label).second) {
+        fail("simulator.states", quoted(name), "distinct labels, such as \"theta [rad]\"");
+      }
+    }
+    labels.clear();
+    for (const std::string& name : study_.external.actions) {
+      const std::string label = parse_feature(name).label;
+      if (label.empty() || !labels.insert(label).second) {
+        fail("simulator.actions", quoted(name), "distinct labels, such as \"voltage [V]\"");
+      }
+    }
+    if (study_.source().kind == SourceKind::worker && study_.external.states.empty() &&
+        reading_.good("simulator.states")) {
+      reading_.fail("simulator.states",
+                    "simulator.states is missing, must be the state channels that the worker "
+                    "returns, such as [\"q [m]\", \"v [m/s]\"]");
+    }
+    for (const auto& [label, value] : study_.external.goal.place) {
+      if (!source_.describes_itself && !has_state(label)) {
+        fail("simulator.goal.place", quoted(label), "state channels");
+      }
+    }
+  }
+
+  bool has_state(const std::string& label) const {
+    return std::ranges::any_of(study_.external.states, [&](const std::string& name) {
+      return parse_feature(name).label == label;
+    });
+  }
+
+  // How a truth's rollouts begin, and how long they are.
+  void check_truths_beginning() {
+    const ExternalConfig& external = study_.external;
+    const bool needs_none = !study_.target.truth || study_.target.inputs;
+    if (needs_none) {
+      leave_out({"dt", "num_steps", "initial_states"},
+                study_.target.truth ? "target.inputs says it" : "the recording says it");
+      return;
+    }
+    const std::string why =
+        ": a truth has no recording to take it from; target.inputs = "
+        "\"recording.h5\" may take its place";
+    if (external.dt <= 0.0 && reading_.good("simulator.dt")) {
+      reading_.fail("simulator.dt", "simulator.dt is missing, must be a time in seconds" + why);
+    }
+    if (external.num_steps < 1 && reading_.good("simulator.num_steps")) {
+      reading_.fail("simulator.num_steps", "simulator.num_steps is missing, must be >= 1" + why);
+    }
+    if (external.initial_states.empty() && reading_.good("simulator.initial_states")) {
+      reading_.fail("simulator.initial_states",
+                    "simulator.initial_states is missing, must be a list of states, such as "
+                    "[[0.1, 0.0], [0.2, 0.0]]" +
+                        why);
+    }
+    if (source_.describes_itself) return;  // how many states that is, is known when it is loaded
+    for (const std::vector<double>& state : external.initial_states) {
+      if (state.size() == external.states.size()) continue;
+      fail("simulator.initial_states", counted(std::ssize(state), "number"),
+           fmt::format("lists of {}, one for each of simulator.states", external.states.size()));
+    }
+  }
+
   void check_features() {
     check_unused();
     check_names();
@@ -49,6 +176,10 @@ class SourceChecker : Checker {
   void check_motion() {
     must_be_left_out("simulator.features", "the simulator has state channels");
     must_be_left_out("target.observation", "it is for a simulator.command or dataset");
+    if (!source_.is_built_in) {
+      check_channels();
+      check_truths_beginning();
+    }
     for (const Metric metric : study_.evaluate.metrics) {
       if (metric != Metric::distance) continue;
       fail("evaluate.metrics", quoted(name_of(metric)), "left out: it is for a simulator.command");
@@ -61,11 +192,9 @@ class SourceChecker : Checker {
   }
 
   void check_unused() {
-    for (const char* key :
-         {"segment_length", "integrator", "substeps", "store_every", "minigolf"}) {
-      must_be_left_out(std::string("simulator.") + key, "it means nothing to a " + what_);
-    }
-    for (const char* path : {"target.recording", "target.num_rollouts", "target.held_out"}) {
+    leave_out({"segment_length", "store_every"}, "it means nothing to a " + what_);
+    for (const char* path :
+         {"target.recording", "target.inputs", "target.num_rollouts", "target.held_out"}) {
       must_be_left_out(path, no_rollouts());
     }
     must_be_left_out("evaluate.floor", "no search is made with a " + what_);
@@ -100,7 +229,10 @@ class SourceChecker : Checker {
   // Without nominal values, whoever names parameters must name all of the prior.
   void check_complete(const std::string& path, const std::map<std::string, double>& values) {
     for (const inference::Marginal& marginal : study_.prior) {
-      if (values.contains(marginal.name)) continue;
+      const auto& described = study_.external.parameters;
+      const auto known = std::ranges::find(described, marginal.name, &DescribedParameter::name);
+      const bool has_nominal = known != described.end() && known->nominal;
+      if (has_nominal || values.contains(marginal.name)) continue;
       reading_.fail(path, fmt::format("{}: '{}' is missing: a {} has no nominal values",
                                       display(path), marginal.name, what_));
     }
@@ -166,18 +298,35 @@ class SourceChecker : Checker {
   std::string what_;
 };
 
+// Keys of the table [simulator] that say where rows come from.
+std::vector<std::string> sources_of(const Study& study) {
+  std::vector<std::string> found;
+  const ExternalConfig& external = study.external;
+  if (!study.simulator.name.empty()) found.emplace_back("name");
+  if (external.command) found.emplace_back("command");
+  if (external.worker) found.emplace_back("worker");
+  if (external.library) found.emplace_back("library");
+  if (external.mjcf) found.emplace_back("mjcf");
+  if (external.dataset) found.emplace_back("dataset");
+  return found;
+}
+
 }  // namespace
+
+bool has_source(const Study& study, const Reading& reading) {
+  for (const char* source : {"name", "command", "worker", "library", "mjcf", "dataset"}) {
+    if (!reading.good(std::string("simulator.") + source)) return false;
+  }
+  return sources_of(study).size() == 1;
+}
 
 void check_source(const Study& study, Reading& reading) {
   if (!reading.good("simulator")) return;
-  std::vector<std::string> found;
-  if (!study.simulator.name.empty()) found.emplace_back("name");
-  if (study.external.command) found.emplace_back("command");
-  if (study.external.dataset) found.emplace_back("dataset");
+  const std::vector<std::string> found = sources_of(study);
   if (found.empty()) {
-    reading.fail("simulator.name", "simulator.name is missing, must be text, one of " +
-                                       join(sim::simulator_names()) +
-                                       "; a command or a dataset may take its place");
+    reading.fail("simulator.name",
+                 "simulator.name is missing, must be text, one of " + join(sim::simulator_names()) +
+                     "; a command, worker, library, mjcf or dataset may take its place");
   } else if (found.size() > 1) {
     reading.fail("simulator." + found.back(),
                  "simulator has " + join(found, " and ") + ", must have one of them");
@@ -185,10 +334,7 @@ void check_source(const Study& study, Reading& reading) {
 }
 
 void check_source_settings(const Study& study, Reading& reading) {
-  for (const char* source : {"name", "command", "dataset"}) {
-    if (!reading.good(std::string("simulator.") + source)) return;
-  }
-  SourceChecker(study, reading).check();
+  if (has_source(study, reading)) SourceChecker(study, reading).check();
 }
 
 void check_dataset_rows(const Study& study, Index num_rows) {

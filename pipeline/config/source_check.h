@@ -1,4 +1,4 @@
-/// Rules where a command or a dataset takes the place of a built-in simulator. Private to
+/// Rules where something of the user's takes the place of a built-in simulator. Private to
 /// pipeline/config.
 #pragma once
 
@@ -7,7 +7,10 @@
 
 namespace npdr::pipeline {
 
-/// Exactly one of simulator.name, command and dataset.
+/// Whether the study names exactly one source, as far as its keys could be read.
+bool has_source(const Study& study, const Reading& reading);
+
+/// Exactly one of simulator.name, command, worker, library, mjcf and dataset.
 void check_source(const Study& study, Reading& reading);
 
 /// Keys that mean nothing to the study's simulator, and what is different where it gives features

@@ -2,25 +2,60 @@
 
 #include <array>
 
-namespace npdr::pipeline {
+#include "pipeline/config/external_config.h"
 
-const SourceTraits& traits_of(SourceKind kind) {
-  static constexpr std::array<SourceTraits, 3> all = {{
-      {.advice = "narrow the prior, use more simulator.substeps"},
-      {.kind = SourceKind::command,
-       .name = "command",
-       .gives_motion = false,
-       .calls_program = true,
-       .has_nominal = false,
-       .advice = "see the logs beside its shards, narrow the prior"},
-      {.kind = SourceKind::dataset,
-       .name = "dataset",
-       .gives_motion = false,
-       .simulates = false,
-       .has_nominal = false,
-       .advice = "check the dataset and the prior"},
-  }};
-  return all[static_cast<std::size_t>(kind)];
+namespace npdr::pipeline {
+namespace {
+
+constexpr const char* kAdviceOfPrograms = "see the logs beside its shards, narrow the prior";
+
+constexpr std::array<SourceTraits, 7> kTraits = {{
+    {.is_built_in = true,
+     .describes_itself = true,
+     .advice = "narrow the prior, use more simulator.substeps"},
+    {.kind = SourceKind::command,
+     .name = "command",
+     .gives_motion = false,
+     .calls_program = true,
+     .takes_seeds = true,
+     .advice = kAdviceOfPrograms},
+    {.kind = SourceKind::motion_command,
+     .name = "command",
+     .calls_program = true,
+     .takes_seeds = true,
+     .advice = kAdviceOfPrograms},
+    {.kind = SourceKind::worker,
+     .name = "worker",
+     .calls_program = true,
+     .takes_seeds = true,
+     .advice = kAdviceOfPrograms},
+    {.kind = SourceKind::library,
+     .name = "library",
+     .describes_itself = true,
+     .takes_seeds = true,
+     .advice = "narrow the prior, or the library's limits of parameters"},
+    {.kind = SourceKind::mjcf,
+     .name = "MJCF model",
+     .describes_itself = true,
+     .takes_seeds = true,
+     .advice = "narrow the prior, use a smaller option timestep"},
+    {.kind = SourceKind::dataset,
+     .name = "dataset",
+     .gives_motion = false,
+     .simulates = false,
+     .advice = "check the dataset and the prior"},
+}};
+
+}  // namespace
+
+const SourceTraits& traits_of(SourceKind kind) { return kTraits[static_cast<std::size_t>(kind)]; }
+
+SourceKind ExternalConfig::kind() const {
+  if (command) return states.empty() ? SourceKind::command : SourceKind::motion_command;
+  if (worker) return SourceKind::worker;
+  if (library) return SourceKind::library;
+  if (mjcf) return SourceKind::mjcf;
+  return dataset ? SourceKind::dataset : SourceKind::built_in;
 }
 
 }  // namespace npdr::pipeline

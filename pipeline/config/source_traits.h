@@ -3,7 +3,15 @@
 
 namespace npdr::pipeline {
 
-enum class SourceKind { built_in, command, dataset };
+enum class SourceKind {
+  built_in,
+  command,         ///< gives features
+  motion_command,  ///< a command of a study that names state channels: gives rollouts
+  worker,
+  library,
+  mjcf,
+  dataset,
+};
 
 /// Traits that the rest of the pipeline asks for, in place of which source it is.
 struct SourceTraits {
@@ -11,8 +19,10 @@ struct SourceTraits {
   const char* name = "simulator";  ///< for messages: "a command gives no rollouts"
   bool gives_motion = true;        ///< rollouts in channels; else a vector x of features a row
   bool simulates = true;           ///< any theta; else only rows that are there already
-  bool calls_program = false;      ///< with files, and a seed that a row depends on besides theta
-  bool has_nominal = true;         ///< parameters have nominal values, units and limits
+  bool is_built_in = false;        ///< one of sim/, with its settings, equations and policies
+  bool describes_itself = false;   ///< its channels and parameters; else the study does
+  bool calls_program = false;      ///< of the user's, which may crash, hang, and print
+  bool takes_seeds = false;        ///< a row depends on a seed besides theta
   const char* advice = "";         ///< what to do where many rows fail
 
   /// Whether posteriors can be judged by the features that they predict.

@@ -35,9 +35,10 @@ struct TargetConfig {
   std::optional<std::string> recording;                ///< path, as seen from the current folder
   std::optional<std::string> observation;              ///< the same, of a file that holds x_o
   std::optional<std::map<std::string, double>> truth;  ///< parameters that aren't nominal
-  Index num_rollouts = 0;                              ///< that inference sees; 0: all
-  Index held_out = 0;                                  ///< after those, for evaluation alone
-  std::uint64_t seed = 0;                              ///< picks a truth's random behavior
+  std::optional<std::string> inputs;  ///< path of a recording that a truth's rollouts begin like
+  Index num_rollouts = 0;             ///< that inference sees; 0: all
+  Index held_out = 0;                 ///< after those, for evaluation alone
+  std::uint64_t seed = 0;             ///< picks a truth's random behavior
 };
 
 /// Gaussian noise on the simulated states that the inference sees.

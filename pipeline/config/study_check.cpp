@@ -75,16 +75,17 @@ class StudyChecker : Checker {
 
 // Needs nothing but the name; the other checks need what it finds.
 void StudyChecker::load_simulator() {
-  for (const char* source : {"name", "command", "dataset"}) {
-    if (!reading_.good(std::string("simulator.") + source)) return;
+  if (!has_source(study_, reading_)) return;
+  try {
+    info_ = simulator_info(study_);
+  } catch (const InputError& error) {  // of a library, or a model of MuJoCo
+    reading_.fail(study_.external.mjcf ? "simulator.mjcf" : "simulator.library", error.what());
   }
-  if (study_.source().has_nominal && study_.simulator.name.empty()) return;
-  info_ = simulator_info(study_);
 }
 
 // The simulator has the last word on its settings; its message has no position.
 void StudyChecker::check_simulator() {
-  if (!reading_.problems().empty() || !study_.source().has_nominal) return;
+  if (!reading_.problems().empty() || !study_.source().is_built_in) return;
   try {
     sim::make_simulator(study_.simulator);
   } catch (const InputError& error) {
@@ -106,7 +107,11 @@ void StudyChecker::check_target() {
     return;
   }
   if (target.recording) check_recording(*target.recording);
-  if (!target.truth) return;
+  if (!target.truth) {
+    must_be_left_out("target.inputs", "it is for a truth");
+    return;
+  }
+  if (target.inputs) require_file("target.inputs", *target.inputs, "an existing HDF5 file");
   check_values("target.truth", *target.truth);
   if (target.num_rollouts < 1) {
     fail("target.num_rollouts", "0", ">= 1 with a truth: there is no recording to take all of");
@@ -124,7 +129,8 @@ void StudyChecker::check_recording(const std::string& recording) {
 // Those of a recording are known when it has been read.
 void StudyChecker::check_truths_rollouts() {
   if (!study_.target.truth || !info_ || !reading_.good("target.num_rollouts")) return;
-  if (info_->state_channels.empty()) return;  // features that are missing
+  // Features that are missing, or steps that only the inputs know.
+  if (info_->state_channels.empty() || study_.target.inputs) return;
   check_rollouts(study_,
                  {study_.target.num_rollouts + study_.target.held_out, info_->num_steps,
                   info_->state_channels, info_->action_channels},
@@ -155,7 +161,7 @@ void StudyChecker::check_marginal(Marginal& marginal) {
 }
 
 void StudyChecker::check_unused_settings() {
-  if (!info_ || !study_.source().has_nominal) return;
+  if (!info_ || !study_.source().is_built_in) return;
   for (const std::string& setting : sim::unused_settings(info_->name)) {
     must_be_left_out("simulator." + setting,
                      fmt::format("it means nothing to the simulator '{}'", info_->name));

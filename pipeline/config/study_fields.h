@@ -91,7 +91,7 @@ void describe(Fields& f, sim::MinigolfConfig& c) {
 template <class Fields>
 void describe(Fields& f, sim::SimulatorConfig& c) {
   f("name", c.name, simulator_constraint(),
-    "a built-in simulator; exactly one of name, command and dataset");
+    "a built-in simulator; exactly one of name, command, worker, library, mjcf and dataset");
   f("parameters", c.parameters, anything<std::map<std::string, double>>(),
     "values that replace the simulator's nominal ones");
   f("segment_length", c.segment_length, count_from(0),
@@ -105,14 +105,55 @@ void describe(Fields& f, sim::SimulatorConfig& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, DescribedParameter& c) {
+  f("name", c.name, column_name(), "the domain parameter, as the program knows it");
+  f("unit", c.unit, label(), "such as \"kg\"; \"1\": without dimension");
+  f("nominal", c.nominal, anything<double>(), "value where nothing else is said");
+  f("lower", c.lower, anything<double>(), "smallest value that can be simulated");
+  f("upper", c.upper, anything<double>(), "largest value that can be simulated");
+  f("period", c.period, not_negative(), "values this far apart are the same system; 0: none are");
+  f("description", c.description, anything<std::string>(), "what it is, for people");
+}
+
+template <class Fields>
+void describe(Fields& f, GoalConfig& c) {
+  f("place", c.place, anything<std::map<std::string, double>>(),
+    "state channel = value of the goal");
+  f("radius", c.radius, not_negative(), "Euclidean, around that place; 0: there is no goal");
+  f("speed", c.speed, not_negative(), "largest speed over the last step that is rest; 0: any");
+  f("description", c.description, anything<std::string>(), "such as \"rests near the hole\"");
+}
+
+template <class Fields>
 void describe(Fields& f, ExternalConfig& c) {
   f("command", c.command, shell_command(),
     "shell command that reads a file of theta and writes a file of x");
+  f("worker", c.worker, shell_command(),
+    "shell command of a program that stays and answers requests, such as one with npdr_worker.py");
+  f("library", c.library, file_path(),
+    "shared library with the interface of npdr_simulator.h, relative to the study file's folder");
+  f("mjcf", c.mjcf, file_path(),
+    "model of MuJoCo, relative to the study file's folder; the prior names what is unknown in it");
   f("dataset", c.dataset, file_path(),
     "HDF5 file of finished simulations, relative to the study file's folder");
+  f("states", c.states, anything<std::vector<std::string>>(),
+    "state channels of rollouts, each a label or \"label [unit]\"; empty: a command gives "
+    "features");
+  f("actions", c.actions, anything<std::vector<std::string>>(), "the same of the actions");
+  f.list("parameter", c.parameters, 0, "a domain parameter of the user's simulator",
+         [](auto& t, auto& p) { describe(t, p); });
+  f("files", c.files, anything<std::vector<std::string>>(),
+    "further files that results depend on, seen from the study file's folder");
+  f("settings", c.settings, anything<FreeTable>(), "what the library reads");
+  f("dt", c.dt, not_negative(), "step of a truth's rollouts [s]");
+  f("num_steps", c.num_steps, count_from(0), "steps of a truth's rollouts");
+  f("initial_states", c.initial_states, anything<std::vector<std::vector<double>>>(),
+    "a truth's rollouts begin there, in turn; their actions are 0");
+  f.table("goal", "where rollouts of the user's simulator should come to rest",
+          [&](auto& t) { describe(t, c.goal); });
   choice(f, "format", c.format, "of the command's files");
   f("folder", c.folder, anything<std::string>(),
-    "where the command runs, seen from the study file's folder; empty: there");
+    "where the program runs, seen from the study file's folder; empty: there");
   f("time_limit", c.time_limit, positive(), "for a call with all rows of a shard [s]");
   f("start_time", c.start_time, not_negative(),
     "added to the share of the time limit that a call with fewer rows has [s]");
@@ -269,6 +310,9 @@ void describe(Fields& f, TargetConfig& c) {
     "CSV or HDF5 file of x_o, where the simulator gives features, not rollouts");
   f("truth", c.truth, anything<std::map<std::string, double>>(),
     "parameters of a simulated target that aren't nominal; {}: none");
+  f("inputs", c.inputs, file_path(),
+    "recording whose initial states and actions a truth's rollouts have; without it those of the "
+    "simulator");
   f("num_rollouts", c.num_rollouts, count_from(0),
     "use the first k rollouts; 0: all of a recording; 5 for a truth when left out");
   f("held_out", c.held_out, count_from(0),

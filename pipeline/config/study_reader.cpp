@@ -46,7 +46,10 @@ void resolve_path(std::optional<std::string>& value, const std::string& key, con
 void resolve_target(TargetConfig& target, const fs::path& file, const Reading& reading) {
   resolve_path(target.recording, "target.recording", file, reading);
   resolve_path(target.observation, "target.observation", file, reading);
-  if (target.truth && !reading.has("target.num_rollouts")) target.num_rollouts = kTruthRollouts;
+  resolve_path(target.inputs, "target.inputs", file, reading);
+  if (target.truth && !target.inputs && !reading.has("target.num_rollouts")) {
+    target.num_rollouts = kTruthRollouts;
+  }
 }
 
 // Without a network there is no layer to train, and no reason to look at fewer states than are
@@ -72,17 +75,21 @@ void resolve_without_network(Study& study, std::size_t i, const Reading& reading
   if (!has_rounds) method.algorithm.num_rounds = 1;
 }
 
+void resolve_files(ExternalConfig& external, const fs::path& file, const Reading& reading) {
+  resolve_path(external.dataset, "simulator.dataset", file, reading);
+  resolve_path(external.library, "simulator.library", file, reading);
+  resolve_path(external.mjcf, "simulator.mjcf", file, reading);
+  std::optional<std::string> folder = external.folder;
+  resolve_path(folder, "simulator.folder", file, reading);
+  std::error_code error;
+  external.folder = fs::absolute(folder->empty() ? "." : *folder, error).lexically_normal();
+}
+
 // Where the simulator gives features of x: one rollout of one step, that is measured as a whole.
 void resolve_external(Study& study, const fs::path& file, const Reading& reading) {
-  ExternalConfig& external = study.external;
+  if (study.source().is_built_in) return;
+  resolve_files(study.external, file, reading);
   if (study.source().gives_motion) return;
-  resolve_path(external.dataset, "simulator.dataset", file, reading);
-  if (study.source().calls_program) {
-    std::optional<std::string> folder = external.folder;
-    resolve_path(folder, "simulator.folder", file, reading);
-    std::error_code error;
-    external.folder = fs::absolute(folder->empty() ? "." : *folder, error).lexically_normal();
-  }
   study.target.num_rollouts = 1;
   study.evaluate.floor = false;
   if (!reading.has("evaluate.metrics")) {

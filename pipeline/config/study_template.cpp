@@ -36,16 +36,31 @@ num_rollouts = 1
 #   recording = "rollouts.h5"
 # Of a simulator that gives features x and no rollouts, x_o itself, or a truth:
 #   observation = "x_o.csv"
+# A truth's rollouts may have the initial states and actions of a recording:
+#   inputs = "recording.h5"
 
 [simulator]
 name = "pendulum"
 # parameters = { gravity = 9.81 }
 # ...
-# In place of a name, a program of your own or finished simulations: docs/external-simulators.md.
+# In place of a name, a simulator of your own or finished simulations: docs/external-simulators.md.
 #   command = "python3 sim.py {theta} {x}"
+#   worker = "python3 sim.py"
+#   library = "sim.so"
+#   mjcf = "robot.xml"
 #   dataset = "dataset.h5"
+#   states = ["q [rad]", "q_dot [rad/s]"]
+#   actions = ["torque [N m]"]
 #   ...
 #   features = ["peak [m]", "mean"]
+# Its domain parameters, each in a table of its own, and where its rollouts should come to rest:
+#   [[simulator.parameter]]
+#   name = "mass"
+#   unit = "kg"
+#   ...
+#   [simulator.goal]
+#   place = { q = 0.0 }
+#   ...
 # The simulator "minigolf" has settings of its own:
 #   [simulator.minigolf]
 #   ...

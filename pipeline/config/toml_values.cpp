@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "pipeline/config/constraint.h"
@@ -86,6 +87,47 @@ bool read_marginal(const TomlSlot& slot, Marginal& marginal) {
   return true;
 }
 
+// A distribution is a table with one member that is a list; a table of tables isn't one.
+bool has_only_tables(const toml::node& node) {
+  const toml::table* table = node.as_table();
+  return table != nullptr && !table->empty() &&
+         std::ranges::all_of(*table, [](auto&& member) { return member.second.is_table(); });
+}
+
+// `prefix`: the names of the tables around this one, each followed by a point.
+void read_marginals(const TomlSlot& slot, const std::string& prefix, std::vector<Marginal>& value) {
+  for (const auto& [key, node] : in_file_order(*slot.node.as_table(), slot.reading)) {
+    const TomlSlot member = member_slot(slot, *key, *node);
+    const std::string name = prefix + std::string(key->str());
+    if (has_only_tables(*node)) {
+      read_marginals(member, name + ".", value);
+      continue;
+    }
+    Marginal marginal;
+    marginal.name = name;
+    if (!read_marginal(member, marginal)) fail_type(member, marginal_words());
+    if (std::ranges::count(value, name, &Marginal::name) > 0) {
+      member.reading.fail(member.path, fmt::format("prior: {} is there twice", quoted(name)));
+    }
+    value.push_back(marginal);
+  }
+}
+
+void read_numbers(const TomlSlot& slot, const std::string& prefix,
+                  std::map<std::string, double>& value) {
+  for (auto&& [key, node] : *slot.node.as_table()) {
+    const TomlSlot member = member_slot(slot, key, node);
+    const std::string name = prefix + std::string(key.str());
+    if (node.is_table() && !node.as_table()->empty()) {
+      read_numbers(member, name + ".", value);
+      continue;
+    }
+    double number = 0.0;
+    if (!read_value(member, number)) fail_type(member, type_name<double>());
+    value[name] = number;
+  }
+}
+
 }  // namespace
 
 bool read_value(const TomlSlot& slot, bool& value) {
@@ -128,15 +170,22 @@ bool read_value(const TomlSlot& slot, std::vector<std::uint64_t>& value) {
 
 bool read_value(const TomlSlot& slot, std::vector<double>& value) { return read_list(slot, value); }
 
+bool read_value(const TomlSlot& slot, std::vector<std::vector<double>>& value) {
+  return read_list(slot, value);
+}
+
 bool read_value(const TomlSlot& slot, std::map<std::string, double>& value) {
-  const toml::table* table = slot.node.as_table();
-  if (table == nullptr) return false;
-  for (auto&& [key, node] : *table) {
-    const TomlSlot member = member_slot(slot, key, node);
-    double number = 0.0;
-    if (!read_value(member, number)) fail_type(member, type_name<double>());
-    value[std::string(key.str())] = number;
-  }
+  if (!slot.node.is_table()) return false;
+  read_numbers(slot, "", value);
+  return true;
+}
+
+bool read_value(const TomlSlot& slot, FreeTable& value) {
+  if (!slot.node.is_table()) return false;
+  std::ostringstream text;
+  text << toml::json_formatter(*slot.node.as_table());
+  // Parsed and written again, so that the text doesn't depend on how the study file looks.
+  value.json = nlohmann::ordered_json::parse(text.str()).dump();
   return true;
 }
 
@@ -157,15 +206,8 @@ bool read_value(const TomlSlot& slot, std::map<std::string, PublishedFigure>& va
 }
 
 bool read_value(const TomlSlot& slot, std::vector<Marginal>& value) {
-  const toml::table* table = slot.node.as_table();
-  if (table == nullptr) return false;
-  for (const auto& [key, node] : in_file_order(*table, slot.reading)) {
-    const TomlSlot member = member_slot(slot, *key, *node);
-    Marginal marginal;
-    marginal.name = std::string(key->str());
-    if (!read_marginal(member, marginal)) fail_type(member, marginal_words());
-    value.push_back(marginal);
-  }
+  if (!slot.node.is_table()) return false;
+  read_marginals(slot, "", value);
   return true;
 }
 

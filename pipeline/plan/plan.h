@@ -65,6 +65,9 @@ struct Plan {
   const Node& node_by_key(const std::string& key) const;
   /// Inputs of `node` that `stage` makes, in the order of rounds.
   std::vector<const Node*> inputs(const Node& node, Stage stage) const;
+  /// Simulations that the search for the floor may make; 0: as many as it needs. Simulators of the
+  /// user's may be slow: for them it costs what the simulations of one experiment do.
+  Index num_floor_evaluations() const;
 };
 
 /// Plans `study`. Reads the recording, if there is one: its content is part of every key. Throws

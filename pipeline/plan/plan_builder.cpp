@@ -144,6 +144,7 @@ std::size_t PlanBuilder::add_baseline(std::size_t target) {
   const Inputs inputs = add_judgment(target, json);
   json["prior"] = to_json(plan_.study.prior);
   if (plan_.study.target.recording) json["floor"] = plan_.study.evaluate.floor;
+  if (plan_.num_floor_evaluations() > 0) json["floor_evaluations"] = plan_.num_floor_evaluations();
   return add(Stage::baseline, json, {}, inputs);
 }
 

@@ -67,7 +67,7 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
 }
 
 bool exists(const ReportData& data) {
-  return has_posteriors(data) && data.plan.study.source().gives_motion &&
+  return has_posteriors(data) && data.plan.study.source().is_built_in &&
          !fixed_outlines(data).empty();
 }
 

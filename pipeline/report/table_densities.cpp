@@ -33,7 +33,7 @@ std::vector<Point> points_of(const ReportData& data) {
         {reference.name, theta_of(reference.parameters),
          [&reference](const Evaluation& e) { return e.reference_log_prob.at(reference.name); }});
   }
-  if (points.empty() && study.source().has_nominal) {
+  if (points.empty() && data.plan.source->has_nominal()) {
     points.push_back(
         {"nominal", theta_of({}), [](const Evaluation& e) { return *e.nominal_log_prob; }});
   }

@@ -87,7 +87,7 @@ Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, 
 Table make(const ReportData& data) {
   Table table =
       empty_table("Each experiment. log p: posterior density in nats.", "Method, seed", {});
-  const Columns has{data.plan.study.source().has_nominal, data.plan.study.target.truth.has_value(),
+  const Columns has{data.plan.source->has_nominal(), data.plan.study.target.truth.has_value(),
                     any_was_sampled(data)};
   add_seed_columns(data, has, table);
   note_fixed_parameters(table, data);

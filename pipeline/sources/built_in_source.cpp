@@ -1,6 +1,8 @@
 #include "pipeline/sources/built_in_source.h"
 
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/sources/truth_inputs.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -42,6 +44,7 @@ SourceKeys BuiltInSource::keys() const {
   keys.states = without(keys.rows, "store_every");
   keys.truth = without(keys.states, "segment_length");
   keys.theta = Json::object();
+  if (study().target.inputs) keys.truth["begin"] = content_hash(begun_truth(study(), info()));
   return keys;
 }
 
@@ -49,7 +52,7 @@ std::unique_ptr<RowSimulator> BuiltInSource::open(const RowsConfig& config) cons
   return std::make_unique<ReplayedRows>(config.simulator, config.target);
 }
 
-Target BuiltInSource::behave(const std::filesystem::path&) const {
+Target BuiltInSource::behave_by_itself() const {
   const TargetConfig& target = study().target;
   return sim::make_simulator(study().simulator)
       ->behave(parameters().nominal(*target.truth), target.num_rollouts + target.held_out,

@@ -10,7 +10,9 @@ class BuiltInSource final : public Source {
   using Source::Source;
   SourceKeys keys() const override;
   std::unique_ptr<RowSimulator> open(const RowsConfig& config) const override;
-  Target behave(const std::filesystem::path& log) const override;
+
+ protected:
+  Target behave_by_itself() const override;
 };
 
 }  // namespace npdr::pipeline

@@ -9,6 +9,7 @@
 
 #include "core/types.h"
 #include "pipeline/store/file_format.h"
+#include "sim/segments.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
@@ -26,6 +27,8 @@ class CallFolder {
   std::filesystem::path theta() const { return path_ / ("theta" + extension_); }
   std::filesystem::path x() const { return path_ / ("x" + extension_); }
   std::filesystem::path seeds() const { return path_ / "seeds.txt"; }
+  std::filesystem::path segments() const { return path_ / ("segments" + extension_); }
+  std::filesystem::path actions() const { return path_ / ("actions" + extension_); }
 
  private:
   std::filesystem::path path_;
@@ -36,6 +39,12 @@ class CallFolder {
 /// or the dataset `theta` with the attribute `labels`. Throws Error.
 void write_theta_file(const std::filesystem::path& path, FileFormat format,
                       const std::vector<sim::Parameter>& parameters, const RowMatrix& theta);
+
+/// What rollouts are simulated over: a file of segments, a row each with the columns `steps`,
+/// `past` and the first states; a file of actions, a row each step. CSV, or the datasets `segments`
+/// and `actions`.
+void write_segment_files(const CallFolder& folder, FileFormat format,
+                         const sim::SimulatorInfo& info, const sim::Segments& segments);
 
 /// One integer a line. Throws Error.
 void write_seeds_file(const std::filesystem::path& path, std::span<const std::uint32_t> seeds);

@@ -74,8 +74,4 @@ std::unique_ptr<RowSimulator> DatasetSource::open(const RowsConfig& config) cons
   return std::make_unique<DatasetRows>(study(), config);
 }
 
-Target DatasetSource::behave(const std::filesystem::path&) const {
-  throw Error("a dataset can't be asked what a truth does");
-}
-
 }  // namespace npdr::pipeline

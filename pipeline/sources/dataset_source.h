@@ -17,8 +17,6 @@ class DatasetSource final : public Source {
   SourceKeys keys() const override;
   std::optional<RowMatrix> theta(std::uint64_t seed, Index count) const override;
   std::unique_ptr<RowSimulator> open(const RowsConfig& config) const override;
-  /// Throws Error: a dataset can't be asked what a truth does.
-  Target behave(const std::filesystem::path& log) const override;
 };
 
 }  // namespace npdr::pipeline

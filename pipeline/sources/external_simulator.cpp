@@ -3,28 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <mutex>
 #include <sstream>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
-#include "core/feature_names.h"
-#include "core/text.h"
-#include "pipeline/artefacts/feature_file.h"
-#include "pipeline/sources/call_files.h"
-#include "pipeline/sources/command_text.h"
-#include "pipeline/store/column_labels.h"
+#include "sim/segments.h"
+#include "sim/simulator_check.h"
 
 namespace npdr::pipeline {
 namespace {
 
 using sim::RolloutStatus;
-
-// A shell's statuses for a program that isn't there or can't be run.
-constexpr int kCannotRun = 126;
-constexpr int kNotFound = 127;
 
 // So many rows that fail one after the other, and none that doesn't: the fault isn't theirs. With
 // half of all rows failing that happens by chance to one shard of 2^32; smaller shards aren't
@@ -45,47 +35,69 @@ std::string tail_of(const std::string& text) {
   return tail;
 }
 
-// Held while the files of a call are written and read: HDF5 serves one thread at a time.
-std::unique_lock<std::mutex> lock_files(FileFormat format) {
-  static std::mutex hdf5;
-  return format == FileFormat::hdf5 ? std::unique_lock(hdf5) : std::unique_lock<std::mutex>();
-}
-
-// Fits into a signed 32-bit integer, as many programs want it.
-std::uint32_t seed_of(StreamId id, Index i) {
-  id.row += static_cast<std::uint64_t>(i);
-  return Stream(id).bits() >> 1;
-}
-
 }  // namespace
 
-ExternalSimulator::ExternalSimulator(ExternalConfig external, sim::SimulatorInfo info,
-                                     std::filesystem::path log, int threads)
-    : external_(std::move(external)),
-      info_(std::move(info)),
-      log_path_(std::move(log)),
-      threads_(threads) {}
+std::uint32_t row_seed(StreamId first, Index i) {
+  first.row += static_cast<std::uint64_t>(i);
+  return Stream(first).bits() >> 1;
+}
 
-ExternalSimulator::~ExternalSimulator() {
-  if (num_calls_ == 0 || log_path_.empty()) return;
+ExternalSimulator::ExternalSimulator(const ExternalConfig& external, sim::SimulatorInfo info,
+                                     std::unique_ptr<ProgramCall> program,
+                                     std::filesystem::path log)
+    : info_(std::move(info)),
+      folder_(external.folder),
+      time_limit_(external.time_limit),
+      start_time_(external.start_time),
+      retries_(external.retries),
+      program_(std::move(program)),
+      log_path_(std::move(log)) {}
+
+ExternalSimulator::~ExternalSimulator() { write_log(); }
+
+void ExternalSimulator::log_to(std::filesystem::path log) {
+  write_log();
+  log_path_ = std::move(log);
+  log_.clear();
+}
+
+void ExternalSimulator::write_log() {
+  if (log_.empty() || log_path_.empty()) return;
   try {
     write_text_file(log_path_, log_);
   } catch (...) {  // no result is worth less without it
   }
 }
 
-sim::Trajectories ExternalSimulator::simulate(const RowMatrix& theta, const StreamId& first) {
-  Task task{theta, {}, first.row, {}};
-  for (Index i = 0; i < theta.rows(); ++i) task.seeds.push_back(seed_of(first, i));
-  task.result.resize(theta.rows(), 1, 1, static_cast<Index>(info_.state_channels.size()));
-  if (theta.rows() > 0) solve(task, 0, theta.rows(), false);
-  return std::move(task.result);
+sim::Trajectories ExternalSimulator::simulate(const RowMatrix& theta, const StreamId& first,
+                                              Index num_rows) {
+  std::vector<Index> possible;
+  Task task{{}, std::max(num_rows, theta.rows()), {}, first.row, {}};
+  for (Index i = 0; i < theta.rows(); ++i) {
+    if (!sim::is_possible(theta.row(i), info_)) continue;
+    possible.push_back(i);
+    task.seeds.push_back(row_seed(first, i));
+  }
+  task.theta = theta(possible, Eigen::all);
+  task.result = program_->empty(std::ssize(possible));
+  if (!possible.empty()) solve(task, 0, task.theta.rows(), false);
+  if (std::ssize(possible) == theta.rows()) return std::move(task.result);
+  sim::Trajectories all = program_->empty(theta.rows());
+  for (Index i = 0; i < theta.rows(); ++i) {
+    sim::lose_row(i, RolloutStatus::out_of_limits, all);
+  }
+  for (Index i = 0; i < std::ssize(possible); ++i) {
+    const Index row = possible[static_cast<std::size_t>(i)];
+    std::ranges::copy(task.result.row(i), all.row(row).begin());
+    all.status[static_cast<std::size_t>(row)] = task.result.status[static_cast<std::size_t>(i)];
+  }
+  return all;
 }
 
 double ExternalSimulator::time_limit(Index count, Index num_rows) const {
-  if (count == num_rows) return external_.time_limit;
+  if (count == num_rows) return time_limit_;
   const double share = static_cast<double>(count) / static_cast<double>(num_rows);
-  return std::min(external_.time_limit, external_.start_time + share * external_.time_limit);
+  return std::min(time_limit_, start_time_ + share * time_limit_);
 }
 
 // Rows [begin, end). `is_bad`: they are known to fail together.
@@ -95,10 +107,7 @@ void ExternalSimulator::solve(Task& task, Index begin, Index end, bool is_bad) {
   RolloutStatus status = RolloutStatus::ok;
   if (!is_bad || count == 1) {
     const bool is_repeated = is_whole || count == 1;
-    if (is_repeated ? repeat(task, begin, end, status) : call(task, begin, end, status)) {
-      task.num_done += count;
-      return;
-    }
+    if (is_repeated ? repeat(task, begin, end, status) : call(task, begin, end, status)) return;
   }
   if (count == 1) {
     give_up(task, begin, status);
@@ -111,7 +120,7 @@ void ExternalSimulator::solve(Task& task, Index begin, Index end, bool is_bad) {
 }
 
 bool ExternalSimulator::repeat(Task& task, Index begin, Index end, RolloutStatus& status) {
-  for (Index attempt = 0; attempt <= external_.retries; ++attempt) {
+  for (Index attempt = 0; attempt <= retries_; ++attempt) {
     if (call(task, begin, end, status)) return true;
   }
   return false;
@@ -120,86 +129,65 @@ bool ExternalSimulator::repeat(Task& task, Index begin, Index end, RolloutStatus
 // One call. False, and the status of a row that it would be about, when it failed.
 bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& status) {
   const Index count = end - begin;
-  const CallFolder folder(external_.format);
-  {
-    const std::unique_lock lock = lock_files(external_.format);
-    write_theta_file(folder.theta(), external_.format, info_.parameters,
-                     task.theta.middleRows(begin, count));
-  }
-  write_seeds_file(folder.seeds(),
-                   std::span(task.seeds)
-                       .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)));
-  const std::uint64_t first_row = task.first_row + static_cast<std::uint64_t>(begin);
-  const ShellCall shell{filled_command(*external_.command, folder.theta(), folder.x()),
-                        external_.folder,
-                        {{"NPDR_SEEDS", folder.seeds()},
-                         {"NPDR_FIRST_ROW", std::to_string(first_row)},
-                         {"OMP_NUM_THREADS", std::to_string(threads_)}},
-                        time_limit(count, task.theta.rows())};
+  const ProgramRows rows{
+      task.theta.middleRows(begin, count),
+      std::span(task.seeds)
+          .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)),
+      task.first_row + static_cast<std::uint64_t>(begin), time_limit(count, task.num_rows)};
   ++num_calls_;
-  const CallResult result = run_shell(shell);
-  const std::string heading = fmt::format("call {}, {} rows from row {}: {}", num_calls_, count,
-                                          first_row, result.words(shell.time_limit));
-  if (!result.succeeded()) {
-    status = result.timed_out ? RolloutStatus::timed_out : RolloutStatus::crashed;
-    note(heading, result, result.words(shell.time_limit));
-    if (!result.timed_out &&
-        (result.exit_status == kNotFound || result.exit_status == kCannotRun)) {
-      fail("can't be run");
-    }
-    return false;
-  }
-  try {
-    const FeatureRows rows = [&] {
-      const std::unique_lock lock = lock_files(external_.format);
-      return read_features(folder.x(), external_.format, count, info_.state_channels);
-    }();
-    for (Index i = 0; i < count; ++i) {
-      const std::span<float> out = task.result.row(begin + i);
-      std::transform(rows.x.row(i).begin(), rows.x.row(i).end(), out.begin(),
-                     [](double value) { return static_cast<float>(value); });
-      const bool is_finite = std::ranges::all_of(out, [](float v) { return std::isfinite(v); });
-      task.result.status[static_cast<std::size_t>(begin + i)] =
-          is_finite ? RolloutStatus::ok : RolloutStatus::diverged;
-      if (!is_finite) std::ranges::fill(out, std::numeric_limits<float>::quiet_NaN());
-    }
-    note(heading, result, "");
-    return true;
-  } catch (const InputError& error) {
-    status = RolloutStatus::bad_output;
-    note(
-        heading, result,
-        fmt::format("{}; x must have {}: {}, as simulator.features or else target.observation says",
-                    error.what(), counted(std::ssize(info_.state_channels), "column"),
-                    join(few_shortened(feature_names(info_.state_channels)))));
-    return false;
-  }
+  sim::Trajectories result = program_->empty(count);
+  const ProgramOutcome outcome = program_->call(rows, result);
+  note(fmt::format("call {}, {} rows from row {}: {}", num_calls_, count, rows.first_row,
+                   outcome.summary),
+       outcome, task);
+  if (outcome.cannot_run) fail("can't be run");
+  status = outcome.status;
+  if (outcome.succeeded) take(task, begin, result);
+  return outcome.succeeded;
+}
+
+// Rows that failed on their own are lost, but need no further call.
+void ExternalSimulator::take(Task& task, Index begin, const sim::Trajectories& rows) {
+  std::ranges::copy(rows.values, task.result.row(begin).begin());
+  std::ranges::copy(rows.status, task.result.status.begin() + begin);
+  const Index crashed = std::ranges::count(rows.status, RolloutStatus::crashed);
+  task.num_done += rows.num_rows - crashed;
+  task.num_lost += crashed;
+  if (crashed > 0) count_lost(task);
 }
 
 void ExternalSimulator::give_up(Task& task, Index row, RolloutStatus status) {
+  sim::lose_row(row, status, task.result);
   ++task.num_lost;
-  std::ranges::fill(task.result.row(row), std::numeric_limits<float>::quiet_NaN());
-  task.result.status[static_cast<std::size_t>(row)] = status;
+  count_lost(task);
+}
+
+void ExternalSimulator::count_lost(Task& task) {
   const Index hopeless = std::min(task.theta.rows(), kHopelessRows);
   if (task.num_done == 0 && task.num_lost >= std::max(hopeless, kFewestHopelessRows)) {
     fail(fmt::format("failed for each of {} rows", task.num_lost));
   }
 }
 
-void ExternalSimulator::note(const std::string& heading, const CallResult& result,
-                             const std::string& problem) {
-  if (!problem.empty()) last_failure_ = problem + tail_of(result.output);
+// What comes after a first failure are its repetitions, of fewer and fewer rows.
+void ExternalSimulator::note(const std::string& heading, const ProgramOutcome& outcome,
+                             Task& task) {
+  if (!outcome.problem.empty() && !task.has_failed) {
+    last_failure_ = outcome.problem + tail_of(outcome.output);
+    task.has_failed = true;
+  }
   if (log_.size() > kLargestLog) return;
   log_ += heading + "\n";
-  if (!problem.empty() && !result.timed_out && result.exit_status == 0) log_ += problem + "\n";
-  log_ += result.output;
-  if (!result.output.empty() && result.output.back() != '\n') log_ += '\n';
+  if (!outcome.problem.empty() && outcome.problem != outcome.summary)
+    log_ += outcome.problem + "\n";
+  log_ += outcome.output;
+  if (!outcome.output.empty() && outcome.output.back() != '\n') log_ += '\n';
   if (log_.size() > kLargestLog) log_ += "... further calls aren't logged\n";
 }
 
 void ExternalSimulator::fail(const std::string& what) const {
-  std::string text = fmt::format("simulator.command = '{}' {}: {}\n  in the folder {}",
-                                 *external_.command, what, last_failure_, external_.folder);
+  std::string text =
+      fmt::format("{} {}: {}\n  in the folder {}", program_->words(), what, last_failure_, folder_);
   if (!log_path_.empty()) text += "; all that it printed: " + log_path_.string();
   throw Error(text);
 }

@@ -11,6 +11,8 @@ namespace npdr::pipeline {
 
 /// The stream that names the random numbers of a simulation's rows.
 inline constexpr const char* kSimulationStream = "external_simulation";
+/// The same of a simulated target domain.
+inline constexpr const char* kTruthStream = "external_truth";
 
 class RowSimulator {
  public:

@@ -1,23 +1,86 @@
 #include "pipeline/sources/source.h"
 
+#include <fmt/format.h>
+
+#include "core/error.h"
 #include "core/feature_names.h"
 #include "pipeline/artefacts/feature_file.h"
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/config/source_check.h"
 #include "pipeline/sources/built_in_source.h"
-#include "pipeline/sources/command_source.h"
 #include "pipeline/sources/dataset_source.h"
+#include "pipeline/sources/library_source.h"
+#include "pipeline/sources/program_source.h"
+#include "pipeline/sources/truth_inputs.h"
+#include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
 
 Source::Source(Study study)
     : study_(std::move(study)), info_(simulator_info(study_)), parameters_(study_, info_) {}
 
+Target Source::behave(const std::filesystem::path& log) const {
+  if (!traits().gives_motion) return behave_in_features(log);
+  if (study_.target.inputs || !traits().is_built_in)
+    return replay_truth(begun_truth(study_, info_), log);
+  return behave_by_itself();
+}
+
+Target Source::behave_by_itself() const {
+  throw Error(fmt::format("target.truth: a {} has no behavior policy", traits().name));
+}
+
+Target Source::behave_in_features(const std::filesystem::path& /*log*/) const {
+  throw Error(fmt::format("target.truth: a {} can't be asked what it gives there", traits().name));
+}
+
+Target Source::replay_truth(Target begun, const std::filesystem::path& log) const {
+  sim::SimulatorConfig config = study_.simulator;
+  config.store_every = 1;
+  config.segment_length = 0;
+  const auto rows = open({.simulator = config, .target = begun, .log = log});
+  const TargetConfig& target = study_.target;
+  const sim::Trajectories x = rows->simulate(parameters_.nominal(*target.truth).transpose(),
+                                             {target.seed, kTruthStream, 0, 0, 0});
+  if (x.status.front() != sim::RolloutStatus::ok) {
+    throw Error(fmt::format("target.truth: the simulation there ends as {}: {}",
+                            sim::to_string(x.status.front()), rows->last_failure()));
+  }
+  for (Index h = 0; h < begun.num_rollouts(); ++h) {
+    begun.rollouts[static_cast<std::size_t>(h)].states.bottomRows(begun.num_steps()) =
+        x.rollout(0, h).cast<double>();
+  }
+  return begun;
+}
+
+SourceKeys Source::keys_of_motion(const nlohmann::ordered_json& rows) const {
+  SourceKeys keys{rows, rows, rows, nlohmann::ordered_json::object()};
+  keys.rows["segment_length"] = study_.simulator.segment_length;
+  keys.states["segment_length"] = study_.simulator.segment_length;
+  keys.rows["store_every"] = study_.simulator.store_every;
+  if (study_.target.truth) keys.truth["begin"] = content_hash(begun_truth(study_, info_));
+  return keys;
+}
+
+std::map<std::string, std::string> Source::hashes_of_files() const {
+  std::map<std::string, std::string> hashes;
+  for (const std::string& name : study_.external.files) {
+    hashes[name] = file_hash(std::filesystem::path(study_.external.folder) / name);
+  }
+  return hashes;
+}
+
 std::unique_ptr<Source> make_source(const Study& study) {
   switch (study.source().kind) {
     case SourceKind::command:
-      return std::make_unique<CommandSource>(study);
+    case SourceKind::motion_command:
+    case SourceKind::worker:
+      return std::make_unique<ProgramSource>(study);
+    case SourceKind::library:
+    case SourceKind::mjcf:
+      return std::make_unique<LibrarySource>(study);
     case SourceKind::dataset:
       return std::make_unique<DatasetSource>(study);
     case SourceKind::built_in:
@@ -37,6 +100,8 @@ std::optional<Target> resolve_source(Study& study) {
   std::optional<Target> x_o;
   if (study.target.observation) {
     x_o = read_observation(*study.target.observation, features);
+    const bool names_them = x_o->state_channels != numbered_features(x_o->num_states());
+    study.external.has_names_of_observation = features.empty() && names_them;
     features = x_o->state_channels;
     check_recording(study, *x_o);
   }

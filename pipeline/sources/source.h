@@ -1,9 +1,10 @@
-/// Where a study's rows come from: a built-in simulator, a command, a dataset.
+/// Where a study's rows come from: a built-in simulator, one of the user's, a dataset.
 ///
 /// A source says what its rows are about, what they depend on, and how to get them. Whoever has one
-/// needn't know which of the three it is. Another kind is a class like those of make_source().
+/// needn't know which of them it is. Another kind is a class like those of make_source().
 #pragma once
 
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -25,17 +26,16 @@ struct SourceKeys {
 
 /// Rows that are asked for.
 struct RowsConfig {
-  sim::SimulatorConfig simulator;  ///< settings of a built-in simulator
-  Target target;                   ///< that it replays
-  std::filesystem::path log = {};  ///< of programs; empty: none
-  std::uint64_t seed = 0;          ///< of the experiment: picks rows of a dataset
-  Index num_rows = 0;              ///< of the simulation
+  sim::SimulatorConfig simulator = {};  ///< segments, stored states; settings of a built-in one
+  Target target = {};                   ///< that it replays
+  std::filesystem::path log = {};       ///< of programs; empty: none
+  std::uint64_t seed = 0;               ///< of the experiment: picks rows of a dataset
+  Index num_rows = 0;                   ///< of the simulation
 };
 
 class Source {
  public:
-  /// Takes a study that has been resolved (resolve_source()). Throws InputError for names that its
-  /// simulator doesn't have.
+  /// Takes a study that has been resolved (resolve_source()). Throws InputError.
   explicit Source(Study study);
   virtual ~Source() = default;
 
@@ -43,31 +43,45 @@ class Source {
   const sim::SimulatorInfo& info() const { return info_; }
   const ParameterMap& parameters() const { return parameters_; }
 
+  /// Whether every parameter has a nominal value, so that there are nominal rollouts.
+  bool has_nominal() const { return parameters_.nominal().allFinite(); }
+
   /// Reads what a study refers to. Throws InputError.
   virtual SourceKeys keys() const = 0;
 
   /// theta (count, D) that comes with the rows of an experiment; none: it has to be proposed.
-  /// Throws InputError.
   virtual std::optional<RowMatrix> theta(std::uint64_t /*seed*/, Index /*count*/) const {
     return std::nullopt;
   }
 
-  /// Opens what simulates rows of theta, or has them already. Throws InputError.
+  /// Opens the simulator of rows. Throws InputError for settings, or a dataset, that can't be used.
   virtual std::unique_ptr<RowSimulator> open(const RowsConfig& config) const = 0;
 
   /// The simulated target domain, held-out rollouts last. Throws Error when its simulation fails.
-  virtual Target behave(const std::filesystem::path& log) const = 0;
+  Target behave(const std::filesystem::path& log) const;
 
  protected:
   const Study& study() const { return study_; }
 
+  /// Rollouts under the simulator's own behavior policy.
+  virtual Target behave_by_itself() const;
+  /// x_o at the truth, of a source that gives features.
+  virtual Target behave_in_features(const std::filesystem::path& log) const;
+
+  /// The parts of keys when `rows` is what every simulation depends on: adds segments, stored
+  /// states, and how a truth's rollouts begin.
+  SourceKeys keys_of_motion(const nlohmann::ordered_json& rows) const;
+  /// Hashes of simulator.files, by name.
+  std::map<std::string, std::string> hashes_of_files() const;
+
  private:
+  Target replay_truth(Target begun, const std::filesystem::path& log) const;
+
   Study study_;
   sim::SimulatorInfo info_;
   ParameterMap parameters_;
 };
 
-/// The source of a study that has been resolved. Throws InputError as its constructor.
 std::unique_ptr<Source> make_source(const Study& study);
 
 /// Completes a study whose source gives features by what its files say: names of the features, and

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "analysis/floor.h"
 #include "pipeline/artefacts/baseline_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -17,11 +19,30 @@ BaselinePoint measure(const Plan& plan, const Judge& judge, const std::string& n
           judge.measure_one(complete, {0, "external_baseline", 0, number, 0})};
 }
 
+// A search that costs as much as the simulations of one experiment, where the plan has a budget.
+analysis::FloorConfig floor_config(Index num_evaluations) {
+  analysis::FloorConfig config;
+  if (num_evaluations == 0) return config;
+  constexpr Index local_parts = 5;  // one for each of the two local searches
+  config.num_restarts = 1;
+  config.population = 64;
+  config.max_local_evaluations = std::max<Index>(1, num_evaluations / local_parts);
+  const Index global = num_evaluations - 2 * config.max_local_evaluations;
+  config.max_generations = std::max<Index>(1, global / config.population);
+  return config;
+}
+
+// Nominal values inside of the box; the middle of it where there are none.
+Vector search_start(const ParameterMap& parameters, const SearchBox& box) {
+  const Vector nominal = parameters.pick_one(parameters.nominal());
+  const Vector middle = 0.5 * (box.lower + box.upper);
+  return nominal.array().isFinite().select(nominal, middle).cwiseMax(box.lower).cwiseMin(box.upper);
+}
+
 BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge) {
   const ParameterMap& parameters = plan.source->parameters();
   const SearchBox box = search_box(plan.study.prior, plan.source->info());
-  const Vector start =
-      parameters.pick_one(parameters.nominal()).cwiseMax(box.lower).cwiseMin(box.upper);
+  const Vector start = search_start(parameters, box);
   Progress progress(node.label() + ", floor evaluations", 0);
   Index num_evaluations = 0;
   const auto objective = [&](const RowMatrix& theta) {
@@ -31,7 +52,8 @@ BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge)
     return judge.seen().rmse(theta);
   };
   const analysis::FloorResult floor =
-      analysis::find_floor(objective, box.lower, box.upper, start.transpose());
+      analysis::find_floor(objective, box.lower, box.upper, start.transpose(),
+                           floor_config(plan.num_floor_evaluations()));
   return measure(plan, judge, "floor", parameters.complete(floor.theta.transpose()).transpose(), 0);
 }
 
@@ -45,7 +67,7 @@ void run_baseline(const Plan& plan, const Node& node) {
     const Vector complete = plan.source->parameters().nominal(values);
     points.push_back(measure(plan, judge, name, complete, points.size()));
   };
-  if (plan.study.source().has_nominal) add("nominal", {});
+  if (plan.source->has_nominal()) add("nominal", {});
   for (const ReferenceConfig& reference : plan.study.references) {
     add(reference.name, reference.parameters);
   }

@@ -49,7 +49,7 @@ void run_evaluate(const Plan& plan, const Node& node) {
   evaluation.map_metrics = judge.measure_one(parameters.complete(map_row).transpose(),
                                              {use.seed, "external_map", round, 0, 0});
 
-  if (plan.study.source().has_nominal) evaluation.nominal_log_prob = log_prob_at({});
+  if (plan.source->has_nominal()) evaluation.nominal_log_prob = log_prob_at({});
   if (const auto& truth = plan.study.target.truth) evaluation.truth_log_prob = log_prob_at(*truth);
   for (const ReferenceConfig& reference : plan.study.references) {
     evaluation.reference_log_prob[reference.name] = log_prob_at(reference.parameters);

@@ -76,10 +76,9 @@ void simulate_shard(Simulation& simulation, const Shard& shard, Index done_befor
                         shard_identity(simulation.node.identity, shard.rows), scratch_folder());
   create_simulation_datasets(writer.file(), simulation.plan.study, simulation.target, count);
   simulation.simulator->log_to(log_of(shard.path));
-  const Index block = simulation.simulator->block_size(count);
-  for (Index at = 0; at < count; at += block) {
+  for (Index at = 0, rows = 0; at < count; at += rows) {
     stop_here_if_requested();
-    const Index rows = std::min(block, count - at);
+    rows = std::min(simulation.simulator->block_size(count), count - at);
     write_block(writer.file(), simulation, shard.rows.begin + at, at, rows);
     progress.update(done_before + at + rows);
   }

@@ -38,10 +38,10 @@ TEST(StudyProblems, ReportsAllOfThemInTheOrderOfTheFile) {
 }
 
 TEST(StudyProblems, NamesTheNearestKeyAndTheKnownOnes) {
-  EXPECT_TRUE(says(
-      problems_after("[simulator]", "[simulater]"),
-      {"s.toml: simulator.name is missing", join(sim::simulator_names()), "a command or a dataset",
-       "\ns.toml:8:2: unknown key 'simulater'", "'simulator'", "known: study"}));
+  EXPECT_TRUE(says(problems_after("[simulator]", "[simulater]"),
+                   {"s.toml: simulator.name is missing", join(sim::simulator_names()),
+                    "a command, worker, library, mjcf or dataset",
+                    "\ns.toml:8:2: unknown key 'simulater'", "'simulator'", "known: study"}));
   EXPECT_TRUE(says(problems_after(kMaf, "training.batchsize = 3"),
                    {"s.toml:17:10: method.training: unknown key 'batchsize'", "'batch_size'",
                     "known: learning_rate"}));

@@ -43,11 +43,16 @@ class ExternalSimulators : public ::testing::Test {
     study_.external.retries = 0;
   }
 
+  ExternalSimulator program(const std::filesystem::path& log) const {
+    const sim::SimulatorInfo info = simulator_info(study_);
+    return {study_.external, info, make_file_call(study_.external, info, nullptr, 2), log};
+  }
+
   // Rows a = 0, 1, ..., n - 1 after a simulation with rows that do `what`.
   sim::Trajectories run(Index n, const std::string& bad, const std::string& what, Index begin = 0) {
     std::filesystem::remove(folder_ / "calls");
     study_.external.command = "BAD='" + bad + "' WHAT=" + what + " sh sim.sh";
-    ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+    ExternalSimulator simulator = program(folder_ / "log");
     RowMatrix theta(n, 2);
     for (Index i = 0; i < n; ++i) theta.row(i) << static_cast<double>(begin + i), 0.5;
     return simulator.simulate(theta, {7, "test", 1, static_cast<std::uint64_t>(begin), 0});
@@ -129,7 +134,7 @@ TEST_F(ExternalSimulators, ValuesThatAreNotFiniteAreADivergedRowWithoutAnotherCa
 TEST_F(ExternalSimulators, ACallThatFailsOnceIsRepeated) {
   study_.external.retries = 1;
   study_.external.command = "test -e once || { touch once; exit 1; }; sh sim.sh";
-  ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  ExternalSimulator simulator = program(folder_ / "log");
   const RowMatrix theta = RowMatrix::Constant(5, 2, 1.0);
   const sim::Trajectories x = simulator.simulate(theta, {1, "test", 0, 0, 0});
   EXPECT_EQ(std::ranges::count(x.status, RolloutStatus::ok), 5);
@@ -140,7 +145,7 @@ TEST_F(ExternalSimulators, SmallerCallsHaveTheirShareOfTheTimeLimit) {
   study_.external.command = "sim";
   study_.external.time_limit = 100.0;
   study_.external.start_time = 2.0;
-  const ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  const ExternalSimulator simulator = program(folder_ / "log");
   EXPECT_DOUBLE_EQ(simulator.time_limit(1000, 1000), 100.0);
   EXPECT_DOUBLE_EQ(simulator.time_limit(250, 1000), 27.0);
   EXPECT_DOUBLE_EQ(simulator.time_limit(999, 1000), 100.0);
@@ -149,7 +154,7 @@ TEST_F(ExternalSimulators, SmallerCallsHaveTheirShareOfTheTimeLimit) {
 
 TEST_F(ExternalSimulators, AProgramThatIsNotThereIsAnErrorAtOnce) {
   study_.external.command = "nosuchprogram";
-  ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  ExternalSimulator simulator = program(folder_ / "log");
   const std::string message = message_of<Error>([&] {
     simulator.simulate(RowMatrix::Zero(100, 2), {1, "test", 0, 0, 0});
   });
@@ -162,7 +167,7 @@ TEST_F(ExternalSimulators, AProgramThatIsNotThereIsAnErrorAtOnce) {
 
 TEST_F(ExternalSimulators, AProgramThatAlwaysFailsIsAnErrorAfterSomeRows) {
   study_.external.command = "echo no license >&2; exit 5 #";
-  ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  ExternalSimulator simulator = program(folder_ / "log");
   const std::string message = message_of<Error>([&] {
     simulator.simulate(RowMatrix::Zero(1000, 2), {1, "test", 0, 0, 0});
   });
@@ -175,12 +180,34 @@ TEST_F(ExternalSimulators, AProgramThatAlwaysFailsIsAnErrorAfterSomeRows) {
 TEST_F(ExternalSimulators, TheLogHoldsWhatWasPrinted) {
   {
     study_.external.command = "echo hello; sh sim.sh {theta} {x}";
-    ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+    ExternalSimulator simulator = program(folder_ / "log");
     simulator.simulate(RowMatrix::Zero(3, 2), {1, "test", 0, 0, 0});
   }
   const std::string log = text_of(folder_ / "log");
   EXPECT_TRUE(log.starts_with("call 1, 3 rows from row 0: exit status 0 after")) << log;
   EXPECT_NE(log.find("\nhello\n"), std::string::npos) << log;
+}
+
+TEST_F(ExternalSimulators, ColumnsMustBeNamedWhereOnlyTheObservationNamesThem) {
+  study_.external.has_names_of_observation = true;
+  study_.external.command = "WHAT=none BAD= sh sim.sh";
+  ExternalSimulator nameless = program(folder_ / "log");
+  const std::string message = message_of<Error>([&] {
+    nameless.simulate(RowMatrix::Constant(10, 2, 1.0), {1, "test", 0, 0, 0});
+  });
+  EXPECT_NE(message.find("no names"), std::string::npos) << message;
+  EXPECT_NE(message.find("y, seed"), std::string::npos) << message;
+  EXPECT_NE(message.find("simulator.features"), std::string::npos) << message;
+}
+
+TEST_F(ExternalSimulators, TheFirstFailureIsTheOneThatIsTold) {
+  study_.external.command = "echo 1,2 > {x}; : {theta}";  // one row, however many are asked for
+  ExternalSimulator simulator = program(folder_ / "log");
+  const sim::Trajectories x =
+      simulator.simulate(RowMatrix::Constant(4, 2, 1.0), {1, "test", 0, 0, 0});
+  EXPECT_EQ(x.status, std::vector<RolloutStatus>(4, RolloutStatus::ok)) << "each row alone";
+  EXPECT_NE(simulator.last_failure().find("has 1 rows, must have 4"), std::string::npos)
+      << simulator.last_failure();
 }
 
 TEST_F(ExternalSimulators, Hdf5IsReadAndWritten) {
@@ -193,7 +220,7 @@ TEST_F(ExternalSimulators, Hdf5IsReadAndWritten) {
   }
   study_.external.format = FileFormat::hdf5;
   study_.external.command = "cp {theta} theta.h5; cp made.h5 {x}";
-  ExternalSimulator simulator(study_.external, simulator_info(study_), folder_ / "log");
+  ExternalSimulator simulator = program(folder_ / "log");
   const RowMatrix theta = (RowMatrix(2, 2) << 0.1, 0.5, 0.2, 0.5).finished();
   const sim::Trajectories x = simulator.simulate(theta, {1, "test", 0, 0, 0});
   EXPECT_EQ(x.values, (std::vector<float>{2, 1, 4, 3}));

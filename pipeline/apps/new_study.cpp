@@ -1,0 +1,245 @@
+#include "pipeline/apps/new_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/error.h"
+#include "core/feature_names.h"
+#include "core/text.h"
+#include "pipeline/artefacts/channels.h"
+#include "pipeline/artefacts/recording.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/simulator_info.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// States of a rollout that are enough to tell parameters apart, and what is made of them.
+constexpr Index kStatesLeft = 50;
+constexpr Index kMostComponents = 40;
+// More parameters than these are listed, but left out of the prior.
+constexpr std::size_t kMostUnknown = 8;
+
+std::string toml_list(const std::vector<Channel>& channels) {
+  std::vector<std::string> names;
+  for (const Channel& channel : channels) {
+    names.push_back(fmt::format("\"{} [{}]\"", channel.label, channel.unit));
+  }
+  return "[" + join(names) + "]";
+}
+
+// Sections of the text, one after the other.
+class Writer {
+ public:
+  explicit Writer(const NewStudy& wanted) : wanted_(wanted) {
+    if (!wanted.recording.empty()) recording_ = read_recording(wanted.recording);
+    find_simulator();
+  }
+
+  std::string text() {
+    add_head();
+    add_target();
+    add_simulator();
+    add_prior();
+    add_method();
+    return text_;
+  }
+
+ private:
+  // A program says nothing of itself.
+  bool is_program() const { return !wanted_.command.empty() || !wanted_.worker.empty(); }
+  bool gives_motion() const { return wanted_.command.empty() || recording_; }
+
+  void find_simulator() {
+    Study study;
+    study.simulator.name = wanted_.simulator;
+    if (!wanted_.library.empty()) study.external.library = wanted_.library;
+    if (!wanted_.mjcf.empty()) study.external.mjcf = wanted_.mjcf;
+    study.external.folder = ".";
+    if (!is_program()) {
+      if (!wanted_.simulator.empty()) require_built_in(wanted_.simulator);
+      info_ = simulator_info(study);
+    }
+    if (recording_ && !is_program()) read_recording(wanted_.recording, channels_of(info_));
+    if (recording_ && is_program()) {
+      info_.state_channels = recording_->state_channels;
+      info_.action_channels = recording_->action_channels;
+    }
+  }
+
+  static void require_built_in(const std::string& name) {
+    const std::vector<std::string> known = sim::simulator_names();
+    if (std::ranges::count(known, name) == 0) {
+      throw InputError(unknown_name("simulator", name, known));
+    }
+  }
+
+  void add_head() {
+    text_ += fmt::format(
+        "# Check it with `npdr validate {0}.toml`, run it with `npdr run {0}.toml`. Lines with "
+        "EDIT\n"
+        "# need you; docs/study-files.md explains every key.\n\n[study]\nname = \"{0}\"\n\n",
+        wanted_.name);
+  }
+
+  void add_target() {
+    text_ += "[target]\n";
+    if (recording_) {
+      text_ += fmt::format("recording = {}\n", quoted_toml(wanted_.recording));
+      const Index count = recording_->num_rollouts();
+      if (count >= 3) {
+        text_ += fmt::format("num_rollouts = {}  # that inference sees\nheld_out = 1\n", count - 1);
+      }
+    } else if (is_program()) {
+      text_ += "truth = { a = 1.0 }  # EDIT: parameters of a simulated target, or a recording\n";
+    } else {
+      text_ += "truth = {}  # the nominal parameters; recording = \"FILE.h5\" takes its place\n";
+    }
+    text_ += "\n";
+  }
+
+  void add_simulator() {
+    text_ += "[simulator]\n";
+    add_setting("name", wanted_.simulator);
+    add_setting("command", wanted_.command);
+    add_setting("worker", wanted_.worker);
+    add_setting("library", wanted_.library);
+    add_setting("mjcf", wanted_.mjcf);
+    const bool is_own = wanted_.simulator.empty();
+    if (is_program() && gives_motion()) {
+      const char* const mark = recording_ ? "" : "  # EDIT";
+      const auto states = recording_ ? info_.state_channels : std::vector<Channel>{{"q", "rad"}};
+      text_ += fmt::format("states = {}{}\nactions = {}{}\n", toml_list(states), mark,
+                           toml_list(info_.action_channels), mark);
+    } else if (is_program()) {
+      text_ += "features = [\"x0\", \"x1\"]  # EDIT: what the command writes\n";
+    }
+    if (is_own && gives_motion() && !recording_) {
+      const std::vector<std::string> zeros(std::max<std::size_t>(1, info_.state_channels.size()),
+                                           "0.1");
+      text_ += fmt::format(
+          "dt = 0.02  # EDIT: [s]\nnum_steps = 250\ninitial_states = [[{}]]  # EDIT: a list for "
+          "each "
+          "rollout\n",
+          join(zeros));
+    }
+    if (gives_motion() && recording_) {
+      text_ +=
+          "# Restart from the recorded state after so many steps where errors grow with time:\n"
+          "# segment_length = 50\n";
+    }
+    if (is_program()) add_described_parameter();
+    text_ += "\n";
+  }
+
+  void add_described_parameter() {
+    text_ +=
+        "\n# EDIT: one for each domain parameter that the program knows\n"
+        "[[simulator.parameter]]\nname = \"a\"\nunit = \"1\"\nnominal = 1.0\n";
+  }
+
+  void add_setting(const char* key, const std::string& value) {
+    if (!value.empty()) text_ += fmt::format("{} = {}\n", key, quoted_toml(value));
+  }
+
+  static std::string quoted_toml(const std::string& text) {
+    std::string all = "\"";
+    for (const char c : text) {
+      if (c == '"' || c == '\\') all += '\\';
+      all += c;
+    }
+    return all + "\"";
+  }
+
+  // Half to one and a half of the nominal value, inside of the limits; what is nothing at nominal
+  // says nothing of its size.
+  static std::string marginal(const sim::Parameter& p) {
+    double low = p.nominal - 0.5 * std::abs(p.nominal),
+           high = p.nominal + 0.5 * std::abs(p.nominal);
+    if (p.nominal == 0.0) high = std::min(p.upper, 1.0);
+    low = std::clamp(low, p.lower, p.upper);
+    high = std::clamp(high, p.lower, p.upper);
+    return fmt::format("{{ uniform = [{}, {}] }}", number(low), number(high));
+  }
+
+  // A float of TOML.
+  static std::string number(double value) {
+    const std::string text = fmt::format("{:.6g}", value);
+    return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+  }
+
+  void add_prior() {
+    text_ +=
+        "# What to infer, in the parameters' units; the rest stay nominal. EDIT: as wide as what "
+        "you\n"
+        "# don't know.\n[prior]\n";
+    if (is_program()) {
+      text_ += "a = { uniform = [0.5, 1.5] }\n\n";
+      return;
+    }
+    for (std::size_t i = 0; i < info_.parameters.size(); ++i) {
+      const sim::Parameter& p = info_.parameters[i];
+      const bool is_left_out = i >= kMostUnknown || p.nominal == 0.0;
+      text_ += fmt::format("{}{} = {}  # [{}] {}\n", is_left_out ? "# " : "", p.name, marginal(p),
+                           p.unit, p.description);
+    }
+    text_ += "\n";
+  }
+
+  void add_method() {
+    text_ +=
+        "# Noise on what is simulated, as a share of each channel's largest value: what a "
+        "recording has\n"
+        "# and no simulation does.\n[observation_noise]\nscale = 0.02\n\n"
+        "[[method]]\nname = \"NPE\"\nnum_rounds = 3\nnum_simulations = 1000\n";
+    if (!gives_motion()) return;
+    const Index steps =
+        recording_ ? recording_->num_steps() : std::max<Index>(info_.num_steps, Index{250});
+    const Index downsample = std::max<Index>(1, steps / kStatesLeft);
+    const Index channels = std::max<Index>(1, std::ssize(info_.state_channels));
+    const Index components = std::min(kMostComponents, steps / downsample * channels / 2);
+    text_ += fmt::format(
+        "embedding = {{ kind = \"all_steps\", downsample = {}, principal_components = {} }}\n",
+        downsample, std::max<Index>(1, components));
+  }
+
+  NewStudy wanted_;
+  std::optional<Target> recording_;
+  sim::SimulatorInfo info_;
+  std::string text_;
+};
+
+}  // namespace
+
+bool NewStudy::is_specific() const {
+  return std::ranges::any_of(
+      std::vector<std::string>{simulator, command, worker, library, mjcf, recording},
+      [](const std::string& text) { return !text.empty(); });
+}
+
+std::string new_study_text(const NewStudy& wanted) {
+  const Constraint<std::string> allowed = folder_name();
+  if (!satisfies(wanted.name, allowed)) {
+    throw InputError(must_be("study.name", quoted(wanted.name), allowed.words));
+  }
+  std::vector<std::string> found;
+  const auto note = [&](const char* option, const std::string& value) {
+    if (!value.empty()) found.emplace_back(option);
+  };
+  note("--simulator", wanted.simulator);
+  note("--command", wanted.command);
+  note("--worker", wanted.worker);
+  note("--library", wanted.library);
+  note("--mjcf", wanted.mjcf);
+  if (found.size() != 1) {
+    throw InputError(found.empty() ? "--recording needs one of --simulator, --worker, --library, "
+                                     "--mjcf and --command beside it"
+                                   : join(found, " and ") + " can't go together; give one of them");
+  }
+  return Writer(wanted).text();
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,56 @@
+#include "pipeline/config/library_config.h"
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <system_error>
+
+#include "core/error.h"
+#include "pipeline/process/child_process.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Beside the executables, or where an environment variable says.
+fs::path mujoco_library() {
+  const char* const given = std::getenv("NPDR_MUJOCO_LIBRARY");
+  const fs::path file = given != nullptr
+                            ? fs::path(given)
+                            : executable_folder().parent_path() / "lib" / "npdr_mujoco.so";
+  std::error_code unreadable;
+  if (!fs::exists(file, unreadable)) {
+    throw InputError("simulator.mjcf needs MuJoCo, which npdr was built without: " + file.string() +
+                     " isn't there; 'pip install mujoco', then build npdr again with "
+                     "'scripts/build' (docs/external-simulators.md)");
+  }
+  return file;
+}
+
+// What the study asks of the model, in an order that doesn't depend on the prior's; without a
+// prior, all that the model has.
+nlohmann::ordered_json mujoco_settings(const Study& study) {
+  std::set<std::string> parameters;
+  for (const inference::Marginal& marginal : study.prior) parameters.insert(marginal.name);
+  for (const auto& [name, value] : study.simulator.parameters) parameters.insert(name);
+  if (study.target.truth) {
+    for (const auto& [name, value] : *study.target.truth) parameters.insert(name);
+  }
+  return {{"model", fs::absolute(*study.external.mjcf).string()},
+          {"parameters",
+           parameters.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(parameters)},
+          {"states", study.external.states},
+          {"actions", study.external.actions}};
+}
+
+}  // namespace
+
+sim::LibraryConfig library_config(const Study& study) {
+  if (study.external.mjcf) {
+    return {mujoco_library(), mujoco_settings(study).dump(), study.external.folder};
+  }
+  return {*study.external.library, study.external.settings.json, study.external.folder};
+}
+
+}  // namespace npdr::pipeline

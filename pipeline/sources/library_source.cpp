@@ -1,0 +1,57 @@
+#include "pipeline/sources/library_source.h"
+
+#include "pipeline/config/library_config.h"
+#include "pipeline/sources/external_simulator.h"
+#include "pipeline/store/hash.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class LibraryRows final : public RowSimulator {
+ public:
+  LibraryRows(std::shared_ptr<const sim::LibrarySimulator> simulator, const RowsConfig& config)
+      : simulator_(std::move(simulator)),
+        segments_(sim::cut(config.target, config.simulator.segment_length)),
+        store_every_(config.simulator.store_every) {}
+
+  sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) override {
+    std::vector<std::uint32_t> seeds;
+    for (Index i = 0; i < complete.rows(); ++i) seeds.push_back(row_seed(first, i));
+    return simulator_->replay(segments_, store_every_, complete, seeds);
+  }
+
+  // Bounds memory.
+  Index block_size(Index) const override { return 256; }
+
+ private:
+  std::shared_ptr<const sim::LibrarySimulator> simulator_;
+  sim::Segments segments_;
+  Index store_every_;
+};
+
+}  // namespace
+
+LibrarySource::LibrarySource(Study study)
+    : Source(std::move(study)),
+      simulator_(std::make_shared<sim::LibrarySimulator>(library_config(this->study()))) {}
+
+SourceKeys LibrarySource::keys() const {
+  const ExternalConfig& external = study().external;
+  nlohmann::ordered_json json;
+  if (external.library) {
+    json["library"] = file_hash(*external.library);
+    json["settings"] = nlohmann::ordered_json::parse(external.settings.json);
+  } else {
+    json["mjcf"] = {{"states", external.states}, {"actions", external.actions}};
+  }
+  json["fingerprint"] = simulator_->fingerprint();
+  if (!external.files.empty()) json["further_files"] = hashes_of_files();
+  json["parameters"] = study().simulator.parameters;
+  return keys_of_motion(json);
+}
+
+std::unique_ptr<RowSimulator> LibrarySource::open(const RowsConfig& config) const {
+  return std::make_unique<LibraryRows>(simulator_, config);
+}
+
+}  // namespace npdr::pipeline

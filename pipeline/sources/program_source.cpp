@@ -1,0 +1,169 @@
+#include "pipeline/sources/program_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "pipeline/artefacts/feature_file.h"
+#include "pipeline/sources/command_text.h"
+#include "pipeline/sources/external_simulator.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Rows that a worker is asked for at once, a thread: few at first, then as many as take about as
+// long as people like to wait for progress, and as fit into memory when they cross the pipes.
+constexpr Index kFirstRows = 16;
+constexpr Index kMostRows = 4096;
+constexpr double kSecondsPerRequest = 0.3;
+constexpr Index kMostNumbers = 1 << 23;
+
+// Blocks of a shard's rows one after the other, each shared out among calls at the same time.
+class ProgramRowSimulator final : public RowSimulator {
+ public:
+  ProgramRowSimulator(const Study& study, const sim::SimulatorInfo& info, const RowsConfig& config)
+      : stays_(study.source().kind == SourceKind::worker),
+        rows_per_block_(study.simulate.shard_size) {
+    const ExternalConfig& external = study.external;
+    const Index threads = num_threads(), wanted = external.parallel_calls;
+    const Index calls = wanted == 0 ? threads : std::min(wanted, threads);
+    ProgramInputs inputs;
+    const bool gives_motion = study.source().gives_motion;
+    if (gives_motion) {
+      inputs = {sim::cut(config.target, config.simulator.segment_length),
+                config.simulator.store_every};
+    }
+    const auto share = static_cast<int>(threads / calls);
+    for (Index c = 0; c < calls; ++c) {
+      auto program = stays_
+                         ? make_worker_call(external, info, inputs, share)
+                         : make_file_call(external, info, gives_motion ? &inputs : nullptr, share);
+      simulators_.push_back(std::make_unique<ExternalSimulator>(external, info, std::move(program),
+                                                                std::filesystem::path()));
+    }
+    log_to(config.log);
+  }
+
+  void log_to(const std::filesystem::path& log) override {
+    for (Index c = 0; c < std::ssize(simulators_); ++c) {
+      simulators_[static_cast<std::size_t>(c)]->log_to(log_of_call(log, c));
+    }
+  }
+
+  // One call for all of a shard where starting it may cost more than its work.
+  Index block_size(Index num_rows) const override {
+    return stays_ ? rows_per_request_ * std::ssize(simulators_) : num_rows;
+  }
+
+  sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) override {
+    const auto start = Clock::now();
+    sim::Trajectories all;
+    for (Index begin = 0; begin < complete.rows(); begin += rows_per_block_) {
+      const Index count = std::min(rows_per_block_, complete.rows() - begin);
+      for (const sim::Trajectories& part : simulate_block(complete, begin, count, first)) {
+        append(part, all);
+      }
+    }
+    adapt(all, std::chrono::duration<double>(Clock::now() - start).count());
+    return all;
+  }
+
+  std::string last_failure() const override {
+    for (const auto& simulator : simulators_) {
+      if (!simulator->last_failure().empty()) return simulator->last_failure();
+    }
+    return "";
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // No result depends on it.
+  void adapt(const sim::Trajectories& last, double seconds) {
+    if (last.num_rows < block_size(0) || seconds >= 0.5 * kSecondsPerRequest) return;
+    const Index fitting = std::max<Index>(1, kMostNumbers / std::max<Index>(1, last.row_size()));
+    rows_per_request_ =
+        std::max(rows_per_request_, std::min({2 * rows_per_request_, kMostRows, fitting}));
+  }
+
+  static std::filesystem::path log_of_call(std::filesystem::path log, Index call) {
+    if (call > 0 && !log.empty()) {
+      log.replace_filename(fmt::format("{}-{}.log", log.stem().string(), call + 1));
+    }
+    return log;
+  }
+
+  std::vector<sim::Trajectories> simulate_block(const RowMatrix& complete, Index begin, Index count,
+                                                const StreamId& first) const {
+    const Index calls = std::min(static_cast<Index>(simulators_.size()), count);
+    // A file's call is for a whole block; a worker is asked for a part of it.
+    const Index limited = stays_ ? rows_per_block_ : 0;
+    std::vector<sim::Trajectories> parts(static_cast<std::size_t>(calls));
+    parallel_for(calls, [&](Index c) {
+      const Index from = begin + c * count / calls, to = begin + (c + 1) * count / calls;
+      StreamId id = first;
+      id.row += static_cast<std::uint64_t>(from);
+      const auto i = static_cast<std::size_t>(c);
+      parts[i] = simulators_[i]->simulate(complete.middleRows(from, to - from), id, limited);
+    });
+    return parts;
+  }
+
+  static void append(const sim::Trajectories& part, sim::Trajectories& all) {
+    if (all.num_rows == 0) {
+      all = part;
+      return;
+    }
+    all.num_rows += part.num_rows;
+    all.values.insert(all.values.end(), part.values.begin(), part.values.end());
+    all.status.insert(all.status.end(), part.status.begin(), part.status.end());
+  }
+
+  bool stays_;
+  Index rows_per_block_;
+  Index rows_per_request_ = kFirstRows;
+  std::vector<std::unique_ptr<ExternalSimulator>> simulators_;
+};
+
+}  // namespace
+
+SourceKeys ProgramSource::keys() const {
+  const ExternalConfig& external = study().external;
+  nlohmann::ordered_json json;
+  json["files"] =
+      named_files(external.worker ? *external.worker : *external.command, external.folder);
+  if (!external.files.empty()) json["further_files"] = hashes_of_files();
+  if (!traits().gives_motion) json["features"] = external.features;
+  external.worker ? json["worker"] = *external.worker : json["command"] = *external.command;
+  if (!external.worker) json["format"] = name_of(external.format);
+  json["time_limit"] = external.time_limit;
+  json["start_time"] = external.start_time;
+  json["retries"] = external.retries;
+  json["parameters"] = study().simulator.parameters;
+  return traits().gives_motion ? keys_of_motion(json)
+                               : SourceKeys{json, json, json, nlohmann::ordered_json::object()};
+}
+
+std::unique_ptr<RowSimulator> ProgramSource::open(const RowsConfig& config) const {
+  return std::make_unique<ProgramRowSimulator>(study(), info(), config);
+}
+
+Target ProgramSource::behave_in_features(const std::filesystem::path& log) const {
+  const TargetConfig& target = study().target;
+  const auto rows = open({.log = log});
+  const sim::Trajectories x = rows->simulate(parameters().nominal(*target.truth).transpose(),
+                                             {target.seed, kTruthStream, 0, 0, 0});
+  if (x.status.front() == sim::RolloutStatus::ok) {
+    return observation_target(info().state_channels,
+                              x.rollout(0, 0).row(0).cast<double>().transpose(),
+                              "simulated at the truth");
+  }
+  throw Error(fmt::format("target.truth: simulator.command = '{}' gives no x_o there ({}): {}",
+                          *study().external.command, sim::to_string(x.status.front()),
+                          rows->last_failure()));
+}
+
+}  // namespace npdr::pipeline

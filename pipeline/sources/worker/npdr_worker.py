@@ -1,0 +1,162 @@
+"""Makes a Python function a simulator of npdr.
+
+    import npdr_worker
+
+    def simulate(theta, first_state, actions, dt, rng):
+        states = ...            # (steps, number of state channels)
+        return states
+
+    npdr_worker.serve(simulate)
+
+npdr starts the program once per thread and keeps it. theta["mass"] is a domain parameter; the
+state that is returned for step t is the one after actions[t] was held for dt seconds, so that
+first_state isn't among them. rng is numpy's random generator with the row's own seed. An exception
+fails the row that it comes from, and no other; so do states that aren't finite. What the program
+prints is kept in the logs beside the simulations.
+
+A function that simulates all rows at once, in numpy or on a GPU, is faster:
+
+    def simulate(theta, first_state, actions, dt, seeds):
+        mass = theta["mass"]    # (rows,)
+        return states           # (rows, steps, number of state channels)
+
+    npdr_worker.serve(simulate, batch=True)
+
+A result must depend on nothing but these arguments. The protocol is in docs/worker-protocol.md.
+"""
+
+import json
+import os
+import sys
+import traceback
+
+import numpy as np
+
+PROTOCOL = 1
+OK, CRASHED = 0, 4
+
+# Replies go where standard output went; what is printed from now on goes to standard error.
+_replies = os.fdopen(os.dup(1), "wb")
+_requests = os.fdopen(os.dup(0), "rb")
+os.dup2(2, 1)
+os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+
+
+def serve(simulate, batch=False):
+    """Answers npdr's requests until there are no more."""
+    if sys.stdin is None or _requests.isatty():
+        sys.exit("npdr_worker: started by hand; a study names this program: "
+                 'simulator.worker = "python3 %s"' % os.path.basename(sys.argv[0]))
+    while True:
+        line = _requests.readline()
+        if not line:
+            return
+        header = json.loads(line)
+        if header["npdr_worker"] != PROTOCOL:
+            sys.exit("npdr_worker: protocol %s, must be %d: use the npdr_worker.py of this npdr"
+                     % (header["npdr_worker"], PROTOCOL))
+        if header["request"] == "hello":
+            _write({"reply": "hello"})
+            continue
+        arrays = {a["name"]: _read_array(a) for a in header["arrays"]}
+        try:
+            _reply(header, *_replay(simulate, batch, header, arrays))
+        except Exception:  # of the whole request; rows have theirs caught one by one
+            traceback.print_exc()
+            _write({"reply": "error", "message": _last_line()})
+
+
+def _read_array(description):
+    array = np.empty(description["shape"], description["type"])
+    view, done = memoryview(array).cast("B") if array.size else b"", 0
+    while done < len(view):
+        count = _requests.readinto(view[done:])
+        if not count:
+            sys.exit("npdr_worker: the request ends too early")
+        done += count
+    return array
+
+
+def _write(header, *arrays):
+    _replies.write(json.dumps({"npdr_worker": PROTOCOL, **header}).encode() + b"\n")
+    for array in arrays:
+        _replies.write(memoryview(np.ascontiguousarray(array)).cast("B"))
+    _replies.flush()
+
+
+def _last_line():
+    kind, error = sys.exc_info()[:2]
+    return "%s: %s" % (kind.__name__, error)
+
+
+def _reply(header, states, status, message):
+    shape = {"shape": list(states.shape)}
+    if message:
+        shape["message"] = message
+    _write({"reply": "states", **shape}, states, status)
+
+
+def _replay(simulate, batch, header, arrays):
+    rows, steps = len(arrays["theta"]), int(arrays["steps"].sum())
+    states = np.empty((rows, steps, len(header["states"])))
+    status = np.full(rows, OK, np.uint8)
+    message = ""
+    for segment in _segments(arrays):
+        if batch:
+            columns = dict(zip(header["parameters"], arrays["theta"].T.copy()))
+            shape = (rows, len(segment.actions), len(header["states"]))
+            part = _checked(simulate(columns, segment.first_state, segment.actions, header["dt"],
+                                     arrays["seeds"]), shape)
+            if shape[1] == steps:
+                return part, status, message
+            states[:, segment.slice] = part
+            continue
+        for row in np.flatnonzero(status == OK):
+            theta = dict(zip(header["parameters"], arrays["theta"][row].tolist()))
+            rng = _LazyGenerator(int(arrays["seeds"][row]), segment.number)
+            try:
+                result = simulate(theta, segment.first_state.copy(), segment.actions.copy(),
+                                  header["dt"], rng)
+                states[row, segment.slice] = _checked(result, states[row, segment.slice].shape)
+            except Exception:
+                if not message:
+                    traceback.print_exc()
+                    message = _last_line()
+                status[row] = CRASHED
+                states[row] = np.nan
+    return states, status, message
+
+
+class _Segment:
+    def __init__(self, number, begin, end, arrays):
+        self.number, self.slice = number, slice(begin, end)
+        self.first_state = arrays["first_states"][number]
+        self.actions = arrays["actions"][begin:end]
+
+
+def _segments(arrays):
+    ends = np.cumsum(arrays["steps"]).tolist()
+    return [_Segment(s, begin, end, arrays)
+            for s, (begin, end) in enumerate(zip([0] + ends, ends))]
+
+
+def _checked(result, shape):
+    result = np.asarray(result, dtype=float)
+    if result.shape != shape:
+        raise ValueError("simulate() returned an array of shape %s, must be %s: %s"
+                         % (result.shape, shape,
+                            "(rows, steps, states)" if len(shape) == 3 else "(steps, states)"))
+    return result
+
+
+class _LazyGenerator:
+    """numpy's generator of a row and segment, made when it is first used: that takes as long as a
+    short simulation."""
+
+    def __init__(self, *seed):
+        self._seed, self._generator = seed, None
+
+    def __getattr__(self, name):
+        if self._generator is None:
+            self._generator = np.random.Generator(np.random.Philox(list(self._seed)))
+        return getattr(self._generator, name)
