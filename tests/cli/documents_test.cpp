@@ -34,6 +34,14 @@ const std::map<std::string, std::string> kNotRun = {
     {"seq ", "GNU parallel is a package of its own"},
     {"h5ls", "a program of HDF5, which nothing else here needs"},
     {"h5dump", "a program of HDF5, which nothing else here needs"},
+    {"npdr new mine --recording", "wants a recording; own_simulators_test writes such studies"},
+    {"cd experiments/external/spring", "writes there; own_simulators_test compiles a copy"},
+    {"cd ../../..", "goes back"},
+    {"cc ", "the same"},
+    {"npdr run experiments/external/spring/library.toml", "wants that library"},
+    {"npdr import rollout-", "wants MuJoCo; own_simulators_test does it where it is installed"},
+    {"npdr run experiments/external/cartpole", "the same"},
+    {"npdr run experiments/external/furuta", "the same"},
 };
 
 // Words added to runs of studies that really run, besides the --dry-run that all get.

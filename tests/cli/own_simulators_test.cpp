@@ -1,0 +1,305 @@
+/// Simulators of the user's that give rollouts: the examples of experiments/external, and mistakes.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "pipeline/store/h5.h"
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kExamples = fs::path(NPDR_SOURCE_DIR) / "experiments" / "external";
+
+// A Python that has a package; "": none has.
+std::string python_with(const std::string& package) {
+  for (const char* name : {"python3", "/usr/bin/python3"}) {
+    const std::string command = std::string(name) + " -c 'import " + package + "' 2>/dev/null";
+    if (std::system(command.c_str()) == 0) return name;
+  }
+  return "";
+}
+
+class OwnSimulators : public ::testing::Test {
+ protected:
+  Outcome npdr(std::vector<std::string> words) const {
+    words.insert(words.begin(), "npdr");
+    return run(folder_.path(), words);
+  }
+  Outcome shell(const std::string& command) const {
+    return run(folder_.path(), {"/bin/sh", "-c", command});
+  }
+  void copy_example(const std::string& name) const {
+    fs::copy(kExamples / name, folder_.path(), fs::copy_options::recursive);
+  }
+  fs::path runs(const std::string& study) const { return folder_ / "runs" / study; }
+
+  // The last evaluation's samples.
+  RowMatrix samples(const std::string& study, Index round) const {
+    const fs::path path = runs(study) / "npe/seed-1" / ("round-" + std::to_string(round));
+    return h5::File::open(path / "evaluate.h5").read_matrix<double>("theta");
+  }
+
+  // The words of a small run of an example.
+  static std::vector<std::string> small(const std::string& file) {
+    return {"run",   file,
+            "--set", "method.num_simulations=400",
+            "--set", "method.num_rounds=1",
+            "--set", "method.training.max_epochs=60",
+            "--set", "evaluate.num_samples=200"};
+  }
+
+  TempFolder folder_;
+};
+
+// Whether a shard is complete in a folder of simulations.
+bool has_shard(const fs::path& simulations) {
+  std::error_code error;
+  for (const auto& entry : fs::recursive_directory_iterator(simulations, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("rows-") && name.ends_with(".h5")) return true;
+  }
+  return false;
+}
+
+// The compiler line of the example's head, with the folder of the header of this build.
+void compile_spring(const fs::path& folder) {
+  const std::string command = "cd '" + folder.string() +
+                              "' && cc -O2 -shared -fPIC -I'" NPDR_BINARY_DIR
+                              "/include' spring.c -o spring.so -lm";
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+}
+
+TEST_F(OwnSimulators, ALibraryFindsTheTruth) {
+  copy_example("spring");
+  compile_spring(folder_.path());
+  const Outcome listed = npdr({"list", "simulators", "library.toml"});
+  EXPECT_NE(listed.out.find("stiffness"), std::string::npos) << listed.err;
+  EXPECT_NE(listed.out.find("N s/m"), std::string::npos);
+  const Outcome outcome = npdr(small("library.toml"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* part : {"RMSE", "DTW dist.", "nominal", "truth"}) {
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << outcome.out;
+  }
+  EXPECT_TRUE(fs::exists(runs("spring-library") / "figures"));
+  // The deviation of the posterior is around 1 N/m: five of them are more than any seed misses.
+  const RowMatrix theta = samples("spring-library", 1);
+  EXPECT_NEAR(theta.col(0).mean(), 24.0, 5.0);
+
+  const fs::path simulated = runs("spring-library") / "npe/seed-1/round-1/simulate.h5";
+  const Outcome verified = npdr({"verify", simulated.string()});
+  EXPECT_EQ(verified.status, 0) << verified.err;
+  const Outcome again =
+      npdr({"run", "library.toml", "--dry-run", "--set", "method.num_simulations=400", "--set",
+            "method.num_rounds=1", "--set", "method.training.max_epochs=60", "--set",
+            "evaluate.num_samples=200"});
+  EXPECT_EQ(again.out.find("missing"), std::string::npos) << again.out;
+}
+
+TEST_F(OwnSimulators, AWorkerGivesWhatTheLibraryGives) {
+  const std::string python = python_with("numpy");
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+  copy_example("spring");
+  compile_spring(folder_.path());
+  const std::string worker = "simulator.worker='" + python + " spring.py'";
+  for (const std::string study : {"worker", "library"}) {
+    std::vector<std::string> words = {"run",      study + ".toml", "--until",
+                                      "simulate", "--set",         "method.num_simulations=100"};
+    if (study == "worker") words.insert(words.end(), {"--set", worker});
+    const Outcome outcome = npdr(words);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+  const auto states = [&](const std::string& study) {
+    return h5::File::open(runs(study) / "npe/seed-1/round-1/simulate.h5")
+        .dataset("trajectories")
+        .read<float>();
+  };
+  const auto mine = states("spring-worker"), theirs = states("spring-library");
+  ASSERT_EQ(mine.size(), theirs.size());
+  // C may contract products and sums, numpy doesn't.
+  for (std::size_t i = 0; i < mine.size(); ++i) ASSERT_NEAR(mine[i], theirs[i], 1e-4) << i;
+}
+
+// Bits of a worker's simulations don't depend on threads or shards, and survive being killed.
+TEST_F(OwnSimulators, AWorkersBitsDependOnNothingButTheStudy) {
+  const std::string python = python_with("numpy");
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+  copy_example("spring");
+  folder_.file("noisy.py", R"py(
+import npdr_worker
+def simulate(theta, first_state, actions, dt, rng):
+    return [[theta["stiffness"] + rng.normal(), rng.normal()] for _ in actions]
+npdr_worker.serve(simulate)
+)py");
+  const auto bits = [&](const std::string& work, const std::string& threads, Index shard_size) {
+    const Outcome outcome = shell(fmt::format(
+        "OMP_NUM_THREADS={} '{}/bin/npdr' run worker.toml --work {} --until simulate --set "
+        "method.num_simulations=70 --set method.num_rounds=1 --set target.num_rollouts=2 --set "
+        "\"simulator.worker='{} noisy.py'\" --set simulate.shard_size={}",
+        threads, NPDR_BINARY_DIR, work, python, shard_size));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return h5::File::open(folder_ / work / "spring-worker/npe/seed-1/round-1/simulate.h5")
+        .dataset("trajectories")
+        .read<float>();
+  };
+  const auto one = bits("one", "1", 1000);
+  EXPECT_EQ(one, bits("two", "2", 1000));
+  EXPECT_EQ(one, bits("shards", "2", 7));
+
+  Program killed(folder_.path(),
+                 {"npdr", "run", "worker.toml", "--work", "killed", "--until", "simulate", "--set",
+                  "method.num_simulations=70", "--set", "method.num_rounds=1", "--set",
+                  "target.num_rollouts=2", "--set", "simulator.worker='" + python + " noisy.py'",
+                  "--set", "simulate.shard_size=7"});
+  EXPECT_TRUE(comes_true([&] { return has_shard(folder_ / "killed/.cache/simulate"); }));
+  killed.send(SIGKILL);
+  killed.wait();
+  EXPECT_EQ(one, bits("killed", "2", 7));
+}
+
+TEST_F(OwnSimulators, EditedFilesThatTheStudyNamesRerun) {
+  const std::string python = python_with("numpy");
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+  copy_example("spring");
+  folder_.file("constants.py", "SLOPE = 1.0\n");
+  folder_.file("sim.py", R"py(
+import npdr_worker
+from constants import SLOPE
+def simulate(theta, first_state, actions, dt, rng):
+    return [[SLOPE * theta["stiffness"], 0.0] for _ in actions]
+npdr_worker.serve(simulate)
+)py");
+  const auto simulated = [&] {
+    const Outcome outcome = npdr(
+        {"run", "worker.toml", "--until", "simulate", "--set", "method.num_simulations=70", "--set",
+         "simulator.files=['constants.py']", "--set", "simulator.worker='" + python + " sim.py'"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return fs::canonical(runs("spring-worker") / "npe/seed-1/round-1/simulate.h5");
+  };
+  const fs::path before = simulated();
+  EXPECT_EQ(simulated(), before);
+  folder_.file("constants.py", "SLOPE = 2.0\n");
+  EXPECT_NE(simulated(), before);
+}
+
+// A command that writes states: x = stiffness + t in each row.
+TEST_F(OwnSimulators, ACommandGivesRollouts) {
+  copy_example("spring");
+  folder_.file("sim.sh", R"sh(
+[ "$NPDR_DT" = 0.02 ] || exit 1
+steps=$(awk -F, 'NR > 1 { n += $1 } END { print n }' "$NPDR_SEGMENTS")
+[ "$(wc -l < "$NPDR_ACTIONS")" = $((steps + 1)) ] || exit 1
+awk -F, -v steps=$steps 'NR == 1 { for (i = 1; i <= NF; ++i) c[$i] = i; next }
+  { for (t = 1; t <= steps; ++t) printf "%.17g,%.17g\n", $c["stiffness"] + t, 0 }' "$1" > "$2"
+)sh");
+  std::string text = text_of(folder_ / "worker.toml");
+  const std::string worker = "worker = \"python3 spring.py\"";
+  text.replace(text.find(worker), worker.size(), "command = \"sh sim.sh\"");
+  folder_.file("command.toml", text);
+  const Outcome outcome = npdr({"run", "command.toml", "--until", "simulate", "--set",
+                                "method.num_simulations=70", "--set", "method.num_rounds=1"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const h5::File file = h5::File::open(runs("spring-worker") / "npe/seed-1/round-1/simulate.h5");
+  const auto x = file.dataset("trajectories").read<float>();
+  const RowMatrix theta = file.read_matrix<double>("theta");
+  ASSERT_EQ(x.size(), 70u * 3u * 250u * 2u);
+  for (std::size_t i = 0; i < 70; ++i) {
+    EXPECT_FLOAT_EQ(x[i * 1500], static_cast<float>(theta(static_cast<Index>(i), 0) + 1.0));
+    EXPECT_FLOAT_EQ(x[i * 1500 + 1498],
+                    static_cast<float>(theta(static_cast<Index>(i), 0) + 750.0));
+  }
+}
+
+TEST_F(OwnSimulators, MistakesAreNamedAtTheirPlace) {
+  copy_example("spring");
+  const std::string text = text_of(folder_ / "worker.toml");
+  const auto problem = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    const std::size_t at = changed.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    changed.replace(at, from.size(), to);
+    folder_.file("changed.toml", changed);
+    const Outcome outcome = npdr({"validate", "--quiet", "changed.toml"});
+    EXPECT_EQ(outcome.status, 2) << to;
+    return outcome.err;
+  };
+  const auto expect = [&](const std::string& from, const std::string& to,
+                          const std::vector<std::string>& parts) {
+    const std::string found = problem(from, to);
+    for (const std::string& part : parts) {
+      EXPECT_NE(found.find(part), std::string::npos) << part << " isn't in: " << found;
+    }
+  };
+  const std::string worker = "worker = \"python3 spring.py\"";
+  expect(worker, worker + "\nlibrary = \"spring.so\"", {"simulator has worker and library", "one"});
+  expect(worker, "library = \"none.so\"", {"none.so"});
+  expect(worker, worker + "\nintegrator = \"erk4\"", {"integrator", "means nothing to a worker"});
+  expect(worker, worker + "\nfeatures = [\"a\"]", {"features must be left out"});
+  expect(worker, worker + "\nsettings = { a = 1 }", {"settings", "simulator.library"});
+  expect(worker, worker + "\nfiles = [\"gone.py\"]", {"gone.py", "existing"});
+  expect("states = [\"q [m]\", \"v [m/s]\"]", "", {"simulator.states is missing"});
+  expect("\"v [m/s]\"]", "\"q [m/s]\"]", {"simulator.states", "distinct"});
+  expect("dt = 0.02", "", {"simulator.dt is missing", "target.inputs"});
+  expect("num_steps = 250", "", {"simulator.num_steps is missing"});
+  expect("[0.2, 2.0]", "[0.2]", {"initial_states", "1 number"});
+  expect("nominal = 20.0", "nominal = -20.0", {"nominal", "limits"});
+  expect("name = \"damping\"", "name = \"stiffness\"", {"stiffness", "there once"});
+  expect("stiffness = { uniform", "stifness = { uniform", {"stifness", "stiffness"});
+  expect("stiffness = 24.0", "stifness = 24.0", {"target.truth", "stifness", "stiffness"});
+  expect("uniform = [10.0, 40.0]", "uniform = [-10.0, 40.0]", {"stiffness", "0"});
+  expect("[prior]", "[simulator.goal]\nplace = { z = 0.0 }\nradius = 0.1\n\n[prior]",
+         {"simulator.goal.place", "'z'"});
+  expect("num_rollouts = 3", "num_rollouts = 3\nobservation = \"x.csv\"", {"observation"});
+  expect("truth = { stiffness = 24.0, damping = 0.5, friction = 0.4 }", "recording = \"gone.h5\"",
+         {"gone.h5"});
+}
+
+TEST_F(OwnSimulators, NewStudiesFitWhatTheyAreFor) {
+  copy_example("spring");
+  compile_spring(folder_.path());
+  const Outcome library = npdr({"new", "mine", "--library", "spring.so"});
+  ASSERT_EQ(library.status, 0) << library.err;
+  EXPECT_EQ(npdr({"validate", "--quiet", "mine.toml"}).status, 0) << text_of(folder_ / "mine.toml");
+  const Outcome built_in = npdr({"new", "swing", "--simulator", "pendulum"});
+  ASSERT_EQ(built_in.status, 0) << built_in.err;
+  EXPECT_EQ(npdr({"validate", "--quiet", "swing.toml"}).status, 0)
+      << text_of(folder_ / "swing.toml");
+  for (const char* option : {"--worker", "--command"}) {
+    const Outcome outcome =
+        npdr({"new", std::string("by") + option, option, "python3 \"my sim\".py"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("EDIT"), std::string::npos) << outcome.out;
+    EXPECT_EQ(npdr({"validate", "--quiet", std::string("by") + option + ".toml"}).status, 0)
+        << text_of(folder_ / (std::string("by") + option + ".toml"));
+  }
+  EXPECT_EQ(npdr({"new", "both", "--worker", "a", "--library", "b"}).status, 2);
+  EXPECT_EQ(npdr({"new", "none", "--recording", "gone.h5"}).status, 2);
+  EXPECT_EQ(npdr({"new", "mine", "--library", "spring.so"}).status, 2) << "it is there already";
+}
+
+// The cart-pole is recorded by a program of its own, and found again.
+TEST_F(OwnSimulators, AModelOfMujocoExplainsARecording) {
+  const std::string python = python_with("mujoco");
+  if (python.empty() || !fs::exists(NPDR_BINARY_DIR "/lib/npdr_mujoco.so")) {
+    GTEST_SKIP() << "no MuJoCo";
+  }
+  copy_example("cartpole");
+  ASSERT_EQ(shell(python + " make_recording.py").status, 0);
+  const Outcome imported = npdr({"import", "rollout-0.csv", "rollout-1.csv", "--states",
+                                 "x [m],theta [rad],x_dot [m/s],theta_dot [rad/s]", "--actions",
+                                 "force [1]", "-o", "recording.h5"});
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  std::vector<std::string> words = small("study.toml");
+  words.insert(words.end(), {"--set", "target.num_rollouts=1", "--set",
+                             "method.embedding.principal_components=20"});
+  const Outcome outcome = npdr(words);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("floor"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("held out"), std::string::npos) << outcome.out;
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
