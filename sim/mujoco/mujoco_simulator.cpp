@@ -24,7 +24,68 @@ bool is_single(const mjModel* model, int joint) {
   return model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
 }
 
-bool ends_with_dot(const std::string& label) { return label.ends_with("_dot"); }
+// Positions of all hinges and slides, then their velocities.
+std::vector<std::string> names_of_motion(const mjModel* m) {
+  std::vector<std::string> names;
+  for (const char* suffix : {"", "_dot"}) {
+    for (int j = 0; j < static_cast<int>(m->njnt); ++j) {
+      if (!is_single(m, j)) continue;
+      const char* const name = mj_id2name(m, mjOBJ_JOINT, j);
+      if (name == nullptr || *name == '\0') {
+        fail(
+            fmt::format("joint {} has no name: give it one, so that a recording's channel can "
+                        "have it",
+                        j));
+      }
+      names.push_back(name + std::string(suffix));
+    }
+  }
+  return names;
+}
+
+StateChannel joint_channel(StateChannel channel, int joint, const mjModel* m) {
+  if (!is_single(m, joint)) {
+    fail(fmt::format("joint '{}' is neither hinge nor slide", channel.label));
+  }
+  const bool is_position = channel.source == StateChannel::Source::position;
+  channel.address = is_position ? m->jnt_qposadr[joint] : m->jnt_dofadr[joint];
+  if (!channel.unit.empty()) return channel;
+  channel.unit = m->jnt_type[joint] == mjJNT_HINGE ? "rad" : "m";
+  if (!is_position) channel.unit += "/s";
+  return channel;
+}
+
+StateChannel sensor_channel(StateChannel channel, int sensor, const mjModel* m) {
+  if (m->sensor_dim[sensor] != 1) {
+    fail(fmt::format("sensor '{}' gives {} numbers, must be one", channel.label,
+                     m->sensor_dim[sensor]));
+  }
+  channel.source = StateChannel::Source::sensor;
+  channel.address = m->sensor_adr[sensor];
+  if (channel.unit.empty()) channel.unit = "1";
+  return channel;
+}
+
+// The channel that a study calls "pole [rad]".
+StateChannel find_channel(const std::string& text, const mjModel* m) {
+  constexpr std::string_view dot = "_dot";
+  const auto [label, unit] = label_and_unit(text);
+  StateChannel channel{label, unit};
+  const int joint = mj_name2id(m, mjOBJ_JOINT, label.c_str());
+  if (joint >= 0) return joint_channel(channel, joint, m);
+  const int sensor = mj_name2id(m, mjOBJ_SENSOR, label.c_str());
+  if (sensor >= 0) return sensor_channel(channel, sensor, m);
+  if (label.ends_with(dot)) {
+    const std::string of = label.substr(0, label.size() - dot.size());
+    const int moving = mj_name2id(m, mjOBJ_JOINT, of.c_str());
+    channel.source = StateChannel::Source::velocity;
+    if (moving >= 0) return joint_channel(channel, moving, m);
+  }
+  fail(
+      fmt::format("no state '{}': must be the name of a joint ({}), with _dot its velocity, or of "
+                  "a sensor ({})",
+                  label, names_of(m, mjOBJ_JOINT), names_of(m, mjOBJ_SENSOR)));
+}
 
 }  // namespace
 
@@ -58,56 +119,9 @@ MujocoSimulator::MujocoSimulator(const std::string& settings) {
 }
 
 void MujocoSimulator::find_states(const std::vector<std::string>& names) {
-  const mjModel* const m = nominal_.get();
-  std::vector<std::string> wanted = names;
-  if (wanted.empty()) {
-    for (const char* suffix : {"", "_dot"}) {
-      for (int j = 0; j < static_cast<int>(m->njnt); ++j) {
-        if (!is_single(m, j)) continue;
-        const char* const name = mj_id2name(m, mjOBJ_JOINT, j);
-        if (name == nullptr || *name == '\0') {
-          fail(
-              fmt::format("joint {} has no name: give it one, so that a recording's channel can "
-                          "have it",
-                          j));
-        }
-        wanted.push_back(name + std::string(suffix));
-      }
-    }
-  }
-  for (const std::string& text : wanted) {
-    auto [label, unit] = label_and_unit(text);
-    StateChannel channel{label, unit, StateChannel::Source::position, 0};
-    int joint = mj_name2id(m, mjOBJ_JOINT, label.c_str());
-    const int sensor = mj_name2id(m, mjOBJ_SENSOR, label.c_str());
-    if (joint < 0 && sensor < 0 && ends_with_dot(label)) {
-      joint = mj_name2id(m, mjOBJ_JOINT, label.substr(0, label.size() - 4).c_str());
-      channel.source = StateChannel::Source::velocity;
-    }
-    if (joint >= 0) {
-      if (!is_single(m, joint)) fail(fmt::format("joint '{}' is neither hinge nor slide", label));
-      const bool is_position = channel.source == StateChannel::Source::position;
-      channel.address = is_position ? m->jnt_qposadr[joint] : m->jnt_dofadr[joint];
-      if (unit.empty()) {
-        channel.unit = m->jnt_type[joint] == mjJNT_HINGE ? "rad" : "m";
-        if (!is_position) channel.unit += "/s";
-      }
-    } else if (sensor >= 0) {
-      if (m->sensor_dim[sensor] != 1) {
-        fail(
-            fmt::format("sensor '{}' gives {} numbers, must be one", label, m->sensor_dim[sensor]));
-      }
-      channel.source = StateChannel::Source::sensor;
-      channel.address = m->sensor_adr[sensor];
-      if (unit.empty()) channel.unit = "1";
-      reads_sensors_ = true;
-    } else {
-      fail(
-          fmt::format("no state '{}': must be the name of a joint ({}), with _dot its velocity, or "
-                      "of a sensor ({})",
-                      label, names_of(m, mjOBJ_JOINT), names_of(m, mjOBJ_SENSOR)));
-    }
-    states_.push_back(channel);
+  for (const std::string& text : names.empty() ? names_of_motion(nominal_.get()) : names) {
+    states_.push_back(find_channel(text, nominal_.get()));
+    reads_sensors_ = reads_sensors_ || states_.back().source == StateChannel::Source::sensor;
   }
   if (states_.empty()) fail("the model has no hinge or slide that moves");
 }

@@ -14,7 +14,8 @@ namespace npdr::mujoco {
 /// A state channel: the position or velocity of a hinge or slide, or a sensor.
 struct StateChannel {
   enum class Source { position, velocity, sensor };
-  std::string label, unit;
+  std::string label;
+  std::string unit = {};
   Source source = Source::position;
   int address = 0;  ///< in qpos, qvel or sensordata
 };
