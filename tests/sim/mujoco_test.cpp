@@ -190,24 +190,29 @@ TEST_F(MujocoModels, MistakesAreNamed) {
 }
 
 // The Furuta pendulum of the examples against the built-in one: the same equations, the same method
-// of Runge and Kutta, so nothing but roundoff and the order of sums lies between them.
+// of Runge and Kutta. What lies between them is the model's inertia of 1e-9 kg m^2 about axes that
+// the equations neglect, which five seconds of chaotic motion make larger; a finer step changes
+// nothing in it.
 TEST_F(MujocoModels, FurutaPendulumIsTheBuiltInOne) {
   const std::string model = NPDR_SOURCE_DIR "/experiments/external/furuta/furuta.xml";
   const LibrarySimulator simulator({library(), R"({"model": ")" + model +
-                                                   R"(", "parameters": [], "states": [],
-                                                   "actions": ["voltage [V]"]})"});
-  const auto built_in = make_simulator({.name = "furuta"});
-  const Vector nominal = complete_theta(*built_in, {});
-  const Target target = built_in->behave(nominal, 2, 3);
-  const Trajectories mine = built_in->replay(target, nominal.transpose());
-  const Trajectories theirs = replay(simulator, target, RowMatrix(1, 0));
-  ASSERT_EQ(mine.values.size(), theirs.values.size());
-  double largest = 0.0;
-  for (std::size_t i = 0; i < mine.values.size(); ++i) {
-    largest = std::max(largest, static_cast<double>(std::abs(mine.values[i] - theirs.values[i])));
+                                                   R"(", "parameters": ["option.timestep"],
+                                                   "states": [], "actions": ["voltage [V]"]})"});
+  for (const Index substeps : {1, 8}) {
+    const auto built_in = make_simulator({.name = "furuta", .substeps = substeps});
+    const Vector nominal = complete_theta(*built_in, {});
+    const Target target = built_in->behave(nominal, 2, 3);
+    const Trajectories mine = built_in->replay(target, nominal.transpose());
+    const double timestep = target.dt / static_cast<double>(substeps);
+    const Trajectories theirs = replay(simulator, target, RowMatrix::Constant(1, 1, timestep));
+    ASSERT_EQ(mine.values.size(), theirs.values.size());
+    double largest = 0.0;
+    for (std::size_t i = 0; i < mine.values.size(); ++i) {
+      largest = std::max(largest, static_cast<double>(std::abs(mine.values[i] - theirs.values[i])));
+    }
+    EXPECT_LT(largest, 2e-3) << substeps;
+    RecordProperty("largest_difference_" + std::to_string(substeps), std::to_string(largest));
   }
-  EXPECT_LT(largest, 1e-3);
-  RecordProperty("largest_difference", std::to_string(largest));
 }
 
 }  // namespace

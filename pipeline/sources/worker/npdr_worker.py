@@ -44,7 +44,7 @@ os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
 
 def serve(simulate, batch=False):
     """Answers npdr's requests until there are no more."""
-    if sys.stdin is None or _requests.isatty():
+    if _requests.isatty():
         sys.exit("npdr_worker: started by hand; a study names this program: "
                  'simulator.worker = "python3 %s"' % os.path.basename(sys.argv[0]))
     while True:
