@@ -113,7 +113,7 @@ void StudyChecker::check_target() {
   }
   if (target.inputs) require_file("target.inputs", *target.inputs, "an existing HDF5 file");
   check_values("target.truth", *target.truth);
-  if (target.num_rollouts < 1) {
+  if (target.num_rollouts < 1 && !target.inputs) {
     fail("target.num_rollouts", "0", ">= 1 with a truth: there is no recording to take all of");
   }
 }

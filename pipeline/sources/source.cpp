@@ -90,7 +90,12 @@ std::unique_ptr<Source> make_source(const Study& study) {
 }
 
 std::optional<Target> resolve_source(Study& study) {
-  if (study.source().gives_motion) return std::nullopt;
+  if (study.source().gives_motion) {
+    if (study.target.inputs && study.target.num_rollouts == 0) {
+      study.target.num_rollouts = read_recording(*study.target.inputs).num_rollouts();
+    }
+    return std::nullopt;
+  }
   std::vector<Channel> features = parse_features(study.external.features);
   if (study.external.dataset) {
     const DatasetFile dataset = open_dataset(study);

@@ -84,8 +84,9 @@ class Source {
 
 std::unique_ptr<Source> make_source(const Study& study);
 
-/// Completes a study whose source gives features by what its files say: names of the features, and
-/// x_o, which is returned where the study names a file. Throws InputError.
+/// Completes a study by what its files say: how many rollouts a truth has that begins like a
+/// recording; where the source gives features, their names, and x_o, which is returned where the
+/// study names a file. Throws InputError.
 std::optional<Target> resolve_source(Study& study);
 
 }  // namespace npdr::pipeline

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/store/h5.h"
 #include "tests/cli/program.h"
+#include "tests/device_recordings.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -210,6 +212,35 @@ awk -F, -v steps=$steps 'NR == 1 { for (i = 1; i <= NF; ++i) c[$i] = i; next }
     EXPECT_FLOAT_EQ(x[i * 1500], static_cast<float>(theta(static_cast<Index>(i), 0) + 1.0));
     EXPECT_FLOAT_EQ(x[i * 1500 + 1498],
                     static_cast<float>(theta(static_cast<Index>(i), 0) + 750.0));
+  }
+}
+
+// A built-in simulator, too, may be asked what it does where a device has been.
+TEST_F(OwnSimulators, ATruthMayBeginLikeARecording) {
+  const Target recorded = furuta_recording(3);
+  write_recording(recorded, folder_ / "recorded.h5");
+  folder_.file("truth.toml", R"toml(
+[study]
+name = "truth"
+[target]
+truth = { pole_mass = 0.02 }
+inputs = "recorded.h5"
+[simulator]
+name = "furuta"
+[prior]
+pole_mass = { uniform = [0.01, 0.03] }
+[[method]]
+name = "NPE"
+num_simulations = 100
+)toml");
+  const Outcome outcome = npdr({"run", "truth.toml", "--until", "target"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Target made = read_recording(runs("truth") / "target.h5");
+  ASSERT_EQ(made.num_rollouts(), 3);
+  for (std::size_t h = 0; h < 3; ++h) {
+    EXPECT_EQ(made.rollouts[h].actions.cast<float>(), recorded.rollouts[h].actions.cast<float>());
+    EXPECT_TRUE(made.rollouts[h].states.row(0).isApprox(recorded.rollouts[h].states.row(0), 1e-6));
+    EXPECT_FALSE(made.rollouts[h].states.row(9).isApprox(recorded.rollouts[h].states.row(9), 1e-9));
   }
 }
 
