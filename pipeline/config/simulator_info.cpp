@@ -42,17 +42,16 @@ std::vector<sim::Parameter> parameters_of(const Study& study) {
 
 std::optional<Goal> goal_of(const GoalConfig& config, const std::vector<Channel>& states) {
   if (config.radius == 0.0) return std::nullopt;
-  Goal goal{config.description,
-            {},
-            Vector(static_cast<Index>(config.place.size())),
-            config.radius,
-            config.speed > 0.0 ? config.speed : kInfinity};
+  Goal goal{
+      config.description, {}, {}, config.radius, config.speed > 0.0 ? config.speed : kInfinity};
+  std::vector<double> place;
   for (const auto& [label, value] : config.place) {
     const auto channel = std::ranges::find(states, label, &Channel::label);
-    if (channel == states.end()) continue;  // source_check.h reports it
-    goal.place(static_cast<Index>(goal.channels.size())) = value;
+    if (channel == states.end()) continue;  // study_check.h reports it
+    place.push_back(value);
     goal.channels.push_back(channel - states.begin());
   }
+  goal.place = Eigen::Map<const Vector>(place.data(), std::ssize(place));
   return goal;
 }
 

@@ -26,8 +26,9 @@ class SourceChecker : Checker {
     source_.gives_motion ? check_motion() : check_features();
     if (source_.calls_program) check_program();
     if (!source_.simulates) check_dataset();
-    if (study_.external.library) check_library("simulator.library", *study_.external.library);
-    if (study_.external.mjcf) check_library("simulator.mjcf", *study_.external.mjcf);
+    const auto &library = study_.external.library, &mjcf = study_.external.mjcf;
+    if (library) require_file("simulator.library", *library, "an existing file");
+    if (mjcf) require_file("simulator.mjcf", *mjcf, "an existing file");
     if (!source_.describes_itself) check_parameters();
   }
 
@@ -72,10 +73,6 @@ class SourceChecker : Checker {
     }
   }
 
-  void check_library(const char* path, const std::string& file) {
-    require_file(path, file, "an existing file");
-  }
-
   void check_parameters() {
     const auto& parameters = study_.external.parameters;
     std::set<std::string> names;
@@ -96,37 +93,23 @@ class SourceChecker : Checker {
 
   // Channels that the study names, of a program or a model of MuJoCo.
   void check_channels() {
-    std::set<std::string> labels;
-    for (const std::string& name : study_.external.states) {
-      const std::string label = parse_feature(name).label;
-      if (label.empty() || !labels.insert(label).second) {
-        fail("simulator.states", quoted(name), "distinct labels, such as \"theta [rad]\"");
-      }
-    }
-    labels.clear();
-    for (const std::string& name : study_.external.actions) {
-      const std::string label = parse_feature(name).label;
-      if (label.empty() || !labels.insert(label).second) {
-        fail("simulator.actions", quoted(name), "distinct labels, such as \"voltage [V]\"");
-      }
-    }
+    check_labels("simulator.states", study_.external.states, "theta [rad]");
+    check_labels("simulator.actions", study_.external.actions, "voltage [V]");
     if (study_.source().kind == SourceKind::worker && study_.external.states.empty() &&
         reading_.good("simulator.states")) {
       reading_.fail("simulator.states",
                     "simulator.states is missing, must be the state channels that the worker "
                     "returns, such as [\"q [m]\", \"v [m/s]\"]");
     }
-    for (const auto& [label, value] : study_.external.goal.place) {
-      if (!source_.describes_itself && !has_state(label)) {
-        fail("simulator.goal.place", quoted(label), "state channels");
-      }
-    }
   }
 
-  bool has_state(const std::string& label) const {
-    return std::ranges::any_of(study_.external.states, [&](const std::string& name) {
-      return parse_feature(name).label == label;
-    });
+  void check_labels(const char* path, const std::vector<std::string>& names, const char* example) {
+    std::set<std::string> labels;
+    for (const std::string& name : names) {
+      const std::string label = parse_feature(name).label;
+      if (!label.empty() && labels.insert(label).second) continue;
+      fail(path, quoted(name), fmt::format("distinct labels, such as \"{}\"", example));
+    }
   }
 
   // How a truth's rollouts begin, and how long they are.

@@ -44,6 +44,7 @@ class StudyChecker : Checker {
     check_unused_settings();
     check_diagnose();
     check_references();
+    check_goal();
     check_metrics();
     check_held_out();
     check_report();
@@ -65,6 +66,7 @@ class StudyChecker : Checker {
   void check_unused_settings();
   void check_diagnose();
   void check_references();
+  void check_goal();
   void check_metrics();
   void check_held_out();
   void check_report();
@@ -209,6 +211,16 @@ void StudyChecker::check_references() {
     fail(path + ".name", quoted(reference.name),
          "unlike other references, methods, 'nominal', 'truth' and 'floor' in its letters a-z and "
          "digits");
+  }
+}
+
+// By channels of the simulator, which a library knows and the study doesn't.
+void StudyChecker::check_goal() {
+  if (!info_) return;
+  std::vector<std::string> labels;
+  for (const Channel& channel : info_->state_channels) labels.push_back(channel.label);
+  for (const auto& [label, value] : study_.external.goal.place) {
+    require_known("simulator.goal.place", "simulator.goal.place", "state channel", label, labels);
   }
 }
 

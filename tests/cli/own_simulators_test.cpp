@@ -288,6 +288,17 @@ TEST_F(OwnSimulators, MistakesAreNamedAtTheirPlace) {
          {"gone.h5"});
 }
 
+TEST_F(OwnSimulators, AGoalThatALibraryHasNoChannelForIsNamed) {
+  copy_example("spring");
+  compile_spring(folder_.path());
+  const std::string text = text_of(folder_ / "library.toml");
+  folder_.file("goal.toml", text + "\n[simulator.goal]\nplace = { qq = 0.0 }\nradius = 0.1\n");
+  const Outcome outcome = npdr({"validate", "--quiet", "goal.toml"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("unknown state channel 'qq' (did you mean 'q'?)"), std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(OwnSimulators, NewStudiesFitWhatTheyAreFor) {
   copy_example("spring");
   compile_spring(folder_.path());
