@@ -105,6 +105,11 @@ void describe(Layout f, Ledger& ledger, Index num_failed) {
   group("core_seconds", ledger.core_seconds, shards, "that times the threads");
 }
 
+void describe_warnings(Layout f, std::vector<std::string> warnings) {
+  f.attribute("warnings", warnings,
+              "what is probably wrong with the rows, where a few that were asked for again say so");
+}
+
 // Copies the rows of a shard; returns how many failed.
 Index copy_rows(const h5::File& shard, h5::File& joined, RowRange rows) {
   const Index count = rows.end - rows.begin;
@@ -162,6 +167,7 @@ void join_shards(const ArtefactFile& simulation, const Identity& identity, const
     const Provenance provenance = provenance_of(shard);
     ledger.add(provenance, part.rows, copy_rows(shard, file, part.rows));
     num_failed += ledger.failed.back();
+    write_warnings(file, warnings_of(shard));
     writer.add_cost(provenance.cost);
     sources.push_back({simulation.key + "/" + part.path.filename().string(), values_name(study),
                        part.rows.size()});
@@ -169,6 +175,15 @@ void join_shards(const ArtefactFile& simulation, const Identity& identity, const
   describe_values(f, study, target, n, sources);
   describe(f, ledger, num_failed);
   writer.finish();
+}
+
+void write_warnings(h5::File& file, const std::vector<std::string>& warnings) {
+  if (!warnings.empty()) describe_warnings(Layout::writer(file), warnings);
+}
+
+std::vector<std::string> warnings_of(const h5::File& file) {
+  if (!file.has_attribute("warnings")) return {};
+  return file.attribute<std::vector<std::string>>("warnings");
 }
 
 std::string failures(const h5::File& simulation) {
@@ -189,6 +204,7 @@ void list_simulation(Layout f) {
   describe_trajectories(f, {}, {}, 1, {});
   describe_x(f, {}, {}, {});
   describe(f, ledger, 0);
+  describe_warnings(f, {});
 }
 
 }  // namespace npdr::pipeline

@@ -36,6 +36,12 @@ struct Shard {
 void join_shards(const ArtefactFile& simulation, const Identity& identity, const Study& study,
                  const Target& target, const std::vector<Shard>& shards);
 
+/// Says of a shard or a simulation what is probably wrong with its rows (row_check.h). No warnings
+/// leave it as it is.
+void write_warnings(h5::File& file, const std::vector<std::string>& warnings);
+/// Empty: none. Throws InputError.
+std::vector<std::string> warnings_of(const h5::File& file);
+
 /// "3 crashed, 1 timed_out": how the rows of an open simulation failed. Throws InputError.
 std::string failures(const h5::File& simulation);
 

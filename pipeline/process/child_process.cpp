@@ -100,7 +100,7 @@ ChildProcess::ChildProcess(ChildProcess&& other) noexcept
       exit_status_(other.exit_status_),
       buffer_(std::move(other.buffer_)),
       state_(std::move(other.state_)),
-      error_(std::move(other.error_)) {}
+      said_(std::move(other.said_)) {}
 
 void ChildProcess::read_progress() {
   std::array<char, 4096> chunk;
@@ -118,7 +118,7 @@ void ChildProcess::read_progress() {
 
 void ChildProcess::parse(const std::string& line) {
   if (line.starts_with('!')) {
-    error_.push_back(line.substr(1));
+    said_.push_back(line.substr(1));
     return;
   }
   std::istringstream words(line);

@@ -29,8 +29,8 @@ class ChildProcess {
     Index total = 0;
     std::string note;
   };
-  /// Why it failed, in its own words, line by line; none: it didn't say.
-  const std::vector<std::string>& error() const { return error_; }
+  /// Warnings, and why it failed, in its own words, line by line (report_error()).
+  const std::vector<std::string>& said() const { return said_; }
 
   int progress_descriptor() const { return pipe_; }
   /// Takes in what has come through the pipe.
@@ -51,7 +51,7 @@ class ChildProcess {
   int exit_status_ = 0;
   std::string buffer_;
   State state_;
-  std::vector<std::string> error_;
+  std::vector<std::string> said_;
 };
 
 /// The folder of the running executable: the stage executables lie beside it.

@@ -1,7 +1,12 @@
 #include "pipeline/report/report.h"
 
+#include <fmt/ranges.h>
+
+#include <set>
+
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
+#include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/plan/shards.h"
@@ -62,11 +67,17 @@ analysis::ReportSection make_section(Section section, const ReportData& data,
   return made;
 }
 
-// A limit that was lowered after the posteriors were made stops the study all the same.
-void check_failed_rows_of_all(const Plan& plan) {
+// What simulations were found to have wrong, each said once. A limit of failed rows that was
+// lowered after the posteriors were made stops the study all the same.
+std::string check_simulations(const Plan& plan) {
+  std::set<std::string> warnings;
   for (const Node& node : plan.nodes) {
-    if (node.stage == Stage::simulate && is_complete(plan, node)) open_simulation(plan, node);
+    if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
+    for (const std::string& warning : warnings_of(open_simulation(plan, node))) {
+      warnings.insert("Warning: " + warning + ".");
+    }
   }
+  return fmt::format("{}", fmt::join(warnings, "\n\n"));
 }
 
 // An earlier report may have had others, with figures that are no longer true.
@@ -92,7 +103,7 @@ std::vector<fs::path> write_tables(const analysis::Report& report, const fs::pat
 }  // namespace
 
 void run_report(const Plan& plan, const Node& node) {
-  check_failed_rows_of_all(plan);
+  const std::string warnings = check_simulations(plan);
   const ReportData data = read_report_data(plan, node);
   const fs::path folder = plan.work.study(plan.study.name);
   make_folder(folder / "figures");
@@ -101,6 +112,7 @@ void run_report(const Plan& plan, const Node& node) {
 
   analysis::Report report;
   report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;
+  report.prose = warnings;
   for (const Section section : kSections) {
     analysis::ReportSection made = make_section(section, data, folder);
     if (!made.tables.empty() || !made.figures.empty()) report.sections.push_back(std::move(made));

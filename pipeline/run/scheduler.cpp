@@ -185,6 +185,7 @@ void Scheduler::end_of(const Job& job) {
   if (status == 0 && (node.stage == Stage::report || is_complete(plan_, node))) {
     states_[job.node] = State::done;
     ++num_made_;
+    print_warnings(node, job.process.said());
     return;
   }
   states_[job.node] = State::failed;
@@ -201,10 +202,16 @@ void Scheduler::end_of(const Job& job) {
                                           : fmt::format("exit status {}", status);
   print(
       fmt::format("{}npdr: {} failed ({}):\n", terminal_ ? "\r\033[K" : "", node.label(), reason));
-  const auto& error = job.process.error();
+  const auto& error = job.process.said();
   for (const std::string& line : error) print("    " + line + "\n");
   if (error.empty()) print_tail(log_path(node));
   print("    log: " + log_path(node) + "\n");
+}
+
+void Scheduler::print_warnings(const Node& node, const std::vector<std::string>& warnings) const {
+  for (const std::string& line : warnings) {
+    print(fmt::format("{}npdr: {}: {}\n", terminal_ ? "\r\033[K" : "", node.label(), line));
+  }
 }
 
 void Scheduler::pass_on_stop_request() {

@@ -55,6 +55,7 @@ class Scheduler {
   void wait_for_news();
   void collect_ended_jobs();
   void end_of(const Job& job);
+  void print_warnings(const Node& node, const std::vector<std::string>& warnings) const;
   void pass_on_stop_request();
   void show_progress(bool force);
   std::string log_path(const Node& node) const;

@@ -58,6 +58,8 @@ class ProgramRowSimulator final : public RowSimulator {
     return stays_ ? rows_per_request_ * std::ssize(simulators_) : num_rows;
   }
 
+  Index num_calls() const override { return std::ssize(simulators_); }
+
   sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) override {
     const auto start = Clock::now();
     sim::Trajectories all;

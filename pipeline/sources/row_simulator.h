@@ -26,6 +26,9 @@ class RowSimulator {
   /// Rows that are worth simulating at once, of a shard of `num_rows`.
   virtual Index block_size(Index num_rows) const = 0;
 
+  /// Calls of programs that share out rows among them and work at the same time.
+  virtual Index num_calls() const { return 1; }
+
   /// Completes the log, and begins another; empty: none. For programs, whose output is kept.
   virtual void log_to(const std::filesystem::path& /*log*/) {}
 

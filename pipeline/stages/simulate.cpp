@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -11,6 +13,7 @@
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
+#include "pipeline/sources/row_check.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -50,14 +53,33 @@ std::filesystem::path scratch_folder() {
   return folder == nullptr ? "" : folder;
 }
 
+void warn(const Node& node, const std::string& text) {
+  report_error(node.label(), "warning: " + text);
+}
+
+// Tells people at once, and the report for good, what is probably wrong with rows that aren't ours.
+void check_block(h5::File& file, const Simulation& simulation, const GivenRows& rows) {
+  const Study& study = simulation.plan.study;
+  const bool has_noise = study.observation_noise.scale > 0.0;
+  const std::vector<std::string> warnings = check_rows(*simulation.simulator, rows, has_noise);
+  for (const std::string& warning : warnings) warn(simulation.node, warning);
+  write_warnings(file, warnings);
+}
+
+// Rows of simulators that aren't ours are looked at once an experiment.
+bool is_checked(const Simulation& simulation, Index row) {
+  const SourceTraits& source = simulation.plan.study.source();
+  return row == 0 && simulation.node.uses.front().round == 1 && source.takes_seeds;
+}
+
 // Rows [begin, begin + count) of the simulation, from row `at` of the shard's file.
 void write_block(h5::File& file, const Simulation& simulation, Index begin, Index at, Index count) {
   const auto start = Clock::now();
   const RowMatrix theta = read_proposal(simulation.proposal, {begin, begin + count});
   StreamId first = simulation.id;
   first.row = static_cast<std::uint64_t>(begin);
-  const sim::Trajectories result =
-      simulation.simulator->simulate(simulation.plan.source->parameters().complete(theta), first);
+  const RowMatrix complete = simulation.plan.source->parameters().complete(theta);
+  const sim::Trajectories result = simulation.simulator->simulate(complete, first);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const std::vector<float> row_seconds(static_cast<std::size_t>(count),
                                        static_cast<float>(seconds / static_cast<double>(count)));
@@ -67,6 +89,7 @@ void write_block(h5::File& file, const Simulation& simulation, Index begin, Inde
   simulated_values(file).write_rows<float>(at, count, result.values);
   file.dataset("status").write_rows<std::uint8_t>(at, count, status);
   file.dataset("seconds").write_rows<float>(at, count, row_seconds);
+  if (is_checked(simulation, begin)) check_block(file, simulation, {complete, result, first});
 }
 
 void simulate_shard(Simulation& simulation, const Shard& shard, Index done_before,
@@ -84,6 +107,17 @@ void simulate_shard(Simulation& simulation, const Shard& shard, Index done_befor
   }
   simulation.simulator->log_to({});
   writer.finish();
+}
+
+// The report counts them; why they failed is known here.
+void warn_of_failed_rows(const Simulation& simulation) {
+  const h5::File file = open_simulation(simulation.plan, simulation.node);
+  const auto num_failed = file.attribute<Index>("num_failed");
+  if (num_failed == 0 || !simulation.plan.study.source().takes_seeds) return;
+  const std::string last = simulation.simulator->last_failure();
+  warn(simulation.node, fmt::format("{} of {} rows failed ({}){}", num_failed,
+                                    num_rows(simulation.plan, simulation.node), failures(file),
+                                    last.empty() ? "" : "; the last: " + last));
 }
 
 std::vector<Index> all_shards(std::size_t count) {
@@ -109,7 +143,7 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
   if (missing_shards(plan, node).empty()) {
     join_shards(node, node.identity, plan.study, simulation.target, all);
     link_uses(plan, node);  // one can look at it also where too many rows failed
-    open_simulation(plan, node);
+    warn_of_failed_rows(simulation);
   }
 }
 

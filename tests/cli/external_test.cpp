@@ -76,6 +76,7 @@ TEST_F(External, AShellScriptIsASimulator) {
   EXPECT_NE(features.find("| total, NPE (Gaussian)"), std::string::npos) << features;
   const std::string html = text_of(folder_ / "runs/external-shell/report.html");
   EXPECT_EQ(html.find("trajectories"), std::string::npos);
+  EXPECT_EQ(html.find("Warning"), std::string::npos);
   EXPECT_NE(html.find("Posterior samples"), std::string::npos);
 }
 
@@ -85,6 +86,17 @@ TEST_F(External, APythonScriptIsASimulator) {
   }
   run_well({"python.toml"});
   expect_exact_posterior("external-python");
+}
+
+TEST_F(External, RowsThatAreProbablyWrongAreToldAtOnceAndInTheReport) {
+  folder_.file("exact.sh", "sed 's/a,b/total,difference/' \"$1\" > \"$2\"\n");
+  const Outcome outcome =
+      npdr({"run", "shell.toml", "--set", "simulator.command='sh exact.sh {theta} {x}'"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string warning = "rows of the same parameters are the same, whatever their seeds";
+  EXPECT_NE(outcome.err.find("warning: " + warning), std::string::npos) << outcome.err;
+  EXPECT_NE(text_of(folder_ / "runs/external-shell/report.html").find("Warning: " + warning),
+            std::string::npos);
 }
 
 TEST_F(External, OfASimulatorThatCrashesOnlyTheCulpritsAreLost) {

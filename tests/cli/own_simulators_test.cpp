@@ -162,6 +162,25 @@ npdr_worker.serve(simulate)
   EXPECT_EQ(one, bits("killed", "2", 7));
 }
 
+TEST_F(OwnSimulators, RowsInAnotherOrderStopTheStudy) {
+  const std::string python = python_with("numpy");
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+  copy_example("spring");
+  folder_.file("sorted.py", R"py(
+import numpy as np
+import npdr_worker
+def simulate(theta, first_state, actions, dt, seeds):
+    slope = np.sort(theta["stiffness"])
+    return slope[:, None, None] * np.arange(len(actions))[None, :, None] * np.ones(2)
+npdr_worker.serve(simulate, batch=True)
+)py");
+  const Outcome outcome = npdr({"run", "worker.toml", "--until", "simulate", "--set",
+                                "simulator.worker='" + python + " sorted.py'"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("rows in another order than those of theta"), std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(OwnSimulators, EditedFilesThatTheStudyNamesRerun) {
   const std::string python = python_with("numpy");
   if (python.empty()) GTEST_SKIP() << "no Python with numpy";

@@ -1,0 +1,143 @@
+#include "pipeline/sources/row_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kFewestRows = 8;
+// Distances in standard deviations of the rows' values: two rows are about 1.4 apart. What vector
+// instructions round in another way is below, what was drawn anew above.
+constexpr double kSame = 1e-3;
+// Simulations of one theta are all the same below it, whatever the scale of their noise above.
+constexpr double kNoNoise = 1e-7;
+
+/// Distance between rows of values: root of the mean over those that vary of their squared
+/// difference in standard deviations.
+class RowDistance {
+ public:
+  RowDistance(const sim::Trajectories& rows, const std::vector<Index>& good)
+      : mean_(Eigen::ArrayXd::Zero(rows.row_size())), scale_(mean_) {
+    for (const Index i : good) mean_ += values(rows.row(i));
+    mean_ /= static_cast<double>(good.size());
+    for (const Index i : good) scale_ += (values(rows.row(i)) - mean_).square();
+    scale_ = (scale_ / static_cast<double>(good.size())).sqrt();
+    varies_ = scale_ > 1e-9 * mean_.abs();
+  }
+
+  bool any_varies() const { return varies_.any(); }
+
+  double operator()(std::span<const float> a, std::span<const float> b) const {
+    const Eigen::ArrayXd z = varies_.select((values(a) - values(b)) / scale_, 0.0);
+    return std::sqrt(z.square().sum() / static_cast<double>(varies_.count()));
+  }
+
+ private:
+  static Eigen::ArrayXd values(std::span<const float> row) {
+    return Eigen::Map<const Eigen::ArrayXf>(row.data(), std::ssize(row)).cast<double>();
+  }
+
+  Eigen::ArrayXd mean_, scale_;
+  Eigen::Array<bool, Eigen::Dynamic, 1> varies_;
+};
+
+bool is_good(const sim::Trajectories& rows, Index i) {
+  return rows.status[static_cast<std::size_t>(i)] == sim::RolloutStatus::ok;
+}
+
+std::vector<Index> good_rows(const sim::Trajectories& rows) {
+  std::vector<Index> good;
+  for (Index i = 0; i < rows.num_rows; ++i) {
+    if (is_good(rows, i)) good.push_back(i);
+  }
+  return good;
+}
+
+StreamId stream_of(const GivenRows& rows, Index i) {
+  StreamId id = rows.first;
+  id.row += static_cast<std::uint64_t>(i);
+  return id;
+}
+
+// The row whose result is nearest to `values`.
+Index nearest(std::span<const float> values, const GivenRows& rows, const std::vector<Index>& good,
+              const RowDistance& distance) {
+  return *std::ranges::min_element(
+      good, {}, [&](Index j) { return distance(values, rows.result.row(j)); });
+}
+
+// Row i again, alone. Returns whether it is the same.
+bool repeats(RowSimulator& simulator, const GivenRows& rows, Index i, const std::vector<Index>& good,
+             const RowDistance& distance) {
+  const sim::Trajectories again = simulator.simulate(rows.complete.row(i), stream_of(rows, i));
+  if (!is_good(again, 0)) return true;  // its failure is counted elsewhere
+  if (distance(again.row(0), rows.result.row(i)) < kSame) return true;
+  const Index other = nearest(again.row(0), rows, good, distance);
+  if (distance(again.row(0), rows.result.row(other)) >= kSame) return false;
+  throw InputError(fmt::format(
+      "the simulator gives rows in another order than those of theta: row {} on its own gives what "
+      "row {} of the call with {} rows was given; each row of its result must belong to the same "
+      "row of theta",
+      rows.first.row + static_cast<std::uint64_t>(i),
+      rows.first.row + static_cast<std::uint64_t>(other), rows.complete.rows()));
+}
+
+enum class Noise { own, shared, none };
+
+// One theta, twice in each call that works at the same time, with random numbers of its own.
+Noise noise_of(RowSimulator& simulator, const GivenRows& rows, Index i,
+               const RowDistance& distance) {
+  const Index calls = simulator.num_calls();
+  StreamId others = rows.first;
+  others.row = std::uint64_t{1} << 62;  // of no row
+  const sim::Trajectories x = simulator.simulate(rows.complete.row(i).replicate(2 * calls, 1), others);
+  bool are_pairs_same = true, are_all_same = true;
+  for (Index c = 0; c < 2 * calls; ++c) {
+    if (!is_good(x, c)) return Noise::own;
+    const bool is_same = distance(x.row(c), x.row(c - c % 2)) < kNoNoise;
+    are_pairs_same = are_pairs_same && is_same;
+    are_all_same = are_all_same && is_same && distance(x.row(c), rows.result.row(i)) < kNoNoise;
+  }
+  if (are_all_same) return Noise::none;
+  return are_pairs_same ? Noise::shared : Noise::own;
+}
+
+}  // namespace
+
+std::vector<std::string> check_rows(RowSimulator& simulator, const GivenRows& rows,
+                                    bool has_noise) {
+  const std::vector<Index> good = good_rows(rows.result);
+  if (std::ssize(good) < kFewestRows) return {};
+  const RowDistance distance(rows.result, good);
+  if (!distance.any_varies()) return {"all rows are the same, whatever their parameters"};
+  std::vector<std::string> warnings;
+  const Index middle = good[good.size() / 2], last = good.back();
+  const bool is_repeatable = repeats(simulator, rows, middle, good, distance) &&
+                             repeats(simulator, rows, last, good, distance);
+  if (!is_repeatable) {
+    warnings.push_back(
+        "a row that is simulated again on its own, with the same parameters and seed, is another: "
+        "the simulator draws random numbers that aren't made from the row's seed alone; npdr verify "
+        "and runs that are repeated get other rows");
+  }
+  const Noise noise = noise_of(simulator, rows, middle, distance);
+  if (noise == Noise::shared) {
+    warnings.push_back(
+        "all rows of a call share their noise: with the same parameters and different seeds they "
+        "are the same; draw each row's from its own seed, or the posterior is too narrow");
+  } else if (noise == Noise::none && !has_noise) {
+    warnings.push_back(
+        "rows of the same parameters are the same, whatever their seeds, and the study adds no "
+        "observation noise: the posterior assumes that measurements are exact; set "
+        "observation_noise.scale, or draw noise from each row's seed");
+  }
+  return warnings;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,26 @@
+/// A check of rows that somebody else's simulator gave: a few of them are asked for again.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/sources/row_simulator.h"
+
+namespace npdr::pipeline {
+
+/// Rows of all parameters (n, P), what the simulator gave for them, and the random numbers of
+/// row 0.
+struct GivenRows {
+  const RowMatrix& complete;
+  const sim::Trajectories& result;
+  StreamId first;
+};
+
+/// Simulates two of the rows again, each alone, and one of them with other random numbers. Returns
+/// what is probably wrong, for people: rows that differ when they are repeated, noise that all rows
+/// of a call share, no noise at all unless `has_noise` says that the study adds some. Fewer than
+/// eight good rows aren't judged. Throws InputError where rows come in another order than theta's,
+/// and what RowSimulator::simulate() throws.
+std::vector<std::string> check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noise);
+
+}  // namespace npdr::pipeline

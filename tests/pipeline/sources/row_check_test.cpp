@@ -1,0 +1,125 @@
+#include "pipeline/sources/row_check.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "core/error.h"
+#include "pipeline/sources/external_simulator.h"
+#include "tests/message_of.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// What a call gives, from its rows of theta and their seeds: one feature a row.
+using Call =
+    std::function<std::vector<double>(const RowMatrix& theta, std::span<const std::uint32_t> seeds)>;
+
+class Simulator final : public RowSimulator {
+ public:
+  explicit Simulator(Call call) : call_(std::move(call)) {}
+
+  sim::Trajectories simulate(const RowMatrix& theta, const StreamId& first) override {
+    std::vector<std::uint32_t> seeds;
+    for (Index i = 0; i < theta.rows(); ++i) seeds.push_back(row_seed(first, i));
+    sim::Trajectories result;
+    result.resize(theta.rows(), 1, 1, 1);
+    std::ranges::copy(call_(theta, seeds), result.values.begin());
+    return result;
+  }
+  Index block_size(Index num_rows) const override { return num_rows; }
+
+ private:
+  Call call_;
+};
+
+constexpr StreamId kFirst{1, kSimulationStream, 1, 0, 0};
+
+std::vector<std::string> check(Call call, bool has_noise = false, Index num_rows = 40) {
+  Simulator simulator(std::move(call));
+  RowMatrix theta(num_rows, 1);
+  for (Index i = 0; i < num_rows; ++i) theta(i, 0) = std::fmod(0.7 * static_cast<double>(i), 1.0);
+  const sim::Trajectories rows = simulator.simulate(theta, kFirst);
+  return check_rows(simulator, {theta, rows, kFirst}, has_noise);
+}
+
+double noise(std::uint32_t seed) { return Stream({seed, "noise", 0, 0, 0}).normal(); }
+
+std::vector<double> sound(const RowMatrix& theta, std::span<const std::uint32_t> seeds) {
+  std::vector<double> x;
+  for (Index i = 0; i < theta.rows(); ++i) {
+    x.push_back(theta(i, 0) + 0.1 * noise(seeds[static_cast<std::size_t>(i)]));
+  }
+  return x;
+}
+
+void expect_one(const std::vector<std::string>& warnings, const std::string& part) {
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find(part), std::string::npos) << warnings[0];
+}
+
+TEST(RowCheck, SoundRowsPass) { EXPECT_TRUE(check(sound).empty()); }
+
+TEST(RowCheck, RowsInAnotherOrderAreRefused) {
+  const auto sorted = [](const RowMatrix& theta, std::span<const std::uint32_t> seeds) {
+    std::vector<double> x = sound(theta, seeds);
+    std::ranges::sort(x);
+    return x;
+  };
+  const std::string message = message_of<InputError>([&] { check(sorted); });
+  EXPECT_NE(message.find("in another order"), std::string::npos) << message;
+  EXPECT_NE(message.find("40 rows"), std::string::npos) << message;
+}
+
+TEST(RowCheck, NoiseThatNoSeedNamesIsTold) {
+  std::uint32_t count = 0;
+  const auto unseeded = [&](const RowMatrix& theta, std::span<const std::uint32_t>) {
+    std::vector<double> x;
+    for (Index i = 0; i < theta.rows(); ++i) x.push_back(theta(i, 0) + 0.1 * noise(++count));
+    return x;
+  };
+  expect_one(check(unseeded), "the row's seed alone");
+}
+
+TEST(RowCheck, NoiseThatRowsOfACallShareIsTold) {
+  const auto shared = [](const RowMatrix& theta, std::span<const std::uint32_t> seeds) {
+    std::vector<double> x;
+    for (Index i = 0; i < theta.rows(); ++i) x.push_back(theta(i, 0) + 0.1 * noise(seeds[0]));
+    return x;
+  };
+  const std::vector<std::string> warnings = check(shared);
+  ASSERT_EQ(warnings.size(), 2u);  // they can't be repeated, either
+  EXPECT_NE(warnings[1].find("share their noise"), std::string::npos) << warnings[1];
+}
+
+TEST(RowCheck, RowsWithoutNoiseAreToldUnlessTheStudyAddsSome) {
+  const auto exact = [](const RowMatrix& theta, std::span<const std::uint32_t>) {
+    return std::vector<double>(theta.col(0).begin(), theta.col(0).end());
+  };
+  expect_one(check(exact), "no observation noise");
+  EXPECT_TRUE(check(exact, true).empty());
+  // The same random numbers in all rows look no other than none.
+  const auto same = [](const RowMatrix& theta, std::span<const std::uint32_t>) {
+    std::vector<double> x;
+    for (Index i = 0; i < theta.rows(); ++i) x.push_back(theta(i, 0) + 0.1 * noise(0));
+    return x;
+  };
+  expect_one(check(same), "whatever their seeds");
+}
+
+TEST(RowCheck, RowsThatDontDependOnAnythingAreTold) {
+  const auto constant = [](const RowMatrix& theta, std::span<const std::uint32_t>) {
+    return std::vector<double>(static_cast<std::size_t>(theta.rows()), 3.0);
+  };
+  expect_one(check(constant), "all rows are the same");
+}
+
+TEST(RowCheck, FewRowsArentJudged) {
+  const auto constant = [](const RowMatrix& theta, std::span<const std::uint32_t>) {
+    return std::vector<double>(static_cast<std::size_t>(theta.rows()), 3.0);
+  };
+  EXPECT_TRUE(check(constant, false, 7).empty());
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
