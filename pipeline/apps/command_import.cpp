@@ -236,7 +236,7 @@ void add_correction_options(CLI::App& command, ImportArguments& arguments) {
                    "compute states X_dot that the files lack of X; --differentiate=WINDOW: over so "
                    "many samples");
   command.add_option("--length", arguments.length,
-                     "'shortest' or a number of steps to cut all rollouts to");
+                     "'shortest' or a number of steps to cut all rollouts into");
   command.add_flag("--no-rate-check", arguments.no_rate_check,
                    "accept angles that wrap, and X_dot that isn't the slope of X");
 }

@@ -174,8 +174,8 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   if (options.differentiate) {
     append(differentiate(target, files, *options.differentiate), result.notes);
   }
-  append(cut_rollouts(target, options.length, names_of_files(files)), result.notes);
   if (options.check_rates) append(check_rates(target, files), result.notes);
+  append(cut_rollouts(target, options.length, names_of_files(files)), result.notes);
   target.source = options.source.empty() ? join(bare_names(paths)) : options.source;
   target.check(paths.front().string());
   return result;

@@ -21,7 +21,7 @@ struct ColumnScale {
 };
 
 /// How CSV files become a target. Options are done in this order: scales, unwrap, resample,
-/// differentiate, length; then rates are checked.
+/// differentiate, check of rates, length.
 struct CsvOptions {
   /// Columns to take, by label and in this order; other columns are ignored. An empty unit accepts
   /// the file's, any other must be the file's, but for a column with a scale.
@@ -34,9 +34,10 @@ struct CsvOptions {
   std::optional<double> resample = {};   ///< [s] between states of an even grid; none: as they are
   std::optional<Index> differentiate = {};  ///< window [samples] of the slopes that rates are,
                                             ///< which files lack; none: files must have them
-  std::optional<Index> length = {};  ///< steps to keep; 0: of the shortest rollout; none: all,
-                                     ///< which must be as many in every file
-  bool check_rates = true;           ///< false: accept rates that aren't slopes
+  std::optional<Index> length =
+      {};                   ///< steps of pieces that rollouts are cut into; 0: those of the
+                            ///< shortest; none: all, which must be as many in every file
+  bool check_rates = true;  ///< false: accept rates that aren't slopes
 };
 
 }  // namespace npdr::pipeline

@@ -15,7 +15,7 @@ void require_equal_lengths(const Target& target, const std::vector<std::string>&
     const Index num_steps = target.rollouts[h].num_steps();
     if (num_steps == target.num_steps()) continue;
     throw InputError(fmt::format(
-        "{}: has {} rows, the first file has {}; to cut the longer ones, add --length shortest or "
+        "{}: has {} rows, the first file has {}; to cut them into pieces, add --length shortest or "
         "--length STEPS",
         files[h], num_steps + 1, target.num_steps() + 1));
   }
@@ -29,9 +29,11 @@ Index shortest_of(const Target& target) {
   return shortest;
 }
 
-void cut(Rollout& rollout, Index num_steps) {
-  rollout.states.conservativeResize(num_steps + 1, Eigen::NoChange);
-  rollout.actions.conservativeResize(num_steps, Eigen::NoChange);
+Rollout piece(const Rollout& rollout, Index number, Index num_steps) {
+  const Index begin = number * num_steps;
+  return {fmt::format("{}.{}", rollout.name, number + 1),
+          rollout.states.middleRows(begin, num_steps + 1),
+          rollout.actions.middleRows(begin, num_steps)};
 }
 
 }  // namespace
@@ -43,19 +45,22 @@ std::vector<std::string> cut_rollouts(Target& target, const std::optional<Index>
     return {};
   }
   const Index num_steps = *length == 0 ? shortest_of(target) : *length;
-  std::vector<std::string> losses;
+  std::vector<std::string> origins;
+  std::vector<Rollout> pieces;
   for (std::size_t h = 0; h < files.size(); ++h) {
-    Rollout& rollout = target.rollouts[h];
-    const Index loss = rollout.num_steps() - num_steps;
-    if (loss < 0) {
+    const Rollout& rollout = target.rollouts[h];
+    const Index count = rollout.num_steps() / num_steps;
+    if (count == 0) {
       throw InputError(fmt::format("--length {}: {} has {}, must have at least as many", num_steps,
                                    files[h], counted(rollout.num_steps(), "step")));
     }
-    losses.push_back(fmt::format("{} {}", rollout.name, loss));
-    cut(rollout, num_steps);
+    for (Index k = 0; k < count; ++k) pieces.push_back(piece(rollout, k, num_steps));
+    if (count == 1) pieces.back().name = rollout.name;
+    origins.push_back(fmt::format("{} of {} ({} dropped)", count, rollout.name,
+                                  counted(rollout.num_steps() - count * num_steps, "step")));
   }
-  return {fmt::format("cut to {}; steps that are dropped: {}", counted(num_steps, "step"),
-                      join(losses))};
+  target.rollouts = std::move(pieces);
+  return {fmt::format("cut into rollouts of {}: {}", counted(num_steps, "step"), join(origins))};
 }
 
 }  // namespace npdr::pipeline

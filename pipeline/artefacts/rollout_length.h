@@ -9,10 +9,11 @@
 
 namespace npdr::pipeline {
 
-/// Cuts all rollouts to `length` steps, 0: to those of the shortest; none: checks that they are
-/// equally long. Returns what each of them loses, in a sentence. `files`: a name for each rollout,
-/// for errors. Throws InputError for a rollout with fewer steps, and for lengths that differ, with
-/// the option that helps.
+/// Cuts all rollouts into pieces of `length` steps, 0: those of the shortest; none: checks that
+/// they are equally long. A piece begins at the state that was recorded there, and is a rollout
+/// with the name "rollout.piece", where there are several. Returns what came of it, in a sentence.
+/// `files`: a name for each rollout, for errors. Throws InputError for a rollout with fewer steps,
+/// and for lengths that differ, with the option that helps.
 std::vector<std::string> cut_rollouts(Target& target, const std::optional<Index>& length,
                                       const std::vector<std::string>& files);
 

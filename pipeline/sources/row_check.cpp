@@ -68,13 +68,13 @@ StreamId stream_of(const GivenRows& rows, Index i) {
 // The row whose result is nearest to `values`.
 Index nearest(std::span<const float> values, const GivenRows& rows, const std::vector<Index>& good,
               const RowDistance& distance) {
-  return *std::ranges::min_element(
-      good, {}, [&](Index j) { return distance(values, rows.result.row(j)); });
+  return *std::ranges::min_element(good, {},
+                                   [&](Index j) { return distance(values, rows.result.row(j)); });
 }
 
 // Row i again, alone. Returns whether it is the same.
-bool repeats(RowSimulator& simulator, const GivenRows& rows, Index i, const std::vector<Index>& good,
-             const RowDistance& distance) {
+bool repeats(RowSimulator& simulator, const GivenRows& rows, Index i,
+             const std::vector<Index>& good, const RowDistance& distance) {
   const sim::Trajectories again = simulator.simulate(rows.complete.row(i), stream_of(rows, i));
   if (!is_good(again, 0)) return true;  // its failure is counted elsewhere
   if (distance(again.row(0), rows.result.row(i)) < kSame) return true;
@@ -96,7 +96,8 @@ Noise noise_of(RowSimulator& simulator, const GivenRows& rows, Index i,
   const Index calls = simulator.num_calls();
   StreamId others = rows.first;
   others.row = std::uint64_t{1} << 62;  // of no row
-  const sim::Trajectories x = simulator.simulate(rows.complete.row(i).replicate(2 * calls, 1), others);
+  const sim::Trajectories x =
+      simulator.simulate(rows.complete.row(i).replicate(2 * calls, 1), others);
   bool are_pairs_same = true, are_all_same = true;
   for (Index c = 0; c < 2 * calls; ++c) {
     if (!is_good(x, c)) return Noise::own;
@@ -123,7 +124,8 @@ std::vector<std::string> check_rows(RowSimulator& simulator, const GivenRows& ro
   if (!is_repeatable) {
     warnings.push_back(
         "a row that is simulated again on its own, with the same parameters and seed, is another: "
-        "the simulator draws random numbers that aren't made from the row's seed alone; npdr verify "
+        "the simulator draws random numbers that aren't made from the row's seed alone; npdr "
+        "verify "
         "and runs that are repeated get other rows");
   }
   const Noise noise = noise_of(simulator, rows, middle, distance);

@@ -125,8 +125,9 @@ std::vector<std::vector<Index>> rank_truths(const PendulumTask& task,
   return all;
 }
 
-// Each p-value falls below 1 % by chance in 1 % of all seeds; there are four of them, with fixed
-// seeds.
+// One of the four p-values falls below 1e-4 by chance once in 2500 trainings: seeds are fixed, but
+// other instruction sets round in other ways, and so train other networks. A posterior that is 25 %
+// too narrow is below it with 400 truths (sbc_test.cpp).
 class PendulumCalibration : public testing::TestWithParam<inference::EstimatorKind> {};
 
 TEST_P(PendulumCalibration, RanksOfTheTruthAreUniform) {
@@ -139,7 +140,7 @@ TEST_P(PendulumCalibration, RanksOfTheTruthAreUniform) {
     std::cout << name_of(GetParam()) << ", " << name << ": " << kNumTruths << " truths, ranks";
     for (const Index count : test.counts) std::cout << ' ' << count;
     std::cout << ", chi^2 = " << test.statistic << ", p = " << test.p_value << '\n';
-    EXPECT_GT(test.p_value, 0.01) << name;
+    EXPECT_GT(test.p_value, 1e-4) << name;
   }
 }
 

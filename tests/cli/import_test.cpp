@@ -190,9 +190,12 @@ TEST_F(ImportOfLabs, RolloutsOfDifferentLengths) {
   EXPECT_TRUE(says(rejected({}), {"npdr import: b.csv: has 151 rows, the first file has 201",
                                   "--length shortest or --length STEPS"}));
   EXPECT_TRUE(says(imported({"--length", "shortest"}),
-                   {"cut to 150 steps; steps that are dropped: a 50, b 0", "\nchecked", "\nwrote",
-                    "150 steps", "\nnext"}));
-  EXPECT_NE(imported({"--length", "100"}).find("a 100, b 50"), std::string::npos);
+                   {"checked", "\ncut into rollouts of 150 steps: 1 of a (50 steps dropped)",
+                    "1 of b (0 steps dropped)", "\nwrote", "150 steps", "\nnext"}));
+  EXPECT_NE(
+      imported({"--length", "100"}).find("2 of a (0 steps dropped), 1 of b (50 steps dropped)"),
+      std::string::npos);
+  EXPECT_EQ(target().num_rollouts(), 3);
   EXPECT_TRUE(says(rejected({"--length", "180"}),
                    {"npdr import: --length 180: b.csv has 150 steps", "at least as many"}));
   for (const char* word : {"0", "-1", "longest"}) {

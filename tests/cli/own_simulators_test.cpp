@@ -341,6 +341,30 @@ TEST_F(OwnSimulators, NewStudiesFitWhatTheyAreFor) {
   EXPECT_EQ(npdr({"new", "mine", "--library", "spring.so"}).status, 2) << "it is there already";
 }
 
+TEST_F(OwnSimulators, NewStudiesTakeARecording) {
+  write_recording(furuta_recording(4), folder_ / "recorded.h5");
+  const Outcome outcome =
+      npdr({"new", "real", "--recording", "recorded.h5", "--simulator", "furuta"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string text = text_of(folder_ / "real.toml");
+  for (const char* part :
+       {"recording = \"recorded.h5\"", "held_out = ", "all_steps", "principal_components"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
+  }
+  EXPECT_EQ(npdr({"validate", "--quiet", "real.toml"}).status, 0) << text;
+  const Outcome other =
+      npdr({"new", "other", "--recording", "recorded.h5", "--simulator", "pendulum"});
+  EXPECT_EQ(other.status, 2) << other.out;
+}
+
+TEST_F(OwnSimulators, NewStudiesTakeAModelOfMujoco) {
+  if (!fs::exists(NPDR_BINARY_DIR "/lib/npdr_mujoco.so")) GTEST_SKIP() << "no MuJoCo";
+  copy_example("cartpole");
+  const Outcome outcome = npdr({"new", "pole", "--mjcf", "cartpole.xml"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(npdr({"validate", "--quiet", "pole.toml"}).status, 0) << text_of(folder_ / "pole.toml");
+}
+
 // The cart-pole is recorded by a program of its own, and found again.
 TEST_F(OwnSimulators, AModelOfMujocoExplainsARecording) {
   const std::string python = python_with("mujoco");

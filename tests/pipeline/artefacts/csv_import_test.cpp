@@ -99,7 +99,7 @@ TEST_F(CsvImport, FilesMustBeAlike) {
   };
   EXPECT_TRUE(says(
       second(replaced(kCsv, "0.2,0.3,3,7\n", ""), pendulum_options()),
-      {"b.csv: has 2 rows, the first file has 3", "cut the longer ones", "--length shortest"}));
+      {"b.csv: has 2 rows, the first file has 3", "cut them into pieces", "--length shortest"}));
   EXPECT_TRUE(
       says(second("t [s],theta [rad],theta_dot [rad/s],torque [N m]\n0,1,1,1\n1,1,1,1\n2,1,1,1\n",
                   pendulum_options()),
@@ -326,7 +326,7 @@ TEST_F(CsvImport, CutsRolloutsToOneLength) {
   const ImportedRecording recording = import_csv(
       {folder_.file("a.csv", kCsv + "0.3,0.4,4,8\n"), folder_.file("b.csv", kCsv)}, options);
   EXPECT_EQ(recording.target.num_steps(), 2);
-  EXPECT_EQ(recording.notes.at(0), "cut to 2 steps; steps that are dropped: a 1, b 0");
+  EXPECT_TRUE(says(recording.notes.back(), {"cut into rollouts of 2 steps", "1 of a (1 step"}));
 }
 
 // A pendulum that goes round with this rate [rad/s], its angle as a device gives it.

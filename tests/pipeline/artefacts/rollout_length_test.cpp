@@ -18,21 +18,31 @@ Target target_of(const std::vector<Index>& lengths) {
   return target;
 }
 
-TEST(RolloutLength, IsCutToTheShortestOrANumber) {
+TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
   Target target = target_of({5, 3});
-  EXPECT_EQ(cut_rollouts(target, 0, kFiles),
-            std::vector<std::string>{"cut to 3 steps; steps that are dropped: a 2, b 0"});
+  EXPECT_EQ(
+      cut_rollouts(target, 0, kFiles),
+      std::vector<std::string>{
+          "cut into rollouts of 3 steps: 1 of a (2 steps dropped), 1 of b (0 steps dropped)"});
   target.check("x");
   EXPECT_EQ(target.num_steps(), 3);
+  EXPECT_EQ(target.rollouts[0].name, "a");
   EXPECT_DOUBLE_EQ(target.rollouts[0].states(3, 0), 0.6) << "the first steps are kept";
-  cut_rollouts(target, 2, kFiles);
-  EXPECT_EQ(target.num_steps(), 2);
+
+  Target long_one = target_of({5, 3});
+  cut_rollouts(long_one, 2, kFiles);
+  long_one.check("x");
+  ASSERT_EQ(long_one.num_rollouts(), 3);
+  EXPECT_EQ(long_one.rollouts[1].name, "a.2");
+  EXPECT_EQ(long_one.rollouts[2].name, "b");
+  const RowMatrix second = Vector{{0.4, 0.6, 0.8}};
+  EXPECT_TRUE(long_one.rollouts[1].states.isApprox(second)) << "it begins where the first one ends";
 }
 
 TEST(RolloutLength, MayDifferOnlyWithAnOption) {
   Target target = target_of({5, 3});
   EXPECT_TRUE(says(message_of<InputError>([&] { cut_rollouts(target, {}, kFiles); }),
-                   {"b.csv: has 4 rows, the first file has 6", "cut the longer ones",
+                   {"b.csv: has 4 rows, the first file has 6", "cut them into pieces",
                     "--length shortest or --length STEPS"}));
   EXPECT_TRUE(says(message_of<InputError>([&] { cut_rollouts(target, 4, kFiles); }),
                    {"--length 4: b.csv has 3 steps", "must have at least as many"}));

@@ -12,8 +12,8 @@ namespace npdr::pipeline {
 namespace {
 
 // What a call gives, from its rows of theta and their seeds: one feature a row.
-using Call =
-    std::function<std::vector<double>(const RowMatrix& theta, std::span<const std::uint32_t> seeds)>;
+using Call = std::function<std::vector<double>(const RowMatrix& theta,
+                                               std::span<const std::uint32_t> seeds)>;
 
 class Simulator final : public RowSimulator {
  public:
