@@ -1,4 +1,4 @@
-// What it costs to ask a simulator of the user's in place of calling it: rows a second through a
+// Cost of asking a simulator of the user's in place of calling it: rows a second through a
 // worker against the same function of Python called directly, through a library against the same
 // function of C linked into this program, through the library for MuJoCo against mujoco.rollout.
 // Every pair does the same work on one thread, in turn; the best of several repetitions counts.

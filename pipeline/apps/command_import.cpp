@@ -11,9 +11,9 @@
 #include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/artefacts/csv_import.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
+#include "pipeline/import/csv_import.h"
 #include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
@@ -82,8 +82,10 @@ Channels channels_of_arguments(const ImportArguments& arguments) {
     config.name = arguments.simulator;
     return channels_of(sim::make_simulator(config)->info());
   }
-  if (arguments.states.empty() || arguments.actions.empty()) {
-    throw InputError("say which columns to take: --simulator NAME, or --states and --actions");
+  if (arguments.states.empty()) {
+    throw InputError(
+        "say which columns to take: --simulator NAME, or --states and --actions, if it "
+        "has any");
   }
   return {parse_channels(arguments.states), parse_channels(arguments.actions)};
 }
@@ -209,7 +211,7 @@ constexpr const char* kExample =
     "    --unwrap alpha --differentiate -o recording.h5\n"
     "What each option does to the numbers: docs/file-formats.md, 'Recordings as CSV'.\n";
 
-// What a file's lines mean.
+// Adds the options for how a file's lines are read.
 void add_format_options(CLI::App& command, ImportArguments& arguments) {
   command.add_option("--delimiter", arguments.delimiter, "between columns: ',', ';', '|' or tab")
       ->capture_default_str();
@@ -217,7 +219,7 @@ void add_format_options(CLI::App& command, ImportArguments& arguments) {
   command.add_option("--dt", arguments.dt, "[s] where there is no column 't [s]'");
 }
 
-// What is done to the numbers.
+// Adds the options for what is done to the numbers.
 void add_correction_options(CLI::App& command, ImportArguments& arguments) {
   command
       .add_option("--scale", arguments.scales,
@@ -253,7 +255,9 @@ void add_import_command(CLI::App& app, int& result) {
   command->add_option("--x", arguments->x, "with --theta: features, as many rows");
   command->add_option("-o,--output", arguments->output, "the HDF5 file to write")->required();
   command->add_option("--simulator", arguments->simulator, "take this simulator's channels");
-  command->add_option("--states", arguments->states, "columns, such as 'theta [rad],alpha [rad]'")
+  command
+      ->add_option("--states", arguments->states,
+                   "columns, with commas between them, such as 'theta [rad],alpha [rad]'")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--actions", arguments->actions, "columns, such as 'voltage [V]'")

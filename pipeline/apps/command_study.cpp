@@ -13,6 +13,7 @@
 #include "pipeline/apps/new_study.h"
 #include "pipeline/apps/size_text.h"
 #include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"
 #include "pipeline/config/study_reader.h"
@@ -48,17 +49,17 @@ void print_policy_searches(const Plan& plan) {
 void print_feature_work(const Plan& plan) {
   const Study& study = plan.study;
   const auto num_features = static_cast<Index>(study.external.features.size());
-  Index rows = 0, calls = 0, posteriors = 0, evaluations = 0, diagnoses = 0;
+  Index rows = 0, num_shards = 0, posteriors = 0, evaluations = 0, diagnoses = 0;
   for (const Node& node : plan.nodes) {
     if (node.stage == Stage::infer) ++posteriors;
     if (node.stage == Stage::evaluate) ++evaluations;
     if (node.stage == Stage::diagnose) ++diagnoses;
     if (node.stage != Stage::simulate) continue;
     rows += num_rows(plan, node);
-    calls += static_cast<Index>(shards(plan, node).size());
+    num_shards += static_cast<Index>(shards(plan, node).size());
   }
   const std::string source = study.source().simulates
-                                 ? fmt::format("simulations in {} calls of the command", calls)
+                                 ? fmt::format("simulations in {}", counted(num_shards, "shard"))
                                  : "rows of the dataset";
   fmt::print("{} artefacts: {} {}, {} features each, {} to train, at most {} of x\n",
              plan.nodes.size(), rows, source, num_features, counted(posteriors, "posterior"),
@@ -74,10 +75,13 @@ void print_work(const Plan& plan) {
   const Study& study = plan.study;
   if (!study.source().gives_motion) return print_feature_work(plan);
   const bool is_recorded = study.target.recording.has_value();
+  const auto& inputs = study.target.inputs;
   const sim::SimulatorInfo& info = plan.source->info();
   const Index num_rollouts =
       is_recorded ? plan.target.num_rollouts() - study.target.held_out : study.target.num_rollouts;
-  const Index num_steps = is_recorded ? plan.target.num_steps() : info.num_steps;
+  const Index num_steps = is_recorded ? plan.target.num_steps()
+                          : inputs    ? read_recording(*inputs).num_steps()
+                                      : info.num_steps;
   const auto num_states = static_cast<Index>(info.state_channels.size());
   Index evaluations = 0, diagnoses = 0, rows = 0, posteriors = 0, bytes = 0, rollouts = 0;
   for (const Node& node : plan.nodes) {

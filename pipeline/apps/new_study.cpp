@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "core/error.h"
-#include "core/feature_names.h"
 #include "core/text.h"
 #include "pipeline/artefacts/channels.h"
 #include "pipeline/artefacts/recording.h"
@@ -23,12 +23,34 @@ constexpr Index kMostComponents = 40;
 // More parameters than these are listed, but left out of the prior.
 constexpr std::size_t kMostUnknown = 8;
 
+// Basic strings of TOML are those of JSON.
+std::string quoted_toml(const std::string& text) { return nlohmann::json(text).dump(); }
+
 std::string toml_list(const std::vector<Channel>& channels) {
   std::vector<std::string> names;
   for (const Channel& channel : channels) {
-    names.push_back(fmt::format("\"{} [{}]\"", channel.label, channel.unit));
+    names.push_back(quoted_toml(fmt::format("{} [{}]", channel.label, channel.unit)));
   }
   return "[" + join(names) + "]";
+}
+
+bool is_bare(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-'; }
+
+// A name as a dotted key, the parts that need it in quotes.
+std::string toml_key(const std::string& name) {
+  std::vector<std::string> parts;
+  for (const std::string& part : split(name, '.')) {
+    const bool is_plain = !part.empty() && std::ranges::all_of(part, is_bare);
+    parts.push_back(is_plain ? part : quoted_toml(part));
+  }
+  return join(parts, ".");
+}
+
+// A text that stays in its line.
+std::string toml_comment(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }, ' ');
+  return text;
 }
 
 // Sections of the text, one after the other.
@@ -145,15 +167,6 @@ class Writer {
     if (!value.empty()) text_ += fmt::format("{} = {}\n", key, quoted_toml(value));
   }
 
-  static std::string quoted_toml(const std::string& text) {
-    std::string all = "\"";
-    for (const char c : text) {
-      if (c == '"' || c == '\\') all += '\\';
-      all += c;
-    }
-    return all + "\"";
-  }
-
   // Half to one and a half of the nominal value, inside of the limits; what is nothing at nominal
   // says nothing of its size.
   static std::string marginal(const sim::Parameter& p) {
@@ -183,8 +196,8 @@ class Writer {
     for (std::size_t i = 0; i < info_.parameters.size(); ++i) {
       const sim::Parameter& p = info_.parameters[i];
       const bool is_left_out = i >= kMostUnknown || p.nominal == 0.0;
-      text_ += fmt::format("{}{} = {}  # [{}] {}\n", is_left_out ? "# " : "", p.name, marginal(p),
-                           p.unit, p.description);
+      text_ += fmt::format("{}{} = {}  # [{}] {}\n", is_left_out ? "# " : "", toml_key(p.name),
+                           marginal(p), toml_comment(p.unit), toml_comment(p.description));
     }
     text_ += "\n";
   }

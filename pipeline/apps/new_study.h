@@ -1,12 +1,11 @@
 /// The study that `npdr new NAME` writes for a simulator or recording of the user's.
 #pragma once
 
-#include <optional>
 #include <string>
 
 namespace npdr::pipeline {
 
-/// What a new study is about; at most one simulator.
+/// Subject of a new study; at most one simulator.
 struct NewStudy {
   std::string name;
   std::string simulator;  ///< a built-in one

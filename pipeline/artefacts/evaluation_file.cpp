@@ -54,8 +54,8 @@ void describe(Layout f, Evaluation& e, const std::vector<inference::Marginal>& p
          "the [metrics](methods.md#evaluation) of `evaluate.metrics`; those of held-out rollouts "
          "are `held_out_rmse`, ...; NaN where the rollouts failed");
   f("nominal_log_prob", e.nominal_log_prob, {},
-    "posterior density of the nominal parameters; -infinity outside of the prior; only for a "
-    "built-in simulator");
+    "posterior density of the nominal parameters; -infinity outside of the prior; only where all "
+    "parameters have a nominal value");
   f("truth_log_prob", e.truth_log_prob, {}, "that of the truth; only for a simulated target");
   describe(f, e.reference_log_prob);
   Layout map = f.group("map");

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -23,7 +22,7 @@ struct Layout {
   std::vector<Index> columns;
 };
 
-// What a file must hold.
+// Content that a file must have.
 struct Expected {
   std::vector<Channel> features;  // empty: whatever there is
   bool needs_names;               // nobody knows the order of columns without

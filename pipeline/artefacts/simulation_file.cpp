@@ -36,7 +36,7 @@ void describe_rows(Layout f, const std::vector<inference::Marginal>& prior, Inde
   f.rows_later<std::uint8_t>("status", {num_rows}, {row}, "0: ok, else how the row failed")
       .attribute("meaning", status_meanings(), "`0 ok`, `1 diverged`, ...");
   f.rows_later<float>("seconds", {num_rows}, {row},
-                      "time that the row took: that of its block of up to 256 rows, shared evenly")
+                      "time that the row took: that of its block of rows, shared evenly")
       .attribute("volatile", Index{1}, "1: not part of the digest");
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <set>
 
-#include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/task_log.h"
 #include "pipeline/plan/completeness.h"

@@ -12,8 +12,7 @@ namespace {
 constexpr std::size_t kMostNodes = 48;
 
 bool is_preparation(const Node& node) {
-  return node.stage == Stage::target || node.stage == Stage::held_out ||
-         node.stage == Stage::propose;
+  return traits_of(node.stage).resources == &ClusterConfig::prepare;
 }
 
 void add_once(std::vector<std::size_t>& list, std::size_t value) {

@@ -71,7 +71,7 @@ class ScriptWriter {
   void write_options() {
     const std::string id = job_.is_array() ? "%A_%a" : "%j";
     const std::string logs = without_patterns(context_.logs.string());
-    option("job-name", fmt::format("npdr-{}-{}", folder_name(context_.plan.study.name), kind()));
+    option("job-name", fmt::format("npdr-{}-{}", folder_slug(context_.plan.study.name), kind()));
     option("comment", tag_of(context_.plan, job_).text());
     option("chdir", context_.folder);
     option("output", fmt::format("{}/{}-{}.log", logs, file_stem_of(context_.plan, job_), id));
@@ -157,7 +157,7 @@ std::string job_script(const ScriptContext& context, const Job& job) {
 }
 
 std::string file_stem_of(const Plan& plan, const Job& job) {
-  std::string stem = folder_name(label_of(plan, job));
+  std::string stem = folder_slug(label_of(plan, job));
   // A study of many seeds has several such jobs.
   if (stem == kPrepareLabel) {
     stem = fmt::format("{}-{}", kPrepareLabel, plan.nodes[job.nodes.front()].key.substr(0, 8));

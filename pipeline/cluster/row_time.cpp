@@ -41,7 +41,7 @@ double time_rows(const Plan& plan) {
 std::optional<double> seconds_per_row(const Plan& plan) {
   if (const auto seconds = seconds_so_far(plan)) return seconds;
   if (!plan.study.source().simulates) return 0.0;
-  if (!plan.study.source().gives_motion) return std::nullopt;
+  if (plan.study.source().calls_program) return std::nullopt;
   return time_rows(plan);
 }
 

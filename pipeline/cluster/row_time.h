@@ -7,8 +7,8 @@
 
 namespace npdr::pipeline {
 
-/// [s] of one core: what complete shards of the study took, else, of a built-in simulator, what a
-/// few draws of the prior take here; 0 of a dataset. None: not known before a command has been run.
+/// [s] of one core: what complete shards of the study took, else what a few draws of the prior take
+/// here; 0 of a dataset. None: not known of a program of the user's, which isn't started for that.
 /// Throws InputError for a damaged shard, Error when a truth can't be simulated.
 std::optional<double> seconds_per_row(const Plan& plan);
 

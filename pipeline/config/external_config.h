@@ -14,7 +14,7 @@
 
 namespace npdr::pipeline {
 
-/// What a study says of a domain parameter of the user's simulator.
+/// A domain parameter of the user's simulator, as a study describes it.
 struct DescribedParameter {
   std::string name;
   std::string unit = "1";

@@ -28,7 +28,7 @@ fs::path mujoco_library() {
   return file;
 }
 
-// What the study asks of the model, in an order that doesn't depend on the prior's; without a
+// Requests of the study to the model, in an order that doesn't depend on the prior's; without a
 // prior, all that the model has.
 nlohmann::ordered_json mujoco_settings(const Study& study) {
   std::set<std::string> parameters;
@@ -36,6 +36,9 @@ nlohmann::ordered_json mujoco_settings(const Study& study) {
   for (const auto& [name, value] : study.simulator.parameters) parameters.insert(name);
   if (study.target.truth) {
     for (const auto& [name, value] : *study.target.truth) parameters.insert(name);
+  }
+  for (const ReferenceConfig& reference : study.references) {
+    for (const auto& [name, value] : reference.parameters) parameters.insert(name);
   }
   return {{"model", fs::absolute(*study.external.mjcf).string()},
           {"parameters",

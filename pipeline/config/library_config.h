@@ -1,4 +1,4 @@
-/// What a study's library, or model of MuJoCo, is loaded with.
+/// Settings that a study's library, or model of MuJoCo, is loaded with.
 #pragma once
 
 #include "pipeline/config/study.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"

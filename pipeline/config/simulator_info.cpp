@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/error.h"
 #include "core/feature_names.h"
 #include "pipeline/config/library_config.h"
 #include "sim/library/library_simulator.h"

@@ -88,7 +88,17 @@ class SourceChecker : Checker {
       if (is_low || is_high) {
         fail(path + ".nominal", fmt::format("{}", *p.nominal), "in the parameter's limits");
       }
+      if (!p.nominal && !is_in_prior(p.name) && !study_.simulator.parameters.contains(p.name)) {
+        reading_.fail(path + ".nominal",
+                      fmt::format("{} of '{}' is missing, must be a number: neither [prior] nor "
+                                  "simulator.parameters has the parameter",
+                                  display(path + ".nominal"), p.name));
+      }
     }
+  }
+
+  bool is_in_prior(const std::string& name) const {
+    return std::ranges::count(study_.prior, name, &inference::Marginal::name) > 0;
   }
 
   // Channels that the study names, of a program or a model of MuJoCo.
@@ -107,8 +117,20 @@ class SourceChecker : Checker {
     std::set<std::string> labels;
     for (const std::string& name : names) {
       const std::string label = parse_feature(name).label;
-      if (!label.empty() && labels.insert(label).second) continue;
+      if (!label.empty() && labels.insert(label).second) {
+        if (study_.external.command) check_column(path, label);
+        continue;
+      }
       fail(path, quoted(name), fmt::format("distinct labels, such as \"{}\"", example));
+    }
+  }
+
+  // They head the columns of the files that a command reads.
+  void check_column(const char* path, const std::string& label) {
+    const Constraint<std::string> allowed = column_name();
+    if (!satisfies(label, allowed)) fail(path, quoted(label), allowed.words);
+    if (label == "steps" || label == "past") {
+      fail(path, quoted(label), "another name: a file of segments has a column of this one");
     }
   }
 
@@ -148,9 +170,7 @@ class SourceChecker : Checker {
     check_unused();
     check_names();
     check_target();
-    for (std::size_t i = 0; i < study_.references.size(); ++i) {
-      check_complete(fmt::format("reference[{}].parameters", i), study_.references[i].parameters);
-    }
+    check_values();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       check_method(fmt::format("method[{}]", i), study_.methods[i]);
     }
@@ -163,6 +183,8 @@ class SourceChecker : Checker {
       check_channels();
       check_truths_beginning();
     }
+    if (study_.external.command) check_parameter_names();
+    if (!source_.describes_itself) check_values();
     for (const Metric metric : study_.evaluate.metrics) {
       if (metric != Metric::distance) continue;
       fail("evaluate.metrics", quoted(name_of(metric)), "left out: it is for a simulator.command");
@@ -196,6 +218,11 @@ class SourceChecker : Checker {
       if (!satisfies(label, allowed)) fail("simulator.features", quoted(name), allowed.words);
       if (!features.insert(label).second) fail("simulator.features", quoted(name), "there once");
     }
+    check_parameter_names();
+  }
+
+  void check_parameter_names() {
+    const Constraint<std::string> allowed = column_name();
     for (const inference::Marginal& marginal : study_.prior) {
       if (satisfies(marginal.name, allowed)) continue;
       reading_.fail("prior." + marginal.name, fmt::format("prior: the name {} must be {}",
@@ -206,6 +233,13 @@ class SourceChecker : Checker {
       reading_.fail(
           "simulator.parameters." + name,
           fmt::format("simulator.parameters: the name {} must be {}", quoted(name), allowed.words));
+    }
+  }
+
+  void check_values() {
+    if (study_.target.truth) check_complete("target.truth", *study_.target.truth);
+    for (std::size_t i = 0; i < study_.references.size(); ++i) {
+      check_complete(fmt::format("reference[{}].parameters", i), study_.references[i].parameters);
     }
   }
 
@@ -230,15 +264,14 @@ class SourceChecker : Checker {
                                 "value }}, must have one of them",
                                 target.truth ? "both" : "neither", target.truth ? "and" : "nor"));
     } else if (target.truth) {
-      check_truth(*target.truth);
+      check_truth();
     } else {
       must_be_left_out("target.seed", "it picks the random behavior of a truth");
       require_file("target.observation", *target.observation, "an existing CSV or HDF5 file");
     }
   }
 
-  void check_truth(const std::map<std::string, double>& truth) {
-    check_complete("target.truth", truth);
+  void check_truth() {
     if (!study_.external.features.empty() || !source_.simulates) return;
     reading_.fail("simulator.features",
                   "simulator.features is missing, must be the names of what x holds: with a truth "
@@ -281,23 +314,23 @@ class SourceChecker : Checker {
   std::string what_;
 };
 
-// Keys of the table [simulator] that say where rows come from.
+// Those of the keys that say where rows come from that the study has.
 std::vector<std::string> sources_of(const Study& study) {
-  std::vector<std::string> found;
   const ExternalConfig& external = study.external;
-  if (!study.simulator.name.empty()) found.emplace_back("name");
-  if (external.command) found.emplace_back("command");
-  if (external.worker) found.emplace_back("worker");
-  if (external.library) found.emplace_back("library");
-  if (external.mjcf) found.emplace_back("mjcf");
-  if (external.dataset) found.emplace_back("dataset");
+  const std::array<bool, kSourceKeys.size()> is_there = {
+      !study.simulator.name.empty(), external.command.has_value(), external.worker.has_value(),
+      external.library.has_value(),  external.mjcf.has_value(),    external.dataset.has_value()};
+  std::vector<std::string> found;
+  for (std::size_t i = 0; i < is_there.size(); ++i) {
+    if (is_there[i]) found.emplace_back(kSourceKeys[i]);
+  }
   return found;
 }
 
 }  // namespace
 
 bool has_source(const Study& study, const Reading& reading) {
-  for (const char* source : {"name", "command", "worker", "library", "mjcf", "dataset"}) {
+  for (const char* source : kSourceKeys) {
     if (!reading.good(std::string("simulator.") + source)) return false;
   }
   return sources_of(study).size() == 1;

@@ -1,6 +1,8 @@
 /// Kinds of sources that rows of simulations come from, and what can be expected of each.
 #pragma once
 
+#include <array>
+
 namespace npdr::pipeline {
 
 enum class SourceKind {
@@ -30,5 +32,9 @@ struct SourceTraits {
 };
 
 const SourceTraits& traits_of(SourceKind kind);
+
+/// Keys of [simulator] that say where rows come from; a study has one of them.
+inline constexpr std::array<const char*, 6> kSourceKeys = {"name",    "command", "worker",
+                                                           "library", "mjcf",    "dataset"};
 
 }  // namespace npdr::pipeline

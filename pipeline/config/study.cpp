@@ -66,7 +66,7 @@ std::vector<std::string> measured_names(const Study& study) {
 
 std::vector<std::string> all_measured_names() { return with_held_out(names_of<Metric>()); }
 
-std::string folder_name(const std::string& name) {
+std::string folder_slug(const std::string& name) {
   std::string folder;
   for (const char c : name) {
     const auto letter = static_cast<unsigned char>(c);

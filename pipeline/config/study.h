@@ -159,6 +159,6 @@ std::vector<std::string> all_measured_names();
 inline constexpr std::string_view kHeldOutPrefix = "held_out_";
 
 /// A name as a folder: lower case letters, digits and '-': "NPDR (MAF)" is "npdr-maf".
-std::string folder_name(const std::string& name);
+std::string folder_slug(const std::string& name);
 
 }  // namespace npdr::pipeline

@@ -201,13 +201,13 @@ void StudyChecker::check_diagnose() {
 // They share the columns of tables with methods and baselines.
 void StudyChecker::check_references() {
   std::set<std::string> names = {"nominal", "truth", "floor"};
-  for (const MethodConfig& method : study_.methods) names.insert(folder_name(method.name));
+  for (const MethodConfig& method : study_.methods) names.insert(folder_slug(method.name));
   for (std::size_t i = 0; i < study_.references.size(); ++i) {
     const std::string path = fmt::format("reference[{}]", i);
     const ReferenceConfig& reference = study_.references[i];
     check_values(path + ".parameters", reference.parameters);
     if (!reading_.good(path + ".name")) continue;
-    if (names.insert(folder_name(reference.name)).second) continue;
+    if (names.insert(folder_slug(reference.name)).second) continue;
     fail(path + ".name", quoted(reference.name),
          "unlike other references, methods, 'nominal', 'truth' and 'floor' in its letters a-z and "
          "digits");
@@ -254,7 +254,7 @@ void StudyChecker::check_method_names() {
     const std::string path = fmt::format("method[{}].name", i);
     const std::string& name = study_.methods[i].name;
     if (!reading_.good(path)) continue;
-    const auto [found, is_new] = names.emplace(folder_name(name), name);
+    const auto [found, is_new] = names.emplace(folder_slug(name), name);
     if (is_new) continue;
     const std::string& other = found->second;
     fail(path, quoted(name),

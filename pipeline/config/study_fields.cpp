@@ -28,13 +28,15 @@ bool is_printable(const std::string& line) {
 }
 
 // Options of sbatch that a job's own need: what it says in them is what makes it findable, and
-// start at the right time.
+// start at the right time. Long ones may be abbreviated, short ones end where their value begins.
 bool is_own_option(const std::string& text) {
   static const std::set<std::string> own = {
       "--array",     "--chdir",  "--comment",  "--dependency", "--error", "--kill-on-invalid-dep",
       "--open-mode", "--output", "--parsable", "--signal",     "--wait",  "--wrap",
       "-a",          "-D",       "-d",         "-e",           "-o",      "-W"};
-  return own.contains(text.substr(0, text.find_first_of("= ")));
+  if (!text.starts_with("--")) return own.contains(text.substr(0, 2));
+  const std::string name = text.substr(0, text.find_first_of("= "));
+  return std::ranges::any_of(own, [&](const std::string& o) { return o.starts_with(name); });
 }
 
 bool is_option(const std::string& text) {

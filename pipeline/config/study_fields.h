@@ -143,7 +143,7 @@ void describe(Fields& f, ExternalConfig& c) {
   f.list("parameter", c.parameters, 0, "a domain parameter of the user's simulator",
          [](auto& t, auto& p) { describe(t, p); });
   f("files", c.files, anything<std::vector<std::string>>(),
-    "further files that results depend on, seen from the study file's folder");
+    "further files that results depend on, seen from the folder where the program runs");
   f("settings", c.settings, anything<FreeTable>(), "what the library reads");
   f("dt", c.dt, not_negative(), "step of a truth's rollouts [s]");
   f("num_steps", c.num_steps, count_from(0), "steps of a truth's rollouts");

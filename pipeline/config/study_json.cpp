@@ -36,19 +36,15 @@ std::vector<inference::Marginal> prior_from_json(const Json& json, const std::st
 }
 
 template Json to_json(const sim::SimulatorConfig&);
-template Json to_json(const ExternalConfig&);
 template Json to_json(const inference::EmbeddingConfig&);
 template Json to_json(const inference::EstimatorConfig&);
 template Json to_json(const inference::TrainingConfig&);
 template Json to_json(const inference::AlgorithmConfig&);
 template Json to_json(const inference::SamplerConfig&);
-template Json to_json(const TargetConfig&);
 template Json to_json(const ObservationNoise&);
 template Json to_json(const MethodConfig&);
-template Json to_json(const EvaluateConfig&);
 template Json to_json(const DiagnoseConfig&);
 template Json to_json(const PolicyConfig&);
-template Json to_json(const ReportConfig&);
 
 template sim::SimulatorConfig from_json(const Json&, const std::string&);
 template SimulatorTable from_json(const Json&, const std::string&);

@@ -17,17 +17,18 @@ namespace npdr::pipeline {
 nlohmann::ordered_json to_json(const Study& study);
 
 /// One part of a study. Config is one of sim::SimulatorConfig, inference::EmbeddingConfig,
-/// EstimatorConfig, TrainingConfig, AlgorithmConfig; TargetConfig, ObservationNoise, MethodConfig,
-/// EvaluateConfig, ReportConfig.
+/// EstimatorConfig, TrainingConfig, AlgorithmConfig, SamplerConfig; ObservationNoise, MethodConfig,
+/// DiagnoseConfig, PolicyConfig.
 template <class Config>
 nlohmann::ordered_json to_json(const Config& config);
 
 nlohmann::ordered_json to_json(const std::vector<inference::Marginal>& prior);
 
 /// The inverse of to_json() for the parts that a posterior artefact needs to be used again: Config
-/// is one of sim::SimulatorConfig, inference::EmbeddingConfig, EstimatorConfig, TrainingConfig,
-/// AlgorithmConfig. `where` (a file name) begins the message of the InputError that an unknown key,
-/// a wrong type or a value that isn't allowed throws. A missing key keeps its default.
+/// is one of sim::SimulatorConfig, SimulatorTable, inference::EmbeddingConfig, EstimatorConfig,
+/// TrainingConfig, AlgorithmConfig, SamplerConfig. `where` (a file name) begins the message of the
+/// InputError that an unknown key, a wrong type or a value that isn't allowed throws. A missing key
+/// keeps its default.
 template <class Config>
 Config from_json(const nlohmann::ordered_json& json, const std::string& where);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/config/source_traits.h"
 #include "pipeline/config/study_keys.h"
 
 namespace npdr::pipeline {
@@ -151,9 +153,9 @@ void assign(toml::table& table, std::span<const std::string> path, const Assignm
 }
 
 // Removes the keys that one that was set excludes.
-void keep_only(toml::table& table, const std::string& set, const std::vector<std::string>& rivals) {
-  if (std::find(rivals.begin(), rivals.end(), set) == rivals.end()) return;
-  for (const std::string& rival : rivals) {
+void keep_only(toml::table& table, const std::string& set, std::span<const char* const> rivals) {
+  if (std::ranges::find(rivals, set) == rivals.end()) return;
+  for (const std::string rival : rivals) {
     if (rival != set) table.erase(rival);
   }
 }
@@ -161,14 +163,14 @@ void keep_only(toml::table& table, const std::string& set, const std::vector<std
 void remove_rival(toml::table& document, const Path& path) {
   toml::table* table = document[path.front()].as_table();
   if (path.size() < 2 || table == nullptr) return;
-  if (path[0] == "simulator") keep_only(*table, path[1], {"name", "command", "dataset"});
+  if (path[0] == "simulator") keep_only(*table, path[1], kSourceKeys);
   if (path[0] != "target") return;
   if (path[1] != "truth" && table->contains("truth") &&
       (path[1] == "recording" || path[1] == "observation")) {
     // They are of the truth: how many rollouts to simulate isn't how many to use of a recording.
-    for (const char* key : {"seed", "num_rollouts"}) table->erase(key);
+    for (const char* key : {"seed", "num_rollouts", "inputs"}) table->erase(key);
   }
-  keep_only(*table, path[1], {"recording", "truth", "observation"});
+  keep_only(*table, path[1], std::array{"recording", "truth", "observation"});
 }
 
 }  // namespace

@@ -60,8 +60,9 @@ class TomlFields {
     const toml::node* node = look_up(key);
     if (node == nullptr && minimum == 0) return;
     if (node == nullptr || !node->is_array_of_tables()) {
-      reading_.fail(below(key), minimum > 0 ? "needs at least one [[" + key + "]] table"
-                                            : "must be made of [[" + key + "]] tables");
+      const std::string tables = "[[" + display(below(key)) + "]] table";
+      reading_.fail(below(key), minimum > 0 ? "needs at least one " + tables
+                                            : "must be made of " + tables + "s");
       return;
     }
     std::size_t i = 0;

@@ -72,7 +72,7 @@ Plan make_plan(Study study, const WorkFolder& work, const Selection& selection) 
 std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use) {
   std::filesystem::path folder = plan.work.study(plan.study.name);
   if (!use.method.empty()) {
-    folder = folder / folder_name(use.method) / ("seed-" + std::to_string(use.seed));
+    folder = folder / folder_slug(use.method) / ("seed-" + std::to_string(use.seed));
   }
   if (use.iteration > 0) folder /= "iteration-" + std::to_string(use.iteration);
   if (use.round > 0) folder /= "round-" + std::to_string(use.round);

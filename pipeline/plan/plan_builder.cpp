@@ -130,6 +130,8 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
 PlanBuilder::Inputs PlanBuilder::add_judgment(std::size_t target, Json& json) const {
   json["simulator"] = keys_.states;
   json["metrics"] = to_names(plan_.study.evaluate.metrics);
+  const GoalConfig& goal = plan_.study.external.goal;
+  if (goal.radius > 0.0) json["goal"] = {goal.place, goal.radius, goal.speed};
   for (const ReferenceConfig& reference : plan_.study.references) {
     json["references"][reference.name] = reference.parameters;
   }

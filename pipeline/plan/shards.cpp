@@ -42,10 +42,10 @@ std::string too_many_failed(const Plan& plan, const Node& node, const h5::File& 
   if (static_cast<double>(num_failed) <= limit * static_cast<double>(n)) return "";
   const SourceTraits& source = plan.study.source();
   return fmt::format(
-      "{}: {} of {} rows failed{}, limits.max_failed_fraction = {} allows {}; {}, or raise the "
+      "{}: {} of {} rows failed ({}), limits.max_failed_fraction = {} allows {}; {}, or raise the "
       "limit",
-      node.path.string(), num_failed, n, source.gives_motion ? "" : " (" + failures(file) + ")",
-      limit, static_cast<Index>(limit * static_cast<double>(n)), source.advice);
+      node.path.string(), num_failed, n, failures(file), limit,
+      static_cast<Index>(limit * static_cast<double>(n)), source.advice);
 }
 
 h5::File open_simulation(const Plan& plan, const Node& node) {

@@ -38,21 +38,25 @@ Judge::Judge(const Plan& plan, const Node& node)
     seen_.set_feature_deviation(prior_deviation(*plan.inputs(node, Stage::simulate).front()));
   }
   if (std::optional<Target> held_out = read_held_out(plan, node)) {
-    held_out_.emplace(plan, std::move(*held_out), log_of(node.path));
+    const std::filesystem::path log = log_of(node.path);
+    held_out_.emplace(plan, std::move(*held_out),
+                      log.parent_path() / (log.stem().string() + "-held-out.log"));
   }
 }
 
 std::map<std::string, Vector> Judge::measure(const RowMatrix& complete,
                                              const StreamId& first) const {
   if (!plan_.study.source().simulates) return {};
-  return measure(complete, seen_.simulate(complete, first));
+  return measure(complete, seen_.simulate(complete, first), first);
 }
 
 std::map<std::string, Vector> Judge::measure(const RowMatrix& complete,
-                                             const sim::Trajectories& seen) const {
+                                             const sim::Trajectories& seen,
+                                             const StreamId& first) const {
   std::map<std::string, Vector> values = seen_.measure(seen);
   if (!held_out_) return values;
-  for (const auto& [metric, column] : held_out_->measure(held_out_->simulate(complete))) {
+  for (const auto& [metric, column] :
+       held_out_->measure(held_out_->simulate(complete, within(first, "held_out_simulation")))) {
     values[std::string(kHeldOutPrefix) + metric] = column;
   }
   return values;

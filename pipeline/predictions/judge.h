@@ -22,8 +22,8 @@ class Judge {
   /// source that simulates nothing. `first`: see RowSimulator.
   std::map<std::string, Vector> measure(const RowMatrix& complete, const StreamId& first) const;
   /// The same where the seen rollouts have been simulated already.
-  std::map<std::string, Vector> measure(const RowMatrix& complete,
-                                        const sim::Trajectories& seen) const;
+  std::map<std::string, Vector> measure(const RowMatrix& complete, const sim::Trajectories& seen,
+                                        const StreamId& first) const;
   /// One parameter vector (P).
   std::map<std::string, double> measure_one(const Vector& complete, const StreamId& id) const;
 

@@ -1,7 +1,5 @@
 #include "pipeline/predictions/prediction.h"
 
-#include <algorithm>
-
 #include "analysis/feature_comparison.h"
 
 namespace npdr::pipeline {

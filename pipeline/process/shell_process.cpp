@@ -23,7 +23,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 constexpr std::size_t kKeptBytes = 16 << 10;  // of either end of the output
+constexpr double kLastWords = 1.0;            // [s] for a program whose requests have ended
 constexpr int kStreamBytes = 1 << 20;         // that a stream holds, where the system lets it
 
 std::vector<std::string> environment_of(const ShellCommand& call) {
@@ -84,7 +89,7 @@ class Pipe {
   std::array<int, 2> ends_ = {-1, -1};
 };
 
-// What a shell has in place of this process's streams.
+// Streams that a shell has in place of this process's.
 struct ShellStreams {
   int input;  // -1: nothing
   int output;
@@ -202,9 +207,11 @@ ShellProcess::ShellProcess(const ShellCommand& command, Streams streams) {
 }
 
 ShellProcess::~ShellProcess() {
-  for (const int stream : {input_stream_, output_stream_}) {
-    if (stream >= 0) close(stream);
+  if (input_stream_ >= 0) close(input_stream_);  // a program that stays ends with its requests
+  const auto start = Clock::now();
+  while (input_stream_ >= 0 && !has_ended() && seconds_since(start) < kLastWords) {
   }
+  if (output_stream_ >= 0) close(output_stream_);
   end_group(0.0);
   close(output_);
 }
@@ -238,7 +245,7 @@ void ShellProcess::end_group(double grace) {
   }
   bool is_over = false;
   while (!has_ended(!is_over)) {
-    is_over = std::chrono::duration<double>(Clock::now() - start).count() >= grace;
+    is_over = seconds_since(start) >= grace;
     if (is_over) kill(-process_, SIGKILL);
   }
 }

@@ -12,7 +12,7 @@
 
 namespace npdr::pipeline {
 
-/// What a shell is started with.
+/// A command with its folder and environment.
 struct ShellCommand {
   std::string text;              ///< for /bin/sh -c
   std::filesystem::path folder;  ///< where it runs
@@ -53,10 +53,10 @@ class ShellProcess {
   /// Ends the group: SIGTERM first, SIGKILL after `grace` seconds.
   void end_group(double grace);
 
-  /// Of the shell that has ended; 128 + signal number when a signal ended it.
+  /// Exit status of the shell that has ended; 128 + signal number when a signal ended it.
   int exit_status() const { return exit_status_; }
 
-  /// What came on its standard error, and its standard output unless that is a stream; begin and
+  /// Text of its standard error, and its standard output unless that is a stream; begin and
   /// end of it.
   std::string output() { return text_.text(); }
   /// The same, of what has come since the last call of this function.

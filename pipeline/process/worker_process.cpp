@@ -11,7 +11,6 @@
 #include <csignal>
 
 #include "core/error.h"
-#include "core/text.h"
 #include "pipeline/process/shell_call.h"
 #include "pipeline/process/stop_request.h"
 
@@ -54,16 +53,17 @@ class Exchange {
   bool has_begun() const { return has_header_; }
   WorkerReply& reply() { return reply_; }
 
-  // Waits until something can be done, and does it.
-  void go_on() {
+  // Waits until something can be done, and does it. False when nothing could for a while.
+  bool go_on() {
     std::array<pollfd, 3> events = {
         pollfd{unsent_.empty() ? -1 : shell_.input_stream(), POLLOUT, 0},
         pollfd{is_closed_ ? -1 : shell_.output_stream(), POLLIN, 0},
         pollfd{shell_.output_descriptor(), POLLIN, 0}};
-    poll(events.data(), events.size(), kPollMilliseconds);
+    const bool is_quiet = poll(events.data(), events.size(), kPollMilliseconds) == 0;
     if (events[2].revents != 0) shell_.read_output();
     if (events[0].revents != 0) send();
     if (events[1].revents != 0) receive();
+    return !is_quiet;
   }
 
  private:
@@ -144,13 +144,15 @@ WorkerReply WorkerProcess::exchange(std::span<const char> request, double time_l
   WorkerReply& reply = exchange.reply();
   while (!exchange.is_complete() && !exchange.has_failed()) {
     stop_here_if_requested();
-    exchange.go_on();
+    const bool goes_on = exchange.go_on();
     if (exchange.is_complete()) break;
     if (seconds() >= time_limit) {
       reply.timed_out = true;
       reply.problem = fmt::format("no reply within its time limit of {:.3g} s", time_limit);
-    } else if (exchange.is_closed() && shell_.has_ended()) {
+    } else if ((exchange.is_closed() || !goes_on) && shell_.has_ended()) {
+      // Its children may hold the pipe open.
       reply.has_ended = true;
+      reply.exit_status = shell_.exit_status();
       const CallResult result{shell_.exit_status(), false, seconds(), ""};
       reply.problem =
           (exchange.has_begun() ? "ended in its reply: " : "ended in place of a reply: ") +

@@ -17,6 +17,7 @@ struct WorkerReply {
   std::string problem;  ///< "ended with exit status 1", "no reply within its time limit of 2 s"
   bool timed_out = false;
   bool has_ended = false;  ///< the program has
+  int exit_status = 0;     ///< its own, where it has ended
   double seconds = 0.0;
 };
 
@@ -34,7 +35,7 @@ class WorkerProcess {
                        const std::function<std::size_t(const std::string&)>& body_size,
                        std::vector<char>& body);
 
-  /// What it has written to its standard error since the last call of this function.
+  /// Text of its standard error since the last call of this function.
   std::string take_output() { return shell_.take_output(); }
 
  private:

@@ -67,7 +67,7 @@ analysis::ReportSection make_section(Section section, const ReportData& data,
   return made;
 }
 
-// What simulations were found to have wrong, each said once. A limit of failed rows that was
+// Warnings of all simulations, each said once. A limit of failed rows that was
 // lowered after the posteriors were made stops the study all the same.
 std::string check_simulations(const Plan& plan) {
   std::set<std::string> warnings;

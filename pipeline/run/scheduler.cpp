@@ -245,7 +245,7 @@ void Scheduler::show_progress(bool force) {
 }
 
 std::string Scheduler::log_path(const Node& node) const {
-  return plan_.work.study(plan_.study.name) / "logs" / (folder_name(node.label()) + ".log");
+  return plan_.work.study(plan_.study.name) / "logs" / (folder_slug(node.label()) + ".log");
 }
 
 }  // namespace npdr::pipeline

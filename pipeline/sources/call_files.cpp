@@ -62,7 +62,11 @@ CallFolder::CallFolder(FileFormat format) : extension_(format == FileFormat::csv
   do {
     path_ = temporary_name(std::filesystem::absolute(parent) / "npdr-call");
   } while (mkdir(path_.c_str(), 0700) != 0 && errno == EEXIST);
-  if (!std::filesystem::is_directory(path_)) throw_file_error(path_, "make this folder", errno);
+  const int reason = errno;
+  std::error_code unreadable;
+  if (!std::filesystem::is_directory(path_, unreadable)) {
+    throw_file_error(path_, "make this folder", reason);
+  }
 }
 
 CallFolder::~CallFolder() {

@@ -40,9 +40,9 @@ class CallFolder {
 void write_theta_file(const std::filesystem::path& path, FileFormat format,
                       const std::vector<sim::Parameter>& parameters, const RowMatrix& theta);
 
-/// What rollouts are simulated over: a file of segments, a row each with the columns `steps`,
-/// `past` and the first states; a file of actions, a row each step. CSV, or the datasets `segments`
-/// and `actions`.
+/// Writes what rollouts are simulated over: a file of segments, a row each with the columns
+/// `steps`, `past` and the first states; a file of actions, a row each step. CSV, or the datasets
+/// `segments` and `actions`.
 void write_segment_files(const CallFolder& folder, FileFormat format,
                          const sim::SimulatorInfo& info, const sim::Segments& segments);
 

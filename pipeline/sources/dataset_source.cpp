@@ -33,16 +33,16 @@ namespace {
 
 class DatasetRows final : public RowSimulator {
  public:
-  DatasetRows(const Study& study, const RowsConfig& config)
+  DatasetRows(const Study& study, const ParameterMap& parameters, const RowsConfig& config)
       : prior_(study.prior),
+        parameters_(parameters),
         dataset_(open_dataset(study)),
         rows_(dataset_rows(config.seed, dataset_.num_rows(), config.num_rows)) {}
 
-  // All parameters are the prior's.
   sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) override {
     const auto picked = std::span(rows_).subspan(static_cast<std::size_t>(first.row),
                                                  static_cast<std::size_t>(complete.rows()));
-    return as_simulated(prior_, complete, dataset_.x(picked));
+    return as_simulated(prior_, parameters_.pick(complete), dataset_.x(picked));
   }
 
   // They cost next to nothing.
@@ -50,6 +50,7 @@ class DatasetRows final : public RowSimulator {
 
  private:
   inference::Prior prior_;
+  ParameterMap parameters_;
   DatasetFile dataset_;
   std::vector<Index> rows_;
 };
@@ -71,7 +72,7 @@ std::optional<RowMatrix> DatasetSource::theta(std::uint64_t seed, Index count) c
 }
 
 std::unique_ptr<RowSimulator> DatasetSource::open(const RowsConfig& config) const {
-  return std::make_unique<DatasetRows>(study(), config);
+  return std::make_unique<DatasetRows>(study(), parameters(), config);
 }
 
 }  // namespace npdr::pipeline

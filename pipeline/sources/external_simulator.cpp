@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <sstream>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "pipeline/sources/row_simulator.h"
 #include "sim/segments.h"
 #include "sim/simulator_check.h"
 
@@ -16,11 +16,9 @@ namespace {
 
 using sim::RolloutStatus;
 
-// So many rows that fail one after the other, and none that doesn't: the fault isn't theirs. With
-// half of all rows failing that happens by chance to one shard of 2^32; smaller shards aren't
-// judged below the lower number.
+// So many rows that fail first, and none that doesn't: the fault isn't theirs. With half of all
+// rows failing that happens by chance to one simulation of 2^32.
 constexpr Index kHopelessRows = 32;
-constexpr Index kFewestHopelessRows = 8;
 
 constexpr std::size_t kLargestLog = 1 << 20;
 constexpr std::size_t kTailLines = 10;
@@ -36,11 +34,6 @@ std::string tail_of(const std::string& text) {
 }
 
 }  // namespace
-
-std::uint32_t row_seed(StreamId first, Index i) {
-  first.row += static_cast<std::uint64_t>(i);
-  return Stream(first).bits() >> 1;
-}
 
 ExternalSimulator::ExternalSimulator(const ExternalConfig& external, sim::SimulatorInfo info,
                                      std::unique_ptr<ProgramCall> program,
@@ -72,11 +65,12 @@ void ExternalSimulator::write_log() {
 sim::Trajectories ExternalSimulator::simulate(const RowMatrix& theta, const StreamId& first,
                                               Index num_rows) {
   std::vector<Index> possible;
-  Task task{{}, std::max(num_rows, theta.rows()), {}, first.row, {}};
+  Task task{{}, std::max(num_rows, theta.rows()), {}, {}, {}};
   for (Index i = 0; i < theta.rows(); ++i) {
     if (!sim::is_possible(theta.row(i), info_)) continue;
     possible.push_back(i);
     task.seeds.push_back(row_seed(first, i));
+    task.rows.push_back(first.row + static_cast<std::uint64_t>(i));
   }
   task.theta = theta(possible, Eigen::all);
   task.result = program_->empty(std::ssize(possible));
@@ -133,14 +127,14 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
       task.theta.middleRows(begin, count),
       std::span(task.seeds)
           .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)),
-      task.first_row + static_cast<std::uint64_t>(begin), time_limit(count, task.num_rows)};
+      task.rows[static_cast<std::size_t>(begin)], time_limit(count, task.num_rows)};
   ++num_calls_;
   sim::Trajectories result = program_->empty(count);
   const ProgramOutcome outcome = program_->call(rows, result);
   note(fmt::format("call {}, {} rows from row {}: {}", num_calls_, count, rows.first_row,
                    outcome.summary),
        outcome, task);
-  if (outcome.cannot_run) fail("can't be run");
+  if (outcome.cannot_run) fail("can't be run", outcome.problem + tail_of(outcome.output));
   status = outcome.status;
   if (outcome.succeeded) take(task, begin, result);
   return outcome.succeeded;
@@ -151,25 +145,23 @@ void ExternalSimulator::take(Task& task, Index begin, const sim::Trajectories& r
   std::ranges::copy(rows.values, task.result.row(begin).begin());
   std::ranges::copy(rows.status, task.result.status.begin() + begin);
   const Index crashed = std::ranges::count(rows.status, RolloutStatus::crashed);
-  task.num_done += rows.num_rows - crashed;
-  task.num_lost += crashed;
-  if (crashed > 0) count_lost(task);
+  num_done_ += rows.num_rows - crashed;
+  count_lost(crashed);
 }
 
 void ExternalSimulator::give_up(Task& task, Index row, RolloutStatus status) {
   sim::lose_row(row, status, task.result);
   ++task.num_lost;
-  count_lost(task);
+  count_lost(1);
 }
 
-void ExternalSimulator::count_lost(Task& task) {
-  const Index hopeless = std::min(task.theta.rows(), kHopelessRows);
-  if (task.num_done == 0 && task.num_lost >= std::max(hopeless, kFewestHopelessRows)) {
-    fail(fmt::format("failed for each of {} rows", task.num_lost));
-  }
+void ExternalSimulator::count_lost(Index count) {
+  num_lost_ += count;
+  if (num_done_ > 0 || num_lost_ < kHopelessRows) return;
+  fail(fmt::format("failed for each of {} rows", num_lost_), last_failure_);
 }
 
-// What comes after a first failure are its repetitions, of fewer and fewer rows.
+// Keeps the first failure: those after it are its repetitions, of fewer and fewer rows.
 void ExternalSimulator::note(const std::string& heading, const ProgramOutcome& outcome,
                              Task& task) {
   if (!outcome.problem.empty() && !task.has_failed) {
@@ -185,9 +177,9 @@ void ExternalSimulator::note(const std::string& heading, const ProgramOutcome& o
   if (log_.size() > kLargestLog) log_ += "... further calls aren't logged\n";
 }
 
-void ExternalSimulator::fail(const std::string& what) const {
+void ExternalSimulator::fail(const std::string& what, const std::string& why) const {
   std::string text =
-      fmt::format("{} {}: {}\n  in the folder {}", program_->words(), what, last_failure_, folder_);
+      fmt::format("{} {}: {}\n  in the folder {}", program_->words(), what, why, folder_);
   if (!log_path_.empty()) text += "; all that it printed: " + log_path_.string();
   throw Error(text);
 }

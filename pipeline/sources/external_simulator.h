@@ -20,10 +20,6 @@
 
 namespace npdr::pipeline {
 
-/// The seed of row `i` after the row that `first` names: one that fits into a signed 32-bit
-/// integer, as many programs want it.
-std::uint32_t row_seed(StreamId first, Index i);
-
 /// Several may work at the same time, one a thread.
 class ExternalSimulator {
  public:
@@ -60,9 +56,8 @@ class ExternalSimulator {
     RowMatrix theta;
     Index num_rows;  ///< that the time limit is for
     std::vector<std::uint32_t> seeds;
-    std::uint64_t first_row;
+    std::vector<std::uint64_t> rows;  ///< of the simulation, for people
     sim::Trajectories result;
-    Index num_done = 0;  ///< rows that have a result
     Index num_lost = 0;  ///< rows that were given up
     bool has_failed = false;
   };
@@ -72,10 +67,10 @@ class ExternalSimulator {
   bool call(Task& task, Index begin, Index end, sim::RolloutStatus& status);
   void take(Task& task, Index begin, const sim::Trajectories& rows);
   void give_up(Task& task, Index row, sim::RolloutStatus status);
-  void count_lost(Task& task);
+  void count_lost(Index count);
   void note(const std::string& heading, const ProgramOutcome& outcome, Task& task);
   void write_log();
-  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail(const std::string& what, const std::string& why) const;
 
   sim::SimulatorInfo info_;
   std::string folder_;
@@ -87,6 +82,8 @@ class ExternalSimulator {
   std::string log_;
   std::string last_failure_;
   Index num_calls_ = 0;
+  Index num_done_ = 0;  ///< rows that have a result, of all calls
+  Index num_lost_ = 0;  ///< and that haven't
 };
 
 }  // namespace npdr::pipeline

@@ -1,7 +1,6 @@
 #include "pipeline/sources/library_source.h"
 
 #include "pipeline/config/library_config.h"
-#include "pipeline/sources/external_simulator.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
@@ -44,7 +43,9 @@ SourceKeys LibrarySource::keys() const {
   } else {
     json["mjcf"] = {{"states", external.states}, {"actions", external.actions}};
   }
-  json["fingerprint"] = simulator_->fingerprint();
+  Hasher fingerprint;
+  fingerprint.add(simulator_->fingerprint());
+  json["fingerprint"] = fingerprint.hex();
   if (!external.files.empty()) json["further_files"] = hashes_of_files();
   json["parameters"] = study().simulator.parameters;
   return keys_of_motion(json);

@@ -48,7 +48,7 @@ class ProgramCall {
   virtual std::string words() const = 0;
 };
 
-/// What rows of rollouts are asked over; a program that gives features needs none.
+/// Rollouts that rows are asked over; a program that gives features needs none.
 struct ProgramInputs {
   sim::Segments segments;
   Index store_every = 1;

@@ -26,7 +26,8 @@ class ProgramRowSimulator final : public RowSimulator {
  public:
   ProgramRowSimulator(const Study& study, const sim::SimulatorInfo& info, const RowsConfig& config)
       : stays_(study.source().kind == SourceKind::worker),
-        rows_per_block_(study.simulate.shard_size) {
+        rows_per_block_(study.simulate.shard_size),
+        num_rows_(config.num_rows) {
     const ExternalConfig& external = study.external;
     const Index threads = num_threads(), wanted = external.parallel_calls;
     const Index calls = wanted == 0 ? threads : std::min(wanted, threads);
@@ -101,8 +102,10 @@ class ProgramRowSimulator final : public RowSimulator {
   std::vector<sim::Trajectories> simulate_block(const RowMatrix& complete, Index begin, Index count,
                                                 const StreamId& first) const {
     const Index calls = std::min(static_cast<Index>(simulators_.size()), count);
-    // A file's call is for a whole block; a worker is asked for a part of it.
-    const Index limited = stays_ ? rows_per_block_ : 0;
+    // The time limit is for what a call has of a shard: all that a file's call is for, and more
+    // than a worker is asked for at once.
+    const Index most = std::min(rows_per_block_, num_rows_);
+    const Index limited = stays_ ? (most + calls - 1) / calls : 0;
     std::vector<sim::Trajectories> parts(static_cast<std::size_t>(calls));
     parallel_for(calls, [&](Index c) {
       const Index from = begin + c * count / calls, to = begin + (c + 1) * count / calls;
@@ -126,6 +129,7 @@ class ProgramRowSimulator final : public RowSimulator {
 
   bool stays_;
   Index rows_per_block_;
+  Index num_rows_;  // of the simulation; 0: not one
   Index rows_per_request_ = kFirstRows;
   std::vector<std::unique_ptr<ExternalSimulator>> simulators_;
 };
@@ -134,7 +138,8 @@ class ProgramRowSimulator final : public RowSimulator {
 
 SourceKeys ProgramSource::keys() const {
   const ExternalConfig& external = study().external;
-  nlohmann::ordered_json json;
+  using Json = nlohmann::ordered_json;
+  Json json;
   json["files"] =
       named_files(external.worker ? *external.worker : *external.command, external.folder);
   if (!external.files.empty()) json["further_files"] = hashes_of_files();
@@ -145,6 +150,10 @@ SourceKeys ProgramSource::keys() const {
   json["start_time"] = external.start_time;
   json["retries"] = external.retries;
   json["parameters"] = study().simulator.parameters;
+  for (const DescribedParameter& p : external.parameters) {
+    const auto number = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
+    json["described"].push_back({p.name, number(p.nominal), number(p.lower), number(p.upper)});
+  }
   return traits().gives_motion ? keys_of_motion(json)
                                : SourceKeys{json, json, json, nlohmann::ordered_json::object()};
 }

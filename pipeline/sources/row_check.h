@@ -16,11 +16,11 @@ struct GivenRows {
   StreamId first;
 };
 
-/// Simulates two of the rows again, each alone, and one of them with other random numbers. Returns
-/// what is probably wrong, for people: rows that differ when they are repeated, noise that all rows
-/// of a call share, no noise at all unless `has_noise` says that the study adds some. Fewer than
-/// eight good rows aren't judged. Throws InputError where rows come in another order than theta's,
-/// and what RowSimulator::simulate() throws.
+/// Simulates two of the rows again, each alone (up to six where one is another), and one of them
+/// with other random numbers. Returns what is probably wrong, for people: rows that differ when
+/// they are repeated, noise that all rows of a call share, no noise at all unless `has_noise` says
+/// that the study adds some. Fewer than eight good rows aren't judged. Throws InputError where rows
+/// come in another order than theta's, and what RowSimulator::simulate() throws.
 std::vector<std::string> check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noise);
 
 }  // namespace npdr::pipeline

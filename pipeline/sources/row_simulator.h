@@ -36,6 +36,10 @@ class RowSimulator {
   virtual std::string last_failure() const { return ""; }
 };
 
+/// The seed of row `i` after the row that `first` names: one that fits into a signed 32-bit
+/// integer, as many programs want it.
+std::uint32_t row_seed(StreamId first, Index i);
+
 /// The log of the programs that make an artefact: it lies beside it.
 std::filesystem::path log_of(const std::filesystem::path& artefact);
 

@@ -24,7 +24,7 @@ static_assert(std::endian::native == std::endian::little, "arrays are sent as th
 
 constexpr int kProtocol = 1;
 
-// What a program may take to load before it answers, at least.
+// Time that a program may take to load before it answers, at least.
 constexpr double kStartSeconds = 60.0;
 
 // Arrays of a message, and the header that says what they are.
@@ -147,6 +147,8 @@ class WorkerCall final : public ProgramCall {
     outcome.succeeded = false;
     outcome.cannot_run = true;
     outcome.problem = reply.problem;
+    if (reply.has_ended && reply.exit_status == 0)
+      outcome.problem += ", before it answered: does it call npdr_worker.serve()?";
     outcome.summary = fmt::format("not started after {:.3g} s", reply.seconds);
     outcome.output = worker_->take_output();
     worker_.reset();
@@ -216,7 +218,7 @@ class WorkerCall final : public ProgramCall {
     }
   }
 
-  // Of those that a program may give; another is none of a row's.
+  // Takes those that a program may give; another is none of a row's.
   static RolloutStatus status_of(std::uint8_t status) {
     const auto given = static_cast<RolloutStatus>(status);
     return given == RolloutStatus::diverged || given == RolloutStatus::out_of_limits ||

@@ -2,7 +2,6 @@
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/judge.h"
-#include "pipeline/process/progress.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -14,7 +13,7 @@ void predict(const Plan& plan, const Judge& judge, const StreamId& first, Evalua
   if (!plan.study.source().simulates) return;
   const RowMatrix complete = plan.source->parameters().complete(evaluation.theta);
   const sim::Trajectories trajectories = predictor.simulate(complete, first);
-  evaluation.metrics = judge.measure(complete, trajectories);
+  evaluation.metrics = judge.measure(complete, trajectories, first);
   if (plan.study.source().gives_motion) {
     evaluation.bands = analysis::quantile_bands(view_of(trajectories));
   } else {

@@ -9,7 +9,6 @@
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/features/targets.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"

@@ -109,15 +109,23 @@ void simulate_shard(Simulation& simulation, const Shard& shard, Index done_befor
   writer.finish();
 }
 
-// The report counts them; why they failed is known here.
-void warn_of_failed_rows(const Simulation& simulation) {
-  const h5::File file = open_simulation(simulation.plan, simulation.node);
+// The report counts rows that failed; why they did is known here.
+void warn_of_failures(const Simulation& simulation) {
+  if (!simulation.plan.study.source().takes_seeds) return;
+  const h5::File file = open_artefact(simulation.node, kSimulationSchema);
   const auto num_failed = file.attribute<Index>("num_failed");
-  if (num_failed == 0 || !simulation.plan.study.source().takes_seeds) return;
   const std::string last = simulation.simulator->last_failure();
-  warn(simulation.node, fmt::format("{} of {} rows failed ({}){}", num_failed,
-                                    num_rows(simulation.plan, simulation.node), failures(file),
-                                    last.empty() ? "" : "; the last: " + last));
+  if (num_failed > 0) {
+    warn(simulation.node, fmt::format("{} of {} rows failed ({}){}", num_failed,
+                                      num_rows(simulation.plan, simulation.node), failures(file),
+                                      last.empty() ? "" : "; the last: " + last));
+  } else if (!last.empty()) {
+    warn(
+        simulation.node,
+        "calls failed that went well when they were repeated, or with fewer rows, which takes much "
+        "longer; a simulator of many rows at once must take any number of them; the last: " +
+            last);
+  }
 }
 
 std::vector<Index> all_shards(std::size_t count) {
@@ -143,7 +151,8 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
   if (missing_shards(plan, node).empty()) {
     join_shards(node, node.identity, plan.study, simulation.target, all);
     link_uses(plan, node);  // one can look at it also where too many rows failed
-    warn_of_failed_rows(simulation);
+    warn_of_failures(simulation);
+    open_simulation(plan, node);
   }
 }
 

@@ -25,7 +25,7 @@ std::optional<double> parse_number(const std::string& field) {
   const char* const end = field.data() + field.size();
   double value = 0.0;
   const auto [stop, error] = std::from_chars(begin, end, value);
-  if (stop != end || begin == end) return std::nullopt;
+  if (stop != end || begin == end || (begin != field.data() && *begin == '-')) return std::nullopt;
   if (error == std::errc()) return value;
   if (error != std::errc::result_out_of_range) return std::nullopt;
   // Too small or too large for a double: as any other program reads it.

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::int64_t kMostMembers = 100'000;  // parameters or channels that aren't nonsense
 constexpr Index kMostRowsPerCall = 32;
+constexpr std::size_t kLongestFingerprint = std::size_t{1} << 24;
 
 // The text behind a pointer that a library has given us, up to a length that isn't nonsense.
 std::string text_of(const char* text, std::size_t most = 4096) {
@@ -166,7 +167,9 @@ class LibrarySimulator::Instances {
     require_list("actions", found.num_actions, found.actions, 0);
     info_.name = found.name == nullptr ? config_.file.stem().string() : text_of(found.name, 100);
     info_.description = text_of(found.text);
-    fingerprint_ = text_of(found.fingerprint);
+    fingerprint_ = text_of(found.fingerprint, kLongestFingerprint);
+    if (fingerprint_.size() == kLongestFingerprint)
+      fail("describe() gives a fingerprint without end");
     for (std::int64_t p = 0; p < found.num_parameters; ++p) add_parameter(found.parameters[p]);
     info_.state_channels = channels("state", found.states, found.num_states);
     info_.action_channels = channels("action", found.actions, found.num_actions);

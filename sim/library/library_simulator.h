@@ -14,7 +14,7 @@
 
 namespace npdr::sim {
 
-/// What to load, and how.
+/// Library to load, and its settings.
 struct LibraryConfig {
   std::filesystem::path file;          ///< of the shared library
   std::string settings = "{}";         ///< JSON text that the library reads
@@ -31,7 +31,7 @@ class LibrarySimulator {
   explicit LibrarySimulator(const LibraryConfig& config);
   ~LibrarySimulator();
 
-  /// What the library says of itself; dt and num_steps are 0.
+  /// Description that the library gives of itself; dt and num_steps are 0.
   const SimulatorInfo& info() const;
 
   /// Text that changes whenever results may, beside the library's file and settings; may be empty.

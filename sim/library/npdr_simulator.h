@@ -78,7 +78,7 @@ typedef struct npdr_batch {
   int64_t num_steps;          /* T */
   double dt;                  /* [s] */
   const double* theta;        /* (n, P), row-major as all arrays are */
-  const uint32_t* seeds;      /* (n), < 2^31: for rows that depend on chance */
+  const uint32_t* seeds;      /* (n), < 2^31: for rows that depend on chance; mix in s */
   const int64_t* steps;       /* (S) */
   const int64_t* past;        /* (S) */
   const double* first_states; /* (S, C) */

@@ -49,6 +49,8 @@ StateChannel joint_channel(StateChannel channel, int joint, const mjModel* m) {
   }
   const bool is_position = channel.source == StateChannel::Source::position;
   channel.address = is_position ? m->jnt_qposadr[joint] : m->jnt_dofadr[joint];
+  channel.first = channel.source;
+  channel.first_address = channel.address;
   if (!channel.unit.empty()) return channel;
   channel.unit = m->jnt_type[joint] == mjJNT_HINGE ? "rad" : "m";
   if (!is_position) channel.unit += "/s";
@@ -63,6 +65,11 @@ StateChannel sensor_channel(StateChannel channel, int sensor, const mjModel* m) 
   channel.source = StateChannel::Source::sensor;
   channel.address = m->sensor_adr[sensor];
   if (channel.unit.empty()) channel.unit = "1";
+  const bool is_position = m->sensor_type[sensor] == mjSENS_JOINTPOS;
+  if (!is_position && m->sensor_type[sensor] != mjSENS_JOINTVEL) return channel;
+  const int joint = m->sensor_objid[sensor];
+  channel.first = is_position ? StateChannel::Source::position : StateChannel::Source::velocity;
+  channel.first_address = is_position ? m->jnt_qposadr[joint] : m->jnt_dofadr[joint];
   return channel;
 }
 
@@ -98,6 +105,7 @@ MujocoSimulator::MujocoSimulator(const std::string& settings) {
   if (!data_) fail("MuJoCo can't make the model's data: out of memory?");
   fingerprint_ = fingerprint(nominal_.get());
   find_states(json.at("states").get<std::vector<std::string>>());
+  describe_unrecorded();
   find_actions(json.at("actions").get<std::vector<std::string>>());
   const auto names = json.at("parameters").is_null()
                          ? parameter_names(nominal_.get())
@@ -124,6 +132,31 @@ void MujocoSimulator::find_states(const std::vector<std::string>& names) {
     reads_sensors_ = reads_sensors_ || states_.back().source == StateChannel::Source::sensor;
   }
   if (states_.empty()) fail("the model has no hinge or slide that moves");
+  for (StateChannel& sensor : states_) {  // where a joint is a channel itself, that one counts
+    if (sensor.source != StateChannel::Source::sensor) continue;
+    const bool is_known = std::ranges::any_of(states_, [&](const StateChannel& joint) {
+      return joint.source == sensor.first && joint.address == sensor.first_address;
+    });
+    if (is_known) sensor.first = StateChannel::Source::sensor;
+  }
+}
+
+// For people: joints that no channel says the place of, where segments begin as the model does.
+void MujocoSimulator::describe_unrecorded() {
+  std::string joints;
+  for (int j = 0; j < static_cast<int>(nominal_->njnt); ++j) {
+    const bool is_recorded = std::ranges::any_of(states_, [&](const StateChannel& channel) {
+      return channel.first == StateChannel::Source::position &&
+             channel.first_address == nominal_->jnt_qposadr[j];
+    });
+    const char* const name = mj_id2name(nominal_.get(), mjOBJ_JOINT, j);
+    if (!is_recorded) joints += (joints.empty() ? "" : ", ") + std::string(name ? name : "?");
+  }
+  text_ = "a model of MuJoCo";
+  if (!joints.empty()) {
+    text_ +=
+        "; segments begin with the model's own position of joints that aren't recorded: " + joints;
+  }
 }
 
 void MujocoSimulator::find_actions(const std::vector<std::string>& names) {
@@ -152,7 +185,7 @@ npdr_description MujocoSimulator::description() const {
   const char* const name = nominal_->names;  // the model's own comes first
   npdr_description d = {};
   d.name = *name == '\0' ? "MuJoCo model" : name;
-  d.text = "a model of MuJoCo";
+  d.text = text_.c_str();
   d.num_parameters = static_cast<std::int64_t>(described_parameters_.size());
   d.parameters = described_parameters_.data();
   d.num_states = static_cast<std::int64_t>(described_states_.size());
@@ -177,6 +210,9 @@ bool MujocoSimulator::apply(const double* theta) {
       model_ = Model(mj_copyModel(nullptr, nominal_.get()));
       return false;
     }
+  } else {  // writers scale masses
+    std::copy_n(nominal_->body_mass, nominal_->nbody, model_->body_mass);
+    std::copy_n(nominal_->body_inertia, 3 * nominal_->nbody, model_->body_inertia);
   }
   model_->opt.timestep = nominal_->opt.timestep;
   for (std::size_t p = 0; p < parameters_.size(); ++p) {
@@ -253,8 +289,8 @@ void MujocoSimulator::run_segment(const npdr_batch& batch, std::int64_t segment,
   const double* const first = batch.first_states + segment * channels;
   for (std::int64_t c = 0; c < channels; ++c) {
     const StateChannel& channel = states_[static_cast<std::size_t>(c)];
-    if (channel.source == StateChannel::Source::position) d->qpos[channel.address] = first[c];
-    if (channel.source == StateChannel::Source::velocity) d->qvel[channel.address] = first[c];
+    if (channel.first == StateChannel::Source::position) d->qpos[channel.first_address] = first[c];
+    if (channel.first == StateChannel::Source::velocity) d->qvel[channel.first_address] = first[c];
   }
   const int substeps = std::max(1, static_cast<int>(std::round(batch.dt / m->opt.timestep)));
   m->opt.timestep = batch.dt / substeps;

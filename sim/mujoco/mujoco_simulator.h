@@ -18,6 +18,9 @@ struct StateChannel {
   std::string unit = {};
   Source source = Source::position;
   int address = 0;  ///< in qpos, qvel or sensordata
+  /// Where a segment's first state is written to: qpos, qvel, or nowhere (sensor).
+  Source first = Source::sensor;
+  int first_address = 0;
 };
 
 /// Not thread-safe: it has a model and its data, which a replay changes.
@@ -41,6 +44,7 @@ class MujocoSimulator {
   struct Run;
 
   void find_states(const std::vector<std::string>& names);
+  void describe_unrecorded();
   void find_actions(const std::vector<std::string>& names);
   bool apply(const double* theta);
   bool run(const npdr_batch& batch, double* states);
@@ -59,7 +63,7 @@ class MujocoSimulator {
   std::vector<StateChannel> states_;
   std::vector<int> actuators_;  // of each action
   bool reads_sensors_ = false;
-  std::string fingerprint_;
+  std::string fingerprint_, text_;
   std::vector<std::string> action_labels_, action_units_;
   std::vector<npdr_parameter> described_parameters_;
   std::vector<npdr_channel> described_states_, described_actions_;

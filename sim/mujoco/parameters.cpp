@@ -80,14 +80,12 @@ MujocoParameter body(const Address& address, const mjModel* model) {
   p.lower = kLeast;
   p.description = "mass of the body, whose inertia is scaled with it";
   if (p.nominal < kLeast) fail(fmt::format("body.{}.mass: it has none", address.element));
-  const double mass = p.nominal;
-  const std::vector<double> inertia(model->body_inertia + 3 * id, model->body_inertia + 3 * id + 3);
   p.changes_constants = true;
-  p.write = [id, mass, inertia](mjModel* m, double value) {
+  // The inertia may be that of a geometry which is unknown, too.
+  p.write = [id](mjModel* m, double value) {
+    const double share = value / m->body_mass[id];
     m->body_mass[id] = value;
-    for (int i = 0; i < 3; ++i) {
-      m->body_inertia[3 * id + i] = inertia[static_cast<std::size_t>(i)] * value / mass;
-    }
+    for (int i = 0; i < 3; ++i) m->body_inertia[3 * id + i] *= share;
   };
   return p;
 }
@@ -140,6 +138,12 @@ MujocoParameter geom(const Address& address, mjSpec* spec, const mjModel* model)
     const auto i = static_cast<std::size_t>(a.back() - '1');
     p.unit = "m";
     p.nominal = element->size[i];
+    if (!(p.nominal >= kLeast)) {
+      fail(
+          fmt::format("geom.{}.{}: the model gives none: its type has none, or 'fromto' or a mesh "
+                      "says it",
+                      address.element, a));
+    }
     p.lower = kLeast;
     p.description = "size of the geom";
     p.in_spec = &element->size[i];

@@ -162,6 +162,43 @@ npdr_worker.serve(simulate)
   EXPECT_EQ(one, bits("killed", "2", 7));
 }
 
+// Segments and rollouts of a row have random numbers of their own, in batches and one by one.
+TEST_F(OwnSimulators, NoiseOfAWorkerDoesNotRepeatItself) {
+  const std::string python = python_with("numpy");
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+  copy_example("spring");
+  folder_.file("batch.py", R"py(
+import numpy as np
+import npdr_worker
+def simulate(theta, first_state, actions, dt, seeds):
+    return np.array([np.random.default_rng(s).normal(size=(len(actions), 2)) for s in seeds])
+npdr_worker.serve(simulate, batch=True)
+)py");
+  folder_.file("single.py", R"py(
+import numpy as np
+import npdr_worker
+def simulate(theta, first_state, actions, dt, rng):
+    assert isinstance(rng, np.random.Generator)
+    return rng.normal(size=(len(actions), 2))
+npdr_worker.serve(simulate)
+)py");
+  for (const std::string program : {"batch", "single"}) {
+    const Outcome outcome =
+        npdr({"run", "worker.toml", "--until", "simulate", "--work", program, "--set",
+              "method.num_simulations=70", "--set", "simulator.segment_length=125", "--set",
+              "simulator.worker='" + python + " " + program + ".py'"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    auto x = h5::File::open(folder_ / program / "spring-worker/npe/seed-1/round-1/simulate.h5")
+                 .dataset("trajectories")
+                 .read<float>();
+    const std::size_t count = x.size();
+    std::ranges::sort(x);
+    x.erase(std::unique(x.begin(), x.end()), x.end());
+    // Of 105,000 floats near 0 about 1 in 1000 meet another by chance.
+    EXPECT_GT(static_cast<double>(x.size()), 0.99 * static_cast<double>(count)) << program;
+  }
+}
+
 TEST_F(OwnSimulators, RowsInAnotherOrderStopTheStudy) {
   const std::string python = python_with("numpy");
   if (python.empty()) GTEST_SKIP() << "no Python with numpy";
@@ -303,6 +340,8 @@ TEST_F(OwnSimulators, MistakesAreNamedAtTheirPlace) {
   expect("[prior]", "[simulator.goal]\nplace = { z = 0.0 }\nradius = 0.1\n\n[prior]",
          {"simulator.goal.place", "'z'"});
   expect("num_rollouts = 3", "num_rollouts = 3\nobservation = \"x.csv\"", {"observation"});
+  expect("nominal = 1.0\nlower = 1e-6", "lower = 1e-6",
+         {"simulator.parameter.nominal of 'mass' is missing", "simulator.parameters"});
   expect("truth = { stiffness = 24.0, damping = 0.5, friction = 0.4 }", "recording = \"gone.h5\"",
          {"gone.h5"});
 }

@@ -142,6 +142,46 @@ TEST_F(MujocoModels, SensorsAreChannels) {
   for (Index t = 0; t < 20; ++t) EXPECT_EQ(x.rollout(0, 0)(t, 0), x.rollout(0, 0)(t, 2));
 }
 
+TEST_F(MujocoModels, SegmentsBeginWhereASensorOfAJointWas) {
+  const LibrarySimulator joint(config(R"("option.gravity")", R"("q")"));
+  const LibrarySimulator sensor(config(R"("option.gravity")", R"("encoder [rad]")"));
+  Target target = MujocoModels::target(0.3, Vector::Zero(20));
+  target.state_channels = {{"q", "rad"}};
+  target.rollouts[0].states = target.rollouts[0].states.leftCols(1).eval();
+  const RowMatrix gravity = RowMatrix::Constant(1, 1, 9.81);
+  const Trajectories expected = replay(joint, target, gravity);
+  target.state_channels = {{"encoder", "rad"}};
+  EXPECT_TRUE(std::ranges::equal(replay(sensor, target, gravity).row(0), expected.row(0)));
+  const LibrarySimulator velocity(config(R"("option.gravity")", R"("q_dot")"));
+  EXPECT_NE(velocity.info().description.find("aren't recorded: q"), std::string::npos);
+}
+
+// A body's inertia is that of its geometry, of whatever size, scaled to its mass: a rod of length l
+// about its end swings with omega^2 = 3 g / (2 l).
+TEST_F(MujocoModels, MassesOfBodiesGoWithSizesOfTheirGeoms) {
+  constexpr const char* kRod = R"(
+<mujoco>
+  <option timestep="0.001" integrator="RK4" gravity="0 0 -9.81"/>
+  <worldbody>
+    <body name="pole">
+      <joint name="q" type="hinge" axis="0 1 0"/>
+      <geom name="rod" type="box" size="1e-3 1e-3 0.5" pos="0 0 -0.5" mass="1"/>
+    </body>
+  </worldbody>
+</mujoco>)";
+  const LibrarySimulator simulator(config(R"("geom.rod.size3", "body.pole.mass")", "", kRod));
+  Target free = target(0.01, Vector::Zero(100));
+  free.action_channels.clear();
+  free.rollouts[0].actions.resize(100, 0);
+  const RowMatrix theta = (RowMatrix(3, 2) << 0.5, 1.0, 0.2, 1.0, 0.2, 7.0).finished();
+  const Trajectories x = replay(simulator, free, theta);
+  for (Index i = 0; i < 3; ++i) {
+    const double half = theta(i, 0);  // its center stays at 0.5 m
+    const double omega = std::sqrt(9.81 * 0.5 / (half * half / 3.0 + 0.25));
+    EXPECT_NEAR(x.rollout(i, 0)(99, 0), 0.01 * std::cos(omega), 3e-7) << i;
+  }
+}
+
 // The mass of a geom is a compiler's business: the body's inertia follows. A rod of mass m and
 // length 1 m about its end swings as if it were 2/3 m long, whatever it weighs; with a mass M at
 // its end omega^2 = g (m / 2 + M) / (m / 3 + M).

@@ -42,10 +42,10 @@ TEST(Slopes, AreExactForCubicsInBetween) {
 
 TEST(Slopes, OneWindowIsEnough) { EXPECT_NEAR(slopes_of({0.0, 4.0}, 5, 5, 0.5)(4), 4.0, 1e-12); }
 
-// What docs/file-formats.md says of the window of 11 samples at 250 Hz: a swing of 2 Hz loses less
-// than 0.1 %, and rounding to 2048 counts a turn gives noise of less than 0.06 rad/s. The error of
-// rounding is spread evenly over a count; 4 % is three standard errors of a deviation of 4000
-// values that each depend on their neighbors, so 0.0545 rad/s stays below.
+// Statement of docs/file-formats.md on the window of 11 samples at 250 Hz: a swing of 2 Hz loses
+// less than 0.1 %, and rounding to 2048 counts a turn gives noise of less than 0.06 rad/s. The
+// error of rounding is spread evenly over a count; 4 % is three standard errors of a deviation of
+// 4000 values that each depend on their neighbors, so 0.0545 rad/s stays below.
 TEST(Slopes, TheWindowOfRecordingsFollowsSwingsAndSmoothsEncoders) {
   constexpr double dt = 0.004, omega = 4.0 * M_PI, count = 2.0 * M_PI / 2048.0;
   Vector swing(4000), rounding(4000);

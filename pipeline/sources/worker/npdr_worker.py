@@ -106,14 +106,14 @@ def _replay(simulate, batch, header, arrays):
             columns = dict(zip(header["parameters"], arrays["theta"].T.copy()))
             shape = (rows, len(segment.actions), len(header["states"]))
             part = _checked(simulate(columns, segment.first_state, segment.actions, header["dt"],
-                                     arrays["seeds"]), shape)
+                                     segment.seeds(arrays["seeds"])), shape)
             if shape[1] == steps:
                 return part, status, message
             states[:, segment.slice] = part
             continue
         for row in np.flatnonzero(status == OK):
             theta = dict(zip(header["parameters"], arrays["theta"][row].tolist()))
-            rng = _LazyGenerator(int(arrays["seeds"][row]), segment.number)
+            rng = _seeded(arrays["seeds"][row], segment.number)
             try:
                 result = simulate(theta, segment.first_state.copy(), segment.actions.copy(),
                                   header["dt"], rng)
@@ -133,6 +133,12 @@ class _Segment:
         self.first_state = arrays["first_states"][number]
         self.actions = arrays["actions"][begin:end]
 
+    def seeds(self, seeds):
+        """Seeds of the rows, others for each segment: noise mustn't repeat itself."""
+        mixed = seeds.astype(np.uint64) + np.uint64(self.number * 0x9E3779B97F4A7C15 % 2**64)
+        mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        return ((mixed ^ (mixed >> np.uint64(27))) >> np.uint64(33)).astype(np.uint32)
+
 
 def _segments(arrays):
     ends = np.cumsum(arrays["steps"]).tolist()
@@ -145,18 +151,19 @@ def _checked(result, shape):
     if result.shape != shape:
         raise ValueError("simulate() returned an array of shape %s, must be %s: %s"
                          % (result.shape, shape,
-                            "(rows, steps, states)" if len(shape) == 3 else "(steps, states)"))
+                            ("(rows, steps, states)" if len(shape) == 3 else "(steps, states)")
+                            + ", the states after each action"))
     return result
 
 
-class _LazyGenerator:
-    """numpy's generator of a row and segment, made when it is first used: that takes as long as a
-    short simulation."""
+_bits = np.random.Philox(0)
+_generator = np.random.Generator(_bits)
 
-    def __init__(self, *seed):
-        self._seed, self._generator = seed, None
 
-    def __getattr__(self, name):
-        if self._generator is None:
-            self._generator = np.random.Generator(np.random.Philox(list(self._seed)))
-        return getattr(self._generator, name)
+def _seeded(seed, segment):
+    """numpy's generator with a stream of its own for each row and segment. Making one takes longer
+    than giving it another key."""
+    _bits.state = {"bit_generator": "Philox", "state": {"counter": np.zeros(4, np.uint64),
+                                                        "key": np.array([seed, segment], np.uint64)},
+                   "buffer": np.zeros(4, np.uint64), "buffer_pos": 4, "has_uint32": 0, "uinteger": 0}
+    return _generator

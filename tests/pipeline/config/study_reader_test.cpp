@@ -80,9 +80,9 @@ TEST(StudyReader, KnowsWhereKeysStand) {
 }
 
 TEST(Study, NamesBecomeFolders) {
-  EXPECT_EQ(folder_name("NPDR (MAF)"), "npdr-maf");
-  EXPECT_EQ(folder_name("H = 10"), "h-10");
-  EXPECT_EQ(folder_name("../.."), "unnamed");
+  EXPECT_EQ(folder_slug("NPDR (MAF)"), "npdr-maf");
+  EXPECT_EQ(folder_slug("H = 10"), "h-10");
+  EXPECT_EQ(folder_slug("../.."), "unnamed");
 }
 
 TEST(StudyReader, TakesARecordingRelativeToTheStudyFile) {

@@ -238,6 +238,43 @@ TEST(Plan, ASelectionLeavesOutTheRest) {
   EXPECT_THROW(plan_of({}, {{}, {3}}), InputError);
 }
 
+// Everything that a study says of a program's parameters and goal changes rows, or what they are
+// judged by.
+TEST(Plan, WhatAStudySaysOfItsProgramIsInTheKeys) {
+  const StudyText text =
+      StudyText("spring")
+          .with("target", {"truth = { a = 1.0 }"})
+          .with("simulator", {"worker = \"true\"", "states = [\"q\"]", "dt = 0.1", "num_steps = 9",
+                              "initial_states = [[0.0]]",
+                              "parameter = [{ name = \"a\", nominal = 1.0 }, { name = \"b\", "
+                              "nominal = 2.0, lower = 0.0, upper = 3.0, unit = \"m\" }]",
+                              "goal = { place = { q = 0.0 }, radius = 0.1 }"})
+          .with("evaluate", {"metrics = [\"rmse\", \"goal\"]"})
+          .with("prior", {"a = { uniform = [0.0, 2.0] }"})
+          .method("A", {"num_simulations = 100"});
+  const auto plan = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), to);
+    return make_plan(parse_study(changed, "s.toml"), WorkFolder("runs"));
+  };
+  const Plan before = plan("dt", "dt");
+  for (const auto& [from, to] :
+       {std::pair("nominal = 2.0", "nominal = 2.5"), std::pair("lower = 0.0", "lower = 0.1"),
+        std::pair("upper = 3.0", "upper = 4.0")}) {
+    EXPECT_NE(keys(plan(from, to), Stage::simulate), keys(before, Stage::simulate)) << to;
+    EXPECT_NE(keys(plan(from, to), Stage::target), keys(before, Stage::target)) << to;
+  }
+  EXPECT_EQ(keys(plan("unit = \"m\"", "unit = \"cm\""), Stage::simulate),
+            keys(before, Stage::simulate));
+  for (const auto& [from, to] :
+       {std::pair("radius = 0.1", "radius = 0.2"), std::pair("q = 0.0", "q = 0.5")}) {
+    const Plan after = plan(from, to);
+    EXPECT_EQ(keys(after, Stage::simulate), keys(before, Stage::simulate)) << to;
+    EXPECT_NE(keys(after, Stage::evaluate), keys(before, Stage::evaluate)) << to;
+    EXPECT_NE(keys(after, Stage::baseline), keys(before, Stage::baseline)) << to;
+  }
+}
+
 TEST(Plan, NodesAreFoundByTheBeginningOfTheirKey) {
   const Plan plan = plan_of();
   const Node& node = plan.nodes[3];

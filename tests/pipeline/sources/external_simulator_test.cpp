@@ -193,7 +193,7 @@ TEST_F(ExternalSimulators, ColumnsMustBeNamedWhereOnlyTheObservationNamesThem) {
   study_.external.command = "WHAT=none BAD= sh sim.sh";
   ExternalSimulator nameless = program(folder_ / "log");
   const std::string message = message_of<Error>([&] {
-    nameless.simulate(RowMatrix::Constant(10, 2, 1.0), {1, "test", 0, 0, 0});
+    nameless.simulate(RowMatrix::Constant(40, 2, 1.0), {1, "test", 0, 0, 0});
   });
   EXPECT_NE(message.find("no names"), std::string::npos) << message;
   EXPECT_NE(message.find("y, seed"), std::string::npos) << message;

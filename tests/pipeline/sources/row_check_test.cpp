@@ -5,13 +5,12 @@
 #include <functional>
 
 #include "core/error.h"
-#include "pipeline/sources/external_simulator.h"
 #include "tests/message_of.h"
 
 namespace npdr::pipeline {
 namespace {
 
-// What a call gives, from its rows of theta and their seeds: one feature a row.
+// One feature a row, from a call's rows of theta and their seeds.
 using Call = std::function<std::vector<double>(const RowMatrix& theta,
                                                std::span<const std::uint32_t> seeds)>;
 

@@ -43,6 +43,10 @@ while True:
     for i, a in enumerate(arrays["theta"]):
         if a == bad:
             if what == "dies": os._exit(3)
+            if what == "orphans":
+                if os.fork() == 0:
+                    time.sleep(1000)
+                os._exit(3)
             if what == "hangs": time.sleep(1000)
             if what == "error":
                 replies.write(b'{"npdr_worker": 1, "reply": "error", "message": "boom"}\n')
@@ -143,6 +147,13 @@ TEST_F(Workers, OnlyTheCulpritOfACrashIsLost) {
   expect_only_five_is(run(12, "dies"), RolloutStatus::crashed);
 }
 
+// It holds the pipe open: that nobody answers is seen all the same, long before the time limit.
+TEST_F(Workers, AChildOfAWorkerThatHasDiedIsNotWaitedFor) {
+  study_.external.time_limit = 3600.0;
+  study_.external.start_time = 3600.0;
+  expect_only_five_is(run(6, "orphans"), RolloutStatus::crashed);
+}
+
 TEST_F(Workers, OnlyTheCulpritOfAnErrorIsLost) {
   expect_only_five_is(run(12, "error"), RolloutStatus::crashed);
   EXPECT_EQ(lines_of("starts"), 1) << "an error is a reply: the worker goes on";
@@ -201,7 +212,7 @@ TEST_F(Workers, AWorkerThatFailsForEachRowIsAnErrorWithItsWords) {
 TEST_F(Workers, RowsOutsideOfTheParametersLimitsAreNotAsked) {
   study_.external.parameters = {{.name = "a", .nominal = 1.0, .lower = 2.5}};
   const sim::Trajectories x = run(5, "nothing");
-  EXPECT_EQ(text_of(folder_ / "calls"), "0 2\n");
+  EXPECT_EQ(text_of(folder_ / "calls"), "3 2\n");
   EXPECT_EQ(x.status[2], RolloutStatus::out_of_limits);
   EXPECT_EQ(x.status[3], RolloutStatus::ok);
   EXPECT_EQ(x.rollout(4, 0)(0, 0), 4.0f);

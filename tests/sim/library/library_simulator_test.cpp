@@ -220,7 +220,7 @@ class HostileLibraries : public ::testing::Test {
   }
   static void TearDownTestSuite() { delete folder_; }
 
-  // What is said of the library, which begins with its file.
+  // Message about the library, which begins with its file.
   static std::string bare(const std::string& message) {
     const std::size_t end = message.find(".so: ");
     EXPECT_NE(end, std::string::npos) << message;

@@ -1,8 +1,8 @@
-#include "pipeline/artefacts/rate_check.h"
+#include "pipeline/import/rate_check.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/pipeline/artefacts/encoder_motion.h"
+#include "tests/pipeline/import/encoder_motion.h"
 
 namespace npdr::pipeline {
 namespace {

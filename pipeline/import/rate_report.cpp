@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/rate_report.h"
+#include "pipeline/import/rate_report.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "core/text.h"
-#include "pipeline/artefacts/angle_wraps.h"
+#include "pipeline/import/angle_wraps.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -139,7 +139,7 @@ std::string dt_problem(const std::vector<CheckedPair>& pairs, double dt, double 
   std::string text = join(mismatches) + ": " + remedy_of_dt(dt, factor, time);
   if (mismatches.size() > 1) return text;
   return text + "; or one of both columns is in another unit: add " +
-         scale_option(only->rate, factor);
+         scale_option(only->position, 1.0 / factor) + " or " + scale_option(only->rate, factor);
 }
 
 // One column in degrees, the other in radians: the one that contradicts its unit.
@@ -158,6 +158,12 @@ std::string scale_problem(const CheckedPair& pair, double ratio) {
   if (are_near(ratio, -1.0)) {
     return fmt::format("{} falls where {} says that it rises: one of both has the wrong sign: {}",
                        pair.position.label, pair.rate.label, "add " + scale_option(pair.rate, -1));
+  }
+  if (ratio < 0.0) {
+    return fmt::format(
+        "{}, which no unit explains: are the two columns swapped, or is one another quantity's? "
+        "Correct the header",
+        mismatch(pair, ratio));
   }
   return fmt::format(
       "{}: one of both isn't what its header says; if it is in another unit, add {} or {}",

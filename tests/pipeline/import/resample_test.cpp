@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/resample.h"
+#include "pipeline/import/resample.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/angle_wraps.h"
+#include "pipeline/import/angle_wraps.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 
 namespace npdr::pipeline {
 
-/// What positions and rates of one rollout say of each other.
+/// Comparison of the positions and rates of one rollout.
 struct RateFit {
   Index window = 0;      ///< samples
   double ratio = 0.0;    ///< median of slope / rate, where the rate is large: 1 when all is well

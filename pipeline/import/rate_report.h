@@ -1,12 +1,12 @@
-/// What the check of rates says to people: what is likely wrong with a recording, and its remedy.
+/// The words of the check of rates: what is likely wrong with a recording, and its remedy.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "core/target.h"
-#include "pipeline/artefacts/rate_check.h"
-#include "pipeline/artefacts/rate_pairs.h"
+#include "pipeline/import/rate_check.h"
+#include "pipeline/import/rate_pairs.h"
 
 namespace npdr::pipeline {
 

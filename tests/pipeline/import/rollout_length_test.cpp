@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/rollout_length.h"
+#include "pipeline/import/rollout_length.h"
 
 #include "core/error.h"
 #include "tests/message_of.h"

@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/csv_import.h"
+#include "pipeline/import/csv_import.h"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,12 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/artefacts/csv_rows.h"
-#include "pipeline/artefacts/csv_times.h"
-#include "pipeline/artefacts/csv_turns.h"
-#include "pipeline/artefacts/rate_report.h"
-#include "pipeline/artefacts/resample.h"
-#include "pipeline/artefacts/rollout_length.h"
+#include "pipeline/import/csv_rows.h"
+#include "pipeline/import/csv_times.h"
+#include "pipeline/import/csv_turns.h"
+#include "pipeline/import/rate_report.h"
+#include "pipeline/import/resample.h"
+#include "pipeline/import/rollout_length.h"
 #include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {

@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/rate_pairs.h"
+#include "pipeline/import/rate_pairs.h"
 
 #include <gtest/gtest.h>
 

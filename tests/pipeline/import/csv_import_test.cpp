@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/csv_import.h"
+#include "pipeline/import/csv_import.h"
 
 #include <fmt/format.h>
 

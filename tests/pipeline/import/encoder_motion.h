@@ -40,7 +40,7 @@ inline Vector with_noise(const Vector& values, double deviation, std::uint64_t r
   return values.unaryExpr([&](double value) { return value + deviation * stream.normal(); });
 }
 
-/// What a filter of first order with this time constant [s] makes of values.
+/// Values after a filter of first order with this time constant [s].
 inline Vector lagging(const Vector& values, double time, double dt) {
   Vector result = values;
   for (Index t = 1; t < values.size(); ++t) {

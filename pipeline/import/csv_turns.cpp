@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/csv_turns.h"
+#include "pipeline/import/csv_turns.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/artefacts/angle_wraps.h"
+#include "pipeline/import/angle_wraps.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,4 +1,4 @@
-/// What `npdr import` is asked to do with CSV files.
+/// Options of `npdr import` for CSV files.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/rate_check.h"
+#include "pipeline/import/rate_check.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@ constexpr std::array<Index, 7> kWindows = {3, 5, 11, 21, 51, 101, 201};
 constexpr Index kFewestWindows = 10;  // of a length, that fit into a rollout side by side
 // The 90 % quantile of white noise is 1.6 of its standard deviation: 5 of them aren't noise.
 constexpr double kStandsOut = 5.0;
-// What a rate without noise of its own may drift by, while nothing moves.
+// Drift of a rate without noise of its own, while nothing moves.
 constexpr double kStandsOutAlone = 20.0;
 constexpr double kTolerance = 0.15;
 constexpr double kLargestScatter = 0.5;

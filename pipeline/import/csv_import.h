@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/target.h"
-#include "pipeline/artefacts/csv_options.h"
+#include "pipeline/import/csv_options.h"
 
 namespace npdr::pipeline {
 

@@ -1,8 +1,8 @@
-#include "pipeline/artefacts/rate_report.h"
+#include "pipeline/import/rate_report.h"
 
 #include "core/text.h"
 #include "tests/message_of.h"
-#include "tests/pipeline/artefacts/encoder_motion.h"
+#include "tests/pipeline/import/encoder_motion.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "pipeline/artefacts/csv_rows.h"
+#include "pipeline/import/csv_rows.h"
 
 namespace npdr::pipeline {
 

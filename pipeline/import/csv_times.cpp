@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/csv_times.h"
+#include "pipeline/import/csv_times.h"
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ std::string place_of(const CsvRows& rows, std::size_t row) {
   return fmt::format("{}:{}: {}", rows.name, row + 2, rows.time_place);
 }
 
-// What helps when times increase, but unevenly.
+// Advice where times increase, but unevenly.
 std::string resample_hint(const TimeSteps& steps) {
   if (!(steps.shortest > 0.0)) return "";
   return fmt::format("; its steps are {:.4g} to {:.4g} s: --resample {:.3g} interpolates",

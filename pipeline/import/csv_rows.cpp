@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/csv_rows.h"
+#include "pipeline/import/csv_rows.h"
 
 #include <fmt/format.h>
 
@@ -124,6 +124,12 @@ class ColumnFinder {
       throw InputError(fmt::format("{}:1: column {} '{}' is in [{}], must be in [{}]{}",
                                    table_.name(), index + 1, channel.label, found.unit,
                                    channel.unit, conversion_hint(found, channel.unit)));
+    }
+    if (scale != nullptr && channel.unit.empty()) {
+      throw InputError(
+          fmt::format("--scale {}: say which unit it gives, such as '{} [rad]' among the "
+                      "columns to take",
+                      channel.label, channel.label));
     }
     return {index,
             scale == nullptr ? 1.0 : scale->factor,

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/target.h"
-#include "pipeline/artefacts/csv_options.h"
-#include "pipeline/artefacts/rate_pairs.h"
+#include "pipeline/import/csv_options.h"
+#include "pipeline/import/rate_pairs.h"
 
 namespace npdr::pipeline {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/artefacts/csv_rows.h"
+#include "pipeline/import/csv_rows.h"
 
 namespace npdr::pipeline {
 
