@@ -156,6 +156,26 @@ TEST_F(External, ADatasetNeedsNoSimulator) {
   EXPECT_EQ(table("external-dataset", "parameters").find("isn't distributed"), std::string::npos);
 }
 
+// Parameters that a study describes come in its order, which isn't the prior's.
+TEST_F(External, ADatasetMayDescribeItsParametersInAnyOrder) {
+  ASSERT_EQ(
+      std::system(
+          ("sh " + (folder_ / "make_dataset.sh").string() + " " + folder_.path().string()).c_str()),
+      0);
+  npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
+  const Outcome outcome =
+      npdr({"run", "dataset.toml", "--until", "simulate", "--set",
+            "simulator.parameter=[{name='b', unit='m'}, {name='a'}]", "--set",
+            "prior.a={uniform=[0.0, 9.0]}", "--set", "limits.max_failed_fraction=0.9"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const h5::File file = artefact("external-dataset", "simulate");
+  const RowMatrix theta = file.read_matrix<double>("theta");
+  const auto status = file.dataset("status").read<std::uint8_t>();
+  for (Index i = 0; i < theta.rows(); ++i) {
+    EXPECT_EQ(status[static_cast<std::size_t>(i)], theta(i, 0) < 0.0 ? 2 : 0) << i;
+  }
+}
+
 TEST_F(External, ADatasetOfAnotherPriorIsNoticed) {
   ASSERT_EQ(
       std::system(

@@ -380,6 +380,20 @@ TEST_F(OwnSimulators, NewStudiesFitWhatTheyAreFor) {
   EXPECT_EQ(npdr({"new", "mine", "--library", "spring.so"}).status, 2) << "it is there already";
 }
 
+TEST_F(OwnSimulators, NewStudiesQuoteNamesThatNeedIt) {
+  copy_example("spring");
+  std::string text = text_of(folder_ / "spring.c");
+  const std::string name = "\"stiffness\"";
+  text.replace(text.find(name), name.size(), "\"k (all)\"");
+  folder_.file("spring.c", text);
+  compile_spring(folder_.path());
+  ASSERT_EQ(npdr({"new", "odd", "--library", "spring.so"}).status, 0);
+  const std::string study = text_of(folder_ / "odd.toml");
+  EXPECT_NE(study.find("\n\"k (all)\" = { uniform"), std::string::npos) << study;
+  const Outcome checked = npdr({"validate", "--quiet", "odd.toml"});
+  EXPECT_EQ(checked.status, 0) << checked.err;
+}
+
 TEST_F(OwnSimulators, NewStudiesTakeARecording) {
   write_recording(furuta_recording(4), folder_ / "recorded.h5");
   const Outcome outcome =
