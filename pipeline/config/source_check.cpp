@@ -248,6 +248,7 @@ class SourceChecker : Checker {
     for (const inference::Marginal& marginal : study_.prior) {
       const auto& described = study_.external.parameters;
       const auto known = std::ranges::find(described, marginal.name, &DescribedParameter::name);
+      if (!described.empty() && known == described.end()) continue;  // it is unknown, and told so
       const bool has_nominal = known != described.end() && known->nominal;
       if (has_nominal || values.contains(marginal.name)) continue;
       reading_.fail(path, fmt::format("{}: '{}' is missing: a {} has no nominal values",
