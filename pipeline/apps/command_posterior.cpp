@@ -18,7 +18,9 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/plan/stage.h"
 #include "pipeline/store/number_table.h"
+#include "sim/observation_noise.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -30,6 +32,44 @@ struct PosteriorArguments {
   std::uint64_t seed = 0;
   std::string theta;  ///< file of log-prob
 };
+
+// Largest difference of what simulations take from a recording: actions, and states they begin in.
+double difference_of_inputs(const Target& a, const Target& b, Index segment_length) {
+  double largest = 0.0;
+  for (std::size_t h = 0; h < std::min(a.rollouts.size(), b.rollouts.size()); ++h) {
+    const Rollout &mine = a.rollouts[h], &other = b.rollouts[h];
+    if (mine.actions.size() > 0) {
+      largest = std::max(largest, (mine.actions - other.actions).cwiseAbs().maxCoeff());
+    }
+    const Index every = segment_length > 0 ? segment_length : mine.num_steps();
+    for (Index t = 0; t < mine.num_steps(); t += every) {
+      largest = std::max(largest, (mine.states.row(t) - other.states.row(t)).cwiseAbs().maxCoeff());
+    }
+  }
+  return largest;
+}
+
+// Simulations replayed the study's own rollouts: a recording of others came about in another way.
+void warn_of_other_inputs(const std::string& recording, const Target& target,
+                          const std::string& posterior, const ArtefactInfo& info,
+                          Index segment_length) {
+  const auto key = info.identity.inputs.find("target");
+  if (key == info.identity.inputs.end()) return;
+  const std::filesystem::path cache =
+      std::filesystem::canonical(posterior).parent_path().parent_path();
+  const std::filesystem::path own = cache / name_of(Stage::target) / (key->second + ".h5");
+  std::error_code unreadable;
+  if (!std::filesystem::exists(own, unreadable)) return;
+  const Target replayed = read_recording(own);
+  const double difference = difference_of_inputs(target, replayed, segment_length);
+  const double rounding = 1e-6 * sim::reference_amplitude(replayed).maxCoeff();
+  if (difference <= rounding) return;
+  fmt::print(stderr,
+             "warning: {} has other actions, or begins in other states, than the rollouts that the "
+             "simulations replayed (by up to {:.3g}); what it says of theta is then wrong: fit it "
+             "with a study of its own\n",
+             recording, difference);
+}
 
 // x of another recording, embedded as the posterior's own observation was.
 VectorF embed_recording(const std::string& posterior, const std::string& recording) {
@@ -48,6 +88,7 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
   const sim::SimulatorConfig& simulator = table.built_in;
   const Target target = read_recording(recording, channels);
   require_like_observation(recording, target, posterior);
+  warn_of_other_inputs(recording, target, posterior, info, simulator.segment_length);
   return inference::observed_features(
       *inference::make_embedding(embedding, target, simulator.store_every), target,
       simulator.store_every);

@@ -128,7 +128,8 @@ void list_simulator_of(const std::string& file) {
   const sim::SimulatorInfo& info = source->info();
   fmt::print("{}: {}\nparameters:\n", info.name, info.description);
   for (const sim::Parameter& p : info.parameters) {
-    fmt::print("    {:<24} {:>10.6g} {:<12} {:<16} {}\n", p.name, p.nominal, p.unit, limits_text(p),
+    const std::string nominal = std::isnan(p.nominal) ? "none" : fmt::format("{:.6g}", p.nominal);
+    fmt::print("    {:<24} {:>10} {:<12} {:<16} {}\n", p.name, nominal, p.unit, limits_text(p),
                p.description);
   }
   const auto list_channels = [](const char* title, const std::vector<Channel>& channels) {

@@ -113,7 +113,10 @@ class Writer {
       text_ += fmt::format("recording = {}\n", quoted_toml(wanted_.recording));
       const Index count = recording_->num_rollouts();
       if (count >= 3) {
-        text_ += fmt::format("num_rollouts = {}  # that inference sees\nheld_out = 1\n", count - 1);
+        text_ += fmt::format(
+            "num_rollouts = {}  # that inference sees\n"
+            "held_out = 1  # that it doesn't, to predict; EDIT: 0 to use all\n",
+            count - 1);
       }
     } else if (is_program()) {
       text_ += "truth = { a = 1.0 }  # EDIT: parameters of a simulated target, or a recording\n";
@@ -206,7 +209,9 @@ class Writer {
     text_ +=
         "# Noise on what is simulated, as a share of each channel's largest value: what a "
         "recording has\n"
-        "# and no simulation does.\n[observation_noise]\nscale = 0.02\n\n"
+        "# and no simulation does. EDIT: that of your sensors, more where no parameter explains "
+        "the "
+        "motion.\n[observation_noise]\nscale = 0.02\n\n"
         "[[method]]\nname = \"NPE\"\nnum_rounds = 3\nnum_simulations = 1000\n";
     if (!gives_motion()) return;
     const Index steps =

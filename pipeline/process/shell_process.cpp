@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "pipeline/process/stop_request.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -209,7 +210,8 @@ ShellProcess::ShellProcess(const ShellCommand& command, Streams streams) {
 ShellProcess::~ShellProcess() {
   if (input_stream_ >= 0) close(input_stream_);  // a program that stays ends with its requests
   const auto start = Clock::now();
-  while (input_stream_ >= 0 && !has_ended() && seconds_since(start) < kLastWords) {
+  while (input_stream_ >= 0 && !has_ended() && !stop_requested() &&
+         seconds_since(start) < kLastWords) {
   }
   if (output_stream_ >= 0) close(output_stream_);
   end_group(0.0);

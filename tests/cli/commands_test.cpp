@@ -213,6 +213,11 @@ TEST_F(Commands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
   });
   EXPECT_EQ(wider.status, 0) << "channels that the posterior doesn't know are left out\n"
                              << wider.err;
+  const std::string warning = "has other actions, or begins in other states";
+  EXPECT_EQ(wider.err.find(warning), std::string::npos) << wider.err;
+  const Outcome pushed = sample([](Target& t) { t.rollouts[1].actions.array() += 0.1; });
+  EXPECT_EQ(pushed.status, 0);
+  EXPECT_NE(pushed.err.find(warning), std::string::npos) << pushed.err;
   EXPECT_EQ(wider.out, sample([](Target&) {}).out);
 }
 

@@ -158,12 +158,14 @@ def _checked(result, shape):
 
 _bits = np.random.Philox(0)
 _generator = np.random.Generator(_bits)
+_key, _zeros = np.zeros(2, np.uint64), np.zeros(4, np.uint64)
+_start = {"bit_generator": "Philox", "state": {"counter": _zeros, "key": _key}, "buffer": _zeros,
+          "buffer_pos": 4, "has_uint32": 0, "uinteger": 0}
 
 
 def _seeded(seed, segment):
     """numpy's generator with a stream of its own for each row and segment. Making one takes longer
     than giving it another key."""
-    _bits.state = {"bit_generator": "Philox", "state": {"counter": np.zeros(4, np.uint64),
-                                                        "key": np.array([seed, segment], np.uint64)},
-                   "buffer": np.zeros(4, np.uint64), "buffer_pos": 4, "has_uint32": 0, "uinteger": 0}
+    _key[:] = seed, segment
+    _bits.state = _start
     return _generator
