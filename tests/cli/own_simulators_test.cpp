@@ -194,7 +194,7 @@ npdr_worker.serve(simulate)
     const std::size_t count = x.size();
     std::ranges::sort(x);
     x.erase(std::unique(x.begin(), x.end()), x.end());
-    // Of 105,000 floats near 0 about 1 in 1000 meet another by chance.
+    // About 1 in 1000 of 105,000 floats near 0 meets another by chance.
     EXPECT_GT(static_cast<double>(x.size()), 0.99 * static_cast<double>(count)) << program;
   }
 }

@@ -27,6 +27,21 @@ constexpr const char* kPendulum = R"(
 </mujoco>
 )";
 
+// A rod of 1 m and 1 kg about its end, and `more` on it.
+std::string rod(const std::string& more = "") {
+  return R"(
+<mujoco>
+  <option timestep="0.001" integrator="RK4" gravity="0 0 -9.81"/>
+  <worldbody>
+    <body name="pole">
+      <joint name="q" type="hinge" axis="0 1 0"/>
+      <geom name="rod" type="box" size="1e-3 1e-3 0.5" pos="0 0 -0.5" mass="1"/>)" +
+         more + R"(
+    </body>
+  </worldbody>
+</mujoco>)";
+}
+
 class MujocoModels : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -159,17 +174,7 @@ TEST_F(MujocoModels, SegmentsBeginWhereASensorOfAJointWas) {
 // A body's inertia is that of its geometry, of whatever size, scaled to its mass: a rod of length l
 // about its end swings with omega^2 = 3 g / (2 l).
 TEST_F(MujocoModels, MassesOfBodiesGoWithSizesOfTheirGeoms) {
-  constexpr const char* kRod = R"(
-<mujoco>
-  <option timestep="0.001" integrator="RK4" gravity="0 0 -9.81"/>
-  <worldbody>
-    <body name="pole">
-      <joint name="q" type="hinge" axis="0 1 0"/>
-      <geom name="rod" type="box" size="1e-3 1e-3 0.5" pos="0 0 -0.5" mass="1"/>
-    </body>
-  </worldbody>
-</mujoco>)";
-  const LibrarySimulator simulator(config(R"("geom.rod.size3", "body.pole.mass")", "", kRod));
+  const LibrarySimulator simulator(config(R"("geom.rod.size3", "body.pole.mass")", "", rod()));
   Target free = target(0.01, Vector::Zero(100));
   free.action_channels.clear();
   free.rollouts[0].actions.resize(100, 0);
@@ -186,18 +191,9 @@ TEST_F(MujocoModels, MassesOfBodiesGoWithSizesOfTheirGeoms) {
 // length 1 m about its end swings as if it were 2/3 m long, whatever it weighs; with a mass M at
 // its end omega^2 = g (m / 2 + M) / (m / 3 + M).
 TEST_F(MujocoModels, MassesOfGeomsBecomeInertiasOfBodies) {
-  constexpr const char* kRod = R"(
-<mujoco>
-  <option timestep="0.001" integrator="RK4" gravity="0 0 -9.81"/>
-  <worldbody>
-    <body name="pole">
-      <joint name="q" type="hinge" axis="0 1 0"/>
-      <geom name="rod" type="box" size="1e-3 1e-3 0.5" pos="0 0 -0.5" mass="1"/>
-      <geom name="tip" type="box" size="1e-3 1e-3 1e-3" pos="0 0 -1" density="1e8"/>
-    </body>
-  </worldbody>
-</mujoco>)";
-  const LibrarySimulator simulator(config(R"("geom.rod.mass", "geom.tip.mass")", "", kRod));
+  const std::string weight =
+      R"(<geom name="tip" type="box" size="1e-3 1e-3 1e-3" pos="0 0 -1" density="1e8"/>)";
+  const LibrarySimulator simulator(config(R"("geom.rod.mass", "geom.tip.mass")", "", rod(weight)));
   EXPECT_EQ(simulator.info().parameters[0].nominal, 1.0);
   EXPECT_NEAR(simulator.info().parameters[1].nominal, 0.8, 1e-9) << "of its density";
   Target free = target(0.01, Vector::Zero(100));

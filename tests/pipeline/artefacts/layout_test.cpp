@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "pipeline/artefacts/layout_tables.h"
+#include "tests/document_tables.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -78,22 +79,10 @@ TEST_F(LayoutFile, WhatMustBeFiniteIs) {
       {"a.h5: dataset 'theta'", "must be finite"}));
 }
 
-// A document's blocks between "<!-- layout: NAME -->" and "<!-- end -->".
-std::map<std::string, std::string> documented(const std::string& text) {
-  const std::string begin = "<!-- layout: ", end = "<!-- end -->\n";
-  std::map<std::string, std::string> tables;
-  for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at + 1)) {
-    const std::size_t name = at + begin.size(), body = text.find('\n', at) + 1;
-    tables[text.substr(name, text.find(' ', name) - name)] =
-        text.substr(body, text.find(end, body) - body);
-  }
-  return tables;
-}
-
 TEST(LayoutTables, AreThoseOfTheDocument) {
   const std::filesystem::path document =
       std::filesystem::path(NPDR_SOURCE_DIR) / "docs" / "file-formats.md";
-  const auto tables = documented(text_of(document));
+  const auto tables = document_tables(text_of(document), "layout");
   for (const std::string& name : layout_names()) {
     ASSERT_TRUE(tables.contains(name)) << name;
     EXPECT_EQ(tables.at(name), layout_table(name)) << "run scripts/docs";

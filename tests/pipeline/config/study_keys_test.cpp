@@ -2,6 +2,7 @@
 
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_template.h"
+#include "tests/document_tables.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
@@ -36,23 +37,11 @@ TEST(StudyKeys, OfATableAreATableOfMarkdown) {
             "unknown table 'method.trainning' (did you mean 'method.training'?)");
 }
 
-// The document's tables between "<!-- keys: TABLE -->" and "<!-- end -->".
-std::map<std::string, std::string> documented_tables(const std::string& text) {
-  const std::string begin = "<!-- keys: ", end = "<!-- end -->\n";
-  std::map<std::string, std::string> tables;
-  for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at + 1)) {
-    const std::size_t name = at + begin.size(), body = text.find('\n', at) + 1;
-    tables[text.substr(name, text.find(' ', name) - name)] =
-        text.substr(body, text.find(end, body) - body);
-  }
-  return tables;
-}
-
 TEST(StudyKeys, AreThoseOfTheDocument) {
   const std::string hint = "docs/study-files.md: run scripts/docs";
   const std::string text =
       text_of(std::filesystem::path(NPDR_SOURCE_DIR) / "docs" / "study-files.md");
-  for (const auto& [table, found] : documented_tables(text)) {
+  for (const auto& [table, found] : document_tables(text, "keys")) {
     EXPECT_EQ(found, keys_markdown(table)) << hint;
   }
   for (const StudyKey& key : study_keys()) {
