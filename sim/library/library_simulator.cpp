@@ -50,13 +50,16 @@ class LibrarySimulator::Instances {
   explicit Instances(const LibraryConfig& config) : config_(config) {
     load();
     free_.push_back({open(), {}});
-    describe(free_.back().made);
+    try {
+      describe(free_.back().made);
+    } catch (...) {  // nobody destroys what isn't made
+      close_all();
+      throw;
+    }
   }
   Instances(const Instances&) = delete;
   Instances& operator=(const Instances&) = delete;
-  ~Instances() {
-    for (const Instance& instance : free_) library_->close(instance.made);
-  }
+  ~Instances() { close_all(); }
 
   const SimulatorInfo& info() const { return info_; }
   const std::string& fingerprint() const { return fingerprint_; }
@@ -71,16 +74,20 @@ class LibrarySimulator::Instances {
       call("replay", [&](char* error) {
         return library_->replay(instance.made, &batch, instance.states.data(), status, error);
       });
+      use(instance.states.data());
     } catch (...) {  // nobody knows what state it is in
       library_->close(instance.made);
       throw;
     }
-    use(instance.states.data());
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(instance));
   }
 
  private:
+  void close_all() {
+    for (const Instance& instance : free_) library_->close(instance.made);
+  }
+
   // Room for states that is kept: to get it anew would take as long as short rows do.
   struct Instance {
     npdr_instance* made;

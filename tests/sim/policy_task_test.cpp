@@ -292,7 +292,7 @@ TEST(PolicyTask, InitialStatesAreUniformAndDependOnTheirRowAlone) {
 }
 
 TEST(PolicyTask, SearchSpaceHasLogarithmsOfPositiveParameters) {
-  const PolicyTaskInfo& info = swing_up()->info();
+  const PolicyTaskInfo info = swing_up()->info();
   const RowMatrix policies = random_rows(4).policies;
   const RowMatrix points = to_search_space(info, policies);
   EXPECT_DOUBLE_EQ(points(1, 0), std::log(policies(1, 0)));
