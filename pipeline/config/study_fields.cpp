@@ -1,6 +1,8 @@
 #include "pipeline/config/study_fields.h"
 
+#include <algorithm>
 #include <regex>
+#include <set>
 
 #include "core/text.h"
 

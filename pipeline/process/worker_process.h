@@ -13,8 +13,9 @@ namespace npdr::pipeline {
 
 /// How a request went. `problem` is empty when all of a reply came in time.
 struct WorkerReply {
-  std::string header;   ///< first line, without its end
-  std::string problem;  ///< "ended with exit status 1", "no reply within its time limit of 2 s"
+  std::string header;  ///< first line, without its end
+  std::string
+      problem;  ///< "ended in its reply: exit status 1", "no reply within its time limit of 2 s"
   bool timed_out = false;
   bool has_ended = false;  ///< the program has
   int exit_status = 0;     ///< its own, where it has ended

@@ -24,6 +24,14 @@ class External : public ::testing::Test {
     const Outcome outcome = npdr(words);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
   }
+  // dataset.h5 of the example.
+  Outcome import_dataset() const {
+    const std::string folder = folder_.path().string();
+    EXPECT_EQ(std::system(("sh " + folder + "/make_dataset.sh " + folder).c_str()), 0);
+    Outcome imported = npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
+    EXPECT_EQ(imported.status, 0) << imported.err;
+    return imported;
+  }
   h5::File artefact(const std::string& study, const std::string& name) const {
     return h5::File::open(folder_ / "runs" / study / "npe-gaussian/seed-1/round-1" /
                           (name + ".h5"));
@@ -139,13 +147,7 @@ TEST_F(External, ResultsDoNotDependOnTheShards) {
 }
 
 TEST_F(External, ADatasetNeedsNoSimulator) {
-  ASSERT_EQ(
-      std::system(
-          ("sh " + (folder_ / "make_dataset.sh").string() + " " + folder_.path().string()).c_str()),
-      0);
-  const Outcome imported =
-      npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
-  ASSERT_EQ(imported.status, 0) << imported.err;
+  const Outcome imported = import_dataset();
   EXPECT_TRUE(says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b",
                                   "x total, difference", "\nnext: npdr run"}));
   EXPECT_NE(npdr({"inspect", "dataset.h5"}).out.find("a dataset of 1000 simulations of 2 features"),
@@ -158,11 +160,7 @@ TEST_F(External, ADatasetNeedsNoSimulator) {
 
 // Parameters that a study describes come in its order, which isn't the prior's.
 TEST_F(External, ADatasetMayDescribeItsParametersInAnyOrder) {
-  ASSERT_EQ(
-      std::system(
-          ("sh " + (folder_ / "make_dataset.sh").string() + " " + folder_.path().string()).c_str()),
-      0);
-  npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
+  import_dataset();
   const Outcome outcome =
       npdr({"run", "dataset.toml", "--until", "simulate", "--set",
             "simulator.parameter=[{name='b', unit='m'}, {name='a'}]", "--set",
@@ -177,11 +175,7 @@ TEST_F(External, ADatasetMayDescribeItsParametersInAnyOrder) {
 }
 
 TEST_F(External, ADatasetOfAnotherPriorIsNoticed) {
-  ASSERT_EQ(
-      std::system(
-          ("sh " + (folder_ / "make_dataset.sh").string() + " " + folder_.path().string()).c_str()),
-      0);
-  npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
+  import_dataset();
   run_well({"dataset.toml", "--set", "prior.a.normal=[0.0, 2.0]"});
   const std::string text = table("external-dataset", "parameters");
   EXPECT_NE(text.find("a of the dataset isn't distributed as the prior says"), std::string::npos);
