@@ -16,15 +16,14 @@ RowMatrix reference_amplitude(const Target& target) {
   return amplitude;
 }
 
-void add_observation_noise(std::span<float> series, const RowMatrix& amplitude, double scale,
-                           Stream& stream) {
-  const auto values_per_step = static_cast<std::size_t>(amplitude.size());
+void add_observation_noise(std::span<float> series, const RowMatrix& exact, Stream& stream) {
+  const auto values_per_step = static_cast<std::size_t>(exact.size());
   if (values_per_step == 0 || series.size() % values_per_step != 0) {
     throw ShapeError(
         "series of " + std::to_string(series.size()) +
         " values, must be a multiple of rollouts x channels = " + std::to_string(values_per_step));
   }
-  const RowMatrixF deviation = (scale * amplitude).cast<float>();  // (H, C)
+  const RowMatrixF deviation = exact.cast<float>();  // (H, C)
   const std::size_t steps = series.size() / values_per_step;
   // Drawn in pieces that stay in cache; their size is a multiple of what fill_normal makes at once.
   std::array<float, 1024> normals;

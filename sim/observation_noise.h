@@ -18,11 +18,10 @@ namespace npdr::sim {
 RowMatrix reference_amplitude(const Target& target);
 
 /// Adds independent Gaussian noise to the series of one row, (H, T, C) row-major:
-///   series[h, t, c] += scale amplitude(h, c) z,  z ~ N(0, 1).
+///   series[h, t, c] += deviation(h, c) z,  z ~ N(0, 1).
 /// The normals are drawn from `stream` in the order of the series, so the noise of a row depends on
-/// the stream's identity and the shape alone. NaN stays NaN. `scale` is unitless, >= 0.
-/// Throws ShapeError unless the series' size is a multiple of H C.
-void add_observation_noise(std::span<float> series, const RowMatrix& amplitude, double scale,
-                           Stream& stream);
+/// the stream's identity and the shape alone. NaN stays NaN. `deviation`: in the channels' units,
+/// >= 0. Throws ShapeError unless the series' size is a multiple of H C.
+void add_observation_noise(std::span<float> series, const RowMatrix& deviation, Stream& stream);
 
 }  // namespace npdr::sim

@@ -22,6 +22,7 @@ enum class Algorithm {
   abc_mcmc,
   abc_smc,
   linear_regression,  ///< bayesian_linear_regression.h
+  refine,             ///< importance_sampler.h
   prior,              ///< infers nothing, to be compared with: domain randomization over the prior
   nominal,            ///< infers nothing, either: the nominal parameters
 };
@@ -31,6 +32,7 @@ enum class AlgorithmFamily {
   network,     ///< a network that is trained on simulations
   abc,         ///< the simulations that are near the observation
   regression,  ///< the equations of motion and the recordings, no simulation
+  likelihood,  ///< the likelihood of the observation noise, at simulations that it asks for
   fixed,       ///< nothing: what is known before any observation
 };
 

@@ -16,13 +16,15 @@ const std::map<std::string, void (*)(Layout)> kLayouts = {
     {"evaluation", list_evaluation},
     {"observation", list_observation},
     {"particles", list_particles},
+    {"certificate", list_certificate},
     {"policy", list_policy},
     {"policy_checkpoint", list_policy_checkpoint},
     {"policy_test", list_policy_test},
     {"posterior", list_posterior},
     {"proposal", list_proposal},
     {"simulation", list_simulation},
-    {"training_checkpoint", list_training_checkpoint}};
+    {"training_checkpoint", list_training_checkpoint},
+    {"refinement_checkpoint", list_refinement_checkpoint}};
 
 }  // namespace
 

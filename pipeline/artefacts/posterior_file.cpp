@@ -10,6 +10,7 @@
 #include "core/text.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/particle_file.h"
+#include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
@@ -273,6 +274,7 @@ PosteriorNotes read_posterior_notes(const ArtefactFile& artefact) {
   const h5::File file = open_artefact(artefact, kPosteriorSchema);
   PosteriorNotes notes{.rows = {},
                        .regression = read_regression_counts(file),
+                       .certificate = read_certificate(file),
                        .training_loss = {},
                        .validation_loss = {}};
   const Layout f = Layout::reader(file);

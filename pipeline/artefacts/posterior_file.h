@@ -2,6 +2,7 @@
 #pragma once
 
 #include "inference/algorithms/posterior_estimation.h"
+#include "inference/samplers/importance_sampler.h"
 #include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study.h"
@@ -56,6 +57,7 @@ struct RegressionCounts {
 struct PosteriorNotes {
   RowCounts rows;
   std::optional<RegressionCounts> regression;
+  std::optional<inference::ImportanceCertificate> certificate;
   Vector training_loss;    ///< (epochs); empty without a network
   Vector validation_loss;  ///< (epochs)
 };

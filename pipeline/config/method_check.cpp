@@ -29,6 +29,8 @@ class MethodChecker : Checker {
   void check_loss(const std::string& path, const MethodConfig& method);
   void check_abc(const std::string& path, const MethodConfig& method);
   void check_regression(const std::string& path);
+  void check_refine(const std::string& path, const MethodConfig& method);
+  void check_start(const std::string& path, const MethodConfig& method);
   void check_unused_settings(const std::string& path, const MethodConfig& method);
   void check_iterations(const std::string& path, const MethodConfig& method);
 
@@ -58,6 +60,9 @@ void MethodChecker::check(std::size_t i) {
       break;
     case inference::AlgorithmFamily::regression:
       check_regression(path);
+      break;
+    case inference::AlgorithmFamily::likelihood:
+      check_refine(path, method);
       break;
     case inference::AlgorithmFamily::fixed:
       break;
@@ -213,6 +218,44 @@ void MethodChecker::check_abc(const std::string& path, const MethodConfig& metho
   }
   if (method.algorithm.kind == inference::Algorithm::abc_mcmc && method.algorithm.num_rounds < 2) {
     fail(rounds, found, ">= 2 with algorithm 'abc_mcmc': chains take one step in each round");
+  }
+}
+
+void MethodChecker::check_refine(const std::string& path, const MethodConfig& method) {
+  if (!study_.source().simulates) {
+    reading_.fail(path + ".algorithm", "algorithm 'refine' needs a simulator, not a dataset");
+  } else if (study_.observation_noise.is_silent() && reading_.good("observation_noise")) {
+    reading_.fail(path + ".algorithm",
+                  "algorithm 'refine' needs [observation_noise], whose density is its likelihood: "
+                  "give scale, scale_prior or std");
+  }
+  const inference::ImportanceConfig& sampling = method.refine.sampling;
+  const std::string most = path + ".refine.max_simulations";
+  if (sampling.max_simulations < sampling.level_size && reading_.good(most)) {
+    fail(most, std::to_string(sampling.max_simulations),
+         fmt::format(">= refine.level_size = {}", sampling.level_size));
+  }
+  check_start(path, method);
+}
+
+void MethodChecker::check_start(const std::string& path, const MethodConfig& method) {
+  const std::string key = path + ".refine.start";
+  if (method.refine.start.empty() || !reading_.good(key)) return;
+  std::vector<std::string> names;
+  for (const MethodConfig& other : study_.methods) {
+    const auto family = inference::traits_of(other.algorithm.kind).family;
+    if (infers(other) && family != inference::AlgorithmFamily::likelihood) {
+      names.push_back(other.name);
+    }
+  }
+  if (!require_known(key, display(path) + ".refine.start", "method to refine", method.refine.start,
+                     names)) {
+    return;
+  }
+  if (method.num_iterations > 1 || study_.method(method.refine.start).num_iterations > 1) {
+    fail(key, quoted(method.refine.start),
+         "left out where a method has several num_iterations: each iteration has a recording of "
+         "its own");
   }
 }
 

@@ -41,6 +41,8 @@ bool reads_setting(inference::Algorithm algorithm, const std::string& key) {
       return false;
     case inference::AlgorithmFamily::regression:
       return key == "linear_regression";
+    case inference::AlgorithmFamily::likelihood:
+      return key == "refine";
     case inference::AlgorithmFamily::abc:
       return key == "abc" || is_one_of(kOfSimulations, key);
     case inference::AlgorithmFamily::network:

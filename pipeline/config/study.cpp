@@ -26,7 +26,9 @@ DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
     const CheckTraits traits = traits_of(check);
     if (traits.asks_simulator && !source().simulates) return true;
     if (traits.needs == CheckNeeds::network) return family != AlgorithmFamily::network;
-    return traits.needs == CheckNeeds::simulations && family == AlgorithmFamily::regression;
+    const bool has_simulations =
+        family == AlgorithmFamily::network || family == AlgorithmFamily::abc;
+    return traits.needs == CheckNeeds::simulations && !has_simulations;
   });
   return config;
 }

@@ -16,6 +16,7 @@
 #include "inference/estimators/estimator_config.h"
 #include "inference/linear_regression/linear_regression_config.h"
 #include "inference/prior.h"
+#include "inference/samplers/importance_config.h"
 #include "inference/training_config.h"
 #include "pipeline/config/check.h"
 #include "pipeline/config/cluster_config.h"
@@ -41,10 +42,19 @@ struct TargetConfig {
   std::uint64_t seed = 0;             ///< picks a truth's random behavior
 };
 
-/// Gaussian noise on the simulated states that the inference sees.
+/// Noise on the simulated states that the inference sees (sim/noise_model.h). Priors are pairs of a
+/// median and a deviation.
 struct ObservationNoise {
   double scale = 0.0;  ///< standard deviation / largest recorded magnitude of the channel
+  std::optional<std::vector<double>> scale_prior;
+  std::optional<std::map<std::string, double>> std;  ///< by channel, in its unit, in place of scale
+  std::optional<double> correlation;
+  std::optional<std::vector<double>> correlation_prior;
+  std::optional<double> degrees_of_freedom;
+  std::optional<std::vector<double>> degrees_of_freedom_prior;
   bool redraw = true;  ///< fresh noise in each training epoch, not once per simulation
+
+  bool is_silent() const { return scale == 0.0 && !scale_prior && !std; }
 };
 
 struct SimulateConfig {
@@ -99,6 +109,12 @@ struct PublishedFigure {
   double std = 0.0;
 };
 
+/// What the algorithm "refine" does.
+struct RefineConfig {
+  std::string start;  ///< the method whose posterior is refined; "": the prior alone
+  inference::ImportanceConfig sampling;
+};
+
 /// One column of the study's tables.
 struct MethodConfig {
   std::string name;
@@ -112,6 +128,7 @@ struct MethodConfig {
   inference::SamplerConfig sampler;
   inference::AbcConfig abc;
   inference::LinearRegressionConfig linear_regression;
+  RefineConfig refine;
   std::map<std::string, PublishedFigure> published;  ///< by metric
 };
 

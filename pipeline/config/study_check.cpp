@@ -14,6 +14,7 @@
 #include "pipeline/config/cluster_check.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/method_check.h"
+#include "pipeline/config/noise_check.h"
 #include "pipeline/config/policy_check.h"
 #include "pipeline/config/prior_check.h"
 #include "pipeline/config/rollout_check.h"
@@ -34,6 +35,7 @@ class StudyChecker : Checker {
     check_source(study_, reading_);
     load_simulator();
     check_source_settings(study_, reading_);
+    check_noise(study_, info_ ? &*info_ : nullptr, reading_);
     check_target();
     check_values("simulator.parameters", study_.simulator.parameters);
     for (Marginal& marginal : study_.prior) check_marginal(marginal);

@@ -1,6 +1,7 @@
 #include "pipeline/config/study_fields.h"
 
 #include <algorithm>
+#include <cmath>
 #include <regex>
 #include <set>
 
@@ -58,6 +59,22 @@ Constraint<std::string> simulator_constraint() {
 
 Constraint<double> quantile_constraint() {
   return {"> 0 and <= 1", [](double v) { return v > 0.0 && v <= 1.0; }};
+}
+
+Constraint<std::vector<double>> noise_prior(double low, const std::string& name, double high) {
+  const std::string below = std::isfinite(high) ? fmt::format(" and < {}", high) : "";
+  return {fmt::format("[median, deviation] with a {} > {}{} and a deviation > 0", name, low, below),
+          [low, high](const auto& prior) {
+            return prior.size() == 2 && prior[0] > low && prior[0] < high && prior[1] > 0.0;
+          }};
+}
+
+Constraint<double> correlation_constraint() {
+  return {">= 0 and < 1", [](double v) { return v >= 0.0 && v < 1.0; }};
+}
+
+Constraint<double> degrees_constraint() {
+  return {"> 1", [](double v) { return v > 1.0; }};
 }
 
 Constraint<double> window_constraint() {

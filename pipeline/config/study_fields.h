@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "analysis/pair_plot.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/choice_field.h"
@@ -27,6 +29,11 @@ inline constexpr double kMaxWidth = 4096;
 inline constexpr double kMaxLayers = 128;
 
 /// > 0 and <= 1.
+/// [median, deviation] of noise, the median above `low` and below `high`, the deviation > 0.
+Constraint<std::vector<double>> noise_prior(double low, const std::string& name,
+                                            double high = std::numeric_limits<double>::infinity());
+Constraint<double> correlation_constraint();
+Constraint<double> degrees_constraint();
 Constraint<double> quantile_constraint();
 /// States of a smoother's window: odd, 5 to 1001.
 Constraint<double> window_constraint();
@@ -122,6 +129,20 @@ void describe(Fields& f, inference::LinearRegressionConfig& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, RefineConfig& c) {
+  f("start", c.start, anything<std::string>(),
+    "the method whose posterior is refined; empty: begin with the prior");
+  f("likelihood_power", c.sampling.likelihood_power, quantile_constraint(),
+    "of the likelihood; below 1 for simulators that can't reproduce the recording");
+  f("level_size", c.sampling.level_size, between(1000, 10'000'000),
+    "simulations from one proposal");
+  f("min_ess", c.sampling.min_ess, between(100, 1'000'000),
+    "effective sample size of the weighted draws");
+  f("max_simulations", c.sampling.max_simulations, count_from(1000),
+    "after which one more level is the last");
+}
+
+template <class Fields>
 void describe(Fields& f, inference::AlgorithmConfig& c) {
   choice(f, "algorithm", c.kind, "inference algorithm");
   f("num_rounds", c.num_rounds, count_from(1), "rounds of proposing, simulating and training");
@@ -163,6 +184,7 @@ void describe(Fields& f, MethodConfig& c) {
           [&](auto& t) { describe(t, c.abc); });
   f.table("linear_regression", "the algorithm \"linear_regression\"",
           [&](auto& t) { describe(t, c.linear_regression); });
+  f.table("refine", "the algorithm \"refine\"", [&](auto& t) { describe(t, c.refine); });
   f("published", c.published, anything<std::map<std::string, PublishedFigure>>(),
     "somebody's figures to print beside ours, by metric: mean and std");
 }
@@ -196,6 +218,18 @@ template <class Fields>
 void describe(Fields& f, ObservationNoise& c) {
   f("scale", c.scale, not_negative(),
     "standard deviation / largest recorded magnitude of the channel in a rollout");
+  f("scale_prior", c.scale_prior, noise_prior(0.0, "scale"),
+    "[median, deviation of the logarithm], in place of scale: it isn't known");
+  f("std", c.std, anything<std::map<std::string, double>>(),
+    "standard deviation of some channels in their units, in place of scale: { theta = 0.01 }");
+  f("correlation", c.correlation, correlation_constraint(),
+    "of neighboring stored states' noise, which begins anew in each segment; none when left out");
+  f("correlation_prior", c.correlation_prior, noise_prior(0.0, "correlation", 1.0),
+    "[median, deviation of log(c / (1 - c))], in place of correlation");
+  f("degrees_of_freedom", c.degrees_of_freedom, degrees_constraint(),
+    "of Student's t, in place of Gaussian noise");
+  f("degrees_of_freedom_prior", c.degrees_of_freedom_prior, noise_prior(1.0, "degrees of freedom"),
+    "[median, deviation of log(nu - 1)], in place of degrees_of_freedom");
   f("redraw", c.redraw, anything<bool>(),
     "fresh noise in each training epoch, instead of once per simulation");
 }

@@ -73,8 +73,15 @@ pole_mass = { uniform = [0.3, 1.7] }    # [kg]
 pole_length = { uniform = [0.3, 1.7] }  # [m]
 
 # When no parameter reproduces the recordings, noise of the size of what is left makes them look like
-# simulations. It is Gaussian.
+# simulations. It is Gaussian and independent from state to state, unless more is said.
 [observation_noise]
+# ...
+#   scale_prior = [0.2, 1.0]
+#   std = { theta = 0.01 }
+#   correlation = 0.8
+#   correlation_prior = [0.5, 1.5]
+#   degrees_of_freedom = 4.0
+#   degrees_of_freedom_prior = [3.7, 1.0]
 # ...
 
 [simulate]
@@ -118,6 +125,9 @@ learning_rate = 5e-4
 #   ...
 # Of "linear_regression", which needs no simulations (simulator "furuta" only):
 #   [method.linear_regression]
+#   ...
+# Of "refine", which makes the posterior of another method exact under the observation noise:
+#   [method.refine]
 #   ...
 
 # Two that infer nothing, to compare policies with (studies with [policy] only): algorithm = "prior"

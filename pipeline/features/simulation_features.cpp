@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "pipeline/artefacts/simulation_file.h"
+#include "pipeline/features/noise.h"
 #include "pipeline/plan/shards.h"
-#include "sim/observation_noise.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -18,15 +18,6 @@ std::uint32_t round_of(const Node& simulation) {
 
 }  // namespace
 
-RowMatrix picked_amplitude(const Target& target, const inference::SeriesSelection& selection) {
-  const RowMatrix all = sim::reference_amplitude(target);
-  RowMatrix picked(all.rows(), selection.num_channels());
-  for (Index c = 0; c < picked.cols(); ++c) {
-    picked.col(c) = all.col(selection.channels[static_cast<std::size_t>(c)]);
-  }
-  return picked;
-}
-
 SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
                                        const inference::Embedding& embedding)
     : SimulationFeatures(plan, plan.inputs(infer, Stage::simulate), target, embedding) {}
@@ -35,13 +26,13 @@ SimulationFeatures::SimulationFeatures(const Plan& plan,
                                        const std::vector<const Node*>& simulations,
                                        const Target& target, const inference::Embedding& embedding)
     : embedding_(embedding),
-      noise_(plan.study.observation_noise),
-      seed_(simulations.front()->uses.front().seed),
-      amplitude_(picked_amplitude(target, embedding.selection())) {
+      noise_(noise_model(plan.study, target, embedding.selection())),
+      redraws_(plan.study.observation_noise.redraw && !noise_.is_silent()),
+      seed_(simulations.front()->uses.front().seed) {
   std::vector<h5::File> files;
   for (const Node* simulation : simulations) files.push_back(open_simulation(plan, *simulation));
   for (std::size_t s = 0; s < files.size(); ++s) read_theta(files[s], round_of(*simulations[s]));
-  const Index width = redraws() ? embedding_.selection().num_values() : embedding_.num_features();
+  const Index width = redraws_ ? embedding_.selection().num_values() : embedding_.num_features();
   rows_ = std::make_unique<RowStore>(num_rows(), width, simulations.front()->path.parent_path());
   read_series(files);
 }
@@ -82,7 +73,7 @@ void SimulationFeatures::read_series(const std::vector<h5::File>& files) {
         const std::span<const float> series(block.data() + (origin.row - begin) * width,
                                             static_cast<std::size_t>(width));
         embedding_.selection().pick(series, picked);
-        if (redraws()) {
+        if (redraws_) {
           rows_->write(next, picked);
           continue;
         }
@@ -96,9 +87,9 @@ void SimulationFeatures::read_series(const std::vector<h5::File>& files) {
 
 void SimulationFeatures::add_noise(std::span<float> picked, const Origin& origin,
                                    std::uint64_t epoch) const {
-  if (noise_.scale == 0.0) return;
+  if (noise_.is_silent()) return;
   Stream stream({seed_, "observation_noise", origin.round, origin.row, epoch});
-  sim::add_observation_noise(picked, amplitude_, noise_.scale, stream);
+  noise_.add(picked, embedding_.selection().stride, stream);
 }
 
 void SimulationFeatures::gather(std::span<const std::uint32_t> rows, std::uint64_t epoch,
@@ -108,7 +99,7 @@ void SimulationFeatures::gather(std::span<const std::uint32_t> rows, std::uint64
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::span<float> out(x.row(static_cast<Index>(i)).data(),
                                static_cast<std::size_t>(num_features()));
-    if (!redraws()) {
+    if (!redraws_) {
       rows_->read(rows[i], out);
       continue;
     }
@@ -130,16 +121,24 @@ std::vector<Index> SimulationFeatures::rows() const {
   return rows;
 }
 
+std::vector<float> stored_observation(const Plan& plan, const Target& target) {
+  const Study& study = plan.study;
+  std::vector<float> stored = inference::observed_series(target, study.simulator.store_every);
+  if (study.target.recording || study.observation_noise.is_silent()) return stored;
+  Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
+  noise_model(study, target).add(stored, 1, stream);
+  return stored;
+}
+
 std::vector<float> picked_observation(const Plan& plan, const Target& target,
                                       const inference::Embedding& embedding) {
   const Study& study = plan.study;
   const inference::SeriesSelection& selection = embedding.selection();
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
   selection.pick(inference::observed_series(target, study.simulator.store_every), picked);
-  if (study.target.recording || study.observation_noise.scale == 0.0) return picked;
+  if (study.target.recording || study.observation_noise.is_silent()) return picked;
   Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
-  sim::add_observation_noise(picked, picked_amplitude(target, selection),
-                             study.observation_noise.scale, stream);
+  noise_model(study, target, selection).add(picked, selection.stride, stream);
   return picked;
 }
 

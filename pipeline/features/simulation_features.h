@@ -13,6 +13,7 @@
 #include "pipeline/features/row_store.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/store/h5.h"
+#include "sim/noise_model.h"
 
 namespace npdr::pipeline {
 
@@ -40,15 +41,14 @@ class SimulationFeatures : public inference::FeatureSource {
     std::uint32_t round;
     std::uint32_t row;
   };
-  bool redraws() const { return noise_.scale > 0.0 && noise_.redraw; }
   void read_theta(const h5::File& file, std::uint32_t round);
   void read_series(const std::vector<h5::File>& files);
   void add_noise(std::span<float> picked, const Origin& origin, std::uint64_t epoch) const;
 
   const inference::Embedding& embedding_;
-  ObservationNoise noise_;
+  sim::NoiseModel noise_;
+  bool redraws_;
   std::uint64_t seed_;
-  RowMatrix amplitude_;  ///< (H, picked channels)
   RowMatrix theta_;
   std::vector<Origin> origin_;
   std::vector<Index> end_;  // of the rows of each simulation
@@ -56,9 +56,8 @@ class SimulationFeatures : public inference::FeatureSource {
   std::unique_ptr<RowStore> rows_;
 };
 
-/// Standard deviation of the noise on the states that an embedding picks, over the study's scale:
-/// (H, C') for H rollouts.
-RowMatrix picked_amplitude(const Target& target, const inference::SeriesSelection& selection);
+/// The stored states of the target, (H, K, C) as they are observed.
+std::vector<float> stored_observation(const Plan& plan, const Target& target);
 
 /// The states of the target that the embedding picks, (H, K, C') as they are observed.
 std::vector<float> picked_observation(const Plan& plan, const Target& target,

@@ -30,10 +30,18 @@ Json inference_json(const MethodConfig& method) {
   for (const auto& [key, value] : all.items()) {
     if (is_part_of_posterior(method, key)) json[key] = value;
   }
+  // Whose posterior it is, its key among the inputs says.
+  if (json.contains("refine")) json["refine"].erase("start");
   // Raised when its bits change, which leaves the keys of other posteriors as they are.
   constexpr int correction_version = 2;
   const bool is_corrected = inference::is_analytic(method.algorithm, method.density_estimator.kind);
   if (is_corrected) json["correction_version"] = correction_version;
+  return json;
+}
+
+Json noise_json(const ObservationNoise& noise) {
+  Json json = to_json(noise);
+  json.erase("redraw");
   return json;
 }
 

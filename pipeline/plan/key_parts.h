@@ -11,6 +11,9 @@ namespace npdr::pipeline {
 /// many rounds follow.
 nlohmann::ordered_json inference_json(const MethodConfig& method);
 
+/// Settings of the noise itself, whatever a training does with it.
+nlohmann::ordered_json noise_json(const ObservationNoise& noise);
+
 /// Settings that decide how a policy's rollouts go: the task, and the policy that the search
 /// begins with.
 nlohmann::ordered_json policy_task_json(const PolicyConfig& policy);

@@ -90,6 +90,13 @@ bool is_calibration(const Node& node) {
   return has_rows && node.uses.front().round == 0;
 }
 
+bool uses_threads(const Plan& plan, const Node& node) {
+  if (node.stage != Stage::infer) return traits_of(node.stage).uses_threads;
+  const MethodConfig& method = plan.study.method(node.uses.front().method);
+  return inference::traits_of(method.algorithm.kind).family ==
+         inference::AlgorithmFamily::likelihood;
+}
+
 Index num_rollouts_seen(const MethodConfig& method, const Use& use) {
   return method.num_rollouts * std::max<Index>(1, use.iteration);
 }

@@ -83,6 +83,9 @@ void link_uses(const Plan& plan, const Node& node);
 /// Whether a node proposes or simulates what posteriors are calibrated with.
 bool is_calibration(const Node& node);
 
+/// Whether more than one thread is worth while for a node.
+bool uses_threads(const Plan& plan, const Node& node);
+
 /// The simulations of a node's round.
 Index num_rows(const Plan& plan, const Node& node);
 

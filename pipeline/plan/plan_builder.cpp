@@ -39,9 +39,14 @@ void note(std::vector<std::size_t>& nodes, std::size_t added) {
   if (std::ranges::find(nodes, added) == nodes.end()) nodes.push_back(added);
 }
 
+inference::AlgorithmFamily family_of(const MethodConfig& method) {
+  return inference::traits_of(method.algorithm.kind).family;
+}
+
+// Rounds of simulations come before the inference.
 bool needs_simulations(const MethodConfig& method) {
-  return inference::traits_of(method.algorithm.kind).family !=
-         inference::AlgorithmFamily::regression;
+  using inference::AlgorithmFamily;
+  return family_of(method) == AlgorithmFamily::network || family_of(method) == AlgorithmFamily::abc;
 }
 
 }  // namespace
@@ -180,6 +185,11 @@ void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
 PlanBuilder::Rounds PlanBuilder::add_rounds(const MethodConfig& method, Use use,
                                             std::size_t target) {
   Rounds rounds;
+  if (family_of(method) == inference::AlgorithmFamily::likelihood) {
+    use.round = 1;
+    rounds.posteriors.push_back(add_refinement(method, use, target));
+    return rounds;
+  }
   for (use.round = 1; use.round <= method.algorithm.num_rounds; ++use.round) {
     const auto previous = rounds.posteriors.empty()
                               ? std::nullopt
@@ -268,11 +278,33 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   return add(Stage::infer, json, use, inputs);
 }
 
+std::size_t PlanBuilder::add_refinement(const MethodConfig& method, const Use& use,
+                                        std::size_t target) {
+  Json json = key_document(kPosteriorSchema);
+  json.update(inference_json(method));
+  json["simulator"] = keys_.rows;
+  json["prior"] = to_json(plan_.study.prior);
+  json["observation_noise"] = noise_json(plan_.study.observation_noise);
+  json["seed"] = use.seed;
+  if (use.iteration > 1) json["iteration"] = use.iteration;
+  Inputs inputs = {{"target", target}};
+  if (!method.refine.start.empty()) {
+    const MethodConfig& start = plan_.study.method(method.refine.start);
+    const Rounds rounds = add_rounds(start, {start.name, use.seed, 0, use.iteration}, target);
+    inputs.emplace_back("posterior_1", rounds.posteriors.back());
+  }
+  return add(Stage::infer, json, use, inputs);
+}
+
 std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std::size_t posterior) {
   Json json = key_document(kEvaluationSchema);
   Inputs inputs = add_judgment(target, json);
   inputs.emplace_back("posterior", posterior);
   json["num_samples"] = plan_.study.evaluate.num_samples;
+  if (plan_.study.source().gives_motion) {
+    json["store_every"] = plan_.study.simulator.store_every;
+    json["observation_noise"] = noise_json(plan_.study.observation_noise);
+  }
   if (plan_.study.target.truth) json["truth"] = *plan_.study.target.truth;
   json["seed"] = use.seed;
   return add(Stage::evaluate, json, use, inputs);

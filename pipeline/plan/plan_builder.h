@@ -53,6 +53,8 @@ class PlanBuilder {
   std::size_t add_inference(const MethodConfig& method, const Use& use, std::size_t target,
                             const std::vector<std::size_t>& simulations,
                             const std::vector<std::size_t>& posteriors);
+  /// The posterior under the noise's likelihood, from that of another method or the prior.
+  std::size_t add_refinement(const MethodConfig& method, const Use& use, std::size_t target);
   std::optional<std::size_t> add_held_out();
   /// The simulations of the prior that features are compared in units of.
   std::size_t add_scale();

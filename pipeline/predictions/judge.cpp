@@ -47,19 +47,22 @@ Judge::Judge(const Plan& plan, const Node& node)
 std::map<std::string, Vector> Judge::measure(const RowMatrix& complete,
                                              const StreamId& first) const {
   if (!plan_.study.source().simulates) return {};
-  return measure(complete, seen_.simulate(complete, first), first);
+  return measure(seen_.simulate(complete, first), simulate_held_out(complete, first));
 }
 
-std::map<std::string, Vector> Judge::measure(const RowMatrix& complete,
-                                             const sim::Trajectories& seen,
-                                             const StreamId& first) const {
+std::map<std::string, Vector> Judge::measure(const sim::Trajectories& seen,
+                                             const sim::Trajectories& held_out) const {
   std::map<std::string, Vector> values = seen_.measure(seen);
   if (!held_out_) return values;
-  for (const auto& [metric, column] :
-       held_out_->measure(held_out_->simulate(complete, within(first, "held_out_simulation")))) {
+  for (const auto& [metric, column] : held_out_->measure(held_out)) {
     values[std::string(kHeldOutPrefix) + metric] = column;
   }
   return values;
+}
+
+sim::Trajectories Judge::simulate_held_out(const RowMatrix& complete, const StreamId& first) const {
+  if (!held_out_) return {};
+  return held_out_->simulate(complete, within(first, "held_out_simulation"));
 }
 
 std::map<std::string, double> Judge::measure_one(const Vector& complete, const StreamId& id) const {

@@ -139,7 +139,7 @@ void Scheduler::start_ready_jobs() {
   }
   for (std::size_t r = 0; r < ready.size() && free_slots_ > 0; ++r) {
     const int share = std::max(1, free_slots_ / static_cast<int>(ready.size() - r));
-    start(ready[r], traits_of(plan_.nodes[ready[r]].stage).uses_threads ? share : 1);
+    start(ready[r], uses_threads(plan_, plan_.nodes[ready[r]]) ? share : 1);
   }
 }
 

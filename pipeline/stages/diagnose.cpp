@@ -8,13 +8,13 @@
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/features/noise.h"
 #include "pipeline/features/series_summary.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
-#include "sim/observation_noise.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -158,8 +158,7 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
   const auto simulator =
       c.plan.source->open({c.plan.study.simulator, c.target, log_of(c.node.path)});
   const inference::SeriesSelection& selection = c.embedding->selection();
-  const RowMatrix amplitude = picked_amplitude(c.target, selection);
-  const double scale = c.plan.study.observation_noise.scale;
+  const sim::NoiseModel noise = noise_model(c.plan.study, c.target, selection);
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
   Predictions result{{}, {theta.rows(), c.embedding->num_features()}, 0};
   Index next = 0;
@@ -176,7 +175,7 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
       StreamId id = c.stream("diagnose_predictive_noise");
       id.row = static_cast<std::uint64_t>(begin + i);
       Stream stream(id);
-      if (scale > 0.0) sim::add_observation_noise(picked, amplitude, scale, stream);
+      if (!noise.is_silent()) noise.add(picked, selection.stride, stream);
       const Vector summary = summarize(picked, selection);
       if (next == 0) result.summaries.resize(theta.rows(), summary.size());
       result.summaries.row(next) = summary.transpose();

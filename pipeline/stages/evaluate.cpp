@@ -2,6 +2,7 @@
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/judge.h"
+#include "pipeline/predictions/scores.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -12,12 +13,19 @@ void predict(const Plan& plan, const Judge& judge, const StreamId& first, Evalua
   const Predictor& predictor = judge.seen();
   if (!plan.study.source().simulates) return;
   const RowMatrix complete = plan.source->parameters().complete(evaluation.theta);
-  const sim::Trajectories trajectories = predictor.simulate(complete, first);
-  evaluation.metrics = judge.measure(complete, trajectories, first);
-  if (plan.study.source().gives_motion) {
-    evaluation.bands = analysis::quantile_bands(view_of(trajectories));
-  } else {
-    evaluation.x = features_of(trajectories);
+  const sim::Trajectories seen = predictor.simulate(complete, first);
+  const sim::Trajectories held_out = judge.simulate_held_out(complete, first);
+  evaluation.metrics = judge.measure(seen, held_out);
+  if (!plan.study.source().gives_motion) {
+    evaluation.x = features_of(seen);
+    return;
+  }
+  evaluation.bands = analysis::quantile_bands(view_of(seen));
+  const NoiseOfSamples noise = draw_noise(plan, predictor.target(), seen, first);
+  evaluation.scores = score(plan, predictor.target(), seen, noise, first);
+  if (const Predictor* predictor_held_out = judge.held_out()) {
+    evaluation.held_out_scores = score(plan, predictor_held_out->target(), held_out, noise,
+                                       within(first, "held_out_simulation"));
   }
 }
 

@@ -125,6 +125,9 @@ void run_infer(const Plan& plan, const Node& node) {
     case inference::AlgorithmFamily::regression:
       infer_regression(plan, node, writer.file());
       break;
+    case inference::AlgorithmFamily::likelihood:
+      infer_refined(plan, node, writer);
+      break;
     case inference::AlgorithmFamily::fixed:
       throw Error(node.label() + ": there is nothing to infer");  // the plan has no such node
   }

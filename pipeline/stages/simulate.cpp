@@ -60,7 +60,7 @@ void warn(const Node& node, const std::string& text) {
 // Tells people at once, and the report for good, what is probably wrong with rows that aren't ours.
 void check_block(h5::File& file, const Simulation& simulation, const GivenRows& rows) {
   const Study& study = simulation.plan.study;
-  const bool has_noise = study.observation_noise.scale > 0.0;
+  const bool has_noise = !study.observation_noise.is_silent();
   const std::vector<std::string> warnings = check_rows(*simulation.simulator, rows, has_noise);
   for (const std::string& warning : warnings) warn(simulation.node, warning);
   write_warnings(file, warnings);

@@ -68,7 +68,7 @@ class NoisyFeatures : public inference::FeatureSource {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       Stream stream({seed_, "noise", 1, rows[i], epoch});
       noisy = picked_.row(rows[i]);
-      sim::add_observation_noise(row_of(noisy, 0), amplitude_, 0.15, stream);
+      sim::add_observation_noise(row_of(noisy, 0), 0.15 * amplitude_, stream);
       embedding_.embed(row_of(noisy, 0), row_of(x, static_cast<Index>(i)));
     }
   }

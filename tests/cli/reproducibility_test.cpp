@@ -58,6 +58,9 @@ std::string abc_study() {
       .method("MCMC", {"algorithm = \"abc_mcmc\"", "num_rounds = 2", "num_simulations = 150",
                        "abc = { distance = \"dtw\" }"})
       .method("Regression", {"algorithm = \"linear_regression\""})
+      .method("Refined", {"algorithm = \"refine\"",
+                          "refine = { start = \"SMC\", level_size = 1000, min_ess = 100, "
+                          "max_simulations = 4000 }"})
       .with("evaluate", {"num_samples = 30", "metrics = [\"rmse\"]"});
 }
 
@@ -68,7 +71,8 @@ TEST_F(Reproducibility, SameBitsWithoutNetworks) {
   setenv("OMP_NUM_THREADS", "3", 1);
   const auto threads = digests_of("three", {"--jobs", "3"});
   unsetenv("OMP_NUM_THREADS");
-  EXPECT_EQ(reference.size(), 18u);  // target, baseline, 2 x (2 x 3 + 1), and 2 of the regression
+  // target, baseline, 2 x (2 x 3 + 1), and 2 of the regression and the refinement each
+  EXPECT_EQ(reference.size(), 20u);
   EXPECT_EQ(threads, reference);
 
   const auto sample = [&](const std::string& method, const std::vector<std::string>& more) {

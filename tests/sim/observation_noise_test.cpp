@@ -36,7 +36,7 @@ TEST(ObservationNoise, HasTheStandardDeviationOfEveryRolloutAndChannel) {
   constexpr Index steps = 20'000;
   std::vector<float> series(2 * steps * 2, 0.0f);
   Stream stream = noise_stream();
-  add_observation_noise(series, amplitudes(), 0.3, stream);
+  add_observation_noise(series, 0.3 * amplitudes(), stream);
   for (Index h = 0; h < 2; ++h) {
     for (Index c = 0; c < 2; ++c) {
       double squares = 0.0;
@@ -54,8 +54,8 @@ TEST(ObservationNoise, HasTheStandardDeviationOfEveryRolloutAndChannel) {
 TEST(ObservationNoise, IsAddedToTheSeriesAndAFunctionOfTheStream) {
   std::vector<float> series(3000, 7.0f), noise(3000, 0.0f);
   Stream stream = noise_stream(), same = noise_stream();
-  add_observation_noise(series, amplitudes(), 0.1, stream);
-  add_observation_noise(noise, amplitudes(), 0.1, same);
+  add_observation_noise(series, 0.1 * amplitudes(), stream);
+  add_observation_noise(noise, 0.1 * amplitudes(), same);
   for (std::size_t i = 0; i < series.size(); ++i) EXPECT_FLOAT_EQ(series[i], 7.0f + noise[i]);
 }
 
@@ -63,7 +63,7 @@ TEST(ObservationNoise, OfScaleZeroChangesNothingAndNanStaysNan) {
   std::vector<float> series(8, 1.5f);
   series[2] = std::numeric_limits<float>::quiet_NaN();
   Stream stream = noise_stream();
-  add_observation_noise(series, amplitudes(), 0.0, stream);
+  add_observation_noise(series, 0.0 * amplitudes(), stream);
   EXPECT_EQ(series[0], 1.5f);
   EXPECT_TRUE(std::isnan(series[2]));
 }
@@ -71,7 +71,7 @@ TEST(ObservationNoise, OfScaleZeroChangesNothingAndNanStaysNan) {
 TEST(ObservationNoise, RejectsASeriesOfAnotherShape) {
   std::vector<float> series(6);
   Stream stream = noise_stream();
-  EXPECT_THROW(add_observation_noise(series, amplitudes(), 0.1, stream), ShapeError);
+  EXPECT_THROW(add_observation_noise(series, 0.1 * amplitudes(), stream), ShapeError);
 }
 
 }  // namespace

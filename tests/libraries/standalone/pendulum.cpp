@@ -18,7 +18,7 @@ int main() {
   // x ~ p(x | theta): every 20th state, with noise of 2 % of each channel's largest value.
   const auto simulate = [&](const Vector& theta, Stream& noise) -> VectorF {
     auto rows = pendulum->replay(target, theta_of(theta(0), theta(1)).transpose());
-    sim::add_observation_noise(rows.row(0), amplitude, 0.02, noise);
+    sim::add_observation_noise(rows.row(0), 0.02 * amplitude, noise);
     return Eigen::Map<const VectorF>(rows.values.data(), rows.row_size());
   };
   Stream noise({.seed = 1, .name = "observation"});

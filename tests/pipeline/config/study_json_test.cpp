@@ -26,11 +26,23 @@ void list_paths(const Json& json, const std::string& prefix, const std::vector<S
   }
 }
 
-// Keys that exclude the truth and the simulator of the test's study, or mean nothing to them.
+// Keys that exclude the truth and the simulator of the test's study, mean nothing to them, or have
+// no default.
 bool is_rival(const std::string& path) {
-  static const std::set<std::string> rivals = {
-      "target.recording", "target.observation", "target.inputs",  "simulator.command",
-      "simulator.worker", "simulator.library",  "simulator.mjcf", "simulator.dataset"};
+  static const std::set<std::string> rivals = {"target.recording",
+                                               "target.observation",
+                                               "target.inputs",
+                                               "simulator.command",
+                                               "simulator.worker",
+                                               "simulator.library",
+                                               "simulator.mjcf",
+                                               "simulator.dataset",
+                                               "observation_noise.scale_prior",
+                                               "observation_noise.std",
+                                               "observation_noise.correlation",
+                                               "observation_noise.correlation_prior",
+                                               "observation_noise.degrees_of_freedom",
+                                               "observation_noise.degrees_of_freedom_prior"};
   return rivals.contains(path) || path.starts_with("simulator.parameter.");
 }
 

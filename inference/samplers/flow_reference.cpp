@@ -1,0 +1,148 @@
+#include "inference/samplers/flow_reference.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "inference/training/trainer.h"
+#include "inference/weighted_moments.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr EstimatorConfig kFlow = {
+    .kind = EstimatorKind::maf, .num_transforms = 5, .hidden_features = 48};
+constexpr TrainingConfig kTraining = {.learning_rate = 1e-3,
+                                      .batch_size = 256,
+                                      .validation_fraction = 0.2,
+                                      .stop_after_epochs = 5,
+                                      .max_epochs = 50};
+constexpr Index kBlock = 64;  // rows that are computed together
+
+// Maximum likelihood of weighted points, without a context.
+class FlowObjective final : public Objective {
+ public:
+  FlowObjective(const MaskedAutoregressiveFlow<float>& flow, const RowMatrixF& points,
+                const VectorF& weights)
+      : flow_(flow), points_(points), weights_(weights), scratch_(flow.make_scratch()) {}
+
+  Index num_rows() const override { return points_.rows(); }
+
+  double loss(const Parameters<float>& parameters, const Batch& batch,
+              Parameters<float>* gradient) override {
+    const auto n = static_cast<Index>(batch.rows.size());
+    points_of_batch_ = points_(batch.rows, Eigen::all);
+    const VectorF share = weights_(batch.rows) / static_cast<float>(n);
+    const RowMatrixF context = RowMatrixF::Zero(n, 1);
+    flow_.log_prob(parameters, points_of_batch_, context, *scratch_, log_prob_);
+    if (gradient != nullptr) {
+      flow_.backward(parameters, points_of_batch_, context, -share, *scratch_, *gradient, nullptr);
+    }
+    return -static_cast<double>(share.dot(log_prob_));
+  }
+
+ private:
+  const MaskedAutoregressiveFlow<float>& flow_;
+  const RowMatrixF& points_;
+  const VectorF& weights_;
+  std::unique_ptr<EstimatorScratch> scratch_;
+  RowMatrixF points_of_batch_;
+  VectorF log_prob_;
+};
+
+// (u - m) L^-T, (n, D).
+RowMatrix standardize(const FlowParts& parts, const RowMatrix& u) {
+  Eigen::MatrixXd v = (u.rowwise() - parts.mean.transpose()).transpose();
+  parts.factor.triangularView<Eigen::Lower>().solveInPlace(v);
+  return v.transpose();
+}
+
+template <class Work>
+void for_each_block(Index n, const Work& work) {
+  parallel_for((n + kBlock - 1) / kBlock, [&](Index block) {
+    const Index first = block * kBlock;
+    work(first, std::min(kBlock, n - first));
+  });
+}
+
+}  // namespace
+
+FlowReference::FlowReference(const RowMatrix& u, const Vector& weights,
+                             const Parameters<float>& start, const StreamId& id) {
+  parts_.mean = weighted_mean(u, weights);
+  Eigen::MatrixXd covariance = weighted_covariance(u, weights);
+  // A parameter may hardly move, and there may be few points.
+  covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().array();
+  const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+  if (llt.info() != Eigen::Success) throw InputError("flow: the points have no covariance");
+  parts_.factor = Eigen::MatrixXd(llt.matrixL());
+  build();
+  TrainingState state;
+  state.parameters = start;
+  if (start.size() == 0) {
+    state.parameters = Parameters<float>::Zero(num_parameters_);
+    Stream stream(within(id, "flow_weights"));
+    flow_->initialize(state.parameters, stream);
+  }
+  const RowMatrixF points = standardize(parts_, u).cast<float>();
+  const VectorF shares = (weights / weights.mean()).cast<float>();
+  FlowObjective objective(*flow_, points, shares);
+  train(objective, kTraining, within(id, "flow_training"), state,
+        [](const TrainingState&) { return true; });
+  parts_.flow = state.best_parameters;
+}
+
+FlowReference::FlowReference(FlowParts parts) : parts_(std::move(parts)) {
+  build();
+  const Index d = dimension();
+  if (parts_.flow.size() != num_parameters_ || parts_.factor.rows() != d ||
+      parts_.factor.cols() != d) {
+    throw ShapeError("flow: " + std::to_string(parts_.flow.size()) + " weights for " +
+                     std::to_string(d) + " parameters, must be " +
+                     std::to_string(num_parameters_));
+  }
+}
+
+void FlowReference::build() {
+  ParameterLayout layout;
+  flow_ = std::make_shared<MaskedAutoregressiveFlow<float>>(
+      kFlow, dimension(), 1, StreamId{0, "flow_structure", 0, 0, 0}, layout);
+  num_parameters_ = layout.size();
+}
+
+Vector FlowReference::log_density(const RowMatrix& u) const {
+  Vector result(u.rows());
+  const double log_det = parts_.factor.diagonal().array().log().sum();
+  for_each_block(u.rows(), [&](Index first, Index count) {
+    // Always whole blocks, so that a row's bits don't depend on how many there are.
+    RowMatrixF v = RowMatrixF::Zero(kBlock, u.cols());
+    v.topRows(count) = standardize(parts_, u.middleRows(first, count)).cast<float>();
+    const auto scratch = flow_->make_scratch();
+    VectorF log_prob;
+    flow_->log_prob(parts_.flow, v, RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
+    for (Index i = 0; i < count; ++i) {
+      const auto value = static_cast<double>(log_prob(i));
+      result(first + i) =
+          std::isfinite(value) ? value - log_det : -std::numeric_limits<double>::infinity();
+    }
+  });
+  return result;
+}
+
+RowMatrix FlowReference::sample(Index n, const StreamId& id) const {
+  RowMatrix u(n, dimension());
+  for_each_block(n, [&](Index first, Index count) {
+    StreamId row = id;
+    row.row += static_cast<std::uint64_t>(first);
+    const RowMatrixF v = flow_->sample(parts_.flow, RowMatrixF::Zero(1, 1), kBlock, row);
+    u.middleRows(first, count) = v.topRows(count).cast<double>() * parts_.factor.transpose();
+    u.middleRows(first, count).rowwise() += parts_.mean.transpose();
+  });
+  return u;
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,51 @@
+/// A normalizing flow that is fitted to weighted points: a density to draw from.
+///
+/// u = m + L v, with the mean m and the Cholesky factor L of the points' covariance, and z = f(v) by
+/// a masked autoregressive flow f (maf.h):
+///   log g(u) = log N(f(v); 0, I) + log |det df/dv| - log |L|.
+/// It is trained by maximum likelihood, with a validation split and early stopping, in about a
+/// second for ten thousand points.
+#pragma once
+
+#include <memory>
+
+#include "core/random.h"
+#include "core/types.h"
+#include "inference/estimators/maf.h"
+
+namespace npdr::inference {
+
+/// What was learned: all that a file must hold.
+struct FlowParts {
+  Vector mean;             ///< (D)
+  RowMatrix factor;        ///< (D, D) lower
+  Parameters<float> flow;  ///< weights of the network
+};
+
+/// Const calls are thread-safe.
+class FlowReference {
+ public:
+  /// Fits the rows of u (n, D), n >= 4, with weights (n) > 0, from the network `start` (empty: a
+  /// fresh one). The fit depends on the arguments alone. Throws InputError for too few rows.
+  FlowReference(const RowMatrix& u, const Vector& weights, const Parameters<float>& start,
+                const StreamId& id);
+  /// Throws ShapeError when the parts don't go together.
+  explicit FlowReference(FlowParts parts);
+
+  const FlowParts& parts() const { return parts_; }
+  Index dimension() const { return parts_.mean.size(); }
+
+  /// log g of each row of u (n, D), (n) [nats]; -infinity where the network overflows.
+  Vector log_density(const RowMatrix& u) const;
+  /// (n, D) draws of g; row i has the stream of row id.row + i.
+  RowMatrix sample(Index n, const StreamId& id) const;
+
+ private:
+  void build();
+
+  FlowParts parts_;
+  Index num_parameters_ = 0;
+  std::shared_ptr<const MaskedAutoregressiveFlow<float>> flow_;
+};
+
+}  // namespace npdr::inference

@@ -1,0 +1,358 @@
+#include "inference/samplers/importance_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/error.h"
+#include "inference/samplers/pareto_tail.h"
+#include "inference/standard_normal.h"
+#include "inference/weighted_moments.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
+constexpr double kPriorShare = 0.05;    // of every proposal
+constexpr double kWantedShare = 0.2;    // effective draws that a flow is fitted to, of a level
+constexpr Index kTrainingRows = 20'000;  // at most about so many points teach a flow
+constexpr Index kOldLevels = 12;        // levels that count, besides the first
+constexpr Index kLevelsAtEnd = 3;       // flows of the last proposal, but for one that is
+constexpr double kGoodEfficiency = 0.2;  // so good
+
+// log sum_k exp of each row's terms.
+Vector log_sum(const std::vector<Vector>& terms) {
+  Vector largest = terms.front();
+  for (const Vector& term : terms) largest = largest.cwiseMax(term);
+  Vector sum = Vector::Zero(largest.size());
+  for (const Vector& term : terms) {
+    sum.array() += (largest.array() > kMinusInfinity)
+                       .select((term - largest).array().exp(), 0.0);
+  }
+  return largest.array() + sum.array().log();
+}
+
+bool is_number(double log) { return log < std::numeric_limits<double>::infinity(); }
+
+double largest_number(const Vector& logs) {
+  double largest = kMinusInfinity;
+  for (const double value : logs) {
+    if (is_number(value)) largest = std::max(largest, value);
+  }
+  return largest;
+}
+
+// exp of logarithms, the largest 1; those that aren't numbers are 0.
+Vector exponentials(const Vector& logs) {
+  const double largest = largest_number(logs);
+  Vector result = Vector::Zero(logs.size());
+  for (Index i = 0; i < logs.size() && largest > kMinusInfinity; ++i) {
+    if (is_number(logs(i))) result(i) = std::exp(logs(i) - largest);
+  }
+  return result;
+}
+
+// Weights cut off at their mean times sqrt(n).
+Vector truncated(const Vector& logs) {
+  const Vector weights = exponentials(logs);
+  return weights.cwiseMin(weights.sum() / std::sqrt(static_cast<double>(logs.size())));
+}
+
+// Some of weighted points: each at most once, with weights of at least 1.
+struct Choice {
+  std::vector<Index> rows;
+  Vector weights;
+};
+
+// Row i is kept with probability min(1, w_i / c) and then weighs max(1, w_i / c) (rejection control;
+// Liu, Chen and Wong 1998), with c so that about `most` are.
+Choice choose_rows(const Vector& weights, Index most, const StreamId& id) {
+  const double surplus = static_cast<double>(weights.size()) / static_cast<double>(most);
+  double low = 0.0, high = weights.maxCoeff() * std::max(1.0, surplus);
+  for (int i = 0; i < 60; ++i) {
+    const double c = 0.5 * (low + high);
+    const double kept = (weights.array() / c).min(1.0).sum();
+    (kept > static_cast<double>(most) ? low : high) = c;
+  }
+  Choice choice;
+  std::vector<double> kept;
+  for (Index i = 0; i < weights.size(); ++i) {
+    StreamId row = id;
+    row.row = static_cast<std::uint64_t>(i);
+    const double share = weights(i) / high;
+    if (share == 0.0 || (share < 1.0 && Stream(row).uniform() >= share)) continue;
+    choice.rows.push_back(i);
+    kept.push_back(std::max(1.0, share));
+  }
+  choice.weights = Eigen::Map<const Vector>(kept.data(), std::ssize(kept));
+  return choice;
+}
+
+ImportanceProposal parts_of(const std::vector<FlowReference>& flows, double prior_share) {
+  ImportanceProposal parts{{}, prior_share};
+  for (const FlowReference& flow : flows) parts.flows.push_back(flow.parts());
+  return parts;
+}
+
+// log Z of the weights' logarithms, and its standard error.
+struct Evidence {
+  double log_value;
+  double error;
+};
+
+Evidence evidence(const Vector& logs) {
+  const auto n = static_cast<double>(logs.size());
+  const Vector weights = exponentials(logs);
+  const double mean = weights.mean();
+  const double variance = (weights.array() - mean).square().sum() / (n - 1.0) / n;
+  return {largest_number(logs) + std::log(mean), std::sqrt(variance) / mean};
+}
+
+}  // namespace
+
+Vector ImportanceSampler::Proposal::log_density(const RowMatrix& u) const {
+  std::vector<Vector> terms;
+  const auto add = [&](const Vector& log_density, double share) {
+    if (share > 0.0) terms.push_back(log_density.array() + std::log(share));
+  };
+  add(log_standard_normal<double>(u), prior_share);
+  const double each = (1.0 - prior_share) / static_cast<double>(std::max<std::size_t>(1, flows.size()));
+  for (const FlowReference& flow : flows) add(flow.log_density(u), each);
+  return log_sum(terms);
+}
+
+// Strata: first the prior's rows, then those of the flows.
+RowMatrix ImportanceSampler::Proposal::sample(Index n, const StreamId& id) const {
+  RowMatrix u(n, dimension);
+  Index done = flows.empty() ? n
+                             : static_cast<Index>(std::lround(prior_share * static_cast<double>(n)));
+  for (Index i = 0; i < done; ++i) {
+    StreamId row = id;
+    row.row += static_cast<std::uint64_t>(i);
+    Stream stream(row);
+    for (Index d = 0; d < dimension; ++d) u(i, d) = stream.normal();
+  }
+  for (std::size_t k = 0; k < flows.size(); ++k) {
+    const Index end = k + 1 == flows.size()
+                          ? n
+                          : done + (n - done) / static_cast<Index>(flows.size() - k);
+    StreamId rows = id;
+    rows.row += static_cast<std::uint64_t>(done);
+    u.middleRows(done, end - done) = flows[k].sample(end - done, rows);
+    done = end;
+  }
+  return u;
+}
+
+ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimension,
+                                     const RowMatrix& start, const StreamId& id,
+                                     ImportanceState state)
+    : config_(config), dimension_(dimension), id_(id), state_(std::move(state)) {
+  if (!state_.levels.empty()) {
+    for (const ImportanceLevel& level : state_.levels) {
+      if (level.u.cols() != dimension || level.log_likelihood.size() > level.u.rows()) {
+        throw ShapeError("importance sampling: levels of " + std::to_string(level.u.cols()) +
+                         " parameters, must be of " + std::to_string(dimension));
+      }
+      proposals_.push_back(restore(level.proposal));
+    }
+    densities_.resize(state_.levels.size());
+    note_densities();
+    return;
+  }
+  Proposal proposal{{}, 1.0, dimension};
+  if (start.rows() > 0) {
+    proposal.flows.emplace_back(start, Vector::Ones(start.rows()), Parameters<float>(),
+                                within(id_, "refine_flow"));
+    proposal.prior_share = 0.5;
+  }
+  begin_level(std::move(proposal), 0.0, false);
+}
+
+ImportanceSampler::Proposal ImportanceSampler::restore(const ImportanceProposal& parts) const {
+  Proposal proposal{{}, parts.prior_share, dimension_};
+  for (const FlowParts& flow : parts.flows) proposal.flows.emplace_back(flow);
+  return proposal;
+}
+
+StreamId ImportanceSampler::level_id(const char* name) const {
+  StreamId id = within(id_, name);
+  id.epoch = static_cast<std::uint64_t>(state_.num_levels);
+  return id;
+}
+
+void ImportanceSampler::begin_level(Proposal proposal, double power, bool is_last) {
+  ImportanceLevel level;
+  level.proposal = parts_of(proposal.flows, proposal.prior_share);
+  level.power = power;
+  level.is_last = is_last;
+  level.u = proposal.sample(config_.level_size, level_id("refine_draws"));
+  state_.levels.push_back(std::move(level));
+  ++state_.num_levels;
+  proposals_.push_back(std::move(proposal));
+  densities_.emplace_back();
+  note_densities();
+}
+
+// Densities that haven't been computed yet: of a new proposal at all points, and of all at new ones.
+void ImportanceSampler::note_densities() {
+  for (std::size_t l = 0; l < state_.levels.size(); ++l) {
+    for (std::size_t k = densities_[l].size(); k < proposals_.size(); ++k) {
+      densities_[l].push_back(proposals_[k].log_density(state_.levels[l].u));
+    }
+  }
+}
+
+void ImportanceSampler::drop(std::size_t level) {
+  const auto at = static_cast<std::ptrdiff_t>(level);
+  state_.levels.erase(state_.levels.begin() + at);
+  proposals_.erase(proposals_.begin() + at);
+  densities_.erase(densities_.begin() + at);
+  for (std::vector<Vector>& row : densities_) row.erase(row.begin() + at);
+}
+
+bool ImportanceSampler::is_done() const {
+  const ImportanceLevel& last = state_.levels.back();
+  return last.is_last && last.is_complete() &&
+         (state_.num_draws >= config_.max_simulations ||
+          sample().certificate.ess >= config_.min_ess);
+}
+
+RowMatrix ImportanceSampler::next(Index most) const {
+  const ImportanceLevel& level = state_.levels.back();
+  const Index told = level.log_likelihood.size();
+  return level.u.middleRows(told, std::min(most, level.u.rows() - told));
+}
+
+void ImportanceSampler::tell(const Vector& log_likelihood) {
+  ImportanceLevel& level = state_.levels.back();
+  const Index told = level.log_likelihood.size();
+  if (told + log_likelihood.size() > level.u.rows()) {
+    throw ShapeError("importance sampling: more likelihoods than points");
+  }
+  level.log_likelihood.conservativeResize(told + log_likelihood.size());
+  level.log_likelihood.tail(log_likelihood.size()) = log_likelihood;
+  state_.num_draws += log_likelihood.size();
+  if (level.is_complete() && !is_done()) plan_next_level();
+}
+
+// log of N(u; 0, I) L^power over the mixture of all proposals, of all points; where every proposal
+// has drawn equally many, the mixture's weights are equal.
+Vector ImportanceSampler::log_weights(double power) const {
+  const Index each = config_.level_size;
+  Vector logs(std::ssize(state_.levels) * each);
+  for (std::size_t l = 0; l < state_.levels.size(); ++l) {
+    const ImportanceLevel& level = state_.levels[l];
+    logs.segment(static_cast<Index>(l) * each, each) =
+        log_standard_normal<double>(level.u) + power * level.log_likelihood -
+        log_sum(densities_[l]);
+  }
+  return logs;
+}
+
+// The largest power at which the points are worth enough.
+double ImportanceSampler::choose_power() const {
+  const double wanted = kWantedShare * static_cast<double>(config_.level_size);
+  const auto is_enough = [&](double power) {
+    return effective_size(truncated(log_weights(power))) >= wanted;
+  };
+  if (is_enough(config_.likelihood_power)) return config_.likelihood_power;
+  double low = 0.0, high = config_.likelihood_power;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_enough(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+void ImportanceSampler::plan_next_level() {
+  if (state_.levels.back().is_last) {
+    return begin_level(proposals_.back(), state_.levels.back().power, true);
+  }
+  if (!(exponentials(log_weights(config_.likelihood_power)).sum() > 0.0)) {
+    throw InputError("no simulation has a likelihood above 0");
+  }
+  const std::vector<FlowReference> flows = flows_at_end();
+  if (!flows.empty()) return begin_last_levels(flows);
+  const double power = choose_power();
+  const Choice lesson =
+      choose_rows(truncated(log_weights(power)), kTrainingRows, level_id("refine_lesson"));
+  RowMatrix points(std::ssize(lesson.rows), dimension_);
+  for (Index i = 0; i < points.rows(); ++i) {
+    const Index row = lesson.rows[static_cast<std::size_t>(i)];
+    points.row(i) = state_.levels[static_cast<std::size_t>(row / config_.level_size)].u.row(
+        row % config_.level_size);
+  }
+  const std::vector<FlowReference>& last = proposals_.back().flows;
+  const Parameters<float> start = last.empty() ? Parameters<float>() : last.back().parts().flow;
+  Proposal proposal{{}, kPriorShare, dimension_};
+  proposal.flows.emplace_back(points, lesson.weights, start, level_id("refine_flow"));
+  if (std::ssize(state_.levels) > kOldLevels) drop(1);
+  begin_level(std::move(proposal), power, false);
+}
+
+// Effective share of a level's draws, for the power that its proposal was fitted to.
+double ImportanceSampler::efficiency(std::size_t l) const {
+  const ImportanceLevel& level = state_.levels[l];
+  const Vector logs = log_standard_normal<double>(level.u) + level.power * level.log_likelihood -
+                      densities_[l][l];
+  return effective_size(exponentials(logs)) / static_cast<double>(logs.size());
+}
+
+// Flows of the last proposal; none while the power has yet to rise and draws are left.
+std::vector<FlowReference> ImportanceSampler::flows_at_end() const {
+  const std::size_t last = state_.levels.size() - 1;
+  const bool is_there = last > 0 && state_.levels[last].power == config_.likelihood_power;
+  if (is_there && efficiency(last) >= kGoodEfficiency) return proposals_[last].flows;
+  std::vector<FlowReference> flows;
+  const bool is_over = state_.num_draws >= config_.max_simulations;
+  for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(flows) < kLevelsAtEnd;) {
+    if (!is_over && state_.levels[l].power < config_.likelihood_power) return {};
+    flows.push_back(proposals_[l].flows.front());
+  }
+  if (!is_over && std::ssize(flows) < kLevelsAtEnd) return {};
+  return flows;
+}
+
+void ImportanceSampler::begin_last_levels(std::vector<FlowReference> flows) {
+  const double power = state_.levels.back().power;
+  state_.levels.clear();
+  proposals_.clear();
+  densities_.clear();
+  begin_level({std::move(flows), kPriorShare, dimension_}, power, true);
+}
+
+ImportanceSample ImportanceSampler::sample() const {
+  const double power = state_.levels.back().power;
+  const Vector logs =
+      log_weights(power).array() + std::log(static_cast<double>(std::ssize(state_.levels)));
+  ImportanceSample sample{RowMatrix(logs.size(), dimension_), exponentials(logs)};
+  for (std::size_t l = 0; l < state_.levels.size(); ++l) {
+    sample.u.middleRows(static_cast<Index>(l) * config_.level_size, config_.level_size) =
+        state_.levels[l].u;
+  }
+  const Evidence all = evidence(logs), even = evidence(logs(Eigen::seq(0, Eigen::last, 2))),
+                 odd = evidence(logs(Eigen::seq(1, Eigen::last, 2)));
+  const double ess = effective_size(sample.weights);
+  sample.certificate = {
+      .power = power,
+      .num_draws = state_.num_draws,
+      .ess = ess,
+      .efficiency = ess / static_cast<double>(logs.size()),
+      .pareto_k = pareto_k(sample.weights),
+      .log_evidence = all.log_value,
+      .log_evidence_error = all.error,
+      .half_difference = (even.log_value - odd.log_value) / std::hypot(even.error, odd.error)};
+  return sample;
+}
+
+ImportanceSample ImportanceSampler::thinned(Index most) const {
+  ImportanceSample sample = this->sample();
+  const Choice choice = choose_rows(sample.weights, most, level_id("refine_thinning"));
+  sample.u = RowMatrix(sample.u(choice.rows, Eigen::all));
+  sample.weights = choice.weights;
+  return sample;
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,124 @@
+/// Importance sampling of a posterior whose likelihood can be computed, adaptively.
+///
+/// Wanted are draws of the posterior at a power a of the likelihood (1: Bayes' theorem),
+///   pi(u) = N(u; 0, I) L(u)^a / Z,      Z = int N(u; 0, I) L(u)^a du,
+/// over u, where the prior is N(0, I) (prior.h). Draws come in levels, each from a density q_k that
+/// can be evaluated: a flow (flow_reference.h) fitted to what the levels before have found of
+///   N(u; 0, I) L(u)^b,
+/// mixed with a share of the prior, so that no weight is unbounded. Points of all levels are
+/// weighted as draws of the levels' mixture (Cornuet et al. 2012, "Adaptive multiple importance
+/// sampling"; with flows: Williams, Veitch and Messenger 2023, "Importance nested sampling with
+/// normalising flows"), and b is the largest power at which they are worth enough draws, by weights
+/// that are cut off as Ionides 2008 does; it ends at a. Level 0 comes from the prior or, half of it,
+/// from a flow that was fitted to the draws of another estimate of the posterior.
+///
+/// What is reported comes from last levels alone, which are drawn from a fixed mixture of the last
+/// flows, made before any of them was drawn. So they are independent draws of a known density, and
+/// Z, its standard error and the effective size mean what they say.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/random.h"
+#include "core/types.h"
+#include "inference/samplers/flow_reference.h"
+#include "inference/samplers/importance_config.h"
+
+namespace npdr::inference {
+
+/// A density to draw from: flows in equal shares, and the prior.
+struct ImportanceProposal {
+  std::vector<FlowParts> flows;
+  double prior_share = 1.0;  ///< 1 without flows
+};
+
+/// Draws of one proposal.
+struct ImportanceLevel {
+  ImportanceProposal proposal;
+  double power = 0.0;  ///< b that the proposal was fitted to
+  bool is_last = false;  ///< one of those that are reported
+  RowMatrix u;         ///< (n, D)
+  Vector log_likelihood;  ///< (m), of the first m <= n that have been told
+  bool is_complete() const { return log_likelihood.size() == u.rows(); }
+};
+
+/// What the sampler knows: a checkpoint.
+struct ImportanceState {
+  std::vector<ImportanceLevel> levels;  ///< the first, and those that still count
+  Index num_levels = 0;                 ///< that there have been
+  Index num_draws = 0;                  ///< told
+};
+
+/// How much the draws of the last levels are worth.
+struct ImportanceCertificate {
+  double power = 0.0;       ///< of the likelihood: less than a where draws ran out
+  Index num_draws = 0;      ///< of all levels
+  double ess = 0.0;         ///< effective size of the weights (weighted_moments.h)
+  double efficiency = 0.0;  ///< ess over the draws of the last levels
+  double pareto_k = 0.0;    ///< of the weights (pareto_tail.h)
+  double log_evidence = 0.0;        ///< log Z [nats]
+  double log_evidence_error = 0.0;  ///< its standard error
+  double half_difference = 0.0;     ///< of both halves' log Z, over its standard error
+};
+
+/// Independent weighted draws.
+struct ImportanceSample {
+  RowMatrix u;     ///< (n, D)
+  Vector weights;  ///< (n)
+  ImportanceCertificate certificate = {};
+};
+
+class ImportanceSampler {
+ public:
+  /// Starts anew, or goes on from a checkpoint. `start`: draws (n, D) of another estimate of the
+  /// posterior; none: the prior alone. Throws ShapeError for the state of another problem.
+  ImportanceSampler(const ImportanceConfig& config, Index dimension, const RowMatrix& start,
+                    const StreamId& id, ImportanceState state = {});
+
+  bool is_done() const;
+  const ImportanceState& state() const { return state_; }
+
+  /// Up to `most` points (m, D) whose likelihood is wanted next; none when it is done.
+  RowMatrix next(Index most) const;
+  /// Their log L(u) [nats], (m); -infinity or NaN where it is 0. Throws InputError when a whole
+  /// level has none above 0.
+  void tell(const Vector& log_likelihood);
+
+  /// The draws of the last levels. Only when it is done.
+  ImportanceSample sample() const;
+  /// At most about `most` of them, which are as good to take means of: those that weigh less than
+  /// others are left out at random, and weigh as much as the others where they stay.
+  ImportanceSample thinned(Index most) const;
+
+ private:
+  // A proposal as it is used.
+  struct Proposal {
+    std::vector<FlowReference> flows;
+    double prior_share;
+    Index dimension;
+    Vector log_density(const RowMatrix& u) const;
+    RowMatrix sample(Index n, const StreamId& id) const;
+  };
+
+  Proposal restore(const ImportanceProposal& parts) const;
+  void begin_level(Proposal proposal, double power, bool is_last);
+  void begin_last_levels(std::vector<FlowReference> flows);
+  void plan_next_level();
+  std::vector<FlowReference> flows_at_end() const;
+  void note_densities();
+  void drop(std::size_t level);
+  double choose_power() const;
+  double efficiency(std::size_t level) const;
+  Vector log_weights(double power) const;
+  StreamId level_id(const char* name) const;
+
+  ImportanceConfig config_;
+  Index dimension_;
+  StreamId id_;
+  ImportanceState state_;
+  std::vector<Proposal> proposals_;             // of the state's levels
+  std::vector<std::vector<Vector>> densities_;  // by level, by proposal: (n)
+};
+
+}  // namespace npdr::inference

@@ -1,0 +1,58 @@
+#include "inference/samplers/pareto_tail.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace npdr::inference {
+namespace {
+
+constexpr Index kFewest = 5;
+
+// Mean over x of log(1 - theta x): -k of the fit whose other parameter is theta.
+double mean_log(const Eigen::ArrayXd& excess, double theta) {
+  return (1.0 - theta * excess).log().mean();
+}
+
+// k of the excesses (m), ascending and > 0.
+double fit(const Eigen::ArrayXd& excess) {
+  const auto m = static_cast<double>(excess.size());
+  const auto count = static_cast<Index>(30.0 + std::floor(std::sqrt(m)));
+  const double quartile = excess(static_cast<Index>(std::floor(m / 4.0 + 0.5)) - 1);
+  const double largest = excess(excess.size() - 1);
+  Vector theta(count), log_likelihood(count);
+  for (Index i = 0; i < count; ++i) {
+    const double share = static_cast<double>(count) / (static_cast<double>(i) + 0.5);
+    theta(i) = 1.0 / largest + (1.0 - std::sqrt(share)) / (3.0 * quartile);
+    const double k = mean_log(excess, theta(i));
+    log_likelihood(i) = m * (std::log(-theta(i) / k) - k - 1.0);
+  }
+  const Eigen::ArrayXd weights = (log_likelihood.array() - log_likelihood.maxCoeff()).exp();
+  const double mean = (weights * theta.array()).sum() / weights.sum();
+  return (m * mean_log(excess, mean) + 5.0) / (m + 10.0);
+}
+
+}  // namespace
+
+double pareto_k(const Vector& weights) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto n = static_cast<double>(weights.size());
+  const auto tail = static_cast<Index>(std::ceil(std::min(0.2 * n, 3.0 * std::sqrt(n))));
+  if (tail < kFewest || tail >= weights.size()) return infinity;
+  std::vector<double> sorted(weights.begin(), weights.end());
+  std::ranges::sort(sorted);
+  const double threshold = sorted[sorted.size() - static_cast<std::size_t>(tail) - 1];
+  const double largest = sorted.back();
+  if (!(largest > 0.0)) return infinity;
+  Eigen::ArrayXd excess(tail);
+  for (Index i = 0; i < tail; ++i) {
+    excess(i) = (sorted[sorted.size() - static_cast<std::size_t>(tail - i)] - threshold) / largest;
+  }
+  if (excess(excess.size() - 1) == 0.0) return -infinity;  // they all weigh the same
+  excess = excess.max(std::numeric_limits<double>::epsilon());
+  const double k = fit(excess);
+  return std::isfinite(k) ? k : infinity;
+}
+
+}  // namespace npdr::inference

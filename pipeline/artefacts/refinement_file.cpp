@@ -1,0 +1,115 @@
+#include "pipeline/artefacts/refinement_file.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/schemas.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kMostMembers = 10'000;  // levels of a checkpoint, flows of a proposal
+
+void describe(Layout f, std::optional<inference::ImportanceCertificate>& certificate) {
+  auto group = f.group("certificate", certificate);
+  if (!group) return;
+  inference::ImportanceCertificate& c = *certificate;
+  group->attribute("likelihood_power", c.power, "that was reached");
+  group->attribute("num_simulations", c.num_draws, "of all levels");
+  group->attribute("ess", c.ess, "effective size of the weights of the last levels");
+  group->attribute("efficiency", c.efficiency, "`ess` over the draws of the last levels");
+  group->attribute("pareto_k", c.pareto_k, "shape of the weights' tail");
+  group->attribute("log_evidence", c.log_evidence, "log Z [nats]");
+  group->attribute("log_evidence_error", c.log_evidence_error, "its standard error");
+  group->attribute("half_difference", c.half_difference,
+                   "of log Z by either half of the draws, over its standard error");
+}
+
+void describe(Layout f, inference::FlowParts& flow) {
+  f("mean", flow.mean, {{"D"}}, "m", kFinite);
+  f("factor", flow.factor, {{"D"}, {"D"}}, "L", kFinite);
+  f("weights", flow.flow, {{"P"}}, "of the network", kFinite);
+}
+
+void describe(Layout f, inference::ImportanceLevel& level);
+
+// Groups name_0, name_1, ... of a list whose length is an attribute.
+template <class T>
+void describe_members(Layout f, const std::string& name, std::vector<T>& members) {
+  Index count = std::ssize(members);
+  f.attribute("num_" + name + "s", count, "how many there are");
+  if (f.reads()) {
+    if (count < 0 || count > kMostMembers) {
+      throw InputError(fmt::format("{}: {} {}s; remove this file", f.where(), count, name));
+    }
+    members.resize(static_cast<std::size_t>(count));
+  }
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    describe(f.group(fmt::format("{}_{}", name, i)), members[i]);
+  }
+}
+
+void describe(Layout f, inference::ImportanceLevel& level) {
+  f.attribute("likelihood_power", level.power, "that the proposal was fitted to");
+  f.attribute("is_last", level.is_last, "1: one of those that are reported");
+  f.attribute("prior_share", level.proposal.prior_share, "of the proposal");
+  f("u", level.u, {{"N"}, {"D"}}, "points, where the prior is N(0, I)",
+    {.allowed = h5::Values::finite, .storage = kFastest});
+  Index num_told = level.log_likelihood.size();
+  f.attribute("num_told", num_told, "n, of its points have been simulated");
+  if (f.reads()) f.bind("n", num_told);
+  f("log_likelihood", level.log_likelihood, {{"n"}}, "of the first of them [nats]",
+    {.unless_empty = true, .storage = kFastest});
+  describe_members(f, "flow", level.proposal.flows);
+}
+
+void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {
+  f.attribute("num_failed", num_failed, "simulations that failed so far");
+  f.attribute("num_levels_so_far", state.num_levels, "those that were dropped included");
+  f.attribute("num_draws", state.num_draws, "simulated so far");
+  describe_members(f, "level", state.levels);
+}
+
+}  // namespace
+
+void write_certificate(h5::File& file, const inference::ImportanceCertificate& certificate) {
+  std::optional<inference::ImportanceCertificate> copy = certificate;
+  describe(Layout::writer(file), copy);
+}
+
+std::optional<inference::ImportanceCertificate> read_certificate(const h5::File& file) {
+  std::optional<inference::ImportanceCertificate> certificate;
+  describe(Layout::reader(file), certificate);
+  return certificate;
+}
+
+void write_refinement(const std::filesystem::path& path, const Identity& identity,
+                      RefinementCheckpoint checkpoint) {
+  ArtefactWriter writer(path, kRefinementCheckpointSchema, identity);
+  writer.add_cost(checkpoint.cost);
+  describe(Layout::writer(writer.file()), checkpoint.state, checkpoint.num_failed);
+  writer.finish();
+}
+
+RefinementCheckpoint read_refinement(const ArtefactFile& artefact) {
+  const std::optional<h5::File> file = open_artefact_if_there(artefact, kRefinementCheckpointSchema);
+  if (!file) return {};
+  RefinementCheckpoint checkpoint{.state = {}, .num_failed = 0, .cost = provenance_of(*file).cost};
+  describe(Layout::reader(*file), checkpoint.state, checkpoint.num_failed);
+  return checkpoint;
+}
+
+void list_certificate(Layout f) {
+  std::optional<inference::ImportanceCertificate> certificate;
+  describe(f, certificate);
+}
+
+void list_refinement_checkpoint(Layout f) {
+  inference::ImportanceState state;
+  state.levels.emplace_back().proposal.flows.emplace_back();
+  Index num_failed = 0;
+  describe(f, state, num_failed);
+}
+
+}  // namespace npdr::pipeline

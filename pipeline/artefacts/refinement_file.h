@@ -1,0 +1,26 @@
+/// What refined posteriors hold beside their particles, and their checkpoints.
+#pragma once
+
+#include "inference/samplers/importance_sampler.h"
+#include "pipeline/artefacts/posterior_file.h"
+
+namespace npdr::pipeline {
+
+/// Throws Error.
+void write_certificate(h5::File& file, const inference::ImportanceCertificate& certificate);
+/// None: the posterior wasn't refined. Throws InputError.
+std::optional<inference::ImportanceCertificate> read_certificate(const h5::File& file);
+
+/// State that an interrupted refinement goes on from.
+struct RefinementCheckpoint {
+  inference::ImportanceState state;
+  Index num_failed = 0;  ///< simulations so far
+  Cost cost;  ///< of the work that led here
+};
+/// Writes the checkpoint of the posterior `identity`. Throws Error.
+void write_refinement(const std::filesystem::path& path, const Identity& identity,
+                      RefinementCheckpoint checkpoint);
+/// An empty state when there is no checkpoint. Throws InputError for a damaged one.
+RefinementCheckpoint read_refinement(const ArtefactFile& artefact);
+
+}  // namespace npdr::pipeline

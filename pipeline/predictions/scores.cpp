@@ -1,0 +1,100 @@
+#include "pipeline/predictions/scores.h"
+
+#include <algorithm>
+
+#include "analysis/predictive_scores.h"
+#include "core/parallel.h"
+#include "pipeline/features/noise.h"
+#include "pipeline/features/simulation_features.h"
+#include "pipeline/predictions/prediction.h"
+#include "sim/noise_likelihood.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Every store_every-th state.
+sim::Trajectories stored(const sim::Trajectories& all, Index store_every) {
+  sim::Trajectories some;
+  some.resize(all.num_rows, all.num_rollouts, all.num_steps / store_every, all.num_states);
+  some.status = all.status;
+  parallel_for(all.num_rows, [&](Index i) {
+    float* to = some.row(i).data();
+    for (Index h = 0; h < all.num_rollouts; ++h) {
+      const auto states = all.rollout(i, h);
+      for (Index k = 1; k <= some.num_steps; ++k, to += all.num_states) {
+        std::ranges::copy(states.row(k * store_every - 1), to);
+      }
+    }
+  });
+  return some;
+}
+
+// The same of series (H, K, C) that were observed, by rollout.
+std::vector<RowMatrix> by_rollout(const std::vector<float>& series, Index rollouts, Index states) {
+  const Index steps = std::ssize(series) / (rollouts * states);
+  std::vector<RowMatrix> observed;
+  for (Index h = 0; h < rollouts; ++h) {
+    const Eigen::Map<const RowMatrixF> all(series.data() + h * steps * states, steps, states);
+    observed.push_back(all.cast<double>());
+  }
+  return observed;
+}
+
+StreamId row_of(StreamId id, Index i) {
+  id.row += static_cast<std::uint64_t>(i);
+  return id;
+}
+
+bool is_ok(const sim::Trajectories& rows, Index i) {
+  return rows.status[static_cast<std::size_t>(i)] == sim::RolloutStatus::ok;
+}
+
+}  // namespace
+
+NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
+                          const sim::Trajectories& all_states, const StreamId& id) {
+  if (plan.study.observation_noise.is_silent()) return {};
+  const sim::NoiseModel model = noise_model(plan.study, target);
+  NoiseOfSamples noise(static_cast<std::size_t>(all_states.num_rows));
+  if (!model.has_unknown()) {
+    Stream unused(id);
+    std::ranges::fill(noise, model.draw_values(unused));
+    return noise;
+  }
+  const sim::NoiseLikelihood likelihood(model, stored_observation(plan, target));
+  const sim::Trajectories rows = stored(all_states, plan.study.simulator.store_every);
+  parallel_for(rows.num_rows, [&](Index i) {
+    if (!is_ok(rows, i)) return;
+    Stream stream(row_of(within(id, "noise_values"), i));
+    noise[static_cast<std::size_t>(i)] = likelihood.draw_values(rows.row(i), stream);
+  });
+  return noise;
+}
+
+PredictionScores score(const Plan& plan, const Target& target, const sim::Trajectories& all_states,
+                       const NoiseOfSamples& noise, const StreamId& id) {
+  const Index store_every = plan.study.simulator.store_every;
+  const sim::NoiseModel model = noise_model(plan.study, target);
+  sim::Trajectories rows = stored(all_states, store_every);
+  const auto scores_of = [&](const std::vector<float>& observed) {
+    return analysis::predictive_scores(
+        view_of(rows), by_rollout(observed, target.num_rollouts(), target.num_states()),
+        model.measure(), kBandLevels);
+  };
+  PredictionScores scores;
+  const auto exact = scores_of(inference::observed_series(target, store_every));
+  scores.crps = exact.crps;
+  scores.coverage = exact.coverage;
+  if (noise.empty()) return scores;
+  parallel_for(rows.num_rows, [&](Index i) {
+    if (!is_ok(rows, i)) return;
+    Stream stream(row_of(within(id, "prediction_noise"), i));
+    model.add(rows.row(i), noise[static_cast<std::size_t>(i)], stream);
+  });
+  const auto noisy = scores_of(stored_observation(plan, target));
+  scores.noisy_crps = noisy.crps;
+  scores.noisy_coverage = noisy.coverage;
+  return scores;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,164 @@
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "inference/samplers/importance_sampler.h"
+#include "pipeline/artefacts/particle_file.h"
+#include "pipeline/artefacts/refinement_file.h"
+#include "pipeline/features/noise.h"
+#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/targets.h"
+#include "pipeline/process/progress.h"
+#include "pipeline/process/stop_request.h"
+#include "pipeline/stages/infer_methods.h"
+#include "sim/noise_likelihood.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kStartDraws = 5000;     // of the posterior that is refined
+constexpr Index kMostParticles = 5000;  // of the refined posterior
+constexpr double kSecondsBetweenCheckpoints = 60.0;
+
+using Clock = std::chrono::steady_clock;
+using Sampler = inference::ImportanceSampler;
+
+// log p(recording | theta) of rows of theta, by simulation.
+class SimulatedLikelihood {
+ public:
+  SimulatedLikelihood(const Plan& plan, const Node& node)
+      : plan_(plan),
+        target_(read_seen_target(plan, node)),
+        noise_(noise_model(plan.study, target_), stored_observation(plan, target_)),
+        simulator_(plan.source->open(
+            {.simulator = plan.study.simulator, .target = target_, .log = log_of(node.path)})),
+        id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {}
+
+  Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
+
+  // Of rows of theta (n, D), number `first` and those after it. `failed`: how many couldn't be.
+  Vector operator()(const RowMatrix& theta, Index first, Index& failed) const {
+    StreamId id = id_;
+    id.row = static_cast<std::uint64_t>(first);
+    const sim::Trajectories rows =
+        simulator_->simulate(plan_.source->parameters().complete(theta), id);
+    Vector result(theta.rows());
+    parallel_for(theta.rows(), [&](Index i) { result(i) = noise_.log_likelihood(rows.row(i)); });
+    failed += std::ranges::count_if(
+        rows.status, [](sim::RolloutStatus status) { return status != sim::RolloutStatus::ok; });
+    return result;
+  }
+
+ private:
+  const Plan& plan_;
+  Target target_;
+  sim::NoiseLikelihood noise_;
+  std::unique_ptr<RowSimulator> simulator_;
+  StreamId id_;
+};
+
+// Draws of the posterior that is refined, over u; none: the prior's.
+RowMatrix start_of(const Plan& plan, const Node& node, const inference::Prior& prior,
+                   const StreamId& id) {
+  const auto posteriors = plan.inputs(node, Stage::infer);
+  if (posteriors.empty()) return {};
+  return prior.to_normal(
+      read_posterior(*posteriors.front())->sample(kStartDraws, within(id, "refine_start")));
+}
+
+// Runs the sampler, with a checkpoint now and then, and one more when asked to stop.
+class Refinement {
+ public:
+  Refinement(const Plan& plan, const Node& node, ArtefactWriter& writer)
+      : plan_(plan),
+        node_(node),
+        prior_(plan.study.prior),
+        config_(plan.study.method(node.uses.front().method).refine.sampling),
+        checkpoint_(plan.work.checkpoint("infer", node.key)),
+        earlier_(read_refinement({checkpoint_, node.key})),
+        sampler_(make_sampler()) {
+    writer.add_cost(earlier_.cost);
+  }
+
+  // Returns the number of rows that failed.
+  Index run() {
+    const SimulatedLikelihood likelihood(plan_, node_);
+    Progress progress(node_.label() + ", simulations", 0);
+    const Index block = likelihood.block_size(config_.level_size);
+    Index failed = earlier_.num_failed;
+    while (!sampler_.is_done()) {
+      const Index first = sampler_.state().num_draws;
+      const RowMatrix theta = prior_.to_theta(sampler_.next(block));
+      sampler_.tell(likelihood(theta, first, failed));
+      progress.update(sampler_.state().num_draws,
+                      fmt::format("power {:.3g}", sampler_.state().levels.back().power));
+      keep(failed);
+    }
+    return failed;
+  }
+
+  inference::ImportanceSample sample() const { return sampler_.thinned(kMostParticles); }
+  const inference::Prior& prior() const { return prior_; }
+
+ private:
+  Sampler make_sampler() const {
+    const Use& use = node_.uses.front();
+    const StreamId id = {use.seed, "refinement", use.stream_round(), 0, 0};
+    const bool is_new = earlier_.state.levels.empty();
+    return {config_, prior_.dimension(), is_new ? start_of(plan_, node_, prior_, id) : RowMatrix(),
+            id, earlier_.state};
+  }
+
+  void keep(Index failed) {
+    const auto now = Clock::now();
+    const bool is_stopping = stop_requested() && !sampler_.is_done();
+    const bool is_due =
+        std::chrono::duration<double>(now - saved_).count() > kSecondsBetweenCheckpoints;
+    if (!is_due && !is_stopping) return;
+    RefinementCheckpoint checkpoint{sampler_.state(), failed, earlier_.cost};
+    checkpoint.cost += cost_of_seconds(std::chrono::duration<double>(now - start_).count());
+    write_refinement(checkpoint_, node_.identity, std::move(checkpoint));
+    saved_ = now;
+    if (is_stopping) throw Checkpointed(node_.label() + ": stopped on request, checkpoint written");
+  }
+
+  const Plan& plan_;
+  const Node& node_;
+  inference::Prior prior_;
+  inference::ImportanceConfig config_;
+  std::filesystem::path checkpoint_;
+  RefinementCheckpoint earlier_;
+  Sampler sampler_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point saved_ = start_;
+};
+
+void warn(const Node& node, const inference::ImportanceCertificate& certificate, double wanted) {
+  if (certificate.power < wanted) {
+    report_error(node.label(),
+                 fmt::format("warning: {} simulations reached the power {:.3g} of the likelihood, "
+                             "not {:.3g}; raise refine.max_simulations, or lower "
+                             "refine.likelihood_power",
+                             certificate.num_draws, certificate.power, wanted));
+  }
+}
+
+}  // namespace
+
+void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
+  Refinement refinement(plan, node, writer);
+  const Index failed = refinement.run();
+  const inference::ImportanceSample sample = refinement.sample();
+  const MethodConfig& method = plan.study.method(node.uses.front().method);
+  warn(node, sample.certificate, method.refine.sampling.likelihood_power);
+  write_particles(writer.file(), name_of(method.algorithm.kind),
+                  {.prior = refinement.prior(),
+                   .theta = refinement.prior().to_theta(sample.u),
+                   .weights = sample.weights},
+                  {.used = sample.certificate.num_draws - failed, .failed = failed});
+  write_certificate(writer.file(), sample.certificate);
+}
+
+}  // namespace npdr::pipeline

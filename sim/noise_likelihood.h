@@ -1,0 +1,39 @@
+/// log p(recording | simulation), with the noise's unknown parameters integrated out.
+///
+/// With y the recorded and x the simulated states, both divided by the reference amplitude, so that
+/// densities are unitless,
+///   p(y | x) = prod_c int p(y_c | x_c, noise_c) p(noise_c) d noise_c.
+/// A channel's integral, over one to three parameters in the space where their prior is N(0, I), is
+/// taken by Gauss-Hermite quadrature around the integrand's mode with its curvature there (Liu and
+/// Pierce 1994, "A note on Gauss-Hermite quadrature"; one node is Laplace's approximation). Without
+/// heavy tails the density follows from three sums, whatever the number of states.
+#pragma once
+
+#include "sim/noise_model.h"
+
+namespace npdr::sim {
+
+/// Const calls are thread-safe.
+class NoiseLikelihood {
+ public:
+  /// `recorded`: (H, K, C) stored states. Throws ShapeError for another size, InputError where a
+  /// channel can't have noise: its scale is 0, or relative to an amplitude of 0.
+  NoiseLikelihood(NoiseModel model, std::vector<float> recorded);
+
+  const NoiseModel& model() const { return model_; }
+
+  /// log p(y | x) [nats] of one simulation (H, K, C); -infinity unless all of it is finite.
+  double log_likelihood(std::span<const float> simulated) const;
+  /// The same of the rollouts but number `left_out`; -1: of all.
+  double log_likelihood_without(Index left_out, std::span<const float> simulated) const;
+
+  /// Parameters of all channels (C) given y and x: the unknown ones drawn from the Gaussian that
+  /// has the posterior's mode and curvature.
+  std::vector<NoiseValues> draw_values(std::span<const float> simulated, Stream& stream) const;
+
+ private:
+  NoiseModel model_;
+  std::vector<float> recorded_;
+};
+
+}  // namespace npdr::sim

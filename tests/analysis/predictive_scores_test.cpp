@@ -1,0 +1,274 @@
+#include "analysis/predictive_scores.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "analysis/summary.h"
+#include "core/error.h"
+#include "core/normal.h"
+#include "core/random.h"
+#include "tests/message_of.h"
+
+namespace npdr::analysis {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+// The same observed value at all places of (H, T, C).
+std::vector<RowMatrix> constant(Index rollouts, Index steps, Index channels, double y) {
+  return std::vector<RowMatrix>(static_cast<std::size_t>(rollouts),
+                                RowMatrix::Constant(steps, channels, y));
+}
+
+double brute_force_crps(const std::vector<double>& values, double y) {
+  double error = 0.0, spread = 0.0;
+  for (const double x : values) {
+    error += std::abs(x - y);
+    for (const double other : values) spread += std::abs(x - other);
+  }
+  const auto n = static_cast<double>(values.size());
+  return error / n - spread / (2.0 * n * (n - 1.0));
+}
+
+// Eighths, some of them equal: all sums are exact.
+TEST(Crps, EqualsTheSumOverAllPairs) {
+  Stream stream({1, "predictive_scores_test"});
+  for (const std::size_t n : {2, 3, 10, 33}) {
+    std::vector<double> values(n);
+    for (double& v : values) v = std::round(8.0 * stream.normal()) / 8.0;
+    std::ranges::sort(values);
+    for (const double y : {-100.0, -0.5, 0.125, 7.0, values[0]}) {
+      EXPECT_EQ(crps_of_sorted(values, y), brute_force_crps(values, y)) << n << ' ' << y;
+    }
+  }
+}
+
+TEST(Crps, OfOneValueIsItsAbsoluteError) {
+  const std::vector<double> values = {2.0};
+  EXPECT_EQ(crps_of_sorted(values, 5.0), 3.0);
+  EXPECT_TRUE(std::isnan(crps_of_sorted({}, 5.0)));
+}
+
+// N(0, sigma^2) against sigma z: Gneiting and Raftery 2007, section 4.2. The mean of the fair score
+// is exact for ensembles as small as 5. Each of 400 channels is an independent repetition, so the
+// mean over them has the standard error std / 20. Five of these: false-alarm rate 6e-7 for each z,
+// fixed seed. The estimator that isn't fair would be 0.11 off, 20 standard errors.
+TEST(PredictiveScores, CrpsApproachesTheClosedFormOfAGaussian) {
+  const double sigma[] = {0.5, 3.0};
+  std::vector<float> values(5 * 2 * 10 * 400);
+  Stream({2, "predictive_scores_test"}).fill_normal(values);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] *= static_cast<float>(sigma[k / (10 * 400) % 2]);
+  }
+  RowMatrix amplitude(2, 400);
+  amplitude.row(0).setConstant(sigma[0]);
+  amplitude.row(1).setConstant(sigma[1]);
+  for (const double z : {-1.5, 0.0, 2.5}) {
+    const std::vector<RowMatrix> observed = {RowMatrix::Constant(10, 400, sigma[0] * z),
+                                             RowMatrix::Constant(10, 400, sigma[1] * z)};
+    const Summary found =
+        summarize(predictive_scores({values, 5, 2, 10, 400}, observed, amplitude).crps);
+    const double expected = z * (2.0 * normal_cdf(z) - 1.0) +
+                            2.0 * std::exp(log_normal_density(z)) -
+                            1.0 / std::sqrt(std::numbers::pi);
+    EXPECT_NEAR(found.mean, expected, 5.0 * found.std / 20.0) << z;
+    EXPECT_LT(found.std / 20.0, 0.01);
+  }
+}
+
+// One sample (H, T, C) = (2, 2, 2). Errors of channel 0: 1, 2 over 2 and 4, 0 over 4; of channel 1:
+// 3, 3 over 1 and 0, 10 over 5.
+TEST(PredictiveScores, CrpsOfOneSampleIsTheMeanAbsoluteErrorInUnitsOfTheAmplitude) {
+  const std::vector<float> values = {1, 3, 2, -3, 14, 10, 10, 20};
+  RowMatrix amplitude(2, 2);
+  amplitude << 2, 1, 4, 5;
+  const PredictiveScores scores = predictive_scores(
+      {values, 1, 2, 2, 2}, {RowMatrix::Zero(2, 2), RowMatrix::Constant(2, 2, 10.0)}, amplitude);
+  EXPECT_EQ(scores.num_samples, 1);
+  EXPECT_DOUBLE_EQ(scores.crps(0), (0.5 + 1.0 + 1.0 + 0.0) / 4.0);
+  EXPECT_DOUBLE_EQ(scores.crps(1), (3.0 + 3.0 + 0.0 + 2.0) / 4.0);
+}
+
+// 11 samples 0, ..., 10 of one rollout of 4 steps: bands of 50 % are [2.5, 7.5], their ends
+// included, those of 90 % [0.5, 9.5]. Channel 1 is 100 times channel 0.
+TEST(PredictiveScores, CoverageMatchesACaseWorkedByHand) {
+  std::vector<float> values;
+  for (const int k : {3, 0, 10, 7, 5, 1, 9, 2, 8, 4, 6}) {
+    for (int t = 0; t < 4; ++t) {
+      values.push_back(static_cast<float>(k));
+      values.push_back(static_cast<float>(100 * k));
+    }
+  }
+  RowMatrix observed(4, 2);
+  observed << 2.5, 740, 9.4, 760, 9.6, 40, -20, 1e9;
+  const RowMatrix coverage =
+      predictive_scores({values, 11, 1, 4, 2}, {observed}, RowMatrix::Ones(1, 2), {0.9, 0.5})
+          .coverage;
+  RowMatrix expected(2, 2);
+  expected << 0.5, 0.5, 0.25, 0.25;
+  EXPECT_EQ(coverage, expected);
+}
+
+// Uniform samples and observations: a band of level p holds p (n - 1) / (n + 1). The share has the
+// standard error of N = H T = 4000 trials; four of them: false-alarm rate 6e-5 for each of 15
+// comparisons, fixed seed.
+TEST(PredictiveScores, ACalibratedEnsembleCoversItsLevels) {
+  const Index n = 40;
+  Stream stream({3, "predictive_scores_test"});
+  std::vector<float> values(static_cast<std::size_t>(n) * 2 * 2000 * 3);
+  for (float& v : values) v = static_cast<float>(stream.uniform());
+  std::vector<RowMatrix> observed = constant(2, 2000, 3, 0.0);
+  for (RowMatrix& rollout : observed) {
+    for (double& y : rollout.reshaped()) y = stream.uniform();
+  }
+  const std::vector<double> levels = {0.1, 0.3, 0.5, 0.8, 0.9};
+  const RowMatrix coverage =
+      predictive_scores({values, n, 2, 2000, 3}, observed, RowMatrix::Ones(2, 3), levels).coverage;
+  ASSERT_EQ(coverage.rows(), 5);
+  for (Index l = 0; l < 5; ++l) {
+    const double level = levels[static_cast<std::size_t>(l)];
+    const double expected = level * (n - 1.0) / (n + 1.0);
+    const double error = std::sqrt(expected * (1.0 - expected) / 4000.0);
+    for (Index c = 0; c < 3; ++c) {
+      EXPECT_NEAR(coverage(l, c), expected, 4.0 * error) << level;
+    }
+  }
+}
+
+TEST(PredictiveScores, AnswersForNoLevelsHaveNoRows) {
+  const std::vector<float> values = {1, 2};
+  const PredictiveScores scores =
+      predictive_scores({values, 2, 1, 1, 1}, constant(1, 1, 1, 0.0), RowMatrix::Ones(1, 1), {});
+  EXPECT_EQ(scores.coverage.rows(), 0);
+  EXPECT_EQ(scores.coverage.cols(), 1);
+}
+
+// (n, H, T, C) = (2, 1, 2, 2), deviations 1/2 and 4. Channel 0: samples 0 and 2 against 0, then
+// both 1 against 2; channel 1: samples 8 and -8 against 0, then both 0 against 4.
+TEST(LogScore, MatchesACaseWorkedByHand) {
+  const std::vector<float> values = {0, 8, 1, 0, 2, -8, 1, 0};
+  RowMatrix observed(2, 2), deviation(1, 2);
+  observed << 0, 0, 2, 4;
+  deviation << 0.5, 4.0;
+  const Vector score = log_score({values, 2, 1, 2, 2}, {observed}, deviation);
+  const auto density = [](double u) { return std::exp(log_normal_density(u)); };
+  const double first = std::log((density(0.0) + density(4.0)) / 2.0 / 0.5);
+  const double second = log_normal_density(2.0) - std::log(0.5);
+  ASSERT_EQ(score.size(), 2);
+  EXPECT_NEAR(score(0), (first + second) / 2.0, 1e-14);
+  EXPECT_NEAR(score(1), (log_normal_density(2.0) + log_normal_density(1.0)) / 2.0 - std::log(4.0),
+              1e-14);
+}
+
+// The density of the nearer sample, 998 deviations away, is 0 in double precision.
+TEST(LogScore, FarFromAllSamplesIsFinite) {
+  const std::vector<float> values = {0, 2};
+  const Vector score =
+      log_score({values, 2, 1, 1, 1}, constant(1, 1, 1, 1000.0), RowMatrix::Ones(1, 1));
+  EXPECT_DOUBLE_EQ(score(0), log_normal_density(998.0) - std::log(2.0));
+}
+
+TEST(PredictiveScores, LeaveOutFailedSamples) {
+  const std::vector<float> all = {1, 2, 7, kNaN, 4, 8, std::numeric_limits<float>::infinity(), 0};
+  const std::vector<float> usable = {1, 2, 4, 8};
+  const std::vector<RowMatrix> observed = constant(1, 1, 2, 3.0);
+  const RowMatrix ones = RowMatrix::Ones(1, 2);
+  const PredictiveScores found = predictive_scores({all, 4, 1, 1, 2}, observed, ones);
+  const PredictiveScores expected = predictive_scores({usable, 2, 1, 1, 2}, observed, ones);
+  EXPECT_EQ(found.num_samples, 2);
+  EXPECT_EQ(found.crps, expected.crps);
+  EXPECT_EQ(found.coverage, expected.coverage);
+  EXPECT_EQ(log_score({all, 4, 1, 1, 2}, observed, ones),
+            log_score({usable, 2, 1, 1, 2}, observed, ones));
+}
+
+TEST(PredictiveScores, AreNanWhenEverySampleFailed) {
+  const std::vector<float> values = {1, kNaN, kNaN, 2};
+  const std::vector<RowMatrix> observed = constant(1, 1, 2, 0.0);
+  const RowMatrix ones = RowMatrix::Ones(1, 2);
+  const PredictiveScores scores = predictive_scores({values, 2, 1, 1, 2}, observed, ones);
+  EXPECT_EQ(scores.num_samples, 0);
+  EXPECT_TRUE(scores.crps.array().isNaN().all());
+  EXPECT_TRUE(scores.coverage.array().isNaN().all());
+  ASSERT_EQ(scores.coverage.rows(), 2);
+  EXPECT_TRUE(log_score({values, 2, 1, 1, 2}, observed, ones).array().isNaN().all());
+}
+
+TEST(PredictiveScores, SameBitsForAnyThreadCount) {
+  std::vector<float> values(50 * 2 * 30 * 3);
+  Stream({4, "predictive_scores_test"}).fill_normal(values);
+  const TrajectoryView view = {values, 50, 2, 30, 3};
+  const std::vector<RowMatrix> observed = constant(2, 30, 3, 0.7);
+  const RowMatrix scale = RowMatrix::Constant(2, 3, 0.3);
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const PredictiveScores one = predictive_scores(view, observed, scale);
+  const Vector one_log_score = log_score(view, observed, scale);
+  omp_set_num_threads(4);
+  const PredictiveScores four = predictive_scores(view, observed, scale);
+  const Vector four_log_score = log_score(view, observed, scale);
+  omp_set_num_threads(threads);
+  EXPECT_EQ(one.crps, four.crps);
+  EXPECT_EQ(one.coverage, four.coverage);
+  EXPECT_EQ(one_log_score, four_log_score);
+}
+
+// Scores for 6 values as (n, H, T, C) = (1, 1, 3, 2).
+void score(const std::vector<RowMatrix>& observed, const RowMatrix& amplitude, double level = 0.5) {
+  const std::vector<float> values(6);
+  predictive_scores({values, 1, 1, 3, 2}, observed, amplitude, {level});
+}
+
+TEST(PredictiveScores, RejectWrongShapes) {
+  const RowMatrix ones = RowMatrix::Ones(1, 2);
+  const auto problem = [](const auto&... arguments) {
+    return message_of<ShapeError>([&] { score(arguments...); });
+  };
+  EXPECT_EQ(problem(constant(2, 3, 2, 0.0), ones),
+            "predictive scores: 2 observed rollouts, must be 1");
+  EXPECT_EQ(problem(constant(1, 2, 2, 0.0), ones),
+            "predictive scores: observed rollout 0 has shape (2, 2), must be (3, 2)");
+  EXPECT_EQ(problem(constant(1, 3, 2, 0.0), RowMatrix::Ones(2, 2)),
+            "predictive scores: amplitude has shape (2, 2), must be (1, 2)");
+  const std::vector<float> values(7);
+  const std::vector<RowMatrix> observed = constant(1, 3, 2, 0.0);
+  EXPECT_THROW(predictive_scores({values, 1, 1, 3, 2}, observed, ones), ShapeError);
+  EXPECT_THROW(log_score({values, 1, 1, 3, 2}, observed, ones), ShapeError);
+}
+
+TEST(PredictiveScores, RejectValuesThatCannotBeScored) {
+  const std::vector<RowMatrix> observed = constant(1, 3, 2, 0.0);
+  const RowMatrix ones = RowMatrix::Ones(1, 2);
+  const auto problem = [](const auto&... arguments) {
+    return message_of<InputError>([&] { score(arguments...); });
+  };
+  EXPECT_TRUE(says(problem(constant(1, 3, 2, std::nan("")), ones),
+                   {"predictive scores: observed rollout 0", "isn't finite", "leave it out"}));
+  EXPECT_TRUE(says(problem(observed, RowMatrix{{1.0, 0.0}}),
+                   {"predictive scores: amplitude of channel 1 in rollout 0 = 0",
+                    "must be finite and > 0", "give 1"}));
+  EXPECT_EQ(problem(observed, ones, 1.0),
+            "predictive scores: level of a band = 1, must be in (0, 1)");
+  EXPECT_EQ(problem(observed, ones), "");
+}
+
+TEST(LogScore, RejectsDeviationsThatAreNotPositive) {
+  const std::vector<float> values(2);
+  const std::vector<RowMatrix> observed = constant(1, 1, 2, 0.0);
+  for (const double bad : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    const std::string problem = message_of<InputError>([&] {
+      log_score({values, 1, 1, 1, 2}, observed, RowMatrix{{bad, 1.0}});
+    });
+    EXPECT_TRUE(says(problem, {"predictive scores: deviation of channel 0 in rollout 0",
+                               "must be finite and > 0"}));
+  }
+}
+
+}  // namespace
+}  // namespace npdr::analysis
