@@ -34,8 +34,8 @@ double log_density(const ChannelNoise& noise, const Errors& errors, const NoiseV
     return -n * (std::log(at.scale) + 0.5 * kLogTwoPi) - 0.5 * sum / (at.scale * at.scale);
   }
   const double nu = at.degrees_of_freedom;
-  const double sum = (1.0 + (errors.now - rho * errors.before).square() /
-                                (nu * at.scale * at.scale)).log().sum();
+  const double sum =
+      (1.0 + (errors.now - rho * errors.before).square() / (nu * at.scale * at.scale)).log().sum();
   return n * (std::lgamma(0.5 * (nu + 1.0)) - std::lgamma(0.5 * nu) -
               0.5 * std::log(nu * std::numbers::pi) - std::log(at.scale)) -
          0.5 * (nu + 1.0) * sum;
@@ -89,8 +89,8 @@ Vector Integrand::guess() const {
   }
   if (noise_.is_correlated && noise_.correlation.is_unknown()) {
     const double median = noise_.correlation.median;
-    z(next++) = std::log(rho / (1.0 - rho) * (1.0 - median) / median) /
-                noise_.correlation.deviation;
+    z(next++) =
+        std::log(rho / (1.0 - rho) * (1.0 - median) / median) / noise_.correlation.deviation;
   }
   return z;
 }
@@ -157,13 +157,12 @@ struct Quadrature {
   std::span<const double> weights;
 };
 
-constexpr std::array<double, 7> kNodes7 = {-2.651961356835233, -1.673551628767471,
-                                           -0.8162878828589647, 0.0, 0.8162878828589647,
-                                           1.673551628767471,  2.651961356835233};
-constexpr std::array<double, 7> kWeights7 = {9.717812450995192e-4, 0.05451558281912703,
-                                             0.4256072526101278,   0.8102646175568073,
-                                             0.4256072526101278,   0.05451558281912703,
-                                             9.717812450995192e-4};
+constexpr std::array<double, 7> kNodes7 = {
+    -2.651961356835233, -1.673551628767471, -0.8162878828589647, 0.0,
+    0.8162878828589647, 1.673551628767471,  2.651961356835233};
+constexpr std::array<double, 7> kWeights7 = {
+    9.717812450995192e-4, 0.05451558281912703, 0.4256072526101278,  0.8102646175568073,
+    0.4256072526101278,   0.05451558281912703, 9.717812450995192e-4};
 constexpr std::array<double, 5> kNodes5 = {-2.020182870456086, -0.9585724646138185, 0.0,
                                            0.9585724646138185, 2.020182870456086};
 constexpr std::array<double, 5> kWeights5 = {0.01995324205904591, 0.3936193231522412,
@@ -211,13 +210,12 @@ Errors errors_of(const NoiseModel& model, std::span<const float> recorded,
   for (Index h = 0; h < model.num_rollouts(); ++h) {
     if (h == left_out) continue;
     const double unit = model.unit()(h, c);
-    errors.log_measure +=
-        static_cast<double>(steps) * std::log(model.measure()(h, c) / unit);
+    errors.log_measure += static_cast<double>(steps) * std::log(model.measure()(h, c) / unit);
     double last = 0.0;
     for (Index k = 0; k < steps; ++k, ++next) {
       const auto i = static_cast<std::size_t>((h * steps + k) * states + c);
-      const double error = (static_cast<double>(recorded[i]) - static_cast<double>(simulated[i])) /
-                           unit;
+      const double error =
+          (static_cast<double>(recorded[i]) - static_cast<double>(simulated[i])) / unit;
       errors.now(next) = error;
       errors.before(next) = model.restarts()[static_cast<std::size_t>(k)] != 0 ? 0.0 : last;
       last = error;
@@ -233,8 +231,7 @@ Errors errors_of(const NoiseModel& model, std::span<const float> recorded,
 
 NoiseLikelihood::NoiseLikelihood(NoiseModel model, std::vector<float> recorded)
     : model_(std::move(model)), recorded_(std::move(recorded)) {
-  if (std::ssize(recorded_) !=
-      model_.num_rollouts() * model_.num_steps() * model_.num_states()) {
+  if (std::ssize(recorded_) != model_.num_rollouts() * model_.num_steps() * model_.num_states()) {
     throw ShapeError("likelihood: " + std::to_string(recorded_.size()) +
                      " recorded values are not those of the noise's rollouts, steps and channels");
   }
@@ -268,10 +265,10 @@ double NoiseLikelihood::log_likelihood_without(Index left_out,
 }
 
 std::vector<NoiseValues> NoiseLikelihood::draw_values(std::span<const float> simulated,
-                                                      Stream& stream) const {
+                                                      Stream& stream, Index left_out) const {
   std::vector<NoiseValues> values;
   for (Index c = 0; c < model_.num_states(); ++c) {
-    const Errors errors = errors_of(model_, recorded_, simulated, c, -1);
+    const Errors errors = errors_of(model_, recorded_, simulated, c, left_out);
     const Integrand f(model_.channels()[static_cast<std::size_t>(c)], errors);
     Vector z(f.dimension());
     for (double& normal : z) normal = stream.normal();

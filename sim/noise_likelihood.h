@@ -28,8 +28,9 @@ class NoiseLikelihood {
   double log_likelihood_without(Index left_out, std::span<const float> simulated) const;
 
   /// Parameters of all channels (C) given y and x: the unknown ones drawn from the Gaussian that
-  /// has the posterior's mode and curvature.
-  std::vector<NoiseValues> draw_values(std::span<const float> simulated, Stream& stream) const;
+  /// has the posterior's mode and curvature. Rollout `left_out` isn't looked at.
+  std::vector<NoiseValues> draw_values(std::span<const float> simulated, Stream& stream,
+                                       Index left_out = -1) const;
 
  private:
   NoiseModel model_;

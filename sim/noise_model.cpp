@@ -32,8 +32,8 @@ void check(const ChannelNoise& noise) {
 // Student's t with any degrees of freedom (Bailey 1994, "Polar generation of random variates with
 // the t-distribution").
 double student_t(double degrees_of_freedom, Stream& stream) {
-  const double radius = degrees_of_freedom *
-                        std::expm1(-2.0 / degrees_of_freedom * std::log(stream.uniform()));
+  const double radius =
+      degrees_of_freedom * std::expm1(-2.0 / degrees_of_freedom * std::log(stream.uniform()));
   return std::sqrt(radius) * std::cos(2.0 * std::numbers::pi * stream.uniform());
 }
 

@@ -31,10 +31,10 @@ struct NoiseParameter {
 /// Noise of one channel.
 struct ChannelNoise {
   NoiseParameter scale = {};               ///< s >= 0
-  bool is_in_unit = false;           ///< a = 1
-  bool is_correlated = false;        ///< else rho = 0
+  bool is_in_unit = false;                 ///< a = 1
+  bool is_correlated = false;              ///< else rho = 0
   NoiseParameter correlation = {};         ///< rho in [0, 1)
-  bool is_heavy_tailed = false;      ///< else e ~ N(0, 1)
+  bool is_heavy_tailed = false;            ///< else e ~ N(0, 1)
   NoiseParameter degrees_of_freedom = {};  ///< nu > 1
 };
 

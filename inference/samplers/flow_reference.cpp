@@ -102,8 +102,7 @@ FlowReference::FlowReference(FlowParts parts) : parts_(std::move(parts)) {
   if (parts_.flow.size() != num_parameters_ || parts_.factor.rows() != d ||
       parts_.factor.cols() != d) {
     throw ShapeError("flow: " + std::to_string(parts_.flow.size()) + " weights for " +
-                     std::to_string(d) + " parameters, must be " +
-                     std::to_string(num_parameters_));
+                     std::to_string(d) + " parameters, must be " + std::to_string(num_parameters_));
   }
 }
 

@@ -1,7 +1,7 @@
 /// A normalizing flow that is fitted to weighted points: a density to draw from.
 ///
-/// u = m + L v, with the mean m and the Cholesky factor L of the points' covariance, and z = f(v) by
-/// a masked autoregressive flow f (maf.h):
+/// u = m + L v, with the mean m and the Cholesky factor L of the points' covariance, and z = f(v)
+/// by a masked autoregressive flow f (maf.h):
 ///   log g(u) = log N(f(v); 0, I) + log |det df/dv| - log |L|.
 /// It is trained by maximum likelihood, with a validation split and early stopping, in about a
 /// second for ten thousand points.

@@ -6,9 +6,10 @@
 namespace npdr::inference {
 
 struct ImportanceConfig {
-  double likelihood_power = 1.0;     ///< a in (0, 1]
-  Index level_size = 10'000;         ///< draws from one proposal
-  double min_ess = 1000.0;           ///< of the last levels
+  double likelihood_power = 1.0;      ///< a in (0, 1]
+  bool cross_validate = false;        ///< a is the best power up to that, by leaving rollouts out
+  Index level_size = 10'000;          ///< draws from one proposal
+  double min_ess = 1000.0;            ///< of the last levels
   Index max_simulations = 1'000'000;  ///< after which only one more level is drawn
 };
 

@@ -14,11 +14,11 @@ namespace npdr::inference {
 namespace {
 
 constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
-constexpr double kPriorShare = 0.05;    // of every proposal
-constexpr double kWantedShare = 0.2;    // effective draws that a flow is fitted to, of a level
+constexpr double kPriorShare = 0.05;     // of every proposal
+constexpr double kWantedShare = 0.2;     // effective draws that a flow is fitted to, of a level
 constexpr Index kTrainingRows = 20'000;  // at most about so many points teach a flow
-constexpr Index kOldLevels = 12;        // levels that count, besides the first
-constexpr Index kLevelsAtEnd = 3;       // flows of the last proposal, but for one that is
+constexpr Index kOldLevels = 12;         // levels that count, besides the first
+constexpr Index kLevelsAtEnd = 3;        // flows of the last proposal, but for one that is
 constexpr double kGoodEfficiency = 0.2;  // so good
 
 // log sum_k exp of each row's terms.
@@ -27,8 +27,7 @@ Vector log_sum(const std::vector<Vector>& terms) {
   for (const Vector& term : terms) largest = largest.cwiseMax(term);
   Vector sum = Vector::Zero(largest.size());
   for (const Vector& term : terms) {
-    sum.array() += (largest.array() > kMinusInfinity)
-                       .select((term - largest).array().exp(), 0.0);
+    sum.array() += (largest.array() > kMinusInfinity).select((term - largest).array().exp(), 0.0);
   }
   return largest.array() + sum.array().log();
 }
@@ -65,8 +64,8 @@ struct Choice {
   Vector weights;
 };
 
-// Row i is kept with probability min(1, w_i / c) and then weighs max(1, w_i / c) (rejection control;
-// Liu, Chen and Wong 1998), with c so that about `most` are.
+// Row i is kept with probability min(1, w_i / c) and then weighs max(1, w_i / c) (rejection
+// control; Liu, Chen and Wong 1998), with c so that about `most` are.
 Choice choose_rows(const Vector& weights, Index most, const StreamId& id) {
   const double surplus = static_cast<double>(weights.size()) / static_cast<double>(most);
   double low = 0.0, high = weights.maxCoeff() * std::max(1.0, surplus);
@@ -117,7 +116,8 @@ Vector ImportanceSampler::Proposal::log_density(const RowMatrix& u) const {
     if (share > 0.0) terms.push_back(log_density.array() + std::log(share));
   };
   add(log_standard_normal<double>(u), prior_share);
-  const double each = (1.0 - prior_share) / static_cast<double>(std::max<std::size_t>(1, flows.size()));
+  const double each =
+      (1.0 - prior_share) / static_cast<double>(std::max<std::size_t>(1, flows.size()));
   for (const FlowReference& flow : flows) add(flow.log_density(u), each);
   return log_sum(terms);
 }
@@ -125,8 +125,8 @@ Vector ImportanceSampler::Proposal::log_density(const RowMatrix& u) const {
 // Strata: first the prior's rows, then those of the flows.
 RowMatrix ImportanceSampler::Proposal::sample(Index n, const StreamId& id) const {
   RowMatrix u(n, dimension);
-  Index done = flows.empty() ? n
-                             : static_cast<Index>(std::lround(prior_share * static_cast<double>(n)));
+  Index done =
+      flows.empty() ? n : static_cast<Index>(std::lround(prior_share * static_cast<double>(n)));
   for (Index i = 0; i < done; ++i) {
     StreamId row = id;
     row.row += static_cast<std::uint64_t>(i);
@@ -134,9 +134,8 @@ RowMatrix ImportanceSampler::Proposal::sample(Index n, const StreamId& id) const
     for (Index d = 0; d < dimension; ++d) u(i, d) = stream.normal();
   }
   for (std::size_t k = 0; k < flows.size(); ++k) {
-    const Index end = k + 1 == flows.size()
-                          ? n
-                          : done + (n - done) / static_cast<Index>(flows.size() - k);
+    const Index end =
+        k + 1 == flows.size() ? n : done + (n - done) / static_cast<Index>(flows.size() - k);
     StreamId rows = id;
     rows.row += static_cast<std::uint64_t>(done);
     u.middleRows(done, end - done) = flows[k].sample(end - done, rows);
@@ -195,7 +194,8 @@ void ImportanceSampler::begin_level(Proposal proposal, double power, bool is_las
   note_densities();
 }
 
-// Densities that haven't been computed yet: of a new proposal at all points, and of all at new ones.
+// Densities that haven't been computed yet: of a new proposal at all points, and of all at new
+// ones.
 void ImportanceSampler::note_densities() {
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
     for (std::size_t k = densities_[l].size(); k < proposals_.size(); ++k) {
@@ -244,9 +244,9 @@ Vector ImportanceSampler::log_weights(double power) const {
   Vector logs(std::ssize(state_.levels) * each);
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
     const ImportanceLevel& level = state_.levels[l];
-    logs.segment(static_cast<Index>(l) * each, each) =
-        log_standard_normal<double>(level.u) + power * level.log_likelihood -
-        log_sum(densities_[l]);
+    logs.segment(static_cast<Index>(l) * each, each) = log_standard_normal<double>(level.u) +
+                                                       power * level.log_likelihood -
+                                                       log_sum(densities_[l]);
   }
   return logs;
 }
@@ -266,6 +266,31 @@ double ImportanceSampler::choose_power() const {
   return low;
 }
 
+// Points by their number in log_weights().
+RowMatrix ImportanceSampler::points(const std::vector<Index>& rows) const {
+  RowMatrix u(std::ssize(rows), dimension_);
+  for (Index i = 0; i < u.rows(); ++i) {
+    const Index row = rows[static_cast<std::size_t>(i)];
+    const auto level = static_cast<std::size_t>(row / config_.level_size);
+    u.row(i) = state_.levels[level].u.row(row % config_.level_size);
+  }
+  return u;
+}
+
+ImportanceSample ImportanceSampler::preliminary(Index most) const {
+  ImportanceSampler before = *this;
+  before.drop(state_.levels.size() - 1);
+  const Choice choice =
+      choose_rows(truncated(before.log_weights(power())), most, level_id("refine_thinning"));
+  return {before.points(choice.rows), choice.weights};
+}
+
+void ImportanceSampler::settle(double power) {
+  config_.likelihood_power = power;
+  drop(state_.levels.size() - 1);
+  plan_next_level();
+}
+
 void ImportanceSampler::plan_next_level() {
   if (state_.levels.back().is_last) {
     return begin_level(proposals_.back(), state_.levels.back().power, true);
@@ -278,16 +303,10 @@ void ImportanceSampler::plan_next_level() {
   const double power = choose_power();
   const Choice lesson =
       choose_rows(truncated(log_weights(power)), kTrainingRows, level_id("refine_lesson"));
-  RowMatrix points(std::ssize(lesson.rows), dimension_);
-  for (Index i = 0; i < points.rows(); ++i) {
-    const Index row = lesson.rows[static_cast<std::size_t>(i)];
-    points.row(i) = state_.levels[static_cast<std::size_t>(row / config_.level_size)].u.row(
-        row % config_.level_size);
-  }
   const std::vector<FlowReference>& last = proposals_.back().flows;
   const Parameters<float> start = last.empty() ? Parameters<float>() : last.back().parts().flow;
   Proposal proposal{{}, kPriorShare, dimension_};
-  proposal.flows.emplace_back(points, lesson.weights, start, level_id("refine_flow"));
+  proposal.flows.emplace_back(points(lesson.rows), lesson.weights, start, level_id("refine_flow"));
   if (std::ssize(state_.levels) > kOldLevels) drop(1);
   begin_level(std::move(proposal), power, false);
 }
@@ -295,8 +314,8 @@ void ImportanceSampler::plan_next_level() {
 // Effective share of a level's draws, for the power that its proposal was fitted to.
 double ImportanceSampler::efficiency(std::size_t l) const {
   const ImportanceLevel& level = state_.levels[l];
-  const Vector logs = log_standard_normal<double>(level.u) + level.power * level.log_likelihood -
-                      densities_[l][l];
+  const Vector logs =
+      log_standard_normal<double>(level.u) + level.power * level.log_likelihood - densities_[l][l];
   return effective_size(exponentials(logs)) / static_cast<double>(logs.size());
 }
 
@@ -308,7 +327,7 @@ std::vector<FlowReference> ImportanceSampler::flows_at_end() const {
   std::vector<FlowReference> flows;
   const bool is_over = state_.num_draws >= config_.max_simulations;
   for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(flows) < kLevelsAtEnd;) {
-    if (!is_over && state_.levels[l].power < config_.likelihood_power) return {};
+    if (!is_over && state_.levels[l].power != config_.likelihood_power) return {};
     flows.push_back(proposals_[l].flows.front());
   }
   if (!is_over && std::ssize(flows) < kLevelsAtEnd) return {};

@@ -9,8 +9,8 @@
 /// weighted as draws of the levels' mixture (Cornuet et al. 2012, "Adaptive multiple importance
 /// sampling"; with flows: Williams, Veitch and Messenger 2023, "Importance nested sampling with
 /// normalising flows"), and b is the largest power at which they are worth enough draws, by weights
-/// that are cut off as Ionides 2008 does; it ends at a. Level 0 comes from the prior or, half of it,
-/// from a flow that was fitted to the draws of another estimate of the posterior.
+/// that are cut off as Ionides 2008 does; it ends at a. Level 0 comes from the prior or, half of
+/// it, from a flow that was fitted to the draws of another estimate of the posterior.
 ///
 /// What is reported comes from last levels alone, which are drawn from a fixed mixture of the last
 /// flows, made before any of them was drawn. So they are independent draws of a known density, and
@@ -36,9 +36,9 @@ struct ImportanceProposal {
 /// Draws of one proposal.
 struct ImportanceLevel {
   ImportanceProposal proposal;
-  double power = 0.0;  ///< b that the proposal was fitted to
-  bool is_last = false;  ///< one of those that are reported
-  RowMatrix u;         ///< (n, D)
+  double power = 0.0;     ///< b that the proposal was fitted to
+  bool is_last = false;   ///< one of those that are reported
+  RowMatrix u;            ///< (n, D)
   Vector log_likelihood;  ///< (m), of the first m <= n that have been told
   bool is_complete() const { return log_likelihood.size() == u.rows(); }
 };
@@ -52,11 +52,11 @@ struct ImportanceState {
 
 /// How much the draws of the last levels are worth.
 struct ImportanceCertificate {
-  double power = 0.0;       ///< of the likelihood: less than a where draws ran out
-  Index num_draws = 0;      ///< of all levels
-  double ess = 0.0;         ///< effective size of the weights (weighted_moments.h)
-  double efficiency = 0.0;  ///< ess over the draws of the last levels
-  double pareto_k = 0.0;    ///< of the weights (pareto_tail.h)
+  double power = 0.0;               ///< of the likelihood: less than a where draws ran out
+  Index num_draws = 0;              ///< of all levels
+  double ess = 0.0;                 ///< effective size of the weights (weighted_moments.h)
+  double efficiency = 0.0;          ///< ess over the draws of the last levels
+  double pareto_k = 0.0;            ///< of the weights (pareto_tail.h)
   double log_evidence = 0.0;        ///< log Z [nats]
   double log_evidence_error = 0.0;  ///< its standard error
   double half_difference = 0.0;     ///< of both halves' log Z, over its standard error
@@ -85,6 +85,14 @@ class ImportanceSampler {
   /// level has none above 0.
   void tell(const Vector& log_likelihood);
 
+  /// Draws of the posterior at power() from the points of all levels so far, at most about `most`
+  /// of them. Only where a level has just been planned.
+  ImportanceSample preliminary(Index most) const;
+  /// Makes `power` the one that is wanted, in place of a higher one.
+  void settle(double power);
+  /// b of the level that is drawn next.
+  double power() const { return state_.levels.back().power; }
+
   /// The draws of the last levels. Only when it is done.
   ImportanceSample sample() const;
   /// At most about `most` of them, which are as good to take means of: those that weigh less than
@@ -109,6 +117,7 @@ class ImportanceSampler {
   void note_densities();
   void drop(std::size_t level);
   double choose_power() const;
+  RowMatrix points(const std::vector<Index>& rows) const;
   double efficiency(std::size_t level) const;
   Vector log_weights(double power) const;
   StreamId level_id(const char* name) const;

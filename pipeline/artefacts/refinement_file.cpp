@@ -64,6 +64,14 @@ void describe(Layout f, inference::ImportanceLevel& level) {
   describe_members(f, "flow", level.proposal.flows);
 }
 
+void describe(Layout f, PowerScores& scores) {
+  Layout group = f.group("power_scores");
+  group("power", scores.power, {{"k"}}, "powers of the likelihood, where they were tried",
+        {.unless_empty = true});
+  group("crps", scores.crps, {{"k"}}, "CRPS with noise of left-out rollouts",
+        {.unless_empty = true});
+}
+
 void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {
   f.attribute("num_failed", num_failed, "simulations that failed so far");
   f.attribute("num_levels_so_far", state.num_levels, "those that were dropped included");
@@ -84,25 +92,35 @@ std::optional<inference::ImportanceCertificate> read_certificate(const h5::File&
   return certificate;
 }
 
+void write_power_scores(h5::File& file, PowerScores scores) {
+  describe(Layout::writer(file), scores);
+}
+
 void write_refinement(const std::filesystem::path& path, const Identity& identity,
                       RefinementCheckpoint checkpoint) {
   ArtefactWriter writer(path, kRefinementCheckpointSchema, identity);
   writer.add_cost(checkpoint.cost);
   describe(Layout::writer(writer.file()), checkpoint.state, checkpoint.num_failed);
+  describe(Layout::writer(writer.file()), checkpoint.powers);
   writer.finish();
 }
 
 RefinementCheckpoint read_refinement(const ArtefactFile& artefact) {
-  const std::optional<h5::File> file = open_artefact_if_there(artefact, kRefinementCheckpointSchema);
+  const std::optional<h5::File> file =
+      open_artefact_if_there(artefact, kRefinementCheckpointSchema);
   if (!file) return {};
-  RefinementCheckpoint checkpoint{.state = {}, .num_failed = 0, .cost = provenance_of(*file).cost};
+  RefinementCheckpoint checkpoint{
+      .state = {}, .num_failed = 0, .powers = {}, .cost = provenance_of(*file).cost};
   describe(Layout::reader(*file), checkpoint.state, checkpoint.num_failed);
+  describe(Layout::reader(*file), checkpoint.powers);
   return checkpoint;
 }
 
 void list_certificate(Layout f) {
   std::optional<inference::ImportanceCertificate> certificate;
+  PowerScores scores;
   describe(f, certificate);
+  describe(f, scores);
 }
 
 void list_refinement_checkpoint(Layout f) {

@@ -11,10 +11,21 @@ void write_certificate(h5::File& file, const inference::ImportanceCertificate& c
 /// None: the posterior wasn't refined. Throws InputError.
 std::optional<inference::ImportanceCertificate> read_certificate(const h5::File& file);
 
+/// Powers of the likelihood that were tried, and how well the posterior given all rollouts but one
+/// predicts that one.
+struct PowerScores {
+  Vector power;  ///< (k)
+  Vector crps;   ///< (k) with noise, mean over rollouts and channels
+};
+
+/// Throws Error.
+void write_power_scores(h5::File& file, PowerScores scores);
+
 /// State that an interrupted refinement goes on from.
 struct RefinementCheckpoint {
   inference::ImportanceState state;
   Index num_failed = 0;  ///< simulations so far
+  PowerScores powers;
   Cost cost;  ///< of the work that led here
 };
 /// Writes the checkpoint of the posterior `identity`. Throws Error.

@@ -235,6 +235,11 @@ void MethodChecker::check_refine(const std::string& path, const MethodConfig& me
     fail(most, std::to_string(sampling.max_simulations),
          fmt::format(">= refine.level_size = {}", sampling.level_size));
   }
+  const Index rollouts = method.num_rollouts > 0 ? method.num_rollouts : study_.target.num_rollouts;
+  if (sampling.cross_validate && (rollouts == 1 || !study_.source().gives_motion)) {
+    fail(path + ".refine.cross_validate", "true",
+         "false with a single rollout: none can be left out");
+  }
   check_start(path, method);
 }
 

@@ -33,8 +33,8 @@ class NoiseChecker : Checker {
   }
 
   void check_silent() {
-    for (const char* key : {"correlation", "correlation_prior", "degrees_of_freedom",
-                            "degrees_of_freedom_prior"}) {
+    for (const char* key :
+         {"correlation", "correlation_prior", "degrees_of_freedom", "degrees_of_freedom_prior"}) {
       must_be_left_out(std::string("observation_noise.") + key,
                        "there is no noise: its scale is 0");
     }

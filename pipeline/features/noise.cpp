@@ -26,8 +26,7 @@ sim::ChannelNoise channel_noise(const ObservationNoise& noise, const std::string
   return channel;
 }
 
-sim::NoiseModel make(const Study& study, const Target& target,
-                     const std::vector<Index>& channels) {
+sim::NoiseModel make(const Study& study, const Target& target, const std::vector<Index>& channels) {
   const RowMatrix amplitude = sim::reference_amplitude(target);
   std::vector<sim::ChannelNoise> noise;
   for (const Index c : channels) {

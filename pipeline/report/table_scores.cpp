@@ -11,14 +11,11 @@ namespace {
 using OfRun = std::optional<PredictionScores> Evaluation::*;
 
 bool exists(const ReportData& data) {
-  return std::ranges::any_of(data.runs, [](const EvaluatedRun& run) {
-    return run.evaluation.scores.has_value();
-  });
+  return std::ranges::any_of(
+      data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.has_value(); });
 }
 
-bool has_noise(const ReportData& data) {
-  return !data.plan.study.observation_noise.is_silent();
-}
+bool has_noise(const ReportData& data) { return !data.plan.study.observation_noise.is_silent(); }
 
 Index row_of_level(double level) {
   return std::ranges::find(kBandLevels, level) - kBandLevels.begin();

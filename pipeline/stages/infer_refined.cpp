@@ -10,6 +10,7 @@
 #include "pipeline/features/noise.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
+#include "pipeline/predictions/left_out.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/infer_methods.h"
@@ -20,6 +21,7 @@ namespace {
 
 constexpr Index kStartDraws = 5000;     // of the posterior that is refined
 constexpr Index kMostParticles = 5000;  // of the refined posterior
+constexpr Index kLeftOutDraws = 1000;   // that predict left-out rollouts
 constexpr double kSecondsBetweenCheckpoints = 60.0;
 
 using Clock = std::chrono::steady_clock;
@@ -31,7 +33,8 @@ class SimulatedLikelihood {
   SimulatedLikelihood(const Plan& plan, const Node& node)
       : plan_(plan),
         target_(read_seen_target(plan, node)),
-        noise_(noise_model(plan.study, target_), stored_observation(plan, target_)),
+        recorded_(stored_observation(plan, target_)),
+        noise_(noise_model(plan.study, target_), recorded_),
         simulator_(plan.source->open(
             {.simulator = plan.study.simulator, .target = target_, .log = log_of(node.path)})),
         id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {}
@@ -40,10 +43,7 @@ class SimulatedLikelihood {
 
   // Of rows of theta (n, D), number `first` and those after it. `failed`: how many couldn't be.
   Vector operator()(const RowMatrix& theta, Index first, Index& failed) const {
-    StreamId id = id_;
-    id.row = static_cast<std::uint64_t>(first);
-    const sim::Trajectories rows =
-        simulator_->simulate(plan_.source->parameters().complete(theta), id);
+    const sim::Trajectories rows = simulate(theta, first);
     Vector result(theta.rows());
     parallel_for(theta.rows(), [&](Index i) { result(i) = noise_.log_likelihood(rows.row(i)); });
     failed += std::ranges::count_if(
@@ -51,9 +51,23 @@ class SimulatedLikelihood {
     return result;
   }
 
+  // Of draws of the posterior at that power, whose seeds are those of rows from `first` on.
+  double left_out(const RowMatrix& theta, const Vector& weights, double power, Index first) const {
+    StreamId id = within(id_, "left_out");
+    id.row = static_cast<std::uint64_t>(first);
+    return left_out_crps(noise_, recorded_, simulate(theta, first), weights, power, id);
+  }
+
  private:
+  sim::Trajectories simulate(const RowMatrix& theta, Index first) const {
+    StreamId id = id_;
+    id.row = static_cast<std::uint64_t>(first);
+    return simulator_->simulate(plan_.source->parameters().complete(theta), id);
+  }
+
   const Plan& plan_;
   Target target_;
+  std::vector<float> recorded_;
   sim::NoiseLikelihood noise_;
   std::unique_ptr<RowSimulator> simulator_;
   StreamId id_;
@@ -68,6 +82,44 @@ RowMatrix start_of(const Plan& plan, const Node& node, const inference::Prior& p
       read_posterior(*posteriors.front())->sample(kStartDraws, within(id, "refine_start")));
 }
 
+// The power of the likelihood that predicts left-out rollouts best, among those of the levels.
+class PowerSearch {
+ public:
+  explicit PowerSearch(PowerScores scores) : scores_(std::move(scores)) {}
+
+  const PowerScores& scores() const { return scores_; }
+
+  void add(double power, double crps) {
+    const Index k = scores_.power.size();
+    scores_.power.conservativeResize(k + 1);
+    scores_.crps.conservativeResize(k + 1);
+    scores_.power(k) = power;
+    scores_.crps(k) = crps;
+  }
+
+  double best() const {
+    Index k = 0;
+    scores_.crps.minCoeff(&k);
+    return scores_.power(k);
+  }
+
+  // Powers have become so much larger than the best, and scores so much worse, that there is no
+  // hope of a better one; or `most` has been tried.
+  bool is_over(double most) const {
+    const Index k = scores_.power.size();
+    if (k == 0) return false;
+    const bool is_worse = scores_.power(k - 1) > kFarther * best() &&
+                          scores_.crps(k - 1) > kWorse * scores_.crps.minCoeff();
+    return is_worse || scores_.power(k - 1) >= most;
+  }
+
+ private:
+  static constexpr double kFarther = 2.0;
+  static constexpr double kWorse = 1.02;
+
+  PowerScores scores_;
+};
+
 // Runs the sampler, with a checkpoint now and then, and one more when asked to stop.
 class Refinement {
  public:
@@ -78,6 +130,7 @@ class Refinement {
         config_(plan.study.method(node.uses.front().method).refine.sampling),
         checkpoint_(plan.work.checkpoint("infer", node.key)),
         earlier_(read_refinement({checkpoint_, node.key})),
+        search_(earlier_.powers),
         sampler_(make_sampler()) {
     writer.add_cost(earlier_.cost);
   }
@@ -91,9 +144,10 @@ class Refinement {
     while (!sampler_.is_done()) {
       const Index first = sampler_.state().num_draws;
       const RowMatrix theta = prior_.to_theta(sampler_.next(block));
+      const Index level = sampler_.state().num_levels;
       sampler_.tell(likelihood(theta, first, failed));
-      progress.update(sampler_.state().num_draws,
-                      fmt::format("power {:.3g}", sampler_.state().levels.back().power));
+      if (sampler_.state().num_levels != level) cross_validate(likelihood);
+      progress.update(sampler_.state().num_draws, fmt::format("power {:.3g}", sampler_.power()));
       keep(failed);
     }
     return failed;
@@ -101,9 +155,29 @@ class Refinement {
 
   inference::ImportanceSample sample() const { return sampler_.thinned(kMostParticles); }
   const inference::Prior& prior() const { return prior_; }
+  const PowerScores& powers() const { return search_.scores(); }
+  /// The likelihood's power that was wanted at the end.
+  double wanted_power() const { return config_.likelihood_power; }
 
  private:
-  Sampler make_sampler() const {
+  // When a level has been planned: scores its power, and settles on the best one at the end.
+  void cross_validate(const SimulatedLikelihood& likelihood) {
+    if (!config_.cross_validate || is_settled_ || sampler_.state().levels.back().is_last) return;
+    const inference::ImportanceSample draws = sampler_.preliminary(kLeftOutDraws);
+    search_.add(sampler_.power(),
+                likelihood.left_out(prior_.to_theta(draws.u), draws.weights, sampler_.power(),
+                                    sampler_.state().num_draws));
+    if (!search_.is_over(config_.likelihood_power)) return;
+    config_.likelihood_power = search_.best();
+    is_settled_ = true;
+    sampler_.settle(config_.likelihood_power);
+  }
+
+  Sampler make_sampler() {
+    if (config_.cross_validate && search_.is_over(config_.likelihood_power)) {
+      config_.likelihood_power = search_.best();
+      is_settled_ = true;
+    }
     const Use& use = node_.uses.front();
     const StreamId id = {use.seed, "refinement", use.stream_round(), 0, 0};
     const bool is_new = earlier_.state.levels.empty();
@@ -117,7 +191,7 @@ class Refinement {
     const bool is_due =
         std::chrono::duration<double>(now - saved_).count() > kSecondsBetweenCheckpoints;
     if (!is_due && !is_stopping) return;
-    RefinementCheckpoint checkpoint{sampler_.state(), failed, earlier_.cost};
+    RefinementCheckpoint checkpoint{sampler_.state(), failed, search_.scores(), earlier_.cost};
     checkpoint.cost += cost_of_seconds(std::chrono::duration<double>(now - start_).count());
     write_refinement(checkpoint_, node_.identity, std::move(checkpoint));
     saved_ = now;
@@ -130,6 +204,8 @@ class Refinement {
   inference::ImportanceConfig config_;
   std::filesystem::path checkpoint_;
   RefinementCheckpoint earlier_;
+  PowerSearch search_;
+  bool is_settled_ = false;
   Sampler sampler_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point saved_ = start_;
@@ -152,13 +228,16 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const Index failed = refinement.run();
   const inference::ImportanceSample sample = refinement.sample();
   const MethodConfig& method = plan.study.method(node.uses.front().method);
-  warn(node, sample.certificate, method.refine.sampling.likelihood_power);
+  warn(node, sample.certificate, refinement.wanted_power());
   write_particles(writer.file(), name_of(method.algorithm.kind),
                   {.prior = refinement.prior(),
                    .theta = refinement.prior().to_theta(sample.u),
                    .weights = sample.weights},
                   {.used = sample.certificate.num_draws - failed, .failed = failed});
   write_certificate(writer.file(), sample.certificate);
+  if (method.refine.sampling.cross_validate) {
+    write_power_scores(writer.file(), refinement.powers());
+  }
 }
 
 }  // namespace npdr::pipeline

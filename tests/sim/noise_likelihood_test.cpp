@@ -23,8 +23,7 @@ ChannelNoise noise_of(bool is_correlated, bool is_heavy_tailed, double deviation
 }
 
 NoiseModel model_of(const ChannelNoise& noise, Index rollouts = 2) {
-  return NoiseModel({noise}, RowMatrix::Constant(rollouts, 1, 3.0),
-                    stored_restarts(kSteps, 10, 1));
+  return NoiseModel({noise}, RowMatrix::Constant(rollouts, 1, 3.0), stored_restarts(kSteps, 10, 1));
 }
 
 // Errors of the model itself.
@@ -102,15 +101,15 @@ TEST(NoiseLikelihood, IntegratesUnknownParameters) {
       const NoiseLikelihood likelihood(model, errors);
       // Nodes that follow the mode's curvature leave what the integrand isn't a Gaussian.
       EXPECT_NEAR(likelihood.log_likelihood(std::vector<float>(errors.size(), 0.0f)),
-                  log_integral_on_grid(model, errors, is_correlated, is_heavy_tailed),
-                  0.02)
+                  log_integral_on_grid(model, errors, is_correlated, is_heavy_tailed), 0.02)
           << is_correlated << is_heavy_tailed;
     }
   }
 }
 
 TEST(NoiseLikelihood, LeavesARolloutOut) {
-  const NoiseModel both = model_of(noise_of(true, true, 1.0)), one = model_of(noise_of(true, true, 1.0), 1);
+  const NoiseModel both = model_of(noise_of(true, true, 1.0)),
+                   one = model_of(noise_of(true, true, 1.0), 1);
   const std::vector<float> errors = errors_of(both, 5);
   const std::vector<float> second(errors.begin() + kSteps, errors.end());
   EXPECT_NEAR(NoiseLikelihood(both, errors)
@@ -146,8 +145,7 @@ TEST(NoiseLikelihood, DrawsTheParametersThatMadeTheErrors) {
   const Vector mean = drawn.colwise().mean().transpose();
   const Vector truth = (Vector(3) << 0.2, 0.5, 1.0 + std::numbers::e).finished();
   for (Index d = 0; d < 3; ++d) {
-    const double deviation =
-        std::sqrt((drawn.col(d).array() - mean(d)).square().mean());
+    const double deviation = std::sqrt((drawn.col(d).array() - mean(d)).square().mean());
     EXPECT_LT(deviation, 0.15 * truth(d));
     EXPECT_NEAR(mean(d), truth(d), 4.0 * deviation);
   }

@@ -48,7 +48,8 @@ ImportanceSampler run(ImportanceSampler sampler, const LogLikelihood& log_likeli
 
 ImportanceSample run_linear(const ImportanceConfig& config, const RowMatrix& start, Index block) {
   const LinearGaussian problem;
-  return run(ImportanceSampler(config, kDimension, start, {1, "refinement", 1, 0, 0}),
+  return run(
+             ImportanceSampler(config, kDimension, start, {1, "refinement", 1, 0, 0}),
              [&](const RowMatrix& u) { return problem.log_likelihood(u); }, block)
       .sample();
 }
@@ -108,8 +109,8 @@ TEST(ImportanceSampler, FindsBothModes) {
   const ImportanceSample sample =
       run(ImportanceSampler(kSmall, 1, {}, {1, "refinement", 1, 0, 0}), log_likelihood, 2000)
           .sample();
-  const double right = (sample.u.col(0).array() > 0.0).select(sample.weights, 0.0).sum() /
-                       sample.weights.sum();
+  const double right =
+      (sample.u.col(0).array() > 0.0).select(sample.weights, 0.0).sum() / sample.weights.sum();
   EXPECT_NEAR(right, 0.5, 5.0 * 0.5 / std::sqrt(sample.certificate.ess));
 }
 
@@ -148,9 +149,9 @@ TEST(ImportanceSampler, SaysHowFarItCameWhenDrawsRunOut) {
 
 TEST(ImportanceSampler, ThinsItsDraws) {
   const LinearGaussian problem;
-  const ImportanceSampler sampler =
-      run(ImportanceSampler(kSmall, kDimension, {}, {1, "refinement", 1, 0, 0}),
-          [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000);
+  const ImportanceSampler sampler = run(
+      ImportanceSampler(kSmall, kDimension, {}, {1, "refinement", 1, 0, 0}),
+      [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000);
   ImportanceSample few = sampler.thinned(1500);
   EXPECT_NEAR(static_cast<double>(few.u.rows()), 1500.0, 5.0 * std::sqrt(1500.0));
   EXPECT_GE(few.weights.minCoeff(), 1.0);

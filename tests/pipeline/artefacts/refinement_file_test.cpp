@@ -34,7 +34,7 @@ TEST_F(RefinementFile, CheckpointsGoOnToTheSameBits) {
   const std::filesystem::path path = folder_.path() / "checkpoint.h5";
   Identity identity;
   identity.key_document = {{"what", "test"}};
-  write_refinement(path, identity, {stopped.state(), 3, {1.5, 2.5}});
+  write_refinement(path, identity, {stopped.state(), 3, {}, {1.5, 2.5}});
   const RefinementCheckpoint read = read_refinement({path, identity.key()});
   EXPECT_EQ(read.num_failed, 3);
   EXPECT_GE(read.cost.core_seconds, 2.5);

@@ -84,7 +84,8 @@ GridResult on_grid(const Plan& plan, const Node& node) {
 }
 
 TEST_F(RefineStage, AgreesWithAGridFromAnyStart) {
-  for (const char* noise : {"scale = 0.2", "scale_prior = [0.2, 1.0]\ncorrelation_prior = [0.5, 1.0]"}) {
+  for (const char* noise :
+       {"scale = 0.2", "scale_prior = [0.2, 1.0]\ncorrelation_prior = [0.5, 1.0]"}) {
     const Plan plan = plan_of(study_with(noise));
     run_until(plan, Stage::infer);
     const GridResult expected = on_grid(plan, plan.node(Stage::infer, {"Prior", 1, 1}));

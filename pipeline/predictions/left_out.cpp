@@ -1,0 +1,71 @@
+#include "pipeline/predictions/left_out.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/predictive_scores.h"
+#include "core/parallel.h"
+#include "inference/samplers/resampler.h"
+#include "pipeline/predictions/prediction.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kEnsemble = 500;  // resampled draws that predict a rollout
+
+// Weights of the posterior without rollout h.
+Vector weights_without(Index h, const sim::NoiseLikelihood& noise, const sim::Trajectories& rows,
+                       const Vector& weights, double power) {
+  Vector logs(rows.num_rows);
+  parallel_for(rows.num_rows, [&](Index i) {
+    const double all = noise.log_likelihood(rows.row(i));
+    const double others = noise.log_likelihood_without(h, rows.row(i));
+    logs(i) = std::log(weights(i)) - power * (all - others);
+    if (!std::isfinite(all) || !std::isfinite(others)) logs(i) = -HUGE_VAL;
+  });
+  const Vector found = (logs.array() - logs.maxCoeff()).exp();
+  return found.cwiseMin(found.sum() / std::sqrt(static_cast<double>(rows.num_rows)));
+}
+
+// Rollout h of resampled rows, with noise, as rows of a single rollout.
+sim::Trajectories ensemble_of(Index h, const sim::NoiseLikelihood& noise,
+                              const sim::Trajectories& rows, const Vector& weights,
+                              const StreamId& id) {
+  const inference::Resampler resampler(weights);
+  sim::Trajectories ensemble;
+  ensemble.resize(kEnsemble, 1, rows.num_steps, rows.num_states);
+  const auto size = static_cast<std::size_t>(ensemble.row_size());
+  parallel_for(kEnsemble, [&](Index i) {
+    StreamId own = within(id, "left_out_noise");
+    own.row = static_cast<std::uint64_t>(i);
+    own.epoch = static_cast<std::uint64_t>(h);
+    Stream stream(own);
+    const auto row = rows.row(resampler.draw(stream.uniform()));
+    std::vector<float> series(row.begin(), row.end());
+    noise.model().add(series, noise.draw_values(row, stream, h), stream);
+    std::ranges::copy_n(series.begin() + static_cast<std::ptrdiff_t>(h) * std::ssize(ensemble.row(i)),
+                        static_cast<std::ptrdiff_t>(size), ensemble.row(i).begin());
+    ensemble.status[static_cast<std::size_t>(i)] = sim::RolloutStatus::ok;
+  });
+  return ensemble;
+}
+
+}  // namespace
+
+double left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
+                     const sim::Trajectories& rows, const Vector& weights, double power,
+                     const StreamId& id) {
+  double sum = 0.0;
+  for (Index h = 0; h < rows.num_rollouts; ++h) {
+    const Vector without = weights_without(h, noise, rows, weights, power);
+    const sim::Trajectories ensemble = ensemble_of(h, noise, rows, without, id);
+    const Eigen::Map<const RowMatrixF> observed(recorded.data() + h * ensemble.row_size(),
+                                                rows.num_steps, rows.num_states);
+    sum += analysis::predictive_scores(view_of(ensemble), {observed.cast<double>()},
+                                       noise.model().measure().row(h))
+               .crps.mean();
+  }
+  return sum / static_cast<double>(rows.num_rollouts);
+}
+
+}  // namespace npdr::pipeline
