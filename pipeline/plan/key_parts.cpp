@@ -73,6 +73,10 @@ Json policy_search_json(const PolicyConfig& policy) {
 Json study_document(const Study& study) {
   Json json = to_json(study);
   json.erase("cluster");  // where something is computed changes nothing
+  for (std::size_t i = 0; i < study.methods.size(); ++i) {
+    if (!reads_setting(study.methods[i].algorithm.kind, "refine"))
+      json["method"][i].erase("refine");
+  }
   if (study.policy.is_used()) return json;
   json.erase("policy");
   for (Json& method : json["method"]) {

@@ -43,8 +43,9 @@ sim::Trajectories ensemble_of(Index h, const sim::NoiseLikelihood& noise,
     const auto row = rows.row(resampler.draw(stream.uniform()));
     std::vector<float> series(row.begin(), row.end());
     noise.model().add(series, noise.draw_values(row, stream, h), stream);
-    std::ranges::copy_n(series.begin() + static_cast<std::ptrdiff_t>(h) * std::ssize(ensemble.row(i)),
-                        static_cast<std::ptrdiff_t>(size), ensemble.row(i).begin());
+    std::ranges::copy_n(
+        series.begin() + static_cast<std::ptrdiff_t>(h) * std::ssize(ensemble.row(i)),
+        static_cast<std::ptrdiff_t>(size), ensemble.row(i).begin());
     ensemble.status[static_cast<std::size_t>(i)] = sim::RolloutStatus::ok;
   });
   return ensemble;

@@ -7,9 +7,9 @@
 
 namespace npdr::pipeline {
 
-/// Mean CRPS with noise, over rollouts and channels, of each rollout h predicted by the posterior at
-/// the likelihood's power a given the others. `rows`: rollouts (n, H, K, C) of weighted draws of the
-/// posterior given all; those of the posterior without h have the weights
+/// Mean CRPS with noise, over rollouts and channels, of each rollout h predicted by the posterior
+/// at the likelihood's power a given the others. `rows`: rollouts (n, H, K, C) of weighted draws of
+/// the posterior given all; those of the posterior without h have the weights
 ///   w_i p(y_h | y_others, theta_i)^-a,
 /// cut off at their mean times sqrt(n) (Ionides 2008). `recorded`: (H, K, C).
 double left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,

@@ -97,25 +97,23 @@ class PowerSearch {
     scores_.crps(k) = crps;
   }
 
+  // The smallest power that is about as good as any: the others cost more, and say more of
+  // parameters than predictions bear out.
   double best() const {
     Index k = 0;
-    scores_.crps.minCoeff(&k);
+    while (scores_.crps(k) > kAsGood * scores_.crps.minCoeff()) ++k;
     return scores_.power(k);
   }
 
-  // Powers have become so much larger than the best, and scores so much worse, that there is no
-  // hope of a better one; or `most` has been tried.
+  // Much larger powers have been tried, or `most`.
   bool is_over(double most) const {
     const Index k = scores_.power.size();
-    if (k == 0) return false;
-    const bool is_worse = scores_.power(k - 1) > kFarther * best() &&
-                          scores_.crps(k - 1) > kWorse * scores_.crps.minCoeff();
-    return is_worse || scores_.power(k - 1) >= most;
+    return k > 0 && (scores_.power(k - 1) >= kFarther * best() || scores_.power(k - 1) >= most);
   }
 
  private:
-  static constexpr double kFarther = 2.0;
-  static constexpr double kWorse = 1.02;
+  static constexpr double kAsGood = 1.01;
+  static constexpr double kFarther = 3.0;
 
   PowerScores scores_;
 };

@@ -147,6 +147,26 @@ TEST(ImportanceSampler, SaysHowFarItCameWhenDrawsRunOut) {
   EXPECT_LT(sample.certificate.power, 1.0);
 }
 
+TEST(ImportanceSampler, SettlesOnALowerPower) {
+  const LinearGaussian problem;
+  ImportanceSampler sampler(kSmall, kDimension, {}, {1, "refinement", 1, 0, 0});
+  while (sampler.power() < 0.5) {
+    sampler.tell(problem.log_likelihood(sampler.next(2000)));
+    // Draws of the power that has been reached, before it is drawn from.
+    if (sampler.power() < 0.5) {
+      const ImportanceSample draws = sampler.preliminary(500);
+      EXPECT_NEAR(static_cast<double>(draws.u.rows()), 500.0, 5.0 * std::sqrt(500.0));
+    }
+  }
+  sampler.settle(0.2);
+  ImportanceSample sample =
+      run(
+          std::move(sampler), [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000)
+          .sample();
+  EXPECT_EQ(sample.certificate.power, 0.2);
+  expect_posterior(sample, 0.2);
+}
+
 TEST(ImportanceSampler, ThinsItsDraws) {
   const LinearGaussian problem;
   const ImportanceSampler sampler = run(
