@@ -1,4 +1,4 @@
-/// What separates a recorded state from its simulation.
+/// Noise: the model of how a recorded state differs from its simulation.
 ///
 /// The error of stored state k = 1, ..., K of channel c in rollout h, recorded minus simulated, is
 ///   r[k] = rho_c r[k - 1] + s_c a(h, c) e[k],    r = 0 where a segment begins,

@@ -15,7 +15,7 @@
 
 namespace npdr::inference {
 
-/// What was learned: all that a file must hold.
+/// Everything that was learned: all that a file must hold.
 struct FlowParts {
   Vector mean;             ///< (D)
   RowMatrix factor;        ///< (D, D) lower

@@ -12,7 +12,7 @@
 /// that are cut off as Ionides 2008 does; it ends at a. Level 0 comes from the prior or, half of
 /// it, from a flow that was fitted to the draws of another estimate of the posterior.
 ///
-/// What is reported comes from last levels alone, which are drawn from a fixed mixture of the last
+/// The result comes from last levels alone, which are drawn from a fixed mixture of the last
 /// flows, made before any of them was drawn. So they are independent draws of a known density, and
 /// Z, its standard error and the effective size mean what they say.
 #pragma once
@@ -43,7 +43,7 @@ struct ImportanceLevel {
   bool is_complete() const { return log_likelihood.size() == u.rows(); }
 };
 
-/// What the sampler knows: a checkpoint.
+/// State of the sampler: a checkpoint.
 struct ImportanceState {
   std::vector<ImportanceLevel> levels;  ///< the first, and those that still count
   Index num_levels = 0;                 ///< that there have been

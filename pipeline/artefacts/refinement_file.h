@@ -1,4 +1,4 @@
-/// What refined posteriors hold beside their particles, and their checkpoints.
+/// Certificates of refined posteriors, and checkpoints of refinements.
 #pragma once
 
 #include "inference/samplers/importance_sampler.h"

@@ -109,7 +109,7 @@ struct PublishedFigure {
   double std = 0.0;
 };
 
-/// What the algorithm "refine" does.
+/// Settings of the algorithm "refine".
 struct RefineConfig {
   std::string start;  ///< the method whose posterior is refined; "": the prior alone
   inference::ImportanceConfig sampling;

@@ -12,7 +12,7 @@ namespace {
 constexpr double kLargestParetoK = 0.7;
 constexpr double kLargestDifference = 4.0;  // of the halves: passed by chance with p = 6e-5
 
-// What speaks against the draws, in words; "holds": nothing does.
+// Faults of the draws, in words; "holds": there are none.
 std::string verdict(const inference::ImportanceCertificate& certificate,
                     const inference::ImportanceConfig& wanted) {
   std::vector<std::string> faults;

@@ -39,9 +39,11 @@ class SimulatedLikelihood {
             {.simulator = plan.study.simulator, .target = target_, .log = log_of(node.path)})),
         id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {}
 
+  Index num_rollouts() const { return target_.num_rollouts(); }
   Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
 
-  // Of rows of theta (n, D), number `first` and those after it. `failed`: how many couldn't be.
+  // log p at rows of theta (n, D), number `first` and those after it, (n). Adds to `failed` how many
+  // couldn't be simulated.
   Vector operator()(const RowMatrix& theta, Index first, Index& failed) const {
     const sim::Trajectories rows = simulate(theta, first);
     Vector result(theta.rows());
@@ -51,7 +53,7 @@ class SimulatedLikelihood {
     return result;
   }
 
-  // Of draws of the posterior at that power, whose seeds are those of rows from `first` on.
+  // Score of the posterior at that power, by its draws, whose seeds are those of rows from `first`.
   double left_out(const RowMatrix& theta, const Vector& weights, double power, Index first) const {
     StreamId id = within(id_, "left_out");
     id.row = static_cast<std::uint64_t>(first);
@@ -136,6 +138,10 @@ class Refinement {
   // Returns the number of rows that failed.
   Index run() {
     const SimulatedLikelihood likelihood(plan_, node_);
+    if (config_.cross_validate && likelihood.num_rollouts() < 2) {
+      throw InputError(node_.label() +
+                       ": refine.cross_validate needs two rollouts or more; the target has one");
+    }
     Progress progress(node_.label() + ", simulations", 0);
     const Index block = likelihood.block_size(config_.level_size);
     Index failed = earlier_.num_failed;

@@ -120,17 +120,29 @@ TEST(ImportanceSampler, HasTheSameBitsWhateverTheBlocks) {
   EXPECT_EQ(whole.weights, pieces.weights);
 }
 
-TEST(ImportanceSampler, GoesOnFromAnyState) {
+// Starts again from its state now and then.
+ImportanceSample run_in_pieces(const ImportanceConfig& config, const RowMatrix& start) {
   const LinearGaussian problem;
   const StreamId id = {1, "refinement", 1, 0, 0};
-  ImportanceSampler sampler(kSmall, kDimension, {}, id);
+  ImportanceSampler sampler(config, kDimension, start, id);
   for (int block = 0; !sampler.is_done(); ++block) {
     sampler.tell(problem.log_likelihood(sampler.next(450)));
-    if (block % 7 == 3) sampler = ImportanceSampler(kSmall, kDimension, {}, id, sampler.state());
+    if (block % 3 == 1) sampler = ImportanceSampler(config, kDimension, {}, id, sampler.state());
   }
-  const ImportanceSample whole = run_linear(kSmall, {}, 2000);
-  EXPECT_EQ(sampler.sample().u, whole.u);
-  EXPECT_EQ(sampler.sample().weights, whole.weights);
+  return sampler.sample();
+}
+
+TEST(ImportanceSampler, GoesOnFromAnyState) {
+  ImportanceConfig impatient = kSmall;
+  impatient.max_simulations = 4000;
+  for (const ImportanceConfig& config : {kSmall, impatient}) {
+    for (const RowMatrix& start : {RowMatrix(), RowMatrix(RowMatrix::Random(300, kDimension))}) {
+      const ImportanceSample whole = run_linear(config, start, 2000);
+      const ImportanceSample pieces = run_in_pieces(config, start);
+      EXPECT_EQ(pieces.u, whole.u);
+      EXPECT_EQ(pieces.weights, whole.weights);
+    }
+  }
 }
 
 TEST(ImportanceSampler, SaysHowFarItCameWhenDrawsRunOut) {

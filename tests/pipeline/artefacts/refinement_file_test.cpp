@@ -1,5 +1,6 @@
 #include "pipeline/artefacts/refinement_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/error.h"
@@ -11,14 +12,15 @@ namespace {
 
 using inference::ImportanceSampler;
 
-const inference::ImportanceConfig kConfig = {.level_size = 1000, .min_ess = 300.0};
+const inference::ImportanceConfig kConfig = {
+    .level_size = 1000, .min_ess = 300.0, .max_simulations = 3000};
 const StreamId kId = {1, "refinement", 1, 0, 0};
 
 // Tells the likelihood of blocks; stops after `most`.
 void advance(ImportanceSampler& sampler, int most = 1'000'000) {
   for (int block = 0; block < most && !sampler.is_done(); ++block) {
     const RowMatrix u = sampler.next(300);
-    sampler.tell(-50.0 * (u.rowwise().sum().array() - 1.0).square());
+    sampler.tell(-1e5 * (u.rowwise().sum().array() - 1.0).square());
   }
 }
 
@@ -28,20 +30,25 @@ class RefinementFile : public ::testing::Test {
 };
 
 TEST_F(RefinementFile, CheckpointsGoOnToTheSameBits) {
-  ImportanceSampler whole(kConfig, 2, {}, kId), stopped(kConfig, 2, {}, kId);
+  const RowMatrix start = RowMatrix::Random(200, 2);
+  ImportanceSampler whole(kConfig, 2, start, kId);
   advance(whole);
-  advance(stopped, 7);  // levels with and without a flow, and one in the middle
-  const std::filesystem::path path = folder_.path() / "checkpoint.h5";
   Identity identity;
   identity.key_document = {{"what", "test"}};
-  write_refinement(path, identity, {stopped.state(), 3, {}, {1.5, 2.5}});
-  const RefinementCheckpoint read = read_refinement({path, identity.key()});
-  EXPECT_EQ(read.num_failed, 3);
-  EXPECT_GE(read.cost.core_seconds, 2.5);
-  ImportanceSampler resumed(kConfig, 2, {}, kId, read.state);
-  advance(resumed);
-  EXPECT_EQ(resumed.sample().u, whole.sample().u);
-  EXPECT_EQ(resumed.sample().weights, whole.sample().weights);
+  // In the first level, in one with a flow, between levels, among the last.
+  for (const int blocks : {1, 4, 6, 7, 10, 13}) {
+    ImportanceSampler stopped(kConfig, 2, start, kId);
+    advance(stopped, blocks);
+    const std::filesystem::path path = folder_.path() / fmt::format("{}.h5", blocks);
+    write_refinement(path, identity, {stopped.state(), 3, {}, {1.5, 2.5}});
+    const RefinementCheckpoint read = read_refinement({path, identity.key()});
+    EXPECT_EQ(read.num_failed, 3);
+    EXPECT_GE(read.cost.core_seconds, 2.5);
+    ImportanceSampler resumed(kConfig, 2, {}, kId, read.state);
+    advance(resumed);
+    EXPECT_EQ(resumed.sample().u, whole.sample().u) << blocks;
+    EXPECT_EQ(resumed.sample().weights, whole.sample().weights) << blocks;
+  }
 }
 
 TEST_F(RefinementFile, NoCheckpointIsAnEmptyOne) {
