@@ -81,7 +81,7 @@ FigureFiles write_rank_plot(const RankPlot& plot, const std::filesystem::path& d
 }
 
 FigureFiles write_coverage_plot(const CoveragePlot& plot, const std::filesystem::path& directory) {
-  Figure figure = figure_of(plot.name, plot.num_truths > 0 ? plot.panels.size() : 0);
+  Figure figure = figure_of(plot.name, plot.panels.size());
   for (const CoveragePanel& shown : plot.panels) {
     Panel panel = panel_of(shown.title, "level", "coverage", 1.0);
     for (const auto& [method, level, coverage] : shown.curves) {
@@ -97,7 +97,8 @@ FigureFiles write_coverage_plot(const CoveragePlot& plot, const std::filesystem:
     figure.panels.push_back(std::move(panel));
   }
   const Vector level = Vector::LinSpaced(101, 0.0, 1.0);
-  const double width = kBand / std::sqrt(static_cast<double>(plot.num_truths));
+  const double width =
+      plot.num_truths > 0 ? kBand / std::sqrt(static_cast<double>(plot.num_truths)) : 0.0;
   figure.tables.push_back(
       expected_table(level, level, width * (level.array() * (1.0 - level.array())).sqrt()));
   return write_figure(figure, directory);

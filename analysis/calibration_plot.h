@@ -43,10 +43,10 @@ struct CoveragePanel {
 struct CoveragePlot {
   std::string name;
   std::vector<CoveragePanel> panels;
-  Index num_truths = 0;  ///< whose number sets the width of the band
+  Index num_truths = 0;  ///< whose number sets the width of the band; 0: there is none
 };
 
-/// Draws the panels side by side, with the diagonal and its 99 % band. Throws as above.
+/// Draws the panels side by side, with the diagonal and its 99 % band, if any. Throws as above.
 FigureFiles write_coverage_plot(const CoveragePlot& plot, const std::filesystem::path& directory);
 
 }  // namespace npdr::analysis

@@ -10,7 +10,6 @@
 
 #include "analysis/quantiles.h"
 #include "core/error.h"
-#include "core/normal.h"
 #include "core/parallel.h"
 
 namespace npdr::analysis {
@@ -38,16 +37,16 @@ void check_observed(const std::vector<RowMatrix>& observed, const TrajectoryView
   }
 }
 
-// `scale`, a row for each rollout and a column for each channel, is what errors are divided by.
-void check_scale(const RowMatrix& scale, const TrajectoryView& simulated, std::string_view name) {
-  check_shape(scale, simulated.num_rollouts, simulated.num_states, name);
-  for (Index h = 0; h < scale.rows(); ++h) {
-    for (Index c = 0; c < scale.cols(); ++c) {
-      if (scale(h, c) > 0.0 && std::isfinite(scale(h, c))) continue;
+// A row for each rollout and a column for each channel: what errors are divided by.
+void check_amplitude(const RowMatrix& amplitude, const TrajectoryView& simulated) {
+  check_shape(amplitude, simulated.num_rollouts, simulated.num_states, "amplitude");
+  for (Index h = 0; h < amplitude.rows(); ++h) {
+    for (Index c = 0; c < amplitude.cols(); ++c) {
+      if (amplitude(h, c) > 0.0 && std::isfinite(amplitude(h, c))) continue;
       throw InputError(
-          fmt::format("predictive scores: {} of channel {} in rollout {} = {}, must be finite and "
-                      "> 0; give 1 for a channel that doesn't count",
-                      name, c, h, scale(h, c)));
+          fmt::format("predictive scores: amplitude of channel {} in rollout {} = {}, must be "
+                      "finite and > 0; give 1 for a channel that doesn't count",
+                      c, h, amplitude(h, c)));
     }
   }
 }
@@ -98,18 +97,13 @@ bool is_within(std::span<const double> sorted, double level, double y) {
          y <= quantile_of_sorted(sorted, 0.5 * (1.0 + level));
 }
 
-// log mean_i N(y | x_i, deviation^2). The nearest sample's term is taken out of the sum: far from
-// all of them, the others' densities would be 0.
-double log_mean_density(std::span<const double> ensemble, double y, double deviation) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const double x : ensemble) nearest = std::min(nearest, std::abs((y - x) / deviation));
+// log of the mean of exponentials. The largest is taken out of the sum: all might be 0 otherwise.
+double log_mean_exp(std::span<const double> logs) {
+  const double largest = std::ranges::max(logs);
+  if (!std::isfinite(largest)) return largest;
   double sum = 0.0;
-  for (const double x : ensemble) {
-    const double u = std::abs((y - x) / deviation);
-    sum += std::exp(0.5 * (nearest - u) * (nearest + u));
-  }
-  return log_normal_density(nearest) - std::log(deviation) +
-         std::log(sum / static_cast<double>(ensemble.size()));
+  for (const double value : logs) sum += std::exp(value - largest);
+  return largest + std::log(sum / static_cast<double>(logs.size()));
 }
 
 }  // namespace
@@ -134,7 +128,7 @@ PredictiveScores predictive_scores(const TrajectoryView& simulated,
                                    const RowMatrix& amplitude, const std::vector<double>& levels) {
   simulated.check();
   check_observed(observed, simulated);
-  check_scale(amplitude, simulated, "amplitude");
+  check_amplitude(amplitude, simulated);
   check_levels(levels);
   const Index num_times = simulated.num_rollouts * simulated.num_steps;
   const Index num_channels = simulated.num_states;
@@ -163,16 +157,18 @@ PredictiveScores predictive_scores(const TrajectoryView& simulated,
 }
 
 Vector log_score(const TrajectoryView& simulated, const std::vector<RowMatrix>& observed,
-                 const RowMatrix& deviation) {
+                 const ErrorDensity& log_density) {
   simulated.check();
   check_observed(observed, simulated);
-  check_scale(deviation, simulated, "deviation");
   const std::vector<Index> usable = usable_samples(simulated);
   if (usable.empty()) return Vector::Constant(simulated.num_states, kNaN);
   RowMatrix scores(simulated.num_rollouts * simulated.num_steps, simulated.num_states);
   for_each_ensemble(simulated, usable, [&](const Place& at, std::span<double> ensemble) {
     const double y = observed[static_cast<std::size_t>(at.h)](at.t, at.c);
-    scores(at.time, at.c) = log_mean_density(ensemble, y, deviation(at.h, at.c));
+    for (std::size_t k = 0; k < usable.size(); ++k) {
+      ensemble[k] = log_density({usable[k], at.h, at.t, at.c}, y - ensemble[k]);
+    }
+    scores(at.time, at.c) = log_mean_exp(ensemble);
   });
   return scores.colwise().mean();
 }

@@ -7,7 +7,7 @@
 ///               in units of the channel's amplitude in this rollout
 ///   within    = 1 where the ensemble's quantiles (1 - p) / 2 and (1 + p) / 2 have y between them,
 ///               or equal to one of them, otherwise 0; p is the level of the band
-///   log score = log mean_i N(y | x_i, s^2), s being the deviation of the observation noise
+///   log score = log mean_i p(y | x_i), p being the density of the observation noise
 /// each averaged over the H rollouts and T times, channel by channel.
 ///
 /// The continuous ranked probability score (Gneiting and Raftery 2007, "Strictly proper scoring
@@ -15,14 +15,15 @@
 /// the distribution that y comes from; that of a point is its absolute error. Its second term is
 /// the unbiased one, which is fair to ensembles of any size (Ferro 2014, "Fair scores for ensemble
 /// forecasts"): the expectation doesn't depend on n >= 2, and a single value may be below 0. The
-/// log score, in nats for densities per unit of the channel, is largest for the right distribution.
-/// Both see one channel at one time: they don't notice whether a rollout hangs together.
+/// log score [nats] is largest for the right distribution, and unforgiving of surprises. Both see
+/// one channel at one time: they don't notice whether a rollout hangs together.
 ///
 /// Where y is one more draw from the distribution of the samples, a band of level p holds it with
 /// probability about p (n - 1) / (n + 1), exactly so for a uniform one: its ends are quantiles of n
 /// samples. Rollouts without observation noise hold noisy observations less often.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -54,10 +55,20 @@ PredictiveScores predictive_scores(const TrajectoryView& simulated,
                                    const RowMatrix& amplitude,
                                    const std::vector<double>& levels = {0.5, 0.9});
 
-/// (C) log scores [nats] for observation noise of `deviation` (H, C), in the channels' unit;
-/// `simulated` hasn't got this noise. The rest, and what is thrown, as for predictive_scores(),
-/// with `deviation` in place of `amplitude`.
+/// One state of a sample's rollout.
+struct SampledState {
+  Index sample;
+  Index rollout;
+  Index time;
+  Index channel;
+};
+
+/// log p(y | x) [nats] of a state of which a sample says x, by the error y - x; -infinity at least.
+using ErrorDensity = std::function<double(const SampledState&, double error)>;
+
+/// (C) log scores for observation noise of `log_density`, which is called by several threads;
+/// `simulated` hasn't got this noise. The rest, and what is thrown, as for predictive_scores().
 Vector log_score(const TrajectoryView& simulated, const std::vector<RowMatrix>& observed,
-                 const RowMatrix& deviation);
+                 const ErrorDensity& log_density);
 
 }  // namespace npdr::analysis

@@ -79,4 +79,9 @@ double normal_quantile(double p) {
   return q < 0.0 ? -value : value;
 }
 
+double log_student_t_density(double t, double nu) {
+  return std::lgamma(0.5 * (nu + 1.0)) - std::lgamma(0.5 * nu) -
+         0.5 * std::log(nu * std::numbers::pi) - 0.5 * (nu + 1.0) * std::log1p(t * t / nu);
+}
+
 }  // namespace npdr

@@ -1,4 +1,4 @@
-/// The standard normal distribution: density, distribution function and quantile.
+/// The standard normal distribution: density, distribution function and quantile; and Student's t.
 #pragma once
 
 namespace npdr {
@@ -12,5 +12,8 @@ double normal_cdf(double u);
 /// The u with Phi(u) = p, by Wichura's algorithm AS 241 (PPND16), relative error about 1e-16.
 /// p in (0, 1); p <= 0 gives -infinity and p >= 1 gives +infinity.
 double normal_quantile(double p);
+
+/// log of the density of Student's t with nu > 0 degrees of freedom, in nats.
+double log_student_t_density(double t, double nu);
 
 }  // namespace npdr

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/normal.h"
 #include "sim/noise_transform.h"
 
 namespace npdr::sim {
@@ -36,9 +37,7 @@ double log_density(const ChannelNoise& noise, const Errors& errors, const NoiseV
   const double nu = at.degrees_of_freedom;
   const double sum =
       (1.0 + (errors.now - rho * errors.before).square() / (nu * at.scale * at.scale)).log().sum();
-  return n * (std::lgamma(0.5 * (nu + 1.0)) - std::lgamma(0.5 * nu) -
-              0.5 * std::log(nu * std::numbers::pi) - std::log(at.scale)) -
-         0.5 * (nu + 1.0) * sum;
+  return n * (log_student_t_density(0.0, nu) - std::log(at.scale)) - 0.5 * (nu + 1.0) * sum;
 }
 
 // A Gaussian that touches exp f at its mode.
@@ -235,12 +234,15 @@ NoiseLikelihood::NoiseLikelihood(NoiseModel model, std::vector<float> recorded)
     throw ShapeError("likelihood: " + std::to_string(recorded_.size()) +
                      " recorded values are not those of the noise's rollouts, steps and channels");
   }
+}
+
+void NoiseLikelihood::require_density() const {
   for (Index c = 0; c < model_.num_states(); ++c) {
     if (model_.channels()[static_cast<std::size_t>(c)].scale.median == 0.0) {
       throw InputError("likelihood: the noise of channel " + std::to_string(c + 1) +
                        " has scale 0, must be > 0");
     }
-    if (!(model_.unit().col(c).minCoeff() > 0.0)) {
+    if (!model_.has_density(c)) {
       throw InputError("likelihood: channel " + std::to_string(c + 1) +
                        " is 0 throughout a rollout, so noise relative to it is none; give its "
                        "scale in its unit");
@@ -272,7 +274,7 @@ std::vector<NoiseValues> NoiseLikelihood::draw_values(std::span<const float> sim
     const Integrand f(model_.channels()[static_cast<std::size_t>(c)], errors);
     Vector z(f.dimension());
     for (double& normal : z) normal = stream.normal();
-    if (z.size() > 0) {
+    if (z.size() > 0 && model_.has_density(c)) {
       const Peak peak = find_peak(f);
       z = peak.mode + peak.factor * z;
     }

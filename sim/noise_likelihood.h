@@ -16,11 +16,14 @@ namespace npdr::sim {
 /// Const calls are thread-safe.
 class NoiseLikelihood {
  public:
-  /// `recorded`: (H, K, C) stored states. Throws ShapeError for another size, InputError where a
-  /// channel can't have noise: its scale is 0, or relative to an amplitude of 0.
+  /// `recorded`: (H, K, C) stored states. Throws ShapeError for another size.
   NoiseLikelihood(NoiseModel model, std::vector<float> recorded);
 
   const NoiseModel& model() const { return model_; }
+
+  /// Throws InputError where a channel has no noise, so that recordings have no density: its scale
+  /// is 0, or relative to an amplitude of 0.
+  void require_density() const;
 
   /// log p(y | x) [nats] of one simulation (H, K, C); -infinity unless all of it is finite.
   double log_likelihood(std::span<const float> simulated) const;
@@ -28,7 +31,8 @@ class NoiseLikelihood {
   double log_likelihood_without(Index left_out, std::span<const float> simulated) const;
 
   /// Parameters of all channels (C) given y and x: the unknown ones drawn from the Gaussian that
-  /// has the posterior's mode and curvature. Rollout `left_out` isn't looked at.
+  /// has the posterior's mode and curvature, or from the prior where the channel has no noise.
+  /// Rollout `left_out` isn't looked at.
   std::vector<NoiseValues> draw_values(std::span<const float> simulated, Stream& stream,
                                        Index left_out = -1) const;
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/normal.h"
 #include "sim/noise_transform.h"
 #include "sim/observation_noise.h"
 
@@ -63,11 +64,33 @@ NoiseModel::NoiseModel(std::vector<ChannelNoise> channels, RowMatrix amplitude,
   for (Index c = 0; c < unit_.cols(); ++c) {
     if (channels_[static_cast<std::size_t>(c)].is_in_unit) unit_.col(c).setOnes();
   }
+  for (const char is_restart : restarts_) {
+    age_.push_back(is_restart != 0 || age_.empty() ? 1 : age_.back() + 1);
+  }
 }
 
 bool NoiseModel::is_silent() const {
   return std::ranges::all_of(channels_,
                              [](const ChannelNoise& noise) { return noise.scale.median == 0.0; });
+}
+
+bool NoiseModel::has_density(Index channel) const {
+  return channels_[static_cast<std::size_t>(channel)].scale.median > 0.0 &&
+         unit_.col(channel).minCoeff() > 0.0;
+}
+
+double NoiseModel::log_marginal(Index h, Index k, Index c, double error,
+                                const NoiseValues& values) const {
+  const double rho2 = values.correlation * values.correlation;
+  const auto age = static_cast<double>(age_[static_cast<std::size_t>(k)]);
+  const double variance = (1.0 - std::pow(rho2, age)) / (1.0 - rho2);
+  const double deviation = values.scale * unit_(h, c) * std::sqrt(variance);
+  const double log_unit = std::log(deviation / measure_(h, c));
+  const double e = error / deviation;
+  if (!channels_[static_cast<std::size_t>(c)].is_heavy_tailed) {
+    return log_normal_density(e) - log_unit;
+  }
+  return log_student_t_density(e, values.degrees_of_freedom) - log_unit;
 }
 
 bool NoiseModel::has_unknown() const {

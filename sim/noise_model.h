@@ -67,11 +67,19 @@ class NoiseModel {
   const RowMatrix& unit() const { return unit_; }
   const RowMatrix& measure() const { return measure_; }
 
-  bool is_silent() const;    ///< all scales are 0: there is no noise
+  bool is_silent() const;  ///< all scales are 0: there is no noise
+  /// Whether the channel has noise in every rollout, so that its states have a density.
+  bool has_density(Index channel) const;
   bool has_unknown() const;  ///< some parameter has a prior
 
   /// Parameters of all channels (C), the unknown ones drawn from their priors.
   std::vector<NoiseValues> draw_values(Stream& stream) const;
+
+  /// log p [nats] of the error of state k of channel c in rollout h alone, over measure(), of known
+  /// noise with a density: N(0, d^2) with d^2 = s^2 a^2 sum_i rho^2i over the states since the
+  /// restart, or Student's t with that scale, which is exact for one of rho = 0 and next to a
+  /// restart.
+  double log_marginal(Index h, Index k, Index c, double error, const NoiseValues& values) const;
 
   /// Adds noise to every `stride`-th of the stored states, (H, floor(K / stride), C). Unknown
   /// parameters are drawn first. The noise is a function of the stream's identity and the shapes
@@ -88,6 +96,7 @@ class NoiseModel {
   RowMatrix unit_;
   RowMatrix measure_;
   std::vector<char> restarts_;
+  std::vector<Index> age_;  // (K) of a state, in states since the restart before it: 1, 2, ...
 };
 
 }  // namespace npdr::sim

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "core/error.h"
+#include "core/matrix_blocking.h"
 #include "core/parallel.h"
 #include "inference/training/trainer.h"
 #include "inference/weighted_moments.h"
@@ -22,6 +24,8 @@ constexpr TrainingConfig kTraining = {.learning_rate = 1e-3,
                                       .stop_after_epochs = 5,
                                       .max_epochs = 50};
 constexpr Index kBlock = 64;  // rows that are computed together
+constexpr double kTailShare = 0.1;
+constexpr int kTailDegrees = 5;
 
 // Maximum likelihood of weighted points, without a context.
 class FlowObjective final : public Objective {
@@ -61,6 +65,31 @@ RowMatrix standardize(const FlowParts& parts, const RowMatrix& u) {
   return v.transpose();
 }
 
+// log of the density of Student's t over v, of each row (n).
+Vector log_tail(const RowMatrix& v) {
+  const double nu = kTailDegrees, d = static_cast<double>(v.cols());
+  const double constant = std::lgamma(0.5 * (nu + d)) - std::lgamma(0.5 * nu) -
+                          0.5 * d * std::log(nu * std::numbers::pi);
+  return constant - 0.5 * (nu + d) * (v.rowwise().squaredNorm() / nu).array().log1p();
+}
+
+// A draw of it.
+Vector draw_tail(Index dimension, Stream& stream) {
+  Vector v(dimension);
+  for (double& value : v) value = stream.normal();
+  double chi_squared = 0.0;
+  for (int i = 0; i < kTailDegrees; ++i) chi_squared += std::pow(stream.normal(), 2);
+  return v * std::sqrt(kTailDegrees / chi_squared);
+}
+
+// log(0.9 e^a + 0.1 e^b).
+double log_mixture(double a, double b) {
+  a += std::log1p(-kTailShare);
+  b += std::log(kTailShare);
+  const double largest = std::max(a, b);
+  return largest + std::log(std::exp(a - largest) + std::exp(b - largest));
+}
+
 template <class Work>
 void for_each_block(Index n, const Work& work) {
   parallel_for((n + kBlock - 1) / kBlock, [&](Index block) {
@@ -73,6 +102,7 @@ void for_each_block(Index n, const Work& work) {
 
 FlowReference::FlowReference(const RowMatrix& u, const Vector& weights,
                              const Parameters<float>& start, const StreamId& id) {
+  fix_matrix_blocking();
   parts_.mean = weighted_mean(u, weights);
   Eigen::MatrixXd covariance = weighted_covariance(u, weights);
   // A parameter may hardly move, and there may be few points.
@@ -97,6 +127,7 @@ FlowReference::FlowReference(const RowMatrix& u, const Vector& weights,
 }
 
 FlowReference::FlowReference(FlowParts parts) : parts_(std::move(parts)) {
+  fix_matrix_blocking();
   build();
   const Index d = dimension();
   if (parts_.flow.size() != num_parameters_ || parts_.factor.rows() != d ||
@@ -118,15 +149,17 @@ Vector FlowReference::log_density(const RowMatrix& u) const {
   const double log_det = parts_.factor.diagonal().array().log().sum();
   for_each_block(u.rows(), [&](Index first, Index count) {
     // Always whole blocks, so that a row's bits don't depend on how many there are.
-    RowMatrixF v = RowMatrixF::Zero(kBlock, u.cols());
-    v.topRows(count) = standardize(parts_, u.middleRows(first, count)).cast<float>();
+    RowMatrix rows = RowMatrix::Zero(kBlock, u.cols());
+    rows.topRows(count) = u.middleRows(first, count);
+    const RowMatrix v = standardize(parts_, rows);
     const auto scratch = flow_->make_scratch();
     VectorF log_prob;
-    flow_->log_prob(parts_.flow, v, RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
+    flow_->log_prob(parts_.flow, v.cast<float>(), RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
+    const Vector tail = log_tail(v);
     for (Index i = 0; i < count; ++i) {
       const auto value = static_cast<double>(log_prob(i));
-      result(first + i) =
-          std::isfinite(value) ? value - log_det : -std::numeric_limits<double>::infinity();
+      const double flow = std::isfinite(value) ? value : -std::numeric_limits<double>::infinity();
+      result(first + i) = log_mixture(flow, tail(i)) - log_det;
     }
   });
   return result;
@@ -137,9 +170,15 @@ RowMatrix FlowReference::sample(Index n, const StreamId& id) const {
   for_each_block(n, [&](Index first, Index count) {
     StreamId row = id;
     row.row += static_cast<std::uint64_t>(first);
-    const RowMatrixF v = flow_->sample(parts_.flow, RowMatrixF::Zero(1, 1), kBlock, row);
-    u.middleRows(first, count) = v.topRows(count).cast<double>() * parts_.factor.transpose();
-    u.middleRows(first, count).rowwise() += parts_.mean.transpose();
+    RowMatrix v = flow_->sample(parts_.flow, RowMatrixF::Zero(1, 1), kBlock, row).cast<double>();
+    for (Index i = 0; i < kBlock; ++i) {
+      StreamId own = within(id, "flow_tail");
+      own.row += static_cast<std::uint64_t>(first + i);
+      Stream stream(own);
+      if (stream.uniform() < kTailShare) v.row(i) = draw_tail(dimension(), stream);
+    }
+    v = (v * parts_.factor.transpose()).eval();
+    u.middleRows(first, count) = v.topRows(count).rowwise() + parts_.mean.transpose();
   });
   return u;
 }

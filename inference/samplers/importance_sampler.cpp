@@ -17,9 +17,8 @@ constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
 constexpr double kPriorShare = 0.05;     // of every proposal
 constexpr double kWantedShare = 0.2;     // effective draws that a flow is fitted to, of a level
 constexpr Index kTrainingRows = 20'000;  // at most about so many points teach a flow
-constexpr Index kOldLevels = 12;         // levels that count, besides the first
-constexpr Index kLevelsAtEnd = 3;        // flows of the last proposal, but for one that is
-constexpr double kGoodEfficiency = 0.2;  // so good
+constexpr Index kOldLevels = 40;         // levels that count, besides the first
+constexpr Index kFlowsAtEnd = 3;         // of the last proposal
 
 // log sum_k exp of each row's terms.
 Vector log_sum(const std::vector<Vector>& terms) {
@@ -166,6 +165,7 @@ ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimen
                                 within(id_, "refine_flow"));
     proposal.prior_share = 0.5;
   }
+  state_.wanted_power = config_.likelihood_power;
   begin_level(std::move(proposal), 0.0, false);
 }
 
@@ -237,28 +237,30 @@ void ImportanceSampler::tell(const Vector& log_likelihood) {
   if (level.is_complete() && !is_done()) plan_next_level();
 }
 
-// log of N(u; 0, I) L^power over the mixture of all proposals, of all points; where every proposal
-// has drawn equally many, the mixture's weights are equal.
-Vector ImportanceSampler::log_weights(double power) const {
-  const Index each = config_.level_size;
-  Vector logs(std::ssize(state_.levels) * each);
+// Every proposal has drawn equally many, so the mixture's weights are equal.
+ImportanceSampler::Pool ImportanceSampler::pool() const {
+  const Index each = config_.level_size, n = std::ssize(state_.levels) * each;
+  const double log_share = -std::log(static_cast<double>(std::ssize(state_.levels)));
+  Pool pool{Vector(n), Vector(n)};
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
     const ImportanceLevel& level = state_.levels[l];
-    logs.segment(static_cast<Index>(l) * each, each) = log_standard_normal<double>(level.u) +
-                                                       power * level.log_likelihood -
-                                                       log_sum(densities_[l]);
+    const Index first = static_cast<Index>(l) * each;
+    pool.log_ratio.segment(first, each) =
+        log_standard_normal<double>(level.u) - log_sum(densities_[l]);
+    pool.log_likelihood.segment(first, each) = level.log_likelihood;
   }
-  return logs;
+  pool.log_ratio.array() -= log_share;
+  return pool;
 }
 
 // The largest power at which the points are worth enough.
-double ImportanceSampler::choose_power() const {
+double ImportanceSampler::choose_power(const Pool& pool) const {
   const double wanted = kWantedShare * static_cast<double>(config_.level_size);
   const auto is_enough = [&](double power) {
-    return effective_size(truncated(log_weights(power))) >= wanted;
+    return effective_size(truncated(pool.log_weights(power))) >= wanted;
   };
-  if (is_enough(config_.likelihood_power)) return config_.likelihood_power;
-  double low = 0.0, high = config_.likelihood_power;
+  if (is_enough(state_.wanted_power)) return state_.wanted_power;
+  double low = 0.0, high = state_.wanted_power;
   for (int i = 0; i < 30; ++i) {
     const double middle = 0.5 * (low + high);
     (is_enough(middle) ? low : high) = middle;
@@ -281,12 +283,12 @@ ImportanceSample ImportanceSampler::preliminary(Index most) const {
   ImportanceSampler before = *this;
   before.drop(state_.levels.size() - 1);
   const Choice choice =
-      choose_rows(truncated(before.log_weights(power())), most, level_id("refine_thinning"));
+      choose_rows(truncated(before.pool().log_weights(power())), most, level_id("refine_thinning"));
   return {before.points(choice.rows), choice.weights};
 }
 
 void ImportanceSampler::settle(double power) {
-  config_.likelihood_power = power;
+  state_.wanted_power = power;
   drop(state_.levels.size() - 1);
   plan_next_level();
 }
@@ -295,14 +297,14 @@ void ImportanceSampler::plan_next_level() {
   if (state_.levels.back().is_last) {
     return begin_level(proposals_.back(), state_.levels.back().power, true);
   }
-  if (!(exponentials(log_weights(config_.likelihood_power)).sum() > 0.0)) {
+  const Pool pool = this->pool();
+  if (!(exponentials(pool.log_weights(state_.wanted_power)).sum() > 0.0)) {
     throw InputError("no simulation has a likelihood above 0");
   }
-  const std::vector<FlowReference> flows = flows_at_end();
-  if (!flows.empty()) return begin_last_levels(flows);
-  const double power = choose_power();
+  if (has_learned()) return begin_last_levels();
+  const double power = choose_power(pool);
   const Choice lesson =
-      choose_rows(truncated(log_weights(power)), kTrainingRows, level_id("refine_lesson"));
+      choose_rows(truncated(pool.log_weights(power)), kTrainingRows, level_id("refine_lesson"));
   const std::vector<FlowReference>& last = proposals_.back().flows;
   const Parameters<float> start = last.empty() ? Parameters<float>() : last.back().parts().flow;
   Proposal proposal{{}, kPriorShare, dimension_};
@@ -319,33 +321,44 @@ double ImportanceSampler::efficiency(std::size_t l) const {
   return effective_size(exponentials(logs)) / static_cast<double>(logs.size());
 }
 
-// Flows of the last proposal; none while the power has yet to rise and draws are left.
-std::vector<FlowReference> ImportanceSampler::flows_at_end() const {
-  const std::size_t last = state_.levels.size() - 1;
-  const bool is_there = last > 0 && state_.levels[last].power == config_.likelihood_power;
-  if (is_there && efficiency(last) >= kGoodEfficiency) return proposals_[last].flows;
-  std::vector<FlowReference> flows;
-  const bool is_over = state_.num_draws >= config_.max_simulations;
-  for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(flows) < kLevelsAtEnd;) {
-    if (!is_over && state_.levels[l].power != config_.likelihood_power) return {};
-    flows.push_back(proposals_[l].flows.front());
-  }
-  if (!is_over && std::ssize(flows) < kLevelsAtEnd) return {};
-  return flows;
+// Levels whose flow was fitted to the wanted power.
+Index ImportanceSampler::num_levels_there() const {
+  return std::ranges::count_if(state_.levels, [&](const ImportanceLevel& level) {
+    return !level.proposal.flows.empty() && level.power == state_.wanted_power;
+  });
 }
 
-void ImportanceSampler::begin_last_levels(std::vector<FlowReference> flows) {
+// Draws ran out; or levels at the wanted power have cost as much as the last ones are going to.
+bool ImportanceSampler::has_learned() const {
+  if (state_.num_draws >= config_.max_simulations) return std::ssize(state_.levels) > 1;
+  const Index there = num_levels_there();
+  if (there == 0 || state_.levels.back().power != state_.wanted_power) return false;
+  double sum = 0.0;
+  const Index recent = std::min(there, kFlowsAtEnd);
+  for (Index i = 1; i <= recent; ++i) {
+    sum += efficiency(state_.levels.size() - static_cast<std::size_t>(i));
+  }
+  const double draws_to_come = config_.min_ess * static_cast<double>(recent) / sum;
+  return draws_to_come <= static_cast<double>(there * config_.level_size);
+}
+
+// They are drawn from the flows of the latest levels at the highest power.
+void ImportanceSampler::begin_last_levels() {
   const double power = state_.levels.back().power;
+  Proposal proposal{{}, kPriorShare, dimension_};
+  for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(proposal.flows) < kFlowsAtEnd;) {
+    if (state_.levels[l].power != power && state_.wanted_power == power) break;
+    proposal.flows.push_back(proposals_[l].flows.front());
+  }
   state_.levels.clear();
   proposals_.clear();
   densities_.clear();
-  begin_level({std::move(flows), kPriorShare, dimension_}, power, true);
+  begin_level(std::move(proposal), power, true);
 }
 
 ImportanceSample ImportanceSampler::sample() const {
   const double power = state_.levels.back().power;
-  const Vector logs =
-      log_weights(power).array() + std::log(static_cast<double>(std::ssize(state_.levels)));
+  const Vector logs = pool().log_weights(power);
   ImportanceSample sample{RowMatrix(logs.size(), dimension_), exponentials(logs)};
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
     sample.u.middleRows(static_cast<Index>(l) * config_.level_size, config_.level_size) =
@@ -356,8 +369,10 @@ ImportanceSample ImportanceSampler::sample() const {
   const double ess = effective_size(sample.weights);
   sample.certificate = {
       .power = power,
+      .wanted_power = state_.wanted_power,
       .num_draws = state_.num_draws,
       .ess = ess,
+      .wanted_ess = config_.min_ess,
       .efficiency = ess / static_cast<double>(logs.size()),
       .pareto_k = pareto_k(sample.weights),
       .log_evidence = all.log_value,

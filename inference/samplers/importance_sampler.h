@@ -23,6 +23,7 @@
 #include "core/random.h"
 #include "core/types.h"
 #include "inference/samplers/flow_reference.h"
+#include "inference/samplers/importance_certificate.h"
 #include "inference/samplers/importance_config.h"
 
 namespace npdr::inference {
@@ -48,18 +49,7 @@ struct ImportanceState {
   std::vector<ImportanceLevel> levels;  ///< the first, and those that still count
   Index num_levels = 0;                 ///< that there have been
   Index num_draws = 0;                  ///< told
-};
-
-/// How much the draws of the last levels are worth.
-struct ImportanceCertificate {
-  double power = 0.0;               ///< of the likelihood: less than a where draws ran out
-  Index num_draws = 0;              ///< of all levels
-  double ess = 0.0;                 ///< effective size of the weights (weighted_moments.h)
-  double efficiency = 0.0;          ///< ess over the draws of the last levels
-  double pareto_k = 0.0;            ///< of the weights (pareto_tail.h)
-  double log_evidence = 0.0;        ///< log Z [nats]
-  double log_evidence_error = 0.0;  ///< its standard error
-  double half_difference = 0.0;     ///< of both halves' log Z, over its standard error
+  double wanted_power = 0.0;            ///< a
 };
 
 /// Independent weighted draws.
@@ -88,10 +78,13 @@ class ImportanceSampler {
   /// Draws of the posterior at power() from the points of all levels so far, at most about `most`
   /// of them. Only where a level has just been planned.
   ImportanceSample preliminary(Index most) const;
-  /// Makes `power` the one that is wanted, in place of a higher one.
+  /// Makes `power` the one that is wanted, in place of a higher one. Only where a level has just
+  /// been planned.
   void settle(double power);
   /// b of the level that is drawn next.
   double power() const { return state_.levels.back().power; }
+  /// a
+  double wanted_power() const { return state_.wanted_power; }
 
   /// The draws of the last levels. Only when it is done.
   ImportanceSample sample() const;
@@ -111,15 +104,23 @@ class ImportanceSampler {
 
   Proposal restore(const ImportanceProposal& parts) const;
   void begin_level(Proposal proposal, double power, bool is_last);
-  void begin_last_levels(std::vector<FlowReference> flows);
+  void begin_last_levels();
   void plan_next_level();
-  std::vector<FlowReference> flows_at_end() const;
+  Index num_levels_there() const;
+  bool has_learned() const;
   void note_densities();
   void drop(std::size_t level);
-  double choose_power() const;
+  // All points, by their number: level after level.
+  struct Pool {
+    Vector log_ratio;  // log of N(u; 0, I) over the mixture of all proposals
+    Vector log_likelihood;
+    Vector log_weights(double power) const { return log_ratio + power * log_likelihood; }
+  };
+
+  Pool pool() const;
+  double choose_power(const Pool& pool) const;
   RowMatrix points(const std::vector<Index>& rows) const;
   double efficiency(std::size_t level) const;
-  Vector log_weights(double power) const;
   StreamId level_id(const char* name) const;
 
   ImportanceConfig config_;

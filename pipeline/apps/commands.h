@@ -24,5 +24,6 @@ void add_verify_command(CLI::App& app, int& result);
 void add_sample_command(CLI::App& app, int& result);
 void add_log_prob_command(CLI::App& app, int& result);
 void add_compare_command(CLI::App& app, int& result);
+void add_evidence_command(CLI::App& app, int& result);
 
 }  // namespace npdr::pipeline

@@ -53,6 +53,10 @@ void describe(Layout f, PredictionScores& scores) {
   f("noisy_crps", scores.noisy_crps, {channel}, "the same with observation noise, if there is any",
     {.unless_empty = true});
   f("noisy_coverage", scores.noisy_coverage, {level, channel}, "the same", {.unless_empty = true});
+  f("log_score", scores.log_score, {channel},
+    "log of the mean density of a state, over the largest recorded magnitude [nats], if all "
+    "channels have noise",
+    {.unless_empty = true});
 }
 
 void describe(Layout f, Evaluation& e, const std::vector<inference::Marginal>& prior,

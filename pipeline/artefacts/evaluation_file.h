@@ -22,6 +22,7 @@ struct PredictionScores {
   RowMatrix coverage;        ///< (L, C)
   Vector noisy_crps;         ///< (C); empty: there is no noise
   RowMatrix noisy_coverage;  ///< (L, C)
+  Vector log_score;          ///< (C) [nats]; empty: a channel has no noise
 };
 
 struct Evaluation {

@@ -16,8 +16,10 @@ void describe(Layout f, std::optional<inference::ImportanceCertificate>& certifi
   if (!group) return;
   inference::ImportanceCertificate& c = *certificate;
   group->attribute("likelihood_power", c.power, "that was reached");
+  group->attribute("wanted_power", c.wanted_power, "that was given, or chosen");
   group->attribute("num_simulations", c.num_draws, "of all levels");
   group->attribute("ess", c.ess, "effective size of the weights of the last levels");
+  group->attribute("wanted_ess", c.wanted_ess, "the least that was wanted");
   group->attribute("efficiency", c.efficiency, "`ess` over the draws of the last levels");
   group->attribute("pareto_k", c.pareto_k, "shape of the weights' tail");
   group->attribute("log_evidence", c.log_evidence, "log Z [nats]");
@@ -76,6 +78,7 @@ void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {
   f.attribute("num_failed", num_failed, "simulations that failed so far");
   f.attribute("num_levels_so_far", state.num_levels, "those that were dropped included");
   f.attribute("num_draws", state.num_draws, "simulated so far");
+  f.attribute("wanted_power", state.wanted_power, "of the likelihood");
   describe_members(f, "level", state.levels);
 }
 

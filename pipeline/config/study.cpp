@@ -1,5 +1,7 @@
 #include "pipeline/config/study.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -7,6 +9,33 @@
 #include "core/text.h"
 
 namespace npdr::pipeline {
+namespace {
+
+// A parameter of the noise, where the model has it.
+void add_parameter(std::string& text, const std::string& name, const std::optional<double>& value,
+                   bool is_inferred) {
+  if (is_inferred) {
+    text += ", " + name + " inferred";
+  } else if (value) {
+    text += fmt::format(", {} {}", name, *value);
+  }
+}
+
+}  // namespace
+
+std::string to_text(const ObservationNoise& noise) {
+  if (noise.is_silent()) return "none";
+  const bool is_correlated = noise.correlation || noise.correlation_prior;
+  const bool is_heavy_tailed = noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
+  std::string text = is_correlated ? "correlated" : is_heavy_tailed ? "heavy-tailed" : "white";
+  if (is_correlated && is_heavy_tailed) text += " and heavy-tailed";
+  add_parameter(text, "scale", noise.scale, noise.scale_prior.has_value());
+  if (noise.std) text += ", channels with their own";
+  add_parameter(text, "correlation", noise.correlation, noise.correlation_prior.has_value());
+  add_parameter(text, "degrees of freedom", noise.degrees_of_freedom,
+                noise.degrees_of_freedom_prior.has_value());
+  return text;
+}
 
 const MethodConfig& Study::method(const std::string& method_name) const {
   std::vector<std::string> names;

@@ -57,6 +57,9 @@ struct ObservationNoise {
   bool is_silent() const { return scale == 0.0 && !scale_prior && !std; }
 };
 
+/// The model in words: "white, scale 0.3"; "correlated and heavy-tailed, scale inferred, ...".
+std::string to_text(const ObservationNoise& noise);
+
 struct SimulateConfig {
   Index shard_size = 1000;  ///< [rows]
 };

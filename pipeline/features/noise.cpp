@@ -1,6 +1,5 @@
 #include "pipeline/features/noise.h"
 
-#include <limits>
 #include <numeric>
 
 #include "sim/observation_noise.h"

@@ -121,12 +121,22 @@ std::vector<Index> SimulationFeatures::rows() const {
   return rows;
 }
 
+namespace {
+
+// Adds the noise of a simulated target domain to every `stride`-th of its stored states.
+void observe(const Study& study, const sim::NoiseModel& noise, std::vector<float>& states,
+             Index stride) {
+  if (study.target.recording || study.observation_noise.is_silent()) return;
+  Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
+  noise.add(states, stride, stream);
+}
+
+}  // namespace
+
 std::vector<float> stored_observation(const Plan& plan, const Target& target) {
   const Study& study = plan.study;
   std::vector<float> stored = inference::observed_series(target, study.simulator.store_every);
-  if (study.target.recording || study.observation_noise.is_silent()) return stored;
-  Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
-  noise_model(study, target).add(stored, 1, stream);
+  observe(study, noise_model(study, target), stored, 1);
   return stored;
 }
 
@@ -136,9 +146,7 @@ std::vector<float> picked_observation(const Plan& plan, const Target& target,
   const inference::SeriesSelection& selection = embedding.selection();
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
   selection.pick(inference::observed_series(target, study.simulator.store_every), picked);
-  if (study.target.recording || study.observation_noise.is_silent()) return picked;
-  Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
-  noise_model(study, target, selection).add(picked, selection.stride, stream);
+  observe(study, noise_model(study, target, selection), picked, selection.stride);
   return picked;
 }
 

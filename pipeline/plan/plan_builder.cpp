@@ -282,6 +282,7 @@ std::size_t PlanBuilder::add_refinement(const MethodConfig& method, const Use& u
                                         std::size_t target) {
   Json json = key_document(kPosteriorSchema);
   json.update(inference_json(method));
+  json["refinement_version"] = kRefinementCheckpointSchema.version;
   json["simulator"] = keys_.rows;
   json["prior"] = to_json(plan_.study.prior);
   json["observation_noise"] = noise_json(plan_.study.observation_noise);

@@ -13,16 +13,23 @@ namespace {
 
 constexpr Index kEnsemble = 500;  // resampled draws that predict a rollout
 
-// Weights of the posterior without rollout h.
-Vector weights_without(Index h, const sim::NoiseLikelihood& noise, const sim::Trajectories& rows,
-                       const Vector& weights, double power) {
+// log p of all rollouts but `left_out` (-1: of all), of each row (n).
+Vector log_likelihoods(const sim::NoiseLikelihood& noise, const sim::Trajectories& rows,
+                       Index left_out) {
   Vector logs(rows.num_rows);
-  parallel_for(rows.num_rows, [&](Index i) {
-    const double all = noise.log_likelihood(rows.row(i));
-    const double others = noise.log_likelihood_without(h, rows.row(i));
-    logs(i) = std::log(weights(i)) - power * (all - others);
-    if (!std::isfinite(all) || !std::isfinite(others)) logs(i) = -HUGE_VAL;
-  });
+  parallel_for(rows.num_rows,
+               [&](Index i) { logs(i) = noise.log_likelihood_without(left_out, rows.row(i)); });
+  return logs;
+}
+
+// Weights of the posterior without rollout h. `all`: log p of all rollouts.
+Vector weights_without(Index h, const Vector& all, const sim::NoiseLikelihood& noise,
+                       const sim::Trajectories& rows, const Vector& weights, double power) {
+  const Vector others = log_likelihoods(noise, rows, h);
+  Vector logs = weights.array().log() - power * (all - others).array();
+  for (Index i = 0; i < logs.size(); ++i) {
+    if (!std::isfinite(all(i)) || !std::isfinite(others(i))) logs(i) = -HUGE_VAL;
+  }
   const Vector found = (logs.array() - logs.maxCoeff()).exp();
   return found.cwiseMin(found.sum() / std::sqrt(static_cast<double>(rows.num_rows)));
 }
@@ -56,9 +63,10 @@ sim::Trajectories ensemble_of(Index h, const sim::NoiseLikelihood& noise,
 double left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
                      const sim::Trajectories& rows, const Vector& weights, double power,
                      const StreamId& id) {
+  const Vector all = log_likelihoods(noise, rows, -1);
   double sum = 0.0;
   for (Index h = 0; h < rows.num_rollouts; ++h) {
-    const Vector without = weights_without(h, noise, rows, weights, power);
+    const Vector without = weights_without(h, all, noise, rows, weights, power);
     const sim::Trajectories ensemble = ensemble_of(h, noise, rows, without, id);
     const Eigen::Map<const RowMatrixF> observed(recorded.data() + h * ensemble.row_size(),
                                                 rows.num_steps, rows.num_states);

@@ -49,6 +49,20 @@ bool is_ok(const sim::Trajectories& rows, Index i) {
   return rows.status[static_cast<std::size_t>(i)] == sim::RolloutStatus::ok;
 }
 
+// By the densities of each sample's own noise.
+Vector log_score(const sim::NoiseModel& model, const sim::Trajectories& rows,
+                 const std::vector<RowMatrix>& observed, const NoiseOfSamples& noise) {
+  for (Index c = 0; c < rows.num_states; ++c) {
+    if (!model.has_density(c)) return {};
+  }
+  return analysis::log_score(
+      view_of(rows), observed, [&](const analysis::SampledState& at, double error) {
+        const auto i = static_cast<std::size_t>(at.sample),
+                   c = static_cast<std::size_t>(at.channel);
+        return model.log_marginal(at.rollout, at.time, at.channel, error, noise[i][c]);
+      });
+}
+
 }  // namespace
 
 NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
@@ -76,22 +90,24 @@ PredictionScores score(const Plan& plan, const Target& target, const sim::Trajec
   const Index store_every = plan.study.simulator.store_every;
   const sim::NoiseModel model = noise_model(plan.study, target);
   sim::Trajectories rows = stored(all_states, store_every);
-  const auto scores_of = [&](const std::vector<float>& observed) {
-    return analysis::predictive_scores(
-        view_of(rows), by_rollout(observed, target.num_rollouts(), target.num_states()),
-        model.measure(), kBandLevels);
+  const auto scores_of = [&](const std::vector<RowMatrix>& observed) {
+    return analysis::predictive_scores(view_of(rows), observed, model.measure(), kBandLevels);
   };
   PredictionScores scores;
-  const auto exact = scores_of(inference::observed_series(target, store_every));
+  const auto exact = scores_of(by_rollout(inference::observed_series(target, store_every),
+                                          target.num_rollouts(), target.num_states()));
   scores.crps = exact.crps;
   scores.coverage = exact.coverage;
   if (noise.empty()) return scores;
+  const auto recorded =
+      by_rollout(stored_observation(plan, target), target.num_rollouts(), target.num_states());
+  scores.log_score = log_score(model, rows, recorded, noise);
   parallel_for(rows.num_rows, [&](Index i) {
     if (!is_ok(rows, i)) return;
     Stream stream(row_of(within(id, "prediction_noise"), i));
     model.add(rows.row(i), noise[static_cast<std::size_t>(i)], stream);
   });
-  const auto noisy = scores_of(stored_observation(plan, target));
+  const auto noisy = scores_of(recorded);
   scores.noisy_crps = noisy.crps;
   scores.noisy_coverage = noisy.coverage;
   return scores;

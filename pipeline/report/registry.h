@@ -55,6 +55,7 @@ inline std::vector<TableEntry> all_tables() {
 FigureEntry pair_figure();
 FigureEntry trajectory_figure();
 FigureEntry path_figure();
+FigureEntry band_figure();
 FigureEntry learning_figure();
 FigureEntry grid_return_figure();
 FigureEntry grid_success_figure();
@@ -63,8 +64,9 @@ FigureEntry coverage_figure();
 
 /// In the order of the report.
 inline std::vector<FigureEntry> all_figures() {
-  return {pair_figure(),        trajectory_figure(),   path_figure(), learning_figure(),
-          grid_return_figure(), grid_success_figure(), rank_figure(), coverage_figure()};
+  return {pair_figure(),         trajectory_figure(), path_figure(),
+          band_figure(),         learning_figure(),   grid_return_figure(),
+          grid_success_figure(), rank_figure(),       coverage_figure()};
 }
 
 }  // namespace npdr::pipeline

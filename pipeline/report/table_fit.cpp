@@ -117,8 +117,8 @@ Row seed_means_row(const ReportData& data, const std::string& metric) {
 }
 
 std::string noise_text(const ObservationNoise& noise) {
-  if (noise.scale == 0.0) return "Without observation noise.";
-  return fmt::format("Observation noise {} of each channel's maximum, {}.", noise.scale,
+  if (noise.is_silent()) return "Without observation noise.";
+  return fmt::format("Observation noise: {}; {}.", to_text(noise),
                      noise.redraw ? "redrawn in every epoch" : "drawn once per simulation");
 }
 

@@ -40,6 +40,11 @@ void add_part(Table& table, const ReportData& data, OfRun part, const std::strin
     add(table, data, "CRPS with noise" + where, part,
         [](const S& s) { return s.noisy_crps.mean(); });
   }
+  if (std::ranges::all_of(data.runs, [part](const EvaluatedRun& run) {
+        return (run.evaluation.*part)->log_score.size() > 0;
+      })) {
+    add(table, data, "log score" + where, part, [](const S& s) { return s.log_score.mean(); });
+  }
   for (const double level : {0.5, 0.9}) {
     const Index row = row_of_level(level);
     const std::string bands = fmt::format("{:.0f} % bands cover", 100.0 * level);
@@ -60,7 +65,8 @@ Table make(const ReportData& data) {
   Table table = empty_table(
       "How well posterior samples predict the stored states together, and how sure one can be of "
       "it: mean over channels, mean and standard deviation over seeds. CRPS: continuous ranked "
-      "probability score over the channel's largest recorded magnitude, smaller is better; bands: "
+      "probability score over the channel's largest recorded magnitude, smaller is better; log "
+      "score: of the density with noise of a state, over the same [nats], larger is better; bands: "
       "share of the recorded states that they hold, best as much as they are called.",
       "Score", data.methods);
   add_part(table, data, &Evaluation::scores, "");

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/error.h"
@@ -22,6 +23,7 @@ namespace {
 constexpr Index kStartDraws = 5000;     // of the posterior that is refined
 constexpr Index kMostParticles = 5000;  // of the refined posterior
 constexpr Index kLeftOutDraws = 1000;   // that predict left-out rollouts
+constexpr double kSearchShare = 0.7;    // of the simulations, for finding the power
 constexpr double kSecondsBetweenCheckpoints = 60.0;
 
 using Clock = std::chrono::steady_clock;
@@ -37,13 +39,15 @@ class SimulatedLikelihood {
         noise_(noise_model(plan.study, target_), recorded_),
         simulator_(plan.source->open(
             {.simulator = plan.study.simulator, .target = target_, .log = log_of(node.path)})),
-        id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {}
+        id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {
+    noise_.require_density();
+  }
 
   Index num_rollouts() const { return target_.num_rollouts(); }
   Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
 
-  // log p at rows of theta (n, D), number `first` and those after it, (n). Adds to `failed` how many
-  // couldn't be simulated.
+  // log p at rows of theta (n, D), number `first` and those after it, (n). Adds to `failed` how
+  // many couldn't be simulated.
   Vector operator()(const RowMatrix& theta, Index first, Index& failed) const {
     const sim::Trajectories rows = simulate(theta, first);
     Vector result(theta.rows());
@@ -91,12 +95,11 @@ class PowerSearch {
 
   const PowerScores& scores() const { return scores_; }
 
+  // Keeps powers ascending: a level may fall back.
   void add(double power, double crps) {
-    const Index k = scores_.power.size();
-    scores_.power.conservativeResize(k + 1);
-    scores_.crps.conservativeResize(k + 1);
-    scores_.power(k) = power;
-    scores_.crps(k) = crps;
+    const Index at = std::ranges::lower_bound(scores_.power, power) - scores_.power.begin();
+    insert(scores_.power, at, power);
+    insert(scores_.crps, at, crps);
   }
 
   // The smallest power that is about as good as any: the others cost more, and say more of
@@ -116,6 +119,13 @@ class PowerSearch {
  private:
   static constexpr double kAsGood = 1.01;
   static constexpr double kFarther = 3.0;
+
+  static void insert(Vector& values, Index at, double value) {
+    const Vector after = values.tail(values.size() - at);
+    values.conservativeResize(values.size() + 1);
+    values(at) = value;
+    values.tail(after.size()) = after;
+  }
 
   PowerScores scores_;
 };
@@ -160,28 +170,26 @@ class Refinement {
   inference::ImportanceSample sample() const { return sampler_.thinned(kMostParticles); }
   const inference::Prior& prior() const { return prior_; }
   const PowerScores& powers() const { return search_.scores(); }
-  /// The likelihood's power that was wanted at the end.
-  double wanted_power() const { return config_.likelihood_power; }
 
  private:
   // When a level has been planned: scores its power, and settles on the best one at the end.
   void cross_validate(const SimulatedLikelihood& likelihood) {
-    if (!config_.cross_validate || is_settled_ || sampler_.state().levels.back().is_last) return;
+    if (!config_.cross_validate || is_settled() || sampler_.state().levels.back().is_last) return;
     const inference::ImportanceSample draws = sampler_.preliminary(kLeftOutDraws);
     search_.add(sampler_.power(),
                 likelihood.left_out(prior_.to_theta(draws.u), draws.weights, sampler_.power(),
                                     sampler_.state().num_draws));
-    if (!search_.is_over(config_.likelihood_power)) return;
-    config_.likelihood_power = search_.best();
-    is_settled_ = true;
-    sampler_.settle(config_.likelihood_power);
+    const bool is_late = static_cast<double>(sampler_.state().num_draws) >=
+                         kSearchShare * static_cast<double>(config_.max_simulations);
+    if (is_late || search_.is_over(config_.likelihood_power)) sampler_.settle(search_.best());
+  }
+
+  bool is_settled() const {
+    return sampler_.wanted_power() < config_.likelihood_power ||
+           search_.is_over(config_.likelihood_power);
   }
 
   Sampler make_sampler() {
-    if (config_.cross_validate && search_.is_over(config_.likelihood_power)) {
-      config_.likelihood_power = search_.best();
-      is_settled_ = true;
-    }
     const Use& use = node_.uses.front();
     const StreamId id = {use.seed, "refinement", use.stream_round(), 0, 0};
     const bool is_new = earlier_.state.levels.empty();
@@ -209,19 +217,18 @@ class Refinement {
   std::filesystem::path checkpoint_;
   RefinementCheckpoint earlier_;
   PowerSearch search_;
-  bool is_settled_ = false;
   Sampler sampler_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point saved_ = start_;
 };
 
-void warn(const Node& node, const inference::ImportanceCertificate& certificate, double wanted) {
-  if (certificate.power < wanted) {
+void warn(const Node& node, const inference::ImportanceCertificate& certificate) {
+  if (certificate.power < certificate.wanted_power) {
     report_error(node.label(),
                  fmt::format("warning: {} simulations reached the power {:.3g} of the likelihood, "
                              "not {:.3g}; raise refine.max_simulations, or lower "
                              "refine.likelihood_power",
-                             certificate.num_draws, certificate.power, wanted));
+                             certificate.num_draws, certificate.power, certificate.wanted_power));
   }
 }
 
@@ -232,7 +239,7 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const Index failed = refinement.run();
   const inference::ImportanceSample sample = refinement.sample();
   const MethodConfig& method = plan.study.method(node.uses.front().method);
-  warn(node, sample.certificate, refinement.wanted_power());
+  warn(node, sample.certificate);
   write_particles(writer.file(), name_of(method.algorithm.kind),
                   {.prior = refinement.prior(),
                    .theta = refinement.prior().to_theta(sample.u),

@@ -32,5 +32,14 @@ TEST(Normal, LogDensityIntegratesToOne) {
   EXPECT_NEAR(sum, 1.0, 1e-10);
 }
 
+TEST(StudentT, HasTheDensityOfItsClosedForms) {
+  // One degree of freedom is Cauchy's distribution; of two the density is (2 + t^2)^(-3/2).
+  for (const double t : {0.0, 0.7, -30.0}) {
+    EXPECT_NEAR(log_student_t_density(t, 1.0), -std::log(M_PI * (1.0 + t * t)), 1e-13);
+    EXPECT_NEAR(log_student_t_density(t, 2.0), -1.5 * std::log(2.0 + t * t), 1e-13);
+  }
+  EXPECT_NEAR(log_student_t_density(1.5, 1e9), log_normal_density(1.5), 1e-6);
+}
+
 }  // namespace
 }  // namespace npdr

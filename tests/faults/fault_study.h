@@ -23,6 +23,9 @@ inline std::string fault_study() {
                       "training = { max_epochs = 40 }"})
       .method("ABC", {"algorithm = \"abc_smc\"", "num_rounds = 2", "num_simulations = 200",
                       "abc = { quantile = 0.2, smooth = true, distance = \"rmse\" }"})
+      .method("Refined", {"algorithm = \"refine\"",
+                          "refine = { start = \"MoG\", level_size = 1000, min_ess = 100, "
+                          "max_simulations = 3000 }"})
       .with("evaluate", {"num_samples = 40", "metrics = [\"rmse\"]", "floor = false"})
       .with("diagnose",
             {"checks = [\"sbc\", \"predictive\"]", "num_simulations = 60", "num_samples = 40"});

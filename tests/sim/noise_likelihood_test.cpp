@@ -159,14 +159,27 @@ TEST(NoiseLikelihood, OfAFailedSimulationIsZero) {
 }
 
 TEST(NoiseLikelihood, RefusesChannelsThatCannotHaveNoise) {
+  const std::vector<float> zeros(2 * kSteps);
   ChannelNoise silent = noise_of(false, false, 0.0);
   silent.scale.median = 0.0;
-  EXPECT_THROW(NoiseLikelihood(model_of(silent), std::vector<float>(2 * kSteps)), InputError);
+  EXPECT_THROW(NoiseLikelihood(model_of(silent), zeros).require_density(), InputError);
   const NoiseModel still({noise_of(false, false, 1.0)}, RowMatrix::Zero(2, 1),
                          stored_restarts(kSteps, 0, 1));
-  EXPECT_THROW(NoiseLikelihood(still, std::vector<float>(2 * kSteps)), InputError);
+  EXPECT_THROW(NoiseLikelihood(still, zeros).require_density(), InputError);
+  EXPECT_NO_THROW(NoiseLikelihood(model_of(noise_of(false, false, 1.0)), zeros).require_density());
   EXPECT_THROW(NoiseLikelihood(model_of(noise_of(false, false, 1.0)), std::vector<float>(3)),
                ShapeError);
+}
+
+TEST(NoiseLikelihood, DrawsParametersOfSilentChannelsFromTheirPriors) {
+  ChannelNoise silent = noise_of(true, false, 1.0);
+  silent.scale = {};
+  const NoiseLikelihood likelihood(model_of(silent), std::vector<float>(2 * kSteps));
+  Stream stream(StreamId{1, "draws", 0, 0, 0}), same(StreamId{1, "draws", 0, 0, 0});
+  const NoiseValues values = likelihood.draw_values(std::vector<float>(2 * kSteps), stream).front();
+  const NoiseValues expected = model_of(silent).draw_values(same).front();
+  EXPECT_EQ(values.scale, 0.0);
+  EXPECT_EQ(values.correlation, expected.correlation);
 }
 
 }  // namespace

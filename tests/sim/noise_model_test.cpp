@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/normal.h"
 #include "sim/observation_noise.h"
 
 namespace npdr::sim {
@@ -115,6 +116,42 @@ TEST(NoiseModel, DrawsUnknownParametersFromTheirPriors) {
   EXPECT_NEAR(scale / n, 0.5, 0.018);
   EXPECT_NEAR(correlation / n, 0.1587, 0.018);
   EXPECT_NEAR(degrees / n, 0.8413, 0.018);
+}
+
+// The deviation of the noise that is added, at each state since a restart; s = 0.3, a = 2.
+TEST(NoiseModel, MarginalDensityIsThatOfTheNoiseThatIsAdded) {
+  constexpr Index steps = 6;
+  const NoiseModel model({{.scale = {0.3, 0.0}, .is_correlated = true, .correlation = {0.8, 0.0}}},
+                         RowMatrix::Constant(1, 1, 2.0), stored_restarts(steps, 4, 1));
+  Stream stream = stream_of(3);
+  const NoiseValues values = model.draw_values(stream).front();
+  Vector squares = Vector::Zero(steps);
+  constexpr int n = 20'000;
+  for (int i = 0; i < n; ++i) {
+    std::vector<float> error(steps);
+    model.add(error, 1, stream);
+    for (Index k = 0; k < steps; ++k) squares(k) += std::pow(error[static_cast<std::size_t>(k)], 2);
+  }
+  for (Index k = 0; k < steps; ++k) {
+    const double deviation = std::sqrt(squares(k) / n);
+    // log N(0; 0, d^2) + log a. A variance of n draws is known to 1 %; five such errors.
+    EXPECT_NEAR(model.log_marginal(0, k, 0, 0.0, values),
+                log_normal_density(0.0) - std::log(deviation / 2.0), 0.025)
+        << k;
+    EXPECT_NEAR(
+        model.log_marginal(0, k, 0, deviation, values) - model.log_marginal(0, k, 0, 0.0, values),
+        -0.5, 0.05);
+  }
+}
+
+TEST(NoiseModel, MarginalDensityOfHeavyTailsIsStudents) {
+  const NoiseModel model(
+      {{.scale = {0.5, 0.0}, .is_heavy_tailed = true, .degrees_of_freedom = {2.0, 0.0}}},
+      RowMatrix::Constant(1, 1, 4.0), {1, 0});
+  Stream stream = stream_of(1);
+  const NoiseValues values = model.draw_values(stream).front();
+  EXPECT_NEAR(model.log_marginal(0, 1, 0, 6.0, values),
+              log_student_t_density(3.0, 2.0) - std::log(0.5), 1e-12);
 }
 
 TEST(NoiseModel, RefusesValuesOutOfRange) {

@@ -49,6 +49,27 @@ TEST(MethodProblems, TrainingFitsTheNumberOfSimulations) {
                     "must be 'auto' or 'atomic' with density_estimator.kind = 'maf'", "'mdn'"}));
 }
 
+TEST(MethodProblems, RefinementNeedsADensityOfTheNoise) {
+  const std::string refine = "algorithm = \"refine\"";
+  EXPECT_TRUE(says(problems_after(kMaf, refine),
+                   {"s.toml:17:13: algorithm 'refine' needs [observation_noise]",
+                    "give scale, scale_prior or std"}));
+  const std::string noisy =
+      edited(kStudyText, "[simulator]", "[observation_noise]\nscale = 0.1\n[simulator]");
+  const auto problems = [&](const std::string& settings) {
+    return problems_of(edited(noisy, kMaf, refine + "\nrefine = { " + settings + " }"));
+  };
+  EXPECT_EQ(problems("level_size = 1000"), "");
+  EXPECT_TRUE(
+      says(problems("max_simulations = 5000"),
+           {"s.toml:20:30: method.refine.max_simulations = 5000", "must be >= refine.level_size"}));
+  EXPECT_TRUE(says(problems("likelihood_power = 1.5"),
+                   {"s.toml:20:31: method.refine.likelihood_power = 1.5", "must be > 0 and <= 1"}));
+  EXPECT_TRUE(
+      says(problems("start = 'NPDR (MOG)'"),
+           {"s.toml:20:20: method.refine.start: unknown method", "'NPDR (MOG)'", "'NPDR (MoG)'"}));
+}
+
 TEST(MethodProblems, OnlyTheAtomicLossHasAtoms) {
   const std::string mog = "density_estimator = { kind = \"mog\" }";
   const std::string small = "\nnum_atoms = 11\ntraining = { batch_size = 10 }";

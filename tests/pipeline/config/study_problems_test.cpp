@@ -24,6 +24,23 @@ TEST(StudyProblems, NamesPositionKeyValueAndWhatIsAllowed) {
        "must be a folder name of letters, digits, '_', '-' and '.' that doesn't begin with '.'"}));
 }
 
+TEST(StudyProblems, NoiseIsGivenOrHasAPrior) {
+  const auto problems = [](const std::string& noise) {
+    return problems_after("[simulator]", "[observation_noise]\n" + noise + "\n[simulator]");
+  };
+  EXPECT_EQ(problems("scale_prior = [0.2, 1.0]\ncorrelation = 0.5"), "");
+  EXPECT_TRUE(says(problems("scale = 0.1\nscale_prior = [0.2, 1.0]"),
+                   {"s.toml:10:15: observation_noise.scale_prior", "must be left out",
+                    "observation_noise.scale is given"}));
+  EXPECT_TRUE(says(problems("correlation = 0.5"),
+                   {"s.toml:9:15: observation_noise.correlation", "must be left out",
+                    "there is no noise: its scale is 0"}));
+  EXPECT_TRUE(says(problems("std = { theta = -1.0 }"),
+                   {"s.toml:9:17: observation_noise.std.theta = -1", "must be >= 0"}));
+  EXPECT_TRUE(says(problems("std = { thet = 1.0 }"),
+                   {"s.toml:9:16: observation_noise.std: unknown channel 'thet'", "'theta'"}));
+}
+
 TEST(StudyProblems, ReportsAllOfThemInTheOrderOfTheFile) {
   std::string text = edited(kStudyText, "seeds = [1, 2]", "seeds = []\nsede = 3");
   text = edited(text, "1.1", "1000");

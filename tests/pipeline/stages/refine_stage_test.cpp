@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "inference/weighted_moments.h"
+#include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -169,10 +170,31 @@ TEST_F(RefineStage, IsShownWithItsCertificate) {
   ASSERT_TRUE(entry.exists(data));
   const analysis::Table table = entry.make(data);
   ASSERT_EQ(table.rows.size(), 2u);
-  for (const analysis::Row& row : table.rows) {
-    const std::string& verdict = std::get<std::string>(row.cells.back().value);
-    EXPECT_TRUE(verdict == "holds" || verdict.starts_with("FAILS: ")) << verdict;
+  const char* methods[] = {"Refined", "Prior"};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Node& node = plan.node(Stage::infer, {methods[i], 1, 1});
+    const auto certificate = read_certificate(open_artefact(node, kPosteriorSchema));
+    ASSERT_TRUE(certificate.has_value());
+    const std::vector<analysis::Cell>& cells = table.rows[i].cells;
+    EXPECT_EQ(std::get<analysis::MeanStd>(cells[0].value).mean, certificate->log_evidence);
+    EXPECT_EQ(std::get<double>(cells[1].value), certificate->ess);
+    EXPECT_EQ(std::get<double>(cells[4].value), 1.0) << "power";
+    EXPECT_EQ(std::get<std::string>(cells[6].value), "holds");
   }
+}
+
+// The posterior is narrow, so predictions with noise are draws of N(x, 0.2^2) at the truth x: the
+// CRPS is 0.2 / sqrt(pi) = 0.113 and the log score -log(0.2 sqrt(2 pi e)) = 0.190. There are 40
+// errors: standard errors of 0.009 and 0.11, tolerances of four.
+TEST_F(RefineStage, PredictionsAreScoredWithNoise) {
+  const Plan plan = plan_of(study_with("scale = 0.2"));
+  run_until(plan, Stage::evaluate);
+  const Node& node = plan.node(Stage::evaluate, {"Prior", 1, 1});
+  const Evaluation evaluation = read_evaluation({node.path, node.key});
+  ASSERT_TRUE(evaluation.scores.has_value());
+  EXPECT_NEAR(evaluation.scores->noisy_crps.mean(), 0.113, 0.04);
+  EXPECT_NEAR(evaluation.scores->log_score.mean(), 0.190, 0.45);
+  EXPECT_LT(evaluation.scores->crps.mean(), 0.04) << "of states that aren't noisy";
 }
 
 TEST_F(RefineStage, TakesThePowerThatPredictsLeftOutRolloutsBest) {

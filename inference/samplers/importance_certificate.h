@@ -1,0 +1,31 @@
+/// What is known of how much importance-weighted draws are worth.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+
+namespace npdr::inference {
+
+/// Of the draws that a posterior is reported by.
+struct ImportanceCertificate {
+  double power = 0.0;               ///< of the likelihood: less than wanted where draws ran out
+  double wanted_power = 0.0;        ///< given, or chosen
+  Index num_draws = 0;              ///< simulated in all
+  double ess = 0.0;                 ///< effective size of the weights (weighted_moments.h)
+  double wanted_ess = 0.0;          ///< at least
+  double efficiency = 0.0;          ///< ess over the draws that are reported
+  double pareto_k = 0.0;            ///< of the weights (pareto_tail.h)
+  double log_evidence = 0.0;        ///< log Z [nats]
+  double log_evidence_error = 0.0;  ///< its standard error
+  double half_difference = 0.0;     ///< of both halves' log Z, over its standard error
+};
+
+/// Reasons not to trust the draws, in words; none: they hold.
+std::vector<std::string> faults_of(const ImportanceCertificate& certificate);
+
+/// "holds", or "FAILS: " and the faults.
+std::string verdict(const ImportanceCertificate& certificate);
+
+}  // namespace npdr::inference

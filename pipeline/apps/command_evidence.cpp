@@ -1,0 +1,207 @@
+// The command that lays the evidence of refined posteriors side by side: which physics, prior and
+// noise explains a recording best?
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/apps/command_line.h"
+#include "pipeline/apps/commands.h"
+#include "pipeline/artefacts/refinement_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/features/noise.h"
+#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/targets.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// What a likelihood is the density of.
+struct Data {
+  std::vector<float> stored;   // states
+  std::vector<char> restarts;  // those before which the simulator was set to recorded ones
+  bool operator==(const Data&) const = default;
+};
+
+// A refined posterior of one seed.
+struct Model {
+  std::string study, method;
+  std::uint64_t seed = 0;
+  std::string physics, noise;
+  Index num_parameters = 0;
+  inference::ImportanceCertificate certificate;
+};
+
+struct Evidence {
+  std::vector<Model> models;  // the largest log Z first
+  Index num_values = 0;       // of the data
+};
+
+Data data_of(const Plan& plan, const Node& node) {
+  const Target target = read_seen_target(plan, node);
+  return {stored_observation(plan, target), noise_model(plan.study, target).restarts()};
+}
+
+Model model_of(const Plan& plan, const Use& use,
+               const inference::ImportanceCertificate& certificate) {
+  return {.study = plan.study.name,
+          .method = use.method,
+          .seed = use.seed,
+          .physics = plan.study.simulator.name,
+          .noise = to_text(plan.study.observation_noise),
+          .num_parameters = std::ssize(plan.study.prior),
+          .certificate = certificate};
+}
+
+// Adds the refined posteriors that a study has; all must be of the same data.
+void add_models(const Plan& plan, const std::string& file, std::optional<Data>& data,
+                Evidence& evidence) {
+  const std::size_t before = evidence.models.size();
+  for (const Node& node : plan.nodes) {
+    if (node.stage != Stage::infer || !std::filesystem::exists(node.path)) continue;
+    const auto certificate = read_certificate(open_artefact(node, kPosteriorSchema));
+    if (!certificate) continue;
+    Data own = data_of(plan, node);
+    if (data && !(*data == own)) {
+      throw InputError(
+          file + ", " + node.label() +
+          ": explains other numbers than the posteriors before it, so their evidence can't be "
+          "compared; recording, rollouts, store_every and segment_length must be the same");
+    }
+    data = std::move(own);
+    for (const Use& use : node.uses) {
+      evidence.models.push_back(model_of(plan, use, *certificate));
+    }
+  }
+  if (evidence.models.size() > before) return;
+  throw InputError(file + ": has no refined posterior yet; give it a method with algorithm = "
+                          "\"refine\", then 'npdr run " + file + "'");
+}
+
+Evidence collect(const std::vector<std::string>& files, const std::string& work) {
+  Evidence evidence;
+  std::optional<Data> data;
+  for (const std::string& file : files) {
+    StudyArguments study;
+    study.file = file;
+    study.work = work;
+    add_models(study.plan(), file, data, evidence);
+  }
+  evidence.num_values = std::ssize(data->stored);
+  std::ranges::stable_sort(evidence.models, std::greater<>(),
+                           [](const Model& m) { return m.certificate.log_evidence; });
+  return evidence;
+}
+
+// A model whose draws don't hold, or are of another power, has no evidence to compare.
+bool counts(const Model& model) {
+  return model.certificate.power == 1.0 && inference::faults_of(model.certificate).empty();
+}
+
+const Model* best_of(const Evidence& evidence) {
+  const auto best = std::ranges::find_if(evidence.models, counts);
+  return best == evidence.models.end() ? nullptr : &*best;
+}
+
+// The scale of Kass and Raftery (1995), "Bayes factors", for the factor's logarithm.
+std::string in_words(double log_factor, double error) {
+  if (log_factor <= 2.0 * error) return "can't be told from the best";
+  if (log_factor < 1.0) return "hardly worse than the best";
+  if (log_factor < 3.0) return "positive evidence against it";
+  if (log_factor < 5.0) return "strong evidence against it";
+  return "very strong evidence against it";
+}
+
+std::string verdict_on(const Model& model, const Model* best) {
+  if (model.certificate.power != 1.0) {
+    return fmt::format("likelihood to the power {:.3g}: no evidence", model.certificate.power);
+  }
+  if (!counts(model)) return inference::verdict(model.certificate);
+  if (&model == best) return "the best";
+  return in_words(
+      best->certificate.log_evidence - model.certificate.log_evidence,
+      std::hypot(best->certificate.log_evidence_error, model.certificate.log_evidence_error));
+}
+
+std::string label_of(const Model& model) {
+  return fmt::format("{}: {}, {}", model.study, model.method, model.seed);
+}
+
+void print_text(const Evidence& evidence) {
+  const Model* best = best_of(evidence);
+  fmt::print("log Z [nats] of the same {} recorded numbers\n\n", evidence.num_values);
+  std::size_t width = 19, noise = 5;
+  for (const Model& model : evidence.models) {
+    width = std::max(width, label_of(model).size());
+    noise = std::max(noise, model.noise.size());
+  }
+  fmt::print("{:<{}}  {:<10}  {:>10}  {:<{}}  {:>20}  {:>10}  {}\n", "study: method, seed", width,
+             "physics", "parameters", "noise", noise, "log Z", "from best", "");
+  for (const Model& model : evidence.models) {
+    const inference::ImportanceCertificate& c = model.certificate;
+    const std::string difference =
+        counts(model) ? fmt::format("{:.2f}", c.log_evidence - best->certificate.log_evidence)
+                      : "-";
+    const std::string log_z = fmt::format("{:.2f} +- {:.2f}", c.log_evidence, c.log_evidence_error);
+    fmt::print("{:<{}}  {:<10}  {:>10}  {:<{}}  {:>20}  {:>10}  {}\n", label_of(model), width,
+               model.physics, model.num_parameters, model.noise, noise, log_z, difference,
+               verdict_on(model, best));
+  }
+}
+
+void print_json(const Evidence& evidence) {
+  const Model* best = best_of(evidence);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const Model& model : evidence.models) {
+    const inference::ImportanceCertificate& c = model.certificate;
+    rows.push_back({{"study", model.study},
+                    {"method", model.method},
+                    {"seed", model.seed},
+                    {"physics", model.physics},
+                    {"num_parameters", model.num_parameters},
+                    {"noise", model.noise},
+                    {"log_evidence", c.log_evidence},
+                    {"log_evidence_error", c.log_evidence_error},
+                    {"likelihood_power", c.power},
+                    {"ess", c.ess},
+                    {"pareto_k", c.pareto_k},
+                    {"verdict", verdict_on(model, best)}});
+  }
+  const nlohmann::ordered_json json = {{"num_values", evidence.num_values}, {"models", rows}};
+  fmt::print("{}\n", json.dump(2));
+}
+
+struct EvidenceArguments {
+  std::vector<std::string> studies;
+  std::string work = "runs";
+  bool json = false;
+};
+
+}  // namespace
+
+void add_evidence_command(CLI::App& app, int& result) {
+  auto* command = app.add_subcommand(
+      "evidence", "which physics, prior and noise explains a recording best: log Z, Bayes factors");
+  auto arguments = std::make_shared<EvidenceArguments>();
+  command
+      ->add_option("STUDY", arguments->studies,
+                   "files of studies that were run, with a method of algorithm = \"refine\"; all "
+                   "of the same recording")
+      ->required();
+  command->add_option("--work", arguments->work, "folder of their artefacts")
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "for programs");
+  command->footer("Example:\n  npdr evidence white.toml correlated.toml with_cable.toml");
+  command->callback([&result, arguments] {
+    result = guarded_main("npdr evidence", [&] {
+      const Evidence evidence = collect(arguments->studies, arguments->work);
+      arguments->json ? print_json(evidence) : print_text(evidence);
+      return ExitStatus::done;
+    });
+  });
+}
+
+}  // namespace npdr::pipeline

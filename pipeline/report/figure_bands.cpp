@@ -1,0 +1,58 @@
+#include <algorithm>
+
+#include "analysis/calibration_plot.h"
+#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/registry.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Whose predictions of which rollouts.
+struct Panel {
+  const char* title;
+  std::optional<PredictionScores> Evaluation::*scores;
+  RowMatrix PredictionScores::*coverage;
+};
+constexpr Panel kPanels[] = {
+    {"seen", &Evaluation::scores, &PredictionScores::coverage},
+    {"seen, with noise", &Evaluation::scores, &PredictionScores::noisy_coverage},
+    {"held out", &Evaluation::held_out_scores, &PredictionScores::coverage},
+    {"held out, with noise", &Evaluation::held_out_scores, &PredictionScores::noisy_coverage}};
+
+// Mean over channels at each level; none: there are no such predictions.
+Vector curve_of(const EvaluatedRun& run, const Panel& panel) {
+  const auto& scores = run.evaluation.*panel.scores;
+  if (!scores) return {};
+  return ((*scores).*panel.coverage).rowwise().mean();
+}
+
+bool exists(const ReportData& data) {
+  return std::ranges::any_of(
+      data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.has_value(); });
+}
+
+analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+  analysis::CoveragePlot plot{"bands", {}};
+  const Eigen::Map<const Vector> levels(kBandLevels.data(), std::ssize(kBandLevels));
+  for (const Panel& kind : kPanels) {
+    analysis::CoveragePanel panel{kind.title, {}};
+    for (const std::string& method : drawn_methods(data.methods)) {
+      const Vector curve = curve_of(*data.runs_of(method).front(), kind);
+      if (curve.size() > 0) panel.curves.push_back({method, levels, curve});
+    }
+    if (!panel.curves.empty()) plot.panels.push_back(std::move(panel));
+  }
+  return {analysis::write_coverage_plot(plot, folder).svg,
+          "Share of the recorded states within the samples' central bands of each level, mean over "
+          "channels, seed " +
+              std::to_string(data.seeds.front()) +
+              ". Below the diagonal: too sure of itself, above: too vague." +
+              left_out_methods(data.methods)};
+}
+
+}  // namespace
+
+/// Coverage of predictive bands by their level, of the first seed.
+FigureEntry band_figure() { return {Section::predictions, exists, make}; }
+
+}  // namespace npdr::pipeline

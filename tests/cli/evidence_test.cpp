@@ -1,0 +1,80 @@
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// The recording is one that another study has simulated, without noise.
+std::string study(const std::string& name, const std::string& noise) {
+  return pendulum_study(name)
+      .only("target", {"recording = \"runs/made/target.h5\""})
+      .with("simulator", {"store_every = 40", "segment_length = 200"})
+      .only("prior", {"pole_length = { uniform = [0.5, 1.5] }"})
+      .with("observation_noise", {noise})
+      .method("Refined", {"algorithm = \"refine\"",
+                          "refine = { level_size = 1000, min_ess = 200 }"})
+      .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]", "floor = false"});
+}
+
+class Evidence : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write("made", pendulum_study("made").method("M"));
+    ASSERT_EQ(npdr({"run", "made.toml", "--until", "target"}).status, 0);
+    for (const char* scale : {"0.05", "0.2"}) {
+      const std::string name = std::string("noise-") + scale;
+      write(name, study(name, std::string("scale = ") + scale));
+    }
+  }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_.path() / (name + ".toml")) << text;
+  }
+  Outcome npdr(std::vector<std::string> words) const {
+    words.insert(words.begin(), "npdr");
+    return run(folder_.path(), words);
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Evidence, OfTwoNoiseModelsTheSmallerExplainsARecordingWithoutNoiseBetter) {
+  const Outcome early = npdr({"evidence", "noise-0.05.toml"});
+  EXPECT_EQ(early.status, 2);
+  EXPECT_TRUE(says(early.err, {"npdr evidence: noise-0.05.toml: has no refined posterior yet",
+                               "npdr run noise-0.05.toml"}));
+  for (const char* file : {"noise-0.05.toml", "noise-0.2.toml"}) {
+    const Outcome outcome = npdr({"run", file, "--until", "infer"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+  const Outcome text = npdr({"evidence", "noise-0.2.toml", "noise-0.05.toml"});
+  ASSERT_EQ(text.status, 0) << text.err;
+  for (const char* part : {"noise-0.05: Refined, 1", "white, scale 0.05", "the best",
+                           "noise-0.2: Refined, 1", "very strong evidence against it"}) {
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
+  }
+  const Outcome outcome = npdr({"evidence", "noise-0.2.toml", "noise-0.05.toml", "--json"});
+  const auto json = nlohmann::json::parse(outcome.out);
+  const auto& models = json["models"];
+  ASSERT_EQ(models.size(), 2u);
+  // The posteriors are narrow, the errors 0: a factor of 4 for each number, but for one parameter.
+  const double difference = models[0]["log_evidence"].get<double>() -
+                            models[1]["log_evidence"].get<double>();
+  const double per_number = difference / json["num_values"].get<double>();
+  EXPECT_NEAR(per_number, std::log(4.0), 0.1);
+}
+
+TEST_F(Evidence, RefusesOtherData) {
+  ASSERT_EQ(npdr({"run", "noise-0.2.toml", "--until", "infer"}).status, 0);
+  std::string other = study("other", "scale = 0.2");
+  write("other", edited(other, "store_every = 40", "store_every = 20"));
+  ASSERT_EQ(npdr({"run", "other.toml", "--until", "infer"}).status, 0);
+  const Outcome outcome = npdr({"evidence", "noise-0.2.toml", "other.toml"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(says(outcome.err, {"npdr evidence: other.toml, infer Refined", "explains other numbers",
+                                 "store_every and segment_length must be the same"}));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,44 @@
+#include "inference/samplers/importance_certificate.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace npdr::inference {
+namespace {
+
+const ImportanceCertificate kGood = {.power = 1.0,
+                                     .wanted_power = 1.0,
+                                     .num_draws = 100'000,
+                                     .ess = 1200.0,
+                                     .wanted_ess = 1000.0,
+                                     .efficiency = 0.1,
+                                     .pareto_k = 0.6,
+                                     .log_evidence = -3.0,
+                                     .log_evidence_error = 0.03,
+                                     .half_difference = -3.9};
+
+TEST(ImportanceCertificate, HoldsWithoutFaults) {
+  EXPECT_TRUE(faults_of(kGood).empty());
+  EXPECT_EQ(verdict(kGood), "holds");
+}
+
+TEST(ImportanceCertificate, SaysWhatIsWrong) {
+  ImportanceCertificate bad = kGood;
+  bad.power = 0.25;
+  EXPECT_EQ(verdict(bad), "FAILS: power 0.25, not 1");
+  bad.ess = 999.0;
+  bad.pareto_k = std::numeric_limits<double>::infinity();
+  bad.half_difference = -4.1;
+  EXPECT_EQ(verdict(bad),
+            "FAILS: power 0.25, not 1, too few effective draws, heavy weights, halves differ");
+}
+
+TEST(ImportanceCertificate, NumbersThatAreNoneAreFaults) {
+  ImportanceCertificate bad = kGood;
+  bad.pareto_k = bad.half_difference = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(verdict(bad), "FAILS: heavy weights, halves differ");
+}
+
+}  // namespace
+}  // namespace npdr::inference
