@@ -159,7 +159,8 @@ Vector FlowReference::log_density(const RowMatrix& u) const {
     for (Index i = 0; i < count; ++i) {
       const auto value = static_cast<double>(log_prob(i));
       const double flow = std::isfinite(value) ? value : -std::numeric_limits<double>::infinity();
-      result(first + i) = log_mixture(flow, tail(i)) - log_det;
+      const double both = log_mixture(flow, tail(i)) - log_det;
+      result(first + i) = std::isfinite(both) ? both : -std::numeric_limits<double>::infinity();
     }
   });
   return result;

@@ -36,7 +36,7 @@ class FlowReference {
   const FlowParts& parts() const { return parts_; }
   Index dimension() const { return parts_.mean.size(); }
 
-  /// log g of each row of u (n, D), (n) [nats]; -infinity where the network overflows.
+  /// log g of each row of u (n, D), (n) [nats]; of Student's t alone where the network overflows.
   Vector log_density(const RowMatrix& u) const;
   /// (n, D) draws of g; row i has the stream of row id.row + i.
   RowMatrix sample(Index n, const StreamId& id) const;

@@ -20,7 +20,7 @@ std::vector<std::string> faults_of(const ImportanceCertificate& certificate) {
     faults.push_back(
         fmt::format("power {:.3g}, not {:.3g}", certificate.power, certificate.wanted_power));
   }
-  if (certificate.ess < certificate.wanted_ess) faults.emplace_back("too few effective draws");
+  if (!(certificate.ess >= certificate.wanted_ess)) faults.emplace_back("too few effective draws");
   if (!(certificate.pareto_k <= kLargestParetoK)) faults.emplace_back("heavy weights");
   if (!(std::abs(certificate.half_difference) <= kLargestDifference)) {
     faults.emplace_back("halves differ");

@@ -10,7 +10,7 @@ struct ImportanceConfig {
   bool cross_validate = false;        ///< a is the best power up to that, by leaving rollouts out
   Index level_size = 10'000;          ///< draws from one proposal
   double min_ess = 1000.0;            ///< of the last levels
-  Index max_simulations = 1'000'000;  ///< after which only one more level is drawn
+  Index max_simulations = 1'000'000;  ///< about so many at most
 };
 
 }  // namespace npdr::inference

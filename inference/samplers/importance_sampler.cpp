@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 
 #include "core/error.h"
@@ -17,11 +18,13 @@ constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
 constexpr double kPriorShare = 0.05;     // of every proposal
 constexpr double kWantedShare = 0.2;     // effective draws that a flow is fitted to, of a level
 constexpr Index kTrainingRows = 20'000;  // at most about so many points teach a flow
-constexpr Index kOldLevels = 40;         // levels that count, besides the first
+constexpr Index kOldLevels = 40;         // levels that count at most, besides the first
+constexpr double kMostDensities = 5e7;   // of all their points by all their proposals
 constexpr Index kFlowsAtEnd = 3;         // of the last proposal
+constexpr double kAboutAsHigh = 0.8;     // ratio of powers that those were fitted to
 
 // log sum_k exp of each row's terms.
-Vector log_sum(const std::vector<Vector>& terms) {
+Vector log_sum(std::span<const Vector> terms) {
   Vector largest = terms.front();
   for (const Vector& term : terms) largest = largest.cwiseMax(term);
   Vector sum = Vector::Zero(largest.size());
@@ -238,15 +241,15 @@ void ImportanceSampler::tell(const Vector& log_likelihood) {
 }
 
 // Every proposal has drawn equally many, so the mixture's weights are equal.
-ImportanceSampler::Pool ImportanceSampler::pool() const {
-  const Index each = config_.level_size, n = std::ssize(state_.levels) * each;
-  const double log_share = -std::log(static_cast<double>(std::ssize(state_.levels)));
+ImportanceSampler::Pool ImportanceSampler::pool(std::size_t num_levels) const {
+  const Index each = config_.level_size, n = static_cast<Index>(num_levels) * each;
+  const double log_share = -std::log(static_cast<double>(num_levels));
   Pool pool{Vector(n), Vector(n)};
-  for (std::size_t l = 0; l < state_.levels.size(); ++l) {
+  for (std::size_t l = 0; l < num_levels; ++l) {
     const ImportanceLevel& level = state_.levels[l];
     const Index first = static_cast<Index>(l) * each;
     pool.log_ratio.segment(first, each) =
-        log_standard_normal<double>(level.u) - log_sum(densities_[l]);
+        log_standard_normal<double>(level.u) - log_sum(std::span(densities_[l]).first(num_levels));
     pool.log_likelihood.segment(first, each) = level.log_likelihood;
   }
   pool.log_ratio.array() -= log_share;
@@ -255,13 +258,15 @@ ImportanceSampler::Pool ImportanceSampler::pool() const {
 
 // The largest power at which the points are worth enough.
 double ImportanceSampler::choose_power(const Pool& pool) const {
-  const double wanted = kWantedShare * static_cast<double>(config_.level_size);
+  const auto possible = (pool.log_likelihood.array() > kMinusInfinity).count();
+  const double wanted =
+      kWantedShare * static_cast<double>(std::min<Index>(config_.level_size, possible));
   const auto is_enough = [&](double power) {
     return effective_size(truncated(pool.log_weights(power))) >= wanted;
   };
   if (is_enough(state_.wanted_power)) return state_.wanted_power;
   double low = 0.0, high = state_.wanted_power;
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     (is_enough(middle) ? low : high) = middle;
   }
@@ -280,15 +285,15 @@ RowMatrix ImportanceSampler::points(const std::vector<Index>& rows) const {
 }
 
 ImportanceSample ImportanceSampler::preliminary(Index most) const {
-  ImportanceSampler before = *this;
-  before.drop(state_.levels.size() - 1);
+  const Pool before = pool(state_.levels.size() - 1);
   const Choice choice =
-      choose_rows(truncated(before.pool().log_weights(power())), most, level_id("refine_thinning"));
-  return {before.points(choice.rows), choice.weights};
+      choose_rows(truncated(before.log_weights(power())), most, level_id("refine_thinning"));
+  return {points(choice.rows), choice.weights};
 }
 
 void ImportanceSampler::settle(double power) {
   state_.wanted_power = power;
+  state_.num_draws_before = 0;
   drop(state_.levels.size() - 1);
   plan_next_level();
 }
@@ -297,19 +302,23 @@ void ImportanceSampler::plan_next_level() {
   if (state_.levels.back().is_last) {
     return begin_level(proposals_.back(), state_.levels.back().power, true);
   }
-  const Pool pool = this->pool();
+  const Pool pool = this->pool(state_.levels.size());
   if (!(exponentials(pool.log_weights(state_.wanted_power)).sum() > 0.0)) {
     throw InputError("no simulation has a likelihood above 0");
   }
   if (has_learned()) return begin_last_levels();
   const double power = choose_power(pool);
+  if (power == state_.wanted_power && state_.num_draws_before == 0) {
+    state_.num_draws_before = state_.num_draws;
+  }
   const Choice lesson =
       choose_rows(truncated(pool.log_weights(power)), kTrainingRows, level_id("refine_lesson"));
   const std::vector<FlowReference>& last = proposals_.back().flows;
   const Parameters<float> start = last.empty() ? Parameters<float>() : last.back().parts().flow;
   Proposal proposal{{}, kPriorShare, dimension_};
   proposal.flows.emplace_back(points(lesson.rows), lesson.weights, start, level_id("refine_flow"));
-  if (std::ssize(state_.levels) > kOldLevels) drop(1);
+  const double most = std::sqrt(kMostDensities / static_cast<double>(config_.level_size));
+  if (std::ssize(state_.levels) > std::min(kOldLevels, 2 + static_cast<Index>(most))) drop(1);
   begin_level(std::move(proposal), power, false);
 }
 
@@ -321,35 +330,39 @@ double ImportanceSampler::efficiency(std::size_t l) const {
   return effective_size(exponentials(logs)) / static_cast<double>(logs.size());
 }
 
-// Levels whose flow was fitted to the wanted power.
-Index ImportanceSampler::num_levels_there() const {
-  return std::ranges::count_if(state_.levels, [&](const ImportanceLevel& level) {
-    return !level.proposal.flows.empty() && level.power == state_.wanted_power;
-  });
-}
-
-// Draws ran out; or levels at the wanted power have cost as much as the last ones are going to.
+// Draws ran out; or those since the wanted power was reached are as many as the last levels are
+// going to be, or as are left for them.
 bool ImportanceSampler::has_learned() const {
   if (state_.num_draws >= config_.max_simulations) return std::ssize(state_.levels) > 1;
-  const Index there = num_levels_there();
-  if (there == 0 || state_.levels.back().power != state_.wanted_power) return false;
+  if (state_.num_draws_before == 0) return false;
   double sum = 0.0;
-  const Index recent = std::min(there, kFlowsAtEnd);
-  for (Index i = 1; i <= recent; ++i) {
-    sum += efficiency(state_.levels.size() - static_cast<std::size_t>(i));
+  Index count = 0;
+  for (std::size_t l = state_.levels.size(); l-- > 1 && count < kFlowsAtEnd;) {
+    if (state_.levels[l].power != state_.wanted_power) continue;
+    sum += efficiency(l);
+    ++count;
   }
-  const double draws_to_come = config_.min_ess * static_cast<double>(recent) / sum;
-  return draws_to_come <= static_cast<double>(there * config_.level_size);
+  if (count == 0) return false;
+  const double needed = config_.min_ess * static_cast<double>(count) / sum;
+  const auto left = static_cast<double>(config_.max_simulations - state_.num_draws);
+  return static_cast<double>(state_.num_draws - state_.num_draws_before) >= std::min(needed, left);
 }
 
-// They are drawn from the flows of the latest levels at the highest power.
+// They are drawn from the latest flows that were fitted to about the wanted power, or else to the
+// highest.
 void ImportanceSampler::begin_last_levels() {
-  const double power = state_.levels.back().power;
+  double power = 0.0;
+  for (std::size_t l = 1; l < state_.levels.size(); ++l) {
+    power = std::max(power, state_.levels[l].power);
+  }
+  power = std::min(power, state_.wanted_power);
   Proposal proposal{{}, kPriorShare, dimension_};
   for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(proposal.flows) < kFlowsAtEnd;) {
-    if (state_.levels[l].power != power && state_.wanted_power == power) break;
+    const double own = state_.levels[l].power;
+    if (std::min(own, power) < kAboutAsHigh * std::max(own, power)) continue;
     proposal.flows.push_back(proposals_[l].flows.front());
   }
+  if (proposal.flows.empty()) proposal.prior_share = 1.0;
   state_.levels.clear();
   proposals_.clear();
   densities_.clear();
@@ -358,7 +371,7 @@ void ImportanceSampler::begin_last_levels() {
 
 ImportanceSample ImportanceSampler::sample() const {
   const double power = state_.levels.back().power;
-  const Vector logs = pool().log_weights(power);
+  const Vector logs = pool(state_.levels.size()).log_weights(power);
   ImportanceSample sample{RowMatrix(logs.size(), dimension_), exponentials(logs)};
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
     sample.u.middleRows(static_cast<Index>(l) * config_.level_size, config_.level_size) =
@@ -366,6 +379,9 @@ ImportanceSample ImportanceSampler::sample() const {
   }
   const Evidence all = evidence(logs), even = evidence(logs(Eigen::seq(0, Eigen::last, 2))),
                  odd = evidence(logs(Eigen::seq(1, Eigen::last, 2)));
+  if (!(sample.weights.sum() > 0.0)) {
+    throw InputError("no simulation of the last levels has a likelihood above 0");
+  }
   const double ess = effective_size(sample.weights);
   sample.certificate = {
       .power = power,

@@ -50,6 +50,7 @@ struct ImportanceState {
   Index num_levels = 0;                 ///< that there have been
   Index num_draws = 0;                  ///< told
   double wanted_power = 0.0;            ///< a
+  Index num_draws_before = 0;           ///< told before a was reached; 0: it wasn't
 };
 
 /// Independent weighted draws.
@@ -106,18 +107,17 @@ class ImportanceSampler {
   void begin_level(Proposal proposal, double power, bool is_last);
   void begin_last_levels();
   void plan_next_level();
-  Index num_levels_there() const;
   bool has_learned() const;
   void note_densities();
   void drop(std::size_t level);
-  // All points, by their number: level after level.
+  // The points of the first levels, by their number: level after level.
   struct Pool {
     Vector log_ratio;  // log of N(u; 0, I) over the mixture of all proposals
     Vector log_likelihood;
     Vector log_weights(double power) const { return log_ratio + power * log_likelihood; }
   };
 
-  Pool pool() const;
+  Pool pool(std::size_t num_levels) const;
   double choose_power(const Pool& pool) const;
   RowMatrix points(const std::vector<Index>& rows) const;
   double efficiency(std::size_t level) const;

@@ -19,6 +19,13 @@
 namespace npdr::pipeline {
 namespace {
 
+struct EvidenceArguments {
+  std::vector<std::string> studies;
+  std::vector<std::string> overrides;  // of every study
+  std::string work = "runs";
+  bool json = false;
+};
+
 // What a likelihood is the density of.
 struct Data {
   std::vector<float> stored;   // states
@@ -77,17 +84,20 @@ void add_models(const Plan& plan, const std::string& file, std::optional<Data>& 
     }
   }
   if (evidence.models.size() > before) return;
-  throw InputError(file + ": has no refined posterior yet; give it a method with algorithm = "
-                          "\"refine\", then 'npdr run " + file + "'");
+  throw InputError(file +
+                   ": has no refined posterior yet; give it a method with algorithm = "
+                   "\"refine\", then 'npdr run " +
+                   file + "'; what a run was given by --set must be given here, too");
 }
 
-Evidence collect(const std::vector<std::string>& files, const std::string& work) {
+Evidence collect(const EvidenceArguments& arguments) {
   Evidence evidence;
   std::optional<Data> data;
-  for (const std::string& file : files) {
+  for (const std::string& file : arguments.studies) {
     StudyArguments study;
     study.file = file;
-    study.work = work;
+    study.overrides = arguments.overrides;
+    study.work = arguments.work;
     add_models(study.plan(), file, data, evidence);
   }
   evidence.num_values = std::ssize(data->stored);
@@ -174,12 +184,6 @@ void print_json(const Evidence& evidence) {
   fmt::print("{}\n", json.dump(2));
 }
 
-struct EvidenceArguments {
-  std::vector<std::string> studies;
-  std::string work = "runs";
-  bool json = false;
-};
-
 }  // namespace
 
 void add_evidence_command(CLI::App& app, int& result) {
@@ -191,13 +195,18 @@ void add_evidence_command(CLI::App& app, int& result) {
                    "files of studies that were run, with a method of algorithm = \"refine\"; all "
                    "of the same recording")
       ->required();
+  command
+      ->add_option(
+          "--set", arguments->overrides,
+          "key=value that replaces a key of every study, as in their runs; may be repeated")
+      ->allow_extra_args(false);
   command->add_option("--work", arguments->work, "folder of their artefacts")
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "for programs");
   command->footer("Example:\n  npdr evidence white.toml correlated.toml with_cable.toml");
   command->callback([&result, arguments] {
     result = guarded_main("npdr evidence", [&] {
-      const Evidence evidence = collect(arguments->studies, arguments->work);
+      const Evidence evidence = collect(*arguments);
       arguments->json ? print_json(evidence) : print_text(evidence);
       return ExitStatus::done;
     });

@@ -79,6 +79,8 @@ void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {
   f.attribute("num_levels_so_far", state.num_levels, "those that were dropped included");
   f.attribute("num_draws", state.num_draws, "simulated so far");
   f.attribute("wanted_power", state.wanted_power, "of the likelihood");
+  f.attribute("num_draws_before", state.num_draws_before,
+              "simulated before it was reached; 0: it wasn't");
   describe_members(f, "level", state.levels);
 }
 

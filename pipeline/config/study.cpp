@@ -29,8 +29,12 @@ std::string to_text(const ObservationNoise& noise) {
   const bool is_heavy_tailed = noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
   std::string text = is_correlated ? "correlated" : is_heavy_tailed ? "heavy-tailed" : "white";
   if (is_correlated && is_heavy_tailed) text += " and heavy-tailed";
-  add_parameter(text, "scale", noise.scale, noise.scale_prior.has_value());
-  if (noise.std) text += ", channels with their own";
+  if (noise.scale > 0.0 || noise.scale_prior) {
+    add_parameter(text, "scale", noise.scale, noise.scale_prior.has_value());
+  }
+  for (const auto& [channel, deviation] : noise.std.value_or(std::map<std::string, double>())) {
+    text += fmt::format(", std of {} {}", channel, deviation);
+  }
   add_parameter(text, "correlation", noise.correlation, noise.correlation_prior.has_value());
   add_parameter(text, "degrees of freedom", noise.degrees_of_freedom,
                 noise.degrees_of_freedom_prior.has_value());

@@ -140,8 +140,7 @@ void describe(Fields& f, RefineConfig& c) {
     "simulations from one proposal");
   f("min_ess", c.sampling.min_ess, between(100, 1'000'000),
     "effective sample size of the weighted draws");
-  f("max_simulations", c.sampling.max_simulations, count_from(1000),
-    "after which one more level is the last");
+  f("max_simulations", c.sampling.max_simulations, count_from(1000), "about so many at most");
 }
 
 template <class Fields>

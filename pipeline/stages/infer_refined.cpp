@@ -57,11 +57,10 @@ class SimulatedLikelihood {
     return result;
   }
 
-  // Score of the posterior at that power, by its draws, whose seeds are those of rows from `first`.
-  double left_out(const RowMatrix& theta, const Vector& weights, double power, Index first) const {
-    StreamId id = within(id_, "left_out");
-    id.row = static_cast<std::uint64_t>(first);
-    return left_out_crps(noise_, recorded_, simulate(theta, first), weights, power, id);
+  // Score of the posterior at that power, by its draws; with the same noise for each power.
+  double left_out(const RowMatrix& theta, const Vector& weights, double power) const {
+    return left_out_crps(noise_, recorded_, simulate(theta, 0), weights, power,
+                         within(id_, "left_out"));
   }
 
  private:
@@ -110,15 +109,26 @@ class PowerSearch {
     return scores_.power(k);
   }
 
-  // Much larger powers have been tried, or `most`.
+  // Whether larger powers, which weren't tried, might be better still.
+  bool ends_at_best(double most) const {
+    const Index k = scores_.power.size();
+    return k > 0 && scores_.power(k - 1) < most && scores_.crps(k - 1) == scores_.crps.minCoeff();
+  }
+
+  // Much larger powers have been tried, or `most`; or many that are about as large as the largest.
   bool is_over(double most) const {
     const Index k = scores_.power.size();
-    return k > 0 && (scores_.power(k - 1) >= kFarther * best() || scores_.power(k - 1) >= most);
+    if (k == 0) return false;
+    const double highest = scores_.power(k - 1);
+    const bool is_stuck = k > kPatience && highest < kRise * scores_.power(k - 1 - kPatience);
+    return is_stuck || highest >= kFarther * best() || highest >= most;
   }
 
  private:
   static constexpr double kAsGood = 1.01;
   static constexpr double kFarther = 3.0;
+  static constexpr Index kPatience = 10;  // levels
+  static constexpr double kRise = 1.1;
 
   static void insert(Vector& values, Index at, double value) {
     const Vector after = values.tail(values.size() - at);
@@ -170,17 +180,20 @@ class Refinement {
   inference::ImportanceSample sample() const { return sampler_.thinned(kMostParticles); }
   const inference::Prior& prior() const { return prior_; }
   const PowerScores& powers() const { return search_.scores(); }
+  bool is_search_cut() const { return search_.ends_at_best(config_.likelihood_power); }
 
  private:
   // When a level has been planned: scores its power, and settles on the best one at the end.
   void cross_validate(const SimulatedLikelihood& likelihood) {
     if (!config_.cross_validate || is_settled() || sampler_.state().levels.back().is_last) return;
+    if (sampler_.power() == 0.0) return;
     const inference::ImportanceSample draws = sampler_.preliminary(kLeftOutDraws);
     search_.add(sampler_.power(),
-                likelihood.left_out(prior_.to_theta(draws.u), draws.weights, sampler_.power(),
-                                    sampler_.state().num_draws));
-    const bool is_late = static_cast<double>(sampler_.state().num_draws) >=
-                         kSearchShare * static_cast<double>(config_.max_simulations);
+                likelihood.left_out(prior_.to_theta(draws.u), draws.weights, sampler_.power()));
+    const Index draws_so_far = sampler_.state().num_draws, most = config_.max_simulations;
+    const bool is_late =
+        draws_so_far + config_.level_size >= most ||
+        static_cast<double>(draws_so_far) >= kSearchShare * static_cast<double>(most);
     if (is_late || search_.is_over(config_.likelihood_power)) sampler_.settle(search_.best());
   }
 
@@ -222,7 +235,13 @@ class Refinement {
   Clock::time_point saved_ = start_;
 };
 
-void warn(const Node& node, const inference::ImportanceCertificate& certificate) {
+void warn(const Node& node, const inference::ImportanceCertificate& certificate,
+          bool is_search_cut) {
+  if (is_search_cut) {
+    report_error(node.label(),
+                 "warning: the power of the likelihood that predicts best is the largest that was "
+                 "reached, and larger ones may be better; raise refine.max_simulations");
+  }
   if (certificate.power < certificate.wanted_power) {
     report_error(node.label(),
                  fmt::format("warning: {} simulations reached the power {:.3g} of the likelihood, "
@@ -239,7 +258,7 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const Index failed = refinement.run();
   const inference::ImportanceSample sample = refinement.sample();
   const MethodConfig& method = plan.study.method(node.uses.front().method);
-  warn(node, sample.certificate);
+  warn(node, sample.certificate, refinement.is_search_cut());
   write_particles(writer.file(), name_of(method.algorithm.kind),
                   {.prior = refinement.prior(),
                    .theta = refinement.prior().to_theta(sample.u),

@@ -12,8 +12,8 @@ std::string study(const std::string& name, const std::string& noise) {
       .with("simulator", {"store_every = 40", "segment_length = 200"})
       .only("prior", {"pole_length = { uniform = [0.5, 1.5] }"})
       .with("observation_noise", {noise})
-      .method("Refined", {"algorithm = \"refine\"",
-                          "refine = { level_size = 1000, min_ess = 200 }"})
+      .method("Refined",
+              {"algorithm = \"refine\"", "refine = { level_size = 1000, min_ess = 200 }"})
       .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]", "floor = false"});
 }
 
@@ -59,8 +59,8 @@ TEST_F(Evidence, OfTwoNoiseModelsTheSmallerExplainsARecordingWithoutNoiseBetter)
   const auto& models = json["models"];
   ASSERT_EQ(models.size(), 2u);
   // The posteriors are narrow, the errors 0: a factor of 4 for each number, but for one parameter.
-  const double difference = models[0]["log_evidence"].get<double>() -
-                            models[1]["log_evidence"].get<double>();
+  const double difference =
+      models[0]["log_evidence"].get<double>() - models[1]["log_evidence"].get<double>();
   const double per_number = difference / json["num_values"].get<double>();
   EXPECT_NEAR(per_number, std::log(4.0), 0.1);
 }
@@ -72,8 +72,9 @@ TEST_F(Evidence, RefusesOtherData) {
   ASSERT_EQ(npdr({"run", "other.toml", "--until", "infer"}).status, 0);
   const Outcome outcome = npdr({"evidence", "noise-0.2.toml", "other.toml"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_TRUE(says(outcome.err, {"npdr evidence: other.toml, infer Refined", "explains other numbers",
-                                 "store_every and segment_length must be the same"}));
+  EXPECT_TRUE(
+      says(outcome.err, {"npdr evidence: other.toml, infer Refined", "explains other numbers",
+                         "store_every and segment_length must be the same"}));
 }
 
 }  // namespace

@@ -36,8 +36,8 @@ TEST(ImportanceCertificate, SaysWhatIsWrong) {
 
 TEST(ImportanceCertificate, NumbersThatAreNoneAreFaults) {
   ImportanceCertificate bad = kGood;
-  bad.pareto_k = bad.half_difference = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(verdict(bad), "FAILS: heavy weights, halves differ");
+  bad.ess = bad.pareto_k = bad.half_difference = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(verdict(bad), "FAILS: too few effective draws, heavy weights, halves differ");
 }
 
 }  // namespace

@@ -145,6 +145,26 @@ TEST(ImportanceSampler, GoesOnFromAnyState) {
   }
 }
 
+TEST(ImportanceSampler, GoesOnAfterItHasSettled) {
+  const LinearGaussian problem;
+  const StreamId id = {1, "refinement", 1, 0, 0};
+  const auto result = [&](bool stops) {
+    ImportanceSampler sampler(kSmall, kDimension, {}, id);
+    while (!sampler.is_done()) {
+      sampler.tell(problem.log_likelihood(sampler.next(2000)));
+      if (sampler.state().num_levels == 2) sampler.settle(0.01);
+      if (stops) sampler = ImportanceSampler(kSmall, kDimension, {}, id, sampler.state());
+    }
+    return sampler.sample();
+  };
+  const ImportanceSample whole = result(false), pieces = result(true);
+  EXPECT_EQ(whole.certificate.power, 0.01);
+  EXPECT_EQ(whole.certificate.wanted_power, 0.01);
+  EXPECT_EQ(pieces.certificate.wanted_power, 0.01);
+  EXPECT_EQ(pieces.u, whole.u);
+  EXPECT_EQ(pieces.weights, whole.weights);
+}
+
 TEST(ImportanceSampler, SaysHowFarItCameWhenDrawsRunOut) {
   // A likelihood so narrow that few levels don't reach it.
   const auto log_likelihood = [](const RowMatrix& u) -> Vector {
@@ -157,6 +177,15 @@ TEST(ImportanceSampler, SaysHowFarItCameWhenDrawsRunOut) {
           2000)
           .sample();
   EXPECT_LT(sample.certificate.power, 1.0);
+}
+
+TEST(ImportanceSampler, KeepsHalfOfWhatIsLeftForTheLastLevels) {
+  // More effective draws than there can be.
+  const ImportanceSample sample = run_linear(
+      {.level_size = 1000, .min_ess = 1e6, .max_simulations = 20'000}, RowMatrix(), 1000);
+  EXPECT_EQ(sample.certificate.num_draws, 20'000);
+  EXPECT_GE(sample.u.rows(), 6000);
+  EXPECT_LE(sample.u.rows(), 12'000);
 }
 
 TEST(ImportanceSampler, SettlesOnALowerPower) {

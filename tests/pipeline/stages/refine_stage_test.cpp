@@ -179,7 +179,7 @@ TEST_F(RefineStage, IsShownWithItsCertificate) {
     EXPECT_EQ(std::get<analysis::MeanStd>(cells[0].value).mean, certificate->log_evidence);
     EXPECT_EQ(std::get<double>(cells[1].value), certificate->ess);
     EXPECT_EQ(std::get<double>(cells[4].value), 1.0) << "power";
-    EXPECT_EQ(std::get<std::string>(cells[6].value), "holds");
+    EXPECT_EQ(std::get<std::string>(cells[6].value), inference::verdict(*certificate));
   }
 }
 
