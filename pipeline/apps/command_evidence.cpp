@@ -106,10 +106,8 @@ Evidence collect(const EvidenceArguments& arguments) {
   return evidence;
 }
 
-// A model whose draws don't hold, or are of another power, has no evidence to compare.
-bool counts(const Model& model) {
-  return model.certificate.power == 1.0 && inference::faults_of(model.certificate).empty();
-}
+// The likelihood at another power has no evidence to compare.
+bool counts(const Model& model) { return model.certificate.power == 1.0; }
 
 const Model* best_of(const Evidence& evidence) {
   const auto best = std::ranges::find_if(evidence.models, counts);
@@ -126,14 +124,14 @@ std::string in_words(double log_factor, double error) {
 }
 
 std::string verdict_on(const Model& model, const Model* best) {
-  if (model.certificate.power != 1.0) {
-    return fmt::format("likelihood to the power {:.3g}: no evidence", model.certificate.power);
-  }
-  if (!counts(model)) return inference::verdict(model.certificate);
-  if (&model == best) return "the best";
-  return in_words(
-      best->certificate.log_evidence - model.certificate.log_evidence,
-      std::hypot(best->certificate.log_evidence_error, model.certificate.log_evidence_error));
+  const inference::ImportanceCertificate& c = model.certificate;
+  if (!counts(model)) return fmt::format("likelihood to the power {:.3g}: no evidence", c.power);
+  const std::string words =
+      &model == best
+          ? "the best"
+          : in_words(best->certificate.log_evidence - c.log_evidence,
+                     std::hypot(best->certificate.log_evidence_error, c.log_evidence_error));
+  return inference::faults_of(c).empty() ? words : words + "; " + inference::verdict(c);
 }
 
 std::string label_of(const Model& model) {
