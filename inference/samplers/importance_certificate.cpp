@@ -10,6 +10,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr double kLargestParetoK = 0.7;
+constexpr double kGoodEfficiency = 0.5;     // above, few weights are large, whatever their tail
 constexpr double kLargestDifference = 4.0;  // of the halves: passed by chance with p = 6e-5
 
 }  // namespace
@@ -21,7 +22,9 @@ std::vector<std::string> faults_of(const ImportanceCertificate& certificate) {
         fmt::format("power {:.3g}, not {:.3g}", certificate.power, certificate.wanted_power));
   }
   if (!(certificate.ess >= certificate.wanted_ess)) faults.emplace_back("too few effective draws");
-  if (!(certificate.pareto_k <= kLargestParetoK)) faults.emplace_back("heavy weights");
+  if (!(certificate.pareto_k <= kLargestParetoK || certificate.efficiency >= kGoodEfficiency)) {
+    faults.emplace_back("heavy weights");
+  }
   if (!(std::abs(certificate.half_difference) <= kLargestDifference)) {
     faults.emplace_back("halves differ");
   }

@@ -34,6 +34,14 @@ TEST(ImportanceCertificate, SaysWhatIsWrong) {
             "FAILS: power 0.25, not 1, too few effective draws, heavy weights, halves differ");
 }
 
+TEST(ImportanceCertificate, ATailOfWeightsThatAreAlmostEvenIsNoFault) {
+  ImportanceCertificate even = kGood;
+  even.pareto_k = 1.2;
+  EXPECT_EQ(verdict(even), "FAILS: heavy weights");
+  even.efficiency = 0.8;
+  EXPECT_EQ(verdict(even), "holds");
+}
+
 TEST(ImportanceCertificate, NumbersThatAreNoneAreFaults) {
   ImportanceCertificate bad = kGood;
   bad.ess = bad.pareto_k = bad.half_difference = std::numeric_limits<double>::quiet_NaN();
