@@ -22,7 +22,9 @@ struct ImportanceCertificate {
   double half_difference = 0.0;     ///< of both halves' log Z, over its standard error
 };
 
-/// Reasons not to trust the draws, in words; none: they hold.
+/// Reasons not to trust the draws, in words; none: they hold. Faults are a power or effective size
+/// that is less than wanted, a Pareto k above 0.7 (Vehtari et al. 2024) where the efficiency is
+/// below 0.5, and halves whose log Z are more than 4 standard errors apart. NaN is a fault.
 std::vector<std::string> faults_of(const ImportanceCertificate& certificate);
 
 /// "holds", or "FAILS: " and the faults.
