@@ -70,4 +70,18 @@ Target Target::after(Index count) const {
   return result;
 }
 
+Target Target::pick(const std::vector<Index>& positions) const {
+  if (positions.empty()) throw InputError("no rollouts of the target domain were picked");
+  Target result = *this;
+  result.rollouts.clear();
+  for (const Index position : positions) {
+    if (position < 0 || position >= num_rollouts()) {
+      throw InputError("no rollout " + std::to_string(position + 1) + ": the target domain has " +
+                       std::to_string(num_rollouts()));
+    }
+    result.rollouts.push_back(rollouts[static_cast<std::size_t>(position)]);
+  }
+  return result;
+}
+
 }  // namespace npdr

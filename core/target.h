@@ -54,6 +54,9 @@ struct Target {
   /// The first `count` rollouts, and those after them. Throws InputError when that leaves none.
   Target first(Index count) const;
   Target after(Index count) const;
+  /// The rollouts at some positions, counted from 0, in that order. Throws InputError when there is
+  /// none, or no such rollout.
+  Target pick(const std::vector<Index>& positions) const;
 };
 
 }  // namespace npdr

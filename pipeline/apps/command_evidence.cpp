@@ -63,12 +63,13 @@ Model model_of(const Plan& plan, const Use& use,
           .certificate = certificate};
 }
 
-// Adds the refined posteriors that a study has; all must be of the same data.
+// Adds the refined posteriors that a study has; all must be of the same data, so none of a fold.
 void add_models(const Plan& plan, const std::string& file, std::optional<Data>& data,
                 Evidence& evidence) {
   const std::size_t before = evidence.models.size();
   for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::infer || !std::filesystem::exists(node.path)) continue;
+    if (node.stage != Stage::infer || node.uses.front().fold > 0) continue;
+    if (!std::filesystem::exists(node.path)) continue;
     const auto certificate = read_certificate(open_artefact(node, kPosteriorSchema));
     if (!certificate) continue;
     Data own = data_of(plan, node);

@@ -149,6 +149,7 @@ void print_json(const Plan& plan, Scrutiny scrutiny) {
       uses.push_back({{"method", use.method},
                       {"seed", use.seed},
                       {"iteration", use.iteration},
+                      {"fold", use.fold},
                       {"round", use.round}});
     }
     rows.push_back({{"stage", name_of(row.node.stage)},

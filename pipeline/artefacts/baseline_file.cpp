@@ -1,5 +1,9 @@
 #include "pipeline/artefacts/baseline_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study.h"
@@ -7,55 +11,75 @@
 namespace npdr::pipeline {
 namespace {
 
-// The points' columns.
+// The points' columns, and scores by point.
 struct Columns {
   std::vector<std::string> names;
   RowMatrix theta;
   std::map<std::string, Vector> metrics;
+  std::vector<RolloutScores> scores;
 };
 
-void describe(Layout f, Columns& c, const std::vector<inference::Marginal>& prior) {
+std::vector<std::string> metrics_of(const Layout& f) { return f.those_there(all_measured_names()); }
+
+void describe(Layout f, PriorPredictions& prior) {
+  f.each(prior.metrics, metrics_of(f), {{"S", "row"}},
+         "metrics of S draws of the prior; NaN where the rollouts failed");
+  describe(f, prior.scores);
+}
+
+void describe(Layout f, Columns& c, const std::vector<inference::Marginal>& prior,
+              std::optional<PriorPredictions>& predictions) {
   f("name", c.names, {{"n"}},
     "`nominal`; the study's references; then `truth` for a simulated target, or `floor` for a "
     "recording with `evaluate.floor`");
   f("theta", c.theta, {kRow, kParameter}, "their parameters").columns(prior);
-  f.each(c.metrics, f.those_there(all_measured_names()), {kRow},
+  f.each(c.metrics, metrics_of(f), {kRow},
          "their metrics, named as in an [evaluation](#evaluation); NaN where the rollouts failed");
+  c.scores.resize(std::max<std::size_t>(1, c.names.size()));
+  for (std::size_t i = 0; i < c.scores.size(); ++i) {
+    describe(f.group(fmt::format("point_{}", i + 1)), c.scores[i]);
+  }
+  if (auto group = f.group("prior", predictions)) describe(*group, *predictions);
 }
 
 }  // namespace
 
 void write_baseline(h5::File& file, const std::vector<inference::Marginal>& prior,
-                    const std::vector<BaselinePoint>& points) {
-  const auto n = static_cast<Index>(points.size());
-  Columns columns{{}, RowMatrix(n, static_cast<Index>(prior.size())), {}};
+                    Baseline baseline) {
+  const auto n = static_cast<Index>(baseline.points.size());
+  Columns columns{{}, RowMatrix(n, static_cast<Index>(prior.size())), {}, {}};
   for (Index i = 0; i < n; ++i) {
-    const BaselinePoint& point = points[static_cast<std::size_t>(i)];
+    const BaselinePoint& point = baseline.points[static_cast<std::size_t>(i)];
     columns.names.push_back(point.name);
     columns.theta.row(i) = point.theta.transpose();
     for (const auto& [metric, value] : point.metrics) {
       columns.metrics.try_emplace(metric, Vector(n)).first->second(i) = value;
     }
+    columns.scores.push_back(point.scores);
   }
-  describe(Layout::writer(file), columns, prior);
+  describe(Layout::writer(file), columns, prior, baseline.prior);
 }
 
-std::vector<BaselinePoint> read_baseline(const ArtefactFile& baseline) {
-  const h5::File file = open_artefact(baseline, kBaselineSchema);
+Baseline read_baseline(const ArtefactFile& artefact) {
+  const h5::File file = open_artefact(artefact, kBaselineSchema);
   Columns columns;
-  describe(Layout::reader(file), columns, {});
-  std::vector<BaselinePoint> points;
+  Baseline baseline;
+  describe(Layout::reader(file), columns, {}, baseline.prior);
   for (Index i = 0; i < columns.theta.rows(); ++i) {
-    points.push_back(
-        {columns.names[static_cast<std::size_t>(i)], columns.theta.row(i).transpose(), {}});
-    for (const auto& [metric, values] : columns.metrics) points.back().metrics[metric] = values(i);
+    const auto at = static_cast<std::size_t>(i);
+    baseline.points.push_back(
+        {columns.names[at], columns.theta.row(i).transpose(), {}, columns.scores[at]});
+    for (const auto& [metric, values] : columns.metrics) {
+      baseline.points.back().metrics[metric] = values(i);
+    }
   }
-  return points;
+  return baseline;
 }
 
 void list_baseline(Layout f) {
   Columns columns;
-  describe(f, columns, {});
+  std::optional<PriorPredictions> prior;
+  describe(f, columns, {}, prior);
 }
 
 }  // namespace npdr::pipeline

@@ -45,20 +45,6 @@ void describe(Layout f, analysis::Bands& bands) {
   f.attribute("num_samples", bands.num_samples, "those that didn't fail");
 }
 
-void describe(Layout f, PredictionScores& scores) {
-  const Dim channel{"C", "channel"}, level{"L", "level"};
-  f("crps", scores.crps, {channel}, "of the stored states, over the largest recorded magnitude");
-  f("coverage", scores.coverage, {level, channel},
-    "share of them within central bands of 10, 20, ..., 90 and 95 %");
-  f("noisy_crps", scores.noisy_crps, {channel}, "the same with observation noise, if there is any",
-    {.unless_empty = true});
-  f("noisy_coverage", scores.noisy_coverage, {level, channel}, "the same", {.unless_empty = true});
-  f("log_score", scores.log_score, {channel},
-    "log of the mean density of a state, over the largest recorded magnitude [nats], if all "
-    "channels have noise",
-    {.unless_empty = true});
-}
-
 void describe(Layout f, Evaluation& e, const std::vector<inference::Marginal>& prior,
               const std::vector<Channel>& features) {
   const std::vector<std::string> metrics = f.those_there(all_measured_names());
@@ -78,10 +64,7 @@ void describe(Layout f, Evaluation& e, const std::vector<inference::Marginal>& p
   map.each(e.map_metrics, metrics, {}, "their metrics");
   if (auto sampler = f.group("sampler", e.sampler)) describe(*sampler, *e.sampler);
   if (auto bands = f.group("bands", e.bands)) describe(*bands, *e.bands);
-  if (auto scores = f.group("scores", e.scores)) describe(*scores, *e.scores);
-  if (auto scores = f.group("held_out_scores", e.held_out_scores)) {
-    describe(*scores, *e.held_out_scores);
-  }
+  describe(f, e.scores);
   f("x", e.x, {kRow, kFeature}, "what a command gave at the samples, in place of the bands")
       .columns(features);
 }

@@ -14,7 +14,7 @@ inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
 inline const Schema kPosteriorSchema{"posterior", 3, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 3, "infer"};
 inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 2, "infer"};
-inline const Schema kBaselineSchema{"baseline", 3, "baseline"};
+inline const Schema kBaselineSchema{"baseline", 4, "baseline"};
 inline const Schema kEvaluationSchema{"evaluation", 5, "evaluate"};
 inline const Schema kDiagnosisSchema{"diagnosis", 1, "diagnose"};
 inline const Schema kPolicySchema{"policy", 1, "policy"};

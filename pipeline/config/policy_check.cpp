@@ -21,6 +21,7 @@ class PolicyChecker : Checker {
 
   void check() {
     if (!study_.policy.is_used() || !reading_.good("policy.optimizer")) return;
+    must_be_left_out("evaluate.leave_out", "policies are tested, not their predictions");
     check_optimizer();
     if (!info_ || !has_task()) return;
     check_initial();

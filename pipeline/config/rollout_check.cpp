@@ -14,7 +14,10 @@ namespace {
 class RolloutChecker : Checker {
  public:
   RolloutChecker(const Study& study, const RolloutShape& shape, Reading& reading)
-      : Checker(reading), study_(study), shape_(shape) {}
+      : Checker(reading), study_(study), shape_(shape), num_recorded_(shape.num_rollouts) {
+    if (study.target.recording && !study.target.rollouts.empty())
+      shape_.num_rollouts = std::ssize(study.target.rollouts);
+  }
 
   void check() {
     if (!study_.source().gives_motion) {
@@ -22,6 +25,11 @@ class RolloutChecker : Checker {
         check_features(fmt::format("method[{}]", i), study_.methods[i]);
       }
       return;
+    }
+    for (const std::uint64_t rollout : study_.target.rollouts) {
+      if (study_.target.truth) break;
+      check_at_most("target.rollouts", static_cast<Index>(rollout), num_recorded_,
+                    "what the recording holds");
     }
     if (check_at_most("target.num_rollouts", study_.target.num_rollouts, shape_.num_rollouts,
                       "what the recording holds")) {
@@ -31,6 +39,8 @@ class RolloutChecker : Checker {
     }
     check_at_most("simulator.store_every", study_.simulator.store_every, shape_.num_steps,
                   "the steps of a rollout");
+    check_at_most("evaluate.leave_out", study_.evaluate.leave_out, used_rollouts(),
+                  "the rollouts that inference sees");
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       check_method(fmt::format("method[{}]", i), study_.methods[i]);
     }
@@ -47,13 +57,20 @@ class RolloutChecker : Checker {
 
   void check_method(const std::string& path, const MethodConfig& method) {
     if (!infers(method)) return;
-    const bool some_fit = check_at_most(path + ".num_rollouts", method.num_rollouts,
-                                        used_rollouts(), "the rollouts of the target");
+    const bool some_fit =
+        check_at_most(path + ".num_rollouts", method.num_rollouts, fewest_rollouts(),
+                      study_.evaluate.leave_out > 0
+                          ? "the rollouts of the target but those that a fold leaves out"
+                          : "the rollouts of the target");
     if (inference::traits_of(method.algorithm.kind).family ==
         inference::AlgorithmFamily::regression) {
       check_at_most(path + ".linear_regression.window", method.linear_regression.window,
                     shape_.num_steps + 1, "the states of a rollout");
       return;
+    }
+    if (fewest_rollouts() == 1 && used_rollouts() > 1 && method.refine.sampling.cross_validate) {
+      fail(path + ".refine.cross_validate", "true",
+           "false: evaluate.leave_out leaves it a single rollout");
     }
     const bool states_are_left = check_at_most(
         path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
@@ -93,6 +110,12 @@ class RolloutChecker : Checker {
     return study_.target.num_rollouts > 0 ? study_.target.num_rollouts : shape_.num_rollouts;
   }
 
+  // Of those that inference sees when the largest fold is left out.
+  Index fewest_rollouts() const {
+    const Index folds = study_.evaluate.leave_out;
+    return folds > 0 ? used_rollouts() - (used_rollouts() + folds - 1) / folds : used_rollouts();
+  }
+
   // Every embedding has the same features of each rollout.
   Index num_features(const MethodConfig& method) const {
     const auto width = [](const std::vector<Channel>& channels) {
@@ -106,11 +129,12 @@ class RolloutChecker : Checker {
     const auto embedding =
         inference::make_embedding(method.embedding, one, study_.simulator.store_every);
     return embedding->num_features() *
-           (method.num_rollouts > 0 ? method.num_rollouts : used_rollouts());
+           (method.num_rollouts > 0 ? method.num_rollouts : fewest_rollouts());
   }
 
   const Study& study_;
-  const RolloutShape& shape_;
+  RolloutShape shape_;  // of those that are used
+  Index num_recorded_;
 };
 
 }  // namespace

@@ -198,8 +198,8 @@ class SourceChecker : Checker {
 
   void check_unused() {
     leave_out({"segment_length", "store_every"}, "it means nothing to a " + what_);
-    for (const char* path :
-         {"target.recording", "target.inputs", "target.num_rollouts", "target.held_out"}) {
+    for (const char* path : {"target.recording", "target.inputs", "target.rollouts",
+                             "target.num_rollouts", "target.held_out", "evaluate.leave_out"}) {
       must_be_left_out(path, no_rollouts());
     }
     must_be_left_out("evaluate.floor", "no search is made with a " + what_);

@@ -36,10 +36,11 @@ struct TargetConfig {
   std::optional<std::string> recording;                ///< path, as seen from the current folder
   std::optional<std::string> observation;              ///< the same, of a file that holds x_o
   std::optional<std::map<std::string, double>> truth;  ///< parameters that aren't nominal
-  std::optional<std::string> inputs;  ///< path of a recording that a truth's rollouts begin like
-  Index num_rollouts = 0;             ///< that inference sees; 0: all
-  Index held_out = 0;                 ///< after those, for evaluation alone
-  std::uint64_t seed = 0;             ///< picks a truth's random behavior
+  std::optional<std::string> inputs;    ///< path of a recording that a truth's rollouts begin like
+  std::vector<std::uint64_t> rollouts;  ///< of the recording, counted from 1; empty: all
+  Index num_rollouts = 0;               ///< that inference sees, of those; 0: all
+  Index held_out = 0;                   ///< after those, for evaluation alone
+  std::uint64_t seed = 0;               ///< picks a truth's random behavior
 };
 
 /// Noise on the simulated states that the inference sees (sim/noise_model.h). Priors are pairs of a
@@ -75,7 +76,8 @@ struct EvaluateConfig {
   Index num_samples = 1000;
   std::vector<Metric> metrics = {Metric::dtw, Metric::rmse};
   EvaluatedRounds rounds = EvaluatedRounds::last;
-  bool floor = true;  ///< search for the smallest RMSE in the prior, too; only with a recording
+  bool floor = true;    ///< search for the smallest RMSE in the prior, too; only with a recording
+  Index leave_out = 0;  ///< parts of the rollouts that methods predict from the others; 0: none
 };
 
 /// How posteriors are checked.

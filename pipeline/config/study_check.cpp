@@ -116,6 +116,7 @@ void StudyChecker::check_target() {
     return;
   }
   if (target.inputs) require_file("target.inputs", *target.inputs, "an existing HDF5 file");
+  must_be_left_out("target.rollouts", "it picks those of a recording");
   check_values("target.truth", *target.truth);
   if (target.num_rollouts < 1 && !target.inputs) {
     fail("target.num_rollouts", "0", ">= 1 with a truth: there is no recording to take all of");
@@ -202,7 +203,7 @@ void StudyChecker::check_diagnose() {
 
 // They share the columns of tables with methods and baselines.
 void StudyChecker::check_references() {
-  std::set<std::string> names = {"nominal", "truth", "floor"};
+  std::set<std::string> names = {"prior", "nominal", "truth", "floor"};
   for (const MethodConfig& method : study_.methods) names.insert(folder_slug(method.name));
   for (std::size_t i = 0; i < study_.references.size(); ++i) {
     const std::string path = fmt::format("reference[{}]", i);
@@ -211,8 +212,8 @@ void StudyChecker::check_references() {
     if (!reading_.good(path + ".name")) continue;
     if (names.insert(folder_slug(reference.name)).second) continue;
     fail(path + ".name", quoted(reference.name),
-         "unlike other references, methods, 'nominal', 'truth' and 'floor' in its letters a-z and "
-         "digits");
+         "unlike other references, methods, 'prior', 'nominal', 'truth' and 'floor' in its letters "
+         "a-z and digits");
   }
 }
 

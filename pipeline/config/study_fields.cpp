@@ -87,6 +87,16 @@ Constraint<std::vector<std::uint64_t>> seeds_constraint() {
           [](const auto& seeds) { return !seeds.empty() && all_distinct(seeds); }};
 }
 
+Constraint<std::vector<std::uint64_t>> rollouts_constraint() {
+  return {"distinct and >= 1, in the order in which they are used", [](const auto& rollouts) {
+            return all_distinct(rollouts) && std::ranges::count(rollouts, 0u) == 0;
+          }};
+}
+
+Constraint<double> folds_constraint() {
+  return {"0 or >= 2", [](double folds) { return folds == 0.0 || folds >= 2.0; }};
+}
+
 Constraint<std::vector<std::string>> metrics_constraint() {
   Constraint<std::vector<std::string>> constraint = distinct_of(names_of<Metric>());
   constraint.words += ", at least one of them";

@@ -38,6 +38,9 @@ Constraint<double> quantile_constraint();
 /// States of a smoother's window: odd, 5 to 1001.
 Constraint<double> window_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
+Constraint<std::vector<std::uint64_t>> rollouts_constraint();
+/// A number of folds, or none.
+Constraint<double> folds_constraint();
 Constraint<std::vector<std::string>> metrics_constraint();
 Constraint<std::vector<std::string>> checks_constraint();
 /// [low, high].
@@ -208,6 +211,8 @@ void describe(Fields& f, TargetConfig& c) {
   f("inputs", c.inputs, file_path(),
     "recording whose initial states and actions a truth's rollouts have; without it those of the "
     "simulator");
+  f("rollouts", c.rollouts, rollouts_constraint(),
+    "those of the recording that are used, counted from 1: [3, 4, 5, 1]; all when left out");
   f("num_rollouts", c.num_rollouts, count_from(0),
     "use the first k rollouts; 0: all of a recording; 5 for a truth when left out");
   f("held_out", c.held_out, count_from(0),
@@ -243,6 +248,9 @@ void describe(Fields& f, EvaluateConfig& c) {
   choice(f, "rounds", c.rounds, "which rounds' posteriors are evaluated");
   f("floor", c.floor, anything<bool>(),
     "of a recording: also search for the smallest RMSE in the prior");
+  f("leave_out", c.leave_out, folds_constraint(),
+    "folds: every method is repeated without each k-th part of the rollouts, to predict it; 0: "
+    "not");
 }
 
 template <class Fields>

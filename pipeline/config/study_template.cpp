@@ -34,6 +34,8 @@ num_rollouts = 1
 # ...
 # Recorded rollouts take the place of truth and seed; `npdr import` makes a file of CSV files:
 #   recording = "rollouts.h5"
+# and some of them, in this order:
+#   rollouts = [3, 4, 5, 1]
 # Of a simulator that gives features x and no rollouts, x_o itself, or a truth:
 #   observation = "x_o.csv"
 # A truth's rollouts may have the initial states and actions of a recording:

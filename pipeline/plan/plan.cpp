@@ -21,6 +21,7 @@ std::string Node::label() const {
   if (use.round > 0) text += ", round " + std::to_string(use.round);
   if (stage == Stage::policy_test && use.iteration == 0) text += ", before any search";
   if (is_calibration(*this)) text += ", calibration";
+  if (use.fold > 0) text += ", without fold " + std::to_string(use.fold);
   return text;
 }
 
@@ -74,6 +75,7 @@ std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use
   if (!use.method.empty()) {
     folder = folder / folder_slug(use.method) / ("seed-" + std::to_string(use.seed));
   }
+  if (use.fold > 0) folder /= "without-fold-" + std::to_string(use.fold);
   if (use.iteration > 0) folder /= "iteration-" + std::to_string(use.iteration);
   if (use.round > 0) folder /= "round-" + std::to_string(use.round);
   if (is_calibration(node)) folder /= "calibration";
@@ -83,6 +85,27 @@ std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use
 void link_uses(const Plan& plan, const Node& node) {
   if (node.stage == Stage::report) return;
   for (const Use& use : node.uses) make_link(node.path, link_of(plan, node, use));
+}
+
+namespace {
+
+Target pick_by_fold(const Study& study, const Target& seen, Index fold, bool is_of_fold) {
+  std::vector<Index> positions;
+  for (Index h = 0; h < seen.num_rollouts(); ++h) {
+    const bool is_left_out = fold > 0 && h % study.evaluate.leave_out == fold - 1;
+    if (is_left_out == is_of_fold) positions.push_back(h);
+  }
+  return seen.pick(positions);
+}
+
+}  // namespace
+
+Target without_fold(const Study& study, const Target& seen, Index fold) {
+  return pick_by_fold(study, seen, fold, false);
+}
+
+Target of_fold(const Study& study, const Target& seen, Index fold) {
+  return pick_by_fold(study, seen, fold, true);
 }
 
 bool is_calibration(const Node& node) {

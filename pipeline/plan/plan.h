@@ -20,13 +20,15 @@ namespace npdr::pipeline {
 
 /// Who uses an artefact: methods that share prior, budget and seed share simulations.
 struct Use {
-  std::string method;  ///< "": the whole study
+  std::string method = {};  ///< "": the whole study
   std::uint64_t seed = 0;
   /// Counted from 1; 0: none, or, of proposals and simulations, that of calibration.
   Index round = 0;
   /// Iteration of the loop of target rollouts, inference and policy search, counted from 1. 0: what
   /// comes before the first policy search, and whatever a method without such a loop infers.
   Index iteration = 0;
+  /// Fold of the rollouts that is left out (evaluate.leave_out), counted from 1; 0: none is.
+  Index fold = 0;
   friend bool operator==(const Use&, const Use&) = default;
 
   /// Names the random numbers of a round: each round of each iteration has its own.
@@ -40,7 +42,8 @@ struct Node : ArtefactFile {
   std::vector<Use> uses;           ///< at least one; the first made it part of the plan
   std::vector<std::size_t> needs;  ///< positions in the plan, all before this one
 
-  /// Name for people: "simulate NPDR (MAF), seed 1, iteration 3, round 2".
+  /// Name for people: "simulate NPDR (MAF), seed 1, iteration 3, round 2"; "infer NPE, seed 1,
+  /// round 1, without fold 2".
   std::string label() const;
 };
 
@@ -79,6 +82,11 @@ std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use
 
 /// Makes the links of all uses of a complete artefact. Throws Error.
 void link_uses(const Plan& plan, const Node& node);
+
+/// Rollouts of `seen` that are left out by a fold, every evaluate.leave_out-th from the fold's own
+/// number on; and those that aren't. Fold 0 leaves out none.
+Target without_fold(const Study& study, const Target& seen, Index fold);
+Target of_fold(const Study& study, const Target& seen, Index fold);
 
 /// Whether a node proposes or simulates what posteriors are calibrated with.
 bool is_calibration(const Node& node);

@@ -22,6 +22,15 @@ std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& 
   return plan.work.artefact(name_of(stage), key);
 }
 
+// Those that a study counts from 1.
+std::vector<Index> positions(const TargetConfig& target) {
+  std::vector<Index> positions;
+  for (const std::uint64_t rollout : target.rollouts) {
+    positions.push_back(static_cast<Index>(rollout) - 1);
+  }
+  return positions;
+}
+
 // Settings that a posterior without simulations takes from the study.
 void describe_known(const Study& study, Json& json) {
   json["simulator"] = {{"name", study.simulator.name}, {"parameters", study.simulator.parameters}};
@@ -74,6 +83,9 @@ void PlanBuilder::check_selection(const Selection& selection) const {
 Plan PlanBuilder::build() {
   const std::size_t target = add_target();
   held_out_ = add_held_out();
+  for (Index fold = 1; fold <= plan_.study.evaluate.leave_out; ++fold) {
+    folds_.push_back(add_fold(fold));
+  }
   if (plan_.study.source().predicts_features()) scale_ = add_scale();
   Results results;
   const auto selected = [](const auto& wanted, const auto& value) {
@@ -82,7 +94,9 @@ Plan PlanBuilder::build() {
   for (const std::uint64_t seed : plan_.study.seeds) {
     if (!selected(selection_.seeds, seed)) continue;
     for (const MethodConfig& method : plan_.study.methods) {
-      if (selected(selection_.methods, method.name)) add_experiment(method, seed, target, results);
+      if (!selected(selection_.methods, method.name)) continue;
+      add_experiment(method, seed, target, results);
+      if (infers(method)) add_folds(method, seed, results);
     }
   }
   add_report(target, add_baseline(target), results);
@@ -95,6 +109,7 @@ std::size_t PlanBuilder::add_target() {
   if (study.target.recording) {
     plan_.target = read_recording(*study.target.recording, channels_of(plan_.source->info()));
     check_recording(study, plan_.target);
+    if (!study.target.rollouts.empty()) plan_.target = plan_.target.pick(positions(study.target));
     if (study.target.num_rollouts > 0) {
       plan_.target = plan_.target.first(study.target.num_rollouts + study.target.held_out);
     }
@@ -131,8 +146,28 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
   return add(Stage::held_out, json, {}, {});
 }
 
+PlanBuilder::Fold PlanBuilder::add_fold(Index fold) {
+  const Study& study = plan_.study;
+  const auto add_part = [&](Stage stage, Target (*part)(const Study&, const Target&, Index)) {
+    Json json = key_document(kTargetSchema);
+    if (stage == Stage::held_out) json["held_out"] = "fold";
+    if (study.target.recording) {
+      const Index num_seen = plan_.target.num_rollouts() - study.target.held_out;
+      json["content"] = content_hash(part(study, plan_.target.first(num_seen), fold));
+    } else {
+      json["simulator"] = keys_.truth;
+      describe_truth(study, json);
+      json["fold"] = {fold, study.evaluate.leave_out};
+    }
+    return add(stage, json, {.fold = fold}, {});
+  };
+  return {add_part(Stage::target, &without_fold), add_part(Stage::held_out, &of_fold)};
+}
+
 // Describes what baselines and posteriors are measured by.
-PlanBuilder::Inputs PlanBuilder::add_judgment(std::size_t target, Json& json) const {
+PlanBuilder::Inputs PlanBuilder::add_judgment(std::size_t target,
+                                              std::optional<std::size_t> held_out,
+                                              Json& json) const {
   json["simulator"] = keys_.states;
   json["metrics"] = to_names(plan_.study.evaluate.metrics);
   const GoalConfig& goal = plan_.study.external.goal;
@@ -141,18 +176,26 @@ PlanBuilder::Inputs PlanBuilder::add_judgment(std::size_t target, Json& json) co
     json["references"][reference.name] = reference.parameters;
   }
   Inputs inputs = {{"target", target}};
-  if (held_out_) inputs.emplace_back("held_out", *held_out_);
+  if (held_out) inputs.emplace_back("held_out", *held_out);
   if (scale_) inputs.emplace_back("prior_predictive", *scale_);
   return inputs;
 }
 
 std::size_t PlanBuilder::add_baseline(std::size_t target) {
   Json json = key_document(kBaselineSchema);
-  const Inputs inputs = add_judgment(target, json);
+  const Inputs inputs = add_judgment(target, held_out_, json);
+  if (plan_.study.source().simulates) json["num_samples"] = plan_.study.evaluate.num_samples;
+  add_scoring(json);
   json["prior"] = to_json(plan_.study.prior);
   if (plan_.study.target.recording) json["floor"] = plan_.study.evaluate.floor;
   if (plan_.num_floor_evaluations() > 0) json["floor_evaluations"] = plan_.num_floor_evaluations();
   return add(Stage::baseline, json, {}, inputs);
+}
+
+void PlanBuilder::add_scoring(Json& json) const {
+  if (!plan_.study.source().gives_motion) return;
+  json["store_every"] = plan_.study.simulator.store_every;
+  json["observation_noise"] = noise_json(plan_.study.observation_noise);
 }
 
 void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target,
@@ -179,6 +222,18 @@ void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
     const auto tested = i == 0 ? std::nullopt : policy;
     const auto test = add_policy_test({method.name, seed, 0, i}, tested);
     if (test) note(results.policy_tests, *test);
+  }
+}
+
+void PlanBuilder::add_folds(const MethodConfig& method, std::uint64_t seed, Results& results) {
+  Use use{.method = method.name, .seed = seed};
+  for (const Fold& fold : folds_) {
+    ++use.fold;
+    use.round = 0;
+    const Rounds rounds = add_rounds(method, use, fold.target);
+    use.round = method.algorithm.num_rounds;
+    note(results.evaluations,
+         add_evaluation(use, fold.target, fold.left_out, rounds.posteriors.back()));
   }
 }
 
@@ -212,7 +267,7 @@ void PlanBuilder::add_judgments(const MethodConfig& method, Use use, std::size_t
   const Index last = method.algorithm.num_rounds;
   for (use.round = all_rounds ? 1 : last; use.round <= last; ++use.round) {
     const std::size_t posterior = rounds.posteriors[static_cast<std::size_t>(use.round - 1)];
-    note(results.evaluations, add_evaluation(use, first_target, posterior));
+    note(results.evaluations, add_evaluation(use, first_target, held_out_, posterior));
   }
   if (plan_.study.diagnose_of(method).checks.empty()) return;
   use.round = 0;
@@ -291,21 +346,21 @@ std::size_t PlanBuilder::add_refinement(const MethodConfig& method, const Use& u
   Inputs inputs = {{"target", target}};
   if (!method.refine.start.empty()) {
     const MethodConfig& start = plan_.study.method(method.refine.start);
-    const Rounds rounds = add_rounds(start, {start.name, use.seed, 0, use.iteration}, target);
+    const Use first{start.name, use.seed, 0, use.iteration, use.fold};
+    const Rounds rounds = add_rounds(start, first, target);
     inputs.emplace_back("posterior_1", rounds.posteriors.back());
   }
   return add(Stage::infer, json, use, inputs);
 }
 
-std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, std::size_t posterior) {
+std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target,
+                                        std::optional<std::size_t> held_out,
+                                        std::size_t posterior) {
   Json json = key_document(kEvaluationSchema);
-  Inputs inputs = add_judgment(target, json);
+  Inputs inputs = add_judgment(target, held_out, json);
   inputs.emplace_back("posterior", posterior);
   json["num_samples"] = plan_.study.evaluate.num_samples;
-  if (plan_.study.source().gives_motion) {
-    json["store_every"] = plan_.study.simulator.store_every;
-    json["observation_noise"] = noise_json(plan_.study.observation_noise);
-  }
+  add_scoring(json);
   if (plan_.study.target.truth) json["truth"] = *plan_.study.target.truth;
   json["seed"] = use.seed;
   return add(Stage::evaluate, json, use, inputs);
@@ -359,6 +414,10 @@ void PlanBuilder::add_report(std::size_t target, std::size_t baseline, const Res
   std::vector<std::size_t>& needs = plan_.nodes[report].needs;
   note(needs, target);
   if (held_out_) note(needs, *held_out_);
+  for (const Fold& fold : folds_) {
+    note(needs, fold.target);
+    note(needs, fold.left_out);
+  }
   for (const std::size_t evaluation : results.evaluations) {
     for (const std::size_t need : plan_.nodes[evaluation].needs) note(needs, need);
   }

@@ -17,6 +17,12 @@ class PlanBuilder {
 
   void check_selection(const Selection& selection) const;
   std::size_t add_target();
+  /// A target without a fold, and the rollouts that it leaves out.
+  struct Fold {
+    std::size_t target;
+    std::size_t left_out;
+  };
+  Fold add_fold(Index fold);
   std::size_t add_baseline(std::size_t target);
   /// Nodes that the report needs.
   struct Results {
@@ -33,6 +39,8 @@ class PlanBuilder {
   /// All iterations of one method and seed.
   void add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target,
                       Results& results);
+  /// The method and seed again, without each fold of the rollouts.
+  void add_folds(const MethodConfig& method, std::uint64_t seed, Results& results);
   /// All rounds of one iteration.
   Rounds add_rounds(const MethodConfig& method, Use use, std::size_t target);
   /// Adds evaluations and checks of the posteriors of the last iteration.
@@ -56,11 +64,15 @@ class PlanBuilder {
   /// The posterior under the noise's likelihood, from that of another method or the prior.
   std::size_t add_refinement(const MethodConfig& method, const Use& use, std::size_t target);
   std::optional<std::size_t> add_held_out();
+  /// Adds how predictions are scored to `json`.
+  void add_scoring(nlohmann::ordered_json& json) const;
   /// The simulations of the prior that features are compared in units of.
   std::size_t add_scale();
   /// Notes down in `json` what a judgment depends on, and returns its inputs.
-  Inputs add_judgment(std::size_t target, nlohmann::ordered_json& json) const;
-  std::size_t add_evaluation(const Use& use, std::size_t target, std::size_t posterior);
+  Inputs add_judgment(std::size_t target, std::optional<std::size_t> held_out,
+                      nlohmann::ordered_json& json) const;
+  std::size_t add_evaluation(const Use& use, std::size_t target,
+                             std::optional<std::size_t> held_out, std::size_t posterior);
   std::size_t add_diagnosis(const MethodConfig& method, const Use& use, std::size_t target,
                             const Rounds& rounds);
   void add_report(std::size_t target, std::size_t baseline, const Results& results);
@@ -71,6 +83,7 @@ class PlanBuilder {
 
   Plan plan_;
   std::optional<std::size_t> held_out_;
+  std::vector<Fold> folds_;
   std::optional<std::size_t> scale_;
   SourceKeys keys_;
   Selection selection_;

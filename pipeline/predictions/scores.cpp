@@ -63,30 +63,10 @@ Vector log_score(const sim::NoiseModel& model, const sim::Trajectories& rows,
       });
 }
 
-}  // namespace
-
-NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
-                          const sim::Trajectories& all_states, const StreamId& id) {
-  if (plan.study.observation_noise.is_silent()) return {};
-  const sim::NoiseModel model = noise_model(plan.study, target);
-  NoiseOfSamples noise(static_cast<std::size_t>(all_states.num_rows));
-  if (!model.has_unknown()) {
-    Stream unused(id);
-    std::ranges::fill(noise, model.draw_values(unused));
-    return noise;
-  }
-  const sim::NoiseLikelihood likelihood(model, stored_observation(plan, target));
-  const sim::Trajectories rows = stored(all_states, plan.study.simulator.store_every);
-  parallel_for(rows.num_rows, [&](Index i) {
-    if (!is_ok(rows, i)) return;
-    Stream stream(row_of(within(id, "noise_values"), i));
-    noise[static_cast<std::size_t>(i)] = likelihood.draw_values(rows.row(i), stream);
-  });
-  return noise;
-}
-
-PredictionScores score(const Plan& plan, const Target& target, const sim::Trajectories& all_states,
-                       const NoiseOfSamples& noise, const StreamId& id) {
+// As predictions of `target`.
+PredictionScores score_part(const Plan& plan, const Target& target,
+                            const sim::Trajectories& all_states, const NoiseOfSamples& noise,
+                            const StreamId& id) {
   const Index store_every = plan.study.simulator.store_every;
   const sim::NoiseModel model = noise_model(plan.study, target);
   sim::Trajectories rows = stored(all_states, store_every);
@@ -110,6 +90,50 @@ PredictionScores score(const Plan& plan, const Target& target, const sim::Trajec
   const auto noisy = scores_of(recorded);
   scores.noisy_crps = noisy.crps;
   scores.noisy_coverage = noisy.coverage;
+  return scores;
+}
+
+}  // namespace
+
+NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
+                          const sim::Trajectories& all_states, const StreamId& id) {
+  if (plan.study.observation_noise.is_silent()) return {};
+  const sim::NoiseModel model = noise_model(plan.study, target);
+  NoiseOfSamples noise(static_cast<std::size_t>(all_states.num_rows));
+  if (!model.has_unknown()) {
+    Stream unused(id);
+    std::ranges::fill(noise, model.draw_values(unused));
+    return noise;
+  }
+  const sim::NoiseLikelihood likelihood(model, stored_observation(plan, target));
+  const sim::Trajectories rows = stored(all_states, plan.study.simulator.store_every);
+  parallel_for(rows.num_rows, [&](Index i) {
+    if (!is_ok(rows, i)) return;
+    Stream stream(row_of(within(id, "noise_values"), i));
+    noise[static_cast<std::size_t>(i)] = likelihood.draw_values(rows.row(i), stream);
+  });
+  return noise;
+}
+
+NoiseOfSamples draw_prior_noise(const Plan& plan, const Target& target, Index num_samples,
+                                const StreamId& id) {
+  if (plan.study.observation_noise.is_silent()) return {};
+  const sim::NoiseModel model = noise_model(plan.study, target);
+  NoiseOfSamples noise;
+  for (Index i = 0; i < num_samples; ++i) {
+    Stream stream(row_of(within(id, "noise_values"), i));
+    noise.push_back(model.draw_values(stream));
+  }
+  return noise;
+}
+
+RolloutScores score(const Plan& plan, const Judge& judge, const sim::Trajectories& seen,
+                    const sim::Trajectories& held_out, const NoiseOfSamples& noise,
+                    const StreamId& id) {
+  RolloutScores scores{score_part(plan, judge.seen().target(), seen, noise, id), {}};
+  if (judge.held_out() == nullptr) return scores;
+  scores.held_out = score_part(plan, judge.held_out()->target(), held_out, noise,
+                               within(id, "held_out_simulation"));
   return scores;
 }
 

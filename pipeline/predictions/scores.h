@@ -3,8 +3,9 @@
 
 #include <vector>
 
-#include "pipeline/artefacts/evaluation_file.h"
+#include "pipeline/artefacts/prediction_scores.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/predictions/judge.h"
 #include "sim/noise_model.h"
 #include "sim/trajectories.h"
 
@@ -18,8 +19,14 @@ using NoiseOfSamples = std::vector<std::vector<sim::NoiseValues>>;
 NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
                           const sim::Trajectories& all_states, const StreamId& id);
 
-/// Scores of the samples' rollouts as predictions of `target`, with and without noise.
-PredictionScores score(const Plan& plan, const Target& target, const sim::Trajectories& all_states,
-                       const NoiseOfSamples& noise, const StreamId& id);
+/// The same of `num_samples` draws of the noise's own prior, which no recording informs.
+NoiseOfSamples draw_prior_noise(const Plan& plan, const Target& target, Index num_samples,
+                                const StreamId& id);
+
+/// Scores of the samples' rollouts, every state, as predictions of those that `judge` knows: with
+/// noise, of which there may be none, and without. Not for features.
+RolloutScores score(const Plan& plan, const Judge& judge, const sim::Trajectories& seen,
+                    const sim::Trajectories& held_out, const NoiseOfSamples& noise,
+                    const StreamId& id);
 
 }  // namespace npdr::pipeline

@@ -17,6 +17,14 @@ std::vector<const EvaluatedRun*> ReportData::runs_of(const std::string& method, 
   return found;
 }
 
+std::vector<const EvaluatedRun*> ReportData::folds_of(const Use& use) const {
+  std::vector<const EvaluatedRun*> found;
+  for (const EvaluatedRun& run : folds) {
+    if (run.use.method == use.method && run.use.seed == use.seed) found.push_back(&run);
+  }
+  return found;
+}
+
 std::string ReportData::experiments() const {
   return counted(static_cast<Index>(seeds.size()), "experiment") +
          (seeds.size() == 1 ? " (seed)" : " (seeds)");
@@ -85,8 +93,8 @@ void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
     const Node& posterior = *plan.inputs(*evaluation, Stage::infer).front();
     for (const Use& use : evaluation->uses) {
       const bool is_last = use.round == plan.study.method(use.method).algorithm.num_rounds;
-      data.runs.push_back(
-          {use, is_last, read_evaluation(*evaluation), read_posterior_notes(posterior)});
+      (use.fold > 0 ? data.folds : data.runs)
+          .push_back({use, is_last, read_evaluation(*evaluation), read_posterior_notes(posterior)});
     }
   }
   collect(plan.inputs(node, Stage::diagnose), &read_diagnosis, data.diagnoses);

@@ -34,15 +34,19 @@ struct ReportData {
   std::vector<std::string> methods;  ///< that infer, in the study's order
   std::vector<std::uint64_t> seeds;
   std::vector<EvaluatedRun> runs;
-  std::vector<BaselinePoint> baseline;
+  Baseline baseline;
   std::vector<ResultOf<Diagnosis>> diagnoses = {};      ///< where the study asks for any
   std::vector<ResultOf<PolicyHistory>> policies = {};   ///< of a study with [policy], by iteration
   std::vector<ResultOf<PolicyTest>> policy_tests = {};  ///< iteration 0: before any search
   Target target = {};  ///< all rollouts that inference may see, or x_o
   std::optional<Target> held_out = {};
+  std::vector<EvaluatedRun> folds = {};  ///< where the study leaves any out
 
   /// Runs of the method, in the order of seeds: of its last round, or of `round` when that is > 0.
   std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;
+
+  /// The runs of a method and seed that a fold was left out of.
+  std::vector<const EvaluatedRun*> folds_of(const Use& use) const;
 
   /// Checks of the method, in the order of seeds.
   std::vector<const ResultOf<Diagnosis>*> diagnoses_of(const std::string& method) const;

@@ -10,25 +10,25 @@ namespace {
 // Whose predictions of which rollouts.
 struct Panel {
   const char* title;
-  std::optional<PredictionScores> Evaluation::*scores;
+  std::optional<PredictionScores> RolloutScores::*scores;
   RowMatrix PredictionScores::*coverage;
 };
 constexpr Panel kPanels[] = {
-    {"seen", &Evaluation::scores, &PredictionScores::coverage},
-    {"seen, with noise", &Evaluation::scores, &PredictionScores::noisy_coverage},
-    {"held out", &Evaluation::held_out_scores, &PredictionScores::coverage},
-    {"held out, with noise", &Evaluation::held_out_scores, &PredictionScores::noisy_coverage}};
+    {"seen", &RolloutScores::seen, &PredictionScores::coverage},
+    {"seen, with noise", &RolloutScores::seen, &PredictionScores::noisy_coverage},
+    {"held out", &RolloutScores::held_out, &PredictionScores::coverage},
+    {"held out, with noise", &RolloutScores::held_out, &PredictionScores::noisy_coverage}};
 
 // Mean over channels at each level; none: there are no such predictions.
 Vector curve_of(const EvaluatedRun& run, const Panel& panel) {
-  const auto& scores = run.evaluation.*panel.scores;
+  const auto& scores = run.evaluation.scores.*panel.scores;
   if (!scores) return {};
   return ((*scores).*panel.coverage).rowwise().mean();
 }
 
 bool exists(const ReportData& data) {
   return std::ranges::any_of(
-      data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.has_value(); });
+      data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.seen.has_value(); });
 }
 
 analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {

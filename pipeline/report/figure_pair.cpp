@@ -11,7 +11,7 @@ namespace npdr::pipeline {
 namespace {
 
 const BaselinePoint* find_point(const ReportData& data, const std::string& name) {
-  for (const BaselinePoint& point : data.baseline) {
+  for (const BaselinePoint& point : data.baseline.points) {
     if (point.name == name) return &point;
   }
   return nullptr;

@@ -66,13 +66,13 @@ void note_recorded_goal(Table& table, const ReportData& data) {
   table.footnote(text);
 }
 
-// Columns: ours, published, then single parameter vectors.
+// Columns: ours, published, then the prior and single parameter vectors.
 void add_fit_columns(Table& table, const ReportData& data) {
   for (const std::string& method : data.methods) {
     table.columns.push_back({method, false});
     if (!data.plan.study.method(method).published.empty()) table.columns.push_back({method, true});
   }
-  for (const BaselinePoint& point : data.baseline) table.columns.push_back({point.name, false});
+  add_columns(table, baseline_names(data));
 }
 
 // Simulations that went well, but have no distance: there is nothing to measure it in.
@@ -102,7 +102,12 @@ Row fit_row(Table& table, const ReportData& data, const std::string& metric) {
                             ? Cell()
                             : analysis::MeanStd{figure->second.mean, figure->second.std, 0});
   }
-  for (const BaselinePoint& point : data.baseline) row.cells.emplace_back(point.metrics.at(metric));
+  if (const auto& prior = data.baseline.prior) {
+    row.cells.push_back(cell_of(table, analysis::summarize(prior->metrics.at(metric))));
+  }
+  for (const BaselinePoint& point : data.baseline.points) {
+    row.cells.emplace_back(point.metrics.at(metric));
+  }
   return row;
 }
 
@@ -112,7 +117,7 @@ Row seed_means_row(const ReportData& data, const std::string& metric) {
     row.cells.emplace_back(summary_of_means(data.runs_of(method), metric_samples(metric)));
     if (!data.plan.study.method(method).published.empty()) row.cells.emplace_back();
   }
-  row.cells.resize(row.cells.size() + data.baseline.size());
+  row.cells.resize(row.cells.size() + baseline_names(data).size());
   return row;
 }
 
@@ -153,7 +158,7 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// Fit of each method's posterior samples to the target domain: the twin of Tables 2 and A2,
-/// with the published figures, the nominal parameters and the floor beside them.
+/// with the published figures, the prior, the nominal parameters and the floor beside them.
 TableEntry fit_table() { return {"fit", Section::fit, exists, make}; }
 
 }  // namespace npdr::pipeline

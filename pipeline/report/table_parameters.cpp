@@ -85,12 +85,12 @@ Table make(const ReportData& data) {
   Table table =
       empty_table("Domain parameters: mean and standard deviation of the posterior, all seeds.",
                   "Parameter", {"unit", "prior"});
-  for (const BaselinePoint& point : data.baseline) add_columns(table, {point.name});
+  for (const BaselinePoint& point : data.baseline.points) add_columns(table, {point.name});
   add_columns(table, data.methods);
   Index d = 0;
   for (const inference::Marginal& marginal : data.plan.study.prior) {
     Row row{marginal.name, {marginal.unit, prior_text(marginal)}};
-    for (const BaselinePoint& point : data.baseline) row.cells.emplace_back(point.theta(d));
+    for (const BaselinePoint& point : data.baseline.points) row.cells.emplace_back(point.theta(d));
     for (const std::string& method : data.methods) {
       row.cells.push_back(posterior_cell(table, data, method, d));
     }

@@ -21,6 +21,13 @@ void add_columns(Table& table, const std::vector<std::string>& titles) {
   for (const std::string& title : titles) table.columns.push_back({title, false});
 }
 
+std::vector<std::string> baseline_names(const ReportData& data) {
+  std::vector<std::string> names;
+  if (data.baseline.prior) names.emplace_back("prior");
+  for (const BaselinePoint& point : data.baseline.points) names.push_back(point.name);
+  return names;
+}
+
 Index add_round_columns(Table& table, const ReportData& data) {
   Index most_rounds = 0;
   for (const EvaluatedRun& run : data.runs) most_rounds = std::max(most_rounds, run.use.round);

@@ -19,6 +19,8 @@ Table empty_table(std::string caption, std::string row_header,
                   const std::vector<std::string>& columns);
 
 void add_columns(Table& table, const std::vector<std::string>& titles);
+/// What posteriors are compared with: "prior", "nominal", references, "truth" or "floor".
+std::vector<std::string> baseline_names(const ReportData& data);
 /// Adds a column for each round that any method has; returns how many.
 Index add_round_columns(Table& table, const ReportData& data);
 

@@ -4,6 +4,7 @@
 #include "pipeline/artefacts/baseline_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/judge.h"
+#include "pipeline/predictions/scores.h"
 #include "pipeline/predictions/search_box.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
@@ -12,11 +13,57 @@
 namespace npdr::pipeline {
 namespace {
 
+// The only row, `count` times.
+sim::Trajectories repeat(const sim::Trajectories& one, Index count) {
+  sim::Trajectories many;
+  many.resize(count, one.num_rollouts, one.num_steps, one.num_states);
+  std::ranges::fill(many.status, one.status.front());
+  for (Index i = 0; i < count; ++i) std::ranges::copy(one.values, many.row(i).begin());
+  return many;
+}
+
+// A single rollout as a prediction: with noise, it is one of as many samples as a posterior has.
+RolloutScores score_point(const Plan& plan, const Judge& judge, const sim::Trajectories& seen,
+                          const sim::Trajectories& held_out, const StreamId& id) {
+  const Index count = plan.study.evaluate.num_samples;
+  const sim::Trajectories many = repeat(seen, count);
+  const sim::Trajectories many_held_out =
+      judge.held_out() == nullptr ? held_out : repeat(held_out, count);
+  const NoiseOfSamples noise = draw_noise(plan, judge.seen().target(), many, id);
+  return score(plan, judge, many, many_held_out, noise, id);
+}
+
 // `number`: that of the point, which names the random numbers of a simulator that draws some.
 BaselinePoint measure(const Plan& plan, const Judge& judge, const std::string& name,
                       const Vector& complete, std::size_t number) {
-  return {name, plan.source->parameters().pick_one(complete),
-          judge.measure_one(complete, {0, "external_baseline", 0, number, 0})};
+  BaselinePoint point{name, plan.source->parameters().pick_one(complete), {}};
+  if (!plan.study.source().simulates) return point;
+  const RowMatrix theta = complete.transpose();
+  const StreamId id{0, "external_baseline", 0, number, 0};
+  const sim::Trajectories seen = judge.seen().simulate(theta, id);
+  const sim::Trajectories held_out = judge.simulate_held_out(theta, id);
+  for (const auto& [metric, column] : judge.measure(seen, held_out)) {
+    point.metrics[metric] = column(0);
+  }
+  if (plan.study.source().gives_motion) {
+    point.scores = score_point(plan, judge, seen, held_out, {0, "baseline_scores", number, 0, 0});
+  }
+  return point;
+}
+
+PriorPredictions predict_by_prior(const Plan& plan, const Judge& judge) {
+  const Index count = plan.study.evaluate.num_samples;
+  const RowMatrix theta = inference::sample_prior(inference::Prior(plan.study.prior), count,
+                                                  {0, "prior_predictions", 0, 0, 0});
+  const RowMatrix complete = plan.source->parameters().complete(theta);
+  const StreamId id{0, "external_prior", 0, 0, 0};
+  const sim::Trajectories seen = judge.seen().simulate(complete, id);
+  const sim::Trajectories held_out = judge.simulate_held_out(complete, id);
+  PriorPredictions predictions{judge.measure(seen, held_out)};
+  if (!plan.study.source().gives_motion) return predictions;
+  const NoiseOfSamples noise = draw_prior_noise(plan, judge.seen().target(), count, id);
+  predictions.scores = score(plan, judge, seen, held_out, noise, id);
+  return predictions;
 }
 
 // A search that costs as much as the simulations of one experiment, where the plan has a budget.
@@ -62,7 +109,8 @@ BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge)
 void run_baseline(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
   const Judge judge(plan, node);
-  std::vector<BaselinePoint> points;
+  Baseline baseline;
+  std::vector<BaselinePoint>& points = baseline.points;
   const auto add = [&](const std::string& name, const std::map<std::string, double>& values) {
     const Vector complete = plan.source->parameters().nominal(values);
     points.push_back(measure(plan, judge, name, complete, points.size()));
@@ -76,7 +124,8 @@ void run_baseline(const Plan& plan, const Node& node) {
   } else if (plan.study.evaluate.floor) {
     points.push_back(find_floor(plan, node, judge));
   }
-  write_baseline(writer.file(), plan.study.prior, points);
+  if (plan.study.source().simulates) baseline.prior = predict_by_prior(plan, judge);
+  write_baseline(writer.file(), plan.study.prior, baseline);
   writer.finish();
 }
 

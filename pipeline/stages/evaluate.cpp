@@ -22,11 +22,7 @@ void predict(const Plan& plan, const Judge& judge, const StreamId& first, Evalua
   }
   evaluation.bands = analysis::quantile_bands(view_of(seen));
   const NoiseOfSamples noise = draw_noise(plan, predictor.target(), seen, first);
-  evaluation.scores = score(plan, predictor.target(), seen, noise, first);
-  if (const Predictor* predictor_held_out = judge.held_out()) {
-    evaluation.held_out_scores = score(plan, predictor_held_out->target(), held_out, noise,
-                                       within(first, "held_out_simulation"));
-  }
+  evaluation.scores = score(plan, judge, seen, held_out, noise, first);
 }
 
 }  // namespace

@@ -16,14 +16,14 @@ namespace npdr::pipeline {
 namespace {
 
 // Forbids held-out rollouts that inference sees: explaining them says nothing about others.
-void check_held_out(const Target& seen, const Target& held_out) {
+void check_held_out(const char* key, const Target& seen, const Target& held_out) {
   for (const Rollout& rollout : held_out.rollouts) {
     for (const Rollout& other : seen.rollouts) {
       if (rollout.states != other.states || rollout.actions != other.actions) continue;
       throw InputError(fmt::format(
-          "target.held_out: rollout '{}' is the same as '{}', which inference sees; must be left "
-          "out where the behavior isn't random",
-          rollout.name, other.name));
+          "{}: rollout '{}' is the same as '{}', which inference sees; must be left out where the "
+          "behavior isn't random",
+          key, rollout.name, other.name));
     }
   }
 }
@@ -43,16 +43,18 @@ Target collect(const Plan& plan, const Node& node) {
   return target;
 }
 
-// The rollouts that inference sees, or those that are held out; or x_o.
+// The rollouts that inference sees, or those that are held out, of a fold or of all; or x_o.
 void write_part(const Plan& plan, const Node& node, const Target& all, h5::File& file) {
   const Index num_seen = all.num_rollouts() - plan.study.target.held_out;
+  const Index fold = node.uses.front().fold;
   if (!plan.study.source().gives_motion) {
     write_observation(file, all);
-  } else if (node.stage == Stage::held_out) {
-    check_held_out(all.first(num_seen), all.after(num_seen));
-    write_target(file, all.after(num_seen));
   } else {
-    write_target(file, all.first(num_seen));
+    const Target used = all.first(num_seen), seen = without_fold(plan.study, used, fold);
+    if (node.stage == Stage::target) return write_target(file, seen);
+    const Target rest = fold > 0 ? of_fold(plan.study, used, fold) : all.after(num_seen);
+    check_held_out(fold > 0 ? "evaluate.leave_out" : "target.held_out", seen, rest);
+    write_target(file, rest);
   }
 }
 

@@ -38,6 +38,13 @@ TEST_F(BadInput, HeldOutRolloutsThatAreNone) {
                   "target.held_out: rollout 'simulated 2' is the same as 'simulated 0'");
 }
 
+TEST_F(BadInput, FoldsThatHaveBeenSeen) {
+  std::ofstream(folder_.path() / "small.toml") << small_study();
+  expect_rejected(run(folder_.path(), {"npdr", "run", "small.toml", "--set",
+                                       "target.num_rollouts=3", "--set", "evaluate.leave_out=3"}),
+                  "evaluate.leave_out: rollout 'simulated 0' is the same as 'simulated 2'");
+}
+
 TEST_F(BadInput, UnknownSimulator) {
   expect_rejected(run_with("\"pendulum\"", "\"pendulm\""), "pendulum");
 }

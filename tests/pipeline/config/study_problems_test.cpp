@@ -333,7 +333,7 @@ TEST(StudyProblems, ReferencesAndHeldOutRolloutsAreChecked) {
   EXPECT_EQ(with("[[reference]]\nname = 'a'\nparameters = { pole_mass = 1.3 }"), "");
   EXPECT_TRUE(says(with("[[reference]]\nname = 'truth'"),
                    {"s.toml:24:8: reference.name = 'truth'", "must be unlike",
-                    "'nominal', 'truth' and 'floor'"}));
+                    "'prior', 'nominal', 'truth' and 'floor'"}));
   EXPECT_NE(with("[[reference]]\nname = 'npdr maf'").find("must be unlike"), std::string::npos);
   EXPECT_TRUE(says(with("[[reference]]\nname = 'a'\nparameters = { pole_mas = 1.3 }"),
                    {"s.toml:25:27: reference.parameters: unknown parameter 'pole_mas'",
@@ -350,6 +350,13 @@ TEST(StudyProblems, ReferencesAndHeldOutRolloutsAreChecked) {
                     "'pendulum'"}));
   EXPECT_TRUE(says(problems_of(kStudyText, {"target.held_out=-1"}),
                    {"--set target.held_out=-1: target.held_out = -1", "must be >= 0 and <= 10^9"}));
+  EXPECT_NE(problems_of(kStudyText, {"target.rollouts=[1, 0]"})
+                .find("target.rollouts = [1, 0], must be distinct and >= 1"),
+            std::string::npos);
+  EXPECT_TRUE(says(problems_of(kStudyText, {"target.rollouts=[2, 1]"}),
+                   {"--set target.rollouts=[2, 1]: target.rollouts", "must be left out"}));
+  EXPECT_TRUE(says(problems_of(kStudyText, {"evaluate.leave_out=1"}),
+                   {"--set evaluate.leave_out=1: evaluate.leave_out = 1", "must be 0 or >= 2"}));
 }
 
 TEST(StudyProblems, ChecksAreKnownAndDistinct) {

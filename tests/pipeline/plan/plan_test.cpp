@@ -123,6 +123,44 @@ TEST(Plan, HeldOutRolloutsAreForBaselinesAndEvaluations) {
   expect_only_differ(plan_of({"target.held_out=2"}), plan_of({"target.held_out=1"}), judged);
 }
 
+TEST(Plan, EveryMethodIsRepeatedWithoutEachFold) {
+  const Plan whole = plan_of(), folded = plan_of({"evaluate.leave_out=2"});
+  EXPECT_EQ(count(folded, Stage::target), 3);
+  EXPECT_EQ(count(folded, Stage::held_out), 2);
+  EXPECT_EQ(count(folded, Stage::infer), 3 * count(whole, Stage::infer));
+  EXPECT_EQ(count(folded, Stage::evaluate), 3 * count(whole, Stage::evaluate));
+  for (const Node& node : whole.nodes) {
+    if (node.stage == Stage::report) continue;
+    EXPECT_NO_THROW(folded.node_by_key(node.key)) << node.label();
+  }
+  const Use use{.method = "A", .seed = 2, .round = 2, .fold = 1};
+  const Node& evaluation = folded.node(Stage::evaluate, use);
+  const Use fold{.fold = 1};
+  EXPECT_EQ(folded.inputs(evaluation, Stage::target).front(), &folded.node(Stage::target, fold));
+  EXPECT_EQ(folded.inputs(evaluation, Stage::held_out).front(),
+            &folded.node(Stage::held_out, fold));
+  EXPECT_EQ(evaluation.label(), "evaluate A, seed 2, round 2, without fold 1");
+  EXPECT_EQ(link_of(folded, evaluation, use),
+            "runs/two/a/seed-2/without-fold-1/round-2/evaluate.h5");
+}
+
+std::string names_of(const Target& target) {
+  std::string names;
+  for (const Rollout& rollout : target.rollouts) names += rollout.name;
+  return names;
+}
+
+TEST(Plan, FoldsTakeTurns) {
+  const Study study = parse_study(std::string(two_methods()), "two.toml", {"evaluate.leave_out=2"});
+  Target target;
+  for (const char* name : {"a", "b", "c", "d", "e"}) target.rollouts.push_back({name, {}, {}});
+  EXPECT_EQ(names_of(of_fold(study, target, 1)), "ace");
+  EXPECT_EQ(names_of(without_fold(study, target, 1)), "bd");
+  EXPECT_EQ(names_of(of_fold(study, target, 2)), "bd");
+  EXPECT_EQ(names_of(without_fold(study, target, 2)), "ace");
+  EXPECT_EQ(names_of(without_fold(study, target, 0)), "abcde");
+}
+
 TEST(Plan, ReferencesAreForBaselinesAndEvaluations) {
   const std::set<Stage> judged = {Stage::baseline, Stage::evaluate, Stage::report};
   const std::string name = "reference=[{name='measured'";
@@ -157,7 +195,9 @@ void write_rest(const std::filesystem::path& path) {
   target.dt = 0.02;
   target.state_channels = simulator->info().state_channels;
   target.action_channels = simulator->info().action_channels;
-  target.rollouts.assign(2, {"rest", RowMatrix::Zero(41, 2), RowMatrix::Zero(40, 1)});
+  for (const char* name : {"first", "second"}) {
+    target.rollouts.push_back({name, RowMatrix::Zero(41, 2), RowMatrix::Zero(40, 1)});
+  }
   write_recording(target, path);
 }
 
@@ -172,6 +212,22 @@ TEST(Plan, AFloorIsSearchedForRecordingsOnly) {
   EXPECT_NE(baseline({recording, "evaluate.floor=false"}), baseline({recording}));
 }
 
+TEST(Plan, AStudyPicksRolloutsOfItsRecording) {
+  const TempFolder folder;
+  write_rest(folder / "r.h5");
+  const auto plan = [&](const std::string& rollouts) {
+    return plan_of({"target.recording=" + (folder / "r.h5").string(), "target.num_rollouts=1",
+                    "target.held_out=1", "target.rollouts=" + rollouts});
+  };
+  EXPECT_EQ(names_of(plan("[2, 1]").target), "secondfirst");
+  EXPECT_EQ(keys(plan("[1, 2]"), Stage::report), keys(plan("[1, 2]"), Stage::report));
+  EXPECT_TRUE(says(message_of<InputError>([&] { plan("[1]"); }),
+                   {"--set target.held_out=1: target.held_out = 1", "must be <= 0"}));
+  EXPECT_TRUE(says(message_of<InputError>([&] { plan("[1, 3]"); }),
+                   {"--set target.rollouts=[1, 3]: target.rollouts = 3",
+                    "must be <= 2, what the recording holds"}));
+}
+
 TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
   const TempFolder folder;
   write_rest(folder / "r.h5");
@@ -182,6 +238,12 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
   };
   EXPECT_TRUE(says(problems({"target.num_rollouts=3"}),
                    {"--set target.num_rollouts=3: target.num_rollouts = 3", "must be <= 2"}));
+  EXPECT_TRUE(says(problems({"evaluate.leave_out=3"}),
+                   {"--set evaluate.leave_out=3: evaluate.leave_out = 3",
+                    "must be <= 2, the rollouts that inference sees"}));
+  EXPECT_TRUE(says(problems({"evaluate.leave_out=2", "method.B.num_rollouts=2"}),
+                   {"--set method.B.num_rollouts=2: method.num_rollouts = 2",
+                    "must be <= 1, the rollouts of the target but those that a fold leaves out"}));
   EXPECT_TRUE(says(problems({"method.B.num_rollouts=3"}),
                    {"--set method.B.num_rollouts=3: method.num_rollouts = 3", "must be <= 2"}));
   EXPECT_TRUE(says(problems({"method.A.embedding.downsample=21"}),
@@ -289,10 +351,10 @@ TEST(Plan, KeysOfStudiesWithoutPoliciesStay) {
   const auto report_key = [](const std::vector<std::string>& overrides) {
     return plan_of(overrides).node(Stage::report, {}).key;
   };
-  EXPECT_EQ(report_key({}), "3f93352bd2f247ea6d4fd7978b2dfb48");
-  EXPECT_EQ(report_key({"diagnose={}"}), "0fefc795cb99c0777118510990fa614b");
+  EXPECT_EQ(report_key({}), "3fdde2d679fd4c912316b9b9abb774ba");
+  EXPECT_EQ(report_key({"diagnose={}"}), "4bd11dfa76f9691f510a9d8ea0987564");
   EXPECT_EQ(report_key({"method.A.algorithm=abc_smc", "target.held_out=1", "evaluate.rounds=all"}),
-            "e5d3b5808e6a175a9295cc9fa51caa86");
+            "9c880c101183e95774b03a7656214a36");
 }
 
 // The last round's posterior holds all that a population needs of the rounds before it.

@@ -175,9 +175,9 @@ TEST_F(AbcStages, ARegressionFindsTheTruthWithoutSimulations) {
   EXPECT_EQ(run.evaluation.theta.col(1), Vector::Constant(20, 8.4)) << "known";
   EXPECT_NEAR(mean(2) / 0.1, 1.0, 0.01);
   EXPECT_NEAR(mean(3) / 0.12, 1.0, 0.01) << "outside of the prior";
-  ASSERT_EQ(data.baseline.front().name, "nominal");
+  ASSERT_EQ(data.baseline.points.front().name, "nominal");
   EXPECT_LT(run.evaluation.metrics.at("rmse").maxCoeff(),
-            0.1 * data.baseline.front().metrics.at("rmse"));
+            0.1 * data.baseline.points.front().metrics.at("rmse"));
   EXPECT_TRUE(data.is_inferred("Regression", 0));
   EXPECT_FALSE(data.is_inferred("Regression", 1));
 

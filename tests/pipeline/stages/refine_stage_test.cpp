@@ -191,10 +191,10 @@ TEST_F(RefineStage, PredictionsAreScoredWithNoise) {
   run_until(plan, Stage::evaluate);
   const Node& node = plan.node(Stage::evaluate, {"Prior", 1, 1});
   const Evaluation evaluation = read_evaluation({node.path, node.key});
-  ASSERT_TRUE(evaluation.scores.has_value());
-  EXPECT_NEAR(evaluation.scores->noisy_crps.mean(), 0.113, 0.04);
-  EXPECT_NEAR(evaluation.scores->log_score.mean(), 0.190, 0.45);
-  EXPECT_LT(evaluation.scores->crps.mean(), 0.04) << "of states that aren't noisy";
+  ASSERT_TRUE(evaluation.scores.seen.has_value());
+  EXPECT_NEAR(evaluation.scores.seen->noisy_crps.mean(), 0.113, 0.04);
+  EXPECT_NEAR(evaluation.scores.seen->log_score.mean(), 0.190, 0.45);
+  EXPECT_LT(evaluation.scores.seen->crps.mean(), 0.04) << "of states that aren't noisy";
 }
 
 TEST_F(RefineStage, TakesThePowerThatPredictsLeftOutRolloutsBest) {

@@ -10,6 +10,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/report/data.h"
+#include "pipeline/report/registry.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
@@ -68,6 +69,41 @@ TEST_F(SmallStages, TwinMethodsCountEachSampleOnce) {
     for (const EvaluatedRun* run : data.runs_of(method)) n += run->evaluation.theta.rows();
     EXPECT_EQ(n, 2 * 20) << method;
   }
+}
+
+double number_of(const analysis::Cell& cell) {
+  if (const double* number = std::get_if<double>(&cell.value)) return *number;
+  return std::get<analysis::MeanStd>(cell.value).mean;
+}
+
+TEST_F(SmallStages, PredictionsOfFoldsAndBaselinesAreScored) {
+  const Plan plan = plan_of(
+      {"simulator.name=furuta", "simulator.store_every=25", "target.num_rollouts=2",
+       "prior={ pole_mass = { uniform = [0.0168, 0.0312] } }", "target.truth={ pole_mass = 0.03 }",
+       "method.embedding={ kind = 'all_steps', downsample = 25 }", "evaluate.leave_out=2",
+       "study.seeds=[1]", "observation_noise.scale=0.1"});
+  run_all(plan, Stage::evaluate);
+  run_stage(plan, plan.node(Stage::baseline, {}));
+  const ReportData data = read_report_data(plan, plan.node(Stage::report, {}));
+  ASSERT_EQ(data.folds.size(), 4u) << "two of each method";
+  ASSERT_TRUE(scores_table().exists(data));
+  const analysis::Table table = scores_table().make(data);
+  std::vector<std::string> titles;
+  for (const analysis::Column& column : table.columns) titles.push_back(column.title);
+  EXPECT_EQ(titles, (std::vector<std::string>{"A", "B", "prior", "nominal", "truth"}));
+  const auto row = [&](const std::string& label) {
+    return std::ranges::find(table.rows, label, &analysis::Row::label)->cells;
+  };
+  double left_out = 0.0;
+  for (const EvaluatedRun* fold : data.folds_of({.method = "A", .seed = 1})) {
+    left_out += fold->evaluation.scores.held_out->crps.mean() / 2.0;
+  }
+  EXPECT_DOUBLE_EQ(number_of(row("CRPS, left out")[0]), left_out);
+  EXPECT_NE(number_of(row("CRPS")[0]), left_out);
+  EXPECT_LT(number_of(row("CRPS")[4]), 1e-6) << "the truth, without noise";
+  // 0.1 / sqrt(pi), from some hundred errors: a standard error of 0.004 at most, tolerance of five.
+  EXPECT_NEAR(number_of(row("CRPS with noise")[4]), 0.0564, 0.02);
+  EXPECT_EQ(number_of(row("90 % bands cover")[3]), 0.0) << "a point, not a band";
 }
 
 TEST_F(SmallStages, TheLimitOfFailuresHoldsForSimulationsThatAreThere) {
