@@ -68,6 +68,15 @@ class Submit : public ClusterTest {
            ("infer-npe-seed-1-round-1-" + task + ".log");
   }
 
+  // "": none runs.
+  std::string running_inference(const std::string& study) const {
+    const std::string queue =
+        cluster_
+            ->call({"squeue", "-h", "-t", "running", "-n", "npdr-" + study + "-infer", "-o", "%i"})
+            .out;
+    return queue.substr(0, queue.find('\n'));
+  }
+
   bool has_checkpoint() const {
     const std::filesystem::path folder = cluster_->folder() / "runs/.cache/infer";
     std::error_code missing;
@@ -118,6 +127,29 @@ TEST_F(Submit, AStudySurvivesTheCrashOfANode) {
   cluster_->start_now(task);
   cluster_->wait_until_idle();
   expect_bits_of_a_local_run();
+}
+
+// The number of effective draws is out of reach: it ends with its budget, after some levels.
+TEST_F(Submit, ARefinementSurvivesTheCrashOfItsNode) {
+  const std::string study = furuta_study("refined")
+                                .with("observation_noise", {"scale = 0.05"})
+                                .method("Refined", {"algorithm = \"refine\"",
+                                                    "refine = { level_size = 1000, min_ess = "
+                                                    "50000, max_simulations = 8000 }"})
+                                .with("evaluate", {"num_samples = 50"});
+  write_text_file(cluster_->folder() / "refined.toml", study);
+  const Outcome submitted = npdr({"submit", "refined.toml"});
+  ASSERT_EQ(submitted.status, 0) << submitted.err;
+  std::string task;
+  cluster_->wait_until("for a refinement", [&] {
+    task = running_inference("refined");
+    return !task.empty() && !temporaries(cluster_->folder() / "runs/.cache/infer").empty();
+  });
+  cluster_->command({"kill-node", cluster_->node_of(task)});
+  cluster_->wait_for_state(task, "PENDING");
+  cluster_->start_now(task);
+  cluster_->wait_until_idle();
+  expect_bits_of_a_local_run("refined");
 }
 
 TEST_F(Submit, ATaskThatIsKilledIsAllThatIsSubmittedAgain) {
@@ -176,9 +208,7 @@ TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
   ASSERT_EQ(submitted.status, 0) << submitted.err;
   std::string task;
   cluster_->wait_until("for a training", [&] {
-    const std::string queue =
-        cluster_->call({"squeue", "-h", "-t", "running", "-n", "npdr-slow-infer", "-o", "%i"}).out;
-    task = queue.substr(0, queue.find('\n'));
+    task = running_inference("slow");
     return !task.empty() && !temporaries(cluster_->folder() / "runs/.cache/infer").empty();
   });
   EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", task}).status, 0);
