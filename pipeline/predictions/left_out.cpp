@@ -1,11 +1,11 @@
 #include "pipeline/predictions/left_out.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "analysis/predictive_scores.h"
 #include "core/parallel.h"
 #include "inference/samplers/resampler.h"
+#include "pipeline/predictions/power_weights.h"
 #include "pipeline/predictions/prediction.h"
 
 namespace npdr::pipeline {
@@ -22,23 +22,19 @@ Vector log_likelihoods(const sim::NoiseLikelihood& noise, const sim::Trajectorie
   return logs;
 }
 
-// Weights of the posterior without rollout h. `all`: log p of all rollouts.
-Vector weights_without(Index h, const Vector& all, const sim::NoiseLikelihood& noise,
-                       const sim::Trajectories& rows, const Vector& weights, double power) {
-  const Vector others = log_likelihoods(noise, rows, h);
-  Vector logs = weights.array().log() - power * (all - others).array();
-  for (Index i = 0; i < logs.size(); ++i) {
-    if (!std::isfinite(all(i)) || !std::isfinite(others(i))) logs(i) = -HUGE_VAL;
-  }
-  const Vector found = (logs.array() - logs.maxCoeff()).exp();
-  return found.cwiseMin(found.sum() / std::sqrt(static_cast<double>(rows.num_rows)));
-}
+// Draws of a posterior that hasn't seen a rollout, and whose errors of the others say what its
+// noise is like.
+struct LeftOut {
+  Index rollout;
+  Vector weights;
+  Vector noise_weights;
+};
 
 // Rollout h of resampled rows, with noise, as rows of a single rollout.
-sim::Trajectories ensemble_of(Index h, const sim::NoiseLikelihood& noise,
-                              const sim::Trajectories& rows, const Vector& weights,
-                              const StreamId& id) {
-  const inference::Resampler resampler(weights);
+sim::Trajectories ensemble_of(const LeftOut& draws, const sim::NoiseLikelihood& noise,
+                              const sim::Trajectories& rows, const StreamId& id) {
+  const Index h = draws.rollout;
+  const inference::Resampler resampler(draws.weights), noise_resampler(draws.noise_weights);
   sim::Trajectories ensemble;
   ensemble.resize(kEnsemble, 1, rows.num_steps, rows.num_states);
   const auto size = static_cast<std::size_t>(ensemble.row_size());
@@ -49,7 +45,8 @@ sim::Trajectories ensemble_of(Index h, const sim::NoiseLikelihood& noise,
     Stream stream(own);
     const auto row = rows.row(resampler.draw(stream.uniform()));
     std::vector<float> series(row.begin(), row.end());
-    noise.model().add(series, noise.draw_values(row, stream, h), stream);
+    const auto noisy = rows.row(noise_resampler.draw(stream.uniform()));
+    noise.model().add(series, noise.draw_values(noisy, stream, h), stream);
     std::ranges::copy_n(
         series.begin() + static_cast<std::ptrdiff_t>(h) * std::ssize(ensemble.row(i)),
         static_cast<std::ptrdiff_t>(size), ensemble.row(i).begin());
@@ -66,8 +63,10 @@ double left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>
   const Vector all = log_likelihoods(noise, rows, -1);
   double sum = 0.0;
   for (Index h = 0; h < rows.num_rollouts; ++h) {
-    const Vector without = weights_without(h, all, noise, rows, weights, power);
-    const sim::Trajectories ensemble = ensemble_of(h, noise, rows, without, id);
+    const Vector others = log_likelihoods(noise, rows, h);
+    const Vector without = weights_at_power(weights, others - all, power);
+    const sim::Trajectories ensemble =
+        ensemble_of({h, without, weights_at_power(without, others, 1.0 - power)}, noise, rows, id);
     const Eigen::Map<const RowMatrixF> observed(recorded.data() + h * ensemble.row_size(),
                                                 rows.num_steps, rows.num_states);
     sum += analysis::predictive_scores(view_of(ensemble), {observed.cast<double>()},

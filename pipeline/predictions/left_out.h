@@ -11,7 +11,8 @@ namespace npdr::pipeline {
 /// at the likelihood's power a given the others. `rows`: rollouts (n, H, K, C) of weighted draws of
 /// the posterior given all; those of the posterior without h have the weights
 ///   w_i p(y_h | y_others, theta_i)^-a,
-/// cut off at their mean times sqrt(n) (Ionides 2008). `recorded`: (H, K, C).
+/// and noise is as their errors of the other rollouts say at power 1 (weights_at_power()).
+/// `recorded`: (H, K, C).
 double left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
                      const sim::Trajectories& rows, const Vector& weights, double power,
                      const StreamId& id);

@@ -1,11 +1,14 @@
 #include "pipeline/predictions/scores.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "analysis/predictive_scores.h"
 #include "core/parallel.h"
+#include "inference/samplers/resampler.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/features/simulation_features.h"
+#include "pipeline/predictions/power_weights.h"
 #include "pipeline/predictions/prediction.h"
 #include "sim/noise_likelihood.h"
 
@@ -47,6 +50,17 @@ StreamId row_of(StreamId id, Index i) {
 
 bool is_ok(const sim::Trajectories& rows, Index i) {
   return rows.status[static_cast<std::size_t>(i)] == sim::RolloutStatus::ok;
+}
+
+// Picks samples of a posterior at that power in proportion to the rest of their likelihood; none at
+// power 1, and where all have failed.
+std::optional<inference::Resampler> other_samples(const sim::NoiseLikelihood& likelihood,
+                                                  const sim::Trajectories& rows, double power) {
+  if (power == 1.0) return std::nullopt;
+  Vector logs(rows.num_rows);
+  parallel_for(rows.num_rows, [&](Index i) { logs(i) = likelihood.log_likelihood(rows.row(i)); });
+  if (!logs.array().isFinite().any()) return std::nullopt;
+  return inference::Resampler(weights_at_power(Vector::Ones(logs.size()), logs, 1.0 - power));
 }
 
 // By the densities of each sample's own noise.
@@ -96,7 +110,7 @@ PredictionScores score_part(const Plan& plan, const Target& target,
 }  // namespace
 
 NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
-                          const sim::Trajectories& all_states, const StreamId& id) {
+                          const sim::Trajectories& all_states, double power, const StreamId& id) {
   if (plan.study.observation_noise.is_silent()) return {};
   const sim::NoiseModel model = noise_model(plan.study, target);
   NoiseOfSamples noise(static_cast<std::size_t>(all_states.num_rows));
@@ -107,10 +121,12 @@ NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
   }
   const sim::NoiseLikelihood likelihood(model, stored_observation(plan, target));
   const sim::Trajectories rows = stored(all_states, plan.study.simulator.store_every);
+  const std::optional<inference::Resampler> others = other_samples(likelihood, rows, power);
   parallel_for(rows.num_rows, [&](Index i) {
     if (!is_ok(rows, i)) return;
     Stream stream(row_of(within(id, "noise_values"), i));
-    noise[static_cast<std::size_t>(i)] = likelihood.draw_values(rows.row(i), stream);
+    const Index source = others ? others->draw(stream.uniform()) : i;
+    noise[static_cast<std::size_t>(i)] = likelihood.draw_values(rows.row(source), stream);
   });
   return noise;
 }

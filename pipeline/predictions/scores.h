@@ -15,9 +15,12 @@ namespace npdr::pipeline {
 /// known are drawn from what the recording says of them, given the sample's rollouts.
 using NoiseOfSamples = std::vector<std::vector<sim::NoiseValues>>;
 
-/// `all_states`: the samples' rollouts against `target`, every state. Empty without noise.
+/// `all_states`: the samples' rollouts against `target`, every state. `power`: of the likelihood in
+/// the samples' posterior; for less than 1 a value is drawn given the rollouts of another sample,
+/// in proportion to the rest of the likelihood: how far off samples are because they are many isn't
+/// noise. Empty without noise.
 NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
-                          const sim::Trajectories& all_states, const StreamId& id);
+                          const sim::Trajectories& all_states, double power, const StreamId& id);
 
 /// The same of `num_samples` draws of the noise's own prior, which no recording informs.
 NoiseOfSamples draw_prior_noise(const Plan& plan, const Target& target, Index num_samples,

@@ -1,5 +1,6 @@
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/judge.h"
 #include "pipeline/predictions/scores.h"
@@ -8,8 +9,15 @@
 namespace npdr::pipeline {
 namespace {
 
-// Simulates the posterior's samples.
-void predict(const Plan& plan, const Judge& judge, const StreamId& first, Evaluation& evaluation) {
+// Of the likelihood in a posterior that was refined.
+double power_of(const Node& posterior) {
+  const auto certificate = read_certificate(open_artefact(posterior, kPosteriorSchema));
+  return certificate ? certificate->power : 1.0;
+}
+
+// Simulates the posterior's samples. `power`: of the likelihood in it.
+void predict(const Plan& plan, const Judge& judge, double power, const StreamId& first,
+             Evaluation& evaluation) {
   const Predictor& predictor = judge.seen();
   if (!plan.study.source().simulates) return;
   const RowMatrix complete = plan.source->parameters().complete(evaluation.theta);
@@ -21,7 +29,7 @@ void predict(const Plan& plan, const Judge& judge, const StreamId& first, Evalua
     return;
   }
   evaluation.bands = analysis::quantile_bands(view_of(seen));
-  const NoiseOfSamples noise = draw_noise(plan, predictor.target(), seen, first);
+  const NoiseOfSamples noise = draw_noise(plan, predictor.target(), seen, power, first);
   evaluation.scores = score(plan, judge, seen, held_out, noise, first);
 }
 
@@ -44,7 +52,8 @@ void run_evaluate(const Plan& plan, const Node& node) {
   evaluation.theta = std::move(samples.theta);
   evaluation.sampler = std::move(samples.report);
   evaluation.log_prob = posterior->log_prob(evaluation.theta);
-  predict(plan, judge, {use.seed, "external_prediction", round, 0, 0}, evaluation);
+  predict(plan, judge, power_of(*plan.inputs(node, Stage::infer).front()),
+          {use.seed, "external_prediction", round, 0, 0}, evaluation);
 
   evaluation.map_theta = posterior->map({use.seed, "map", round, 0, 0});
   const RowMatrix map_row = evaluation.map_theta.transpose();

@@ -13,6 +13,8 @@
 #include "pipeline/features/noise.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
+#include "pipeline/predictions/power_weights.h"
+#include "pipeline/predictions/scores.h"
 #include "pipeline/report/data.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/run/run_stage.h"
@@ -37,6 +39,18 @@ std::string study_with(const std::string& noise) {
                           std::string("refine = { start = \"ABC\", ") + kSampling + " }"})
       .method("Prior", {"algorithm = \"refine\"", std::string("refine = { ") + kSampling + " }"})
       .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"});
+}
+
+TEST(WeightsAtPower, AreThoseOfTheLikelihoodsPower) {
+  const Vector weights{{0.5, 0.25, 0.25}}, logs{{0.0, std::log(2.0), -HUGE_VAL}};
+  const Vector found = weights_at_power(weights, 2.0 * logs, 0.5);
+  EXPECT_NEAR(found(1) / found(0), 1.0, 1e-12);
+  EXPECT_EQ(found(2), 0.0);
+  const Vector even = Vector::Ones(100);
+  Vector peaked = Vector::Zero(100);
+  peaked(7) = 50.0;
+  const Vector cut = weights_at_power(even, peaked, 1.0);
+  EXPECT_NEAR(cut(7), std::exp(0.0) / 10.0, 1e-9) << "a tenth of the sum, which is its own";
 }
 
 class RefineStage : public ::testing::Test {
@@ -195,6 +209,31 @@ TEST_F(RefineStage, PredictionsAreScoredWithNoise) {
   EXPECT_NEAR(evaluation.scores.seen->noisy_crps.mean(), 0.113, 0.04);
   EXPECT_NEAR(evaluation.scores.seen->log_score.mean(), 0.190, 0.45);
   EXPECT_LT(evaluation.scores.seen->crps.mean(), 0.04) << "of states that aren't noisy";
+}
+
+double mean_scale(const NoiseOfSamples& noise) {
+  double sum = 0.0;
+  for (const auto& channels : noise) sum += channels.front().scale;
+  return sum / static_cast<double>(noise.size());
+}
+
+// Samples of the prior are at power 0 and off by far more than the noise, whose scale the best of
+// them show: 20 errors of a channel tell it to 16 % (standard deviation), for both in the same way.
+TEST_F(RefineStage, WhatSamplesOfALowPowerAreOffByIsntNoise) {
+  const Plan plan = plan_of(study_with("scale_prior = [0.1, 0.3]"));
+  run_until(plan, Stage::held_out);
+  const Judge judge(plan, plan.node(Stage::evaluate, {"Prior", 1, 1}));
+  const auto scale_of = [&](const RowMatrix& complete, double power) {
+    const sim::Trajectories seen = judge.seen().simulate(complete, {});
+    return mean_scale(draw_noise(plan, judge.seen().target(), seen, power, {1, "test", 0, 0, 0}));
+  };
+  const ParameterMap& parameters = plan.source->parameters();
+  const Vector truth = parameters.nominal(*plan.study.target.truth);
+  const RowMatrix draws = parameters.complete(
+      inference::sample_prior(inference::Prior(plan.study.prior), 2000, std::uint64_t{1}));
+  const double scale = scale_of(truth.transpose().replicate(200, 1), 1.0);
+  EXPECT_NEAR(scale_of(draws, 0.0), scale, 0.2 * scale);
+  EXPECT_GT(scale_of(draws, 1.0), 2.0 * scale);
 }
 
 TEST_F(RefineStage, TakesThePowerThatPredictsLeftOutRolloutsBest) {
