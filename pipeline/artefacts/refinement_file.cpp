@@ -70,7 +70,7 @@ void describe(Layout f, PowerScores& scores) {
   Layout group = f.group("power_scores");
   group("power", scores.power, {{"k"}}, "powers of the likelihood, where they were tried",
         {.unless_empty = true});
-  group("crps", scores.crps, {{"k"}}, "CRPS with noise of left-out rollouts",
+  group("crps", scores.crps, {{"k"}, {"H"}}, "CRPS with noise of each rollout, left out",
         {.unless_empty = true});
 }
 

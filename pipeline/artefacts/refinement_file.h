@@ -14,8 +14,8 @@ std::optional<inference::ImportanceCertificate> read_certificate(const h5::File&
 /// Powers of the likelihood that were tried, and how well the posterior given all rollouts but one
 /// predicts that one.
 struct PowerScores {
-  Vector power;  ///< (k)
-  Vector crps;   ///< (k) with noise, mean over rollouts and channels
+  Vector power;    ///< (k), ascending
+  RowMatrix crps;  ///< (k, H) with noise of each rollout, mean over channels
 };
 
 /// Throws Error.

@@ -57,11 +57,11 @@ sim::Trajectories ensemble_of(const LeftOut& draws, const sim::NoiseLikelihood& 
 
 }  // namespace
 
-double left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
+Vector left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
                      const sim::Trajectories& rows, const Vector& weights, double power,
                      const StreamId& id) {
   const Vector all = log_likelihoods(noise, rows, -1);
-  double sum = 0.0;
+  Vector crps(rows.num_rollouts);
   for (Index h = 0; h < rows.num_rollouts; ++h) {
     const Vector others = log_likelihoods(noise, rows, h);
     const Vector without = weights_at_power(weights, others - all, power);
@@ -69,11 +69,11 @@ double left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>
         ensemble_of({h, without, weights_at_power(without, others, 1.0 - power)}, noise, rows, id);
     const Eigen::Map<const RowMatrixF> observed(recorded.data() + h * ensemble.row_size(),
                                                 rows.num_steps, rows.num_states);
-    sum += analysis::predictive_scores(view_of(ensemble), {observed.cast<double>()},
-                                       noise.model().measure().row(h))
-               .crps.mean();
+    crps(h) = analysis::predictive_scores(view_of(ensemble), {observed.cast<double>()},
+                                          noise.model().measure().row(h))
+                  .crps.mean();
   }
-  return sum / static_cast<double>(rows.num_rollouts);
+  return crps;
 }
 
 }  // namespace npdr::pipeline

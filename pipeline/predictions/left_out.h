@@ -7,13 +7,13 @@
 
 namespace npdr::pipeline {
 
-/// Mean CRPS with noise, over rollouts and channels, of each rollout h predicted by the posterior
-/// at the likelihood's power a given the others. `rows`: rollouts (n, H, K, C) of weighted draws of
+/// CRPS with noise, mean over channels, of each rollout h predicted by the posterior at the
+/// likelihood's power a given the others: (H). `rows`: rollouts (n, H, K, C) of weighted draws of
 /// the posterior given all; those of the posterior without h have the weights
 ///   w_i p(y_h | y_others, theta_i)^-a,
 /// and noise is as their errors of the other rollouts say at power 1 (weights_at_power()).
 /// `recorded`: (H, K, C).
-double left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
+Vector left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
                      const sim::Trajectories& rows, const Vector& weights, double power,
                      const StreamId& id);
 

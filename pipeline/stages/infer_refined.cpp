@@ -15,6 +15,7 @@
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/infer_methods.h"
+#include "pipeline/stages/power_search.h"
 #include "sim/noise_likelihood.h"
 
 namespace npdr::pipeline {
@@ -57,8 +58,8 @@ class SimulatedLikelihood {
     return result;
   }
 
-  // Score of the posterior at that power, by its draws; with the same noise for each power.
-  double left_out(const RowMatrix& theta, const Vector& weights, double power) const {
+  // Scores (H) of the posterior at that power, by its draws; with the same noise for each power.
+  Vector left_out(const RowMatrix& theta, const Vector& weights, double power) const {
     return left_out_crps(noise_, recorded_, simulate(theta, 0), weights, power,
                          within(id_, "left_out"));
   }
@@ -86,59 +87,6 @@ RowMatrix start_of(const Plan& plan, const Node& node, const inference::Prior& p
   return prior.to_normal(
       read_posterior(*posteriors.front())->sample(kStartDraws, within(id, "refine_start")));
 }
-
-// The power of the likelihood that predicts left-out rollouts best, among those of the levels.
-class PowerSearch {
- public:
-  explicit PowerSearch(PowerScores scores) : scores_(std::move(scores)) {}
-
-  const PowerScores& scores() const { return scores_; }
-
-  // Keeps powers ascending: a level may fall back.
-  void add(double power, double crps) {
-    const Index at = std::ranges::lower_bound(scores_.power, power) - scores_.power.begin();
-    insert(scores_.power, at, power);
-    insert(scores_.crps, at, crps);
-  }
-
-  // The smallest power that is about as good as any: the others cost more, and say more of
-  // parameters than predictions bear out.
-  double best() const {
-    Index k = 0;
-    while (scores_.crps(k) > kAsGood * scores_.crps.minCoeff()) ++k;
-    return scores_.power(k);
-  }
-
-  // Whether larger powers, which weren't tried, might be better still.
-  bool ends_at_best(double most) const {
-    const Index k = scores_.power.size();
-    return k > 0 && scores_.power(k - 1) < most && scores_.crps(k - 1) == scores_.crps.minCoeff();
-  }
-
-  // Much larger powers have been tried, or `most`; or many that are about as large as the largest.
-  bool is_over(double most) const {
-    const Index k = scores_.power.size();
-    if (k == 0) return false;
-    const double highest = scores_.power(k - 1);
-    const bool is_stuck = k > kPatience && highest < kRise * scores_.power(k - 1 - kPatience);
-    return is_stuck || highest >= kFarther * best() || highest >= most;
-  }
-
- private:
-  static constexpr double kAsGood = 1.01;
-  static constexpr double kFarther = 3.0;
-  static constexpr Index kPatience = 10;  // levels
-  static constexpr double kRise = 1.1;
-
-  static void insert(Vector& values, Index at, double value) {
-    const Vector after = values.tail(values.size() - at);
-    values.conservativeResize(values.size() + 1);
-    values(at) = value;
-    values.tail(after.size()) = after;
-  }
-
-  PowerScores scores_;
-};
 
 // Runs the sampler, with a checkpoint now and then, and one more when asked to stop.
 class Refinement {
