@@ -25,17 +25,29 @@ bool file_system_has_no_locks(const std::string& message) {
          message.find(std::generic_category().message(EAGAIN)) == std::string::npos;
 }
 
+// A file can't be open with and without locks at the same time.
+bool is_open_the_other_way(const std::string& message) {
+  return message.find("locking flag values don't match") != std::string::npos;
+}
+
+// Whether this process asks for locks: until a file system has none.
+bool& asks_for_locks() {
+  static bool asks = true;
+  return asks;
+}
+
 // `open` takes access properties and throws with HDF5's reason.
 template <class Open>
 Handle with_locks_if_possible(bool is_new, const Open& open) {
-  const Handle locking = access_properties(true, is_new);
+  const bool locks = asks_for_locks();
   try {
-    return open(locking.id());
+    return open(access_properties(locks, is_new).id());
   } catch (const Error& error) {
-    if (!file_system_has_no_locks(error.what())) throw;
+    const bool has_none = locks && file_system_has_no_locks(error.what());
+    if (!has_none && !is_open_the_other_way(error.what())) throw;
+    if (has_none) asks_for_locks() = false;
   }
-  const Handle lockless = access_properties(false, is_new);
-  return open(lockless.id());
+  return open(access_properties(!locks, is_new).id());
 }
 
 }  // namespace

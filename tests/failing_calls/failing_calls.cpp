@@ -1,0 +1,177 @@
+// Calls of the C library that fail on purpose, in programs that this library is loaded into
+// (LD_PRELOAD). Environment variables say which:
+//
+//   NPDR_FAIL        name of the call, such as "write"
+//   NPDR_FAIL_ERRNO  number of its error; 0: reads and writes do half of what they are asked for
+//   NPDR_FAIL_AT     which of the process's calls fails, counted from 1; 0: all of them
+//   NPDR_FAIL_UNDER  only calls about files whose path holds this text count
+//   NPDR_FAIL_IN     only programs of this name
+//   NPDR_FAIL_NOTE   a file that gets a line for each failure
+//
+// Nothing in here allocates: it may be called from anywhere.
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+
+namespace {
+
+// What a call does otherwise.
+template <class Function>
+Function* real(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+long number_of(const char* variable) {
+  const char* const text = getenv(variable);
+  return text == nullptr ? 0 : atol(text);
+}
+
+bool is_of_this_program() {
+  const char* const wanted = getenv("NPDR_FAIL_IN");
+  return wanted == nullptr || strcmp(wanted, program_invocation_short_name) == 0;
+}
+
+bool counts(const char* path) {
+  const char* const wanted = getenv("NPDR_FAIL_UNDER");
+  return wanted == nullptr || (path != nullptr && strstr(path, wanted) != nullptr);
+}
+
+void note(const char* name, const char* path) {
+  const char* const file = getenv("NPDR_FAIL_NOTE");
+  if (file == nullptr) return;
+  std::array<char, 600> line;
+  const int size = snprintf(line.data(), line.size(), "%s %s\n", name, path);
+  const int descriptor = real<int(const char*, int, ...)>("open")(
+      file, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  real<ssize_t(int, const void*, size_t)>("write")(descriptor, line.data(),
+                                                   static_cast<std::size_t>(size));
+  real<int(int)>("close")(descriptor);
+}
+
+// Whether this call is one that fails; then errno is set.
+bool fails(const char* name, const char* path) {
+  static std::atomic<long> count = 0;
+  const char* const wanted = getenv("NPDR_FAIL");
+  if (wanted == nullptr || strcmp(wanted, name) != 0 || !is_of_this_program() || !counts(path)) {
+    return false;
+  }
+  const long at = number_of("NPDR_FAIL_AT");
+  if (++count != at && at != 0) return false;
+  note(name, path == nullptr ? "" : path);
+  errno = static_cast<int>(number_of("NPDR_FAIL_ERRNO"));
+  return true;
+}
+
+// The same of a call about an open file.
+bool fails(const char* name, int descriptor) {
+  const int before = errno;
+  std::array<char, 32> link;
+  std::array<char, 512> path{};
+  snprintf(link.data(), link.size(), "/proc/self/fd/%d", descriptor);
+  [[maybe_unused]] const ssize_t size = readlink(link.data(), path.data(), path.size() - 1);
+  errno = before;
+  return fails(name, path.data());
+}
+
+mode_t mode_in(int flags, va_list& arguments) {
+  const bool has_mode = (flags & (O_CREAT | O_TMPFILE)) != 0;
+  return has_mode ? static_cast<mode_t>(va_arg(arguments, int)) : 0;
+}
+
+// How many bytes a read or write gets that is cut short.
+std::size_t half(std::size_t count) { return count > 1 ? count / 2 : count; }
+
+}  // namespace
+
+extern "C" {
+
+int open(const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = mode_in(flags, arguments);
+  va_end(arguments);
+  return fails("open", path) ? -1 : real<int(const char*, int, ...)>("open")(path, flags, mode);
+}
+
+int open64(const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = mode_in(flags, arguments);
+  va_end(arguments);
+  return fails("open", path) ? -1 : real<int(const char*, int, ...)>("open64")(path, flags, mode);
+}
+
+ssize_t read(int file, void* bytes, std::size_t count) {
+  const bool is_cut = fails("read", file);
+  if (is_cut && errno != 0) return -1;
+  return real<ssize_t(int, void*, std::size_t)>("read")(file, bytes, is_cut ? half(count) : count);
+}
+
+ssize_t pread(int file, void* bytes, std::size_t count, off_t at) {
+  const bool is_cut = fails("pread", file);
+  if (is_cut && errno != 0) return -1;
+  return real<ssize_t(int, void*, std::size_t, off_t)>("pread")(file, bytes,
+                                                                is_cut ? half(count) : count, at);
+}
+
+ssize_t pread64(int file, void* bytes, std::size_t count, off64_t at) {
+  return pread(file, bytes, count, at);
+}
+
+ssize_t write(int file, const void* bytes, std::size_t count) {
+  const bool is_cut = fails("write", file);
+  if (is_cut && errno != 0) return -1;
+  return real<ssize_t(int, const void*, std::size_t)>("write")(file, bytes,
+                                                               is_cut ? half(count) : count);
+}
+
+ssize_t pwrite(int file, const void* bytes, std::size_t count, off_t at) {
+  const bool is_cut = fails("pwrite", file);
+  if (is_cut && errno != 0) return -1;
+  return real<ssize_t(int, const void*, std::size_t, off_t)>("pwrite")(
+      file, bytes, is_cut ? half(count) : count, at);
+}
+
+ssize_t pwrite64(int file, const void* bytes, std::size_t count, off64_t at) {
+  return pwrite(file, bytes, count, at);
+}
+
+int fsync(int file) { return fails("fsync", file) ? -1 : real<int(int)>("fsync")(file); }
+
+int rename(const char* from, const char* to) {
+  return fails("rename", from) ? -1 : real<int(const char*, const char*)>("rename")(from, to);
+}
+
+// As Linux does, which frees the descriptor whatever it answers.
+int close(int file) {
+  const bool is_lost = fails("close", file);
+  const int error = errno;
+  const int status = real<int(int)>("close")(file);
+  if (!is_lost) return status;
+  errno = error;
+  return -1;
+}
+
+void* mmap(void* where, std::size_t size, int protection, int flags, int file, off_t at) {
+  if ((flags & MAP_ANONYMOUS) == 0 && fails("mmap", file)) return MAP_FAILED;
+  return real<void*(void*, std::size_t, int, int, int, off_t)>("mmap")(where, size, protection,
+                                                                      flags, file, at);
+}
+
+int flock(int file, int operation) {
+  return fails("flock", file) ? -1 : real<int(int, int)>("flock")(file, operation);
+}
+
+}  // extern "C"
