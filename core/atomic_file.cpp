@@ -2,14 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <cstdint>
 #include <fstream>
 #include <mutex>
 #include <set>
@@ -62,11 +63,19 @@ bool is_dead(pid_t process) {
   return ::kill(process, 0) != 0 ? errno == ESRCH : is_zombie(process);
 }
 
+// In a folder that others may write to, too, somebody who knew the next name could put a link there
+// that leads us elsewhere.
+std::string unpredictable_digits() {
+  std::uint64_t number = 0;
+  [[maybe_unused]] const ssize_t count = ::getrandom(&number, sizeof(number), 0);
+  return fmt::format("{:016x}", number);
+}
+
 // Makes an empty file, and its folder: what can't be written is known before any work is done.
 void reserve(const fs::path& file, const fs::path& shown_as) {
   make_folder(folder_of(file));
   remove_stale_temporaries_once(folder_of(file));
-  if (!OpenFile(file, O_WRONLY | O_CREAT | O_TRUNC).is_open()) {
+  if (!OpenFile(file, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW).is_open()) {
     throw_file_error(shown_as, "be written", errno);
   }
 }
@@ -85,9 +94,8 @@ void make_folder(const fs::path& folder) {
 }
 
 fs::path temporary_name(const fs::path& path) {
-  static std::atomic<int> counter = 0;
   return folder_of(path) / fmt::format(".{}.{}.{}.{}{}", path.filename().string(), process_space(),
-                                       ::getpid(), counter++, kSuffix);
+                                       ::getpid(), unpredictable_digits(), kSuffix);
 }
 
 AtomicFile::AtomicFile(fs::path path, const fs::path& scratch)
@@ -125,7 +133,7 @@ void AtomicFile::commit() {
 
 void write_text_file(const fs::path& path, std::string_view text) {
   AtomicFile file(path);
-  OpenFile open(file.temporary(), O_WRONLY | O_TRUNC);
+  OpenFile open(file.temporary(), O_WRONLY | O_TRUNC | O_NOFOLLOW);
   if (!open.is_open() || !open.write(text) || !open.close()) {
     throw_file_error(path, "be written", errno);
   }

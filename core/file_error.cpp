@@ -21,7 +21,7 @@ std::string file_advice(int error_number) {
     case EROFS:
       return "; make the folder writable or choose another one";
     case ELOOP:
-      return "; remove the link there that leads to itself";
+      return "; remove the link there, which leads to itself or is in the way";
     default:
       return "";
   }

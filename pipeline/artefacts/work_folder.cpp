@@ -31,7 +31,6 @@ void make_link(const fs::path& target, const fs::path& link) {
   // A link is renamed into place, so that it never points to nothing.
   const fs::path temporary = temporary_name(link);
   remove_stale_temporaries_once(link.parent_path());
-  fs::remove(temporary, error);  // a process of the same number may have been killed
   fs::create_symlink(relative, temporary, error);
   if (!error) fs::rename(temporary, link, error);
   if (error) throw_file_error(link, "be made a link", error.value());

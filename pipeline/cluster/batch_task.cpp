@@ -1,6 +1,5 @@
 #include "pipeline/cluster/batch_task.h"
 
-#include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -74,9 +73,7 @@ bool succeeds(const std::vector<std::string>& command) {
 class Mark {
  public:
   Mark()
-      : path_(std::filesystem::temp_directory_path() /
-              fmt::format("npdr-task-{}-{}", process_space(), getpid())) {
-    unlink(path_.c_str());
+      : path_(temporary_name(std::filesystem::temp_directory_path() / "npdr-task")) {
     setenv(kTaskMark, path_.c_str(), 1);
   }
   ~Mark() { unlink(path_.c_str()); }

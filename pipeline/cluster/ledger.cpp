@@ -52,7 +52,7 @@ void append_to_ledger(const Plan& plan, const LedgerEntry& entry) {
   // Paths needn't be UTF-8; JSON must.
   const std::string line =
       to_json(entry).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  const OpenFile file(path, O_WRONLY | O_APPEND | O_CREAT);
+  const OpenFile file(path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW);
   if (!file.is_open() || !file.write(line) || fsync(file.value()) != 0) {
     throw Error(fmt::format("{}, so job {} isn't in the ledger",
                             file_error_text(path, "be written", errno), entry.job));

@@ -21,7 +21,7 @@ std::filesystem::path lock_in(const std::filesystem::path& folder) {
 }  // namespace
 
 SubmissionLock::SubmissionLock(const std::filesystem::path& folder)
-    : file_(lock_in(folder), O_RDWR | O_CREAT) {
+    : file_(lock_in(folder), O_RDWR | O_CREAT | O_NOFOLLOW) {
   const std::filesystem::path path = folder / ".lock";
   if (!file_.is_open()) throw_file_error(path, "be written", errno);
   constexpr int patience = 600;

@@ -32,7 +32,7 @@ RowStore::RowStore(Index num_rows, Index width, const std::filesystem::path& fol
   make_folder(folder);
   // Named like all temporaries, in case that the process is killed before the name is gone.
   const std::filesystem::path name = temporary_name(folder / "rows");
-  file_ = open(name.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  file_ = open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file_ < 0) fail("make '" + name.string() + "'");
   unlink(name.c_str());
   // Claims the space now, rather than failing half way.

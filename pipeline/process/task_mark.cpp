@@ -12,7 +12,7 @@ void mark_progress() noexcept {
   const char* const path = std::getenv(kTaskMark);
   if (path == nullptr) return;
   constexpr unsigned only_ours = 0600;
-  const OpenFile mark(path, O_WRONLY | O_CREAT, only_ours);
+  const OpenFile mark(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, only_ours);
 }
 
 }  // namespace npdr::pipeline

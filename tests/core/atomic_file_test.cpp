@@ -87,6 +87,21 @@ TEST(AtomicFile, TwoWritersOfOneFileDontMeet) {
   EXPECT_EQ(text_of(folder / "a.txt"), "second");
 }
 
+// In a folder that others may write to, too.
+TEST(AtomicFile, FollowsNoLinkThatSomebodyHasPutInTheWay) {
+  const TempFolder folder;
+  folder.file("victim", "theirs");
+  for (int number = 0; number < 1000; ++number) {
+    std::filesystem::create_symlink("victim",
+                                    folder / fmt::format(".a.txt.{}.{}.{}.tmp", process_space(),
+                                                         ::getpid(), number));
+  }
+  write_text_file(folder / "a.txt", "ours");
+  EXPECT_EQ(text_of(folder / "victim"), "theirs");
+  EXPECT_EQ(text_of(folder / "a.txt"), "ours");
+  EXPECT_NE(temporary_name(folder / "a.txt"), temporary_name(folder / "a.txt"));
+}
+
 TEST(AtomicFile, SaysWhenTheFolderIsAFile) {
   const TempFolder folder;
   folder.file("f", "");
