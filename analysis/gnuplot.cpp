@@ -43,14 +43,18 @@ std::filesystem::path run(const std::string& program, const GnuplotScript& scrip
   const std::string format_name = kFormatNames[static_cast<std::size_t>(format)];
   const std::filesystem::path path = directory / (script.name + "." + format_name);
   AtomicFile file(path);  // another report may be drawing the same figure
-  // -d: without the user's settings, so that a figure looks the same for everybody.
+  // -d, and no GNUTERM: without the user's settings, so that a figure looks the same for everybody.
   const ProcessResult result = run_process(
       program, {"-d", "-c", script.name + ".gp", format_name, file.temporary().filename().string()},
-      directory);
+      directory, {.unset = {"GNUTERM"}});
   if (!result.found) {
     throw Error(program +
                 ": not found; install gnuplot (Debian package gnuplot-nox), which draws "
                 "the figures");
+  }
+  if (result.timed_out) {
+    throw Error(fmt::format("{}: {} didn't come to its end on {}.gp in {:.0f} s, and was ended",
+                            path.string(), program, script.name, ProcessOptions().time_limit));
   }
   std::error_code missing;
   if (result.exit_status != 0 || std::filesystem::file_size(file.temporary(), missing) == 0 ||

@@ -1,6 +1,8 @@
 #include "pipeline/apps/command_line.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -16,7 +18,6 @@
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/shell_text.h"
-#include "pipeline/process/stop_request.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -27,10 +28,26 @@ void flush_output() {
   throw std::system_error(errno, std::generic_category(), "can't write to standard output");
 }
 
+// Where a launcher has closed a standard stream, a file of ours would get its number, and what is
+// printed with it. Nothing can be read from these, or written to them.
+void fill_standard_streams() {
+  int file = -1;
+  do {
+    file = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  } while (file >= 0 && file <= STDERR_FILENO);
+  if (file >= 0) close(file);
+}
+
+// Signals that a launcher may have left in another way than we need them.
+void choose_signals() {
+  std::signal(SIGCHLD, SIG_DFL);  // or no child could be waited for
+  std::signal(SIGPIPE, SIG_IGN);  // who read the progress may die before the work is saved
+  std::signal(SIGXFSZ, SIG_IGN);  // the write that goes beyond 'ulimit -f' fails, and is reported
+}
+
 }  // namespace
 
 int guarded_main(const std::string& program, const std::function<ExitStatus()>& body) {
-  watch_for_stop_requests();
   try {
     const ExitStatus status = body();
     if (status == ExitStatus::done) flush_output();
@@ -52,8 +69,8 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
 }
 
 bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
-  // A launcher may have left it ignored: then no child could be waited for.
-  std::signal(SIGCHLD, SIG_DFL);
+  fill_standard_streams();
+  choose_signals();
   app.set_version_flag("--version", fmt::format("npdr {} ({})", creator_version(), git_revision()));
   app.get_formatter()->column_width(34);
   try {

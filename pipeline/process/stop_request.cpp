@@ -5,6 +5,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdint>
+#include <ctime>
 
 #include "core/error.h"
 
@@ -12,14 +13,38 @@ namespace npdr::pipeline {
 namespace {
 
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): all that a handler can reach
-std::atomic<std::uint64_t> signals = 0;                          // a bit each
+std::atomic<std::uint64_t> signals = 0;  // a bit each
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+std::atomic<std::uint64_t> first_time = 0;                       // [ns] of the first; 0: none came
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);  // or a handler could not write it
 
 constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGUSR1, SIGHUP};
 
 constexpr std::uint64_t bit_of(int signal) { return std::uint64_t{1} << signal; }
 
-void handle(int signal) { signals.fetch_or(bit_of(signal), std::memory_order_relaxed); }
+std::uint64_t now() {
+  timespec time = {};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
+         static_cast<std::uint64_t>(time.tv_nsec);
+}
+
+// Whether somebody has lost patience. A batch system and the parent that passes its signals on may
+// both ask at about the same time.
+bool asks_again(int signal) {
+  constexpr std::uint64_t patience = 1'000'000'000;  // [ns]
+  if (signal != SIGINT && signal != SIGTERM) return false;
+  const std::uint64_t time = now();
+  std::uint64_t first = 0;
+  return !first_time.compare_exchange_strong(first, time) && time - first >= patience;
+}
+
+void handle(int signal) {
+  signals.fetch_or(bit_of(signal), std::memory_order_relaxed);
+  if (!asks_again(signal)) return;
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
 
 bool is_ignored(int signal) {
   struct sigaction action = {};
@@ -37,7 +62,6 @@ void watch_for_stop_requests() {
   for (const int signal : kStopSignals) {
     if (signal != SIGHUP || !is_ignored(SIGHUP)) sigaction(signal, &action, nullptr);
   }
-  std::signal(SIGPIPE, SIG_IGN);
 }
 
 bool is_stop_signal(int signal) {

@@ -4,7 +4,8 @@
 namespace npdr::pipeline {
 
 /// From now on the signals set a flag, in place of ending the process; SIGHUP doesn't where it is
-/// ignored (nohup). SIGPIPE is ignored: who read the progress may die before the work is saved.
+/// ignored (nohup). For work that looks at the flag: all else is best ended at once. A second
+/// SIGINT or SIGTERM, a second after the first or later, ends the process.
 void watch_for_stop_requests();
 
 /// Whether `signal` is a request to stop.

@@ -1,16 +1,39 @@
 #include "pipeline/run/run_stage.h"
 
 #include "pipeline/plan/completeness.h"
+#include "pipeline/process/stop_request.h"
 #include "pipeline/report/report.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
+namespace {
+
+// Others are short, or begin anew after they have been ended; programs of the user's are ended
+// gently in any case.
+bool saves_work_on_request(const Plan& plan, const Node& node) {
+  switch (node.stage) {
+    case Stage::simulate:
+    case Stage::infer:
+    case Stage::baseline:
+    case Stage::diagnose:
+    case Stage::policy:
+    case Stage::policy_test:
+      return true;
+    case Stage::report:
+      return false;
+    default:
+      return plan.study.source().calls_program;
+  }
+}
+
+}  // namespace
 
 void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers) {
   if (is_complete(plan, node)) {
     settle(plan, node);
     return;
   }
+  if (saves_work_on_request(plan, node)) watch_for_stop_requests();
   require_inputs(plan, node);
   switch (node.stage) {
     case Stage::target:

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <iterator>
 #include <limits>
 
@@ -36,6 +37,13 @@ TEST(Gnuplot, MakesSvgAndPngFromOneScript) {
             std::string::npos);
   const auto left = std::filesystem::directory_iterator(folder.path());
   EXPECT_EQ(std::distance(begin(left), end(left)), 4);
+}
+
+TEST(Gnuplot, DrawsWhateverTerminalTheUserPrefers) {
+  const TempFolder folder;
+  setenv("GNUTERM", "x11", 1);
+  EXPECT_NO_THROW(render_script({"plot", 320, 200, "plot x\n"}, folder.path()));
+  unsetenv("GNUTERM");
 }
 
 TEST(Gnuplot, ItsErrorsComeThrough) {
