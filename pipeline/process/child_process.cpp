@@ -57,7 +57,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, int threads,
                            const std::filesystem::path& log) {
   make_folder(log.parent_path());
   // Opened here: posix_spawn() wouldn't say which file it is that it can't open.
-  const int output = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  const int output =
+      open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (output < 0) throw_file_error(log, "be written", errno);
   std::array<int, 2> ends;
   if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) {

@@ -101,7 +101,7 @@ struct ShellStreams {
 [[noreturn]] void become_shell(const char* folder, const ShellStreams& streams, char** arguments,
                                char** variables) {
   setpgid(0, 0);
-  std::signal(SIGPIPE, SIG_DFL);  // stop_request.h ignores it
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_DFL);  // we ignore them
   const int input = streams.input >= 0 ? streams.input : open("/dev/null", O_RDONLY);
   dup2(input, STDIN_FILENO);
   dup2(streams.output, STDOUT_FILENO);

@@ -8,7 +8,9 @@
 #include <csignal>
 #include <deque>
 #include <fstream>
+#include <set>
 
+#include "core/atomic_file.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
@@ -34,6 +36,22 @@ void print_tail(const std::string& path) {
     if (lines.size() > num_lines) lines.pop_front();
   }
   for (const std::string& line : lines) print("    " + line + "\n");
+}
+
+// Where nothing is missing, nobody comes by who would remove what killed programs left behind.
+void remove_stale_temporaries_of(const Plan& plan) {
+  const std::filesystem::path readable = plan.work.study(plan.study.name);
+  std::set<std::filesystem::path> folders = {readable};
+  for (const Node& node : plan.nodes) {
+    folders.insert(node.path.parent_path());
+    if (node.stage == Stage::simulate) folders.insert(plan.work.shard(node.key, {}).parent_path());
+  }
+  std::error_code error;
+  std::filesystem::recursive_directory_iterator entry(readable, error);
+  for (const auto end = decltype(entry)(); !error && entry != end; entry.increment(error)) {
+    if (entry->is_directory(error)) folders.insert(entry->path());
+  }
+  for (const std::filesystem::path& folder : folders) remove_stale_temporaries(folder);
 }
 
 }  // namespace
@@ -110,6 +128,7 @@ Scheduler::Scheduler(const Plan& plan, SchedulerConfig config)
 }
 
 ExitStatus Scheduler::run() {
+  watch_for_stop_requests();
   for (;;) {
     if (stop_requested() && !passed_on_) pass_on_stop_request();
     if (!stopping_) start_ready_jobs();
@@ -118,6 +137,7 @@ ExitStatus Scheduler::run() {
     collect_ended_jobs();
     show_progress(false);
   }
+  remove_stale_temporaries_of(plan_);
   if (num_missing_ > 0 && status_ == ExitStatus::done) show_progress(true);
   if (stopping_ && num_made_ < num_missing_ && status_ == ExitStatus::done) {
     status_ = ExitStatus::checkpointed;

@@ -1,0 +1,125 @@
+// Signals, limits, streams and leftovers that a program finds where it runs.
+#include <sys/stat.h>
+
+#include <cstdlib>
+
+#include "core/atomic_file.h"
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Surroundings : public ::testing::Test {
+ protected:
+  void SetUp() override { std::ofstream(folder_ / "small.toml") << small_study(); }
+
+  Outcome npdr(std::vector<std::string> words) const {
+    words.insert(words.begin(), "npdr");
+    return run(folder_.path(), words);
+  }
+
+  // By a shell, which sets limits and closes streams first.
+  Outcome in_shell(const std::string& before, const std::string& after = "") const {
+    const std::string npdr = fs::path(NPDR_BINARY_DIR) / "bin/npdr";
+    return run(folder_.path(),
+               {"/bin/sh", "-c",
+                before + "; exec " + npdr +
+                    " run small.toml --only 'NPDR (MAF)' --until simulate " + after});
+  }
+
+  fs::path logs() const { return folder_ / "runs/small/logs"; }
+
+  TempFolder folder_;
+};
+
+TEST_F(Surroundings, CommandsThatSaveNothingEndAtOnce) {
+  ASSERT_EQ(npdr({"run", "small.toml", "--only", "NPDR (MAF)", "--until", "infer"}).status, 0);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Program endless(
+        folder_.path(),
+        {"npdr", "sample", "runs/small/npdr-maf/seed-1/round-1/infer.h5", "-n", "100000000"},
+        {.out = "/dev/null"});
+    EXPECT_FALSE(endless.ends_within(1.0));
+    endless.send(signal);
+    EXPECT_TRUE(endless.ends_within(5.0));
+    endless.send(SIGKILL);
+    EXPECT_EQ(endless.wait().status, 128 + signal);
+  }
+}
+
+// In place of gnuplot's, a program that never ends.
+class HangingGnuplot : public Surroundings {
+ protected:
+  void SetUp() override {
+    Surroundings::SetUp();
+    fs::create_directory(folder_ / "bin");
+    folder_.file("bin/gnuplot",
+                 "#!/bin/sh\necho $$ > " + (folder_ / "pid").string() + "\nexec sleep 1000\n");
+    fs::permissions(folder_ / "bin/gnuplot", fs::perms::owner_all);
+    path_ = std::getenv("PATH");
+    setenv("PATH", ((folder_ / "bin").string() + ":" + path_).c_str(), 1);
+  }
+  void TearDown() override { setenv("PATH", path_.c_str(), 1); }
+
+  std::string path_;
+};
+
+TEST_F(HangingGnuplot, DoesNotKeepARunFromStopping) {
+  const Program program(folder_.path(), {"npdr", "run", "small.toml"});
+  ASSERT_TRUE(comes_true([&] { return text_of(folder_ / "pid").ends_with('\n'); }));
+  program.send_to_group(SIGINT);
+  EXPECT_TRUE(program.ends_within(10.0));
+  program.send(SIGKILL);
+  EXPECT_EQ(program.wait().status, 75);
+  const pid_t gnuplot = std::stoi(text_of(folder_ / "pid"));
+  EXPECT_TRUE(comes_true([&] { return has_ended(gnuplot); }));
+}
+
+TEST_F(Surroundings, ClosedStreamsTakeNoFileOfOurs) {
+  EXPECT_EQ(in_shell("true", "<&-").status, 0);
+  EXPECT_NE(text_of(logs() / "target.log"), "");
+  fs::remove_all(folder_ / "runs");
+  EXPECT_EQ(in_shell("true", "<&- 2>&-").status, 0);
+  EXPECT_NE(text_of(logs() / "target.log"), "");
+}
+
+TEST_F(Surroundings, ALimitOnTheSizeOfFilesIsNamed) {
+  const Outcome outcome = in_shell("ulimit -f 8");
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("File too large; raise the limit"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Surroundings, TheMaskSaysWhoMayWriteLogs) {
+  EXPECT_EQ(in_shell("umask 002").status, 0);
+  struct stat status = {};
+  ASSERT_EQ(stat((logs() / "target.log").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0664u);
+}
+
+TEST_F(Surroundings, ALogIsNoLink) {
+  fs::create_directories(logs());
+  folder_.file("victim", "theirs\n");
+  fs::create_symlink(folder_ / "victim", logs() / "target.log");
+  const Outcome outcome = in_shell("true");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("target.log: can't be written"), std::string::npos) << outcome.err;
+  EXPECT_EQ(text_of(folder_ / "victim"), "theirs\n");
+}
+
+TEST_F(Surroundings, WhatDeadProgramsLeftBehindGoesAlsoWhereNothingIsMissing) {
+  ASSERT_EQ(in_shell("true").status, 0);
+  const Program dead(folder_.path(), {"npdr", "--version"});
+  dead.wait();
+  const std::string name = "." + process_space() + "." + std::to_string(dead.pid()) + ".0.tmp";
+  fs::create_directories(folder_ / "runs/small/tables");
+  for (const std::string place : {"runs/.cache/target/.a", "runs/small/tables/.a"}) {
+    folder_.file(place + name, "");
+  }
+  EXPECT_EQ(in_shell("true").status, 0);
+  EXPECT_EQ(temporaries(folder_ / "runs"), std::set<std::string>());
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
