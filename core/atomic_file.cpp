@@ -142,13 +142,13 @@ void write_text_file(const fs::path& path, std::string_view text) {
 
 std::string read_text_file(const fs::path& path) {
   const OpenFile file(path, O_RDONLY);
-  if (!file.is_open()) throw_file_error(path, "be read", errno);
+  if (!file.is_open()) throw_read_error(path, errno);
   std::string text;
   std::array<char, 65536> buffer;
   for (;;) {
     const ssize_t count = ::read(file.value(), buffer.data(), buffer.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw_file_error(path, "be read", errno);
+    if (count < 0) throw_read_error(path, errno);
     if (count == 0) return text;
     text.append(buffer.data(), static_cast<std::size_t>(count));
   }

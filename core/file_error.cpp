@@ -27,6 +27,30 @@ std::string file_advice(int error_number) {
   }
 }
 
+std::string read_advice(int error_number) {
+  switch (error_number) {
+    case EACCES:
+    case EPERM:
+      return "; may you read it?";
+    case EMFILE:
+    case ENFILE:
+      return "; raise the limit on open files (ulimit -n)";
+    case EAGAIN:
+    case EIO:
+    case ESTALE:
+    case ETIMEDOUT:
+      return "; try again later";
+    default:
+      return "";
+  }
+}
+
+void throw_read_error(const std::filesystem::path& path, int error_number) {
+  throw Error(fmt::format("{}: can't be read: {}{}", path.string(),
+                          std::generic_category().message(error_number),
+                          read_advice(error_number)));
+}
+
 std::string file_error_text(const std::filesystem::path& path, const std::string& action,
                             int error_number) {
   return fmt::format("{}: can't {}: {}{}", path.string(), action,

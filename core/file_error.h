@@ -13,6 +13,10 @@ std::string file_advice(int error_number);
 std::string file_error_text(const std::filesystem::path& path, const std::string& action,
                             int error_number);
 
+/// The same for a file that can't be read: what would let it be.
+std::string read_advice(int error_number);
+[[noreturn]] void throw_read_error(const std::filesystem::path& path, int error_number);
+
 /// Throws Error with that text.
 [[noreturn]] void throw_file_error(const std::filesystem::path& path, const std::string& action,
                                    int error_number);

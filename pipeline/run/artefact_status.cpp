@@ -9,6 +9,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
+#include "pipeline/store/seal.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -130,8 +131,8 @@ void check_shards(const std::vector<fs::path>& shards) {
   for (const fs::path& shard : shards) {
     try {
       read_artefact_info(shard);
-    } catch (const InputError& error) {
-      throw InputError(std::string(error.what()) + "; remove this shard, too");
+    } catch (const DamagedFile& error) {
+      throw DamagedFile(std::string(error.what()) + "; remove this shard, too");
     }
   }
 }
@@ -190,13 +191,15 @@ ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny) 
   }
   try {
     read_status(plan, node, scrutiny, status);
-  } catch (const Error& error) {  // must not hide how the others stand
+  } catch (const DamagedFile& error) {  // must not hide how the others stand
     status.state = ArtefactState::stale;
     status.detail = std::string("damaged, remove it: ") + error.what();
+  } catch (const Error& error) {
+    status.state = ArtefactState::stale;
+    status.detail = std::string("can't be used: ") + error.what();
   } catch (const fs::filesystem_error& error) {
     status.state = ArtefactState::stale;
-    status.detail = "damaged, remove it: " +
-                    file_error_text(error.path1(), "be looked at", error.code().value());
+    status.detail = file_error_text(error.path1(), "be looked at", error.code().value());
   }
   return status;
 }

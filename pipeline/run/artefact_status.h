@@ -21,7 +21,8 @@ enum class ArtefactState {
 
 struct ArtefactStatus {
   ArtefactState state = ArtefactState::missing;
-  /// "3 of 10 shards", "damaged, remove it: ...", or why it failed; may be empty.
+  /// "3 of 10 shards", "damaged, remove it: ...", "can't be used: ...", or why it failed; may be
+  /// empty.
   std::string detail;
   std::uintmax_t bytes = 0;  ///< on disk, shards included
   Cost cost;                 ///< nothing: not known

@@ -149,23 +149,30 @@ void ArtefactWriter::finish() {
 namespace {
 
 // Damage is found before the HDF5 library sees it, which may crash on it.
-h5::File open_undamaged(const std::filesystem::path& path) {
+h5::File open_undamaged(const std::filesystem::path& path) try {
   const bool has_seal = has_intact_seal(path);
   h5::File file = h5::File::open(path);
   if (!has_seal && file.is_group(kProvenance) && file.group(kProvenance).has_attribute(kSealed)) {
-    throw InputError(path.string() + ": is damaged: its end with the checksum is missing");
+    throw DamagedFile(path.string() + ": is damaged: its end with the checksum is missing");
   }
   return file;
+} catch (const DamagedFile&) {
+  throw;
+} catch (const InputError& error) {
+  if (is_damaged(path)) throw DamagedFile(error.what());
+  throw;
 }
 
-// The file that we made can be made again.
-h5::File open_made_file(const std::filesystem::path& path) {
-  try {
-    return open_undamaged(path);
-  } catch (const InputError& error) {
-    if (!std::filesystem::exists(path)) throw;
-    throw InputError(std::string(error.what()) + "; remove it and run again");
-  }
+// The file that we made can be made again. What isn't damaged must not be removed: HDF5 didn't get
+// all of its bytes.
+h5::File open_made_file(const std::filesystem::path& path) try {
+  return open_undamaged(path);
+} catch (const DamagedFile& error) {
+  throw DamagedFile(std::string(error.what()) + "; remove it and run again");
+} catch (const InputError& error) {
+  if (!has_intact_seal(path)) throw;
+  throw Error(std::string(error.what()) +
+              "; its checksum is right, so it couldn't be read just now: run again");
 }
 
 }  // namespace
@@ -187,7 +194,7 @@ h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
 std::optional<h5::File> open_artefact_if_there(const ArtefactFile& file, const Schema& schema) {
   try {
     return open_artefact(file, schema);
-  } catch (const InputError&) {
+  } catch (const Error&) {
     if (std::filesystem::exists(file.path)) throw;
     return std::nullopt;
   }
@@ -212,6 +219,10 @@ ArtefactInfo read_artefact_info(const std::filesystem::path& path) {
       parse_json(provenance.attribute<std::string>("study"), provenance.where() + ": study");
   info.identity.seed = static_cast<std::uint64_t>(file.attribute<Index>("seed"));
   info.provenance = read_provenance(provenance);
+  if (info.key != info.identity.key()) {
+    throw InputError(file.where() +
+                     ": its key isn't that of its key document: somebody changed it");
+  }
   return info;
 }
 

@@ -29,6 +29,20 @@ bool is_chunked(const Object& dataset) {
   return H5Pget_layout(properties.id()) == H5D_CHUNKED;
 }
 
+// Raw bytes of any other file, wherever who made this one said that they are.
+void require_own_bytes(const Object& dataset) {
+  const Handle properties = opened(H5Dget_create_plist(dataset.id()), dataset.where(), "be opened");
+  if (H5Pget_external_count(properties.id()) == 0) return;
+  throw InputError(dataset.where() + ": its values are bytes of other files, must be in this one");
+}
+
+// The shape, before which nothing of a dataset is looked at.
+Shape checked_shape(const Object& dataset) {
+  require_own_bytes(dataset);
+  if (is_virtual(dataset)) check_mapping(dataset);
+  return shape_of(space_of(dataset).id(), dataset.where());
+}
+
 // Selects rows begin to begin + count - 1 of `space` and returns a memory space of their shape.
 Handle select_rows(hid_t space, const Shape& shape, Index begin, Index count) {
   if (shape.empty()) return Handle(H5Screate(H5S_SCALAR));
@@ -53,8 +67,7 @@ Shape position(const Shape& shape, Index i) {
 }  // namespace
 
 Dataset::Dataset(Handle handle, std::string where)
-    : Object(std::move(handle), std::move(where)),
-      shape_(shape_of(space_of(*this).id(), this->where())) {}
+    : Object(std::move(handle), std::move(where)), shape_(checked_shape(*this)) {}
 
 Index Dataset::row_size() const {
   return shape_.empty() ? 1 : size_of(Shape(shape_.begin() + 1, shape_.end()));
@@ -163,7 +176,7 @@ void Dataset::read_parts(ElementType type, Index begin, Index count, void* value
       piece.part.read_raw(type, piece.begin, num_rows,
                           static_cast<char*>(values) + done * row_bytes);
     } catch (const InputError& error) {
-      throw InputError(error.what() + parts_->advice());
+      parts_->fail(piece.file, error);
     }
     done += num_rows;
   }

@@ -40,8 +40,11 @@ herr_t take_description(unsigned n, const H5E_error2_t* entry, void* result) {
 }  // namespace
 
 void prepare() {
-  static const herr_t once = H5dont_atexit();
-  static_cast<void>(once);
+  static const bool is_first = [] {
+    H5dont_atexit();
+    return H5Lunregister(H5L_TYPE_EXTERNAL) >= 0;
+  }();
+  static_cast<void>(is_first);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -52,7 +55,16 @@ std::string reason() {
 }
 
 void fail_reading(const std::string& where, const std::string& action) {
-  throw InputError(fmt::format("{}: can't {}: {}", where, action, readable(reason())));
+  const std::string why = reason();
+  const std::string text = fmt::format("{}: can't {}: {}", where, action, readable(why));
+  const int number = error_number(why);
+  if (number == 0) throw InputError(text);
+  throw Error(text + read_advice(number));
+}
+
+bool is_true(int answer, const std::string& where) {
+  if (answer < 0 && error_number(reason()) != 0) fail_reading(where, "be looked into");
+  return answer > 0;
 }
 
 void fail_writing(const std::string& where, const std::string& action) {

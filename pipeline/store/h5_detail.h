@@ -14,21 +14,23 @@ namespace npdr::pipeline::h5 {
 static_assert(sizeof(hid_t) == sizeof(std::int64_t));
 
 /// Begins every use of a file: keeps HDF5 from printing its error stack, which the messages of this
-/// module quote, and from closing files at the end of the process, which crashes when one of them
-/// can't be written.
+/// module quote, from closing files at the end of the process, which crashes when one of them can't
+/// be written, and from following links to other files, which whoever made a file chose.
 void prepare();
 
 /// HDF5's reason for the last failure: the innermost entry of its error stack.
 std::string reason();
 
-/// Throws InputError (reading) or Error (writing): "where: can't action: HDF5's reason", and what
-/// to do about it.
+/// Throws "where: can't action: HDF5's reason", and what to do about it: when a call of the system
+/// failed Error, and when reading fails otherwise, because of what the file holds, InputError.
 [[noreturn]] void fail_reading(const std::string& where, const std::string& action);
 [[noreturn]] void fail_writing(const std::string& where, const std::string& action);
 
 /// The identifier that a call returned, owned; throws when it is invalid.
 Handle opened(hid_t id, const std::string& where, const std::string& action);
 Handle created(hid_t id, const std::string& where, const std::string& action);
+/// HDF5's answer to whether something is there. Throws Error when it couldn't read that.
+bool is_true(int answer, const std::string& where);
 /// Throws when a write returned a failure.
 void written(herr_t status, const std::string& where, const std::string& action);
 

@@ -83,6 +83,11 @@ File File::open(const std::filesystem::path& path) {
   if (type == std::filesystem::file_type::directory) {
     throw InputError(name + ": is a folder, must be an HDF5 file");
   }
+  // A pipe would be waited for without end.
+  if (std::filesystem::exists(path, unreadable) &&
+      !std::filesystem::is_regular_file(path, unreadable)) {
+    throw InputError(name + ": isn't a regular file, must be an HDF5 file");
+  }
   if (H5Fis_hdf5(name.c_str()) == 0) throw InputError(name + ": isn't an HDF5 file");
   const auto open = [&](hid_t access) {
     return opened(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access), name, "be opened");

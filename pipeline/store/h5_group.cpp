@@ -70,8 +70,8 @@ std::vector<std::string> Group::names() const {
 }
 
 bool Group::has(const std::string& name) const {
-  return H5Lexists(id(), name.c_str(), H5P_DEFAULT) > 0 &&
-         H5Oexists_by_name(id(), name.c_str(), H5P_DEFAULT) > 0;
+  return is_true(H5Lexists(id(), name.c_str(), H5P_DEFAULT), where()) &&
+         is_true(H5Oexists_by_name(id(), name.c_str(), H5P_DEFAULT), where());
 }
 
 bool Group::is_group(const std::string& name) const {

@@ -111,7 +111,7 @@ std::pair<std::uint64_t, std::uint64_t> Object::identity() const {
 }
 
 bool Object::has_attribute(const std::string& name) const {
-  return H5Aexists(id(), name.c_str()) > 0;
+  return is_true(H5Aexists(id(), name.c_str()), where());
 }
 
 std::vector<std::string> Object::attribute_names() const {

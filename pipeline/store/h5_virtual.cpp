@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <functional>
 
+#include "core/text.h"
 #include "pipeline/store/h5_detail.h"
+#include "pipeline/store/seal.h"
 
 namespace npdr::pipeline::h5 {
 namespace {
@@ -50,7 +52,7 @@ bool is_rows(hid_t space, const Shape& shape, Index begin, Index count) {
   return is_it;
 }
 
-Handle properties_of(const Dataset& dataset) {
+Handle properties_of(const Object& dataset) {
   return opened(H5Dget_create_plist(dataset.id()), dataset.where(), "say how it is stored");
 }
 
@@ -74,8 +76,21 @@ std::filesystem::path file_of(const Dataset& dataset) {
 
 }  // namespace
 
-bool is_virtual(const Dataset& dataset) {
+bool is_virtual(const Object& dataset) {
   return H5Pget_layout(properties_of(dataset).id()) == H5D_VIRTUAL;
+}
+
+void check_mapping(const Object& dataset) {
+  const Handle properties = properties_of(dataset);
+  std::size_t count = 0;
+  H5Pget_virtual_count(properties.id(), &count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::filesystem::path file = mapped_file(properties, i);
+    const bool leaves = file.is_absolute() || std::ranges::find(file, "..") != file.end();
+    if (!leaves) continue;
+    throw InputError(dataset.where() + ": its part " + quoted(file.string()) +
+                     " isn't in the folder of this file, or below it");
+  }
 }
 
 VirtualParts::VirtualParts(const Dataset& whole)
@@ -129,7 +144,7 @@ Dataset VirtualParts::opened(const Part& part) const {
     dataset.require_readable(type_);
     return dataset;
   } catch (const InputError& error) {
-    throw InputError(error.what() + advice());
+    fail(part.file, error);
   }
 }
 
@@ -140,11 +155,14 @@ VirtualParts::Piece VirtualParts::from(Index row) {
     current_.emplace(opened(part));
     current_number_ = next - parts_.begin();
   }
-  return {*current_, row - part.begin, part.begin + part.num_rows - row};
+  return {*current_, part.file, row - part.begin, part.begin + part.num_rows - row};
 }
 
-std::string VirtualParts::advice() const {
-  return "; remove it and '" + file_ + "', which joins it with others, and run again";
+void VirtualParts::fail(const std::string& part, const InputError& error) const {
+  const std::string what = error.what();
+  if (!is_damaged(part)) throw Error(what + "; this couldn't be read just now: try again");
+  throw DamagedFile(what + "; remove it and '" + file_ +
+                    "', which joins it with others, and run again");
 }
 
 Dataset Group::create_virtual_dataset(const std::string& name, ElementType type, const Shape& shape,

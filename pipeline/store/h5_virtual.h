@@ -10,7 +10,10 @@
 namespace npdr::pipeline::h5 {
 
 /// Whether a dataset's rows lie in other files.
-bool is_virtual(const Dataset& dataset);
+bool is_virtual(const Object& dataset);
+
+/// Throws InputError unless a virtual dataset's rows lie in files of its own folder, and below.
+void check_mapping(const Object& dataset);
 
 /// The parts of a virtual dataset, one of which is open at a time. HDF5 itself keeps all of them
 /// open, and what it can't open, because a process may only have so many files, it reads as zeros
@@ -24,6 +27,7 @@ class VirtualParts {
   /// Rows of a part.
   struct Piece {
     const Dataset& part;  ///< until the next call
+    const std::string& file;
     Index begin;
     Index num_rows;
   };
@@ -31,8 +35,9 @@ class VirtualParts {
   /// InputError when the part has changed.
   Piece from(Index row);
 
-  /// Words on what to do about a part that can't be read.
-  std::string advice() const;
+  /// Throws, when a part can't be read because of `error`, what to do about it: DamagedFile where
+  /// it has to be removed, otherwise Error.
+  [[noreturn]] void fail(const std::string& part, const InputError& error) const;
 
  private:
   struct Part {

@@ -103,7 +103,7 @@ TEST_F(Folders, WhatIsInTheWayIsNamed) {
   for (const Artefact& artefact : {posterior, proposal}) {
     fs::remove(artefact.path);
     fs::create_directory(artefact.path);
-    EXPECT_NE(folder_->npdr({"status"}).out.find("damaged, remove it: "), std::string::npos);
+    EXPECT_NE(folder_->npdr({"status"}).out.find("is a folder"), std::string::npos);
     fs::remove(artefact.path);
     fs::create_symlink(artefact.path.filename(), artefact.path);
     expect_named(folder_->npdr({"run"}), artefact.path.filename());

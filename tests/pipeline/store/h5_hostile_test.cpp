@@ -1,5 +1,6 @@
 // Files that lie about what they hold. Only HDF5 itself can make them.
 #include <hdf5.h>
+#include <sys/stat.h>
 
 #include "pipeline/store/h5.h"
 #include "tests/temp_folder.h"
@@ -115,6 +116,46 @@ TEST_F(HostileH5, ALinkToNowhereIsMissing) {
   make_file(folder_ / "a.h5",
             [](hid_t file) { H5Lcreate_soft("/nowhere", file, "x", H5P_DEFAULT, H5P_DEFAULT); });
   EXPECT_TRUE(reading().starts_with("a.h5: has no dataset 'x'"));
+}
+
+TEST_F(HostileH5, BytesOfAnotherFileAreNotRead) {
+  folder_.file("secret", std::string(16, 's'));
+  make_file(folder_ / "a.h5", [&](hid_t file) {
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_external(properties, (folder_ / "secret").c_str(), 0, 16);
+    H5Dclose(create(file, H5T_IEEE_F64LE, simple_space({2}), properties));
+  });
+  EXPECT_EQ(reading(),
+            "a.h5: dataset 'x': its values are bytes of other files, must be in this one");
+}
+
+TEST_F(HostileH5, ALinkToAnotherFileIsNotFollowed) {
+  File other = File::create(folder_ / "other.h5");
+  other.write("x", Vector(Vector::Ones(2)));
+  other.close();
+  make_file(folder_ / "a.h5", [](hid_t file) {
+    H5Lcreate_external("other.h5", "/x", file, "x", H5P_DEFAULT, H5P_DEFAULT);
+  });
+  EXPECT_TRUE(reading().starts_with("a.h5: has no dataset 'x'")) << reading();
+}
+
+TEST_F(HostileH5, RowsOfAFileInAnotherFolderAreNotRead) {
+  std::filesystem::create_directory(folder_ / "folder");
+  File other = File::create(folder_ / "other.h5");
+  other.write("x", RowMatrix(RowMatrix::Ones(2, 3)));
+  other.close();
+  for (const std::string& part : {std::string("../other.h5"), (folder_ / "other.h5").string()}) {
+    File file = File::create(folder_ / "folder/a.h5");
+    EXPECT_NE(message_of<InputError>([&] {
+                file.create_virtual_dataset("x", h5::ElementType::f64, {2, 3}, {{part, "x", 2}});
+              }).find("isn't in the folder of this file, or below it"),
+              std::string::npos);
+  }
+}
+
+TEST_F(HostileH5, APipeIsNotWaitedFor) {
+  ASSERT_EQ(mkfifo((folder_ / "a.h5").c_str(), 0600), 0);
+  EXPECT_EQ(reading(), "a.h5: isn't a regular file, must be an HDF5 file");
 }
 
 TEST_F(HostileH5, TruncatedFilesAreRefused) {
