@@ -19,6 +19,7 @@
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/stage.h"
+#include "pipeline/process/forked_trial.h"
 #include "pipeline/store/number_table.h"
 #include "sim/observation_noise.h"
 
@@ -121,12 +122,18 @@ void print_sampler(const inference::Samples& samples) {
              r_hat, samples.report->ess.minCoeff<Eigen::PropagateNaN>(), verdict_on_chains(r_hat));
 }
 
-std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) {
+std::unique_ptr<inference::Posterior> read(const PosteriorArguments& arguments) {
   if (arguments.recording.empty()) return read_posterior({arguments.posterior});
   const auto posterior = read_network_posterior({arguments.posterior});
   const VectorF x = embed_recording(arguments.posterior, arguments.recording);
   warn_of_later_round(arguments.posterior);
   return posterior->given(x);
+}
+
+// Anybody may have made the file, and some crash HDF5: a child goes first.
+std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) {
+  if (!survives([&] { read(arguments); })) throw damaged_file(arguments.posterior);
+  return read(arguments);
 }
 
 void print_samples(const PosteriorArguments& arguments) {

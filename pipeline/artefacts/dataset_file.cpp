@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/feature_names.h"
 #include "core/text.h"
-#include "pipeline/process/forked_trial.h"
+#include "pipeline/artefacts/outside_file.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/number_table.h"
 
@@ -51,8 +51,8 @@ std::vector<Channel> all_features(const h5::Dataset& x) {
 }
 
 void check(const h5::File& file) {
-  const h5::Dataset theta = file.dataset("theta");
-  const h5::Dataset x = file.dataset("x");
+  const h5::Dataset theta = own_dataset(file, "theta");
+  const h5::Dataset x = own_dataset(file, "x");
   theta.require_shape({-1, -1});
   if (theta.num_rows() < 1 || theta.row_size() < 1) throw InputError(theta.where() + " is empty");
   x.require_shape({theta.num_rows(), -1});
@@ -67,10 +67,8 @@ void check(const h5::File& file) {
 }
 
 h5::File open_checked(const std::filesystem::path& path) {
-  if (!survives([&] { check(h5::File::open(path)); })) throw damaged_file(path);
-  h5::File file = h5::File::open(path);
-  check(file);
-  return file;
+  read_from_outside(path, check);
+  return h5::File::open(path);
 }
 
 // Some columns of rows at ascending positions.

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/feature_names.h"
 #include "core/text.h"
-#include "pipeline/process/forked_trial.h"
+#include "pipeline/artefacts/outside_file.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/h5.h"
 #include "pipeline/store/number_table.h"
@@ -71,9 +71,8 @@ FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Ex
   return rows;
 }
 
-FeatureRows read_hdf5(const std::filesystem::path& path, Index num_rows, const Expected& expected) {
-  const h5::File file = h5::File::open(path);
-  const h5::Dataset x = file.dataset("x");
+FeatureRows read_hdf5(const h5::File& file, Index num_rows, const Expected& expected) {
+  const h5::Dataset x = own_dataset(file, "x");
   const bool is_vector = x.shape().size() == 1 && num_rows == 1;
   const Index width = is_vector ? x.num_rows() : x.row_size();
   if (!is_vector) x.require_shape({num_rows, -1});
@@ -87,23 +86,14 @@ FeatureRows read_hdf5(const std::filesystem::path& path, Index num_rows, const E
   return rows;
 }
 
-// A pipe would be waited for without end.
-void require_regular_file(const std::filesystem::path& path) {
-  std::error_code error;
-  if (std::filesystem::is_regular_file(path, error)) return;
-  throw InputError(path.string() +
-                   (std::filesystem::exists(path, error) ? " isn't a file" : " doesn't exist"));
-}
-
 }  // namespace
 
 FeatureRows read_features(const std::filesystem::path& path, FileFormat format, Index num_rows,
                           const std::vector<Channel>& expected, bool needs_names) {
   const Expected wanted{expected, needs_names};
   if (format == FileFormat::csv) return read_csv(path, num_rows, wanted);
-  require_regular_file(path);
-  if (!survives([&] { read_hdf5(path, num_rows, wanted); })) throw damaged_file(path);
-  return read_hdf5(path, num_rows, wanted);
+  return read_from_outside(path,
+                           [&](const h5::File& file) { return read_hdf5(file, num_rows, wanted); });
 }
 
 Target observation_target(const std::vector<Channel>& features, const Vector& x_o,

@@ -6,7 +6,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
-#include "pipeline/process/forked_trial.h"
+#include "pipeline/artefacts/outside_file.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/h5.h"
 #include "pipeline/store/hash.h"
@@ -95,8 +95,8 @@ void add_matrix(Hasher& hasher, const RowMatrix& values) {
 }  // namespace
 
 Target read_rollouts(const h5::File& file, const std::optional<Channels>& expected) {
-  const h5::Dataset states = file.dataset("states");
-  const h5::Dataset actions = file.dataset("actions");
+  const h5::Dataset states = own_dataset(file, "states");
+  const h5::Dataset actions = own_dataset(file, "actions");
   states.require_shape({-1, -1, -1});
   if (states.num_rows() < 1 || states.row_size() < 1) {
     throw InputError(states.where() + " is empty; record a rollout");
@@ -126,12 +126,9 @@ Target read_rollouts(const h5::File& file, const std::optional<Channels>& expect
   return target;
 }
 
-// Files of the format before HDF5 1.10 have no checksums on their metadata, and HDF5's reader of
-// variable-length texts follows a damaged pointer to wherever it leads. So a child goes first.
 Target read_recording(const std::filesystem::path& path, const std::optional<Channels>& expected) {
-  const auto read = [&] { return read_rollouts(h5::File::open(path), expected); };
-  if (!survives([&] { read(); })) throw damaged_file(path);
-  return read();
+  return read_from_outside(path,
+                           [&](const h5::File& file) { return read_rollouts(file, expected); });
 }
 
 void write_recording(const Target& target, const std::filesystem::path& path) {

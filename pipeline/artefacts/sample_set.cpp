@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "pipeline/artefacts/outside_file.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/h5.h"
 #include "pipeline/store/number_table.h"
@@ -16,14 +17,15 @@ namespace {
 
 // HDF5's signature may also stand further on, behind a user's block; ours and h5py's have none.
 bool is_hdf5(const std::filesystem::path& path) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable)) return false;  // a pipe has no begin
   std::array<char, 4> begin{};
   std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
   return begin == std::array<char, 4>{'\x89', 'H', 'D', 'F'};
 }
 
-SampleSet read_hdf5(const std::filesystem::path& path, const std::string& name, Index most_rows) {
-  const h5::File file = h5::File::open(path);
-  const h5::Dataset dataset = file.dataset(name);
+SampleSet read_hdf5(const h5::File& file, const std::string& name, Index most_rows) {
+  const h5::Dataset dataset = own_dataset(file, name);
   dataset.require_shape({-1, -1});
   dataset.require_readable(h5::ElementType::f64);
   SampleSet set{dataset.where(), column_channels(dataset, dataset.row_size()), {}};
@@ -51,7 +53,9 @@ SampleSet read_csv(const std::filesystem::path& path, Index most_rows) {
 
 SampleSet read_sample_set(const std::filesystem::path& path, const std::string& dataset,
                           Index most_rows) {
-  return is_hdf5(path) ? read_hdf5(path, dataset, most_rows) : read_csv(path, most_rows);
+  if (!is_hdf5(path)) return read_csv(path, most_rows);
+  return read_from_outside(
+      path, [&](const h5::File& file) { return read_hdf5(file, dataset, most_rows); });
 }
 
 SampleSet in_order_of(const SampleSet& first, SampleSet second) {

@@ -14,14 +14,16 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr rlim_t kMaxSeconds = 60;
-constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU};
+constexpr rlim_t kMaxSeconds = 60;  // of processor time
+constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU, SIGALRM};
 
-[[noreturn]] void act_and_exit(const std::function<void()>& action) {
+[[noreturn]] void act_and_exit(const std::function<void()>& action, unsigned time_limit) {
   const rlimit limit{kMaxSeconds, kMaxSeconds + 1};
   setrlimit(RLIMIT_CPU, &limit);
   prctl(PR_SET_DUMPABLE, 0);  // no core file
   for (const int signal : kCrashes) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_DFL);
+  alarm(time_limit);
   const int nowhere = open("/dev/null", O_WRONLY);
   dup2(nowhere, STDOUT_FILENO);
   dup2(nowhere, STDERR_FILENO);
@@ -40,9 +42,9 @@ bool is_crash(int status) {
 
 }  // namespace
 
-bool survives(const std::function<void()>& action) {
+bool survives(const std::function<void()>& action, unsigned time_limit) {
   const pid_t child = fork();
-  if (child == 0) act_and_exit(action);
+  if (child == 0) act_and_exit(action, time_limit);
   if (child < 0) return true;
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {

@@ -1,6 +1,7 @@
 #include "pipeline/process/forked_trial.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -16,6 +17,10 @@ TEST(ForkedTrial, TellsACrashFromAnEnd) {
   EXPECT_FALSE(survives([] { std::abort(); }));
   EXPECT_FALSE(survives([] { std::raise(SIGXCPU); })) << "it never ends";
   EXPECT_FALSE(survives([] { std::_Exit(1); })) << "a sanitizer found an error";
+}
+
+TEST(ForkedTrial, WhatNeverEndsIsACrash) {
+  EXPECT_FALSE(survives([] { pause(); }, 1));
 }
 
 TEST(ForkedTrial, WhatComesFromOutsideIsNoCrash) {
