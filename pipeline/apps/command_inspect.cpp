@@ -152,16 +152,18 @@ void add_verify_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand(
       "verify", "recompute random rows of a simulation or proposal and compare bit for bit");
   auto path = std::make_shared<std::string>();
-  auto rows = std::make_shared<Index>(10);
-  auto seed = std::make_shared<std::uint64_t>(0);
+  auto options = std::make_shared<VerifyOptions>();
   command->add_option("FILE", *path)->required();
-  command->add_option("--rows", *rows, "how many")
+  command->add_option("--rows", options->count, "how many")
       ->capture_default_str()
       ->check(CLI::Range(Index{1}, Index{100'000'000}));
-  command->add_option("--pick", *seed, "picks the rows")->capture_default_str();
-  command->callback([&result, path, rows, seed] {
+  command->add_option("--pick", options->pick, "picks the rows")->capture_default_str();
+  command->add_flag(
+      "--run-command", options->runs_command,
+      "run the program or library that the file names, which can do all that you can");
+  command->callback([&result, path, options] {
     result = guarded_main("npdr verify", [&] {
-      const Verification found = verify(*path, *rows, *seed);
+      const Verification found = verify(*path, *options);
       fmt::print("{}: {} of {} rows recomputed, {} differ\n", *path, found.num_checked,
                  found.num_rows, found.different.size());
       for (const Index row : found.different) fmt::print("    row {}\n", row);

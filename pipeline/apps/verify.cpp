@@ -14,6 +14,7 @@
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/predictions/policy_rollouts.h"
+#include "pipeline/process/forked_trial.h"
 #include "pipeline/sources/source.h"
 #include "sim/simulator.h"
 
@@ -54,8 +55,38 @@ Index round_of(const std::filesystem::path& simulation, const ArtefactInfo& info
   return read_artefact_info(path).identity.key_document.at("round").get<Index>();
 }
 
+// Escapes of JSON: what a file holds could otherwise rewrite the terminal's lines.
+std::string shown(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
+// What the file would have us run; none: nothing that isn't ours.
+std::string foreign_code(const ExternalConfig& external) {
+  const std::string where = " in the folder " + shown(external.folder);
+  switch (external.kind()) {
+    case SourceKind::command:
+    case SourceKind::motion_command:
+      return "the command " + shown(*external.command) + where;
+    case SourceKind::worker:
+      return "the worker " + shown(*external.worker) + where;
+    case SourceKind::library:
+      return "the library " + shown(*external.library);
+    default:
+      return "";
+  }
+}
+
+void require_trust(const std::filesystem::path& path, const Study& study,
+                   const VerifyOptions& options) {
+  const std::string code = foreign_code(study.external);
+  if (code.empty() || options.runs_command) return;
+  throw InputError(path.string() + ": to make its rows again runs, with your rights, " + code +
+                   ", as whoever made the file says; add --run-command if you trust them");
+}
+
 // The study as far as its source needs it.
-Study study_of(const std::filesystem::path& path, const ArtefactInfo& info) {
+Study study_of(const std::filesystem::path& path, const ArtefactInfo& info,
+               const VerifyOptions& options) {
   const auto& json = info.identity.study;
   const auto table =
       from_json<SimulatorTable>(json.at("simulator"), path.string() + ": study.simulator");
@@ -63,6 +94,7 @@ Study study_of(const std::filesystem::path& path, const ArtefactInfo& info) {
   study.simulator = table.built_in;
   study.external = table.external;
   study.prior = prior_from_json(json.at("prior"), path.string());
+  require_trust(path, study, options);
   return study;
 }
 
@@ -79,37 +111,71 @@ StreamId first_stream(const std::filesystem::path& path, const ArtefactInfo& inf
   return {info.identity.seed, kSimulationStream, round, begin, 0};
 }
 
-// Each row in a call of its own.
-Verification verify_simulation(const std::filesystem::path& path, const ArtefactInfo& info,
-                               Index count, std::uint64_t pick) {
+// Rows of a simulation as they are stored.
+struct StoredRows {
+  Index num_rows = 0;
+  h5::Shape shape;            // of all of its values
+  std::vector<Index> picked;  // rows
+  RowMatrix theta;            // of those
+  RowMatrixF values;
+};
+
+StoredRows read_rows(const std::filesystem::path& path, const ArtefactInfo& info,
+                     const VerifyOptions& options) {
   const bool is_shard = info.schema.name == kSimulationShardSchema.name;
   const h5::File file = open_artefact(path, is_shard ? kSimulationShardSchema : kSimulationSchema);
-  const Study study = study_of(path, info);
+  const h5::Dataset values = simulated_values(file);
+  const RowMatrix theta = file.read_matrix<double>("theta", values.num_rows());
+  StoredRows rows{values.num_rows(),
+                  values.shape(),
+                  pick_rows(values.num_rows(), options.count, options.pick),
+                  {},
+                  {}};
+  rows.theta = theta(rows.picked, Eigen::all);
+  rows.values.resize(std::ssize(rows.picked), values.row_size());
+  for (Index i = 0; i < rows.values.rows(); ++i) {
+    values.read_rows<float>(
+        rows.picked[static_cast<std::size_t>(i)], 1,
+        {rows.values.row(i).data(), static_cast<std::size_t>(values.row_size())});
+  }
+  return rows;
+}
+
+void check_shape(const std::filesystem::path& path, const Study& study, const StoredRows& rows) {
+  const bool gives_motion = study.source().gives_motion;
+  const std::size_t rank = gives_motion ? 4 : 2;
+  const auto num_parameters = static_cast<Index>(study.prior.size());
+  const bool fits = rows.shape.size() == rank && rows.theta.cols() == num_parameters &&
+                    (gives_motion || rows.shape[1] == std::ssize(study.external.features));
+  if (!fits) throw InputError(path.string() + ": its rows aren't those of its study");
+}
+
+// Each row in a call of its own.
+Verification verify_simulation(const std::filesystem::path& path, const ArtefactInfo& info,
+                               const VerifyOptions& options) {
+  const Study study = study_of(path, info, options);
   const SourceTraits& traits = study.source();
   if (!traits.simulates) reject_dataset(path);
-  const h5::Dataset values = simulated_values(file);
-  values.require_shape(traits.gives_motion
-                           ? h5::Shape{-1, -1, -1, -1}
-                           : h5::Shape{-1, static_cast<Index>(study.external.features.size())});
-  const RowMatrix theta =
-      file.read_matrix<double>("theta", values.num_rows(), static_cast<Index>(study.prior.size()));
+  const StoredRows rows = read_rows(path, info, options);
+  check_shape(path, study, rows);
   // A shard's own document doesn't hold the number of rollouts; its trajectories do.
   const Target target = traits.gives_motion
-                            ? target_of(simulation_of(path, info), info).first(values.shape()[1])
+                            ? target_of(simulation_of(path, info), info).first(rows.shape[1])
                             : Target{};
   const StreamId first = traits.takes_seeds ? first_stream(path, info) : StreamId{};
   const auto source = make_source(study);
   const auto simulator = source->open({.simulator = study.simulator, .target = target});
 
   Verification result;
-  result.num_rows = values.num_rows();
-  std::vector<float> stored(static_cast<std::size_t>(values.row_size()));
-  for (const Index row : pick_rows(result.num_rows, count, pick)) {
+  result.num_rows = rows.num_rows;
+  for (Index i = 0; i < std::ssize(rows.picked); ++i) {
+    const Index row = rows.picked[static_cast<std::size_t>(i)];
     StreamId id = first;
     id.row += static_cast<std::uint64_t>(row);
     const sim::Trajectories again =
-        simulator->simulate(source->parameters().complete(theta.row(row)), id);
-    values.read_rows<float>(row, 1, stored);
+        simulator->simulate(source->parameters().complete(rows.theta.row(i)), id);
+    const std::span<const float> stored(rows.values.row(i).data(),
+                                        static_cast<std::size_t>(rows.values.cols()));
     ++result.num_checked;
     if (!same(again.values, stored)) result.different.push_back(row);
   }
@@ -117,7 +183,7 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
 }
 
 Verification verify_proposal(const std::filesystem::path& path, const ArtefactInfo& info,
-                             Index count, std::uint64_t pick) {
+                             const VerifyOptions& options) {
   const h5::File file = open_artefact(path, kProposalSchema);
   const auto& document = info.identity.key_document;
   if (document.contains("dataset")) reject_dataset(path);
@@ -132,7 +198,7 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
   const Use use{"", info.identity.seed, document.value("round", Index{1}),
                 document.value("iteration", Index{0})};
   const std::uint64_t round = use.stream_round();
-  for (const Index row : pick_rows(result.num_rows, count, pick)) {
+  for (const Index row : pick_rows(result.num_rows, options.count, options.pick)) {
     Stream stream({info.identity.seed, "prior", round, static_cast<std::uint64_t>(row), 0});
     ++result.num_checked;
     if (prior.sample(stream).transpose() != theta.row(row)) result.different.push_back(row);
@@ -141,9 +207,10 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
 }
 
 // The study as far as the test's document tells it.
-Study tested_study(const std::filesystem::path& path, const ArtefactInfo& info) {
+Study tested_study(const std::filesystem::path& path, const ArtefactInfo& info,
+                   const VerifyOptions& options) {
   const auto& document = info.identity.key_document;
-  Study study = study_of(path, info);
+  Study study = study_of(path, info, options);
   if (document.contains("truth")) {
     study.target.truth = document.at("truth").get<std::map<std::string, double>>();
   }
@@ -173,8 +240,8 @@ Vector stored_returns(const PolicyTest& test) {
 
 // Rollouts, each on its own.
 Verification verify_policy_test(const std::filesystem::path& path, const ArtefactInfo& info,
-                                Index count, std::uint64_t pick) {
-  const Study study = tested_study(path, info);
+                                const VerifyOptions& options) {
+  const Study study = tested_study(path, info, options);
   const PolicyTest test = read_policy_test(path);
   const auto task = make_task(study);
   const RowMatrix theta = tested_parameters(study, *make_source(study));
@@ -187,7 +254,7 @@ Verification verify_policy_test(const std::filesystem::path& path, const Artefac
   }
   Verification result;
   result.num_rows = stored.size();
-  for (const Index row : pick_rows(result.num_rows, count, pick)) {
+  for (const Index row : pick_rows(result.num_rows, options.count, options.pick)) {
     const sim::PolicyRollouts again =
         task->run(theta.row(row / num_states), test.initial_states.row(row % num_states),
                   test.policy.transpose());
@@ -199,18 +266,32 @@ Verification verify_policy_test(const std::filesystem::path& path, const Artefac
   return result;
 }
 
+bool is_simulation(const ArtefactInfo& info) {
+  return info.schema.name == kSimulationSchema.name ||
+         info.schema.name == kSimulationShardSchema.name;
+}
+
+// All that is read of the file. Anybody may have made it, and some crash HDF5: a child goes first.
+void read_all(const std::filesystem::path& path, const VerifyOptions& options) {
+  const ArtefactInfo info = read_artefact_info(path);
+  if (is_simulation(info)) read_rows(path, info, options);
+  if (info.schema.name == kProposalSchema.name) {
+    open_artefact(path, kProposalSchema).read_matrix<double>("theta");
+  }
+  if (info.schema.name == kPolicyTestSchema.name) read_policy_test(path);
+}
+
 }  // namespace
 
-Verification verify(const std::filesystem::path& given, Index count, std::uint64_t pick) {
+Verification verify(const std::filesystem::path& given, const VerifyOptions& options) {
   // A link of the readable folder leads to the cache, where the inputs lie.
   const std::filesystem::path path = std::filesystem::weakly_canonical(given);
+  if (!survives([&] { read_all(path, options); })) throw damaged_file(path);
   const ArtefactInfo info = read_artefact_info(path);
+  if (is_simulation(info)) return verify_simulation(path, info, options);
   const std::string& schema = info.schema.name;
-  if (schema == kSimulationSchema.name || schema == kSimulationShardSchema.name) {
-    return verify_simulation(path, info, count, pick);
-  }
-  if (schema == kProposalSchema.name) return verify_proposal(path, info, count, pick);
-  if (schema == kPolicyTestSchema.name) return verify_policy_test(path, info, count, pick);
+  if (schema == kProposalSchema.name) return verify_proposal(path, info, options);
+  if (schema == kPolicyTestSchema.name) return verify_policy_test(path, info, options);
   throw InputError(path.string() + ": a " + schema +
                    "; only simulations, their shards, first proposals and tests of policies can be "
                    "verified");

@@ -14,9 +14,17 @@ struct Verification {
   std::vector<Index> different;  ///< rows whose bits differ
 };
 
-/// Recomputes `count` random rows of a simulation (or one of its shards) or of a first round's
-/// proposal, or rollouts of a policy's test. The target that a simulation was replayed against is
-/// found in the cache beside it. Throws InputError for another kind of file.
-Verification verify(const std::filesystem::path& given, Index count, std::uint64_t pick);
+struct VerifyOptions {
+  Index count = 10;           ///< rows
+  std::uint64_t pick = 0;     ///< picks them
+  bool runs_command = false;  ///< that the file names, whoever made it
+};
+
+/// Recomputes random rows of a simulation (or one of its shards) or of a first round's proposal, or
+/// rollouts of a policy's test. The target that a simulation was replayed against is found in the
+/// cache beside it. Throws InputError for another kind of file, one whose key isn't that of its key
+/// document, and one whose rows come from a program or library that it names itself, unless that
+/// may be run.
+Verification verify(const std::filesystem::path& given, const VerifyOptions& options);
 
 }  // namespace npdr::pipeline

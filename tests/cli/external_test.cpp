@@ -231,7 +231,7 @@ TEST_F(External, ATruthIsObservedByTheCommandAndRoundsFollow) {
 TEST_F(External, OtherCommandsUnderstandSuchStudies) {
   run_well({"shell.toml", "--until", "infer"});
   const std::string round = "runs/external-shell/npe-gaussian/seed-1/round-1/";
-  EXPECT_NE(npdr({"verify", round + "simulate.h5", "--rows", "3"})
+  EXPECT_NE(npdr({"verify", round + "simulate.h5", "--rows", "3", "--run-command"})
                 .out.find("3 of 1000 rows "
                           "recomputed, 0 differ"),
             std::string::npos);

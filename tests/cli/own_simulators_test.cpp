@@ -92,7 +92,10 @@ TEST_F(OwnSimulators, ALibraryFindsTheTruth) {
   EXPECT_NEAR(theta.col(0).mean(), 24.0, 5.0);
 
   const fs::path simulated = runs("spring-library") / "npe/seed-1/round-1/simulate.h5";
-  const Outcome verified = npdr({"verify", simulated.string()});
+  const Outcome refused = npdr({"verify", simulated.string()});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_TRUE(says(refused.err, {"the library", "spring.so", "add --run-command"}));
+  const Outcome verified = npdr({"verify", simulated.string(), "--run-command"});
   EXPECT_EQ(verified.status, 0) << verified.err;
   const Outcome again =
       npdr({"run", "library.toml", "--dry-run", "--set", "method.num_simulations=400", "--set",

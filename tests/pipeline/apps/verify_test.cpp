@@ -14,11 +14,38 @@ TEST(Verify, RefusesOtherVersionsOfASchema) {
     ++newer.version;
     const Identity identity{key_document(newer), {}, {{"name", "s"}}, 1};
     ArtefactWriter(folder / "a.h5", newer, identity).finish();
-    EXPECT_TRUE(says(message_of<InputError>([&] { verify(folder / "a.h5", 1, 0); }, &folder),
+    EXPECT_TRUE(says(message_of<InputError>([&] { verify(folder / "a.h5", {}); }, &folder),
                      {"a.h5: schema '" + known.name + "' " + std::to_string(newer.version),
                       "this build reads " + std::to_string(known.version),
                       "rerun stage '" + known.stage + "'"}));
   }
+}
+
+TEST(Verify, RefusesAKeyThatIsntThatOfItsDocument) {
+  const TempFolder folder;
+  const Identity identity{key_document(kProposalSchema), {}, {{"name", "s"}}, 1};
+  ArtefactWriter writer(folder / "a.h5", kProposalSchema, identity);
+  writer.file().set_attribute("key", std::string(32, '0'));
+  writer.finish();
+  EXPECT_TRUE(says(message_of<InputError>([&] { verify(folder / "a.h5", {}); }, &folder),
+                   {"a.h5: its key isn't that of its key document"}));
+}
+
+// A simulation whose rows come, as it says, from a command.
+TEST(Verify, RunsNothingThatTheFileNamesUnlessToldTo) {
+  const TempFolder folder;
+  const std::string command = "touch " + (folder / "ran").string() + " \x1b[2J";
+  const Identity identity{key_document(kSimulationSchema),
+                          {},
+                          {{"name", "s"},
+                           {"simulator", {{"command", command}, {"folder", "/"}}},
+                           {"prior", nlohmann::ordered_json::array()}},
+                          1};
+  ArtefactWriter(folder / "a.h5", kSimulationSchema, identity).finish();
+  const std::string message = message_of<InputError>([&] { verify(folder / "a.h5", {}); }, &folder);
+  EXPECT_TRUE(says(message, {"with your rights, the command \"touch ", "\\u001b[2J",
+                             "add --run-command if you trust them"}));
+  EXPECT_FALSE(std::filesystem::exists(folder / "ran"));
 }
 
 }  // namespace
