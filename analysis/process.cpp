@@ -14,6 +14,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/pipe.h"
 
 namespace npdr::analysis {
 namespace {
@@ -23,30 +24,6 @@ using Clock = std::chrono::steady_clock;
 [[noreturn]] void fail(const std::string& program, int error) {
   throw Error(program + ": can't be run: " + std::strerror(error));
 }
-
-// The two ends of a pipe, closed at the latest when this goes.
-class Pipe {
- public:
-  explicit Pipe(const std::string& program) {
-    if (pipe2(ends_.data(), O_CLOEXEC) != 0) fail(program, errno);
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-  ~Pipe() {
-    close(ends_[0]);
-    close_input();
-  }
-
-  int output() const { return ends_[0]; }
-  int input() const { return ends_[1]; }
-  void close_input() {
-    if (ends_[1] >= 0) close(ends_[1]);
-    ends_[1] = -1;
-  }
-
- private:
-  std::array<int, 2> ends_{-1, -1};
-};
 
 // This process's variables but for some.
 std::vector<char*> environment_without(const std::vector<std::string>& unset) {
@@ -153,19 +130,19 @@ ProcessResult run_process(const std::string& program, const std::vector<std::str
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
   const std::vector<char*> variables = environment_without(options.unset);
-  Pipe errors(program), reason(program);
-  const Start start = {directory.c_str(), argv.data(),    variables.data(),
-                       errors.input(),    reason.input(), getpid()};
+  Pipe errors, reason;
+  const Start start = {directory.c_str(),  argv.data(),        variables.data(),
+                       errors.write_end(), reason.write_end(), getpid()};
   const pid_t process = fork();
   if (process == 0) become(start);
   if (process < 0) fail(program, errno);
-  errors.close_input();
-  reason.close_input();
+  errors.close_write_end();
+  reason.close_write_end();
   Running running(process, options.time_limit);
-  const int error = running.failure(reason.output());
+  const int error = running.failure(reason.read_end());
   ProcessResult result;
   result.found = error != ENOENT;
-  result.errors = running.read_all(errors.output());
+  result.errors = running.read_all(errors.read_end());
   result.exit_status = running.wait(program);
   result.timed_out = running.is_late();
   if (result.found && error != 0) fail(program, error);

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,7 +15,7 @@
 #include <sstream>
 #include <vector>
 
-#include "core/error.h"
+#include "core/pipe.h"
 #include "pipeline/process/stop_request.h"
 
 namespace npdr::pipeline {
@@ -59,36 +58,6 @@ bool group_runs(pid_t group) {
   }
   return false;
 }
-
-[[noreturn]] void fail() {
-  throw Error(std::string("can't start a shell: ") + std::strerror(errno));
-}
-
-// Both ends of a pipe, closed unless they are taken.
-class Pipe {
- public:
-  Pipe() {
-    if (pipe2(ends_.data(), O_CLOEXEC) != 0) fail();
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-  ~Pipe() {
-    for (const int end : ends_) {
-      if (end >= 0) close(end);
-    }
-  }
-  int read_end() const { return ends_[0]; }
-  int write_end() const { return ends_[1]; }
-  // The end that this process keeps, which never blocks.
-  int take(int end) {
-    fcntl(end, F_SETFL, O_NONBLOCK);
-    *std::ranges::find(ends_, end) = -1;
-    return end;
-  }
-
- private:
-  std::array<int, 2> ends_ = {-1, -1};
-};
 
 // Streams that a shell has in place of this process's.
 struct ShellStreams {
@@ -136,48 +105,6 @@ void BoundedText::drop_middle() {
   end_.erase(0, end_.size() - kKeptBytes);
 }
 
-// Ends a process group should this process die without having done it, such as by kill -9: a child
-// that waits for the end of a pipe which only this process has open for writing.
-class ShellProcess::Guard {
- public:
-  explicit Guard(pid_t group) {
-    std::array<int, 2> ends;
-    if (pipe2(ends.data(), O_CLOEXEC) != 0) return;
-    process_ = fork();
-    if (process_ == 0) watch(ends[0], group);
-    close(ends[0]);
-    end_ = ends[1];
-  }
-  Guard(const Guard&) = delete;
-  Guard& operator=(const Guard&) = delete;
-  ~Guard() {
-    if (end_ < 0) return;
-    const char done = 1;
-    [[maybe_unused]] const ssize_t written = write(end_, &done, 1);
-    close(end_);
-    while (process_ > 0 && waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
-    }
-  }
-
- private:
-  // Nothing in here allocates: another thread may have held the allocator's lock.
-  [[noreturn]] static void watch(int end, pid_t group) {
-    setpgid(0, 0);  // a terminal's Ctrl-C isn't for it
-    const int own = dup2(end, 0);
-    close_range(1, ~0U, 0);
-    char done = 0;
-    ssize_t count = 0;
-    do {
-      count = read(own, &done, 1);
-    } while (count < 0 && errno == EINTR);
-    if (count == 0) kill(-group, SIGKILL);
-    _exit(0);
-  }
-
-  pid_t process_ = -1;
-  int end_ = -1;
-};
-
 ShellProcess::ShellProcess(const ShellCommand& command, Streams streams) {
   const bool has_streams = streams == Streams::stdin_and_stdout;
   Pipe error, input, output;
@@ -192,9 +119,9 @@ ShellProcess::ShellProcess(const ShellCommand& command, Streams streams) {
   const ShellStreams its = {has_streams ? input.read_end() : -1,
                             has_streams ? output.write_end() : error.write_end(),
                             error.write_end()};
-  process_ = fork();
-  if (process_ == 0) become_shell(folder.c_str(), its, arguments.data(), variables.data());
-  if (process_ < 0) fail();
+  guard_ = std::make_unique<ShellGuard>(
+      [&] { become_shell(folder.c_str(), its, arguments.data(), variables.data()); });
+  process_ = guard_->shell();
   setpgid(process_, process_);  // by both, as nobody knows who is first
   output_ = error.take(error.read_end());
   if (has_streams) {
@@ -204,7 +131,6 @@ ShellProcess::ShellProcess(const ShellCommand& command, Streams streams) {
       fcntl(stream, F_SETPIPE_SZ, kStreamBytes);
     }
   }
-  guard_ = std::make_unique<Guard>(process_);
 }
 
 ShellProcess::~ShellProcess() {
@@ -223,16 +149,9 @@ bool ShellProcess::has_ended(bool waits_for_all) {
   pollfd more = {is_open_ ? output_ : -1, POLLIN, 0};
   poll(&more, 1, is_open_ ? 20 : 1);
   read_output();
-  siginfo_t end = {};
-  waitid(P_PID, static_cast<id_t>(process_), &end, WEXITED | WNOHANG | WNOWAIT);
-  if (end.si_pid == 0 || (waits_for_all && group_runs(process_))) return false;
-  // Whatever it has left behind belongs to the call. The group's number is ours until it is
-  // reaped.
-  kill(-process_, SIGKILL);
-  int status = 0;
-  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-  }
-  exit_status_ = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  status_ = guard_->exit_status();
+  if (!status_ || (waits_for_all && group_runs(process_))) return false;
+  guard_.reset();  // whatever it has left behind belongs to the call
   process_ = -1;
   read_output();
   return true;

@@ -1,4 +1,6 @@
-/// A shell in a process group of its own, with all that it starts.
+/// A shell in a process group of its own, with all that it starts. What leaves the group, as
+/// daemons do, is found where Linux lists the children of a process (CONFIG_PROC_CHILDREN, as in
+/// all distributions that we know); elsewhere it is not.
 #pragma once
 
 #include <sys/types.h>
@@ -7,8 +9,11 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
+
+#include "pipeline/process/shell_guard.h"
 
 namespace npdr::pipeline {
 
@@ -33,7 +38,7 @@ class BoundedText {
   std::size_t num_dropped_ = 0;
 };
 
-/// A running shell, which ends with all of its group when this object does, or this process.
+/// A running shell, which ends with all that it has started when this object does, or this process.
 class ShellProcess {
  public:
   /// Streams of the shell that lead to this process as they are; others aren't there, or are
@@ -54,7 +59,7 @@ class ShellProcess {
   void end_group(double grace);
 
   /// Exit status of the shell that has ended; 128 + signal number when a signal ended it.
-  int exit_status() const { return exit_status_; }
+  int exit_status() const { return status_.value_or(0); }
 
   /// Text of its standard error, and its standard output unless that is a stream; begin and
   /// end of it.
@@ -72,15 +77,13 @@ class ShellProcess {
   int output_stream() const { return output_stream_; }
 
  private:
-  class Guard;
-
   pid_t process_ = -1;
-  std::unique_ptr<Guard> guard_;
+  std::unique_ptr<ShellGuard> guard_;
   int output_ = -1;
   int input_stream_ = -1;
   int output_stream_ = -1;
-  bool is_open_ = true;  // somebody may still write
-  int exit_status_ = 0;
+  bool is_open_ = true;        // somebody may still write
+  std::optional<int> status_;  // exit status, once it is known
   BoundedText text_;
 };
 

@@ -97,6 +97,28 @@ TEST_F(ShellCalls, LeaveNothingRunning) {
   EXPECT_TRUE(is_gone("left"));
 }
 
+// Out of its group and session, and without a parent.
+TEST_F(ShellCalls, LeaveNoDaemonRunning) {
+  const std::string daemon =
+      "(setsid sh -c 'echo $$ > daemon; exec tail -f /dev/null' > /dev/null 2>&1 &); "
+      "until [ -s daemon ]; do :; done; ";
+  EXPECT_TRUE(call(daemon + "true").succeeded());
+  EXPECT_TRUE(is_gone("daemon"));
+  std::filesystem::remove(folder_ / "daemon");
+  EXPECT_TRUE(call(daemon + "tail -f /dev/null", 1.0).timed_out);
+  EXPECT_TRUE(is_gone("daemon"));
+  std::filesystem::remove(folder_ / "daemon");
+  const pid_t maker = fork();
+  if (maker == 0) {
+    call(daemon + "echo > made; tail -f /dev/null");
+    _exit(0);
+  }
+  EXPECT_TRUE(comes_true([&] { return std::filesystem::exists(folder_ / "made"); }));
+  kill(maker, SIGKILL);
+  waitpid(maker, nullptr, 0);
+  EXPECT_TRUE(is_gone("daemon"));
+}
+
 TEST_F(ShellCalls, OutputWithoutEndDoesNotHoldUpTheTimeLimit) {
   EXPECT_TRUE(call("yes", 0.2).timed_out);
 }
