@@ -34,7 +34,7 @@ void check_finite(const std::string& where, const std::string& what, const RowMa
 }  // namespace
 
 void Target::check(const std::string& where) const {
-  if (!(dt > 0.0) || !std::isfinite(dt)) {
+  if (!(dt > 0.0) || !std::isnormal(dt)) {
     throw InputError(where + ": dt = " + std::to_string(dt) + ", must be a positive time [s]");
   }
   if (rollouts.empty() || num_steps() < 1) {

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/normal.h"
 #include "pipeline/config/constraint.h"
 
@@ -11,6 +14,17 @@ namespace {
 using inference::Marginal;
 
 constexpr double kMostMassOutside = 1e-3;
+// Narrower, and doubles hardly tell its values apart.
+constexpr double kLeastShare = 1e-12;  // of the values' size
+constexpr double kLeastWidth = 1e-300;
+
+bool is_wide_enough(double width, double size) {
+  return std::isfinite(width) && width >= std::max(kLeastWidth, kLeastShare * size);
+}
+
+std::string width_words() {
+  return fmt::format(">= {} and {} of the values' size, and finite", kLeastWidth, kLeastShare);
+}
 
 std::string range_of(const sim::Parameter& p) {
   return fmt::format("what is physically possible, [{}, {}] {}", p.lower, p.upper, p.unit);
@@ -30,6 +44,7 @@ std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
     const bool is_log = m.kind == Marginal::Kind::log_normal;
     const std::string form = is_log ? "[mean of log, std of log]" : "[mean, std]";
     if (!(m.b > 0.0)) return form + " with std > 0";
+    if (!is_wide_enough(m.b, std::abs(m.a))) return form + " with std " + width_words();
     if (m.overflows()) return form + " with exp(mean +- 9 std) within the range of double";
     const double outside = mass_outside(m, p);
     if (outside <= kMostMassOutside) return "";
@@ -39,6 +54,9 @@ std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
         form, kMostMassOutside, range_of(p), outside);
   }
   if (!(m.a < m.b)) return "[low, high] with low < high";
+  if (!is_wide_enough(m.b - m.a, std::max(std::abs(m.a), std::abs(m.b)))) {
+    return "[low, high] with high - low " + width_words();
+  }
   if (m.kind == Marginal::Kind::log_uniform && !(m.a > 0.0)) {
     return "[low, high] with low > 0 for log_uniform";
   }

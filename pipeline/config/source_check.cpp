@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <set>
@@ -146,7 +147,7 @@ class SourceChecker : Checker {
     const std::string why =
         ": a truth has no recording to take it from; target.inputs = "
         "\"recording.h5\" may take its place";
-    if (external.dt <= 0.0 && reading_.good("simulator.dt")) {
+    if (!std::isnormal(external.dt) && reading_.good("simulator.dt")) {
       reading_.fail("simulator.dt", "simulator.dt is missing, must be a time in seconds" + why);
     }
     if (external.num_steps < 1 && reading_.good("simulator.num_steps")) {

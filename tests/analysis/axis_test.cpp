@@ -45,6 +45,16 @@ TEST(Axis, HasEnoughTicksInsideAnyRange) {
   }
 }
 
+TEST(Axis, ComesToAnEndWhereDoublesHardlyTellItsEndsApart) {
+  constexpr double tiny = std::numeric_limits<double>::denorm_min();
+  EXPECT_EQ(make_axis({0.0, 1e-310}, "", "kg").unit, "[10⁻³⁰⁰ kg]");
+  EXPECT_LE(make_axis({0.0, tiny}, "", "kg").ticks.size(), 9u);
+  for (const double value : {1.0, 1e17, 1e-300, 1e300}) {
+    const Axis axis = make_axis({value, std::nextafter(value, 2.0 * value)}, "", "kg");
+    EXPECT_LE(axis.ticks.size(), 9u) << value;
+  }
+}
+
 TEST(Axis, MayHaveTicksAtTheEnds) {
   EXPECT_EQ(make_axis({0.0, 1.0}, "", "", 3, 0.0).labels, (Labels{"0.0", "0.5", "1.0"}));
 }

@@ -113,6 +113,12 @@ TEST(StudyProblems, ChecksThePriorAgainstTheSimulator) {
   EXPECT_TRUE(
       says(problems_after(entry, "{ uniform = [1.7, 0.3] }"),
            {"s.toml:12:13: prior.pole_mass = [1.7, 0.3]", "must be [low, high] with low < high"}));
+  for (const std::string range :
+       {"uniform = [1.0, 1.0000000000001]", "uniform = [0, 1e-310]", "normal = [1.0, 5e-324]"}) {
+    EXPECT_TRUE(says(problems_after(entry, "{ " + range + " }"),
+                     {"s.toml:12:13: prior.pole_mass", ">= 1e-300 and 1e-12 of the values' size"}))
+        << range;
+  }
   EXPECT_TRUE(says(problems_after(entry, "{ uniform = [0.3, 500] }"),
                    {"s.toml:12:13: prior.pole_mass = [0.3, 500]",
                     "must be inside of what is physically possible, [0.001, 100] kg"}));
