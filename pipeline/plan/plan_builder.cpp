@@ -15,6 +15,9 @@
 namespace npdr::pipeline {
 namespace {
 
+// More than any study that ends within a life; each takes about 50 KB of memory.
+constexpr std::size_t kMostArtefacts = 20'000;
+
 using Json = nlohmann::ordered_json;
 
 std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& key) {
@@ -439,6 +442,12 @@ std::size_t PlanBuilder::add(Stage stage, Json document, const Use& use, const I
     std::vector<Use>& uses = plan_.nodes[known->second].uses;
     if (std::ranges::find(uses, use) == uses.end()) uses.push_back(use);
     return known->second;
+  }
+  if (plan_.nodes.size() == kMostArtefacts) {
+    throw InputError(
+        fmt::format("{}: its seeds, methods and rounds ask for more than {} artefacts; lower "
+                    "method.num_rounds, or divide study.seeds among several studies",
+                    plan_.study.name, kMostArtefacts));
   }
   node.path = path_of(plan_, stage, node.key);
   node.uses = {use};

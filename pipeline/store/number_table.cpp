@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <system_error>
+#include <unordered_set>
 
 #include "core/error.h"
 #include "core/feature_names.h"
@@ -131,13 +132,14 @@ bool NumberTable::read_line() try {
 }
 
 void NumberTable::read_header(Header header) {
+  std::unordered_set<std::string> labels;
   for (const std::string& field : fields_) {
     const bool has_units = header == Header::with_units;
     const Channel column = has_units ? parse_channel(field) : parse_feature(field);
     const std::size_t number = columns_.size() + 1;
     if (has_units) require_unit(column, field, number);
     if (column.label.empty()) fail(fmt::format("column {} has no name", number));
-    if (std::ranges::find(columns_, column.label, &Channel::label) != columns_.end()) {
+    if (!labels.insert(column.label).second) {
       fail(fmt::format("column {} is a second one headed {}", number, quoted(column.label)));
     }
     columns_.push_back(column);

@@ -33,6 +33,12 @@ Plan plan_of(const std::vector<std::string>& overrides = {}, const Selection& se
                    WorkFolder("runs"), selection);
 }
 
+TEST(Plan, HasALimit) {
+  EXPECT_TRUE(says(message_of<InputError>([] { plan_of({"method.A.num_rounds=1000000000"}); }),
+                   {"two: its seeds, methods and rounds ask for more than 20000 artefacts",
+                    "lower method.num_rounds"}));
+}
+
 TEST(Plan, EveryNodeComesAfterWhatItNeeds) {
   const Plan plan = plan_of();
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
