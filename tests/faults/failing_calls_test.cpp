@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 
 #include "tests/faults/fault_study.h"
 
@@ -46,17 +49,16 @@ TEST_F(FailingCalls, AFileSystemWithoutLocksNeedsNone) {
 // Whatever keeps a good file from being read, nobody is to remove it.
 TEST_F(FailingCalls, WhatCannotBeReadJustNowIsNotCalledDamaged) {
   const Artefact reader = folder_->artefacts_of("infer").back();
-  const std::filesystem::path cache = folder_->cache();
   for (const std::string call : {"open", "pread"}) {
     for (const int error : {EMFILE, EACCES, EIO, EAGAIN}) {
       std::filesystem::remove(reader.path);
       FailingCall failing(call, error);
-      failing.set("NPDR_FAIL_UNDER", cache / "simulate");
+      failing.set("NPDR_FAIL_UNDER", ".cache/simulate");
       const Outcome failed = run(folder_->path(), FaultFolder::making(reader));
       EXPECT_EQ(failed.status, 1) << call << " " << error << ": " << failed.err;
       EXPECT_EQ(failed.err.find("remove"), std::string::npos) << failed.err;
       EXPECT_NE(failed.err.find(".h5"), std::string::npos) << failed.err;
-      failing.set("NPDR_FAIL_UNDER", cache);
+      failing.set("NPDR_FAIL_UNDER", ".cache");
       const Outcome status = folder_->npdr({"status", "--check"});
       EXPECT_EQ(status.out.find("remove"), std::string::npos) << status.out;
     }
@@ -70,11 +72,130 @@ TEST_F(FailingCalls, AReadThatIsCutShortIsGoneOnWith) {
   std::filesystem::remove(reader.path);
   {
     FailingCall failing("pread", 0);
-    failing.set("NPDR_FAIL_UNDER", folder_->cache());
+    failing.set("NPDR_FAIL_UNDER", ".cache");
     const Outcome outcome = run(folder_->path(), FaultFolder::making(reader));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(folder_->npdr({"status", "--check"}).out.find("remove"), std::string::npos);
   }
+  expect_same_results(*folder_);
+}
+
+// A call and the ways in which it fails; 0: it does half of what it is asked for.
+struct Case {
+  std::string call;
+  std::vector<int> errors;
+};
+
+const std::vector<Case> kCases = {{"open", {EMFILE, EIO, EINTR}},
+                                  {"read", {EIO, EINTR, 0}},
+                                  {"pread", {EIO, EINTR, 0}},
+                                  {"write", {ENOSPC, EINTR, 0}},
+                                  {"pwrite", {ENOSPC, EIO, 0}},
+                                  {"fsync", {EIO}},
+                                  {"rename", {EIO, ENOSPC}},
+                                  {"close", {EIO}},
+                                  {"mmap", {ENOMEM}},
+                                  {"flock", {EINTR, ENOLCK}}};
+
+// What became of programs in which one call failed.
+struct Fates {
+  int failures = 0;   // calls
+  int unharmed = 0;   // the program went on, to the same bits
+  int reported = 0;   // status 1 or 2, with the name of a file
+  int killed = 0;     // by a signal, or it hung
+  int nameless = 0;   // another status, or no file is named
+  int misled = 0;     // somebody was told to remove a good file
+  int different = 0;  // other bits, at once or when it is run again
+
+  void operator+=(const Fates& other) {
+    failures += other.failures;
+    unharmed += other.unharmed;
+    reported += other.reported;
+    killed += other.killed;
+    nameless += other.nameless;
+    misled += other.misled;
+    different += other.different;
+  }
+  int bad() const { return killed + nameless + misled + different; }
+  std::string row(const std::string& name) const {
+    return fmt::format("| {:<22} | {:6} | {:8} | {:8} | {:6} | {:8} | {:6} | {:9} |", name,
+                       failures, unharmed, reported, killed, nameless, misled, different);
+  }
+  static std::string title() {
+    return fmt::format("| {:<22} | {:6} | {:8} | {:8} | {:6} | {:8} | {:6} | {:9} |\n|{}|",
+                       "failing", "calls", "unharmed", "reported", "killed", "nameless", "misled",
+                       "different", ":--|--:|--:|--:|--:|--:|--:|--:");
+  }
+};
+
+// Every n-th call of each stage fails; all of them with the environment variable
+// NPDR_FAULT_CALLS=1, otherwise some.
+class EachCall : public Faults {
+ protected:
+  static int next(int n) { return std::getenv("NPDR_FAULT_CALLS") == nullptr ? 5 * n : n + 1; }
+
+  static std::string content(const Artefact& artefact) {
+    return std::filesystem::exists(artefact.path) ? content_digest(artefact.path) : "";
+  }
+
+  // One run in which the n-th call fails, and one after it. False: it has no such call.
+  static bool fail(const Artefact& artefact, const std::string& call, int error, int n,
+                   Fates& fates) {
+    const std::filesystem::path note = folder_->path() / "note";
+    const std::string expected = content(artefact);
+    std::filesystem::remove(note);
+    std::filesystem::remove_all(artefact.path);
+    if (artefact.stage == "simulate") std::filesystem::remove_all(artefact.stem());
+    const Outcome outcome = [&] {
+      FailingCall failing(call, error);
+      failing.set("NPDR_FAIL_AT", std::to_string(n));
+      failing.set("NPDR_FAIL_UNDER", "runs");
+      failing.set("NPDR_FAIL_IN", artefact.program());
+      failing.set("NPDR_FAIL_NOTE", note);
+      const Program program(folder_->path(), FaultFolder::making(artefact));
+      if (!program.ends_within(60.0)) program.send(SIGKILL);
+      return program.wait();
+    }();
+    const bool is_made = outcome.status == 0;
+    const bool is_same = !is_made || content(artefact) == expected;
+    const Outcome again = run(folder_->path(), FaultFolder::making(artefact));
+    EXPECT_EQ(again.status, 0) << again.err;
+    if (!std::filesystem::exists(note)) return false;
+    const bool is_error = outcome.status == 1 || outcome.status == 2;
+    const bool has_name = outcome.err.find("runs") != std::string::npos;
+    const bool is_misled = outcome.err.find("remove it") != std::string::npos;
+    ++fates.failures;
+    fates.unharmed += is_made ? 1 : 0;
+    fates.reported += is_error && has_name ? 1 : 0;
+    fates.killed += outcome.status > 128 ? 1 : 0;
+    fates.nameless += outcome.status <= 128 && !is_made && !(is_error && has_name) ? 1 : 0;
+    fates.misled += is_misled ? 1 : 0;
+    fates.different += is_same && content(artefact) == expected ? 0 : 1;
+    if (outcome.status > 128 || is_misled || (!is_made && !has_name)) {
+      fmt::print("{} {} of {}, error {}: status {}: {}", call, n, artefact.program(), error,
+                 outcome.status, outcome.err);
+    }
+    return true;
+  }
+};
+
+TEST_F(EachCall, ThatFailsIsReportedOrDoesNoHarm) {
+  fmt::print("{}\n", Fates::title());
+  Fates all;
+  for (const Case& c : kCases) {
+    for (const int error : c.errors) {
+      Fates fates;
+      for (const std::string stage :
+           {"target", "propose", "simulate", "infer", "baseline", "evaluate", "diagnose"}) {
+        const Artefact artefact = folder_->artefacts_of(stage).back();
+        for (int n = 1; fail(artefact, c.call, error, n, fates);) n = next(n);
+      }
+      fmt::print("{}\n", fates.row(c.call + " " + (error == 0 ? "half" : strerrorname_np(error))));
+      all += fates;
+    }
+  }
+  fmt::print("{}\n", all.row("all"));
+  EXPECT_EQ(all.bad(), 0);
   expect_same_results(*folder_);
 }
 
