@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <charconv>
 #include <limits>
 #include <system_error>
@@ -58,7 +60,8 @@ void fail_reading(const std::string& where, const std::string& action) {
   const std::string why = reason();
   const std::string text = fmt::format("{}: can't {}: {}", where, action, readable(why));
   const int number = error_number(why);
-  if (number == 0) throw InputError(text);
+  constexpr std::array of_the_file = {0, ENOENT, ENOTDIR, ENAMETOOLONG, ELOOP};
+  if (std::ranges::find(of_the_file, number) != of_the_file.end()) throw InputError(text);
   throw Error(text + read_advice(number));
 }
 
