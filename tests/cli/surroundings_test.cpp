@@ -39,7 +39,7 @@ TEST_F(Surroundings, CommandsThatSaveNothingEndAtOnce) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Program endless(
         folder_.path(),
-        {"npdr", "sample", "runs/small/npdr-maf/seed-1/round-1/infer.h5", "-n", "100000000"},
+        {"npdr", "sample", "runs/small/npdr-maf/seed-1/round-1/infer.h5", "-n", "30000000"},
         {.out = "/dev/null"});
     EXPECT_FALSE(endless.ends_within(1.0));
     endless.send(signal);
