@@ -153,10 +153,10 @@ void check_shape(const std::filesystem::path& path, const Study& study, const St
 // Each row in a call of its own.
 Verification verify_simulation(const std::filesystem::path& path, const ArtefactInfo& info,
                                const VerifyOptions& options) {
+  const StoredRows rows = read_rows(path, info, options);
   const Study study = study_of(path, info, options);
   const SourceTraits& traits = study.source();
   if (!traits.simulates) reject_dataset(path);
-  const StoredRows rows = read_rows(path, info, options);
   check_shape(path, study, rows);
   // A shard's own document doesn't hold the number of rollouts; its trajectories do.
   const Target target = traits.gives_motion

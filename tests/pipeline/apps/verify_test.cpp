@@ -34,16 +34,19 @@ TEST(Verify, RefusesAKeyThatIsntThatOfItsDocument) {
 // A simulation whose rows come, as it says, from a command.
 TEST(Verify, RunsNothingThatTheFileNamesUnlessToldTo) {
   const TempFolder folder;
-  const std::string command = "touch " + (folder / "ran").string() + " \x1b[2J";
+  const std::string command = "touch " + (folder / "ran").string() + "\ntrue";
   const Identity identity{key_document(kSimulationSchema),
                           {},
                           {{"name", "s"},
                            {"simulator", {{"command", command}, {"folder", "/"}}},
                            {"prior", nlohmann::ordered_json::array()}},
                           1};
-  ArtefactWriter(folder / "a.h5", kSimulationSchema, identity).finish();
+  ArtefactWriter writer(folder / "a.h5", kSimulationSchema, identity);
+  writer.file().write("theta", RowMatrix(RowMatrix::Ones(2, 1)));
+  writer.file().write("x", RowMatrixF(RowMatrixF::Ones(2, 1)));
+  writer.finish();
   const std::string message = message_of<InputError>([&] { verify(folder / "a.h5", {}); }, &folder);
-  EXPECT_TRUE(says(message, {"with your rights, the command \"touch ", "\\u001b[2J",
+  EXPECT_TRUE(says(message, {"with your rights, the command \"touch ", "\\ntrue\" in the folder",
                              "add --run-command if you trust them"}));
   EXPECT_FALSE(std::filesystem::exists(folder / "ran"));
 }
