@@ -46,8 +46,9 @@ TEST(Verify, RunsNothingThatTheFileNamesUnlessToldTo) {
   writer.file().write("x", RowMatrixF(RowMatrixF::Ones(2, 1)));
   writer.finish();
   const std::string message = message_of<InputError>([&] { verify(folder / "a.h5", {}); }, &folder);
-  EXPECT_TRUE(says(message, {"with your rights, the command \"touch ", "\\ntrue\" in the folder",
-                             "add --run-command if you trust them"}));
+  EXPECT_TRUE(
+      says(message, {"a.h5: to make its rows again runs, with your rights, the command \"touch ran",
+                     "\\ntrue\" in the folder", "add --run-command if you trust them"}));
   EXPECT_FALSE(std::filesystem::exists(folder / "ran"));
 }
 
