@@ -4,7 +4,8 @@
 //   NPDR_FAIL        name of the call, such as "write"
 //   NPDR_FAIL_ERRNO  number of its error; 0: reads and writes do half of what they are asked for
 //   NPDR_FAIL_AT     which of the process's calls fails, counted from 1; 0: all of them
-//   NPDR_FAIL_UNDER  only calls about files whose path holds this text count
+//   NPDR_FAIL_UNDER  only calls about files whose path holds this text count; of a folder's whole
+//                    path also those about relative ones
 //   NPDR_FAIL_IN     only programs of this name
 //   NPDR_FAIL_NOTE   a file that gets a line for each failure
 //
@@ -45,7 +46,9 @@ bool is_of_this_program() {
 
 bool counts(const char* path) {
   const char* const wanted = getenv("NPDR_FAIL_UNDER");
-  return wanted == nullptr || (path != nullptr && strstr(path, wanted) != nullptr);
+  if (wanted == nullptr) return true;
+  if (path == nullptr) return false;
+  return strstr(path, wanted) != nullptr || (wanted[0] == '/' && path[0] != '/');
 }
 
 void note(const char* name, const char* path) {
@@ -167,7 +170,7 @@ int close(int file) {
 void* mmap(void* where, std::size_t size, int protection, int flags, int file, off_t at) {
   if ((flags & MAP_ANONYMOUS) == 0 && fails("mmap", file)) return MAP_FAILED;
   return real<void*(void*, std::size_t, int, int, int, off_t)>("mmap")(where, size, protection,
-                                                                      flags, file, at);
+                                                                       flags, file, at);
 }
 
 int flock(int file, int operation) {

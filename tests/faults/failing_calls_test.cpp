@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -34,7 +35,15 @@ class FailingCall {
   std::vector<std::string> variables_;
 };
 
-class FailingCalls : public Faults {};
+class FailingCalls : public Faults {
+ protected:
+  // A posterior that is made of simulations.
+  static Artefact posterior() {
+    std::vector<Artefact> all = folder_->artefacts_of("infer");
+    return *std::ranges::find_if(
+        all, [](const Artefact& a) { return a.label.find("MoG") != std::string::npos; });
+  }
+};
 
 TEST_F(FailingCalls, AFileSystemWithoutLocksNeedsNone) {
   for (const int error : {ENOLCK, EOPNOTSUPP}) {
@@ -48,7 +57,7 @@ TEST_F(FailingCalls, AFileSystemWithoutLocksNeedsNone) {
 
 // Whatever keeps a good file from being read, nobody is to remove it.
 TEST_F(FailingCalls, WhatCannotBeReadJustNowIsNotCalledDamaged) {
-  const Artefact reader = folder_->artefacts_of("infer").back();
+  const Artefact reader = posterior();
   for (const std::string call : {"open", "pread"}) {
     for (const int error : {EMFILE, EACCES, EIO, EAGAIN}) {
       std::filesystem::remove(reader.path);
@@ -68,7 +77,7 @@ TEST_F(FailingCalls, WhatCannotBeReadJustNowIsNotCalledDamaged) {
 }
 
 TEST_F(FailingCalls, AReadThatIsCutShortIsGoneOnWith) {
-  const Artefact reader = folder_->artefacts_of("infer").back();
+  const Artefact reader = posterior();
   std::filesystem::remove(reader.path);
   {
     FailingCall failing("pread", 0);
@@ -86,15 +95,11 @@ struct Case {
   std::vector<int> errors;
 };
 
-const std::vector<Case> kCases = {{"open", {EMFILE, EIO, EINTR}},
-                                  {"read", {EIO, EINTR, 0}},
-                                  {"pread", {EIO, EINTR, 0}},
-                                  {"write", {ENOSPC, EINTR, 0}},
-                                  {"pwrite", {ENOSPC, EIO, 0}},
-                                  {"fsync", {EIO}},
+const std::vector<Case> kCases = {{"open", {EMFILE, EIO, EINTR}}, {"read", {EIO, EINTR, 0}},
+                                  {"pread", {EIO, EINTR, 0}},     {"write", {ENOSPC, EINTR, 0}},
+                                  {"pwrite", {ENOSPC, EIO, 0}},   {"fsync", {EIO}},
                                   {"rename", {EIO, ENOSPC}},
-                                  {"close", {EIO}},
-                                  {"mmap", {ENOMEM}},
+
                                   {"flock", {EINTR, ENOLCK}}};
 
 // What became of programs in which one call failed.
@@ -132,7 +137,21 @@ struct Fates {
 // NPDR_FAULT_CALLS=1, otherwise some.
 class EachCall : public Faults {
  protected:
-  static int next(int n) { return std::getenv("NPDR_FAULT_CALLS") == nullptr ? 5 * n : n + 1; }
+  static int next(int n) { return std::getenv("NPDR_FAULT_CALLS") == nullptr ? 8 * n : n + 1; }
+
+  static bool says_where(const std::string& message) {
+    return message.find("runs") != std::string::npos ||
+           message.find("faults.toml") != std::string::npos ||
+           message.find("recording.h5") != std::string::npos;
+  }
+
+  // The one of a stage that is made in the shortest time.
+  static Artefact quick(const std::string& stage) {
+    const std::vector<Artefact> all = folder_->artefacts_of(stage);
+    const auto found = std::ranges::find_if(
+        all, [](const Artefact& a) { return a.label.find("ABC") != std::string::npos; });
+    return found == all.end() ? all.back() : *found;
+  }
 
   static std::string content(const Artefact& artefact) {
     return std::filesystem::exists(artefact.path) ? content_digest(artefact.path) : "";
@@ -149,7 +168,7 @@ class EachCall : public Faults {
     const Outcome outcome = [&] {
       FailingCall failing(call, error);
       failing.set("NPDR_FAIL_AT", std::to_string(n));
-      failing.set("NPDR_FAIL_UNDER", "runs");
+      failing.set("NPDR_FAIL_UNDER", folder_->path());
       failing.set("NPDR_FAIL_IN", artefact.program());
       failing.set("NPDR_FAIL_NOTE", note);
       const Program program(folder_->path(), FaultFolder::making(artefact));
@@ -157,12 +176,14 @@ class EachCall : public Faults {
       return program.wait();
     }();
     const bool is_made = outcome.status == 0;
+    if (is_made && !std::filesystem::exists(note)) return false;
     const bool is_same = !is_made || content(artefact) == expected;
-    const Outcome again = run(folder_->path(), FaultFolder::making(artefact));
-    EXPECT_EQ(again.status, 0) << again.err;
-    if (!std::filesystem::exists(note)) return false;
+    if (!is_made) {
+      const Outcome again = run(folder_->path(), FaultFolder::making(artefact));
+      EXPECT_EQ(again.status, 0) << again.err;
+    }
     const bool is_error = outcome.status == 1 || outcome.status == 2;
-    const bool has_name = outcome.err.find("runs") != std::string::npos;
+    const bool has_name = says_where(outcome.err);
     const bool is_misled = outcome.err.find("remove it") != std::string::npos;
     ++fates.failures;
     fates.unharmed += is_made ? 1 : 0;
@@ -187,7 +208,7 @@ TEST_F(EachCall, ThatFailsIsReportedOrDoesNoHarm) {
       Fates fates;
       for (const std::string stage :
            {"target", "propose", "simulate", "infer", "baseline", "evaluate", "diagnose"}) {
-        const Artefact artefact = folder_->artefacts_of(stage).back();
+        const Artefact artefact = quick(stage);
         for (int n = 1; fail(artefact, c.call, error, n, fates);) n = next(n);
       }
       fmt::print("{}\n", fates.row(c.call + " " + (error == 0 ? "half" : strerrorname_np(error))));
