@@ -51,8 +51,8 @@ std::vector<Channel> all_features(const h5::Dataset& x) {
 }
 
 void check(const h5::File& file) {
-  const h5::Dataset theta = own_dataset(file, "theta");
-  const h5::Dataset x = own_dataset(file, "x");
+  const h5::Dataset theta = file.dataset("theta");
+  const h5::Dataset x = file.dataset("x");
   theta.require_shape({-1, -1});
   if (theta.num_rows() < 1 || theta.row_size() < 1) throw InputError(theta.where() + " is empty");
   x.require_shape({theta.num_rows(), -1});

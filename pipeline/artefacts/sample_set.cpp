@@ -25,7 +25,7 @@ bool is_hdf5(const std::filesystem::path& path) {
 }
 
 SampleSet read_hdf5(const h5::File& file, const std::string& name, Index most_rows) {
-  const h5::Dataset dataset = own_dataset(file, name);
+  const h5::Dataset dataset = file.dataset(name);
   dataset.require_shape({-1, -1});
   dataset.require_readable(h5::ElementType::f64);
   SampleSet set{dataset.where(), column_channels(dataset, dataset.row_size()), {}};
