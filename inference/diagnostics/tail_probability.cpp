@@ -28,6 +28,9 @@ double tail_probability(const Vector& reference, double observed) {
   Vector sorted = reference.unaryExpr(numbered);
   std::sort(sorted.begin(), sorted.end(), std::greater<>());
   const double value = numbered(observed);
+  // A tail of a few values says nothing of what is much rarer than all of them.
+  const double smallest = 1e-3 / static_cast<double>(sorted.size());
+  if (std::isinf(value) && sorted(0) < value) return smallest;
   const Index n = sorted.size(), above = (sorted.array() >= value).count();
   const double counted = static_cast<double>(1 + above) / static_cast<double>(1 + n);
   if (above >= fewest_above || n < fewest_for_tail) return counted;
@@ -37,8 +40,6 @@ double tail_probability(const Vector& reference, double observed) {
   if (!excess.allFinite() || excess.maxCoeff() <= excess.minCoeff()) return counted;
   const double share = static_cast<double>(in_tail) / static_cast<double>(n);
   const double fitted = share * pareto_tail(excess, std::max(0.0, value - threshold));
-  // A tail of a few values says nothing of what is much rarer than all of them.
-  const double smallest = 1e-3 / static_cast<double>(n);
   return std::clamp(fitted, smallest, counted);
 }
 

@@ -8,12 +8,14 @@ namespace npdr::inference {
 /// P(X >= observed), X distributed as the n values of `reference`, which are in no order.
 /// - Where ten or more reach `observed`, (1 + their number) / (1 + n): the p-value of a permutation
 ///   test.
+/// - What is infinite where no draw is can't be any of them: 1 / (1000 n), the smallest result.
 /// - Beyond, fewer say too little: the excesses of the largest tenth (at least ten)
 ///   over a threshold are described by a generalized Pareto distribution, its shape and scale by
 ///   their mean and variance (Pickands 1975; Knijnenburg et al. 2009, "Fewer permutations, more
 ///   accurate P-values"). Its shape is taken as at least 0, so that no tail is said to end, and the
 ///   result as at least 1 / (1000 n).
-/// With n < 40 it is always the first. NaN counts as infinite. Throws InputError for no reference.
+/// With n < 40 it is always one of the first two. NaN counts as infinite. Throws InputError for no
+/// reference.
 double tail_probability(const Vector& reference, double observed);
 
 }  // namespace npdr::inference

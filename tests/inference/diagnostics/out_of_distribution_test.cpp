@@ -65,6 +65,17 @@ TEST(OutOfDistribution, FindsAFeatureThatWasTheSameInAllSimulations) {
   EXPECT_LT(found.p_value, 1e-3);
 }
 
+// Nothing lies beyond the components of two features, so that all residuals are the same.
+TEST(OutOfDistribution, FindsAConstantFeatureWhereThereIsNoResidual) {
+  RowMatrixF x = gaussian(200, 2, 1).cast<float>();
+  x.col(1).setConstant(3.0f);
+  VectorF observed(2);
+  observed << 0.0f, 3.0f;
+  EXPECT_GT(test_out_of_distribution(x, observed).p_value, 0.01);
+  observed(1) = 4.0f;
+  EXPECT_LT(test_out_of_distribution(x, observed).p_value, 1e-3);
+}
+
 // Parameters on a ring: its center is near the mean, but no simulation is near it.
 TEST(OutOfDistribution, FindsAHole) {
   RowMatrix theta = gaussian(1000, 2, 1);

@@ -47,6 +47,8 @@ TEST(TailProbability, WhatIsNoNumberIsFarOut) {
   const Vector reference = exponentials(100, 1);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_DOUBLE_EQ(tail_probability(reference, nan), 1e-5);
+  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, 2.0), nan), 1e-5);
+  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(20, 2.0), nan), 5e-5);
   EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, nan), 1.0), 1.0);
   EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, 2.0), 3.0), 1.0 / 101.0);
   EXPECT_THROW(tail_probability(Vector(), 1.0), InputError);
