@@ -1,8 +1,15 @@
 #include "inference/diagnostics/training_check.h"
 
+#include <cmath>
+
 #include "core/error.h"
 
 namespace npdr::inference {
+namespace {
+
+constexpr double kLargestGap = 1000.0;  // [nats]
+
+}  // namespace
 
 TrainingCheck check_training(const Vector& training_loss, const Vector& validation_loss,
                              const TrainingConfig& config) {
@@ -16,9 +23,10 @@ TrainingCheck check_training(const Vector& training_loss, const Vector& validati
   check.validation_loss = validation_loss.minCoeff<Eigen::PropagateNumbers>(&best);
   check.best_epoch = best + 1;
   // The count began before the best epoch where none is better than the weights it began with.
-  check.is_converged =
+  const bool has_stopped =
       epochs < config.max_epochs || epochs - check.best_epoch >= config.stop_after_epochs;
   check.generalization_gap = check.validation_loss - training_loss(best);
+  check.is_converged = has_stopped && std::abs(check.generalization_gap) <= kLargestGap;
   return check;
 }
 

@@ -12,7 +12,9 @@ namespace npdr::inference {
 struct TrainingCheck {
   Index num_epochs = 0;
   Index best_epoch = 0;  ///< with the smallest validation loss, counted from 1
-  /// Stopped after `stop_after_epochs` epochs without a smaller loss, not by `max_epochs`.
+  /// Stopped after `stop_after_epochs` epochs without a smaller loss, not by `max_epochs`, and the
+  /// training loss of the best epoch is a number within 1000 nats of the validation loss: farther
+  /// apart are only those of weights that jump about.
   bool is_converged = false;
   double validation_loss = 0.0;     ///< the smallest, in nats
   double generalization_gap = 0.0;  ///< that minus the training loss of the same epoch, in nats

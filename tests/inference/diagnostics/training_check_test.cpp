@@ -37,6 +37,14 @@ TEST(TrainingCheck, NothingLeftToLearnFromTheBeginningIsConverged) {
   EXPECT_TRUE(check_training(losses, losses, config()).is_converged);
 }
 
+TEST(TrainingCheck, WeightsThatJumpAboutAreNot) {
+  const Vector validation{{4.0, 5.0, 5.0, 5.0}};
+  for (const double loss : {1.6e13, std::nan("")}) {
+    EXPECT_FALSE(check_training(Vector::Constant(4, loss), validation, config()).is_converged);
+  }
+  EXPECT_TRUE(check_training(Vector::Constant(4, 900.0), validation, config()).is_converged);
+}
+
 TEST(TrainingCheck, SkipsLossesThatAreNoNumbers) {
   const Vector losses{{std::nan(""), 2.0, 1.0, 3.0}};
   EXPECT_EQ(check_training(losses, losses, config()).best_epoch, 3);
