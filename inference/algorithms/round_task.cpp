@@ -18,7 +18,7 @@ std::vector<std::uint32_t> all_rows(const RoundData& data) {
 }
 
 std::vector<std::uint32_t> rows_of_last_round(const RoundData& data) {
-  const std::uint32_t last = *std::ranges::max_element(data.round);
+  const auto last = static_cast<std::uint32_t>(data.posteriors.size() + 1);
   std::vector<std::uint32_t> rows = all_rows(data);
   std::erase_if(rows, [&](std::uint32_t row) { return data.round[row] != last; });
   return rows;

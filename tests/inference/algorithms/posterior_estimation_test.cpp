@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "inference/matrix_features.h"
 #include "inference/surrogate_posterior.h"
 #include "tests/inference/linear_gaussian_check.h"
 #include "tests/message_of.h"
@@ -15,6 +16,20 @@ TEST(NpeA, FindsTheLinearGaussianPosteriorOverRounds) {
   // The estimate of the second round is twice as precise as the posterior, and what is left of its
   // precision after the division has twice its relative error.
   expect_linear_gaussian(small_config(Algorithm::npe_a, EstimatorKind::mdn, 2, 4000), 2.0);
+}
+
+TEST(NpeA, NeedsSimulationsOfItsOwnRound) {
+  const Prior prior({{"a", "1", Marginal::Kind::uniform, 0.0, 1.0}});
+  const RowMatrixF x(0, 2);
+  const MatrixFeatures none(x);
+  const RoundData data{&prior, &none, RowMatrix(0, 1), {}, VectorF::Zero(2), {}};
+  TrainingState state;
+  EXPECT_TRUE(says(message_of<InputError>([&] {
+                     estimate_posterior(small_config(Algorithm::npe_a, EstimatorKind::mdn, 1, 10),
+                                        data, {1, "training", 1, 0, 0}, state,
+                                        [](const TrainingState&) { return true; });
+                   }),
+                   {"training: 0 training and 0 validation rows"}));
 }
 
 TEST(NpeB, FindsTheLinearGaussianPosteriorOverRounds) {
