@@ -4,6 +4,8 @@
 #include <span>
 #include <utility>
 
+#include "core/printable.h"
+
 namespace npdr::analysis {
 namespace {
 
@@ -42,7 +44,7 @@ std::string substitute(std::string_view text, std::span<const Substitution> subs
       result += found->second;
     }
   }
-  return result;
+  return printable(result);
 }
 
 }  // namespace
@@ -54,9 +56,12 @@ std::string escape_markdown(std::string_view text) { return substitute(text, kMa
 std::string escape_latex(std::string_view text) { return substitute(text, kLatex); }
 
 std::string quote_csv(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  constexpr std::string_view formula = "=+-@";
+  const bool is_formula = text.size() > 1 && formula.find(text[0]) != std::string_view::npos;
+  const std::string shown = (is_formula ? "'" : "") + printable(text);
+  if (shown.find_first_of(",\"\n") == std::string::npos) return shown;
   constexpr Substitution doubled[] = {{'"', "\"\""}};
-  return '"' + substitute(text, doubled) + '"';
+  return '"' + substitute(shown, doubled) + '"';
 }
 
 }  // namespace npdr::analysis

@@ -1,5 +1,5 @@
 /// Text from people and studies, made safe for the languages that tables and reports are written
-/// in.
+/// in. What isn't printable (core/printable.h) is replaced in all of them.
 #pragma once
 
 #include <string>
@@ -16,7 +16,8 @@ std::string escape_markdown(std::string_view text);
 /// Stands for itself in LaTeX's text mode; line breaks become blanks.
 std::string escape_latex(std::string_view text);
 
-/// A field of a CSV file: quoted when RFC 4180 asks for it.
+/// A field of a CSV file: quoted when RFC 4180 asks for it. Text that begins with one of = + - @,
+/// which spreadsheets take for a formula and compute, begins with an apostrophe instead.
 std::string quote_csv(std::string_view text);
 
 }  // namespace npdr::analysis

@@ -10,6 +10,7 @@
 #include "analysis/svg.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/printable.h"
 
 namespace npdr::analysis {
 namespace {
@@ -82,7 +83,7 @@ FigureFiles render_script(const GnuplotScript& script, const std::filesystem::pa
 
 std::string gnuplot_string(std::string_view text) {
   std::string quoted = "'";
-  for (const char c : text) {
+  for (const char c : printable(text)) {
     const auto byte = static_cast<unsigned char>(c);
     if (c == '\'') {
       quoted += "’";

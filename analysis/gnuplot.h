@@ -34,7 +34,7 @@ FigureFiles render_script(const GnuplotScript& script, const std::filesystem::pa
 
 /// `text` as a string of gnuplot's language: in single quotes, where nothing but the quote itself
 /// is special. Quotes in the text become typographic ones (gnuplot 5 misreads two doubled quotes in
-/// a row), control characters blanks.
+/// a row), line breaks and tabulators blanks; what else isn't printable is replaced.
 std::string gnuplot_string(std::string_view text);
 
 /// Writes `values` (rows, columns) for gnuplot: `comment` in the first line, then a line per row

@@ -66,6 +66,8 @@ std::string tidy_svg(std::string_view svg) {
   if (!group.empty()) result += "</g>\n";
   remove_elements(result, "title");
   remove_elements(result, "desc");
+  // XML allows it at the end of a section of raw text only, of which gnuplot writes none here.
+  replace_all(result, "]]>", "]]&gt;");
   return result;
 }
 

@@ -4,6 +4,8 @@
 
 #include <set>
 
+#include "core/printable.h"
+
 namespace npdr::analysis {
 namespace {
 
@@ -71,7 +73,7 @@ std::string footnote_lines(const Table& table, const Markup& markup, const char*
 
 std::string prefixed_lines(std::string_view text, std::string_view prefix) {
   std::string result(prefix);
-  for (const char c : text) {
+  for (const char c : printable(text)) {
     result += c;
     if (c == '\n') result += prefix;
   }

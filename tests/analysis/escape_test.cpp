@@ -19,6 +19,19 @@ TEST(Escape, LatexCoversAllSpecialCharacters) {
             "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}\\textless{}\\textgreater{}");
 }
 
+TEST(Escape, NoneLetsThroughWhatIsntPrintable) {
+  for (const auto& escape : {escape_html, escape_markdown, escape_latex, quote_csv}) {
+    EXPECT_EQ(escape("a\x1b\xF6\u202Eb"), "a\uFFFD\uFFFD\uFFFDb");
+  }
+}
+
+TEST(Escape, CsvHasNoFormulas) {
+  EXPECT_EQ(quote_csv("=HYPERLINK(\"x\")"), "\"'=HYPERLINK(\"\"x\"\")\"");
+  EXPECT_EQ(quote_csv("+a"), "'+a");
+  EXPECT_EQ(quote_csv("@a"), "'@a");
+  EXPECT_EQ(quote_csv("a = b"), "a = b");
+}
+
 TEST(Escape, CsvQuotesOnlyWhatNeedsIt) {
   EXPECT_EQ(quote_csv("plain text"), "plain text");
   EXPECT_EQ(quote_csv("a,b"), "\"a,b\"");

@@ -77,7 +77,7 @@ TEST(Gnuplot, RejectsNamesThatAreNoFileNames) {
 
 TEST(Gnuplot, StringsStandForThemselves) {
   EXPECT_EQ(gnuplot_string("it's"), "'it’s'");
-  EXPECT_EQ(gnuplot_string("a\nb\t\x7f"), "'a b  '");
+  EXPECT_EQ(gnuplot_string("a\nb\t\x7f"), "'a b \uFFFD'");
   const TempFolder folder;
   const std::string nasty = "''`touch broken`\" \\n $x @y {/Bold b} <&> 10⁻³";
   const FigureFiles files = render_script(

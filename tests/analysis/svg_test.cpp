@@ -7,6 +7,10 @@
 namespace npdr::analysis {
 namespace {
 
+TEST(Svg, HasNoEndOfRawText) {
+  EXPECT_EQ(tidy_svg("<text>a]]>b</text>\n"), "<text>a]]&gt;b</text>\n");
+}
+
 TEST(Svg, TidyingGathersRunsOfEqualCircles) {
   EXPECT_EQ(tidy_svg("<g>\n"
                      "\t<use xlink:href='#gpPt6' transform='translate(1.5,2) scale(0.7)' "
