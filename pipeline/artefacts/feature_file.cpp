@@ -25,13 +25,13 @@ struct Layout {
 // Content that a file must have.
 struct Expected {
   std::vector<Channel> features;  // empty: whatever there is
-  bool needs_names;               // nobody knows the order of columns without
+  FeatureDemands demands;
 };
 
 Layout layout_of(const std::string& where, Index num_columns, const std::vector<Channel>& named,
                  const Expected& wanted) {
   const std::vector<Channel>& expected = wanted.features;
-  if (wanted.needs_names && named.empty() && expected.size() > 1) {
+  if (wanted.demands.needs_names && named.empty() && expected.size() > 1) {
     throw InputError(fmt::format(
         "{}: its columns have no names, must be named {}, as those of x_o, in any order; or say "
         "their order with simulator.features",
@@ -67,6 +67,11 @@ FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Ex
   if (count < num_rows) {
     throw InputError(fmt::format("{}: has {} rows, must have {}", table.name(), count, num_rows));
   }
+  // The rest of a number that lacks digits is another number.
+  if (expected.demands.needs_line_ends && !table.has_line_end()) {
+    throw InputError(table.name() +
+                     ": its last line has no end, as if the file were cut; end each line");
+  }
   rows.x = RowMatrix(rows.x(Eigen::all, layout.columns));
   return rows;
 }
@@ -89,8 +94,8 @@ FeatureRows read_hdf5(const h5::File& file, Index num_rows, const Expected& expe
 }  // namespace
 
 FeatureRows read_features(const std::filesystem::path& path, FileFormat format, Index num_rows,
-                          const std::vector<Channel>& expected, bool needs_names) {
-  const Expected wanted{expected, needs_names};
+                          const std::vector<Channel>& expected, const FeatureDemands& demands) {
+  const Expected wanted{expected, demands};
   if (format == FileFormat::csv) return read_csv(path, num_rows, wanted);
   return read_from_outside(path,
                            [&](const h5::File& file) { return read_hdf5(file, num_rows, wanted); });

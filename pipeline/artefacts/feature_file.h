@@ -19,12 +19,18 @@ struct FeatureRows {
   RowMatrix x;                    ///< (n, F), NaN and infinities as they stand there
 };
 
+/// Demands on a file beyond its rows and columns.
+struct FeatureDemands {
+  bool needs_names = false;      ///< of several columns
+  bool needs_line_ends = false;  ///< of CSV: of its last line, too, which a cut file lacks
+};
+
 /// Reads exactly `num_rows` rows of a file. With `expected` features there must be a column of
 /// each; where the file names its columns they may be in any order. Throws InputError that names
-/// the file and what is wrong with it; with `needs_names` several columns without names are wrong,
-/// too. A child process reads HDF5 first, so no other thread may be using it.
+/// the file and what is wrong with it. A child process reads HDF5 first, so no other thread may be
+/// using it.
 FeatureRows read_features(const std::filesystem::path& path, FileFormat format, Index num_rows,
-                          const std::vector<Channel>& expected, bool needs_names = false);
+                          const std::vector<Channel>& expected, const FeatureDemands& demands = {});
 
 /// x_o: the only row of a file, CSV by its extension .csv or else HDF5, as a target of one rollout
 /// of one step, whose state after it is x_o. Throws InputError, also for NaN and infinities.

@@ -108,7 +108,7 @@ class FileCall final : public ProgramCall {
     const FeatureRows read = [&] {
       const std::unique_lock lock = lock_files(external_.format);
       return read_features(folder.x(), external_.format, lines, info_.state_channels,
-                           external_.has_names_of_observation);
+                           {external_.has_names_of_observation, true});
     }();
     if (!inputs_) return take_features(read.x, result);
     const Index row_size = inputs_->segments.num_steps() * read.x.cols();

@@ -126,6 +126,7 @@ bool NumberTable::read_line() try {
     line_.push_back(static_cast<char>(c));
   }
   if (!line_.empty() && line_.back() == '\r') line_.pop_back();
+  has_line_end_ = c == '\n';
   return true;
 } catch (const std::ios_base::failure&) {
   throw InputError(name_ + ": reading failed");

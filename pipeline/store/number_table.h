@@ -54,6 +54,9 @@ class NumberTable {
   double finite_number(std::size_t column) const;
 
   /// Whether a column of this row holds nothing, or NaN.
+  /// Whether the line that was read last ends, as all do of a file that was written to its end.
+  bool has_line_end() const { return has_line_end_; }
+
   bool is_missing(std::size_t column) const;
 
   /// The error that a column of this row must be `words`, for a caller to throw.
@@ -75,6 +78,7 @@ class NumberTable {
   std::ifstream stream_;
   std::string line_;
   Index line_number_ = 0;
+  bool has_line_end_ = false;
   std::vector<std::string> fields_;
   bool is_ahead_ = false;  // the fields of the first row have been read, but not handed out
   std::vector<Channel> columns_;

@@ -54,6 +54,21 @@ TEST_F(FeatureFiles, MustHaveTheRowsAndColumnsThatAreExpected) {
                    {"x.csv: has 3 columns", "must have 2", "peak [m], mean"}));
 }
 
+TEST_F(FeatureFiles, ThatProgramsWriteMustEndTheirLastLine) {
+  const auto read_output = [&](const std::string& text) {
+    return read_features(folder_.file("x.csv", text), FileFormat::csv, 2, kFeatures,
+                         {.needs_line_ends = true});
+  };
+  const auto problem = [&](const std::string& text) {
+    return message_of<InputError>([&] { read_output(text); }, &folder_);
+  };
+  EXPECT_EQ(problem("1,2\n3,4000\n"), "");
+  EXPECT_EQ(problem("1,2\r\n3,4000\r\n\n"), "");
+  EXPECT_EQ(problem("1,2\n3,400"),
+            "x.csv: its last line has no end, as if the file were cut; end each line");
+  EXPECT_EQ(read("1,2\n3,400", 2).x(1, 1), 400.0);  // what a person wrote
+}
+
 TEST_F(FeatureFiles, OfHdf5MustHoldTheDataset) {
   EXPECT_TRUE(
       says(hdf5_problem([](h5::File& file) { file.write("y", RowMatrix(RowMatrix::Zero(2, 2))); }),
