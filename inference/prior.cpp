@@ -30,29 +30,44 @@ void check(const Marginal& m) {
   switch (m.kind) {
     case Marginal::Kind::uniform:
       if (m.a >= m.b) reject(m, "the lower bound must be smaller than the upper bound");
+      if (m.overflows()) reject(m, "the width must be within the range of double");
       break;
     case Marginal::Kind::log_uniform:
       if (m.a <= 0.0) reject(m, "bounds of a log_uniform prior must be > 0");
       if (m.a >= m.b) reject(m, "the lower bound must be smaller than the upper bound");
+      if (m.overflows()) reject(m, "the width must be within the range of double");
       break;
     case Marginal::Kind::normal:
     case Marginal::Kind::log_normal:
       if (m.b <= 0.0) reject(m, "the standard deviation must be > 0");
-      if (m.overflows()) reject(m, "exp(mean +- 9 std) must be within the range of double");
+      if (m.overflows()) reject(m, "theta of mean +- 9 std must be within the range of double");
       break;
   }
+}
+
+// log(b / a), also where the ratio leaves the range of double.
+double log_ratio(double b, double a) {
+  const double ratio = b / a;
+  return std::isfinite(ratio) ? std::log(ratio) : std::log(b) - std::log(a);
+}
+
+// a (b / a)^p, likewise.
+double between_logs(double a, double b, double p) {
+  const double ratio = b / a;
+  return std::isfinite(ratio) ? a * std::pow(ratio, p)
+                              : std::exp(std::log(a) + p * log_ratio(b, a));
 }
 
 // Distribution function of a bounded marginal, its inverse and its log density.
 double cdf(const Marginal& m, double theta) {
   if (theta <= m.a) return 0.0;
-  if (m.kind == Marginal::Kind::log_uniform) return std::log(theta / m.a) / std::log(m.b / m.a);
+  if (m.kind == Marginal::Kind::log_uniform) return log_ratio(theta, m.a) / log_ratio(m.b, m.a);
   return (theta - m.a) / (m.b - m.a);
 }
 
 double quantile(const Marginal& m, double p) {
   const double theta =
-      m.kind == Marginal::Kind::log_uniform ? m.a * std::pow(m.b / m.a, p) : m.a + p * (m.b - m.a);
+      m.kind == Marginal::Kind::log_uniform ? between_logs(m.a, m.b, p) : m.a + p * (m.b - m.a);
   return std::clamp(theta, m.a, m.b);  // rounding must not leave the support
 }
 
@@ -61,7 +76,7 @@ double log_density(const Marginal& m, double theta) {
     case Marginal::Kind::uniform:
       return theta >= m.a && theta <= m.b ? -std::log(m.b - m.a) : -kInfinity;
     case Marginal::Kind::log_uniform:
-      return theta >= m.a && theta <= m.b ? -std::log(theta * std::log(m.b / m.a)) : -kInfinity;
+      return theta >= m.a && theta <= m.b ? -std::log(theta * log_ratio(m.b, m.a)) : -kInfinity;
     case Marginal::Kind::normal:
       return log_normal_density((theta - m.a) / m.b) - std::log(m.b);
     case Marginal::Kind::log_normal:
@@ -105,8 +120,10 @@ std::pair<double, double> Marginal::central_range(double u) const {
 }
 
 bool Marginal::overflows() const {
-  if (kind != Kind::log_normal) return false;
+  if (kind == Kind::uniform) return !std::isfinite(b - a);
+  if (kind == Kind::log_uniform) return !std::isfinite(b * log_ratio(b, a));
   const auto [smallest, largest] = central_range(9.0);
+  if (kind == Kind::normal) return !std::isfinite(smallest) || !std::isfinite(largest);
   return smallest <= kSmallestPositive || largest >= kLargest;
 }
 

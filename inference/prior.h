@@ -36,7 +36,8 @@ struct Marginal {
   bool is_unbounded() const;
   /// [theta(-u), theta(u)] where it is unbounded, the bounds otherwise.
   std::pair<double, double> central_range(double u) const;
-  /// Whether exp(a + b u) of a log_normal leaves the range of double for any |u| < 9.
+  /// Whether what is computed of it leaves the range of double: the width of a bounded one, or
+  /// theta(u) of another for any |u| < 9.
   bool overflows() const;
 };
 

@@ -45,7 +45,10 @@ std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
     const std::string form = is_log ? "[mean of log, std of log]" : "[mean, std]";
     if (!(m.b > 0.0)) return form + " with std > 0";
     if (!is_wide_enough(m.b, std::abs(m.a))) return form + " with std " + width_words();
-    if (m.overflows()) return form + " with exp(mean +- 9 std) within the range of double";
+    if (m.overflows()) {
+      return fmt::format("{} with {} within the range of double", form,
+                         is_log ? "exp(mean +- 9 std)" : "mean +- 9 std");
+    }
     const double outside = mass_outside(m, p);
     if (outside <= kMostMassOutside) return "";
     return fmt::format(
@@ -60,6 +63,7 @@ std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
   if (m.kind == Marginal::Kind::log_uniform && !(m.a > 0.0)) {
     return "[low, high] with low > 0 for log_uniform";
   }
+  if (m.overflows()) return "[low, high] with a width within the range of double";
   return m.a < p.lower || m.b > p.upper ? "inside of " + range_of(p) : "";
 }
 

@@ -18,6 +18,27 @@ Prior all_kinds() {
                 {"rate", "1/s", Marginal::Kind::log_normal, -0.125, 2.0}});
 }
 
+TEST(Prior, SpansAllMagnitudesOfDouble) {
+  const Prior prior({{"scale", "1", Marginal::Kind::log_uniform, 1e-300, 1e300}});
+  const RowMatrix u{{-1.0}, {0.0}, {2.0}};
+  const RowMatrix theta = prior.to_theta(u);
+  EXPECT_NEAR(std::log10(theta(1, 0)), 0.0, 1e-9);
+  EXPECT_NEAR(std::log10(theta(2, 0)), 600.0 * (normal_cdf(2.0) - 0.5), 1e-9);
+  EXPECT_TRUE(prior.to_normal(theta).isApprox(u, 1e-12));
+  EXPECT_NEAR(prior.log_prob(theta)(2), -std::log(theta(2, 0)) - std::log(600.0 * std::log(10.0)),
+              1e-9);
+}
+
+TEST(Prior, MustNotOverflow) {
+  using enum Marginal::Kind;
+  for (const Marginal& m :
+       {Marginal{"a", "1", uniform, -1e308, 1e308}, Marginal{"a", "1", log_uniform, 1e-300, 1e308},
+        Marginal{"a", "1", normal, 0.0, 1e308}}) {
+    EXPECT_TRUE(m.overflows());
+    EXPECT_THROW(Prior({m}), InputError);
+  }
+}
+
 TEST(Prior, SamplesStayInsideOfTheSupport) {
   const Prior prior = all_kinds();
   for (std::uint64_t i = 0; i < 1000; ++i) {
