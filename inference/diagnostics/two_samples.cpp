@@ -1,6 +1,7 @@
 #include "inference/diagnostics/two_samples.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
 
@@ -27,16 +28,33 @@ RowMatrix pooled(const RowMatrix& first, const RowMatrix& second) {
   return both;
 }
 
+std::vector<ColumnMoments> column_moments(const RowMatrix& x) {
+  std::vector<ColumnMoments> moments;
+  for (Index d = 0; d < x.cols(); ++d) {
+    // A power of two rounds nothing.
+    int exponent = 0;
+    std::frexp(x.col(d).cwiseAbs().maxCoeff(), &exponent);
+    const Eigen::ArrayXd scaled =
+        x.col(d).unaryExpr([exponent](double value) { return std::ldexp(value, -exponent); });
+    const double mean = scaled.mean();
+    const double variance = (scaled - mean).square().sum() / static_cast<double>(scaled.size() - 1);
+    moments.push_back({std::ldexp(mean, exponent), std::ldexp(std::sqrt(variance), exponent)});
+  }
+  return moments;
+}
+
 RowMatrixF standardized(const RowMatrix& x, const RowMatrix& reference) {
-  const Eigen::RowVectorXd mean = reference.colwise().mean();
-  const Eigen::ArrayXXd variance = (reference.rowwise() - mean).colwise().squaredNorm() /
-                                   static_cast<double>(reference.rows() - 1);
-  const Eigen::ArrayXXd deviation = (variance > 0.0).select(variance.sqrt(), 1.0);
   constexpr double farthest = 1e6;
-  return ((x.rowwise() - mean).array().rowwise() / deviation.row(0))
-      .max(-farthest)
-      .min(farthest)
-      .cast<float>();
+  const std::vector<ColumnMoments> moments = column_moments(reference);
+  RowMatrixF result(x.rows(), x.cols());
+  for (Index d = 0; d < x.cols(); ++d) {
+    const auto [mean, deviation] = moments[static_cast<std::size_t>(d)];
+    // Halves: the difference of two numbers may be larger than any.
+    const double unit = deviation > 0.0 ? 0.5 * deviation : 0.5;
+    result.col(d) =
+        ((0.5 * x.col(d).array() - 0.5 * mean) / unit).max(-farthest).min(farthest).cast<float>();
+  }
+  return result;
 }
 
 }  // namespace npdr::inference

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/types.h"
 
@@ -17,7 +18,16 @@ void require_two_samples(const std::string& test, const RowMatrix& first, const 
 /// Both samples, one below the other.
 RowMatrix pooled(const RowMatrix& first, const RowMatrix& second);
 
-/// (x - mean) / deviation, column by column, with mean and deviation (n - 1 in the denominator) of
+/// Mean and deviation (n - 1 in the denominator) of a column.
+struct ColumnMoments {
+  double mean = 0.0;
+  double deviation = 0.0;
+};
+
+/// Those of the columns (D) of x (n, D), n >= 2; squares neither over- nor underflow.
+std::vector<ColumnMoments> column_moments(const RowMatrix& x);
+
+/// (x - mean) / deviation, column by column, with mean and deviation of
 /// `reference`; a column that doesn't vary there is only shifted. Clamped to +-10^6, far enough for
 /// any test to tell it apart, and near enough for single precision.
 RowMatrixF standardized(const RowMatrix& x, const RowMatrix& reference);

@@ -3,12 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/feature_names.h"
+#include "core/printable.h"
 #include "inference/diagnostics/c2st.h"
 #include "inference/diagnostics/mmd.h"
 #include "inference/diagnostics/two_samples.h"
@@ -58,20 +58,10 @@ Comparison compare(const CompareArguments& arguments) {
   return {std::move(first), std::move(second), c2st, mmd};
 }
 
-struct Moments {
-  double mean, std;
-};
-
-Moments moments(const RowMatrix& rows, Index column) {
-  const double mean = rows.col(column).mean();
-  const double squares = (rows.col(column).array() - mean).square().sum();
-  return {mean, std::sqrt(squares / static_cast<double>(rows.rows() - 1))};
-}
-
-Channel column_name(const Comparison& c, Index column) {
+Channel column_name(const Comparison& c, std::size_t column) {
   const auto& columns = c.first.columns.empty() ? c.second.columns : c.first.columns;
   if (columns.empty()) return {fmt::format("column {}", column + 1), "1"};
-  return columns[static_cast<std::size_t>(column)];
+  return columns[column];
 }
 
 void print_json(const Comparison& c) {
@@ -82,13 +72,15 @@ void print_json(const Comparison& c) {
       {"c2st", {{"accuracy", c.c2st.accuracy}, {"standard_error", c.c2st.standard_error}}},
       {"mmd",
        {{"squared", c.mmd.squared}, {"p_value", c.mmd.p_value}, {"bandwidth", c.mmd.bandwidth}}}};
-  for (Index d = 0; d < c.first.rows.cols(); ++d) {
+  const auto first = inference::column_moments(c.first.rows);
+  const auto second = inference::column_moments(c.second.rows);
+  for (std::size_t d = 0; d < first.size(); ++d) {
     const Channel name = column_name(c, d);
-    const Moments a = moments(c.first.rows, d), b = moments(c.second.rows, d);
+    const auto &a = first[d], &b = second[d];
     json["parameters"].push_back({{"name", name.label},
                                   {"unit", name.unit},
-                                  {"first", {{"mean", a.mean}, {"std", a.std}}},
-                                  {"second", {{"mean", b.mean}, {"std", b.std}}}});
+                                  {"first", {{"mean", a.mean}, {"std", a.deviation}}},
+                                  {"second", {{"mean", b.mean}, {"std", b.deviation}}}});
   }
   fmt::print("{}\n", json.dump(2));
 }
@@ -102,11 +94,13 @@ void print_text(const Comparison& c) {
              c.mmd.squared, c.mmd.p_value);
   fmt::print("{:<28} {:>11} {:>11} {:>11} {:>11}\n", "", "mean first", "mean second", "std first",
              "std second");
-  for (Index d = 0; d < c.first.rows.cols(); ++d) {
+  const auto first = inference::column_moments(c.first.rows);
+  const auto second = inference::column_moments(c.second.rows);
+  for (std::size_t d = 0; d < first.size(); ++d) {
     const Channel name = column_name(c, d);
-    const Moments a = moments(c.first.rows, d), b = moments(c.second.rows, d);
-    fmt::print("{:<28} {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g}\n", feature_name(name), a.mean,
-               b.mean, a.std, b.std);
+    const auto &a = first[d], &b = second[d];
+    fmt::print("{:<28} {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g}\n",
+               printable_line(feature_name(name)), a.mean, b.mean, a.deviation, b.deviation);
   }
 }
 

@@ -56,6 +56,16 @@ TEST(C2st, OfAPointAndAnotherIsOne) {
   EXPECT_EQ(c2st(narrow, RowMatrix::Ones(50, 1), kId).accuracy, 1.0);
 }
 
+// Squares of the first sample leave the range of double.
+TEST(C2st, TellsApartWhatDiffersByAnyMagnitude) {
+  const RowMatrix usual = gaussian(100, 1, 1), huge = gaussian(100, 1, 2, 0.0, 1e307);
+  const RowMatrix tiny = gaussian(100, 1, 3, 0.0, 1e-307);
+  EXPECT_GT(c2st(huge, usual, kId).accuracy, 0.8);
+  EXPECT_GT(c2st(usual, huge, kId).accuracy, 0.8);
+  EXPECT_GT(c2st(tiny, usual, kId).accuracy, 0.8);
+  EXPECT_LT(c2st(huge, gaussian(100, 1, 4, 0.0, 1e307), kId).accuracy, 0.7);
+}
+
 TEST(C2st, SameBitsForAnyThreadCount) {
   const RowMatrix first = gaussian(203, 2, 1), second = gaussian(203, 2, 2, 0.5);
   const int threads = omp_get_max_threads();
