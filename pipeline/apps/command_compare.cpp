@@ -64,7 +64,7 @@ Channel column_name(const Comparison& c, std::size_t column) {
   return columns[column];
 }
 
-void print_json(const Comparison& c) {
+void print_as_json(const Comparison& c) {
   nlohmann::ordered_json json = {
       {"first", c.first.where},
       {"second", c.second.where},
@@ -82,7 +82,7 @@ void print_json(const Comparison& c) {
                                   {"first", {{"mean", a.mean}, {"std", a.deviation}}},
                                   {"second", {{"mean", b.mean}, {"std", b.deviation}}}});
   }
-  fmt::print("{}\n", json.dump(2));
+  print_json(json);
 }
 
 void print_text(const Comparison& c) {
@@ -128,7 +128,7 @@ void add_compare_command(CLI::App& app, int& result) {
   command->callback([&result, arguments] {
     result = guarded_main("npdr compare", [&] {
       const Comparison comparison = compare(*arguments);
-      arguments->json ? print_json(comparison) : print_text(comparison);
+      arguments->json ? print_as_json(comparison) : print_text(comparison);
       return ExitStatus::done;
     });
   });

@@ -161,7 +161,7 @@ void print_text(const Evidence& evidence) {
   }
 }
 
-void print_json(const Evidence& evidence) {
+void print_as_json(const Evidence& evidence) {
   const Model* best = best_of(evidence);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const Model& model : evidence.models) {
@@ -180,7 +180,7 @@ void print_json(const Evidence& evidence) {
                     {"verdict", verdict_on(model, best)}});
   }
   const nlohmann::ordered_json json = {{"num_values", evidence.num_values}, {"models", rows}};
-  fmt::print("{}\n", json.dump(2));
+  print_json(json);
 }
 
 }  // namespace
@@ -206,7 +206,7 @@ void add_evidence_command(CLI::App& app, int& result) {
   command->callback([&result, arguments] {
     result = guarded_main("npdr evidence", [&] {
       const Evidence evidence = collect(*arguments);
-      arguments->json ? print_json(evidence) : print_text(evidence);
+      arguments->json ? print_as_json(evidence) : print_text(evidence);
       return ExitStatus::done;
     });
   });

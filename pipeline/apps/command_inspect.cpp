@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verify.h"
@@ -18,6 +19,12 @@ namespace npdr::pipeline {
 namespace {
 
 constexpr const char* kAnotherType = "(another type)";
+
+// Much of it is text from files.
+template <class... T>
+void print_line(fmt::format_string<T...> format, T&&... values) {
+  fmt::print("{}\n", printable_line(fmt::format(format, std::forward<T>(values)...)));
+}
 
 // Other programs write attributes that we have no type for: truth values, references to scales.
 std::string attribute_text(const h5::Object& object, const std::string& name) try {
@@ -39,16 +46,16 @@ void print_attributes(const h5::Object& object, const std::string& indent) {
     std::string text = attribute_text(object, name);
     constexpr std::size_t most = 100;
     if (text.size() > most) text = text.substr(0, most) + "...";
-    fmt::print("{}@{} = {}\n", indent, name, text);
+    print_line("{}@{} = {}", indent, name, text);
   }
 }
 
 void print_dataset(const h5::Group& group, const std::string& name, const std::string& indent) try {
   const h5::Dataset dataset = group.dataset(name);
-  fmt::print("{}{} {}\n", indent, name, h5::to_string(dataset.shape()));
+  print_line("{}{} {}", indent, name, h5::to_string(dataset.shape()));
   print_attributes(dataset, indent + "    ");
 } catch (const InputError&) {
-  fmt::print("{}{} {}\n", indent, name, kAnotherType);
+  print_line("{}{} {}", indent, name, kAnotherType);
 }
 
 // Groups may hold each other, and links may lead nowhere: prints no group twice.
@@ -64,7 +71,7 @@ class Tree {
       }
       const h5::Group below = group.group(name);
       const bool is_new = !seen_.contains(below.identity());
-      fmt::print("{}{}/{}\n", indent, name, is_new ? "" : " (shown already)");
+      print_line("{}{}/{}", indent, name, is_new ? "" : " (shown already)");
       if (!is_new) continue;
       print_attributes(below, indent + "    ");
       print(below, indent + "    ");
@@ -79,9 +86,9 @@ class Tree {
 void print_own_attributes(const h5::File& file) {
   const std::vector<std::string> own = own_attributes(file);
   if (own.empty()) return;
-  fmt::print("  attributes\n");
+  print_line("  attributes");
   for (const std::string& name : own) {
-    fmt::print("    @{} = {}\n", name, attribute_text(file, name));
+    print_line("    @{} = {}", name, attribute_text(file, name));
   }
 }
 
@@ -89,14 +96,14 @@ void print_file(const std::string& path, bool study, bool digest) {
   const h5::File file = h5::File::open(path);
   if (!file.has_attribute("schema") && file.has("theta") && file.has("x")) {
     const DatasetFile dataset(path, {});
-    fmt::print("{}: a dataset of {} simulations of {} features\n", path, dataset.num_rows(),
+    print_line("{}: a dataset of {} simulations of {} features", path, dataset.num_rows(),
                dataset.features().size());
     Tree().print(file, "  ");
     return;
   }
   if (!file.has_attribute("schema")) {
     const Target target = read_recording(path);
-    fmt::print("{}: a recording of {} rollouts of {} steps of {} s\n", path, target.num_rollouts(),
+    print_line("{}: a recording of {} rollouts of {} steps of {} s", path, target.num_rollouts(),
                target.num_steps(), target.dt);
     print_attributes(file, "  ");
     Tree().print(file, "  ");
@@ -104,22 +111,23 @@ void print_file(const std::string& path, bool study, bool digest) {
   }
   const ArtefactInfo info = read_artefact_info(path);
   if (study) {
-    fmt::print("{}\n", info.identity.study.dump(2));
+    print_json(info.identity.study);
     return;
   }
-  fmt::print("{}: {} (schema {}) made by stage '{}'\n", path, info.schema.name, info.schema.version,
+  print_line("{}: {} (schema {}) made by stage '{}'", path, info.schema.name, info.schema.version,
              info.schema.stage);
-  fmt::print("  key      {}\n  seed     {}\n", info.key, info.identity.seed);
+  print_line("  key      {}", info.key);
+  print_line("  seed     {}", info.identity.seed);
   for (const auto& [name, key] : info.identity.inputs) {
-    fmt::print("  input    {} {}\n", key.substr(0, 8), name);
+    print_line("  input    {} {}", key.substr(0, 8), name);
   }
   const Provenance& p = info.provenance;
-  fmt::print("  made by  npdr {} ({}), {}, on {} at {} in {:.2f} s\n", p.creator_version,
+  print_line("  made by  npdr {} ({}), {}, on {} at {} in {:.2f} s", p.creator_version,
              p.git_revision, p.instruction_set, p.host, p.created, p.cost.wall_seconds);
-  if (!p.batch_job.empty()) fmt::print("  job      {}\n", p.batch_job);
-  if (digest) fmt::print("  content  {}\n", content_digest(path));
+  if (!p.batch_job.empty()) print_line("  job      {}", p.batch_job);
+  if (digest) print_line("  content  {}", content_digest(path));
   print_own_attributes(file);
-  fmt::print("  datasets\n");
+  print_line("  datasets");
   Tree().print(file, "    ");
 }
 

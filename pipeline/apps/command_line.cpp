@@ -9,10 +9,12 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "core/error.h"
 #include "core/file_error.h"
+#include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/process/build_info.h"
@@ -135,6 +137,26 @@ std::optional<Stage> UntilOption::stage() const {
   if (name.empty()) return std::nullopt;
   if (const auto stage = value_named<Stage>(name)) return stage;
   throw InputError("--until: " + unknown_name("stage", name, names_of<Stage>()));
+}
+
+void print_json(const nlohmann::ordered_json& json) {
+  constexpr auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  const std::string text = json.dump(2, ' ', false, replace);
+  fmt::print("{}\n", printable(text) == text ? text : json.dump(2, ' ', true, replace));
+}
+
+void add_seed_option(CLI::App& app, const std::string& name, std::uint64_t& seed,
+                     const std::string& doc) {
+  const auto parse = [&seed, name](const std::string& text) {
+    const auto count = parse_count(text);
+    if (!count) {
+      throw CLI::ValidationError(must_be(name, quoted(text), "a whole number from 0 to 2^63 - 1"));
+    }
+    seed = static_cast<std::uint64_t>(*count);
+  };
+  app.add_option_function<std::string>(name, parse, doc)
+      ->default_str(std::to_string(seed))
+      ->type_name("UINT");
 }
 
 std::vector<Index> parse_ranges(const std::string& text) {

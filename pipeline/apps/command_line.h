@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,15 @@ struct UntilOption {
   /// None without the option. Throws InputError for an unknown name.
   std::optional<Stage> stage() const;
 };
+
+/// Prints `json` for programs: bytes of file names that aren't UTF-8 are replaced, all but ASCII is
+/// escaped where any of it isn't printable.
+void print_json(const nlohmann::ordered_json& json);
+
+/// An option for a seed: digits only, below 2^63, so that no other number means the same. `doc`:
+/// what it does, where its name doesn't say it.
+void add_seed_option(CLI::App& app, const std::string& name, std::uint64_t& seed,
+                     const std::string& doc = "");
 
 /// "0-3,7" as {0, 1, 2, 3, 7}. Throws InputError.
 std::vector<Index> parse_ranges(const std::string& text);

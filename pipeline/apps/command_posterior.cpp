@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/text.h"
 #include "inference/embeddings/embedding.h"
 #include "pipeline/apps/command_line.h"
@@ -146,7 +147,7 @@ void print_samples(const PosteriorArguments& arguments) {
   for (const auto& m : posterior->prior().marginals()) {
     header.push_back(fmt::format("{} [{}]", m.name, m.unit));
   }
-  fmt::print("{}\n", fmt::join(header, ","));
+  fmt::print("{}\n", printable_line(join(header, ",")));
   for (Index i = 0; i < theta.rows(); ++i) {
     fmt::print("{:.17g}\n", fmt::join(theta.row(i).begin(), theta.row(i).end(), ","));
   }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <thread>
 
+#include "core/printable.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/plan/report_marker.h"
@@ -40,7 +41,7 @@ void print_results(const Plan& plan) {
     if (name != main) std::cout << "\n";
     std::cout << table.rdbuf() << std::flush;
   }
-  fmt::print("\nreport: {}\n", report_path(plan).string());
+  fmt::print("\nreport: {}\n", printable_line(report_path(plan).string()));
 }
 
 std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string>& beginnings) {

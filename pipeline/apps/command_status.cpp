@@ -141,7 +141,7 @@ nlohmann::ordered_json ids_of(const std::vector<QueuedTask>& tasks) {
   return ids;
 }
 
-void print_json(const Plan& plan, Scrutiny scrutiny) {
+void print_as_json(const Plan& plan, Scrutiny scrutiny) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const Standing& row : standings(plan, scrutiny)) {
     nlohmann::ordered_json uses = nlohmann::ordered_json::array();
@@ -167,7 +167,7 @@ void print_json(const Plan& plan, Scrutiny scrutiny) {
     rows.back()["queued"] = ids_of(row.jobs->waiting);
     rows.back()["failed"] = row.jobs->failed;
   }
-  fmt::print("{}\n", rows.dump(2));
+  print_json(rows);
 }
 
 // The nodes that a word names: a key, or part of a label; empty: all that aren't up to date.
@@ -206,7 +206,7 @@ void add_status_command(CLI::App& app, int& result) {
       const Plan plan = study->plan();
       const Scrutiny scrutiny = *check ? Scrutiny::thorough : Scrutiny::quick;
       if (*json) {
-        print_json(plan, scrutiny);
+        print_as_json(plan, scrutiny);
       } else {
         *cost ? print_cost_tables(plan) : print_table(plan, scrutiny);
       }

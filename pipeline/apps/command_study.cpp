@@ -219,7 +219,7 @@ void add_validate_command(CLI::App& app, int& result) {
   command->callback([&result, study, quiet] {
     result = guarded_main("npdr validate", [&] {
       const Plan plan = study->plan();
-      if (!*quiet) fmt::print("{}\n", to_json(plan.study).dump(2));
+      if (!*quiet) print_json(to_json(plan.study));
       print_work(plan);
       return ExitStatus::done;
     });

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <memory>
 
+#include "core/error.h"
+#include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
@@ -25,7 +27,13 @@ void print_task(const std::vector<std::string>& command, const std::string& shar
   std::vector<std::string> words = {executable_folder() / "npdr", "task", "--"};
   words.insert(words.end(), command.begin(), command.end());
   if (!shards.empty()) words.insert(words.end(), {"--shard", shards});
-  fmt::print("{}\n", shell_text(words));
+  const std::string line = shell_text(words);
+  if (line.find_first_of("\r\n") != std::string::npos) {
+    throw InputError(printable_line(line) +
+                     ": has a line break, and a command is a line of this list; choose another "
+                     "name of the study's file or of --work");
+  }
+  fmt::print("{}\n", line);
 }
 
 // Neighbors of a simulation's missing shards share a task.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "core/printable.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
@@ -19,7 +20,9 @@ bool is_plain(const std::string& text, std::size_t max_size) {
          std::none_of(text.begin(), text.end(), is_control);
 }
 
-bool is_label(const std::string& text) { return is_plain(text, 100); }
+bool is_label(const std::string& text) {
+  return is_plain(text, 100) && printable_line(text) == text;
+}
 
 bool is_folder_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "core/printable.h"
+
 namespace npdr::pipeline {
 namespace {
 
@@ -40,10 +42,11 @@ std::string progress_text(Index done, Index total, double seconds) {
 }
 
 void report_error(const std::string& program, const std::string& message) noexcept {
-  std::fputs((program + ": " + message + "\n").c_str(), stderr);
+  const std::string shown = printable(message);
+  std::fputs((program + ": " + shown + "\n").c_str(), stderr);
   const int parent = parent_descriptor();
   if (parent < 0) return;
-  std::istringstream lines(message);
+  std::istringstream lines(shown);
   for (std::string line; std::getline(lines, line);) {
     line = "!" + line + "\n";
     [[maybe_unused]] const auto written = write(parent, line.data(), line.size());

@@ -6,13 +6,24 @@
 
 #include "core/error.h"
 #include "core/feature_names.h"
+#include "core/printable.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
+namespace {
+
+// Names and units go on to terminals, tables and keys.
+std::vector<std::string> printable_texts(const h5::Dataset& dataset, const char* attribute) {
+  auto texts = dataset.attribute<std::vector<std::string>>(attribute);
+  std::ranges::transform(texts, texts.begin(), printable_line);
+  return texts;
+}
+
+}  // namespace
 
 std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_columns) {
   if (!dataset.has_attribute("labels")) return {};
-  const auto labels = dataset.attribute<std::vector<std::string>>("labels");
+  const std::vector<std::string> labels = printable_texts(dataset, "labels");
   if (static_cast<Index>(labels.size()) != num_columns) {
     throw InputError(fmt::format("{} has {} columns, but {} labels", dataset.where(), num_columns,
                                  labels.size()));
@@ -32,7 +43,7 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
 
 std::vector<std::string> column_units(const h5::Dataset& dataset, std::size_t num_labels) {
   if (!dataset.has_attribute("units")) return {};
-  const auto units = dataset.attribute<std::vector<std::string>>("units");
+  const std::vector<std::string> units = printable_texts(dataset, "units");
   if (units.size() != num_labels) {
     throw InputError(
         fmt::format("{} has {} labels, but {} units", dataset.where(), num_labels, units.size()));

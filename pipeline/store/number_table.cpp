@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/feature_names.h"
+#include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/store/column_labels.h"
 
@@ -125,15 +126,17 @@ bool NumberTable::read_line() try {
     if (line_.size() == kLongestLine) fail("is followed by one of more than 64 MiB");
     line_.push_back(static_cast<char>(c));
   }
-  if (!line_.empty() && line_.back() == '\r') line_.pop_back();
   has_line_end_ = c == '\n';
+  if (!line_.empty() && line_.back() == '\r') line_.pop_back();
   return true;
 } catch (const std::ios_base::failure&) {
   throw InputError(name_ + ": reading failed");
 }
 
+// Names and units go on to terminals, tables and keys.
 void NumberTable::read_header(Header header) {
   std::unordered_set<std::string> labels;
+  std::ranges::transform(fields_, fields_.begin(), printable_line);
   for (const std::string& field : fields_) {
     const bool has_units = header == Header::with_units;
     const Channel column = has_units ? parse_channel(field) : parse_feature(field);

@@ -23,7 +23,8 @@ enum class Header {
 
 /// Numbers, separated by commas unless a format says otherwise, a line a row; all rows are as long
 /// as the first line. Accepts what spreadsheets write: a byte order mark, CRLF, fields in double
-/// quotes, spaces around fields and empty lines at the end. All messages begin with file and line.
+/// quotes, spaces around fields and empty lines at the end. What isn't printable in the header
+/// (core/printable.h) is replaced. All messages begin with file and line.
 class NumberTable {
  public:
   /// `format`: as chosen on a command line, whose options messages then name when a file looks like
@@ -53,10 +54,10 @@ class NumberTable {
   /// The same; throws for what isn't finite, too.
   double finite_number(std::size_t column) const;
 
-  /// Whether a column of this row holds nothing, or NaN.
   /// Whether the line that was read last ends, as all do of a file that was written to its end.
   bool has_line_end() const { return has_line_end_; }
 
+  /// Whether a column of this row holds nothing, or NaN.
   bool is_missing(std::size_t column) const;
 
   /// The error that a column of this row must be `words`, for a caller to throw.
@@ -77,8 +78,8 @@ class NumberTable {
   bool has_choice_;  // of the format
   std::ifstream stream_;
   std::string line_;
-  Index line_number_ = 0;
   bool has_line_end_ = false;
+  Index line_number_ = 0;
   std::vector<std::string> fields_;
   bool is_ahead_ = false;  // the fields of the first row have been read, but not handed out
   std::vector<Channel> columns_;

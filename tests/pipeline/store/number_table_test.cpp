@@ -108,6 +108,7 @@ TEST_F(NumberTables, SayWhereTheyAreWrong) {
                    {"t.csv:3: has 1 columns", "must have 2 like the first line"}));
   EXPECT_TRUE(
       says(problem_of("a,b\n1,2\n3,x\n"), {"t.csv:3: column 2 'b' = 'x'", "must be a number"}));
+  EXPECT_TRUE(says(problem_of("1,2\n3,+-4\n"), {"t.csv:2: column 2 = '+-4'", "must be a number"}));
   EXPECT_TRUE(says(problem_of("1,2\n3,\n"), {"t.csv:2: column 2 = ''", "must be a number"}));
   EXPECT_EQ(problem_of("a,a\n1,2\n"), "t.csv:1: column 2 is a second one headed 'a'");
   EXPECT_EQ(problem_of("a,\n1,2\n"), "t.csv:1: column 2 has no name");
@@ -121,6 +122,26 @@ TEST_F(NumberTables, SayWhereTheyAreWrong) {
             folder_.path().string() + ": is a folder, must be a file");
   EXPECT_EQ(message_of<InputError>([&] { NumberTable("/proc/self/mem"); }),
             "/proc/self/mem: reading failed");
+}
+
+TEST_F(NumberTables, HeadersAreMadePrintable) {
+  const NumberTable table(folder_.file("t.csv",
+                                       "Gr\xF6\xDF"
+                                       "e [m],a\x1b[1m\n1,2\n"));
+  EXPECT_EQ(table.columns(), (std::vector<Channel>{{"Gr\uFFFD\uFFFDe", "m"}, {"a\uFFFD[1m", "1"}}));
+}
+
+TEST_F(NumberTables, SayWhetherTheLastLineEnds) {
+  const auto has_line_end = [&](const std::string& text) {
+    NumberTable table(folder_.file("t.csv", text));
+    std::vector<double> row(1);
+    while (table.next(row)) {
+    }
+    return table.has_line_end();
+  };
+  EXPECT_TRUE(has_line_end("1\n2\n"));
+  EXPECT_TRUE(has_line_end("1\r\n2\r\n\n"));
+  EXPECT_FALSE(has_line_end("1\n2"));
 }
 
 }  // namespace
