@@ -123,7 +123,7 @@ void add_compare_command(CLI::App& app, int& result) {
   command->add_option("-n,--num-samples", arguments->most_rows, "rows of each, at most")
       ->capture_default_str()
       ->check(CLI::Range(inference::kFewestRowsOfSample, Index{1'000'000}));
-  command->add_option("--seed", arguments->seed)->capture_default_str();
+  add_seed_option(*command, "--seed", arguments->seed);
   command->add_flag("--json", arguments->json, "for programs");
   command->callback([&result, arguments] {
     result = guarded_main("npdr compare", [&] {

@@ -137,11 +137,20 @@ std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) 
   return read(arguments);
 }
 
+// Weights that are finite may still overflow in the sums of a network.
+void require_numbers(const PosteriorArguments& arguments, const RowMatrix& values) {
+  if (!values.hasNaN()) return;
+  throw Error(arguments.posterior +
+              ": its network's answer isn't a number: its weights, or x, are too large; train it "
+              "anew, with a smaller training.learning_rate where that may have made them so");
+}
+
 void print_samples(const PosteriorArguments& arguments) {
   const auto posterior = load(arguments);
   const inference::Samples samples =
       posterior->draw(arguments.count, {arguments.seed, "sample", 0, 0, 0});
   const RowMatrix& theta = samples.theta;
+  require_numbers(arguments, theta);
   print_sampler(samples);
   std::vector<std::string> header;
   for (const auto& m : posterior->prior().marginals()) {
@@ -168,6 +177,7 @@ RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
 void print_log_prob(const PosteriorArguments& arguments) {
   const auto posterior = load(arguments);
   const Vector log_prob = posterior->log_prob(read_theta(arguments.theta, posterior->prior()));
+  require_numbers(arguments, log_prob);
   fmt::print("log_prob\n");
   for (const double value : log_prob) fmt::print("{:.17g}\n", value);
 }
@@ -187,7 +197,7 @@ void add_sample_command(CLI::App& app, int& result) {
   command->add_option("-n,--num-samples", arguments->count, "how many")
       ->capture_default_str()
       ->check(CLI::Range(Index{1}, Index{100'000'000}));
-  command->add_option("--seed", arguments->seed)->capture_default_str();
+  add_seed_option(*command, "--seed", arguments->seed);
   command->callback([&result, arguments] {
     result = guarded_main("npdr sample", [&] {
       print_samples(*arguments);
