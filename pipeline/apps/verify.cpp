@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "inference/prior.h"
 #include "pipeline/artefacts/policy_outcomes.h"
+#include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
@@ -111,6 +112,16 @@ StreamId first_stream(const std::filesystem::path& path, const ArtefactInfo& inf
   return {info.identity.seed, kSimulationStream, round, begin, 0};
 }
 
+// theta of the rows as they were proposed: those of a shard are some of its simulation's.
+RowMatrix proposed_rows(const std::filesystem::path& path, const ArtefactInfo& info, Index count) {
+  const std::filesystem::path cache = simulation_of(path, info).parent_path().parent_path();
+  const std::string key = info.identity.inputs.at("proposal");
+  const auto& document = info.identity.key_document;
+  const auto begin = document.contains("begin") ? document.at("begin").get<Index>() : 0;
+  const h5::Dataset theta = open_proposal({cache / "propose" / (key + ".h5"), key});
+  return read_proposal(theta, {begin, begin + count});
+}
+
 // Rows of a simulation as they are stored.
 struct StoredRows {
   Index num_rows = 0;
@@ -118,6 +129,7 @@ struct StoredRows {
   std::vector<Index> picked;  // rows
   RowMatrix theta;            // of those
   RowMatrixF values;
+  std::vector<std::uint8_t> status;
 };
 
 StoredRows read_rows(const std::filesystem::path& path, const ArtefactInfo& info,
@@ -130,8 +142,11 @@ StoredRows read_rows(const std::filesystem::path& path, const ArtefactInfo& info
                   values.shape(),
                   pick_rows(values.num_rows(), options.count, options.pick),
                   {},
+                  {},
                   {}};
   rows.theta = theta(rows.picked, Eigen::all);
+  const auto status = file.dataset("status").read<std::uint8_t>();
+  for (const Index row : rows.picked) rows.status.push_back(status.at(static_cast<std::size_t>(row)));
   rows.values.resize(std::ssize(rows.picked), values.row_size());
   for (Index i = 0; i < rows.values.rows(); ++i) {
     values.read_rows<float>(
@@ -162,6 +177,7 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
   const Target target = traits.gives_motion
                             ? target_of(simulation_of(path, info), info).first(rows.shape[1])
                             : Target{};
+  const RowMatrix proposed = proposed_rows(path, info, rows.num_rows);
   const StreamId first = traits.takes_seeds ? first_stream(path, info) : StreamId{};
   const auto source = make_source(study);
   const auto simulator = source->open({.simulator = study.simulator, .target = target});
@@ -177,7 +193,10 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
     const std::span<const float> stored(rows.values.row(i).data(),
                                         static_cast<std::size_t>(rows.values.cols()));
     ++result.num_checked;
-    if (!same(again.values, stored)) result.different.push_back(row);
+    const bool ends_alike =
+        as_bytes(again.status).front() == rows.status[static_cast<std::size_t>(i)];
+    const bool is_proposed = rows.theta.row(i) == proposed.row(row);
+    if (!same(again.values, stored) || !ends_alike || !is_proposed) result.different.push_back(row);
   }
   return result;
 }
