@@ -30,21 +30,25 @@ bool is_printable(const std::string& line) {
          std::ranges::all_of(line, [](char c) { return c == '\t' || c == ' ' || is_visible(c); });
 }
 
-// Options of sbatch that a job's own need: what it says in them is what makes it findable, and
-// start at the right time. Long ones may be abbreviated, short ones end where their value begins.
-bool is_own_option(const std::string& text) {
-  static const std::set<std::string> own = {
-      "--array",     "--chdir",  "--comment",  "--dependency", "--error", "--kill-on-invalid-dep",
-      "--open-mode", "--output", "--parsable", "--signal",     "--wait",  "--wrap",
-      "-a",          "-D",       "-d",         "-e",           "-o",      "-W"};
-  if (!text.starts_with("--")) return own.contains(text.substr(0, 2));
-  const std::string name = text.substr(0, text.find_first_of("= "));
-  return std::ranges::any_of(own, [&](const std::string& o) { return o.starts_with(name); });
-}
-
+// Options of sbatch that ask for resources, or say when a job may start; all others may change what
+// a job runs, where it writes, or how it is found again.
 bool is_option(const std::string& text) {
-  return text.starts_with("-") && is_visible(text.back()) && is_printable(text) &&
-         !is_own_option(text);
+  static const std::regex form("--([a-z-]+)([= ][^ ]+)?|-([A-Za-z])([= ]?[^ =]+)?");
+  static const std::vector<std::string> allowed = split(
+      "account begin bb bbf clusters cluster-constraint constraint contiguous core-spec "
+      "cores-per-socket cpu-freq cpus-per-gpu deadline delay-boot distribution exclude exclusive "
+      "extra-node-info gpu-bind gpu-freq gpus gpus-per-node gpus-per-task gres gres-flags hint "
+      "hold "
+      "licenses mail-type mcs-label mem mem-bind mem-per-cpu mem-per-gpu mincpus network nice "
+      "nodelist nodes oversubscribe partition power prefer priority profile propagate qos reboot "
+      "reservation sockets-per-node spread-job switches thread-spec threads-per-core time-min tmp "
+      "tres-bind tres-per-task use-min-nodes wckey A B b C F G H L M m N p q S s w x",
+      ' ');
+  std::smatch parts;
+  if (!is_printable(text) || !std::regex_match(text, parts, form)) return false;
+  const bool is_flag = parts[3] == "H" || parts[3] == "s";  // others could follow in one word
+  const bool is_allowed = std::ranges::count(allowed, parts[1].str() + parts[3].str()) > 0;
+  return is_allowed && !(is_flag && parts[4].matched);
 }
 
 }  // namespace
@@ -149,8 +153,8 @@ Constraint<std::string> option_value() {
 
 Constraint<std::vector<std::string>> options_constraint() {
   return {
-      "options such as --qos=long, but none that a job needs itself (array, comment, dependency, "
-      "output and their like)",
+      "options such as --qos=long, each of one word, that ask for resources or say when a job may "
+      "start; none that change what it runs, or where it writes",
       [](const auto& options) { return std::ranges::all_of(options, is_option); }};
 }
 
