@@ -137,9 +137,9 @@ TEST(StudyJson, SaysWhatItCantAccept) {
       says(problem_of<TrainingConfig>(R"({"batch_size": 18446744073709551615})"),
            {"p.h5: batch_size = 18446744073709551615", "must be an integer, >= 1 and <= 10^9"}));
   EXPECT_EQ(problem_of<TrainingConfig>(R"({"learning_rate": 0})"),
-            "p.h5: learning_rate = 0, must be > 0");
+            "p.h5: learning_rate = 0, must be > 0 and <= 1");
   EXPECT_TRUE(says(problem_of<TrainingConfig>(R"({"learning_rate": null})"),
-                   {"p.h5: learning_rate = null", "must be a finite number, > 0"}));
+                   {"p.h5: learning_rate = null", "must be a finite number, > 0 and <= 1"}));
   EXPECT_TRUE(says(problem_of<EmbeddingConfig>(R"({"channels": [1]})"),
                    {"p.h5: channels = [1]", "must be a list of texts"}));
   EXPECT_TRUE(
