@@ -47,7 +47,11 @@ ClusterConfig read_site_file(const std::string& named) {
   const char* const of_machine = std::getenv("NPDR_SITE");
   if (of_machine != nullptr && *of_machine != '\0') return read_site(of_machine);
   constexpr const char* usual = "jobs/site.toml";
-  return std::filesystem::exists(usual) ? read_site(usual) : ClusterConfig{};
+  if (!std::filesystem::exists(usual)) return {};
+  fmt::print(stderr,
+             "site: {} of the current folder, with its lines of shell (--site names another)\n",
+             usual);
+  return read_site(usual);
 }
 
 void require_value(const std::string& name, const std::string& value) {
