@@ -34,6 +34,10 @@ std::string readable(const std::string& text) {
   return fmt::format("{}: {}", text.substr(0, end), std::generic_category().message(number));
 }
 
+// Whether closing something failed: HDF5 then keeps an identifier of freed memory, and may crash in
+// any later call.
+bool is_unsound = false;
+
 herr_t take_description(unsigned n, const H5E_error2_t* entry, void* result) {
   if (n == 0 && entry->desc != nullptr) *static_cast<std::string*>(result) = entry->desc;
   return 0;
@@ -42,12 +46,20 @@ herr_t take_description(unsigned n, const H5E_error2_t* entry, void* result) {
 }  // namespace
 
 void prepare() {
+  require_sound();
   static const bool is_first = [] {
     H5dont_atexit();
     return H5Lunregister(H5L_TYPE_EXTERNAL) >= 0;
   }();
   static_cast<void>(is_first);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+void require_sound() {
+  if (!is_unsound) return;
+  throw Error(
+      "HDF5 couldn't close a file that was read, as after an error of the disk or network, and "
+      "can't go on in this process; run again");
 }
 
 std::string reason() {
@@ -91,7 +103,7 @@ void written(herr_t status, const std::string& where, const std::string& action)
 }
 
 Handle::~Handle() {
-  if (id_ >= 0 && H5Iis_valid(id_) > 0) H5Idec_ref(id_);
+  if (id_ >= 0 && H5Iis_valid(id_) > 0 && H5Idec_ref(id_) < 0) is_unsound = true;
 }
 
 std::string to_string(const Shape& shape) {

@@ -18,6 +18,9 @@ static_assert(sizeof(hid_t) == sizeof(std::int64_t));
 /// be written, and from following links to other files, which whoever made a file chose.
 void prepare();
 
+/// Throws Error when HDF5 failed to close a file before: any further call might crash.
+void require_sound();
+
 /// HDF5's reason for the last failure: the innermost entry of its error stack.
 std::string reason();
 

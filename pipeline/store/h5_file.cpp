@@ -96,6 +96,7 @@ File File::open(const std::filesystem::path& path) {
 }
 
 void File::close() {
+  require_sound();
   const hid_t file = release();
   written(H5Fflush(file, H5F_SCOPE_GLOBAL), where(), "be written");
   written(H5Fclose(file), where(), "be closed");
