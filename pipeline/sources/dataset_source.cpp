@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/error.h"
+#include "pipeline/sources/precision.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
@@ -42,17 +43,22 @@ class DatasetRows final : public RowSimulator {
   sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) override {
     const auto picked = std::span(rows_).subspan(static_cast<std::size_t>(first.row),
                                                  static_cast<std::size_t>(complete.rows()));
-    return as_simulated(prior_, parameters_.pick(complete), dataset_.x(picked));
+    const RowMatrix x = dataset_.x(picked);
+    warning_ = precision_problem(x, dataset_.features());
+    return as_simulated(prior_, parameters_.pick(complete), x);
   }
 
   // They cost next to nothing.
   Index block_size(Index) const override { return 4096; }
+
+  std::string last_warning() const override { return warning_; }
 
  private:
   inference::Prior prior_;
   ParameterMap parameters_;
   DatasetFile dataset_;
   std::vector<Index> rows_;
+  std::string warning_;
 };
 
 }  // namespace

@@ -136,6 +136,7 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
        outcome, task);
   if (outcome.cannot_run) fail("can't be run", outcome.problem + tail_of(outcome.output));
   status = outcome.status;
+  if (!outcome.warning.empty()) last_warning_ = outcome.warning;
   if (outcome.succeeded) take(task, begin, result);
   return outcome.succeeded;
 }

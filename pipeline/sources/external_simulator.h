@@ -49,6 +49,8 @@ class ExternalSimulator {
 
   /// The words of the call that failed first of the last rows that did; "": none has.
   const std::string& last_failure() const { return last_failure_; }
+  /// Of the last call that had any; "": none had.
+  const std::string& last_warning() const { return last_warning_; }
   Index num_calls() const { return num_calls_; }
 
  private:
@@ -81,6 +83,7 @@ class ExternalSimulator {
   std::filesystem::path log_path_;
   std::string log_;
   std::string last_failure_;
+  std::string last_warning_;
   Index num_calls_ = 0;
   Index num_done_ = 0;  ///< rows that have a result, of all calls
   Index num_lost_ = 0;  ///< and that haven't

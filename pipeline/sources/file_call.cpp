@@ -12,6 +12,7 @@
 #include "pipeline/process/shell_call.h"
 #include "pipeline/sources/call_files.h"
 #include "pipeline/sources/command_text.h"
+#include "pipeline/sources/precision.h"
 #include "pipeline/sources/program_call.h"
 #include "pipeline/store/column_labels.h"
 
@@ -63,7 +64,7 @@ class FileCall final : public ProgramCall {
       return outcome;
     }
     try {
-      read_rows(folder, rows.theta.rows(), result);
+      outcome.warning = read_rows(folder, rows.theta.rows(), result);
     } catch (const InputError& error) {
       outcome.succeeded = false;
       outcome.status = RolloutStatus::bad_output;
@@ -103,19 +104,24 @@ class FileCall final : public ProgramCall {
             rows.time_limit};
   }
 
-  void read_rows(const CallFolder& folder, Index count, sim::Trajectories& result) const {
+  // Returns what is probably wrong with them.
+  std::string read_rows(const CallFolder& folder, Index count, sim::Trajectories& result) const {
     const Index lines = inputs_ ? count * inputs_->segments.num_steps() : count;
     const FeatureRows read = [&] {
       const std::unique_lock lock = lock_files(external_.format);
       return read_features(folder.x(), external_.format, lines, info_.state_channels,
                            {external_.has_names_of_observation, true});
     }();
-    if (!inputs_) return take_features(read.x, result);
+    if (!inputs_) {
+      take_features(read.x, result);
+      return precision_problem(read.x, info_.state_channels);
+    }
     const Index row_size = inputs_->segments.num_steps() * read.x.cols();
     for (Index i = 0; i < count; ++i) {
       sim::store_states(inputs_->segments, read.x.data() + i * row_size, inputs_->store_every, i,
                         result);
     }
+    return "";  // the recording says it (simulate.cpp)
   }
 
   std::string expected_columns() const {

@@ -81,6 +81,13 @@ class ProgramRowSimulator final : public RowSimulator {
     return "";
   }
 
+  std::string last_warning() const override {
+    for (const auto& simulator : simulators_) {
+      if (!simulator->last_warning().empty()) return simulator->last_warning();
+    }
+    return "";
+  }
+
  private:
   using Clock = std::chrono::steady_clock;
 

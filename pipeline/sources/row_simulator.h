@@ -34,6 +34,9 @@ class RowSimulator {
 
   /// Problem of the last failure, for people; "": there was none, or it can't say.
   virtual std::string last_failure() const { return ""; }
+
+  /// What is probably wrong with rows that it gave, for people; "": nothing, as far as it can say.
+  virtual std::string last_warning() const { return ""; }
 };
 
 /// The seed of row `i` after the row that `first` names: one that fits into a signed 32-bit

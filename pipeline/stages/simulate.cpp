@@ -13,6 +13,7 @@
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
+#include "pipeline/sources/precision.h"
 #include "pipeline/sources/row_check.h"
 #include "pipeline/stages/stages.h"
 
@@ -57,19 +58,35 @@ void warn(const Node& node, const std::string& text) {
   report_error(node.label(), "warning: " + text);
 }
 
-// Tells people at once, and the report for good, what is probably wrong with rows that aren't ours.
+// What floats lose of features, or of the motion that is replayed, and so of its simulations.
+std::string lost_precision(const Simulation& simulation) {
+  const Target& target = simulation.target;
+  RowMatrix states(0, target.num_states());
+  for (const Rollout& rollout : target.rollouts) {
+    states.conservativeResize(states.rows() + rollout.states.rows(), Eigen::NoChange);
+    states.bottomRows(rollout.states.rows()) = rollout.states;
+  }
+  const std::string of_motion = precision_problem(states, target.state_channels);
+  return of_motion.empty() ? simulation.simulator->last_warning() : of_motion;
+}
+
+// Tells people at once, and the report for good, what is probably wrong with rows.
 void check_block(h5::File& file, const Simulation& simulation, const GivenRows& rows) {
   const Study& study = simulation.plan.study;
-  const bool has_noise = !study.observation_noise.is_silent();
-  const std::vector<std::string> warnings = check_rows(*simulation.simulator, rows, has_noise);
+  std::vector<std::string> warnings;
+  if (study.source().takes_seeds) {  // they aren't ours
+    const bool has_noise = !study.observation_noise.is_silent();
+    warnings = check_rows(*simulation.simulator, rows, has_noise);
+  }
+  const std::string lost = lost_precision(simulation);
+  if (!lost.empty()) warnings.push_back(lost);
   for (const std::string& warning : warnings) warn(simulation.node, warning);
   write_warnings(file, warnings);
 }
 
-// Rows of simulators that aren't ours are looked at once an experiment.
+// Rows are looked at once an experiment.
 bool is_checked(const Simulation& simulation, Index row) {
-  const SourceTraits& source = simulation.plan.study.source();
-  return row == 0 && simulation.node.uses.front().round == 1 && source.takes_seeds;
+  return row == 0 && simulation.node.uses.front().round == 1;
 }
 
 // Rows [begin, begin + count) of the simulation, from row `at` of the shard's file.

@@ -1,0 +1,47 @@
+#include "pipeline/sources/precision.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/text.h"
+#include "pipeline/store/column_labels.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kFewestRows = 8;
+constexpr double kSmallest = 1e-6, kRounding = 1e-12;  // shares of the mean
+
+std::vector<Index> finite_rows(const RowMatrix& x) {
+  std::vector<Index> rows;
+  for (Index i = 0; i < x.rows(); ++i) {
+    if (x.row(i).allFinite()) rows.push_back(i);
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::string precision_problem(const RowMatrix& x, const std::vector<Channel>& columns) {
+  const std::vector<Index> rows = finite_rows(x);
+  if (std::ssize(rows) < kFewestRows) return "";
+  std::vector<std::string> lost;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const Eigen::ArrayXd values = x.col(static_cast<Index>(c))(rows);
+    const double mean = values.mean();
+    const double deviation = std::sqrt((values - mean).square().mean());
+    const bool is_lost =
+        deviation <= kSmallest * std::abs(mean) && deviation > kRounding * std::abs(mean);
+    if (!is_lost) continue;
+    lost.push_back(fmt::format("'{}' by {:.2g} about {:.6g}", columns[c].label, deviation, mean));
+  }
+  if (lost.empty()) return "";
+  return fmt::format(
+      "single precision, in which rows are kept, can't tell apart what varies so little ({}): such "
+      "columns are taken for constants, and say nothing of the parameters; subtract an offset from "
+      "them, in the simulator and in the observation",
+      join(few_shortened(lost)));
+}
+
+}  // namespace npdr::pipeline
