@@ -1,7 +1,10 @@
 #include "pipeline/features/simulation_features.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "core/error.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/plan/shards.h"
@@ -32,6 +35,11 @@ SimulationFeatures::SimulationFeatures(const Plan& plan,
   std::vector<h5::File> files;
   for (const Node* simulation : simulations) files.push_back(open_simulation(plan, *simulation));
   for (std::size_t s = 0; s < files.size(); ++s) read_theta(files[s], round_of(*simulations[s]));
+  if (num_rows() == 0) {
+    throw InputError(fmt::format("{}: all of its {} rows failed ({}): nothing can be learned; {}",
+                                 files.front().where(), num_failed_, failures(files.front()),
+                                 plan.study.source().advice));
+  }
   const Index width = redraws_ ? embedding_.selection().num_values() : embedding_.num_features();
   rows_ = std::make_unique<RowStore>(num_rows(), width, simulations.front()->path.parent_path());
   read_series(files);

@@ -22,7 +22,7 @@ class SimulationFeatures : public inference::FeatureSource {
   /// Reads the simulations among `infer`'s inputs.
   SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
                      const inference::Embedding& embedding);
-  /// Reads `simulations`, in blocks.
+  /// Reads `simulations`, in blocks. Throws InputError where all of their rows failed.
   SimulationFeatures(const Plan& plan, const std::vector<const Node*>& simulations,
                      const Target& target, const inference::Embedding& embedding);
 
