@@ -72,7 +72,7 @@ void describe(Layout f, PredictiveResult& result) {
   const Dims dims = {{"S"}};
   f("name", result.names, dims, "what is compared, such as `rollout 1, theta: mean`");
   f("observed", result.observed, dims, "observed");
-  f("median", result.median, dims, "median of the predictions");
+  f("median", result.median, dims, "median of the predictions; NaN: too few of them succeeded");
   f("p_value", result.check.summary_p_value, dims, "two-sided");
   f.attribute("num_failed", result.num_failed, "predictions that were left out");
   describe(f, result.check.overall, "overall_p_value");

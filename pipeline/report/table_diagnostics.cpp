@@ -58,7 +58,7 @@ Cell check_cell(const ReportData& data, const std::string& method, Check check) 
 }
 
 double times_usual(const inference::Distance& distance) {
-  return distance.median > 0.0 ? distance.observed / distance.median : 0.0;
+  return distance.observed > 0.0 ? distance.observed / distance.median : 0.0;
 }
 
 // An observation outside of what was simulated makes all else void: said in a sentence.
@@ -81,6 +81,13 @@ void note_unpredicted(const std::string& method, const Runs& runs, double level,
     const auto& predictive = run->result.predictive;
     if (!predictive || predictive->check.p_value >= level) continue;
     Index worst = 0;
+    if (predictive->median.hasNaN()) {
+      table.footnote(fmt::format(
+          "{}: {} of its {} predictions failed (seed {}), too many to compare the others with the "
+          "observation; see why in the log of stage diagnose, or in those of its simulations",
+          method, predictive->num_failed, run->result.num_samples, run->use.seed));
+      return;
+    }
     predictive->check.summary_p_value.minCoeff(&worst);
     table.footnote(fmt::format(
         "{}: what its samples predict is unlike the observation (seed {}): all features together, "

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "core/error.h"
@@ -191,17 +192,26 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
 }
 
 PredictiveResult check_predictions(const Case& c) {
+// A posterior whose samples can't be simulated doesn't predict what was observed.
+PredictiveResult without_predictions(PredictiveResult result) {
+  result.median.setConstant(result.observed.size(), std::numeric_limits<double>::quiet_NaN());
+  result.check.summary_p_value.setZero(result.observed.size());
+  result.check.p_value = 0.0;
+  return result;
+}
+
   const RowMatrix theta = read_posterior(c.last_posterior())
                               ->sample(c.config.num_samples, c.stream("diagnose_predictive"));
   const Predictions predictions = predict(c, theta);
-  require_rows(c, "predictions", predictions.features.rows(), predictions.num_failed,
-               "raise diagnose.num_samples, or narrow the prior");
   const inference::SeriesSelection& selection = c.embedding->selection();
   PredictiveResult result;
   result.names = summary_names(selection, c.target.state_channels);
   result.observed = summarize(picked_observation(c.plan, c.target, *c.embedding), selection);
   result.num_failed = predictions.num_failed;
   result.median.resize(result.observed.size());
+  if (predictions.features.rows() < inference::kFewestSimulations) {
+    return without_predictions(std::move(result));
+  }
   for (Index s = 0; s < result.median.size(); ++s) {
     Vector values = predictions.summaries.col(s);
     std::sort(values.begin(), values.end());
