@@ -79,11 +79,25 @@ void describe(Layout f, PredictiveResult& result) {
   f.attribute("p_value", result.check.p_value, kPValue);
 }
 
+void describe(Layout f, FailureResult& result) {
+  f.attribute("round", result.round,
+              "whose failures depend most on the parameters; 0: none failed");
+  f.attribute("num_failed", result.test.num_failed, "of its simulations");
+  f.attribute("num_good", result.test.num_good, "the others of them");
+  f.attribute("parameter", result.parameter, "that differs most");
+  f.attribute("other", result.other,
+              "whose product with it does; the same name: its square; empty: neither");
+  f.attribute("shift", result.test.shift,
+              "mean of the failed ones minus that of the good ones [deviations]");
+  f.attribute("p_value", result.test.p_value, "of all rounds together");
+}
+
 void describe(Layout f, inference::TrainingCheck& check, Index& max_epochs) {
   f.attribute("num_epochs", check.num_epochs, "of the last round");
   f.attribute("best_epoch", check.best_epoch, "with the smallest validation loss, from 1");
   f.attribute("max_epochs", max_epochs, "that there may have been");
-  f.attribute("is_converged", check.is_converged, "1: `stop_after_epochs` ended it; else 0");
+  f.attribute("is_converged", check.is_converged,
+              "1: `stop_after_epochs` ended it, and losses don't jump about; else 0");
   f.attribute("validation_loss", check.validation_loss, "the smallest [nats]");
   f.attribute("generalisation_gap", check.generalization_gap,
               "that minus the training loss of the same epoch [nats]");
@@ -99,6 +113,7 @@ void describe(Layout f, Diagnosis& d, const std::vector<inference::Marginal>& pr
   if (auto group = f.group("local_c2st", d.local_c2st)) describe(*group, *d.local_c2st);
   if (auto group = f.group("predictive", d.predictive)) describe(*group, *d.predictive);
   if (auto group = f.group("ood", d.ood)) describe(*group, *d.ood, "p_value");
+  if (auto group = f.group("failures", d.failures)) describe(*group, *d.failures);
   if (auto group = f.group("training", d.training)) describe(*group, *d.training, d.max_epochs);
 }
 
@@ -112,6 +127,7 @@ std::map<std::string, double> Diagnosis::p_values() const {
   if (local_c2st) values["local_c2st"] = local_c2st->p_value;
   if (predictive) values["predictive"] = predictive->check.p_value;
   if (ood) values["ood"] = ood->p_value;
+  if (failures) values["failures"] = failures->test.p_value;
   return values;
 }
 

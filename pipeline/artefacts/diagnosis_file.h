@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "inference/diagnostics/coverage.h"
+#include "inference/diagnostics/failure_dependence.h"
 #include "inference/diagnostics/local_c2st.h"
 #include "inference/diagnostics/predictive_check.h"
 #include "inference/diagnostics/sbc.h"
@@ -36,6 +37,14 @@ struct PredictiveResult {
   inference::PredictiveCheck check;
 };
 
+/// The simulations of one round; the p-value is of all rounds.
+struct FailureResult {
+  Index round = 0;
+  std::string parameter;  ///< that differs most
+  std::string other;      ///< whose product with it does, or itself: its square; "": neither
+  inference::FailureDependence test;
+};
+
 /// Results of the checks; those that weren't asked for are empty.
 struct Diagnosis {
   Index num_samples = 0;
@@ -47,6 +56,7 @@ struct Diagnosis {
   std::optional<inference::LocalC2st> local_c2st;
   std::optional<PredictiveResult> predictive;
   std::optional<inference::OutOfDistribution> ood;
+  std::optional<FailureResult> failures;
   std::optional<inference::TrainingCheck> training;
   Index max_epochs = 0;  ///< that training may have had
 

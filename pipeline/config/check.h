@@ -8,8 +8,8 @@
 
 namespace npdr::pipeline {
 
-/// Checks of a network over many simulations, then those at x_o.
-enum class Check { sbc, coverage, tarp, local_c2st, predictive, ood, training };
+/// Checks of a network over many simulations, then those at x_o, of its simulations and training.
+enum class Check { sbc, coverage, tarp, local_c2st, predictive, ood, failures, training };
 
 /// Conditions that a method must meet for a check to mean something to it.
 enum class CheckNeeds {
@@ -42,6 +42,13 @@ constexpr auto enum_table(Check) {
       {{local_c2st, "local_c2st"}, "Local C2ST at x_o, round 1", network, true, true},
       {{predictive, "predictive"}, "Posterior predictive", posterior},
       {{ood, "ood"}, "x_o among simulations", simulations, false, false, true, "x_o lies OUTSIDE"},
+      {{failures, "failures"},
+       "Failures and parameters",
+       simulations,
+       false,
+       false,
+       true,
+       "failures DEPEND on them"},
       {{training, "training"}, "Training", network, false, false, false},
   });
 }

@@ -391,7 +391,7 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& us
     const std::size_t proposal = add_proposal(method, use, {});
     inputs.emplace_back("calibration", add_simulation(method, use, target, proposal));
   }
-  if (diagnose.has(Check::ood)) {
+  if (diagnose.has(Check::ood) || diagnose.has(Check::failures)) {
     for (std::size_t r = 0; r < rounds.simulations.size(); ++r) {
       inputs.emplace_back("simulation_" + std::to_string(r + 1), rounds.simulations[r]);
     }

@@ -2,12 +2,15 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <map>
 #include <set>
 
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/plan/completeness.h"
+#include "pipeline/features/failures.h"
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/build_info.h"
@@ -96,6 +99,25 @@ std::vector<fs::path> write_tables(const analysis::Report& report, const fs::pat
       analysis::write_table(table, folder);
       for (const fs::path& file : analysis::table_files(table.name, folder)) files.push_back(file);
     }
+// What the check of diagnoses says, for studies without it.
+void warn_of_dependent_failures(const Plan& plan, std::set<std::string>& warnings) {
+  if (plan.study.diagnose.has(Check::failures)) return;
+  std::vector<std::pair<FailureResult, std::uint64_t>> found;  // and their seeds
+  for (const Node& node : plan.nodes) {
+    if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
+    const FailureResult result = test_failures(plan, {&node});
+    if (result.test.num_failed > 0) found.emplace_back(result, node.uses.front().seed);
+  }
+  const double level =
+      plan.study.diagnose.alpha / static_cast<double>(std::max<std::size_t>(found.size(), 1));
+  for (const auto& [result, seed] : found) {
+    if (result.test.p_value >= level) continue;
+    warnings.insert(fmt::format("Warning: {} (seed {}, p = {:.2g}). {}.", words_of(result), seed,
+                                result.test.p_value, kFailureAdvice));
+    return;
+  }
+}
+
   }
   return files;
 }
@@ -106,6 +128,7 @@ void run_report(const Plan& plan, const Node& node) {
   const std::string warnings = check_simulations(plan);
   const ReportData data = read_report_data(plan, node);
   const fs::path folder = plan.work.study(plan.study.name);
+  warn_of_dependent_failures(plan, warnings);
   make_folder(folder / "figures");
   make_folder(folder / "tables");
   unmark_report(node);  // from here on it is neither the old one nor the new one

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/text.h"
+#include "pipeline/features/failures.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
 
@@ -80,7 +81,6 @@ void note_unpredicted(const std::string& method, const Runs& runs, double level,
   for (const auto* run : runs) {
     const auto& predictive = run->result.predictive;
     if (!predictive || predictive->check.p_value >= level) continue;
-    Index worst = 0;
     if (predictive->median.hasNaN()) {
       table.footnote(fmt::format(
           "{}: {} of its {} predictions failed (seed {}), too many to compare the others with the "
@@ -88,6 +88,7 @@ void note_unpredicted(const std::string& method, const Runs& runs, double level,
           method, predictive->num_failed, run->result.num_samples, run->use.seed));
       return;
     }
+    Index worst = 0;
     predictive->check.summary_p_value.minCoeff(&worst);
     table.footnote(fmt::format(
         "{}: what its samples predict is unlike the observation (seed {}): all features together, "
@@ -96,6 +97,16 @@ void note_unpredicted(const std::string& method, const Runs& runs, double level,
         method, run->use.seed, predictive->check.overall.p_value,
         predictive->names[static_cast<std::size_t>(worst)], predictive->observed(worst),
         predictive->median(worst), predictive->check.summary_p_value(worst)));
+    return;
+  }
+}
+
+void note_failures(const std::string& method, const Runs& runs, double level, Table& table) {
+  for (const auto* run : runs) {
+    const auto& failures = run->result.failures;
+    if (!failures || failures->test.p_value >= level) continue;
+    table.footnote(fmt::format("{}: {} (seed {}). {}", method, words_of(*failures), run->use.seed,
+                               kFailureAdvice));
     return;
   }
 }
@@ -150,6 +161,7 @@ Table make(const ReportData& data) {
     const Runs runs = data.diagnoses_of(method);
     note_outside(method, runs, level_of(data, method, runs), table);
     note_unpredicted(method, runs, level_of(data, method, runs), table);
+    note_failures(method, runs, level_of(data, method, runs), table);
   }
   return table;
 }

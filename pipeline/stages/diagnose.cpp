@@ -9,6 +9,7 @@
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/features/failures.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/features/series_summary.h"
 #include "pipeline/features/simulation_features.h"
@@ -191,7 +192,6 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
   return result;
 }
 
-PredictiveResult check_predictions(const Case& c) {
 // A posterior whose samples can't be simulated doesn't predict what was observed.
 PredictiveResult without_predictions(PredictiveResult result) {
   result.median.setConstant(result.observed.size(), std::numeric_limits<double>::quiet_NaN());
@@ -200,6 +200,7 @@ PredictiveResult without_predictions(PredictiveResult result) {
   return result;
 }
 
+PredictiveResult check_predictions(const Case& c) {
   const RowMatrix theta = read_posterior(c.last_posterior())
                               ->sample(c.config.num_samples, c.stream("diagnose_predictive"));
   const Predictions predictions = predict(c, theta);
@@ -208,10 +209,10 @@ PredictiveResult without_predictions(PredictiveResult result) {
   result.names = summary_names(selection, c.target.state_channels);
   result.observed = summarize(picked_observation(c.plan, c.target, *c.embedding), selection);
   result.num_failed = predictions.num_failed;
-  result.median.resize(result.observed.size());
   if (predictions.features.rows() < inference::kFewestSimulations) {
     return without_predictions(std::move(result));
   }
+  result.median.resize(result.observed.size());
   for (Index s = 0; s < result.median.size(); ++s) {
     Vector values = predictions.summaries.col(s);
     std::sort(values.begin(), values.end());
@@ -263,6 +264,9 @@ void run_check(Check check, const Case& c, Diagnosis& diagnosis) {
       break;
     case Check::ood:
       diagnosis.ood = check_observation(c);
+      break;
+    case Check::failures:
+      diagnosis.failures = test_failures(c.plan, simulations_of(c, false));
       break;
     case Check::training:
       diagnosis.training = check_training_curves(c);

@@ -371,7 +371,7 @@ TEST(StudyProblems, ChecksAreKnownAndDistinct) {
   };
   const std::string all =
       "distinct, each one of sbc, coverage, tarp, local_c2st, predictive, ood, "
-      "training";
+      "failures, training";
   EXPECT_NE(problem("checks = ['sbc', 'sbc']").find(all), std::string::npos);
   EXPECT_NE(problem("checks = ['rank']").find(all), std::string::npos);
   EXPECT_NE(problem("num_simulations = 39").find("diagnose.num_simulations = 39"),
@@ -395,7 +395,7 @@ TEST(StudyProblems, ATableOfChecksMeansAllOfThem) {
     return parse_study(kStudyText + text, "s.toml", {}).diagnose.checks.size();
   };
   EXPECT_EQ(checks(""), 0u);
-  EXPECT_EQ(checks("[diagnose]\n"), 7u);
+  EXPECT_EQ(checks("[diagnose]\n"), 8u);
   EXPECT_EQ(checks("[diagnose]\nchecks = ['sbc']\n"), 1u);
 }
 

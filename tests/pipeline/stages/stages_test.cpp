@@ -138,7 +138,7 @@ TEST_F(SmallStages, ADiagnosisHoldsWhatItWasAskedFor) {
   EXPECT_EQ(all.predictive->names.size(), 10u);
   EXPECT_EQ(all.training->num_epochs, 2);
   EXPECT_FALSE(all.training->is_converged) << "max_epochs = 2";
-  EXPECT_EQ(all.p_values().size(), 6u);
+  EXPECT_EQ(all.p_values().size(), 7u);
 
   const Plan some = plan_of({"diagnose={ checks = ['training', 'coverage'], num_simulations = 40 }",
                              "method.num_simulations=60", "study.seeds=[1]"});
