@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cerrno>
 #include <system_error>
 
@@ -31,8 +32,8 @@ bool is_open_the_other_way(const std::string& message) {
 }
 
 // Whether this process asks for locks: until a file system has none.
-bool& asks_for_locks() {
-  static bool asks = true;
+std::atomic<bool>& asks_for_locks() {
+  static std::atomic<bool> asks = true;
   return asks;
 }
 
