@@ -7,7 +7,7 @@ namespace npdr::pipeline {
 namespace {
 
 constexpr double kAsGood = 0.01;  // of a score
-constexpr double kFarther = 3.0;
+constexpr double kFarther = 2.0;
 constexpr Index kPatience = 10;  // levels
 constexpr double kRise = 1.1;
 
@@ -29,20 +29,16 @@ void PowerSearch::add(double power, const Vector& crps) {
   scores_ = std::move(more);
 }
 
-bool PowerSearch::is_about_as_good_as(Index best, Index k) const {
-  const Vector worse = (scores_.crps.row(k) - scores_.crps.row(best)).transpose();
-  const auto count = static_cast<double>(worse.size());
-  const double deviation = (worse.array() - worse.mean()).matrix().norm() / std::sqrt(count - 1.0);
-  return worse.mean() <=
-         std::max(kAsGood * scores_.crps.row(best).mean(), deviation / std::sqrt(count));
-}
-
 double PowerSearch::best() const {
+  const Vector means = scores_.crps.rowwise().mean();
   Index best = 0;
-  scores_.crps.rowwise().mean().minCoeff(&best);
-  Index k = 0;
-  while (!is_about_as_good_as(best, k)) ++k;
-  return scores_.power(k);
+  const double least = means.minCoeff(&best);
+  const auto deviations = scores_.crps.row(best).array() - least;
+  const auto count = static_cast<double>(deviations.size());
+  const double error = deviations.matrix().norm() / std::sqrt(count * (count - 1.0));
+  const double bound = least + std::max(kAsGood * least, error);
+  return scores_.power(std::ranges::find_if(means, [&](double m) { return m <= bound; }) -
+                       means.begin());
 }
 
 bool PowerSearch::is_over(double most) const {

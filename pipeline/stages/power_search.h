@@ -16,19 +16,17 @@ class PowerSearch {
 
   /// The smallest power that is about as good as any: larger ones cost more, and say more of
   /// parameters than predictions bear out. About as good: whose score, mean over rollouts, is worse
-  /// than the best by at most one standard error of the difference (Breiman et al. 1984,
-  /// "Classification and regression trees", 3.4.3; here of pairs), or a hundredth.
+  /// than the best by at most the standard error of the latter (Breiman et al. 1984,
+  /// "Classification and regression trees", 3.4.3), or a hundredth.
   double best() const;
 
-  /// Whether there is nothing more to try: powers three times as large as the best one have been, or
+  /// Whether there is nothing more to try: powers twice as large as the best one have been, or
   /// `most`, or eleven that are within a tenth of the largest.
   bool is_over(double most) const;
   /// Whether powers that are larger than all that were tried might be better still.
   bool ends_at_best(double most) const;
 
  private:
-  bool is_about_as_good_as(Index best, Index k) const;
-
   PowerScores scores_;
 };
 
