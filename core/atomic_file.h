@@ -11,8 +11,8 @@ namespace npdr {
 void make_folder(const std::filesystem::path& folder);
 
 /// A file in the making: it is written under another name in the same folder and takes its own name
-/// in one step when it is complete. The other name is ".<name>.<host>.<pid>.<random digits>.tmp", new
-/// in the folder; what a dead process of this host left behind there is removed on the way.
+/// in one step when it is complete. The other name is ".<name>.<host>.<pid>.<random digits>.tmp",
+/// new in the folder; what a dead process of this host left behind there is removed on the way.
 class AtomicFile {
  public:
   /// Makes the folder if there is none. Throws Error when it can't be written to: says why and what

@@ -72,8 +72,7 @@ bool succeeds(const std::vector<std::string>& command) {
 // A file that appears when a program of the task has made something; gone with the task.
 class Mark {
  public:
-  Mark()
-      : path_(temporary_name(std::filesystem::temp_directory_path() / "npdr-task")) {
+  Mark() : path_(temporary_name(std::filesystem::temp_directory_path() / "npdr-task")) {
     setenv(kTaskMark, path_.c_str(), 1);
   }
   ~Mark() { unlink(path_.c_str()); }

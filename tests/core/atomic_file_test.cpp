@@ -92,9 +92,8 @@ TEST(AtomicFile, FollowsNoLinkThatSomebodyHasPutInTheWay) {
   const TempFolder folder;
   folder.file("victim", "theirs");
   for (int number = 0; number < 1000; ++number) {
-    std::filesystem::create_symlink("victim",
-                                    folder / fmt::format(".a.txt.{}.{}.{}.tmp", process_space(),
-                                                         ::getpid(), number));
+    std::filesystem::create_symlink(
+        "victim", folder / fmt::format(".a.txt.{}.{}.{}.tmp", process_space(), ::getpid(), number));
   }
   write_text_file(folder / "a.txt", "ours");
   EXPECT_EQ(text_of(folder / "victim"), "theirs");
