@@ -136,7 +136,7 @@ bool NumberTable::read_line() try {
 // Names and units go on to terminals, tables and keys.
 void NumberTable::read_header(Header header) {
   std::unordered_set<std::string> labels;
-  std::ranges::transform(fields_, fields_.begin(), printable_line);
+  std::ranges::transform(fields_, fields_.begin(), printable);  // tabs say how they are separated
   for (const std::string& field : fields_) {
     const bool has_units = header == Header::with_units;
     const Channel column = has_units ? parse_channel(field) : parse_feature(field);
