@@ -87,8 +87,11 @@ Constraint<double> window_constraint() {
 }
 
 Constraint<std::vector<std::uint64_t>> seeds_constraint() {
-  return {"distinct and >= 0, at least one of them",
-          [](const auto& seeds) { return !seeds.empty() && all_distinct(seeds); }};
+  // Each artefact holds the whole study: more seeds would take memory and space with their square.
+  constexpr std::size_t most = 1000;
+  return {"distinct and >= 0, 1 to 1000 of them", [](const auto& seeds) {
+            return !seeds.empty() && seeds.size() <= most && all_distinct(seeds);
+          }};
 }
 
 Constraint<std::vector<std::uint64_t>> rollouts_constraint() {

@@ -15,9 +15,9 @@ TEST(StudyProblems, NamesPositionKeyValueAndWhatIsAllowed) {
   EXPECT_TRUE(
       says(problems_after(kMaf, "training.validation_fraction = 1.0"),
            {"s.toml:17:32: method.training.validation_fraction = 1.0", "must be > 0 and < 1"}));
-  EXPECT_TRUE(says(
-      problems_after("seeds = [1, 2]", "seeds = [1, 1]"),
-      {"s.toml:3:9: study.seeds = [1, 1]", "must be distinct and >= 0, at least one of them"}));
+  EXPECT_TRUE(
+      says(problems_after("seeds = [1, 2]", "seeds = [1, 1]"),
+           {"s.toml:3:9: study.seeds = [1, 1]", "must be distinct and >= 0, 1 to 1000 of them"}));
   EXPECT_TRUE(says(
       problems_after("\"small\"", "\"../small\""),
       {"s.toml:2:8: study.name = '../small'",
@@ -47,7 +47,7 @@ TEST(StudyProblems, ReportsAllOfThemInTheOrderOfTheFile) {
   text = edited(text, kMaf, "num_rounds = 0\ntraining = { clip_norm = 'x' }");
   EXPECT_TRUE(
       says(problems_of(text),
-           {"s.toml:3:9: study.seeds = []", "must be distinct and >= 0, at least one of them",
+           {"s.toml:3:9: study.seeds = []", "must be distinct and >= 0, 1 to 1000 of them",
             "\ns.toml:4:1: study: unknown key 'sede'", "'seeds'", "known: name",
             "\ns.toml:7:23: target.truth.pole_mass = 1000", "must be between 0.001 and 100 kg",
             "\ns.toml:18:14: method.num_rounds = 0", "must be >= 1 and <= 10^9",
@@ -86,7 +86,7 @@ TEST(StudyProblems, WrongTypesSayWhatTypeIsDue) {
                                                 "'_', '-' and '.' that doesn't begin with '.'"}));
   EXPECT_TRUE(says(problems_after("[1, 2]", "[1, -2]"),
                    {"s.toml:3:9: study.seeds = [1, -2]",
-                    "must be a list of integers, distinct and >= 0, at least one of them"}));
+                    "must be a list of integers, distinct and >= 0, 1 to 1000 of them"}));
   EXPECT_TRUE(says(problems_after("{ pole_mass = 1.1 }", "{ pole_mass = 'a', pole_length = [] }"),
                    {"s.toml:6:23: target.truth.pole_mass = 'a'", "must be a finite number",
                     "\ns.toml:6:42: target.truth.pole_length = []", "must be a finite number"}));
