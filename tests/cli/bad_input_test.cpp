@@ -42,7 +42,7 @@ TEST_F(BadInput, FoldsThatHaveBeenSeen) {
   std::ofstream(folder_.path() / "small.toml") << small_study();
   expect_rejected(run(folder_.path(), {"npdr", "run", "small.toml", "--set",
                                        "target.num_rollouts=3", "--set", "evaluate.leave_out=3"}),
-                  "evaluate.leave_out: rollout 'simulated 0' is the same as 'simulated 2'");
+                  "evaluate.leave_out: rollout 'simulated 0' is the same as 'simulated 1'");
 }
 
 TEST_F(BadInput, UnknownSimulator) {

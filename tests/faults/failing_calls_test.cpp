@@ -98,8 +98,7 @@ struct Case {
 const std::vector<Case> kCases = {{"open", {EMFILE, EIO, EINTR}}, {"read", {EIO, EINTR, 0}},
                                   {"pread", {EIO, EINTR, 0}},     {"write", {ENOSPC, EINTR, 0}},
                                   {"pwrite", {ENOSPC, EIO, 0}},   {"fsync", {EIO}},
-                                  {"rename", {EIO, ENOSPC}},
-
+                                  {"rename", {EIO, ENOSPC}},      {"close", {EIO}},
                                   {"flock", {EINTR, ENOLCK}}};
 
 // What became of programs in which one call failed.

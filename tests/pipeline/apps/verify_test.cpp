@@ -44,6 +44,7 @@ TEST(Verify, RunsNothingThatTheFileNamesUnlessToldTo) {
   ArtefactWriter writer(folder / "a.h5", kSimulationSchema, identity);
   writer.file().write("theta", RowMatrix(RowMatrix::Ones(2, 1)));
   writer.file().write("x", RowMatrixF(RowMatrixF::Ones(2, 1)));
+  writer.file().write("status", VectorX<std::uint8_t>(VectorX<std::uint8_t>::Zero(2)));
   writer.finish();
   const std::string message = message_of<InputError>([&] { verify(folder / "a.h5", {}); }, &folder);
   EXPECT_TRUE(
