@@ -124,6 +124,7 @@ void print(const std::string& method, const Outcome& outcome,
            const std::vector<inference::Marginal>& prior, std::uint64_t seed) {
   const inference::Sbc sbc = test(outcome, seed);
   analysis::Table table;
+  table.name = folder_slug(method);
   table.caption = fmt::format("{}, {} truths: p = {:.3f} that ranks are as uneven by chance.",
                               method, outcome.ranks.rows(), sbc.p_value);
   table.row_header = "Parameter";
@@ -156,6 +157,7 @@ void run(const Options& options) {
     const Plan plan = plan_of(options, truth_text(from.prior, truths.row(i).transpose()), i);
     judge(plan, i, outcomes, options);
     std::filesystem::remove_all(options.work / fmt::format("truth-{}", i + 1));
+    fmt::print(stderr, "{} of {} truths\n", i + 1, options.count);
   }
   for (const auto& [method, outcome] : outcomes) print(method, outcome, study.prior, options.seed);
 }
