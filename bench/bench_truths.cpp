@@ -4,7 +4,8 @@
 //   bench_truths experiments/pendulum.toml --count 200
 //
 // Truths are drawn from the study's own prior, where posteriors that are right pass, or from that
-// of another study (--from), whose simulator may know effects that the fitted model lacks.
+// of another study of the same simulator (--from), which may have more parameters: effects that the
+// fitted model lacks, because it takes their nominal values as known.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

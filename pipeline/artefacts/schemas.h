@@ -13,7 +13,7 @@ inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
 inline const Schema kPosteriorSchema{"posterior", 3, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 3, "infer"};
-inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 3, "infer"};
+inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 4, "infer"};
 inline const Schema kBaselineSchema{"baseline", 4, "baseline"};
 inline const Schema kEvaluationSchema{"evaluation", 6, "evaluate"};
 inline const Schema kDiagnosisSchema{"diagnosis", 2, "diagnose"};

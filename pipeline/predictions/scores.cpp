@@ -123,10 +123,12 @@ NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
   const sim::Trajectories rows = stored(all_states, plan.study.simulator.store_every);
   const std::optional<inference::Resampler> others = other_samples(likelihood, rows, power);
   parallel_for(rows.num_rows, [&](Index i) {
-    if (!is_ok(rows, i)) return;
     Stream stream(row_of(within(id, "noise_values"), i));
     const Index source = others ? others->draw(stream.uniform()) : i;
-    noise[static_cast<std::size_t>(i)] = likelihood.draw_values(rows.row(source), stream);
+    // A sample that failed here may predict other rollouts well.
+    noise[static_cast<std::size_t>(i)] = is_ok(rows, source)
+                                             ? likelihood.draw_values(rows.row(source), stream)
+                                             : model.draw_values(stream);
   });
   return noise;
 }
