@@ -146,8 +146,9 @@ StoredRows read_rows(const std::filesystem::path& path, const ArtefactInfo& info
                   {}};
   rows.theta = theta(rows.picked, Eigen::all);
   const auto status = file.dataset("status").read<std::uint8_t>();
-  for (const Index row : rows.picked)
+  for (const Index row : rows.picked) {
     rows.status.push_back(status.at(static_cast<std::size_t>(row)));
+  }
   rows.values.resize(std::ssize(rows.picked), values.row_size());
   for (Index i = 0; i < rows.values.rows(); ++i) {
     values.read_rows<float>(

@@ -83,10 +83,11 @@ std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use
 /// Makes the links of all uses of a complete artefact. Throws Error.
 void link_uses(const Plan& plan, const Node& node);
 
-/// Rollouts of `seen` that are left out by a fold, every evaluate.leave_out-th from the fold's own
-/// number on; and those that aren't. Fold 0 leaves out none.
-Target without_fold(const Study& study, const Target& seen, Index fold);
+/// Rollouts of `seen` in a fold: every evaluate.leave_out-th from the fold's own number on, counted
+/// from 1. Throws InputError for fold 0, which has none.
 Target of_fold(const Study& study, const Target& seen, Index fold);
+/// Those that aren't in it; all for fold 0.
+Target without_fold(const Study& study, const Target& seen, Index fold);
 
 /// Whether a node proposes or simulates what posteriors are calibrated with.
 bool is_calibration(const Node& node);

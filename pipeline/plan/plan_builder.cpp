@@ -5,10 +5,8 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/key_parts.h"
 
@@ -25,25 +23,10 @@ std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& 
   return plan.work.artefact(name_of(stage), key);
 }
 
-// Those that a study counts from 1.
-std::vector<Index> positions(const TargetConfig& target) {
-  std::vector<Index> positions;
-  for (const std::uint64_t rollout : target.rollouts) {
-    positions.push_back(static_cast<Index>(rollout) - 1);
-  }
-  return positions;
-}
-
 // Settings that a posterior without simulations takes from the study.
 void describe_known(const Study& study, Json& json) {
   json["simulator"] = {{"name", study.simulator.name}, {"parameters", study.simulator.parameters}};
   json["prior"] = to_json(study.prior);
-}
-
-void describe_truth(const Study& study, Json& json) {
-  json["truth"] = *study.target.truth;
-  json["num_rollouts"] = study.target.num_rollouts;
-  json["seed"] = study.target.seed;
 }
 
 // Methods that differ only in what changes no posterior share what is made of them.
@@ -106,65 +89,10 @@ Plan PlanBuilder::build() {
   return std::move(plan_);
 }
 
-std::size_t PlanBuilder::add_target() {
-  const Study& study = plan_.study;
-  Json json = key_document(kTargetSchema);
-  if (study.target.recording) {
-    plan_.target = read_recording(*study.target.recording, channels_of(plan_.source->info()));
-    check_recording(study, plan_.target);
-    if (!study.target.rollouts.empty()) plan_.target = plan_.target.pick(positions(study.target));
-    if (study.target.num_rollouts > 0) {
-      plan_.target = plan_.target.first(study.target.num_rollouts + study.target.held_out);
-    }
-    json["content"] =
-        content_hash(plan_.target.first(plan_.target.num_rollouts() - study.target.held_out));
-  } else if (study.target.observation) {
-    json["content"] = content_hash(plan_.target);
-  } else {
-    json["simulator"] = keys_.truth;
-    describe_truth(study, json);
-  }
-  return add(Stage::target, json, {}, {});
-}
-
 std::size_t PlanBuilder::add_scale() {
   const MethodConfig& method = plan_.study.methods.front();
   const Use use{method.name, plan_.study.seeds.front(), 1};
   return add_simulation(method, use, 0, add_proposal(method, use, std::nullopt));
-}
-
-// The rollouts after those of the target; none: nothing is held out.
-std::optional<std::size_t> PlanBuilder::add_held_out() {
-  const Study& study = plan_.study;
-  if (study.target.held_out == 0) return std::nullopt;
-  Json json = key_document(kTargetSchema);
-  json["held_out"] = study.target.held_out;
-  if (study.target.recording) {
-    json["content"] =
-        content_hash(plan_.target.after(plan_.target.num_rollouts() - study.target.held_out));
-  } else {
-    json["simulator"] = keys_.truth;
-    describe_truth(study, json);
-  }
-  return add(Stage::held_out, json, {}, {});
-}
-
-PlanBuilder::Fold PlanBuilder::add_fold(Index fold) {
-  const Study& study = plan_.study;
-  const auto add_part = [&](Stage stage, Target (*part)(const Study&, const Target&, Index)) {
-    Json json = key_document(kTargetSchema);
-    if (stage == Stage::held_out) json["held_out"] = "fold";
-    if (study.target.recording) {
-      const Index num_seen = plan_.target.num_rollouts() - study.target.held_out;
-      json["content"] = content_hash(part(study, plan_.target.first(num_seen), fold));
-    } else {
-      json["simulator"] = keys_.truth;
-      describe_truth(study, json);
-      json["fold"] = {fold, study.evaluate.leave_out};
-    }
-    return add(stage, json, {.fold = fold}, {});
-  };
-  return {add_part(Stage::target, &without_fold), add_part(Stage::held_out, &of_fold)};
 }
 
 // Describes what baselines and posteriors are measured by.

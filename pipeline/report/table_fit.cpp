@@ -82,10 +82,9 @@ bool has_no_scale(const EvaluatedRun& run, const std::string& metric) {
          run.evaluation.metrics.at(metric).array().isNaN().all();
 }
 
-Cell fit_cell(Table& table, const Runs& runs, const std::string& metric) {
-  if (!has_no_scale(*runs.front(), metric)) {
-    return cell_of(table, analysis::summarize(pooled(runs, metric_samples(metric))));
-  }
+// Samples of a metric, of `runs` or beside them.
+Cell fit_cell(Table& table, const Runs& runs, const std::string& metric, const Vector& samples) {
+  if (!has_no_scale(*runs.front(), metric)) return cell_of(table, analysis::summarize(samples));
   Cell cell("none");
   cell.notes.push_back(table.footnote("no feature varies over the simulations of the prior"));
   return cell;
@@ -94,7 +93,8 @@ Cell fit_cell(Table& table, const Runs& runs, const std::string& metric) {
 Row fit_row(Table& table, const ReportData& data, const std::string& metric) {
   Row row{title_of(data, metric), {}};
   for (const std::string& method : data.methods) {
-    row.cells.push_back(fit_cell(table, data.runs_of(method), metric));
+    const Runs runs = data.runs_of(method);
+    row.cells.push_back(fit_cell(table, runs, metric, pooled(runs, metric_samples(metric))));
     const auto& published = data.plan.study.method(method).published;
     if (published.empty()) continue;
     const auto figure = published.find(metric);
@@ -103,7 +103,8 @@ Row fit_row(Table& table, const ReportData& data, const std::string& metric) {
                             : analysis::MeanStd{figure->second.mean, figure->second.std, 0});
   }
   if (const auto& prior = data.baseline.prior) {
-    row.cells.push_back(cell_of(table, analysis::summarize(prior->metrics.at(metric))));
+    const Runs any = data.runs_of(data.methods.front());
+    row.cells.push_back(fit_cell(table, any, metric, prior->metrics.at(metric)));
   }
   for (const BaselinePoint& point : data.baseline.points) {
     row.cells.emplace_back(point.metrics.at(metric));

@@ -68,13 +68,17 @@ class Submit : public ClusterTest {
            ("infer-npe-seed-1-round-1-" + task + ".log");
   }
 
-  // "": none runs.
-  std::string running_inference(const std::string& study) const {
-    const std::string queue =
-        cluster_
-            ->call({"squeue", "-h", "-t", "running", "-n", "npdr-" + study + "-infer", "-o", "%i"})
-            .out;
-    return queue.substr(0, queue.find('\n'));
+  // The task of an inference, once it works.
+  std::string wait_for_inference(const std::string& study) const {
+    std::string task;
+    cluster_->wait_until("for an inference", [&] {
+      const std::string name = "npdr-" + study + "-infer";
+      const std::string queue =
+          cluster_->call({"squeue", "-h", "-t", "running", "-n", name, "-o", "%i"}).out;
+      task = queue.substr(0, queue.find('\n'));
+      return !task.empty() && !temporaries(cluster_->folder() / "runs/.cache/infer").empty();
+    });
+    return task;
   }
 
   bool has_checkpoint() const {
@@ -140,11 +144,7 @@ TEST_F(Submit, ARefinementSurvivesTheCrashOfItsNode) {
   write_text_file(cluster_->folder() / "refined.toml", study);
   const Outcome submitted = npdr({"submit", "refined.toml"});
   ASSERT_EQ(submitted.status, 0) << submitted.err;
-  std::string task;
-  cluster_->wait_until("for a refinement", [&] {
-    task = running_inference("refined");
-    return !task.empty() && !temporaries(cluster_->folder() / "runs/.cache/infer").empty();
-  });
+  const std::string task = wait_for_inference("refined");
   cluster_->command({"kill-node", cluster_->node_of(task)});
   cluster_->wait_for_state(task, "PENDING");
   cluster_->start_now(task);
@@ -206,11 +206,7 @@ TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
                   edited(text, "num_rounds = 2", "num_rounds = 1"));
   const Outcome submitted = npdr({"submit", "slow.toml"});
   ASSERT_EQ(submitted.status, 0) << submitted.err;
-  std::string task;
-  cluster_->wait_until("for a training", [&] {
-    task = running_inference("slow");
-    return !task.empty() && !temporaries(cluster_->folder() / "runs/.cache/infer").empty();
-  });
+  const std::string task = wait_for_inference("slow");
   EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", task}).status, 0);
   cluster_->wait_until("for a checkpoint", [&] { return has_checkpoint(); });
   cluster_->wait_until_idle();
