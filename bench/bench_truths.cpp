@@ -43,19 +43,24 @@ struct Outcome {
   RowMatrix deviation;  // (n, D) of the samples, over that of the prior
 };
 
-// Parameters of a truth as an override: what --set would be given.
-std::string truth_text(const std::vector<inference::Marginal>& prior, const Vector& theta) {
-  std::string text = "target.truth={";
-  for (std::size_t d = 0; d < prior.size(); ++d) {
-    text += fmt::format("{} {} = {:.17g}", d == 0 ? "" : ",", prior[d].name,
-                        theta(static_cast<Index>(d)));
+// Parameters of a truth as an override: what --set would be given. Those that the study takes to be
+// other than nominal are the truth's, too.
+std::string truth_text(const Study& from, const Vector& theta) {
+  std::map<std::string, double> truth = from.simulator.parameters;
+  for (std::size_t d = 0; d < from.prior.size(); ++d) {
+    truth[from.prior[d].name] = theta(static_cast<Index>(d));
   }
-  return text + " }";
+  std::string text;
+  for (const auto& [name, value] : truth) {
+    text += fmt::format("{}{} = {:.17g}", text.empty() ? "" : ", ", name, value);
+  }
+  return "target.truth={ " + text + " }";
 }
 
 Plan plan_of(const Options& options, const std::string& truth, Index number) {
   std::vector<std::string> overrides = options.overrides;
   overrides.push_back(truth);
+  overrides.emplace_back("evaluate.leave_out=0");
   overrides.push_back(fmt::format("target.seed={}", options.seed + number));
   overrides.push_back(fmt::format("study.seeds=[{}]", options.seed + number));
   return make_plan(read_study(options.study, overrides),
@@ -155,7 +160,7 @@ void run(const Options& options) {
       inference::sample_prior(inference::Prior(from.prior), options.count, options.seed);
   std::map<std::string, Outcome> outcomes;
   for (Index i = 0; i < options.count; ++i) {
-    const Plan plan = plan_of(options, truth_text(from.prior, truths.row(i).transpose()), i);
+    const Plan plan = plan_of(options, truth_text(from, truths.row(i).transpose()), i);
     judge(plan, i, outcomes, options);
     std::filesystem::remove_all(options.work / fmt::format("truth-{}", i + 1));
     fmt::print(stderr, "{} of {} truths\n", i + 1, options.count);

@@ -70,6 +70,12 @@ void print_feature_work(const Plan& plan) {
   print_diagnoses(diagnoses, study);
 }
 
+// Of the target's n rollouts.
+Index num_left_out(const Study& study, const Use& use, Index n) {
+  const Index folds = study.evaluate.leave_out;
+  return use.fold > 0 ? (n - use.fold + folds) / folds : 0;
+}
+
 // The work and disk that a study implies.
 void print_work(const Plan& plan) {
   const Study& study = plan.study;
@@ -90,8 +96,9 @@ void print_work(const Plan& plan) {
     if (node.stage == Stage::diagnose) ++diagnoses;
     if (node.stage != Stage::simulate) continue;
     const MethodConfig& method = study.method(node.uses.front().method);
-    const Index h = (method.num_rollouts > 0 ? method.num_rollouts : num_rollouts) *
-                    std::max<Index>(1, node.uses.front().iteration);
+    const Use& use = node.uses.front();
+    const Index seen = num_rollouts_seen(method, use);
+    const Index h = seen > 0 ? seen : num_rollouts - num_left_out(study, use, num_rollouts);
     rows += num_rows(plan, node);
     rollouts += num_rows(plan, node) * h;
     bytes += num_rows(plan, node) * h * (num_steps / study.simulator.store_every) * num_states *

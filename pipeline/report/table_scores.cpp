@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "pipeline/report/registry.h"
@@ -41,9 +42,12 @@ template <class Number>
 void add(Table& table, const ReportData& data, const std::string& label, const Part& part,
          const Number& number) {
   add_row(table, label + part.where, data.methods, [&](const std::string& method) -> Cell {
-    return analysis::summarize(each(data.runs_of(method), [&](const EvaluatedRun* run) {
+    const Vector of_seeds = each(data.runs_of(method), [&](const EvaluatedRun* run) {
       return each(part.of_run(*run), [&](const PredictionScores* s) { return number(*s); }).mean();
-    }));
+    });
+    // A log score of what was held to be impossible; summaries are of finite numbers.
+    if (of_seeds.size() > 0 && of_seeds.minCoeff() == -HUGE_VAL) return "-inf";
+    return analysis::summarize(of_seeds);
   });
   std::vector<Cell>& cells = table.rows.back().cells;
   if (const auto& prior = data.baseline.prior) {

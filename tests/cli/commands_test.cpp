@@ -58,6 +58,11 @@ TEST_F(Commands, ValidatePrintsTheResolvedStudyAndItsWork) {
   EXPECT_NE(outcome.out.find("\"clip_norm\": 5.0"), std::string::npos);
   EXPECT_NE(outcome.out.find("(900 rollouts of 400 steps), 4 posteriors"), std::string::npos)
       << outcome.out;
+  // The folds leave out two and one of three rollouts.
+  const Outcome folds = npdr({"validate", "small.toml", "--set", "target.num_rollouts=3", "--set",
+                              "evaluate.leave_out=2"});
+  EXPECT_NE(folds.out.find("(2700 rollouts of 400 steps), 12 posteriors"), std::string::npos)
+      << folds.out << folds.err;
 }
 
 TEST_F(Commands, SampleAndLogProbUseAPosterior) {
