@@ -98,6 +98,14 @@ bool NoiseModel::has_unknown() const {
       channels_, [](const ChannelNoise& noise) { return NoiseTransform(noise).dimension() > 0; });
 }
 
+std::vector<NoiseValues> NoiseModel::with_unknown_scales_times(
+    double factor, std::vector<NoiseValues> values) const {
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    if (channels_[c].scale.is_unknown()) values[c].scale *= factor;
+  }
+  return values;
+}
+
 std::vector<NoiseValues> NoiseModel::draw_values(Stream& stream) const {
   std::vector<NoiseValues> values;
   for (const ChannelNoise& noise : channels_) {

@@ -74,6 +74,9 @@ class NoiseModel {
 
   /// Parameters of all channels (C), the unknown ones drawn from their priors.
   std::vector<NoiseValues> draw_values(Stream& stream) const;
+  /// Values (C) whose scales are `factor` times as large where they are unknown.
+  std::vector<NoiseValues> with_unknown_scales_times(double factor,
+                                                     std::vector<NoiseValues> values) const;
 
   /// log p [nats] of the error of state k of channel c in rollout h alone, over measure(), of known
   /// noise with a density: N(0, d^2) with d^2 = s^2 a^2 sum_i rho^2i over the states since the

@@ -11,11 +11,11 @@ inline const Schema kProposalSchema{"proposal", 1, "propose"};
 /// Shards lie in a folder with the key of their simulation: raise both versions together.
 inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
-inline const Schema kPosteriorSchema{"posterior", 3, "infer"};
+inline const Schema kPosteriorSchema{"posterior", 4, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 3, "infer"};
-inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 4, "infer"};
+inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 5, "infer"};
 inline const Schema kBaselineSchema{"baseline", 4, "baseline"};
-inline const Schema kEvaluationSchema{"evaluation", 6, "evaluate"};
+inline const Schema kEvaluationSchema{"evaluation", 7, "evaluate"};
 inline const Schema kDiagnosisSchema{"diagnosis", 2, "diagnose"};
 inline const Schema kPolicySchema{"policy", 1, "policy"};
 inline const Schema kPolicyCheckpointSchema{"policy_checkpoint", 1, "policy"};

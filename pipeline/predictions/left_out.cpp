@@ -1,6 +1,7 @@
 #include "pipeline/predictions/left_out.h"
 
 #include <algorithm>
+#include <array>
 
 #include "analysis/predictive_scores.h"
 #include "core/parallel.h"
@@ -12,6 +13,8 @@ namespace npdr::pipeline {
 namespace {
 
 constexpr Index kEnsemble = 500;  // resampled draws that predict a rollout
+// The first is the one where all are as good.
+constexpr std::array kNoiseFactors = {1.0, 0.70711, 0.5, 0.35355, 0.25, 1.41421, 2.0};
 
 // log p of all rollouts but `left_out` (-1: of all), of each row (n).
 Vector log_likelihoods(const sim::NoiseLikelihood& noise, const sim::Trajectories& rows,
@@ -28,6 +31,7 @@ struct LeftOut {
   Index rollout;
   Vector weights;
   Vector noise_weights;
+  double noise_factor;
 };
 
 // Rollout h of resampled rows, with noise, as rows of a single rollout.
@@ -46,7 +50,9 @@ sim::Trajectories ensemble_of(const LeftOut& draws, const sim::NoiseLikelihood& 
     const auto row = rows.row(resampler.draw(stream.uniform()));
     std::vector<float> series(row.begin(), row.end());
     const auto noisy = rows.row(noise_resampler.draw(stream.uniform()));
-    noise.model().add(series, noise.draw_values(noisy, stream, h), stream);
+    const auto values = noise.model().with_unknown_scales_times(
+        draws.noise_factor, noise.draw_values(noisy, stream, h));
+    noise.model().add(series, values, stream);
     std::ranges::copy_n(
         series.begin() + static_cast<std::ptrdiff_t>(h) * std::ssize(ensemble.row(i)),
         static_cast<std::ptrdiff_t>(size), ensemble.row(i).begin());
@@ -55,25 +61,37 @@ sim::Trajectories ensemble_of(const LeftOut& draws, const sim::NoiseLikelihood& 
   return ensemble;
 }
 
+bool has_unknown_scale(const sim::NoiseModel& model) {
+  return std::ranges::any_of(
+      model.channels(), [](const sim::ChannelNoise& noise) { return noise.scale.is_unknown(); });
+}
+
 }  // namespace
 
-Vector left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
-                     const sim::Trajectories& rows, const Vector& weights, double power,
-                     const StreamId& id) {
+LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
+                            const sim::Trajectories& rows, const Vector& weights, double power,
+                            const StreamId& id) {
   const Vector all = log_likelihoods(noise, rows, -1);
-  Vector crps(rows.num_rollouts);
+  const Index num_factors =
+      has_unknown_scale(noise.model()) ? static_cast<Index>(kNoiseFactors.size()) : 1;
+  RowMatrix crps(num_factors, rows.num_rollouts);
   for (Index h = 0; h < rows.num_rollouts; ++h) {
     const Vector others = log_likelihoods(noise, rows, h);
     const Vector without = weights_at_power(weights, others - all, power);
-    const sim::Trajectories ensemble =
-        ensemble_of({h, without, weights_at_power(without, others, 1.0 - power)}, noise, rows, id);
-    const Eigen::Map<const RowMatrixF> observed(recorded.data() + h * ensemble.row_size(),
-                                                rows.num_steps, rows.num_states);
-    crps(h) = analysis::predictive_scores(view_of(ensemble), {observed.cast<double>()},
-                                          noise.model().measure().row(h))
-                  .crps.mean();
+    LeftOut draws{h, without, weights_at_power(without, others, 1.0 - power), 1.0};
+    const Eigen::Map<const RowMatrixF> observed(
+        recorded.data() + h * rows.num_steps * rows.num_states, rows.num_steps, rows.num_states);
+    for (Index f = 0; f < num_factors; ++f) {
+      draws.noise_factor = kNoiseFactors[static_cast<std::size_t>(f)];
+      const sim::Trajectories ensemble = ensemble_of(draws, noise, rows, id);
+      crps(f, h) = analysis::predictive_scores(view_of(ensemble), {observed.cast<double>()},
+                                               noise.model().measure().row(h))
+                       .crps.mean();
+    }
   }
-  return crps;
+  Index best = 0;
+  crps.rowwise().mean().minCoeff(&best);
+  return {kNoiseFactors[static_cast<std::size_t>(best)], crps.row(best).transpose()};
 }
 
 }  // namespace npdr::pipeline

@@ -7,14 +7,20 @@
 
 namespace npdr::pipeline {
 
-/// CRPS with noise, mean over channels, of each rollout h predicted by the posterior at the
-/// likelihood's power a given the others: (H). `rows`: rollouts (n, H, K, C) of weighted draws of
-/// the posterior given all; those of the posterior without h have the weights
+struct LeftOutScore {
+  double noise_factor = 1.0;  ///< of the noise's unknown scales
+  Vector crps;                ///< (H) with noise, mean over channels
+};
+
+/// How well the posterior at the likelihood's power a given the other rollouts predicts each
+/// rollout h. `rows`: rollouts (n, H, K, C) of weighted draws of the posterior given all; those of
+/// the posterior without h have the weights
 ///   w_i p(y_h | y_others, theta_i)^-a,
-/// and noise is as their errors of the other rollouts say at power 1 (weights_at_power()).
+/// and noise is as their errors of the other rollouts say at power 1 (weights_at_power()), its
+/// unknown scales times that power of sqrt(2), from 1/4 to 2, whose score is least.
 /// `recorded`: (H, K, C).
-Vector left_out_crps(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
-                     const sim::Trajectories& rows, const Vector& weights, double power,
-                     const StreamId& id);
+LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
+                            const sim::Trajectories& rows, const Vector& weights, double power,
+                            const StreamId& id);
 
 }  // namespace npdr::pipeline

@@ -15,14 +15,14 @@
 namespace npdr::pipeline {
 namespace {
 
-// Every store_every-th state.
-sim::Trajectories stored(const sim::Trajectories& all, Index store_every) {
+// Every store_every-th state of the first rollouts.
+sim::Trajectories stored(const sim::Trajectories& all, Index num_rollouts, Index store_every) {
   sim::Trajectories some;
-  some.resize(all.num_rows, all.num_rollouts, all.num_steps / store_every, all.num_states);
+  some.resize(all.num_rows, num_rollouts, all.num_steps / store_every, all.num_states);
   some.status = all.status;
   parallel_for(all.num_rows, [&](Index i) {
     float* to = some.row(i).data();
-    for (Index h = 0; h < all.num_rollouts; ++h) {
+    for (Index h = 0; h < num_rollouts; ++h) {
       const auto states = all.rollout(i, h);
       for (Index k = 1; k <= some.num_steps; ++k, to += all.num_states) {
         std::ranges::copy(states.row(k * store_every - 1), to);
@@ -83,7 +83,7 @@ PredictionScores score_part(const Plan& plan, const Target& target,
                             const StreamId& id) {
   const Index store_every = plan.study.simulator.store_every;
   const sim::NoiseModel model = noise_model(plan.study, target);
-  sim::Trajectories rows = stored(all_states, store_every);
+  sim::Trajectories rows = stored(all_states, target.num_rollouts(), store_every);
   const auto scores_of = [&](const std::vector<RowMatrix>& observed) {
     return analysis::predictive_scores(view_of(rows), observed, model.measure(), kBandLevels);
   };
@@ -110,7 +110,8 @@ PredictionScores score_part(const Plan& plan, const Target& target,
 }  // namespace
 
 NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
-                          const sim::Trajectories& all_states, double power, const StreamId& id) {
+                          const sim::Trajectories& all_states, const NoiseSource& source,
+                          const StreamId& id) {
   if (plan.study.observation_noise.is_silent()) return {};
   const sim::NoiseModel model = noise_model(plan.study, target);
   NoiseOfSamples noise(static_cast<std::size_t>(all_states.num_rows));
@@ -120,15 +121,16 @@ NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
     return noise;
   }
   const sim::NoiseLikelihood likelihood(model, stored_observation(plan, target));
-  const sim::Trajectories rows = stored(all_states, plan.study.simulator.store_every);
-  const std::optional<inference::Resampler> others = other_samples(likelihood, rows, power);
+  const sim::Trajectories rows =
+      stored(all_states, target.num_rollouts(), plan.study.simulator.store_every);
+  const std::optional<inference::Resampler> others = other_samples(likelihood, rows, source.power);
   parallel_for(rows.num_rows, [&](Index i) {
     Stream stream(row_of(within(id, "noise_values"), i));
-    const Index source = others ? others->draw(stream.uniform()) : i;
+    const Index other = others ? others->draw(stream.uniform()) : i;
     // A sample that failed here may predict other rollouts well.
-    noise[static_cast<std::size_t>(i)] = is_ok(rows, source)
-                                             ? likelihood.draw_values(rows.row(source), stream)
-                                             : model.draw_values(stream);
+    noise[static_cast<std::size_t>(i)] = model.with_unknown_scales_times(
+        source.factor, is_ok(rows, other) ? likelihood.draw_values(rows.row(other), stream)
+                                          : model.draw_values(stream));
   });
   return noise;
 }

@@ -15,12 +15,19 @@ namespace npdr::pipeline {
 /// known are drawn from what the recording says of them, given the sample's rollouts.
 using NoiseOfSamples = std::vector<std::vector<sim::NoiseValues>>;
 
-/// `all_states`: the samples' rollouts against `target`, every state. `power`: of the likelihood in
-/// the samples' posterior; for less than 1 a value is drawn given the rollouts of another sample,
-/// in proportion to the rest of the likelihood: how far off samples are because they are many isn't
-/// noise. Empty without noise.
+/// What is known of a posterior's samples when their noise is drawn.
+struct NoiseSource {
+  double power = 1.0;   ///< of the likelihood in the posterior
+  double factor = 1.0;  ///< of the noise's unknown scales: PowerScores::noise_factor
+};
+
+/// `target`: the rollouts that the posterior has seen; `all_states`: the samples' rollouts, every
+/// state, which begin with those. At a power below 1 a value is drawn given the rollouts of another
+/// sample, in proportion to the rest of the likelihood: how far off samples are because they are
+/// many isn't noise. Empty without noise.
 NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
-                          const sim::Trajectories& all_states, double power, const StreamId& id);
+                          const sim::Trajectories& all_states, const NoiseSource& source,
+                          const StreamId& id);
 
 /// The same of `num_samples` draws of the noise's own prior, which no recording informs.
 NoiseOfSamples draw_prior_noise(const Plan& plan, const Target& target, Index num_samples,

@@ -29,7 +29,7 @@ RolloutScores score_point(const Plan& plan, const Judge& judge, const sim::Traje
   const sim::Trajectories many = repeat(seen, count);
   const sim::Trajectories many_held_out =
       judge.held_out() == nullptr ? held_out : repeat(held_out, count);
-  const NoiseOfSamples noise = draw_noise(plan, judge.seen().target(), many, 1.0, id);
+  const NoiseOfSamples noise = draw_noise(plan, judge.seen().target(), many, {}, id);
   return score(plan, judge, many, many_held_out, noise, id);
 }
 

@@ -2,6 +2,7 @@
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/features/targets.h"
 #include "pipeline/predictions/judge.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/stages/stages.h"
@@ -9,14 +10,15 @@
 namespace npdr::pipeline {
 namespace {
 
-// Of the likelihood in a posterior that was refined.
-double power_of(const Node& posterior) {
-  const auto certificate = read_certificate(open_artefact(posterior, kPosteriorSchema));
-  return certificate ? certificate->power : 1.0;
+NoiseSource noise_source(const Node& posterior) {
+  const h5::File file = open_artefact(posterior, kPosteriorSchema);
+  const auto certificate = read_certificate(file);
+  if (!certificate) return {};
+  return {certificate->power, read_power_scores(file).noise_factor_at(certificate->power)};
 }
 
-// Simulates the posterior's samples. `power`: of the likelihood in it.
-void predict(const Plan& plan, const Judge& judge, double power, const StreamId& first,
+// Simulates the posterior's samples.
+void predict(const Plan& plan, const Node& node, const Judge& judge, const StreamId& first,
              Evaluation& evaluation) {
   const Predictor& predictor = judge.seen();
   if (!plan.study.source().simulates) return;
@@ -29,7 +31,9 @@ void predict(const Plan& plan, const Judge& judge, double power, const StreamId&
     return;
   }
   evaluation.bands = analysis::quantile_bands(view_of(seen));
-  const NoiseOfSamples noise = draw_noise(plan, predictor.target(), seen, power, first);
+  const NoiseOfSamples noise =
+      draw_noise(plan, read_seen_target(plan, node), seen,
+                 noise_source(*plan.inputs(node, Stage::infer).front()), first);
   evaluation.scores = score(plan, judge, seen, held_out, noise, first);
 }
 
@@ -52,8 +56,7 @@ void run_evaluate(const Plan& plan, const Node& node) {
   evaluation.theta = std::move(samples.theta);
   evaluation.sampler = std::move(samples.report);
   evaluation.log_prob = posterior->log_prob(evaluation.theta);
-  predict(plan, judge, power_of(*plan.inputs(node, Stage::infer).front()),
-          {use.seed, "external_prediction", round, 0, 0}, evaluation);
+  predict(plan, node, judge, {use.seed, "external_prediction", round, 0, 0}, evaluation);
 
   evaluation.map_theta = posterior->map({use.seed, "map", round, 0, 0});
   const RowMatrix map_row = evaluation.map_theta.transpose();

@@ -58,10 +58,10 @@ class SimulatedLikelihood {
     return result;
   }
 
-  // Scores (H) of the posterior at that power, by its draws; with the same noise for each power.
-  Vector left_out(const RowMatrix& theta, const Vector& weights, double power) const {
-    return left_out_crps(noise_, recorded_, simulate(theta, 0), weights, power,
-                         within(id_, "left_out"));
+  // Of the posterior at that power, by its draws; with the same random numbers for each power.
+  LeftOutScore left_out(const RowMatrix& theta, const Vector& weights, double power) const {
+    return left_out_score(noise_, recorded_, simulate(theta, 0), weights, power,
+                          within(id_, "left_out"));
   }
 
  private:
@@ -128,7 +128,7 @@ class Refinement {
   inference::ImportanceSample sample() const { return sampler_.thinned(kMostParticles); }
   const inference::Prior& prior() const { return prior_; }
   const PowerScores& powers() const { return search_.scores(); }
-  bool is_search_cut() const { return search_.ends_at_best(config_.likelihood_power); }
+  bool is_search_cut() const { return search_.ends_at_least(config_.likelihood_power); }
 
  private:
   // When a level has been planned: scores its power, and settles on the best one at the end.

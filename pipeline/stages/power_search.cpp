@@ -13,30 +13,35 @@ constexpr double kRise = 1.1;
 
 }  // namespace
 
-void PowerSearch::add(double power, const Vector& crps) {
+void PowerSearch::add(double power, const LeftOutScore& score) {
   const Index k = scores_.power.size();
   const Index at = std::ranges::lower_bound(scores_.power, power) - scores_.power.begin();
-  PowerScores more{Vector(k + 1), RowMatrix(k + 1, crps.size())};
-  for (Index i = 0; i <= k; ++i) {
-    const Index old = i < at ? i : i - 1;
-    more.power(i) = i == at ? power : scores_.power(old);
-    if (i == at) {
-      more.crps.row(i) = crps.transpose();
-    } else {
-      more.crps.row(i) = scores_.crps.row(old);
-    }
+  PowerScores more{Vector(k + 1), Vector(k + 1), RowMatrix(k + 1, score.crps.size())};
+  for (Index i = 0; i < k; ++i) {
+    const Index to = i < at ? i : i + 1;
+    more.power(to) = scores_.power(i);
+    more.noise_factor(to) = scores_.noise_factor(i);
+    more.crps.row(to) = scores_.crps.row(i);
   }
+  more.power(at) = power;
+  more.noise_factor(at) = score.noise_factor;
+  more.crps.row(at) = score.crps.transpose();
   scores_ = std::move(more);
+}
+
+Index PowerSearch::least() const {
+  Index least = 0;
+  scores_.crps.rowwise().mean().minCoeff(&least);
+  return least;
 }
 
 double PowerSearch::best() const {
   const Vector means = scores_.crps.rowwise().mean();
-  Index best = 0;
-  const double least = means.minCoeff(&best);
-  const auto deviations = scores_.crps.row(best).array() - least;
+  const double least_mean = means.minCoeff();
+  const auto deviations = scores_.crps.row(least()).array() - least_mean;
   const auto count = static_cast<double>(deviations.size());
   const double error = deviations.matrix().norm() / std::sqrt(count * (count - 1.0));
-  const double bound = least + std::max(kAsGood * least, error);
+  const double bound = least_mean + std::max(kAsGood * least_mean, error);
   return scores_.power(std::ranges::find_if(means, [&](double m) { return m <= bound; }) -
                        means.begin());
 }
@@ -46,12 +51,12 @@ bool PowerSearch::is_over(double most) const {
   if (k == 0) return false;
   const double highest = scores_.power(k - 1);
   const bool is_stuck = k > kPatience && highest < kRise * scores_.power(k - 1 - kPatience);
-  return is_stuck || highest >= kFarther * best() || highest >= most;
+  return is_stuck || highest >= kFarther * scores_.power(least()) || highest >= most;
 }
 
-bool PowerSearch::ends_at_best(double most) const {
+bool PowerSearch::ends_at_least(double most) const {
   const Index k = scores_.power.size();
-  return k > 0 && scores_.power(k - 1) < most && scores_.power(k - 1) == best();
+  return k > 0 && scores_.power(k - 1) < most && k - 1 == least();
 }
 
 }  // namespace npdr::pipeline

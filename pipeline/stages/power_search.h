@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pipeline/artefacts/refinement_file.h"
+#include "pipeline/predictions/left_out.h"
 
 namespace npdr::pipeline {
 
@@ -11,8 +12,8 @@ class PowerSearch {
 
   const PowerScores& scores() const { return scores_; }
 
-  /// Adds the scores (H) of a power, which may be below earlier ones.
-  void add(double power, const Vector& crps);
+  /// Adds the score of a power, which may be below earlier ones.
+  void add(double power, const LeftOutScore& score);
 
   /// The smallest power that is about as good as any: larger ones cost more, and say more of
   /// parameters than predictions bear out. About as good: whose score, mean over rollouts, is worse
@@ -20,13 +21,15 @@ class PowerSearch {
   /// "Classification and regression trees", 3.4.3), or a hundredth.
   double best() const;
 
-  /// Whether there is nothing more to try: powers twice as large as the best one have been, or
-  /// `most`, or eleven that are within a tenth of the largest.
+  /// Whether there is nothing more to try: powers twice as large as the one whose score is least
+  /// have been, or `most`, or eleven that are within a tenth of the largest.
   bool is_over(double most) const;
   /// Whether powers that are larger than all that were tried might be better still.
-  bool ends_at_best(double most) const;
+  bool ends_at_least(double most) const;
 
  private:
+  Index least() const;  // number of the power whose score is least
+
   PowerScores scores_;
 };
 

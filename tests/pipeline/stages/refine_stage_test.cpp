@@ -225,13 +225,14 @@ TEST_F(RefineStage, WhatSamplesOfALowPowerAreOffByIsntNoise) {
   const Judge judge(plan, plan.node(Stage::evaluate, {"Prior", 1, 1}));
   const auto scale_of = [&](const RowMatrix& complete, double power) {
     const sim::Trajectories seen = judge.seen().simulate(complete, {});
-    return mean_scale(draw_noise(plan, judge.seen().target(), seen, power, {1, "test", 0, 0, 0}));
+    return mean_scale(
+        draw_noise(plan, judge.seen().target(), seen, {.power = power}, {1, "test", 0, 0, 0}));
   };
   const ParameterMap& parameters = plan.source->parameters();
   sim::Trajectories failed = judge.seen().simulate(parameters.complete(RowMatrix::Ones(2, 2)), {});
   failed.status[1] = sim::RolloutStatus::diverged;
   for (const auto& channels :
-       draw_noise(plan, judge.seen().target(), failed, 1.0, {1, "test", 0, 0, 0})) {
+       draw_noise(plan, judge.seen().target(), failed, {}, {1, "test", 0, 0, 0})) {
     EXPECT_EQ(channels.size(), 2u) << "also of a sample that failed: other rollouts may not have";
   }
   const Vector truth = parameters.nominal(*plan.study.target.truth);

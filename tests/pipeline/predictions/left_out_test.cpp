@@ -1,0 +1,59 @@
+#include "pipeline/predictions/left_out.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kRollouts = 3, kSteps = 200;
+
+// One channel of amplitude 1 with white noise of an unknown scale.
+sim::NoiseModel model_of(double deviation) {
+  return {{{.scale = {0.2, deviation}}},
+          RowMatrix::Ones(kRollouts, 1),
+          sim::stored_restarts(kSteps, 10, 1)};
+}
+
+// N(0, deviation^2) at every state.
+std::vector<float> white(double deviation, std::uint64_t row) {
+  std::vector<float> series(static_cast<std::size_t>(kRollouts * kSteps));
+  Stream stream({1, "test", row, 0, 0});
+  for (float& value : series) value = static_cast<float>(deviation * stream.normal());
+  return series;
+}
+
+LeftOutScore score_of(double spread_of_rows, double prior_deviation) {
+  constexpr Index count = 400;
+  sim::Trajectories rows;
+  rows.resize(count, kRollouts, kSteps, 1);
+  for (Index i = 0; i < count; ++i) {
+    std::ranges::copy(white(spread_of_rows, static_cast<std::uint64_t>(i + 1)),
+                      rows.row(i).begin());
+    rows.status[static_cast<std::size_t>(i)] = sim::RolloutStatus::ok;
+  }
+  const std::vector<float> recorded = white(0.2, 0);
+  return left_out_score(sim::NoiseLikelihood(model_of(prior_deviation), recorded), recorded, rows,
+                        Vector::Ones(count), 0.0, {1, "test", 0, 0, 0});
+}
+
+// The 600 errors know their scale to 3 %, and the score of a factor of sqrt(2) is 2.4 % more.
+TEST(LeftOut, NoiseThatNothingElseExplainsIsKept) {
+  const LeftOutScore score = score_of(0.0, 1.0);
+  EXPECT_EQ(score.noise_factor, 1.0);
+  EXPECT_NEAR(score.crps.mean(), 0.2 / std::sqrt(std::numbers::pi), 0.015) << "a tenth: 3 errors";
+}
+
+// Rows that are as far from each other as from the recording predict it alone.
+TEST(LeftOut, NoiseThatRowsShowThemselvesIsLess) {
+  const LeftOutScore score = score_of(0.2, 1.0);
+  EXPECT_LE(score.noise_factor, 0.5);
+  EXPECT_NEAR(score.crps.mean(), 0.2 / std::sqrt(std::numbers::pi), 0.015);
+  EXPECT_EQ(score_of(0.2, 0.0).noise_factor, 1.0) << "a scale that is given";
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
