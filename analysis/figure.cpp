@@ -5,7 +5,9 @@
 #include <numeric>
 
 #include "analysis/figure_layout.h"
+#include "analysis/figure_overlay.h"
 #include "analysis/file_stem.h"
+#include "core/atomic_file.h"
 
 namespace npdr::analysis {
 namespace {
@@ -155,7 +157,7 @@ class Script {
 
   // Lines of the titles that panel i shows.
   std::string titles(std::size_t i) const {
-    const auto& [title, x, y, series, marks] = figure_.panels[i];
+    const auto& [title, x, y, series, marks, tips] = figure_.panels[i];
     const Box& box = layout_.panels[i];
     const double font = figure_.sizes.font, tick_font = figure_.sizes.tick_font;
     const double step = kLineHeight * font;
@@ -235,7 +237,10 @@ FigureFiles write_figure(const Figure& figure, const std::filesystem::path& dire
   const FigureLayout layout(figure);
   const int width = static_cast<int>(std::lround(layout.width));
   const int height = static_cast<int>(std::lround(layout.height));
-  return render_script({figure.name, width, height, Script(figure, layout).commands()}, directory);
+  const FigureFiles files =
+      render_script({figure.name, width, height, Script(figure, layout).commands()}, directory);
+  write_text_file(files.svg, with_overlay(read_text_file(files.svg), figure, layout));
+  return files;
 }
 
 std::vector<Index> check_selection(const std::string& what, const std::vector<Index>& wanted,

@@ -77,12 +77,20 @@ struct Mark {
   LineStyle style = LineStyle::solid;
 };
 
+/// Words that a reader gets who points at a part of a panel.
+struct Tip {
+  Range x;
+  Range y;
+  std::string words;
+};
+
 struct Panel {
   std::string title = {};  ///< above it; its middle is left out where it is too long
   Axis x = {};
   Axis y = {};
   std::vector<Series> series = {};
   std::vector<Mark> marks = {};
+  std::vector<Tip> tips = {};
 };
 
 struct LegendEntry {

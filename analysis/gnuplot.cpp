@@ -17,27 +17,37 @@ namespace {
 
 constexpr const char* kFont = "sans-serif,11";
 
+constexpr double kPixelsPerInch = 96.0;
+
 // A PNG has twice the pixels of the SVG. Font sizes are pixels in SVG and points (4/3 pixels) in
-// PNG, hence fontscale 1.5.
+// PNG and PDF, hence fontscales of 1.5 and 0.75; widths of lines and sizes of points are half as
+// large in a PDF.
 
 std::string file_text(const GnuplotScript& script) {
   return fmt::format(
              "# gnuplot -c {0}.gp svg {0}.svg\n"
              "# gnuplot -c {0}.gp png {0}.png\n"
+             "# gnuplot -c {0}.gp pdf {0}.pdf\n"
              "set encoding utf8\n"
              "if (ARG1 eq 'png') {{\n"
              "  set terminal pngcairo noenhanced font '{1}' size {2},{3} fontscale 1.5 linewidth 2 "
              "pointscale 2 background rgb 'white'\n"
-             "}} else {{\n"
+             "}}\n"
+             "if (ARG1 eq 'pdf') {{\n"
+             "  set terminal pdfcairo noenhanced font '{1}' size {6:.4f}in,{7:.4f}in fontscale "
+             "0.75 background rgb 'white'\n"
+             "}}\n"
+             "if (ARG1 eq 'svg') {{\n"
              "  set terminal svg noenhanced font '{1}' size {4},{5} background rgb 'white'\n"
              "}}\n"
              "set output ARG2\n",
-             script.name, kFont, 2 * script.width, 2 * script.height, script.width, script.height) +
+             script.name, kFont, 2 * script.width, 2 * script.height, script.width, script.height,
+             script.width / kPixelsPerInch, script.height / kPixelsPerInch) +
          script.commands + "unset output\n";
 }
 
-enum class ImageFormat { svg, png };
-constexpr const char* kFormatNames[] = {"svg", "png"};
+enum class ImageFormat { svg, png, pdf };
+constexpr const char* kFormatNames[] = {"svg", "png", "pdf"};
 
 std::filesystem::path run(const std::string& program, const GnuplotScript& script,
                           const std::filesystem::path& directory, ImageFormat format) {
@@ -78,7 +88,8 @@ FigureFiles render_script(const GnuplotScript& script, const std::filesystem::pa
   const std::filesystem::path path = directory / (script.name + ".gp");
   write_text_file(path, file_text(script));
   return {path, run(program, script, directory, ImageFormat::svg),
-          run(program, script, directory, ImageFormat::png)};
+          run(program, script, directory, ImageFormat::png),
+          run(program, script, directory, ImageFormat::pdf)};
 }
 
 std::string gnuplot_string(std::string_view text) {

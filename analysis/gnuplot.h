@@ -1,4 +1,5 @@
-/// Figures by gnuplot: one script makes an SVG for the report and a PNG for everything else.
+/// Figures by gnuplot: one script makes an SVG for the report, a PDF for papers and a PNG for
+/// everything else.
 #pragma once
 
 #include <filesystem>
@@ -22,13 +23,14 @@ struct FigureFiles {
   std::filesystem::path script;
   std::filesystem::path svg;
   std::filesystem::path png;
+  std::filesystem::path pdf;
 };
 
 /// Writes <name>.gp into `directory`, where the data files are already, and runs it there for
-/// <name>.svg and <name>.png. Text is plain (no markup), encoding UTF-8; the user's gnuplot
-/// settings aren't read. `gnuplot -c <name>.gp png <name>.png` in that folder repeats it by hand.
-/// Throws InputError for a name that can't be a file's; Error when gnuplot is missing, fails (with
-/// what it said) or leaves no file.
+/// <name>.svg, <name>.png and <name>.pdf. Text is plain (no markup), encoding UTF-8; the user's
+/// gnuplot settings aren't read. `gnuplot -c <name>.gp png <name>.png` in that folder repeats it by
+/// hand. Throws InputError for a name that can't be a file's; Error when gnuplot is missing, fails
+/// (with what it said) or leaves no file.
 FigureFiles render_script(const GnuplotScript& script, const std::filesystem::path& directory,
                           const std::string& program = "gnuplot");
 

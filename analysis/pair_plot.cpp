@@ -55,31 +55,22 @@ RowMatrix strided_rows(const RowMatrix& samples, Index count) {
   return result;
 }
 
-// Columns 2 k and 2 k + 1: position and density of parameter k.
+// Columns 2 k and 2 k + 1: position and density of parameter k, over its peak.
 RowMatrix marginal_densities(const std::vector<Axis>& axes, const RowMatrix& samples) {
   RowMatrix curves;
   for (Index k = 0; k < samples.cols(); ++k) {
     const Axis& axis = axes[static_cast<std::size_t>(k)];
     RowMatrix curve = density_curve(samples.col(k), axis.lower, axis.upper);
-    if (is_constant(samples.col(k))) curve.col(1).setZero();
+    const double peak = curve.col(1).maxCoeff();
+    if (is_constant(samples.col(k)) || !(peak > 0.0)) {
+      curve.col(1).setZero();
+    } else {
+      curve.col(1) /= peak;
+    }
     curves.conservativeResize(curve.rows(), 2 * k + 2);
     curves.rightCols(2) = curve;
   }
   return curves;
-}
-
-// The end of the axis of parameter k: at the highest peak, but for spikes that would flatten
-// the curves of the other sets. Curves with little of their samples inside the box don't count.
-double top_of(const std::vector<RowMatrix>& curves, Index k) {
-  constexpr double tallest_ratio = 8.0, headroom = 1.05;
-  double highest = 0.0, lowest = std::numeric_limits<double>::infinity();
-  for (const RowMatrix& curve : curves) {
-    const double peak = curve.col(2 * k + 1).maxCoeff();
-    const double share = curve.col(2 * k + 1).sum() * (curve(1, 2 * k) - curve(0, 2 * k));
-    highest = std::max(highest, peak);
-    if (share > 0.5) lowest = std::min(lowest, peak);
-  }
-  return highest > 0.0 ? headroom * std::min(highest, tallest_ratio * lowest) : 1.0;
 }
 
 std::string samples_table(std::size_t set) { return fmt::format("samples_{}", set + 1); }
@@ -87,8 +78,9 @@ std::string density_table(std::size_t set) { return fmt::format("density_{}", se
 
 // Density of a parameter. One that a method took as known has none: a line stands for it. Only the
 // shape is shown, so the y axis has no ticks; what stands beside it is the parameter's title.
-Panel marginal(const PairPlot& plot, Index k, const Axis& axis, double top) {
-  Panel panel{.x = axis, .y = {0.0, top, axis.title, axis.unit}};
+Panel marginal(const PairPlot& plot, Index k, const Axis& axis) {
+  constexpr double headroom = 1.05;
+  Panel panel{.x = axis, .y = {0.0, headroom, axis.title, axis.unit}};
   for (std::size_t s = plot.sets.size(); s-- > 0;) {
     const Series area{
         SeriesKind::area, density_table(s), {2 * k, 2 * k + 1}, kMethodColors[s], 0.0, 0.22};
@@ -147,22 +139,22 @@ FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& d
     names += fmt::format("{}{} [{}]", names.empty() ? "" : ", ", p.label, p.unit);
   }
   Figure figure{plot.name, axes.size(), sizes_for(axes.size()), legend_of(shown)};
-  std::vector<RowMatrix> curves;
+  std::size_t s = 0;
   for (const auto& [name, samples] : shown.sets) {
-    const std::size_t s = curves.size();
-    curves.push_back(marginal_densities(axes, samples));
     figure.tables.push_back(
         {samples_table(s), name + ", samples of " + names, strided_rows(samples, plot.num_points)});
-    figure.tables.push_back({density_table(s),
-                             name + ", position and marginal density of each of " + names,
-                             curves.back()});
+    figure.tables.push_back(
+        {density_table(s),
+         name + ", position and marginal density, over its peak, of each of " + names,
+         marginal_densities(axes, samples)});
+    ++s;
   }
   const double mark = 0.35 + 0.003 * figure.sizes.panel_width;
   for (Index r = 0; r < count; ++r) {
     for (Index c = 0; c < count; ++c) {
       const Axis& axis = axes[static_cast<std::size_t>(c)];
       figure.panels.push_back(c > r    ? Panel{}
-                              : c == r ? marginal(shown, c, axis, top_of(curves, c))
+                              : c == r ? marginal(shown, c, axis)
                                        : scatter(shown, c, r, axes, mark));
     }
   }

@@ -10,10 +10,10 @@
 
 namespace npdr::analysis {
 
-inline constexpr Index kMinPairParameters = 2;
+inline constexpr Index kMinPairParameters = 1;
 inline constexpr Index kMaxPairParameters = 15;
 
-/// An axis of the plot: a physics parameter over its prior's range, SI.
+/// An axis of the plot, SI.
 struct PairParameter {
   std::string label;  ///< such as "rotary_damping"; underscores are shown as blanks
   std::string unit;   ///< SI; "1": dimensionless
@@ -46,11 +46,10 @@ struct PairPlot {
 };
 
 /// Draws the lower triangle of scatter plots, with the marginal densities of all samples on the
-/// diagonal (analysis/density_curve.h), axes limited to the prior's box, single points
-/// marked. Off the diagonal every panel shows the same samples, evenly strided. Samples outside the
-/// box are not shown and lower the marginal's area; a parameter that doesn't vary within a set has
-/// no density, and gets a line. Spikes of more than 8 times the lowest peak are cut off. Writes the
-/// figure's files and its data files into `directory`. Throws InputError for fewer than 2 or more
+/// diagonal (analysis/density_curve.h), each over its peak, and single points marked. Off the
+/// diagonal every panel shows the same samples, evenly strided. Samples outside of the axes are not
+/// shown; a parameter that doesn't vary within a set has no density, and gets a line. Writes the
+/// figure's files and its data files into `directory`. Throws InputError for none or more
 /// than 15 parameters, more sets than there are colors, or a selection that doesn't exist;
 /// ShapeError for samples or points of another width.
 FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& directory);

@@ -1,10 +1,12 @@
 #include "analysis/report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
 #include "analysis/escape.h"
+#include "analysis/report_script.h"
 #include "analysis/report_style.h"
 #include "analysis/svg.h"
 #include "analysis/table_writers.h"
@@ -36,8 +38,10 @@ std::string paragraphs(const std::string& prose) {
 }
 
 std::string head(const Report& report) {
-  // Nothing may be loaded and nothing may run, whatever a text or a figure holds.
-  constexpr const char* policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+  // Nothing may be loaded and nothing else may run, whatever a text or a figure holds.
+  const std::string policy =
+      fmt::format("default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src '{}'",
+                  kReportScriptHash);
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\"/>\n"
@@ -45,6 +49,16 @@ std::string head(const Report& report) {
       "<meta name=\"color-scheme\" content=\"light dark\"/>\n"
       "<title>{}</title>\n<style>{}</style>\n</head>\n",
       policy, escape_html(report.title), kReportStyle);
+}
+
+std::string verdicts_html(const std::vector<ReportVerdict>& verdicts) {
+  if (verdicts.empty()) return "";
+  std::string html = "<ul class=\"verdicts\">\n";
+  for (const ReportVerdict& verdict : verdicts) {
+    html += fmt::format("<li class=\"{}\">{}</li>\n", verdict.holds ? "holds" : "fails",
+                        escape_html(verdict.words));
+  }
+  return html + "</ul>\n";
 }
 
 std::string contents(const Report& report) {
@@ -65,22 +79,34 @@ std::string figure_html(const ReportFigure& figure, const std::string& prefix) {
       inline_svg(read_text_file(figure.svg), prefix, figure.caption), escape_html(figure.caption));
 }
 
+constexpr const char* kSection = "<section id=\"section-{}\">\n<h2>{}</h2>\n{}</section>\n";
+constexpr const char* kFoldedSection =
+    "<section id=\"section-{}\">\n<details>\n<summary><h2>{}</h2></summary>\n{}</details>\n"
+    "</section>\n";
+
+std::string code_html(const std::string& code) {
+  return code.empty() ? "" : "<pre><code>" + escape_html(code) + "</code></pre>\n";
+}
+
 std::string section_html(const ReportSection& section, std::size_t number) {
-  std::string html = fmt::format("<section id=\"section-{}\">\n<h2>{}</h2>\n{}", number,
-                                 escape_html(section.title), paragraphs(section.prose));
-  for (const Table& table : section.tables) html += to_html(table);
-  html += paragraphs(section.remarks);
+  std::string tables, figures;
+  for (const Table& table : section.tables) tables += to_html(table);
   for (std::size_t k = 0; k < section.figures.size(); ++k) {
-    html += figure_html(section.figures[k], fmt::format("figure-{}-{}-", number, k + 1));
+    figures += figure_html(section.figures[k], fmt::format("figure-{}-{}-", number, k + 1));
   }
-  return html + "</section>\n";
+  tables += paragraphs(section.remarks);
+  const std::string body = paragraphs(section.prose) +
+                           (section.figures_first ? figures + tables : tables + figures) +
+                           code_html(section.code);
+  const std::string title = escape_html(section.title);
+  return fmt::format(fmt::runtime(section.is_folded ? kFoldedSection : kSection), number, title,
+                     body);
 }
 
 std::string commands_html(const std::vector<std::string>& commands) {
   if (commands.empty()) return "";
-  std::string html = "<section id=\"commands\">\n<h2>Commands</h2>\n<pre><code>";
-  for (const std::string& c : commands) html += escape_html(c) + "\n";
-  return html + "</code></pre>\n</section>\n";
+  return fmt::format("<section id=\"commands\">\n<h2>Commands</h2>\n{}</section>\n",
+                     code_html(fmt::format("{}\n", fmt::join(commands, "\n"))));
 }
 
 std::string provenance_html(const std::vector<std::pair<std::string, std::string>>& facts) {
@@ -96,13 +122,13 @@ std::string provenance_html(const std::vector<std::pair<std::string, std::string
 
 std::string to_html(const Report& report) {
   std::string html = head(report) + "<body>\n<header>\n<h1>" + escape_html(report.title) +
-                     "</h1>\n" + paragraphs(report.prose) + "</header>\n" + contents(report) +
-                     "<main>\n";
+                     "</h1>\n" + verdicts_html(report.verdicts) + paragraphs(report.prose) +
+                     "</header>\n" + contents(report) + "<main>\n";
   for (std::size_t i = 0; i < report.sections.size(); ++i) {
     html += section_html(report.sections[i], i + 1);
   }
   html += commands_html(report.commands) + provenance_html(report.provenance);
-  return html + "</main>\n</body>\n</html>\n";
+  return html + "</main>\n<script>" + kReportScript + "</script>\n</body>\n</html>\n";
 }
 
 void write_report(const Report& report, const std::filesystem::path& path) {

@@ -20,21 +20,32 @@ struct ReportSection {
   std::string prose;  ///< plain text; blank lines separate paragraphs
   std::vector<Table> tables = {};
   std::vector<ReportFigure> figures = {};
-  std::string remarks = {};  ///< below the tables, like the prose above them
+  std::string remarks = {};    ///< below the tables, like the prose above them
+  bool figures_first = false;  ///< before the tables
+  bool is_folded = false;      ///< shown when asked for
+  std::string code = {};       ///< lines to copy, at the end
+};
+
+/// Whether something can be trusted, in a line under the title.
+struct ReportVerdict {
+  bool holds = false;
+  std::string words;
 };
 
 struct Report {
   std::string title;
   std::string prose;  ///< under the title
+  std::vector<ReportVerdict> verdicts = {};
   std::vector<ReportSection> sections = {};
   std::vector<std::string> commands = {};  ///< that repeat the study, in order
   /// Origin of the results: ("git revision", "1a2b3c"), ("seed", "1"), ...
   std::vector<std::pair<std::string, std::string>> provenance = {};
 };
 
-/// The page: style and SVG figures inline, no scripts, light or dark as the reader's system asks.
-/// Every text is escaped. Throws Error for a figure that can't be read, InputError for one that is
-/// no SVG, and what Table::check() throws.
+/// The page: style, SVG figures and one script of its own inline, light or dark as the reader's
+/// system asks. Every text is escaped, and the page's policy lets no other script run. Throws Error
+/// for a figure that can't be read, InputError for one that is no SVG, and what Table::check()
+/// throws.
 std::string to_html(const Report& report);
 
 /// Writes the page to `path`.

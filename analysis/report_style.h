@@ -6,14 +6,18 @@ namespace npdr::analysis {
 inline constexpr const char* kReportStyle = R"(
 :root {
   color-scheme: light dark;
-  --text: #1c2127; --muted: #5b6570; --page: #ffffff; --card: #f5f7f9;
+  --paper: #ffffff; --shadow: rgba(0, 0, 0, .22); --text: #1c2127; --muted: #5b6570; --page: #ffffff; --card: #f5f7f9;
   --rule: #d8dee4; --accent: #0072b2;
+  --good: #1b7837; --good-card: #eef7f0; --bad: #b2182b; --bad-card: #fbeff0;
 }
 @media (prefers-color-scheme: dark) {
   :root {
-    --text: #e3e7eb; --muted: #9aa5b1; --page: #14181c; --card: #1d2329;
+    --paper: #1a1a1a; --shadow: rgba(255, 255, 255, .25); --text: #e3e7eb; --muted: #9aa5b1; --page: #14181c; --card: #1d2329;
     --rule: #343c45; --accent: #6cb8e6;
+    --good: #5aae61; --good-card: #18271d; --bad: #e8707d; --bad-card: #2e1b1e;
   }
+  /* Figures are drawn dark on white; hues stay. */
+  .paper svg, .dot { filter: invert(.9) hue-rotate(180deg); }
 }
 * { box-sizing: border-box; }
 body {
@@ -36,11 +40,21 @@ figcaption { color: var(--muted); font-size: .93rem; max-width: 50rem; }
 .table figcaption { margin-bottom: .5rem; }
 .plot figcaption { margin-top: .6rem; }
 .paper {
-  background: #ffffff; border: 1px solid var(--rule); border-radius: .5rem; padding: .5rem;
+  background: var(--paper); border: 1px solid var(--rule); border-radius: .5rem; padding: .5rem;
   overflow-x: auto; text-align: center;
 }
 .paper svg { max-width: 100%; height: auto; display: block; margin: 0 auto; }
-.scroll { overflow-x: auto; }
+@media (max-width: 40rem) { .paper svg { max-width: none; } }
+.paper svg .entry { display: none; }
+/* A shadow at the side where there is more to see. */
+.scroll {
+  overflow-x: auto;
+  background:
+    linear-gradient(to right, var(--page) 30%, transparent) left / 3rem 100% no-repeat local,
+    linear-gradient(to left, var(--page) 30%, transparent) right / 3rem 100% no-repeat local,
+    linear-gradient(to right, var(--shadow), transparent) left / .8rem 100% no-repeat scroll,
+    linear-gradient(to left, var(--shadow), transparent) right / .8rem 100% no-repeat scroll;
+}
 table { border-collapse: collapse; font-size: .95rem; font-variant-numeric: tabular-nums; }
 thead th { border-top: 2px solid var(--text); border-bottom: 1px solid var(--text); }
 tbody tr:last-child > * { border-bottom: 2px solid var(--text); }
@@ -54,13 +68,41 @@ pre {
   background: var(--card); border-radius: .5rem; padding: .75rem 1rem; overflow-x: auto;
   font: .86rem/1.5 ui-monospace, "SFMono-Regular", Menlo, Consolas, monospace;
 }
-pre.command { display: inline-block; margin: .8rem 0 0; padding: .35rem .8rem; max-width: 100%; }
+.verdicts { list-style: none; margin: 0 0 1rem; padding: 0; max-width: 60rem; }
+.verdicts li { margin: .35rem 0; padding: .45rem .9rem; border-left: .35rem solid; border-radius: .3rem; }
+.verdicts .holds { border-color: var(--good); background: var(--good-card); }
+.verdicts .fails { border-color: var(--bad); background: var(--bad-card); }
+.tools { display: flex; flex-wrap: wrap; gap: .3rem .9rem; align-items: center; margin: 0 0 .5rem; font-size: .88rem; }
+.tools button, summary { cursor: pointer; }
+.tools button {
+  font: inherit; min-width: 2rem; padding: .1rem .55rem; color: var(--text);
+  background: var(--card); border: 1px solid var(--rule); border-radius: .3rem;
+}
+.tools label { display: inline-flex; align-items: center; gap: .35rem; }
+.dot { width: .7rem; height: .7rem; border-radius: 50%; border: 1px solid var(--rule); }
+output { display: block; min-height: 1.5em; font-size: .88rem; color: var(--muted); font-variant-numeric: tabular-nums; }
+summary h2 { display: inline; border: 0; padding: 0; margin: 0; }
+details { margin: 2.75rem 0 .75rem; padding-top: .9rem; border-top: 1px solid var(--rule); }
+th button {
+  font: inherit; color: inherit; background: none; border: 0; padding: 0; cursor: pointer;
+  text-align: inherit; white-space: inherit;
+}
+th button:hover { text-decoration: underline; }
+th[aria-sort="ascending"] button::after { content: " \2191"; }
+th[aria-sort="descending"] button::after { content: " \2193"; }
+:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
 code { font: inherit; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .3rem 1.5rem; font-size: .93rem; }
 dt { color: var(--muted); }
 dd { margin: 0; overflow-wrap: anywhere; }
 @media print {
-  body { max-width: none; padding: 0; }
+  body { max-width: none; padding: 0; font-size: .8rem; }
+  nav, .tools, output { display: none; }
+  .scroll { overflow: visible; background: none; }
+  table { font-size: .72rem; }
+  th, td { white-space: normal; padding: .2rem .35rem; }
+  .paper { overflow: visible; }
+  .paper svg { max-width: 100%; }
   figure, table { break-inside: avoid; }
 }
 )";

@@ -24,9 +24,6 @@ std::string to_html(const Table& table) {
   }
   text += "</tbody>\n</table></div>\n";
   text += footnote_lines(table, markup, "<p class=\"note\">{}</p>\n");
-  if (!table.command.empty()) {
-    text += "<pre class=\"command\"><code>" + escape_html(table.command) + "</code></pre>\n";
-  }
   return text + "</figure>\n";
 }
 

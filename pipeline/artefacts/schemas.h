@@ -20,6 +20,6 @@ inline const Schema kDiagnosisSchema{"diagnosis", 2, "diagnose"};
 inline const Schema kPolicySchema{"policy", 1, "policy"};
 inline const Schema kPolicyCheckpointSchema{"policy_checkpoint", 1, "policy"};
 inline const Schema kPolicyTestSchema{"policy_test", 1, "policy_test"};
-inline const Schema kReportSchema{"report", 4, "report"};
+inline const Schema kReportSchema{"report", 5, "report"};
 
 }  // namespace npdr::pipeline

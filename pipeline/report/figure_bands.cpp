@@ -53,6 +53,6 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
 }  // namespace
 
 /// Coverage of predictive bands by their level, of the first seed.
-FigureEntry band_figure() { return {Section::predictions, exists, make}; }
+FigureEntry band_figure() { return {Section::fit, exists, make}; }
 
 }  // namespace npdr::pipeline

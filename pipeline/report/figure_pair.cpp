@@ -1,72 +1,78 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 #include "analysis/figure.h"
 #include "analysis/pair_plot.h"
+#include "analysis/quantiles.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
 
 namespace npdr::pipeline {
 namespace {
 
-const BaselinePoint* find_point(const ReportData& data, const std::string& name) {
-  for (const BaselinePoint& point : data.baseline.points) {
-    if (point.name == name) return &point;
-  }
-  return nullptr;
+bool is_log(const inference::Marginal& m) {
+  using Kind = inference::Marginal::Kind;
+  return m.kind == Kind::log_uniform || m.kind == Kind::log_normal;
 }
 
-// The axis of parameter d; an unbounded prior is shown over three deviations.
-analysis::PairParameter axis_of(const ReportData& data, Index d) {
-  const inference::Marginal& m = data.plan.study.prior[static_cast<std::size_t>(d)];
-  const auto [lower, upper] = m.central_range(3.0);
-  return {m.name, m.unit, lower, upper};
+// Values of a parameter as they are drawn; NaN where a log has none.
+Vector drawn(const inference::Marginal& m, const Vector& values) {
+  return is_log(m) ? Vector(values.array().log10()) : values;
 }
 
-// Nominal, truth and the first references.
-std::vector<analysis::PairPoint> marked_points(const ReportData& data) {
-  using analysis::LegendMark;
-  std::vector<analysis::PairPoint> points;
-  const auto mark = [&](const std::string& name, LegendMark shape, const char* color,
-                        analysis::LineStyle style) {
-    const BaselinePoint* point = find_point(data, name);
-    if (point != nullptr) points.push_back({name, point->theta, shape, color, style});
-  };
-  mark("nominal", LegendMark::triangle, analysis::kNominalColor, analysis::LineStyle::dashed);
-  mark("truth", LegendMark::diamond, analysis::kTruthColor, analysis::LineStyle::solid);
-  const auto& references = data.plan.study.references;
-  for (std::size_t i = 0; i < std::min(references.size(), analysis::kMaxReferences); ++i) {
-    mark(references[i].name, LegendMark::square, analysis::kReferenceColors[i],
-         analysis::LineStyle::dash_dotted);
+// Where the methods' samples are, within the prior; an unbounded one is shown over three
+// deviations.
+analysis::PairParameter axis_of(const analysis::PairPlot& plot, const inference::Marginal& m,
+                                Index d) {
+  const auto [low, high] = m.central_range(3.0);
+  const Vector ends = drawn(m, Vector{{low, high}});
+  analysis::Range range;
+  for (const analysis::SampleSet& set : plot.sets) {
+    Vector sorted = set.samples.col(d);
+    std::ranges::sort(sorted);
+    const std::span<const double> all(sorted.data(), static_cast<std::size_t>(sorted.size()));
+    for (const double level : {0.005, 0.995}) range.add(analysis::quantile_of_sorted(all, level));
   }
-  return points;
+  range = range.widened(0.15);
+  const double lower = std::clamp(range.lower, ends(0), ends(1));
+  const double upper = std::clamp(range.upper, ends(0), ends(1));
+  const std::string label = is_log(m) ? "log₁₀ " + m.name : m.name;
+  if (!(lower < upper)) return {label, m.unit, ends(0), ends(1)};
+  return {label, m.unit, lower, upper};
 }
 
 analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
   analysis::PairPlot plot;
   plot.name = "pair_plot";
-  for (Index d = 0; d < static_cast<Index>(data.plan.study.prior.size()); ++d) {
-    plot.parameters.push_back(axis_of(data, d));
-  }
   for (const std::string& method : drawn_methods(data.methods)) {
     plot.sets.push_back({method, data.runs_of(method).front()->evaluation.theta});
   }
-  plot.points = marked_points(data);
+  for (const MarkedPoint& p : marked_points(data)) {
+    plot.points.push_back({p.name, p.theta, p.mark, p.color, p.line});
+  }
+  Index d = 0;
+  for (const inference::Marginal& m : data.plan.study.prior) {
+    for (analysis::SampleSet& set : plot.sets) {
+      set.samples.col(d) = drawn(m, set.samples.col(d)).eval();
+    }
+    for (analysis::PairPoint& point : plot.points) {
+      point.theta(d) = drawn(m, point.theta.segment(d, 1))(0);
+    }
+    plot.parameters.push_back(axis_of(plot, m, d));
+    ++d;
+  }
   plot.selection = shown_parameters(data.plan.study);
-  return {
-      analysis::write_pair_plot(plot, folder).svg,
-      fmt::format("Posterior samples of seed {}. Limits are the prior's.{}{}", data.seeds.front(),
-                  left_out_methods(data.methods), left_out_parameters(data.plan.study))};
-}
-
-bool exists(const ReportData& data) {
-  return has_posteriors(data) && data.plan.study.prior.size() > 1;
+  return {analysis::write_pair_plot(plot, folder).svg,
+          fmt::format("Posterior samples of seed {}, where they are.{}{}", data.seeds.front(),
+                      left_out_methods(data.methods), left_out_parameters(data.plan.study))};
 }
 
 }  // namespace
 
 /// Pair plot of the first seed's posterior samples of each method.
-FigureEntry pair_figure() { return {Section::posteriors, exists, make}; }
+FigureEntry pair_figure() { return {Section::samples, has_posteriors, make}; }
 
 }  // namespace npdr::pipeline

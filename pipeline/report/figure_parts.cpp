@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "analysis/figure.h"
 #include "analysis/pair_plot.h"
 
 namespace npdr::pipeline {
@@ -45,6 +44,26 @@ std::string left_out_parameters(const Study& study) {
   const std::size_t shown = shown_parameters(study).size();
   if (shown == study.prior.size()) return "";
   return fmt::format(" {} of {} parameters.", shown, study.prior.size());
+}
+
+std::vector<MarkedPoint> marked_points(const ReportData& data) {
+  using analysis::LegendMark, analysis::LineStyle;
+  std::vector<MarkedPoint> points;
+  const auto mark = [&](const std::string& name, LegendMark shape, const char* color,
+                        LineStyle line) {
+    const auto found = std::ranges::find(data.baseline.points, name, &BaselinePoint::name);
+    if (found != data.baseline.points.end()) {
+      points.push_back({name, found->theta, shape, color, line});
+    }
+  };
+  mark("nominal", LegendMark::triangle, analysis::kNominalColor, LineStyle::dashed);
+  mark("truth", LegendMark::diamond, analysis::kTruthColor, LineStyle::solid);
+  const auto& references = data.plan.study.references;
+  for (std::size_t i = 0; i < std::min(references.size(), analysis::kMaxReferences); ++i) {
+    mark(references[i].name, LegendMark::square, analysis::kReferenceColors[i],
+         LineStyle::dash_dotted);
+  }
+  return points;
 }
 
 const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/figure.h"
 #include "pipeline/report/data.h"
 
 namespace npdr::pipeline {
@@ -20,6 +21,17 @@ std::string left_out_methods(const std::vector<std::string>& methods);
 std::vector<Index> shown_parameters(const Study& study);
 /// As left_out_methods(): " 2 of 16 parameters."
 std::string left_out_parameters(const Study& study);
+
+/// One parameter vector that figures mark.
+struct MarkedPoint {
+  std::string name;
+  Vector theta;  ///< (D)
+  analysis::LegendMark mark;
+  std::string color;
+  analysis::LineStyle line;
+};
+/// Nominal, truth and the first references.
+std::vector<MarkedPoint> marked_points(const ReportData& data);
 
 /// The first seed's checks of a method.
 const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method);

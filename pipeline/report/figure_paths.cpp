@@ -75,6 +75,6 @@ bool exists(const ReportData& data) {
 
 /// Paths and shapes of a system that moves on a plane, seen from above: at posterior samples of the
 /// first seed, against the target and the held-out rollouts.
-FigureEntry path_figure() { return {Section::predictions, exists, make}; }
+FigureEntry path_figure() { return {Section::fit, exists, make}; }
 
 }  // namespace npdr::pipeline

@@ -25,6 +25,6 @@ bool exists(const ReportData& data) {
 }  // namespace
 
 /// Recorded and predicted trajectories of the first seed.
-FigureEntry trajectory_figure() { return {Section::predictions, exists, make}; }
+FigureEntry trajectory_figure() { return {Section::fit, exists, make}; }
 
 }  // namespace npdr::pipeline

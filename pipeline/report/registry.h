@@ -10,10 +10,11 @@
 
 namespace npdr::pipeline {
 
-/// Parts of the page; one is shown when anything in it exists.
-enum class Section { fit, posteriors, predictions, policies, diagnostics };
-inline constexpr Section kSections[] = {Section::fit, Section::posteriors, Section::predictions,
-                                        Section::policies, Section::diagnostics};
+/// Parts of the page, the answers first; one is shown when anything in it exists.
+enum class Section { posteriors, fit, diagnostics, next_steps, policies, samples, details };
+inline constexpr Section kSections[] = {
+    Section::posteriors, Section::fit,     Section::diagnostics, Section::next_steps,
+    Section::policies,   Section::samples, Section::details};
 
 struct TableEntry {
   const char* name;  ///< of its files
@@ -52,6 +53,7 @@ inline std::vector<TableEntry> all_tables() {
           policy_cost_table(), diagnostics_table()};
 }
 
+FigureEntry interval_figure();
 FigureEntry pair_figure();
 FigureEntry trajectory_figure();
 FigureEntry path_figure();
@@ -64,9 +66,9 @@ FigureEntry coverage_figure();
 
 /// In the order of the report.
 inline std::vector<FigureEntry> all_figures() {
-  return {pair_figure(),         trajectory_figure(), path_figure(),
-          band_figure(),         learning_figure(),   grid_return_figure(),
-          grid_success_figure(), rank_figure(),       coverage_figure()};
+  return {interval_figure(), pair_figure(),     trajectory_figure(),  path_figure(),
+          band_figure(),     learning_figure(), grid_return_figure(), grid_success_figure(),
+          rank_figure(),     coverage_figure()};
 }
 
 }  // namespace npdr::pipeline

@@ -15,6 +15,7 @@
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/build_info.h"
+#include "pipeline/report/next_steps.h"
 #include "pipeline/report/policy_parts.h"
 #include "pipeline/report/registry.h"
 
@@ -23,26 +24,49 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Builds that made the artefacts, such as "npdr 0.1.0 (861ffead3939), AVX2", and how many each of
-// them.
-std::map<std::string, Index> builds_of_artefacts(const Plan& plan) {
-  std::map<std::string, Index> builds;
+// What the artefacts say of themselves.
+struct Making {
+  std::map<std::string, Index> builds;  // "npdr 0.1.0 (861ffead3939), AVX2": how many each made
+  Cost cost;
+  std::string newest;  // when the last one was made
+};
+
+Making making_of_artefacts(const Plan& plan) {
+  Making making;
   for (const Node& node : plan.nodes) {
     if (node.stage == Stage::report || !is_complete(plan, node)) continue;
     const Provenance made = read_artefact_info(node.path).provenance;
-    ++builds[fmt::format("npdr {} ({}), {}", made.creator_version, made.git_revision,
-                         made.instruction_set)];
+    ++making.builds[fmt::format("npdr {} ({}), {}", made.creator_version, made.git_revision,
+                                made.instruction_set)];
+    making.cost += made.cost;
+    making.newest = std::max(making.newest, made.created);
   }
-  return builds;
+  return making;
 }
 
-std::vector<std::pair<std::string, std::string>> provenance(
-    const Plan& plan, const Node& node, const std::map<std::string, Index>& builds) {
+std::string target_text(const ReportData& data) {
+  const TargetConfig& target = data.plan.study.target;
+  const std::string source = target.recording     ? *target.recording
+                             : target.observation ? "an observation"
+                                                  : "simulated at a known truth";
+  if (!data.plan.study.source().gives_motion) return source;
+  return fmt::format(
+      "{}: {} of {} steps of {:.4g} s{}", source, counted(data.target.num_rollouts(), "rollout"),
+      data.target.num_steps(), data.target.dt,
+      data.held_out ? fmt::format(", {} more held out", data.held_out->num_rollouts()) : "");
+}
+
+std::vector<std::pair<std::string, std::string>> provenance(const ReportData& data,
+                                                            const Node& node,
+                                                            const Making& making) {
   std::vector<std::string> made_by;
-  for (const auto& [build, count] : builds) {
+  for (const auto& [build, count] : making.builds) {
     made_by.push_back(fmt::format("{} by {}", counted(count, "artefact"), build));
   }
-  return {{"study", plan.study.name},
+  return {{"study", data.plan.study.name},
+          {"target", target_text(data)},
+          {"last result", making.newest},
+          {"cost", fmt::format("{:.1f} core-minutes", making.cost.core_seconds / 60.0)},
           {"report key", node.key},
           {"program", "npdr " + creator_version()},
           {"git revision", git_revision()},
@@ -62,21 +86,29 @@ std::string warning_of_builds(const std::map<std::string, Index>& builds) {
 
 analysis::ReportSection heading(Section section, const ReportData& data) {
   const Study& study = data.plan.study;
+  const bool simulates = study.source().simulates;
   switch (section) {
-    case Section::fit:
-      return {study.source().simulates ? "Fit to the target domain" : "Experiments",
-              "",
-              {},
-              {},
-              study.report.caption};
     case Section::posteriors:
-      return {"Posteriors", ""};
-    case Section::predictions:
-      return {"Recorded and predicted trajectories", ""};
-    case Section::policies:
-      return {"Policies", has_policies(data) ? policy_prose(data) : ""};
+      return {.title = "Which parameters, and how sure?", .prose = "", .figures_first = true};
+    case Section::fit:
+      return {.title = study.source().gives_motion ? "How well do they explain the recording?"
+                                                   : "How well do they explain the observation?",
+              .prose = "",
+              .remarks = simulates ? study.report.caption : ""};
     case Section::diagnostics:
-      return {"Can the posteriors be trusted?", ""};
+      return {.title = "Can the posteriors be trusted?", .prose = ""};
+    case Section::next_steps:
+      return {
+          .title = "What next?", .prose = "", .code = has_posteriors(data) ? next_steps(data) : ""};
+    case Section::policies:
+      return {.title = "Policies", .prose = has_policies(data) ? policy_prose(data) : ""};
+    case Section::samples:
+      return {.title = "Posterior samples", .prose = ""};
+    case Section::details:
+      return {.title = "Method by method, round by round",
+              .prose = "",
+              .remarks = simulates ? "" : study.report.caption,
+              .is_folded = true};
   }
   return {};
 }
@@ -164,14 +196,15 @@ void run_report(const Plan& plan, const Node& node) {
 
   analysis::Report report;
   report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;
-  const std::map<std::string, Index> builds = builds_of_artefacts(plan);
-  report.prose = warning_of_builds(builds) + warnings;
+  const Making making = making_of_artefacts(plan);
+  report.prose = warning_of_builds(making.builds) + warnings;
   for (const Section section : kSections) {
     analysis::ReportSection made = make_section(section, data, folder);
-    if (!made.tables.empty() || !made.figures.empty()) report.sections.push_back(std::move(made));
+    if (!made.tables.empty() || !made.figures.empty() || !made.code.empty())
+      report.sections.push_back(std::move(made));
   }
   report.commands = {plan.command};
-  report.provenance = provenance(plan, node, builds);
+  report.provenance = provenance(data, node, making);
   const std::vector<fs::path> files = write_tables(report, folder / "tables");
   remove_other_tables(data, folder / "tables");
   analysis::write_report(report, report_path(plan));

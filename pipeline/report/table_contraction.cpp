@@ -52,8 +52,6 @@ Table make(const ReportData& data) {
 /// Contraction, which says how much narrower than the prior each posterior is:
 ///   1 - Var(theta_d | x_o) / Var(theta_d),
 /// both variances around the circular mean for a periodic parameter.
-TableEntry contraction_table() {
-  return {"contraction", Section::posteriors, has_posteriors, make};
-}
+TableEntry contraction_table() { return {"contraction", Section::details, has_posteriors, make}; }
 
 }  // namespace npdr::pipeline

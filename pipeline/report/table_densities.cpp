@@ -84,6 +84,6 @@ Table make(const ReportData& data) {
 /// One row a method and point (truth, references; nominal parameters where there is neither), one
 /// column a round: log p of the posterior [nats], mean and standard deviation over the seeds,
 /// beside that of the prior.
-TableEntry densities_table() { return {"densities", Section::fit, evaluates_rounds, make}; }
+TableEntry densities_table() { return {"densities", Section::details, evaluates_rounds, make}; }
 
 }  // namespace npdr::pipeline

@@ -37,6 +37,6 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// One row a refined method and seed: evidence, effective size and tail of the weights.
-TableEntry refinement_table() { return {"refinement", Section::posteriors, exists, make}; }
+TableEntry refinement_table() { return {"refinement", Section::diagnostics, exists, make}; }
 
 }  // namespace npdr::pipeline

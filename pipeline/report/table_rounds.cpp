@@ -29,6 +29,6 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// One row a method, one column a round: RMSE, or the first metric of the study.
-TableEntry rounds_table() { return {"rounds", Section::fit, evaluates_rounds, make}; }
+TableEntry rounds_table() { return {"rounds", Section::details, evaluates_rounds, make}; }
 
 }  // namespace npdr::pipeline

@@ -137,6 +137,6 @@ Table make(const ReportData& data) {
 
 /// Scores of predictions by the samples of a posterior together, of the prior and of single
 /// parameter vectors.
-TableEntry scores_table() { return {"scores", Section::predictions, exists, make}; }
+TableEntry scores_table() { return {"scores", Section::fit, exists, make}; }
 
 }  // namespace npdr::pipeline

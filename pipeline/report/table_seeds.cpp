@@ -103,6 +103,6 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// One row a method and seed: fit, densities, simulations, epochs, chains.
-TableEntry seeds_table() { return {"seeds", Section::fit, has_posteriors, make}; }
+TableEntry seeds_table() { return {"seeds", Section::details, has_posteriors, make}; }
 
 }  // namespace npdr::pipeline

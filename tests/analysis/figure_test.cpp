@@ -50,6 +50,23 @@ TEST(Figure, SharesLabelsAlongRowsAndColumns) {
   EXPECT_EQ(count_of(drawn.svg, ">0.4<"), 3 + 2) << "a tick of every axis";
 }
 
+TEST(Figure, SaysWhereItsPanelsAreAndWhatTheyShow) {
+  Figure figure = grid_of(1, 2);
+  figure.panels[1].series.clear();
+  figure.panels[0].tips = {{{0.0, 5e-4}, {0.5, 2.0}, "upper <left>"}};
+  figure.legend = {{LegendMark::dot, "#123456", "A & B"}};
+  const std::string svg = draw(figure).svg;
+  EXPECT_EQ(markup_error(svg), "");
+  EXPECT_EQ(count_of(svg, "<rect class=\"panel\""), 1);
+  EXPECT_NE(svg.find("data-x-lower=\"0\" data-x-upper=\"1\" data-x-title=\"time [10⁻³ s]\""),
+            std::string::npos);
+  EXPECT_NE(svg.find("data-color=\"#123456\" data-name=\"A &amp; B\""), std::string::npos);
+  const std::string tip = svg.substr(svg.find("<rect class=\"tip\""));
+  EXPECT_NE(tip.find("width=\"115.00\" height=\"115.00\"><title>upper &lt;left&gt;</title>"),
+            std::string::npos)
+      << "half of a panel's 230 pixels: " << tip;
+}
+
 TEST(Figure, LeavesPlacesWithoutSeriesEmpty) {
   Figure figure = grid_of(2, 2);
   figure.panels[3].series.clear();

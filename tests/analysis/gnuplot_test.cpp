@@ -20,7 +20,7 @@ std::string problem_of(const GnuplotScript& script, const std::filesystem::path&
   return message_of<Error>([&] { render_script(script, directory, program); });
 }
 
-TEST(Gnuplot, MakesSvgAndPngFromOneScript) {
+TEST(Gnuplot, MakesSvgPngAndPdfFromOneScript) {
   const TempFolder folder;
   write_data_file(folder.path() / "data.dat", "x y", RowMatrix::Identity(3, 2));
   const FigureFiles files = render_script(
@@ -33,10 +33,11 @@ TEST(Gnuplot, MakesSvgAndPngFromOneScript) {
   ASSERT_TRUE(is_png(png));
   // Width and height, two bytes each, where the header has them: twice those of the SVG.
   EXPECT_EQ(png.substr(16, 8), std::string("\0\0\x02\x80\0\0\x01\x90", 8));
+  EXPECT_TRUE(read_text_file(files.pdf).starts_with("%PDF-"));
   EXPECT_NE(read_text_file(files.script).find("# gnuplot -c plot.gp png plot.png"),
             std::string::npos);
   const auto left = std::filesystem::directory_iterator(folder.path());
-  EXPECT_EQ(std::distance(begin(left), end(left)), 4);
+  EXPECT_EQ(std::distance(begin(left), end(left)), 5) << "and the data";
 }
 
 TEST(Gnuplot, DrawsWhateverTerminalTheUserPrefers) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "analysis/gnuplot.h"
+#include "analysis/process.h"
+#include "analysis/report_script.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
@@ -58,10 +60,52 @@ TEST(Report, RemarksStandBelowTheTables) {
   EXPECT_LT(remark, html.find("<figure class=\"plot\">"));
 }
 
+// Both as a shell knows them: the hash is of the script's bytes, in base64.
+TEST(Report, AllowsItsOwnScriptAlone) {
+  const TempFolder folder;
+  write_text_file(folder.path() / "script.js", kReportScript);
+  const ProcessResult shell = run_process(
+      "bash",
+      {"-c",
+       "printf $(sha256sum script.js | cut -c1-64 | sed 's/../\\\\x&/g') | base64 -w0 > hash"},
+      folder.path());
+  ASSERT_EQ(shell.exit_status, 0) << shell.errors;
+  EXPECT_EQ("sha256-" + read_text_file(folder.path() / "hash"), kReportScriptHash);
+  const std::string html = to_html(small_report(folder.path()));
+  EXPECT_NE(html.find(std::string("script-src '") + kReportScriptHash + "'"), std::string::npos);
+  EXPECT_EQ(count_of(html, "'unsafe-inline'"), 1) << "of styles";
+}
+
+TEST(Report, SaysFirstWhatHoldsAndWhatFails) {
+  Report report{"Title", "Prose."};
+  report.verdicts = {{true, "A: 3 of 3 checks pass"}, {false, "B: <1> of 3 checks FAILS"}};
+  const std::string html = to_html(report);
+  EXPECT_EQ(markup_error(html), "");
+  const std::size_t holds = html.find("<li class=\"holds\">A: 3 of 3 checks pass</li>");
+  const std::size_t fails = html.find("<li class=\"fails\">B: &lt;1&gt; of 3 checks FAILS</li>");
+  EXPECT_LT(holds, fails);
+  EXPECT_LT(fails, html.find("<p>Prose.</p>"));
+}
+
+TEST(Report, FoldsSectionsAndTurnsTheirOrder) {
+  const TempFolder folder;
+  Report report = small_report(folder.path());
+  report.sections[0].figures_first = true;
+  report.sections[1].is_folded = true;
+  report.sections[1].code = "npdr sample <posterior>";
+  const std::string html = to_html(report);
+  EXPECT_EQ(markup_error(html), "");
+  EXPECT_LT(html.find("<figure class=\"plot\">"), html.find("<table>"));
+  EXPECT_EQ(count_of(html, "<details>"), 1);
+  EXPECT_NE(html.find("<pre><code>npdr sample &lt;posterior&gt;</code></pre>\n</details>"),
+            std::string::npos);
+}
+
 TEST(Report, LoadsNothingFromElsewhere) {
   const TempFolder folder;
   const std::string html = to_html(small_report(folder.path()));
-  EXPECT_EQ(count_of(html, "<script"), 0);
+  EXPECT_EQ(count_of(html, "<script>"), 1);
+  EXPECT_EQ(count_of(html, "<script "), 0);
   EXPECT_EQ(count_of(html, "<link"), 0);
   EXPECT_EQ(count_of(html, " src="), 0);
   EXPECT_EQ(count_of(html, "@import"), 0);
@@ -103,7 +147,7 @@ TEST(Report, LeavesOutWhatIsEmpty) {
 
 TEST(Report, SaysWhichFigureIsMissingOrNoSvg) {
   const TempFolder folder;
-  Report report{"Title", "", {{"Section", "", {}, {{folder.path() / "no.svg", "x"}}}}};
+  Report report{"Title", "", {}, {{"Section", "", {}, {{folder.path() / "no.svg", "x"}}}}};
   EXPECT_THROW(to_html(report), Error);
   write_text_file(folder.path() / "no.svg", "text");
   EXPECT_THROW(to_html(report), InputError);

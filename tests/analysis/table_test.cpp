@@ -97,8 +97,6 @@ TEST(Table, AsHtmlEscapesItsText) {
 </tbody>
 </table></div>
 <p class="note"><sup>a</sup> 3 of 5000 samples failed, &lt; 1 %</p>
-<pre class="command"><code>npdr report \
-  furuta.toml</code></pre>
 </figure>
 )");
 }

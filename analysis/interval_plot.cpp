@@ -1,0 +1,113 @@
+#include "analysis/interval_plot.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace npdr::analysis {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr Index kMedian = 2;          // of kIntervalLevels
+constexpr double kRowShare = 0.7;     // of a parameter's row, over which its sets are spread
+constexpr double kSetHeight = 13.0;   // [px]
+constexpr double kRowPadding = 12.0;  // [px]
+
+double middle_of_row(Index parameter, Index count) {
+  return static_cast<double>(count - parameter) - 0.5;
+}
+
+// The first set is the uppermost.
+double place_of_set(const IntervalPlot& plot, Index parameter, std::size_t set) {
+  const auto count = static_cast<double>(plot.sets.size());
+  const double share = (static_cast<double>(set) + 0.5) / count - 0.5;
+  return middle_of_row(parameter, std::ssize(plot.parameters)) - kRowShare * share;
+}
+
+// Columns x, y: one line for each row from `low` to `high`, interrupted between them.
+RowMatrix lines(const Vector& low, const Vector& high, const Vector& y) {
+  RowMatrix points(3 * y.size(), 2);
+  for (Index k = 0; k < y.size(); ++k) {
+    points.row(3 * k) << low(k), y(k);
+    points.row(3 * k + 1) << high(k), y(k);
+    points.row(3 * k + 2) << kNaN, kNaN;
+  }
+  return points;
+}
+
+// The rows: what the prior allows.
+void add_prior(const IntervalPlot& plot, Figure& figure, Panel& panel) {
+  const Index count = std::ssize(plot.parameters);
+  Vector y(count);
+  for (Index k = 0; k < count; ++k) {
+    y(k) = middle_of_row(k, count);
+    panel.y.ticks.insert(panel.y.ticks.begin(), y(k));
+    std::string label = plot.parameters[static_cast<std::size_t>(k)];
+    std::ranges::replace(label, '_', ' ');
+    panel.y.labels.insert(panel.y.labels.begin(), label);
+    panel.tips.push_back({{0.0, 1.0}, {y(k) - 0.5, y(k) + 0.5},
+                          plot.tips[static_cast<std::size_t>(k)]});
+  }
+  const std::string table = add_table(figure, "the prior's ends, row of the parameter",
+                                      lines(Vector::Zero(count), Vector::Ones(count), y));
+  panel.series.push_back({SeriesKind::line, table, {0, 1}, "#e3e7eb", 7.0});
+}
+
+void add_set(const IntervalPlot& plot, std::size_t set, Figure& figure, Panel& panel) {
+  const auto& [name, quantiles] = plot.sets[set];
+  const Index count = std::ssize(plot.parameters);
+  require<ShapeError>(quantiles.rows() == count && quantiles.cols() == 5,
+                      "interval plot '{}': quantiles of '{}' have shape ({}, {}), must be ({}, 5)",
+                      plot.name, name, quantiles.rows(), quantiles.cols(), count);
+  Vector y(count);
+  for (Index k = 0; k < count; ++k) y(k) = place_of_set(plot, k, set);
+  const char* color = kMethodColors[set];
+  for (const Index low : {Index{0}, Index{1}}) {
+    const std::string table =
+        add_table(figure, name + ": ends of the interval, row of the parameter",
+                  lines(quantiles.col(low), quantiles.col(4 - low), y));
+    panel.series.push_back({SeriesKind::line, table, {0, 1}, color, low == 0 ? 1.8 : 5.0});
+  }
+  for (Index k = 0; k < count; ++k) {
+    panel.marks.push_back({LegendMark::dot, color, quantiles(k, kMedian), y(k), 0.6});
+  }
+  figure.legend.push_back({LegendMark::dot, color, name});
+}
+
+void add_point(const IntervalPlot& plot, const IntervalPoint& point, Figure& figure, Panel& panel) {
+  const Index count = std::ssize(plot.parameters);
+  require<ShapeError>(point.place.size() == count,
+                      "interval plot '{}': '{}' has {} values for {} parameters", plot.name,
+                      point.name, point.place.size(), count);
+  for (Index k = 0; k < count; ++k) {
+    panel.marks.push_back(
+        {point.mark, point.color, point.place(k), middle_of_row(k, count), 0.7});
+  }
+  figure.legend.push_back({point.mark, point.color, point.name});
+}
+
+}  // namespace
+
+FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem::path& directory) {
+  const Index count = std::ssize(plot.parameters);
+  require(count > 0 && !plot.sets.empty() && plot.sets.size() <= kMaxMethods,
+          "interval plot '{}': {} parameters and {} sets, must be at least 1, and 1 to {}",
+          plot.name, count, plot.sets.size(), kMaxMethods);
+  require<ShapeError>(std::ssize(plot.tips) == count,
+                      "interval plot '{}': {} tips for {} parameters", plot.name, plot.tips.size(),
+                      count);
+  Figure figure{.name = plot.name};
+  figure.sizes.panel_width = 640.0;
+  figure.sizes.panel_height =
+      static_cast<double>(count) *
+      (kRowPadding + kSetHeight * static_cast<double>(plot.sets.size()));
+  figure.sizes.font = figure.sizes.tick_font = 12.0;
+  Panel panel{.x = make_axis({0.0, 1.0}, "place in the prior: share of it that lies below", "", 3, 0.0),
+              .y = {0.0, static_cast<double>(count)}};
+  add_prior(plot, figure, panel);
+  for (std::size_t set = 0; set < plot.sets.size(); ++set) add_set(plot, set, figure, panel);
+  for (const IntervalPoint& point : plot.points) add_point(plot, point, figure, panel);
+  figure.panels.push_back(std::move(panel));
+  return write_figure(figure, directory);
+}
+
+}  // namespace npdr::analysis

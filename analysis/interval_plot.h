@@ -1,0 +1,44 @@
+/// Figure of credible intervals: which parameters are known, and how well, at a glance.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "analysis/figure.h"
+#include "core/types.h"
+
+namespace npdr::analysis {
+
+/// Levels of the quantiles that are drawn: the ends of the 90 % and 50 % intervals, and the median.
+inline constexpr double kIntervalLevels[] = {0.05, 0.25, 0.5, 0.75, 0.95};
+
+/// Intervals of one posterior.
+struct IntervalSet {
+  std::string name;      ///< such as "NPDR (MAF)"
+  RowMatrix quantiles;   ///< (D, 5) at kIntervalLevels, as places in the prior: shares in [0, 1]
+};
+
+/// One parameter vector that is marked, such as the nominal one.
+struct IntervalPoint {
+  std::string name;
+  Vector place;  ///< (D) in the prior; what isn't in [0, 1] isn't marked
+  LegendMark mark = LegendMark::triangle;
+  std::string color;
+};
+
+struct IntervalPlot {
+  std::string name;                     ///< of the files: letters, digits, '_' and '-'
+  std::vector<std::string> parameters;  ///< (D) labels; underscores are shown as blanks
+  std::vector<std::string> tips;        ///< (D) words for who points at a row
+  std::vector<IntervalSet> sets;        ///< blue, orange, purple, ...; the first on top
+  std::vector<IntervalPoint> points = {};
+};
+
+/// Draws a row for each parameter, which is as wide as the prior: a line for each posterior's 90 %
+/// interval, a thick one for its 50 % interval, a dot for the median, and the marked points. Writes
+/// the figure's files and its data files into `directory`. Throws InputError for no parameters and
+/// for no or too many sets; ShapeError for quantiles or points of another size.
+FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem::path& directory);
+
+}  // namespace npdr::analysis

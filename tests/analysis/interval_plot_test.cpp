@@ -1,0 +1,67 @@
+#include "analysis/interval_plot.h"
+
+#include <gtest/gtest.h>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "tests/analysis/markup_check.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::analysis {
+namespace {
+
+IntervalPlot plot_of(std::size_t num_sets) {
+  IntervalPlot plot{.name = "intervals",
+                    .parameters = {"pole_mass", "pole_length"},
+                    .tips = {"pole_mass [kg]\nA: 1 & more", "tip 2"},
+                    .sets = {},
+                    .points = {}};
+  RowMatrix quantiles(2, 5);
+  quantiles << 0.1, 0.2, 0.3, 0.4, 0.5, 0.4, 0.5, 0.6, 0.7, 0.8;
+  for (std::size_t set = 0; set < num_sets; ++set) {
+    plot.sets.push_back({"set " + std::to_string(set), quantiles});
+  }
+  plot.points.push_back({"nominal", Vector{{0.5, 1.5}}, LegendMark::triangle, kNominalColor});
+  return plot;
+}
+
+TEST(IntervalPlot, DrawsTheRowsAndBothIntervalsOfEachSet) {
+  const TempFolder folder;
+  const std::string svg = read_text_file(write_interval_plot(plot_of(2), folder.path()).svg);
+  EXPECT_EQ(markup_error(svg), "");
+  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 1 + 2 * 2);
+  for (const char* words : {">pole mass<", ">pole length<", ">set 1<", ">nominal<"}) {
+    EXPECT_NE(svg.find(words), std::string::npos) << words;
+  }
+  const std::string wide = read_text_file(folder.path() / "intervals_2.dat");
+  const std::string narrow = read_text_file(folder.path() / "intervals_3.dat");
+  EXPECT_NE(wide.find("\n0.1 1.6"), std::string::npos) << wide << "the first row is above";
+  EXPECT_NE(wide.find("\n0.5 1.6"), std::string::npos) << wide;
+  EXPECT_NE(narrow.find("\n0.2 1.6"), std::string::npos) << narrow;
+  EXPECT_NE(narrow.find("\n0.4 1.6"), std::string::npos) << narrow;
+}
+
+TEST(IntervalPlot, RowsHaveTips) {
+  const TempFolder folder;
+  const std::string svg = read_text_file(write_interval_plot(plot_of(1), folder.path()).svg);
+  EXPECT_NE(svg.find("<title>pole_mass [kg]\nA: 1 &amp; more</title>"), std::string::npos);
+  EXPECT_EQ(count_of(svg, "<rect class=\"tip\""), 2);
+}
+
+TEST(IntervalPlot, RejectsWhatCantBeDrawn) {
+  const TempFolder folder;
+  EXPECT_THROW(write_interval_plot(plot_of(0), folder.path()), InputError);
+  EXPECT_THROW(write_interval_plot(plot_of(kMaxMethods + 1), folder.path()), InputError);
+  IntervalPlot plot = plot_of(1);
+  plot.sets[0].quantiles.conservativeResize(2, 4);
+  EXPECT_THROW(write_interval_plot(plot, folder.path()), ShapeError);
+  plot = plot_of(1);
+  plot.points[0].place.resize(1);
+  EXPECT_THROW(write_interval_plot(plot, folder.path()), ShapeError);
+  plot = plot_of(1);
+  plot.tips.pop_back();
+  EXPECT_THROW(write_interval_plot(plot, folder.path()), ShapeError);
+}
+
+}  // namespace
+}  // namespace npdr::analysis
