@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "analysis/latex_symbols.h"
 #include "core/printable.h"
 
 namespace npdr::analysis {
@@ -29,6 +30,9 @@ constexpr Substitution kLatex[] = {{'\\', "\\textbackslash{}"},
                                    {'#', "\\#"},
                                    {'_', "\\_"},
                                    {'%', "\\%"},
+                                   {'|', "\\textbar{}"},
+                                   {'[', "{[}"},  // else an argument of the row that ends before it
+                                   {'*', "{*}"},
                                    {'\n', " "},
                                    {'\r', " "}};
 
@@ -53,7 +57,7 @@ std::string escape_html(std::string_view text) { return substitute(text, kHtml);
 
 std::string escape_markdown(std::string_view text) { return substitute(text, kMarkdown); }
 
-std::string escape_latex(std::string_view text) { return substitute(text, kLatex); }
+std::string escape_latex(std::string_view text) { return latex_symbols(substitute(text, kLatex)); }
 
 std::string quote_csv(std::string_view text) {
   constexpr std::string_view formula = "=+-@";

@@ -9,8 +9,9 @@ namespace {
 
 std::string axis_attributes(char name, const Axis& axis) {
   const std::string title = axis.title + (axis.unit.empty() ? "" : " " + axis.unit);
-  return fmt::format(" data-{0}-lower=\"{1:.9g}\" data-{0}-upper=\"{2:.9g}\" data-{0}-title=\"{3}\"",
-                     name, axis.lower * axis.scale, axis.upper * axis.scale, escape_html(title));
+  return fmt::format(
+      " data-{0}-lower=\"{1:.9g}\" data-{0}-upper=\"{2:.9g}\" data-{0}-title=\"{3}\"", name,
+      axis.lower * axis.scale, axis.upper * axis.scale, escape_html(title));
 }
 
 std::string place(const Box& box) {
@@ -42,7 +43,8 @@ std::string panel_shapes(const Panel& panel, const Box& box) {
 }  // namespace
 
 std::string with_overlay(std::string svg, const Figure& figure, const FigureLayout& layout) {
-  std::string group = "<g class=\"overlay\" fill=\"none\" stroke=\"none\" pointer-events=\"all\">\n";
+  std::string group =
+      "<g class=\"overlay\" fill=\"none\" stroke=\"none\" pointer-events=\"all\">\n";
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     if (figure.panels[i].series.empty()) continue;
     group += panel_shapes(figure.panels[i], layout.panels[i]);

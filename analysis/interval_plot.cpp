@@ -44,8 +44,8 @@ void add_prior(const IntervalPlot& plot, Figure& figure, Panel& panel) {
     std::string label = plot.parameters[static_cast<std::size_t>(k)];
     std::ranges::replace(label, '_', ' ');
     panel.y.labels.insert(panel.y.labels.begin(), label);
-    panel.tips.push_back({{0.0, 1.0}, {y(k) - 0.5, y(k) + 0.5},
-                          plot.tips[static_cast<std::size_t>(k)]});
+    panel.tips.push_back(
+        {{0.0, 1.0}, {y(k) - 0.5, y(k) + 0.5}, plot.tips[static_cast<std::size_t>(k)]});
   }
   const std::string table = add_table(figure, "the prior's ends, row of the parameter",
                                       lines(Vector::Zero(count), Vector::Ones(count), y));
@@ -79,8 +79,7 @@ void add_point(const IntervalPlot& plot, const IntervalPoint& point, Figure& fig
                       "interval plot '{}': '{}' has {} values for {} parameters", plot.name,
                       point.name, point.place.size(), count);
   for (Index k = 0; k < count; ++k) {
-    panel.marks.push_back(
-        {point.mark, point.color, point.place(k), middle_of_row(k, count), 0.7});
+    panel.marks.push_back({point.mark, point.color, point.place(k), middle_of_row(k, count), 0.7});
   }
   figure.legend.push_back({point.mark, point.color, point.name});
 }
@@ -97,12 +96,12 @@ FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem:
                       count);
   Figure figure{.name = plot.name};
   figure.sizes.panel_width = 640.0;
-  figure.sizes.panel_height =
-      static_cast<double>(count) *
-      (kRowPadding + kSetHeight * static_cast<double>(plot.sets.size()));
+  figure.sizes.panel_height = static_cast<double>(count) *
+                              (kRowPadding + kSetHeight * static_cast<double>(plot.sets.size()));
   figure.sizes.font = figure.sizes.tick_font = 12.0;
-  Panel panel{.x = make_axis({0.0, 1.0}, "place in the prior: share of it that lies below", "", 3, 0.0),
-              .y = {0.0, static_cast<double>(count)}};
+  Panel panel{
+      .x = make_axis({0.0, 1.0}, "place in the prior: share of it that lies below", "", 3, 0.0),
+      .y = {0.0, static_cast<double>(count)}};
   add_prior(plot, figure, panel);
   for (std::size_t set = 0; set < plot.sets.size(); ++set) add_set(plot, set, figure, panel);
   for (const IntervalPoint& point : plot.points) add_point(plot, point, figure, panel);

@@ -15,8 +15,8 @@ inline constexpr double kIntervalLevels[] = {0.05, 0.25, 0.5, 0.75, 0.95};
 
 /// Intervals of one posterior.
 struct IntervalSet {
-  std::string name;      ///< such as "NPDR (MAF)"
-  RowMatrix quantiles;   ///< (D, 5) at kIntervalLevels, as places in the prior: shares in [0, 1]
+  std::string name;     ///< such as "NPDR (MAF)"
+  RowMatrix quantiles;  ///< (D, 5) at kIntervalLevels, as places in the prior: shares in [0, 1]
 };
 
 /// One parameter vector that is marked, such as the nominal one.

@@ -161,6 +161,7 @@ addEventListener("beforeprint", () => {
 )js";
 
 /// SHA-256 of the script, which the page's content security policy allows alone.
-inline constexpr const char* kReportScriptHash = "sha256-Itq1bMvYQYGMAYhjpfrso6lmuVSSit53MFEXxATilCA=";
+inline constexpr const char* kReportScriptHash =
+    "sha256-Itq1bMvYQYGMAYhjpfrso6lmuVSSit53MFEXxATilCA=";
 
 }  // namespace npdr::analysis

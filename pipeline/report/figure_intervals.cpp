@@ -28,9 +28,8 @@ RowMatrix quantiles_of(const RowMatrix& samples) {
     std::ranges::sort(sorted);
     Index k = 0;
     for (const double level : analysis::kIntervalLevels) {
-      quantiles(d, k++) =
-          analysis::quantile_of_sorted({sorted.data(), static_cast<std::size_t>(sorted.size())},
-                                       level);
+      quantiles(d, k++) = analysis::quantile_of_sorted(
+          {sorted.data(), static_cast<std::size_t>(sorted.size())}, level);
     }
   }
   return quantiles;

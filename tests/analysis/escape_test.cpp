@@ -17,12 +17,14 @@ TEST(Escape, LatexCoversAllSpecialCharacters) {
   EXPECT_EQ(escape_latex("50% of $1 & #2_{a}"), "50\\% of \\$1 \\& \\#2\\_\\{a\\}");
   EXPECT_EQ(escape_latex("~^\\<>"),
             "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}\\textless{}\\textgreater{}");
+  EXPECT_EQ(escape_latex("[a|b] * ≥"), "{[}a\\textbar{}b] {*} $\\geq$");
 }
 
 TEST(Escape, NoneLetsThroughWhatIsntPrintable) {
-  for (const auto& escape : {escape_html, escape_markdown, escape_latex, quote_csv}) {
+  for (const auto& escape : {escape_html, escape_markdown, quote_csv}) {
     EXPECT_EQ(escape("a\x1b\xF6\u202Eb"), "a\uFFFD\uFFFD\uFFFDb");
   }
+  EXPECT_EQ(escape_latex("a\x1b\xF6\u202Eb"), "a???b");
 }
 
 TEST(Escape, CsvHasNoFormulas) {

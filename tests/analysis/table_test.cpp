@@ -59,7 +59,7 @@ TEST(Table, AsCsvHasAllDigitsInColumnsOfTheirOwn) {
 
 TEST(Table, AsLatexUsesBooktabs) {
   EXPECT_EQ(to_latex(small_table()),
-            R"(% Needs \usepackage{booktabs}
+            R"(% Needs \usepackage{booktabs,graphicx}; table* for both columns of a page
 % Made by:
 %   npdr report \
 %     furuta.toml
@@ -67,19 +67,30 @@ TEST(Table, AsLatexUsesBooktabs) {
   \centering
   \caption{Fit to 5 recordings \& more}
   \label{tab:table_a2}
+  \resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%
   \begin{tabular}{lrrl}
     \toprule
     Metric & NPDR (MAF) & NPDR (MAF), published & Remark \\
     \midrule
-    DTW dist. & $[1.07 \pm 0.03]\mathrm{e}{+}3$\textsuperscript{a} & $[1.07 \pm 0.03]\mathrm{e}{+}3$ & a|b\_c \\
+    DTW dist. & $[1.07 \pm 0.03]\mathrm{e}{+}3$\textsuperscript{a} & $[1.07 \pm 0.03]\mathrm{e}{+}3$ & a\textbar{}b\_c \\
     RMSE & $0.263$ & $0.263 \pm 0.004$ &  \\
     Samples & $5000$ &  & say "x, y" \\
     \bottomrule
-  \end{tabular}
+  \end{tabular}}
 
   {\footnotesize \textsuperscript{a} 3 of 5000 samples failed, \textless{} 1 \%\par}
 \end{table}
 )");
+}
+
+TEST(Table, AsLatexAlignsMeansAtTheirSigns) {
+  Table table = small_table();
+  table.rows.resize(1);
+  table.rows[0] = {"[a]", {MeanStd{0.5, 0.1, 10}, Cell(), "b"}};
+  const std::string latex = to_latex(table);
+  EXPECT_NE(latex.find("\\begin{tabular}{lr@{}lrl}"), std::string::npos) << latex;
+  EXPECT_NE(latex.find("Metric & \\multicolumn{2}{c}{NPDR (MAF)} & "), std::string::npos);
+  EXPECT_NE(latex.find("    {[}a] & $0.500$ & ${}\\pm 0.100$ &  & b \\\\\n"), std::string::npos);
 }
 
 TEST(Table, AsHtmlEscapesItsText) {

@@ -61,6 +61,39 @@ TEST_F(Diagnose, TheReportHasATableAndFigures) {
   }
 }
 
+// Of a shell command in the study's folder.
+int status_of(const std::filesystem::path& folder, const std::string& command) {
+  return std::system(("cd '" + folder.string() + "' && " + command).c_str());
+}
+
+TEST_F(Diagnose, LatexCompilesItsTables) {
+  if (status_of(file("."), "command -v pdflatex > /dev/null") != 0) GTEST_SKIP() << "no pdflatex";
+  std::ofstream all(file("all.tex"));
+  all << "\\documentclass{article}\n\\usepackage{booktabs,graphicx}\n\\begin{document}\n";
+  for (const std::string& table : files_ending(file("runs/checked/tables"), ".tex")) {
+    all << "\\input{runs/checked/tables/" << table << "}\\clearpage\n";
+  }
+  all << "\\end{document}\n";
+  all.close();
+  EXPECT_EQ(
+      status_of(file("."), "pdflatex -interaction=nonstopmode -halt-on-error all.tex > all.out"), 0)
+      << text_of(file("all.out"));
+}
+
+TEST_F(Diagnose, ABrowserRunsTheReportsScript) {
+  if (status_of(file("."), "command -v chromium > /dev/null") != 0) GTEST_SKIP() << "no chromium";
+  const std::string page = file("runs/checked/report.html").string();
+  ASSERT_EQ(status_of(file("."),
+                      "timeout 60 chromium --headless --no-sandbox --disable-gpu "
+                      "--enable-logging=stderr --dump-dom 'file://" +
+                          page + "' > dom.html 2> messages.txt"),
+            0);
+  const std::string dom = text_of(file("dom.html")), messages = text_of(file("messages.txt"));
+  EXPECT_EQ(messages.find("CONSOLE"), std::string::npos) << messages;
+  EXPECT_NE(dom.find("<button type=\"button\" title=\"Sort\">Check</button>"), std::string::npos);
+  EXPECT_NE(dom.find("<div class=\"tools\">"), std::string::npos);
+}
+
 TEST_F(Diagnose, NothingIsMadeTwice) {
   // Target, baseline, report; (2 x 3 + 3) of training, 2 evaluations, 2 of calibration, 2
   // diagnoses, less what the methods share: the first proposal and simulation.
