@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
+#include <regex>
 
 namespace npdr::analysis {
 namespace {
+
+constexpr std::size_t kLongestSymbol = 60;  // bytes
 
 // Bytes of the character that begins with `lead`, in UTF-8.
 std::size_t size_of(char lead) {
@@ -41,14 +45,18 @@ Symbols make_symbols() {
   Symbols symbols = {{"–", "--"},       {"—", "---"},       {"…", "\\ldots{}"}, {"‘", "`"},
                      {"’", "'"},        {"“", "``"},        {"”", "''"},        {"\u00A0", "~"},
                      {"\u2009", "\\,"}, {"°", "$^\\circ$"}, {"\uFFFD", "?"}};
-  add(symbols, "±×·≥≤≠≈∞√−→←∂∈∑µ∝", "pm times cdot geq leq neq approx infty surd - rightarrow leftarrow "
-      "partial in sum mu propto", "$\\{}$");
+  add(symbols, "±×·≥≤≠≈∞√−→←∂∈∑µ∝",
+      "pm times cdot geq leq neq approx infty surd - rightarrow leftarrow "
+      "partial in sum mu propto",
+      "$\\{}$");
   symbols["−"] = "$-$";
   add(symbols, "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0 1 2 3 4 5 6 7 8 9 - + n", "$^{{{}}}$");
   add(symbols, "₀₁₂₃₄₅₆₇₈₉", "0 1 2 3 4 5 6 7 8 9", "$_{{{}}}$");
   add(symbols, "αβγδεζηθικλμνξπρστυφχψωΓΔΘΛΞΠΣΦΨΩ",
-      "alpha beta gamma delta varepsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau "
-      "upsilon varphi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega", "$\\{}$");
+      "alpha beta gamma delta varepsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma "
+      "tau "
+      "upsilon varphi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega",
+      "$\\{}$");
   return symbols;
 }
 
@@ -77,6 +85,25 @@ std::string latex_symbols(std::string_view text) {
     text.remove_prefix(character.size());
   }
   return result;
+}
+
+bool is_latex_symbol(std::string_view text) {
+  static const std::regex formula(
+      R"(([A-Za-z0-9{}(),.'+\-*/ ]|[_^](?=[A-Za-z0-9{\\])|)"
+      R"(\\(alpha|beta|gamma|delta|epsilon|varepsilon|zeta|eta|theta|vartheta|iota|kappa|lambda|mu|)"
+      R"(nu|xi|pi|rho|sigma|tau|upsilon|phi|varphi|chi|psi|omega|Gamma|Delta|Theta|Lambda|Xi|Pi|)"
+      R"(Sigma|Upsilon|Phi|Psi|Omega|log|ell)(?![A-Za-z])|)"
+      R"(\\(dot|ddot|bar|hat|tilde|vec|mathrm|mathbf|mathit)(?=\{))+)");
+  if (text.size() > kLongestSymbol || !std::regex_match(text.begin(), text.end(), formula)) {
+    return false;
+  }
+  int depth = 0;
+  for (const char c : text) {
+    depth += c == '{' ? 1 : c == '}' ? -1 : 0;
+    if (depth < 0) return false;
+  }
+  // LaTeX has no second subscript on the same letter.
+  return depth == 0 && std::ranges::count(text, '_') <= 1 && std::ranges::count(text, '^') <= 1;
 }
 
 }  // namespace npdr::analysis

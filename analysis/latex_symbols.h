@@ -11,4 +11,9 @@ namespace npdr::analysis {
 /// "U+4E2D". All without packages.
 std::string latex_symbols(std::string_view text);
 
+/// Whether a text from a user is a formula that can stand in any document: letters, digits,
+/// ordinary signs, sub- and superscripts, Greek letters, accents and fonts, with braces that are
+/// balanced. Nothing in it reads or writes files.
+bool is_latex_symbol(std::string_view text);
+
 }  // namespace npdr::analysis

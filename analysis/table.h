@@ -42,6 +42,7 @@ struct Column {
 struct Row {
   std::string label;
   std::vector<Cell> cells;  ///< one a column
+  std::string symbol = {};  ///< formula that LaTeX shows in place of the label
 };
 
 struct Table {

@@ -55,7 +55,11 @@ std::string row_text(const std::vector<std::string>& cells, const std::vector<bo
 std::string to_latex(const Table& table) {
   table.check();
   const Markup markup = {escape_latex, NumberStyle::latex, "\\textsuperscript{{{}}}"};
-  const Grid grid = text_grid(table, markup);
+  Grid grid = text_grid(table, markup);
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    const std::string& symbol = table.rows[r].symbol;
+    if (!symbol.empty()) grid[r + 1][0] = "$" + symbol + "$";
+  }
   const std::vector<bool> split = split_columns(grid);
   std::string alignment;
   for (std::size_t c = 0; c < grid[0].size(); ++c) {

@@ -36,8 +36,8 @@ void describe(Layout f, inference::SamplerReport& report) {
   f.attribute("num_evaluations", report.num_evaluations, "of the density");
 }
 
-void describe(Layout f, analysis::Bands& bands) {
-  const Dims dims = {{"H", "rollout"}, {"T", "time"}, {"C", "channel"}};
+void describe(Layout f, analysis::Bands& bands, const char* rollouts) {
+  const Dims dims = {{rollouts, "rollout"}, {"T", "time"}, {"C", "channel"}};
   f("lower", bands.lower, dims, "5 % quantile of the simulated states after each step, pointwise");
   f("median", bands.median, dims, "their median; only of rollouts");
   f("upper", bands.upper, dims, "their 95 % quantile");
@@ -63,7 +63,10 @@ void describe(Layout f, Evaluation& e, const std::vector<inference::Marginal>& p
   map("log_prob", e.map_log_prob, {}, "their density");
   map.each(e.map_metrics, metrics, {}, "their metrics");
   if (auto sampler = f.group("sampler", e.sampler)) describe(*sampler, *e.sampler);
-  if (auto bands = f.group("bands", e.bands)) describe(*bands, *e.bands);
+  if (auto bands = f.group("bands", e.bands)) describe(*bands, *e.bands, "H");
+  if (auto bands = f.group("held_out_bands", e.held_out_bands)) {
+    describe(*bands, *e.held_out_bands, "G");
+  }
   describe(f, e.scores);
   f("x", e.x, {kRow, kFeature}, "what a command gave at the samples, in place of the bands")
       .columns(features);

@@ -24,8 +24,9 @@ struct Evaluation {
   std::optional<double> truth_log_prob;
   std::map<std::string, double> reference_log_prob;
   std::optional<inference::SamplerReport> sampler;
-  std::optional<RowMatrixF> x;           ///< (n, F), of a simulator that gives features
-  std::optional<analysis::Bands> bands;  ///< of one that gives rollouts
+  std::optional<RowMatrixF> x;                    ///< (n, F), of a simulator that gives features
+  std::optional<analysis::Bands> bands;           ///< of one that gives rollouts
+  std::optional<analysis::Bands> held_out_bands;  ///< of those that were held out
   RolloutScores scores;
 };
 

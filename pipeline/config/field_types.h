@@ -59,6 +59,10 @@ struct FieldType<std::map<std::string, double>> {
   static constexpr const char* kName = "a table of finite numbers";
 };
 template <>
+struct FieldType<std::map<std::string, std::string>> {
+  static constexpr const char* kName = "a table of texts";
+};
+template <>
 struct FieldType<std::map<std::string, PublishedFigure>> {
   static constexpr const char* kName = "a table of { mean, std }";
 };

@@ -41,6 +41,12 @@ Json json_value(const std::map<std::string, double>& numbers) {
   return json;
 }
 
+Json json_value(const std::map<std::string, std::string>& texts) {
+  Json json = Json::object();
+  for (const auto& [name, text] : texts) json[name] = text;
+  return json;
+}
+
 Json json_value(const std::map<std::string, PublishedFigure>& figures) {
   Json json = Json::object();
   for (auto [name, figure] : figures) {

@@ -23,6 +23,7 @@ Json json_value(const T& value) {
 }
 Json json_value(const FreeTable& table);
 Json json_value(const std::map<std::string, double>& numbers);
+Json json_value(const std::map<std::string, std::string>& texts);
 Json json_value(const std::map<std::string, PublishedFigure>& figures);
 Json json_value(const std::vector<inference::Marginal>& prior);
 

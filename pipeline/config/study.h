@@ -103,9 +103,10 @@ struct LimitsConfig {
 };
 
 struct ReportConfig {
-  std::string title;                    ///< "": the study's name
-  std::string caption;                  ///< below the main tables
-  std::vector<std::string> parameters;  ///< those that pair plots show; empty: the first 15
+  std::string title;                           ///< "": the study's name
+  std::string caption;                         ///< below the main tables
+  std::vector<std::string> parameters;         ///< those that pair plots show; empty: the first 15
+  std::map<std::string, std::string> symbols;  ///< LaTeX of parameters
 };
 
 /// Somebody's figure to print beside ours.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "analysis/latex_symbols.h"
 #include "analysis/pair_plot.h"
 #include "core/error.h"
 #include "core/text.h"
@@ -275,6 +276,12 @@ void StudyChecker::check_report() {
   for (const std::string& parameter : shown) {
     require_known("report.parameters", "report.parameters", "parameter of the prior", parameter,
                   names);
+  }
+  for (const auto& [parameter, symbol] : study_.report.symbols) {
+    require_known("report.symbols", "report.symbols", "parameter of the prior", parameter, names);
+    if (analysis::is_latex_symbol(symbol)) continue;
+    fail("report.symbols." + parameter, shortened(symbol),
+         "a formula of letters, digits, _ ^ { } and commands such as \\theta or \\dot, without $");
   }
   if (shown.empty() || !reading_.good("report.parameters")) return;
   const auto count = static_cast<Index>(shown.size());

@@ -315,6 +315,8 @@ void describe(Fields& f, ReportConfig& c) {
     fmt::format("{} to {} parameters of the prior that pair plots show; empty: its first {}",
                 analysis::kMinPairParameters, analysis::kMaxPairParameters,
                 analysis::kMaxPairParameters));
+  f("symbols", c.symbols, anything<std::map<std::string, std::string>>(),
+    "LaTeX of parameters, for tables in papers, such as { pole_mass = 'm_p' }");
 }
 
 template <class Fields>

@@ -180,6 +180,16 @@ bool read_value(const TomlSlot& slot, std::map<std::string, double>& value) {
   return true;
 }
 
+bool read_value(const TomlSlot& slot, std::map<std::string, std::string>& value) {
+  const toml::table* table = slot.node.as_table();
+  if (table == nullptr) return false;
+  for (auto&& [key, node] : *table) {
+    const TomlSlot member = member_slot(slot, key, node);
+    if (!read_value(member, value[std::string(key.str())])) fail_type(member, "a text");
+  }
+  return true;
+}
+
 bool read_value(const TomlSlot& slot, FreeTable& value) {
   if (!slot.node.is_table()) return false;
   std::ostringstream text;

@@ -33,6 +33,7 @@ bool read_value(const TomlSlot& slot, std::vector<double>& value);
 bool read_value(const TomlSlot& slot, std::vector<std::vector<double>>& value);
 /// Numbers in tables of tables have the names of both: `a.b = 1` is "a.b".
 bool read_value(const TomlSlot& slot, std::map<std::string, double>& value);
+bool read_value(const TomlSlot& slot, std::map<std::string, std::string>& value);
 bool read_value(const TomlSlot& slot, FreeTable& value);
 bool read_value(const TomlSlot& slot, std::map<std::string, PublishedFigure>& value);
 bool read_value(const TomlSlot& slot, std::vector<inference::Marginal>& value);

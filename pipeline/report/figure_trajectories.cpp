@@ -7,14 +7,16 @@
 namespace npdr::pipeline {
 namespace {
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure draw(const ReportData& data, const std::filesystem::path& folder,
+                            const char* name, const char* rollouts, const Target& target,
+                            std::optional<analysis::Bands> Evaluation::*bands) {
   analysis::TrajectoryPlot plot;
-  plot.name = "trajectories";
+  plot.name = name;
   for (const std::string& method : drawn_methods(data.methods)) {
-    plot.predictions.push_back({method, *data.runs_of(method).front()->evaluation.bands});
+    plot.predictions.push_back({method, *(data.runs_of(method).front()->evaluation.*bands)});
   }
-  return {analysis::write_trajectory_plot(plot, data.target, folder).svg,
-          fmt::format("Recorded states, predictive median and 90 % band of seed {}.{}",
+  return {analysis::write_trajectory_plot(plot, target, folder).svg,
+          fmt::format("Recorded states{}, predictive median and 90 % band of seed {}.{}", rollouts,
                       data.seeds.front(), left_out_methods(data.methods))};
 }
 
@@ -22,9 +24,24 @@ bool exists(const ReportData& data) {
   return has_posteriors(data) && data.plan.study.source().gives_motion;
 }
 
+bool exists_held_out(const ReportData& data) { return exists(data) && data.held_out.has_value(); }
+
+analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+  return draw(data, folder, "trajectories", "", data.target, &Evaluation::bands);
+}
+
+analysis::ReportFigure make_held_out(const ReportData& data, const std::filesystem::path& folder) {
+  return draw(data, folder, "trajectories_held_out",
+              " of held-out rollouts, which inference hasn't seen", *data.held_out,
+              &Evaluation::held_out_bands);
+}
+
 }  // namespace
 
 /// Recorded and predicted trajectories of the first seed.
 FigureEntry trajectory_figure() { return {Section::fit, exists, make}; }
+
+/// The same of the rollouts that were held out.
+FigureEntry held_out_figure() { return {Section::fit, exists_held_out, make_held_out}; }
 
 }  // namespace npdr::pipeline

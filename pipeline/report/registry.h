@@ -56,6 +56,7 @@ inline std::vector<TableEntry> all_tables() {
 FigureEntry interval_figure();
 FigureEntry pair_figure();
 FigureEntry trajectory_figure();
+FigureEntry held_out_figure();
 FigureEntry path_figure();
 FigureEntry band_figure();
 FigureEntry learning_figure();
@@ -66,9 +67,9 @@ FigureEntry coverage_figure();
 
 /// In the order of the report.
 inline std::vector<FigureEntry> all_figures() {
-  return {interval_figure(), pair_figure(),     trajectory_figure(),  path_figure(),
-          band_figure(),     learning_figure(), grid_return_figure(), grid_success_figure(),
-          rank_figure(),     coverage_figure()};
+  return {interval_figure(),     pair_figure(), trajectory_figure(), held_out_figure(),
+          path_figure(),         band_figure(), learning_figure(),   grid_return_figure(),
+          grid_success_figure(), rank_figure(), coverage_figure()};
 }
 
 }  // namespace npdr::pipeline

@@ -113,6 +113,13 @@ analysis::ReportSection heading(Section section, const ReportData& data) {
   return {};
 }
 
+void add_symbols(analysis::Table& table, const std::map<std::string, std::string>& symbols) {
+  for (analysis::Row& row : table.rows) {
+    const auto symbol = symbols.find(row.label);
+    if (symbol != symbols.end()) row.symbol = symbol->second;
+  }
+}
+
 analysis::ReportSection make_section(Section section, const ReportData& data,
                                      const fs::path& folder) {
   analysis::ReportSection made = heading(section, data);
@@ -121,6 +128,7 @@ analysis::ReportSection make_section(Section section, const ReportData& data,
     analysis::Table table = entry.make(data);
     table.name = entry.name;
     table.command = data.plan.command;
+    add_symbols(table, data.plan.study.report.symbols);
     made.tables.push_back(std::move(table));
   }
   for (const FigureEntry& entry : all_figures()) {

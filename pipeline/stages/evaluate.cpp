@@ -31,6 +31,9 @@ void predict(const Plan& plan, const Node& node, const Judge& judge, const Strea
     return;
   }
   evaluation.bands = analysis::quantile_bands(view_of(seen));
+  if (judge.held_out() != nullptr) {
+    evaluation.held_out_bands = analysis::quantile_bands(view_of(held_out));
+  }
   const NoiseOfSamples noise =
       draw_noise(plan, read_seen_target(plan, node), seen,
                  noise_source(*plan.inputs(node, Stage::infer).front()), first);

@@ -9,7 +9,7 @@ namespace {
 constexpr double kAsGood = 0.01;  // of a score
 constexpr double kFarther = 2.0;
 constexpr Index kPatience = 10;  // levels
-constexpr double kRise = 1.1;
+constexpr double kRise = 1.2;
 
 }  // namespace
 

@@ -21,5 +21,18 @@ TEST(LatexSymbols, WhatNoFontHasIsNamed) {
   EXPECT_EQ(latex_symbols("\uFFFD"), "?");
 }
 
+TEST(LatexSymbols, OfUsersAreFormulasAndNothingElse) {
+  for (const char* good :
+       {"m_p", "\\theta", "\\dot{\\theta}_0", "k_{\\mathrm{m}}", "R_m^2", "D'"}) {
+    EXPECT_TRUE(is_latex_symbol(good)) << good;
+  }
+  for (const char* bad :
+       {"", "\\input{/etc/passwd}", "\\write18{ls}", "m$", "a%b", "m_", "\\dot", "{", "}{", "a_b_c",
+        "\\thetaX", "#1", "a\nb", "m_p & x", "\\\\", "^^5cinput x", "≥"}) {
+    EXPECT_FALSE(is_latex_symbol(bad)) << bad;
+  }
+  EXPECT_FALSE(is_latex_symbol(std::string(100, 'a')));
+}
+
 }  // namespace
 }  // namespace npdr::analysis

@@ -90,6 +90,8 @@ TEST(Table, AsLatexAlignsMeansAtTheirSigns) {
   const std::string latex = to_latex(table);
   EXPECT_NE(latex.find("\\begin{tabular}{lr@{}lrl}"), std::string::npos) << latex;
   EXPECT_NE(latex.find("Metric & \\multicolumn{2}{c}{NPDR (MAF)} & "), std::string::npos);
+  table.rows[0].symbol = "m_p";
+  EXPECT_NE(to_latex(table).find("    $m_p$ & $0.500$"), std::string::npos);
   EXPECT_NE(latex.find("    {[}a] & $0.500$ & ${}\\pm 0.100$ &  & b \\\\\n"), std::string::npos);
 }
 

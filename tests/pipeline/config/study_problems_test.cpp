@@ -230,6 +230,12 @@ TEST(StudyProblems, TheReportShowsParametersOfThePrior) {
       {"s.toml:23:14: report.parameters = [pole_mass, pole_mass]",
        "must be 1 to 15 different parameters of the prior, or none"}));
   EXPECT_EQ(problems_of(kStudyText, {"report.parameters=['pole_mass']"}), "");
+  EXPECT_TRUE(says(problems_of(kStudyText, {"report.symbols={ pole_mass = '\\input x' }"}),
+                   {"--set report.symbols={ pole_mass = '\\input x' }: report.symbols.pole_mass",
+                    "must be a formula of letters"}));
+  EXPECT_TRUE(says(problems_of(kStudyText, {"report.symbols={ gravity = 'g' }"}),
+                   {"report.symbols", "unknown parameter of the prior 'gravity'"}));
+  EXPECT_EQ(problems_of(kStudyText, {"report.symbols={ pole_mass = 'm_p' }"}), "");
 }
 
 TEST(StudyProblems, OfTheCommandLineNameTheOverride) {
