@@ -25,8 +25,8 @@ namespace {
 
 void print_diagnoses(Index count, const Study& study) {
   if (count == 0) return;
-  fmt::print("to check them: {} diagnoses, {} samples of each posterior\n", count,
-             study.diagnose.num_samples);
+  fmt::print("to check them: {} diagnos{}s, {} samples of each posterior\n", count,
+             count == 1 ? "i" : "e", study.diagnose.num_samples);
 }
 
 void print_policy_searches(const Plan& plan) {
