@@ -17,6 +17,7 @@
 #include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/config/study_warnings.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/shell_text.h"
@@ -127,6 +128,12 @@ std::vector<std::string> StudyArguments::words() const {
   if (!seeds.empty())
     words.insert(words.end(), {"--seeds", fmt::format("{}", fmt::join(seeds, ","))});
   return words;
+}
+
+void print_warnings(const std::string& program, const Plan& plan) {
+  for (const std::string& warning : warnings_of(plan.study, plan.source->info())) {
+    report_error(program, warning);
+  }
 }
 
 void UntilOption::add_to(CLI::App& app, const std::string& purpose) {

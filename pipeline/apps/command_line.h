@@ -39,6 +39,9 @@ struct StudyArguments {
   std::vector<std::string> words() const;
 };
 
+/// Prints what in the plan's study is probably not what was meant, as "program: place: warning".
+void print_warnings(const std::string& program, const Plan& plan);
+
 /// --until STAGE.
 struct UntilOption {
   std::string name;

@@ -76,6 +76,10 @@ ExitStatus run(const RunArguments& arguments) {
     print_commands(plan, config);
     return ExitStatus::done;
   }
+  print_warnings("npdr run", plan);
+  if (missing_nodes(plan, config).empty()) {
+    fmt::print(stderr, "{}: nothing to do, all is up to date\n", plan.study.name);
+  }
   const ExitStatus status = Scheduler(plan, config).run();
   const Node& report = plan.nodes.back();
   const bool is_whole = !config.until && config.artefacts.empty();

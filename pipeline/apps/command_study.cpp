@@ -221,6 +221,7 @@ void add_validate_command(CLI::App& app, int& result) {
       const Plan plan = study->plan();
       if (!*quiet) print_json(to_json(plan.study));
       print_work(plan);
+      print_warnings("npdr validate", plan);
       return ExitStatus::done;
     });
   });

@@ -194,6 +194,7 @@ ExitStatus submit(SubmitArguments& arguments) {
                summary(plan, jobs));
     return ExitStatus::done;
   }
+  print_warnings("npdr submit", plan);
   submit_missing(plan, config);
   return arguments.wait ? wait_for_jobs(plan, config.until) : ExitStatus::done;
 }
