@@ -90,12 +90,17 @@ bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
 
 void StudyArguments::add_to(CLI::App& app) {
   app.add_option("STUDY", file, "study file (TOML)")->required();
+  add_selection_to(app);
+}
+
+void StudyArguments::add_selection_to(CLI::App& app, const std::string& method_option) {
   app.add_option("--set", overrides,
                  "key=value that replaces a key of the study, such as simulate.shard_size=500 or "
                  "'method.\"NPDR (MAF)\".num_rounds=2'; may be repeated")
       ->allow_extra_args(false);
   app.add_option("--work", work, "folder of results and cache")->capture_default_str();
-  app.add_option("--only", methods, "only this method; may be repeated")->allow_extra_args(false);
+  app.add_option(method_option, methods, "only this method; may be repeated")
+      ->allow_extra_args(false);
   app.add_option_function<std::vector<std::string>>(
          "--seeds",
          [this](const std::vector<std::string>& texts) {

@@ -33,6 +33,8 @@ struct StudyArguments {
   std::vector<std::uint64_t> seeds;
 
   void add_to(CLI::App& app);
+  /// The options without the file; `method_option`: what names its methods, in place of "--only".
+  void add_selection_to(CLI::App& app, const std::string& method_option = "--only");
   /// `site`: see read_study().
   Plan plan(const ClusterConfig& site = {}) const;
   /// The words that name the same study to another executable.
