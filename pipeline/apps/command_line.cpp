@@ -88,6 +88,16 @@ bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
   }
 }
 
+void set_choices(CLI::Option& option, const std::vector<std::string>& choices) {
+  option.type_name("{" + join(choices, ",") + "}");
+}
+
+std::vector<std::string> choices_of(const CLI::Option& option) {
+  const std::string text = option.get_type_name();
+  if (!text.starts_with('{') || !text.ends_with('}')) return {};
+  return split(text.substr(1, text.size() - 2), ',');
+}
+
 void StudyArguments::add_to(CLI::App& app) {
   app.add_option("STUDY", file, "study file (TOML)")->required();
   add_selection_to(app);
@@ -142,7 +152,7 @@ void print_warnings(const std::string& program, const Plan& plan) {
 }
 
 void UntilOption::add_to(CLI::App& app, const std::string& purpose) {
-  app.add_option("--until", name, purpose + ": " + join(names_of<Stage>()));
+  set_choices(*app.add_option("--until", name, purpose), names_of<Stage>());
 }
 
 std::optional<Stage> UntilOption::stage() const {

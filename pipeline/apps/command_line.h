@@ -12,7 +12,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace npdr::pipeline {
 
@@ -23,6 +24,12 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
 /// Sets up `app` (version, one help for all), parses, and returns false when help was asked for or
 /// the words are wrong; `status` is then what to leave with.
 bool parse_command_line(CLI::App& app, int argc, char** argv, int& status);
+
+/// Says what an option's value is one of, for its help and for completion. Who reads the value
+/// checks it: with the nearest of the names in its message.
+void set_choices(CLI::Option& option, const std::vector<std::string>& choices);
+/// Those; none without set_choices().
+std::vector<std::string> choices_of(const CLI::Option& option);
 
 /// A study, as named on a command line.
 struct StudyArguments {

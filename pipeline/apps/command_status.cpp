@@ -206,6 +206,7 @@ void add_status_command(CLI::App& app, int& result) {
   as_cost->excludes(as_json);
   command->add_flag("--check", *check, "read every byte of every artefact and shard: find damage")
       ->excludes(as_cost);
+  command->footer("Examples:\n  npdr status study.toml\n  npdr status study.toml --cost");
   command->callback([&result, study, json, cost, check] {
     result = guarded_main("npdr status", [&] {
       const Plan plan = study->plan();
@@ -226,6 +227,7 @@ void add_explain_command(CLI::App& app, int& result) {
   auto word = std::make_shared<std::string>();
   study->add_to(*command);
   command->add_option("ARTEFACT", *word, "a key, or part of a name that 'npdr status' shows");
+  command->footer("Example:\n  npdr explain study.toml evaluate");
   command->callback([&result, study, word] {
     result = guarded_main("npdr explain", [&] {
       const Plan plan = study->plan();
