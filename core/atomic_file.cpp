@@ -87,6 +87,19 @@ void remove_quietly(const fs::path& file) {
 
 }  // namespace
 
+std::map<std::string, int> files_in_the_making(const fs::path& folder) {
+  std::map<std::string, int> found;
+  std::error_code error;
+  fs::directory_iterator entry(folder, error);
+  for (const auto end = fs::directory_iterator(); !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    const pid_t process = owner(name);
+    if (process == 0 || is_dead(process)) continue;
+    found[name.substr(1, name.rfind(fmt::format(".{}.", process_space())) - 1)] = process;
+  }
+  return found;
+}
+
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);

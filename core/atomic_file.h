@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -56,6 +57,10 @@ int remove_stale_temporaries(const std::filesystem::path& folder);
 /// Calls remove_stale_temporaries() the first time that this process asks for this folder: looking
 /// through a folder of a thousand shards for each of them would take longer than to write them.
 void remove_stale_temporaries_once(const std::filesystem::path& folder);
+
+/// Names of the files in `folder` that processes of this host are writing in the way of AtomicFile,
+/// and the numbers of those processes.
+std::map<std::string, int> files_in_the_making(const std::filesystem::path& folder);
 
 /// Name of this machine.
 std::string host_name();

@@ -17,6 +17,7 @@ enum class ExitStatus : int {
   failed = 1,
   invalid_input = 2,    ///< usage, study file, recording or artefact that can't be accepted
   failed_rollouts = 3,  ///< finished, with failed rollouts beyond the study's limit
+  failed_checks = 4,    ///< finished, with posteriors that failed a check (npdr run --strict)
   checkpointed = 75,    ///< stopped on request with its state saved: run it again
 };
 

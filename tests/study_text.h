@@ -20,6 +20,7 @@ inline std::string edited(const std::string& text, const std::string& from, cons
 }
 
 /// A study in the making: tables in the order in which they come, each with lines "key = value".
+/// Without a table [diagnose] it says that posteriors aren't checked: tests count what is made.
 class StudyText {
  public:
   using Lines = std::vector<std::string>;
@@ -66,7 +67,8 @@ class StudyText {
       text += table.header + "\n";
       for (const std::string& line : table.lines) text += line + "\n";
     }
-    return text;
+    const bool is_checked = std::ranges::count(tables_, "[diagnose]", &Table::header) > 0;
+    return text + (is_checked ? "" : "[diagnose]\nchecks = []\n");
   }
   friend std::ostream& operator<<(std::ostream& stream, const StudyText& study) {
     return stream << std::string(study);

@@ -10,6 +10,8 @@
 namespace npdr::inference {
 namespace {
 
+constexpr Index kFewestForTail = 40;
+
 // P(excess >= y) of a generalized Pareto distribution with the mean and variance of `excess`.
 double pareto_tail(const Eigen::ArrayXd& excess, double y) {
   const double mean = excess.mean(), variance = (excess - mean).square().mean();
@@ -21,7 +23,7 @@ double pareto_tail(const Eigen::ArrayXd& excess, double y) {
 }  // namespace
 
 double tail_probability(const Vector& reference, double observed) {
-  constexpr Index fewest_above = 10, fewest_for_tail = 40;
+  constexpr Index fewest_above = 10;
   if (reference.size() < 1) throw InputError("tail probability: no reference values");
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const auto numbered = [](double value) { return std::isnan(value) ? infinity : value; };
@@ -33,7 +35,7 @@ double tail_probability(const Vector& reference, double observed) {
   if (std::isinf(value) && sorted(0) < value) return smallest;
   const Index n = sorted.size(), above = (sorted.array() >= value).count();
   const double counted = static_cast<double>(1 + above) / static_cast<double>(1 + n);
-  if (above >= fewest_above || n < fewest_for_tail) return counted;
+  if (above >= fewest_above || n < kFewestForTail) return counted;
   const Index in_tail = std::max(fewest_above, n / 10);
   const double threshold = 0.5 * (sorted(in_tail - 1) + sorted(in_tail));
   const Eigen::ArrayXd excess = sorted.head(in_tail).array() - threshold;
@@ -41,6 +43,11 @@ double tail_probability(const Vector& reference, double observed) {
   const double share = static_cast<double>(in_tail) / static_cast<double>(n);
   const double fitted = share * pareto_tail(excess, std::max(0.0, value - threshold));
   return std::clamp(fitted, smallest, counted);
+}
+
+double smallest_tail_probability(Index n) {
+  const auto count = static_cast<double>(n);
+  return n < kFewestForTail ? 1.0 / (1.0 + count) : 1e-3 / count;
 }
 
 }  // namespace npdr::inference

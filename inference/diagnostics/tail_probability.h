@@ -18,4 +18,7 @@ namespace npdr::inference {
 /// reference.
 double tail_probability(const Vector& reference, double observed);
 
+/// The smallest that n reference values can give of a finite value: of fewer than 40 none is rare.
+double smallest_tail_probability(Index n);
+
 }  // namespace npdr::inference

@@ -1,5 +1,6 @@
 #include "inference/diagnostics/training_check.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -25,6 +26,11 @@ TrainingCheck check_training(const Vector& training_loss, const Vector& validati
   // The count began before the best epoch where none is better than the weights it began with.
   const bool has_stopped =
       epochs < config.max_epochs || epochs - check.best_epoch >= config.stop_after_epochs;
+  const Index before = epochs - std::max<Index>(1, epochs / 10);
+  if (before > 0) {
+    check.recent_fall =
+        validation_loss.head(before).minCoeff<Eigen::PropagateNumbers>() - check.validation_loss;
+  }
   check.generalization_gap = check.validation_loss - training_loss(best);
   check.is_converged = has_stopped && std::abs(check.generalization_gap) <= kLargestGap;
   return check;

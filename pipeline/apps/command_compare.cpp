@@ -125,6 +125,7 @@ void add_compare_command(CLI::App& app, int& result) {
       ->check(CLI::Range(inference::kFewestRowsOfSample, Index{1'000'000}));
   add_seed_option(*command, "--seed", arguments->seed);
   command->add_flag("--json", arguments->json, "for programs");
+  command->footer("Example:\n  npdr compare mine.csv runs/study/npe/seed-1/round-1/evaluate.h5");
   command->callback([&result, arguments] {
     result = guarded_main("npdr compare", [&] {
       const Comparison comparison = compare(*arguments);

@@ -148,6 +148,7 @@ void add_inspect_command(CLI::App& app, int& result) {
   command->add_option("FILE", *path)->required();
   command->add_flag("--study", *study, "print the resolved study that it belongs to");
   command->add_flag("--digest", *digest, "hash of the content: equal digests, equal bits");
+  command->footer("Example:\n  npdr inspect runs/study/target.h5");
   command->callback([&result, path, study, digest] {
     result = guarded_main("npdr inspect", [&] {
       inspect(*path, *study, *digest);
@@ -172,6 +173,7 @@ void add_verify_command(CLI::App& app, int& result) {
   command->add_flag(
       "--run-command", options->runs_command,
       "run the program or library that the file names, which can do all that you can");
+  command->footer("Example:\n  npdr verify runs/study/npe/seed-1/round-1/simulate.h5");
   command->callback([&result, path, options, all] {
     result = guarded_main("npdr verify", [&] {
       if (*all) options->count = most_rows;

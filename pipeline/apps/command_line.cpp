@@ -17,6 +17,7 @@
 #include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/config/study_warnings.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/shell_text.h"
@@ -87,14 +88,29 @@ bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
   }
 }
 
+void set_choices(CLI::Option& option, const std::vector<std::string>& choices) {
+  option.type_name("{" + join(choices, ",") + "}");
+}
+
+std::vector<std::string> choices_of(const CLI::Option& option) {
+  const std::string text = option.get_type_name();
+  if (!text.starts_with('{') || !text.ends_with('}')) return {};
+  return split(text.substr(1, text.size() - 2), ',');
+}
+
 void StudyArguments::add_to(CLI::App& app) {
   app.add_option("STUDY", file, "study file (TOML)")->required();
+  add_selection_to(app);
+}
+
+void StudyArguments::add_selection_to(CLI::App& app, const std::string& method_option) {
   app.add_option("--set", overrides,
                  "key=value that replaces a key of the study, such as simulate.shard_size=500 or "
                  "'method.\"NPDR (MAF)\".num_rounds=2'; may be repeated")
       ->allow_extra_args(false);
   app.add_option("--work", work, "folder of results and cache")->capture_default_str();
-  app.add_option("--only", methods, "only this method; may be repeated")->allow_extra_args(false);
+  app.add_option(method_option, methods, "only this method; may be repeated")
+      ->allow_extra_args(false);
   app.add_option_function<std::vector<std::string>>(
          "--seeds",
          [this](const std::vector<std::string>& texts) {
@@ -129,8 +145,14 @@ std::vector<std::string> StudyArguments::words() const {
   return words;
 }
 
+void print_warnings(const std::string& program, const Plan& plan) {
+  for (const std::string& warning : warnings_of(plan.study, plan.source->info())) {
+    report_error(program, warning);
+  }
+}
+
 void UntilOption::add_to(CLI::App& app, const std::string& purpose) {
-  app.add_option("--until", name, purpose + ": " + join(names_of<Stage>()));
+  set_choices(*app.add_option("--until", name, purpose), names_of<Stage>());
 }
 
 std::optional<Stage> UntilOption::stage() const {

@@ -12,7 +12,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace npdr::pipeline {
 
@@ -24,6 +25,12 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
 /// the words are wrong; `status` is then what to leave with.
 bool parse_command_line(CLI::App& app, int argc, char** argv, int& status);
 
+/// Says what an option's value is one of, for its help and for completion. Who reads the value
+/// checks it: with the nearest of the names in its message.
+void set_choices(CLI::Option& option, const std::vector<std::string>& choices);
+/// Those; none without set_choices().
+std::vector<std::string> choices_of(const CLI::Option& option);
+
 /// A study, as named on a command line.
 struct StudyArguments {
   std::string file;
@@ -33,11 +40,16 @@ struct StudyArguments {
   std::vector<std::uint64_t> seeds;
 
   void add_to(CLI::App& app);
+  /// The options without the file; `method_option`: what names its methods, in place of "--only".
+  void add_selection_to(CLI::App& app, const std::string& method_option = "--only");
   /// `site`: see read_study().
   Plan plan(const ClusterConfig& site = {}) const;
   /// The words that name the same study to another executable.
   std::vector<std::string> words() const;
 };
+
+/// Prints what in the plan's study is probably not what was meant, as "program: place: warning".
+void print_warnings(const std::string& program, const Plan& plan);
 
 /// --until STAGE.
 struct UntilOption {

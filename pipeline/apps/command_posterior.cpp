@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -19,7 +20,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/plan/stage.h"
+#include "pipeline/plan/completeness.h"
 #include "pipeline/process/forked_trial.h"
 #include "pipeline/store/number_table.h"
 #include "sim/observation_noise.h"
@@ -33,6 +34,11 @@ struct PosteriorArguments {
   Index count = 1000;
   std::uint64_t seed = 0;
   std::string theta;  ///< file of log-prob
+};
+
+struct SampleArguments {
+  PosteriorArguments posterior;
+  StudyArguments study;  ///< in its place
 };
 
 // Largest difference of what simulations take from a recording: actions, and states they begin in.
@@ -145,7 +151,8 @@ void require_numbers(const PosteriorArguments& arguments, const RowMatrix& value
               "anew, with a smaller training.learning_rate where that may have made them so");
 }
 
-void print_samples(const PosteriorArguments& arguments) {
+// Samples of one posterior, after the names of the parameters where they are the first.
+void print_samples(const PosteriorArguments& arguments, bool is_first) {
   const auto posterior = load(arguments);
   const inference::Samples samples =
       posterior->draw(arguments.count, {arguments.seed, "sample", 0, 0, 0});
@@ -156,9 +163,52 @@ void print_samples(const PosteriorArguments& arguments) {
   for (const auto& m : posterior->prior().marginals()) {
     header.push_back(fmt::format("{} [{}]", m.name, m.unit));
   }
-  fmt::print("{}\n", printable_line(join(header, ",")));
+  if (is_first) fmt::print("{}\n", printable_line(join(header, ",")));
   for (Index i = 0; i < theta.rows(); ++i) {
     fmt::print("{:.17g}\n", fmt::join(theta.row(i).begin(), theta.row(i).end(), ","));
+  }
+}
+
+// The one method of the plan that infers, or that of --only.
+const MethodConfig& only_method(const Plan& plan, const std::vector<std::string>& selected) {
+  std::vector<std::string> names;
+  for (const MethodConfig& method : plan.study.methods) {
+    const bool is_selected = selected.empty() || std::ranges::count(selected, method.name) > 0;
+    if (infers(method) && is_selected) names.push_back(method.name);
+  }
+  if (names.size() == 1) return plan.study.method(names.front());
+  throw InputError(fmt::format("{}: {} methods infer ({}), must be one: choose it by --method",
+                               plan.study.name, names.size(), join(names)));
+}
+
+// Posteriors of a study's method, in the order of seeds.
+std::vector<std::string> posteriors_of(const Plan& plan, const SampleArguments& arguments) {
+  const MethodConfig& method = only_method(plan, arguments.study.methods);
+  const Index iterations = plan.study.num_iterations_of(method);
+  std::vector<std::string> paths;
+  for (const std::uint64_t seed : plan.study.seeds) {
+    const auto& wanted = arguments.study.seeds;
+    if (!wanted.empty() && std::ranges::count(wanted, seed) == 0) continue;
+    const Use use{method.name, seed, method.algorithm.num_rounds, iterations > 1 ? iterations : 0};
+    const Node& node = plan.node(Stage::infer, use);
+    if (!is_complete(plan, node)) {
+      throw InputError(
+          fmt::format("{}: isn't there yet; run it first: {}", node.label(), plan.command));
+    }
+    paths.push_back(node.path);
+  }
+  return paths;
+}
+
+// The samples are shared out among a study's seeds, whose posteriors count the same.
+void print_samples_of_study(const SampleArguments& arguments) {
+  const std::vector<std::string> posteriors = posteriors_of(arguments.study.plan(), arguments);
+  const auto count = static_cast<Index>(posteriors.size());
+  PosteriorArguments one = arguments.posterior;
+  for (Index i = 0; i < count; ++i) {
+    one.posterior = posteriors[static_cast<std::size_t>(i)];
+    one.count = arguments.posterior.count / count + (i < arguments.posterior.count % count ? 1 : 0);
+    if (one.count > 0) print_samples(one, i == 0);
   }
 }
 
@@ -182,8 +232,9 @@ void print_log_prob(const PosteriorArguments& arguments) {
   for (const double value : log_prob) fmt::print("{:.17g}\n", value);
 }
 
-void add_posterior_options(CLI::App& command, PosteriorArguments& arguments) {
-  command.add_option("POSTERIOR", arguments.posterior, "posterior artefact (infer.h5)")->required();
+void add_posterior_options(CLI::App& command, PosteriorArguments& arguments,
+                           const std::string& what) {
+  command.add_option("POSTERIOR", arguments.posterior, what)->required();
   command.add_option("--x", arguments.recording,
                      "another recording, or file of x_o, to condition on");
 }
@@ -192,15 +243,27 @@ void add_posterior_options(CLI::App& command, PosteriorArguments& arguments) {
 
 void add_sample_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("sample", "samples of a trained posterior, as CSV");
-  auto arguments = std::make_shared<PosteriorArguments>();
-  add_posterior_options(*command, *arguments);
-  command->add_option("-n,--num-samples", arguments->count, "how many")
+  auto arguments = std::make_shared<SampleArguments>();
+  PosteriorArguments& posterior = arguments->posterior;
+  add_posterior_options(*command, posterior, "posterior artefact (infer.h5), or a study");
+  command->add_option("-n,--num-samples", posterior.count, "how many")
       ->capture_default_str()
       ->check(CLI::Range(Index{1}, Index{100'000'000}));
-  add_seed_option(*command, "--seed", arguments->seed);
+  add_seed_option(*command, "--seed", posterior.seed, "of the draws; see --seeds for a study's");
+  arguments->study.add_selection_to(*command, "--method");
+  command->footer(
+      "Examples:\n  npdr sample runs/study/npe/seed-1/round-1/infer.h5 -n 500\n"
+      "  npdr sample study.toml --method NPE --seeds 1\n"
+      "  npdr sample study.toml --method NPE        (all seeds pooled)");
   command->callback([&result, arguments] {
     result = guarded_main("npdr sample", [&] {
-      print_samples(*arguments);
+      arguments->study.file = arguments->posterior.posterior;
+      const bool is_study = arguments->study.file.ends_with(".toml");
+      if (is_study) {
+        print_samples_of_study(*arguments);
+      } else {
+        print_samples(arguments->posterior, true);
+      }
       return ExitStatus::done;
     });
   });
@@ -209,9 +272,10 @@ void add_sample_command(CLI::App& app, int& result) {
 void add_log_prob_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("log-prob", "posterior densities of the parameters in a file");
   auto arguments = std::make_shared<PosteriorArguments>();
-  add_posterior_options(*command, *arguments);
+  add_posterior_options(*command, *arguments, "posterior artefact (infer.h5)");
   command->add_option("THETA", arguments->theta, "CSV or HDF5 with a column per parameter")
       ->required();
+  command->footer("Example:\n  npdr log-prob runs/study/npe/seed-1/round-1/infer.h5 theta.csv");
   command->callback([&result, arguments] {
     result = guarded_main("npdr log-prob", [&] {
       print_log_prob(*arguments);

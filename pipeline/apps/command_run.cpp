@@ -24,6 +24,7 @@ struct RunArguments {
   int num_jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // 0: unknown
   std::vector<std::string> artefacts;
   bool dry_run = false;
+  bool strict = false;
 };
 
 void print_commands(const Plan& plan, const SchedulerConfig& config) {
@@ -32,8 +33,22 @@ void print_commands(const Plan& plan, const SchedulerConfig& config) {
   }
 }
 
-// The study's main tables, and where the rest is.
-void print_results(const Plan& plan) {
+// What the checks say; returns whether any failed.
+bool print_verdicts(const Plan& plan) {
+  bool any_failed = false;
+  for (const CheckSummary& summary : read_check_summaries(plan.nodes.back())) {
+    fmt::print("\n{}\n", printable_line(words_of(summary)));
+    for (const std::string& reason : summary.reasons) {
+      fmt::print("  {}\n", printable_line(reason));
+    }
+    any_failed = any_failed || !summary.failed.empty();
+  }
+  return any_failed;
+}
+
+// The study's main tables, what its checks say, and where the rest is; returns whether any check
+// failed.
+bool print_results(const Plan& plan) {
   const char* main = plan.study.source().simulates ? "fit.md" : "parameters.md";
   for (const char* name : {main, "policy.md"}) {
     std::ifstream table(plan.work.study(plan.study.name) / "tables" / name);
@@ -41,7 +56,9 @@ void print_results(const Plan& plan) {
     if (name != main) std::cout << "\n";
     std::cout << table.rdbuf() << std::flush;
   }
+  const bool any_failed = print_verdicts(plan);
   fmt::print("\nreport: {}\n", printable_line(report_path(plan).string()));
+  return any_failed;
 }
 
 std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string>& beginnings) {
@@ -59,12 +76,17 @@ ExitStatus run(const RunArguments& arguments) {
     print_commands(plan, config);
     return ExitStatus::done;
   }
+  print_warnings("npdr run", plan);
+  if (missing_nodes(plan, config).empty()) {
+    fmt::print(stderr, "{}: nothing to do, all is up to date\n", plan.study.name);
+  }
   const ExitStatus status = Scheduler(plan, config).run();
   const Node& report = plan.nodes.back();
   const bool is_whole = !config.until && config.artefacts.empty();
   const bool makes_report = std::ranges::count(config.artefacts, report.key) > 0;
-  if (status == ExitStatus::done && (is_whole || makes_report)) print_results(plan);
-  return status;
+  if (status != ExitStatus::done || !(is_whole || makes_report)) return status;
+  const bool any_failed = print_results(plan);
+  return any_failed && arguments.strict ? ExitStatus::failed_checks : status;
 }
 
 }  // namespace
@@ -82,6 +104,10 @@ void add_run_command(CLI::App& app, int& result) {
                    "only the artefact whose key begins like this; may be repeated")
       ->allow_extra_args(false);
   command->add_flag("--dry-run", arguments->dry_run, "print the commands that are missing");
+  command->add_flag("--strict", arguments->strict, "exit status 4 when a check fails");
+  command->footer(
+      "Examples:\n  npdr run study.toml\n  npdr run study.toml --seeds 1 --set "
+      "evaluate.num_samples=100");
   command->callback(
       [&result, arguments] { result = guarded_main("npdr run", [&] { return run(*arguments); }); });
 }

@@ -20,10 +20,11 @@ struct Standing {
   const Node& node;
   ArtefactStatus status;
   std::optional<NodeJobs> jobs;
+  int process = 0;  // of this host, that makes it now
 
   // Lets what the batch system is doing count more than what it has done so far.
   std::string state() const {
-    if (jobs && !jobs->running.empty()) return "running";
+    if (process != 0 || (jobs && !jobs->running.empty())) return "running";
     if (jobs && !jobs->waiting.empty()) return "queued";
     if (jobs && !jobs->failed.empty()) return "failed";
     return to_string(status.state);
@@ -34,6 +35,7 @@ struct Standing {
     const auto add = [&](const std::string& more) {
       if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
     };
+    if (process != 0) add(fmt::format("process {}", process));
     if (!jobs) return text;
     add(jobs->text());
     if (!jobs->failed.empty()) add(jobs->failed.front());
@@ -55,9 +57,11 @@ std::optional<std::vector<QueuedTask>> ask_slurm(const Plan& plan) {
 
 std::vector<Standing> standings(const Plan& plan, Scrutiny scrutiny) {
   const auto jobs = jobs_of_nodes(plan, ask_slurm(plan));
+  const std::vector<int> processes = processes_at_work(plan);
   std::vector<Standing> rows;
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
-    rows.push_back({plan.nodes[i], status_of(plan, plan.nodes[i], scrutiny), jobs[i]});
+    rows.push_back(
+        {plan.nodes[i], status_of(plan, plan.nodes[i], scrutiny), jobs[i], processes[i]});
   }
   return rows;
 }
@@ -161,6 +165,7 @@ void print_as_json(const Plan& plan, Scrutiny scrutiny) {
                     {"bytes", row.status.bytes},
                     {"wall_seconds", row.status.cost.wall_seconds},
                     {"core_seconds", row.status.cost.core_seconds},
+                    {"process", row.process},
                     {"uses", uses}});
     if (!row.jobs) continue;
     rows.back()["running"] = ids_of(row.jobs->running);
@@ -201,6 +206,7 @@ void add_status_command(CLI::App& app, int& result) {
   as_cost->excludes(as_json);
   command->add_flag("--check", *check, "read every byte of every artefact and shard: find damage")
       ->excludes(as_cost);
+  command->footer("Examples:\n  npdr status study.toml\n  npdr status study.toml --cost");
   command->callback([&result, study, json, cost, check] {
     result = guarded_main("npdr status", [&] {
       const Plan plan = study->plan();
@@ -221,6 +227,7 @@ void add_explain_command(CLI::App& app, int& result) {
   auto word = std::make_shared<std::string>();
   study->add_to(*command);
   command->add_option("ARTEFACT", *word, "a key, or part of a name that 'npdr status' shows");
+  command->footer("Example:\n  npdr explain study.toml evaluate");
   command->callback([&result, study, word] {
     result = guarded_main("npdr explain", [&] {
       const Plan plan = study->plan();

@@ -1,9 +1,8 @@
-// Commands about study files: validate, new, list.
+// Commands about study files: validate, new.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -12,11 +11,8 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/new_study.h"
 #include "pipeline/apps/size_text.h"
-#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/config/study_keys.h"
-#include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_template.h"
 #include "pipeline/plan/shards.h"
 
@@ -25,8 +21,8 @@ namespace {
 
 void print_diagnoses(Index count, const Study& study) {
   if (count == 0) return;
-  fmt::print("to check them: {} diagnoses, {} samples of each posterior\n", count,
-             study.diagnose.num_samples);
+  fmt::print("to check them: {} diagnos{}s, {} samples of each posterior\n", count,
+             count == 1 ? "i" : "e", study.diagnose.num_samples);
 }
 
 void print_policy_searches(const Plan& plan) {
@@ -116,90 +112,6 @@ void print_work(const Plan& plan) {
   print_policy_searches(plan);
 }
 
-void list_simulator(const sim::SimulatorInfo& info) {
-  fmt::print("{}: {}\n", info.name, info.description);
-  for (const sim::Parameter& p : info.parameters) {
-    fmt::print("    {:<24} {:>10.6g} {:<12} {}\n", p.name, p.nominal, p.unit, p.description);
-  }
-}
-
-std::string limits_text(const sim::Parameter& p) {
-  const bool is_limited = std::isfinite(p.lower) || std::isfinite(p.upper);
-  return is_limited ? fmt::format("[{:g}, {:g}]", p.lower, p.upper) : "";
-}
-
-// All that npdr knows of the simulator of a study.
-void list_simulator_of(const std::string& file) {
-  const Study study = read_study(file, {});
-  const auto source = make_source(study);
-  const sim::SimulatorInfo& info = source->info();
-  fmt::print("{}: {}\nparameters:\n", info.name, info.description);
-  for (const sim::Parameter& p : info.parameters) {
-    const std::string nominal = std::isnan(p.nominal) ? "none" : fmt::format("{:.6g}", p.nominal);
-    fmt::print("    {:<24} {:>10} {:<12} {:<16} {}\n", p.name, nominal, p.unit, limits_text(p),
-               p.description);
-  }
-  const auto list_channels = [](const char* title, const std::vector<Channel>& channels) {
-    fmt::print("{}:\n", title);
-    for (const Channel& channel : channels) {
-      fmt::print("    {:<24} {:>10} {}\n", channel.label, "", channel.unit);
-    }
-  };
-  const bool gives_motion = study.source().gives_motion;
-  list_channels(gives_motion ? "states" : "features", info.state_channels);
-  if (gives_motion) list_channels("actions", info.action_channels);
-  if (info.goal) fmt::print("goal: {}\n", info.goal->description);
-}
-
-void list_simulators(const std::string& study) {
-  if (!study.empty()) return list_simulator_of(study);
-  for (const std::string& name : sim::simulator_names()) {
-    sim::SimulatorConfig config;
-    config.name = name;
-    list_simulator(sim::make_simulator(config)->info());
-  }
-}
-
-void list_keys() {
-  for (const StudyKey& key : study_keys()) {
-    fmt::print("{:<44} {}", key.path, key.doc);
-    if (!key.default_value.empty()) fmt::print("; default {}", key.default_value);
-    if (!key.allowed.empty()) fmt::print("; {}", key.allowed);
-    fmt::print("\n");
-  }
-}
-
-void list_names(const std::vector<std::string>& names) {
-  for (const std::string& name : names) fmt::print("{}\n", name);
-}
-
-void list_layouts() {
-  for (const std::string& name : layout_names()) fmt::print("{}:\n{}\n", name, layout_table(name));
-}
-
-void list(const std::string& what, const std::string& study, const std::string& table) {
-  if (!study.empty() && what != "simulators") {
-    throw InputError("a study is for 'npdr list simulators STUDY'; leave it out");
-  }
-  if (!table.empty() && what != "keys" && what != "layouts") {
-    throw InputError("--markdown is for 'npdr list keys' and 'npdr list layouts'; leave it out");
-  }
-  if (what == "simulators") return list_simulators(study);
-  if (what == "keys") return table.empty() ? list_keys() : fmt::print("{}", keys_markdown(table));
-  if (what == "layouts") {
-    return table.empty() ? list_layouts() : fmt::print("{}", layout_table(table));
-  }
-  if (what == "methods") return list_names(names_of<inference::Algorithm>());
-  if (what == "embeddings") return list_names(names_of<inference::EmbeddingKind>());
-  if (what == "estimators") return list_names(names_of<inference::EstimatorKind>());
-  if (what == "integrators") return list_names(names_of<sim::Integrator>());
-  if (what == "metrics") return list_names(names_of<Metric>());
-  if (what == "checks") return list_names(names_of<Check>());
-  throw InputError(unknown_name("list", what,
-                                {"simulators", "methods", "embeddings", "estimators", "integrators",
-                                 "metrics", "checks", "keys", "layouts"}));
-}
-
 void write_new_study(NewStudy wanted) {
   if (wanted.name.ends_with(".toml")) wanted.name.resize(wanted.name.size() - 5);
   const std::filesystem::path path = wanted.name + ".toml";
@@ -223,11 +135,13 @@ void add_validate_command(CLI::App& app, int& result) {
   auto quiet = std::make_shared<bool>(false);
   study->add_to(*command);
   command->add_flag("--quiet", *quiet, "don't print the resolved study");
+  command->footer("Example:\n  npdr validate study.toml --quiet");
   command->callback([&result, study, quiet] {
     result = guarded_main("npdr validate", [&] {
       const Plan plan = study->plan();
       if (!*quiet) print_json(to_json(plan.study));
       print_work(plan);
+      print_warnings("npdr validate", plan);
       return ExitStatus::done;
     });
   });
@@ -249,27 +163,6 @@ void add_new_command(CLI::App& app, int& result) {
   command->callback([&result, wanted] {
     result = guarded_main("npdr new", [&] {
       write_new_study(*wanted);
-      return ExitStatus::done;
-    });
-  });
-}
-
-void add_list_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("list", "what a study can choose from");
-  auto what = std::make_shared<std::string>();
-  auto study = std::make_shared<std::string>();
-  auto table = std::make_shared<std::string>();
-  command
-      ->add_option("WHAT", *what,
-                   "simulators, methods, embeddings, estimators, integrators, metrics, checks, "
-                   "keys or layouts")
-      ->required();
-  command->add_option("STUDY", *study, "of simulators: show that of this study file");
-  command->add_option("--markdown", *table,
-                      "of keys or layouts: one table, such as method.training, as Markdown");
-  command->callback([&result, what, study, table] {
-    result = guarded_main("npdr list", [&] {
-      list(*what, *study, *table);
       return ExitStatus::done;
     });
   });

@@ -194,6 +194,7 @@ ExitStatus submit(SubmitArguments& arguments) {
                summary(plan, jobs));
     return ExitStatus::done;
   }
+  print_warnings("npdr submit", plan);
   submit_missing(plan, config);
   return arguments.wait ? wait_for_jobs(plan, config.until) : ExitStatus::done;
 }
@@ -225,6 +226,7 @@ void add_submit_command(CLI::App& app, int& result) {
       ->allow_extra_args(false);
   command->add_flag("--dry-run", arguments->dry_run, "print the scripts, submit nothing");
   command->add_flag("--wait", arguments->wait, "return when the jobs have ended");
+  command->footer("Example:\n  npdr submit study.toml --dry-run");
   command->callback([&result, arguments] {
     result = guarded_main("npdr submit", [&] { return submit(*arguments); });
   });
@@ -234,6 +236,7 @@ void add_cancel_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("cancel", "end a study's jobs that wait or run");
   auto arguments = std::make_shared<StudyArguments>();
   arguments->add_to(*command);
+  command->footer("Example:\n  npdr cancel study.toml");
   command->callback([&result, arguments] {
     result = guarded_main("npdr cancel", [&] { return cancel(*arguments); });
   });
@@ -245,6 +248,7 @@ void add_task_command(CLI::App& app, int& result) {
   auto words = std::make_shared<std::vector<std::string>>();
   command->add_option("COMMAND", *words, "program and its arguments, after --")->required();
   command->positionals_at_end();
+  command->footer("Example:\n  npdr task -- npdr-simulate study.toml --shard 0");
   command->callback([&result, words] {
     int status = 0;
     result = guarded_main("npdr task", [&] {

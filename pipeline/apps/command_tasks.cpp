@@ -77,6 +77,7 @@ void add_tasks_command(CLI::App& app, int& result) {
   command->add_option("--shards-per-task", arguments->shards_per_task, "shards of a command")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
+  command->footer("Example:\n  npdr tasks study.toml --shards-per-task 10");
   command->callback([&result, arguments] {
     result = guarded_main("npdr tasks", [&] { return list_tasks(*arguments); });
   });

@@ -18,6 +18,7 @@ void add_explain_command(CLI::App& app, int& result);
 void add_validate_command(CLI::App& app, int& result);
 void add_new_command(CLI::App& app, int& result);
 void add_list_command(CLI::App& app, int& result);
+void add_open_command(CLI::App& app, int& result);
 void add_import_command(CLI::App& app, int& result);
 void add_inspect_command(CLI::App& app, int& result);
 void add_verify_command(CLI::App& app, int& result);
@@ -25,5 +26,8 @@ void add_sample_command(CLI::App& app, int& result);
 void add_log_prob_command(CLI::App& app, int& result);
 void add_compare_command(CLI::App& app, int& result);
 void add_evidence_command(CLI::App& app, int& result);
+
+/// Those that tell of all others: help, man, completion. Come last.
+void add_help_commands(CLI::App& app, int& result);
 
 }  // namespace npdr::pipeline

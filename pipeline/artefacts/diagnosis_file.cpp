@@ -101,6 +101,8 @@ void describe(Layout f, inference::TrainingCheck& check, Index& max_epochs) {
   f.attribute("validation_loss", check.validation_loss, "the smallest [nats]");
   f.attribute("generalisation_gap", check.generalization_gap,
               "that minus the training loss of the same epoch [nats]");
+  f.attribute("recent_fall", check.recent_fall,
+              "of the validation loss in the last tenth of the epochs [nats]");
 }
 
 void describe(Layout f, Diagnosis& d, const std::vector<inference::Marginal>& prior) {

@@ -8,8 +8,21 @@
 
 namespace npdr::pipeline {
 
-/// Checks of a network over many simulations, then those at x_o, of its simulations and training.
-enum class Check { sbc, coverage, tarp, local_c2st, predictive, ood, failures, training };
+/// Checks of a network over many simulations, then those at x_o, of its simulations and training,
+/// then those of evaluated samples.
+enum class Check {
+  sbc,
+  coverage,
+  tarp,
+  local_c2st,
+  predictive,
+  ood,
+  failures,
+  training,
+  bounds,
+  contraction,
+  fit
+};
 
 /// Conditions that a method must meet for a check to mean something to it.
 enum class CheckNeeds {
@@ -27,7 +40,8 @@ struct CheckTraits : EnumRow<Check> {
   /// simulations of it; else the posterior of the last round.
   bool calibrates = false;
   bool has_p_value = true;
-  std::string_view failure = "FAILS";  ///< the verdict where p is too small
+  std::string_view failure = "FAILS";  ///< the verdict where p is too small, or where it has none
+  bool is_of_evaluation = false;  ///< judged by evaluated samples, without a diagnosis of its own
 };
 
 /// Every check, in the documented order.
@@ -35,7 +49,7 @@ constexpr auto enum_table(Check) {
   using enum Check;
   using enum CheckNeeds;
   return std::to_array<CheckTraits>({
-      // name, title, needs, asks_simulator, calibrates, has_p_value, failure
+      // name, title, needs, asks_simulator, calibrates, has_p_value, failure, is_of_evaluation
       {{sbc, "sbc"}, "SBC ranks, round 1", network, true, true},
       {{coverage, "coverage"}, "Expected coverage, round 1", network, true, true},
       {{tarp, "tarp"}, "TARP coverage, round 1", network, true, true},
@@ -49,7 +63,24 @@ constexpr auto enum_table(Check) {
        false,
        true,
        "failures DEPEND on them"},
-      {{training, "training"}, "Training", network, false, false, false},
+      {{training, "training"}, "Training", network, false, false, false, "NOT converged"},
+      {{bounds, "bounds"},
+       "Bounds of the prior",
+       posterior,
+       false,
+       false,
+       false,
+       "PRESSES against them",
+       true},
+      {{contraction, "contraction"},
+       "Contraction",
+       posterior,
+       false,
+       false,
+       false,
+       "it IS the prior",
+       true},
+      {{fit, "fit"}, "RMSE", posterior, true, false, false, "FAR above what can be reached", true},
   });
 }
 

@@ -50,19 +50,33 @@ const MethodConfig& Study::method(const std::string& method_name) const {
   throw InputError(unknown_name("method", method_name, names));
 }
 
-DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
+std::string Study::why_unchecked(Check check, const MethodConfig& method) const {
   using inference::AlgorithmFamily;
   const AlgorithmFamily family = inference::traits_of(method.algorithm.kind).family;
+  const CheckTraits traits = traits_of(check);
+  if (traits.asks_simulator && !source().simulates) {
+    return "a dataset can't be asked for other simulations";
+  }
+  const bool has_network = family == AlgorithmFamily::network;
+  if (traits.needs == CheckNeeds::network && !has_network) {
+    return "there is no network that could be asked about other observations";
+  }
+  if (traits.needs == CheckNeeds::simulations && !has_network && family != AlgorithmFamily::abc) {
+    return "there are no simulations that it has learned from";
+  }
+  if (check == Check::fit && std::ranges::count(evaluate.metrics, Metric::rmse) == 0) {
+    return "evaluate.metrics lacks rmse";
+  }
+  if (check == Check::fit && target.recording && !evaluate.floor) {
+    return "evaluate.floor is off";
+  }
+  return "";
+}
+
+DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
   DiagnoseConfig config = diagnose;
   if (!infers(method)) config.checks.clear();
-  std::erase_if(config.checks, [&](Check check) {
-    const CheckTraits traits = traits_of(check);
-    if (traits.asks_simulator && !source().simulates) return true;
-    if (traits.needs == CheckNeeds::network) return family != AlgorithmFamily::network;
-    const bool has_simulations =
-        family == AlgorithmFamily::network || family == AlgorithmFamily::abc;
-    return traits.needs == CheckNeeds::simulations && !has_simulations;
-  });
+  std::erase_if(config.checks, [&](Check check) { return !why_unchecked(check, method).empty(); });
   return config;
 }
 
@@ -80,6 +94,12 @@ bool DiagnoseConfig::has(Check check) const {
 
 bool DiagnoseConfig::calibrates() const {
   return std::ranges::any_of(checks, [](Check check) { return traits_of(check).calibrates; });
+}
+
+DiagnoseConfig DiagnoseConfig::of_diagnosis() const {
+  DiagnoseConfig config = *this;
+  std::erase_if(config.checks, [](Check check) { return traits_of(check).is_of_evaluation; });
+  return config;
 }
 
 namespace {

@@ -82,7 +82,7 @@ struct EvaluateConfig {
 
 /// How posteriors are checked.
 struct DiagnoseConfig {
-  std::vector<Check> checks;    ///< all where the study has a [diagnose]
+  std::vector<Check> checks;  ///< all where the study has a [diagnose], else those that cost little
   Index num_simulations = 300;  ///< fresh draws of the prior, to calibrate with
   Index num_samples = 1000;     ///< drawn from each posterior
   double alpha = 0.01;          ///< probability that a method without fault fails any of its checks
@@ -90,6 +90,8 @@ struct DiagnoseConfig {
   bool has(Check check) const;
   /// Whether any of the checks needs fresh simulations.
   bool calibrates() const;
+  /// The same without the checks of evaluated samples: what a diagnosis is made of.
+  DiagnoseConfig of_diagnosis() const;
 };
 
 /// A named parameter vector to compare posteriors with.
@@ -163,8 +165,9 @@ struct Study {
   /// Throws InputError with the nearest name when no method is called `method_name`.
   const MethodConfig& method(const std::string& method_name) const;
 
-  /// The checks that mean something to a method: without a network nothing can be calibrated,
-  /// without simulations nothing lies among them, and a dataset can't be asked for more.
+  /// Why a check means nothing to a method that infers, for people; "": it does mean something.
+  std::string why_unchecked(Check check, const MethodConfig& method) const;
+  /// The checks that mean something to a method.
   DiagnoseConfig diagnose_of(const MethodConfig& method) const;
 
   /// How often a method collects target rollouts, infers and searches: once without [policy].

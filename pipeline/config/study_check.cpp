@@ -177,6 +177,7 @@ void StudyChecker::check_unused_settings() {
 // An observation is judged by the simulations of all rounds.
 void StudyChecker::check_diagnose() {
   constexpr Index fewest = inference::kFewestSimulations;
+  if (!reading_.has("diagnose")) return;
   bool any_means_something = study_.diagnose.checks.empty() || study_.methods.empty();
   for (std::size_t i = 0; i < study_.methods.size(); ++i) {
     if (!reading_.good(fmt::format("method[{}].algorithm", i))) return;

@@ -256,7 +256,8 @@ void describe(Fields& f, EvaluateConfig& c) {
 template <class Fields>
 void describe(Fields& f, DiagnoseConfig& c) {
   choices(f, "checks", c.checks, checks_constraint(),
-          "what posteriors are checked by; all of them when left out, [] for none");
+          "what posteriors are checked by; all of them when left out, [] for none; without the "
+          "table, those that cost little");
   f("num_simulations", c.num_simulations, between(inference::kFewestSimulations, 1'000'000),
     "fresh draws of the prior that are simulated, to calibrate with");
   f("num_samples", c.num_samples, between(inference::kFewestSimulations, 1'000'000),

@@ -102,12 +102,38 @@ void resolve_external(Study& study, const fs::path& file, const Reading& reading
   }
 }
 
+// Whether fresh simulations of the prior cost little: at most a quarter of those that each method
+// makes anyway, and posteriors of which a sample costs next to nothing.
+bool can_calibrate_cheaply(const Study& study) {
+  return std::ranges::all_of(study.methods, [&](const MethodConfig& method) {
+    const inference::AlgorithmTraits& traits = inference::traits_of(method.algorithm.kind);
+    if (traits.family != inference::AlgorithmFamily::network) return true;
+    return traits.role == inference::NetworkRole::posterior &&
+           method.algorithm.num_rounds * method.algorithm.num_simulations >=
+               4 * study.diagnose.num_simulations;
+  });
+}
+
+// Every study is checked, unless it says that it isn't: without [diagnose] by what costs little.
+void resolve_checks(Study& study, const Reading& reading) {
+  DiagnoseConfig& diagnose = study.diagnose;
+  if (reading.has("diagnose")) {
+    if (!reading.has("diagnose.checks")) diagnose.checks = values_of<Check>();
+    return;
+  }
+  diagnose.num_samples = 200;
+  const bool calibrates = can_calibrate_cheaply(study);
+  diagnose.checks = values_of<Check>();
+  std::erase_if(diagnose.checks, [&](Check check) {
+    return traits_of(check).calibrates &&
+           (!calibrates || check == Check::tarp || check == Check::local_c2st);
+  });
+}
+
 // Defaults that depend on other keys.
 void resolve(Study& study, const fs::path& file, const Reading& reading) {
   resolve_target(study.target, file, reading);
-  if (reading.has("diagnose") && !reading.has("diagnose.checks")) {
-    study.diagnose.checks = values_of<Check>();
-  }
+  resolve_checks(study, reading);
   if (reading.has("policy") && !reading.has("policy.optimizer")) {
     study.policy.search.kind = inference::PolicyOptimizerKind::power;
   }

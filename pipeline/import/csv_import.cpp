@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/error.h"
 #include "core/text.h"
@@ -147,13 +148,34 @@ void append(const std::vector<std::string>& more, std::vector<std::string>& all)
   all.insert(all.end(), more.begin(), more.end());
 }
 
+// Rates are the slopes of angles also where all of a motion is in degrees; few begin beyond a turn.
+void note_far_beginnings(const Target& target, const std::vector<std::string>& files,
+                         std::vector<std::string>& notes) {
+  for (std::size_t h = 0; h < target.rollouts.size(); ++h) {
+    for (std::size_t c = 0; c < target.state_channels.size(); ++c) {
+      const auto& [label, unit] = target.state_channels[c];
+      const double first = target.rollouts[h].states(0, static_cast<Index>(c));
+      if (unit != "rad" || std::abs(first) <= 2.0 * std::numbers::pi) continue;
+      notes.push_back(fmt::format(
+          "warning: {}: {} begins at {:.3g} rad, more than a turn from zero: if it is in degrees, "
+          "add --scale {}=0.0174533, and the same for its rate",
+          files[h], label, first, label));
+      return;
+    }
+  }
+}
+
 // Throws what is wrong with angles and rates, all at once; otherwise says what was checked.
 std::vector<std::string> check_rates(const Target& target, const std::vector<CsvRows>& files) {
   std::vector<std::string> problems = turn_problems(files);
   const RateReport report = report_rates(target, measured_rates(files.front()),
                                          names_of_files(files), files.front().time);
   append(report.problems, problems);
-  if (problems.empty()) return report.notes;
+  if (problems.empty()) {
+    std::vector<std::string> notes = report.notes;
+    note_far_beginnings(target, names_of_files(files), notes);
+    return notes;
+  }
   problems.emplace_back(
       "--no-rate-check imports the files as they are; simulations then start from, and are "
       "compared with, angles and rates that contradict each other, and nothing else will tell");

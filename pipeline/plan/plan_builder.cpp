@@ -200,7 +200,7 @@ void PlanBuilder::add_judgments(const MethodConfig& method, Use use, std::size_t
     const std::size_t posterior = rounds.posteriors[static_cast<std::size_t>(use.round - 1)];
     note(results.evaluations, add_evaluation(use, first_target, held_out_, posterior));
   }
-  if (plan_.study.diagnose_of(method).checks.empty()) return;
+  if (plan_.study.diagnose_of(method).of_diagnosis().checks.empty()) return;
   use.round = 0;
   note(results.diagnoses, add_diagnosis(method, use, target, rounds));
 }
@@ -302,7 +302,7 @@ std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target,
 std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& use,
                                        std::size_t target, const Rounds& rounds) {
   Json json = key_document(kDiagnosisSchema);
-  const DiagnoseConfig diagnose = plan_.study.diagnose_of(method);
+  const DiagnoseConfig diagnose = plan_.study.diagnose_of(method).of_diagnosis();
   const Json settings = to_json(diagnose);
   for (const auto& [key, value] : settings.items()) {
     if (key != "alpha") json[key] = value;  // the verdict is the report's

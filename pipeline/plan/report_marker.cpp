@@ -1,10 +1,14 @@
 #include "pipeline/plan/report_marker.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/text.h"
 
 namespace npdr::pipeline {
 
@@ -22,14 +26,56 @@ bool report_is_current(const Plan& plan, const Node& node) {
 
 void unmark_report(const Node& node) { std::filesystem::remove(node.path); }
 
-void mark_report(const Node& node, const std::vector<std::filesystem::path>& files) {
+void mark_report(const Node& node, const std::vector<std::filesystem::path>& files,
+                 const std::vector<CheckSummary>& checks) {
   std::vector<std::string> names;
   for (const auto& file : files) {
     names.push_back(file.lexically_relative(node.path.parent_path()).generic_string());
   }
-  const nlohmann::ordered_json json = {
-      {"key", node.key}, {"files", names}, {"key_document", node.identity.key_document}};
+  nlohmann::ordered_json verdicts = nlohmann::ordered_json::array();
+  for (const CheckSummary& summary : checks) {
+    verdicts.push_back({{"method", summary.method},
+                        {"num_checks", summary.num_checks},
+                        {"failed", summary.failed},
+                        {"unknown", summary.unknown},
+                        {"reasons", summary.reasons}});
+  }
+  const nlohmann::ordered_json json = {{"key", node.key},
+                                       {"files", names},
+                                       {"checks", verdicts},
+                                       {"key_document", node.identity.key_document}};
   write_text_file(node.path, json.dump(2) + "\n");
+}
+
+std::vector<CheckSummary> read_check_summaries(const Node& node) {
+  std::ifstream file(node.path);
+  std::vector<CheckSummary> summaries;
+  try {
+    const auto json = nlohmann::json::parse(file);
+    for (const auto& verdict : json.at("checks")) {
+      summaries.push_back({verdict.at("method"), verdict.at("num_checks"), verdict.at("failed"),
+                           verdict.at("unknown"), verdict.at("reasons")});
+    }
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(node.path.string() + ": is damaged; remove it and run the study again");
+  }
+  return summaries;
+}
+
+std::string words_of(const CheckSummary& summary) {
+  const auto count = [](const auto& names) { return static_cast<Index>(names.size()); };
+  std::string text = summary.method + ": ";
+  if (!summary.failed.empty()) {
+    text += fmt::format("{} of {} FAIL: {}", summary.failed.size(),
+                        counted(summary.num_checks, "check"), join(summary.failed));
+  } else if (summary.unknown.empty()) {
+    text += fmt::format("all {} pass", counted(summary.num_checks, "check"));
+  } else {
+    text += fmt::format("{} of {} pass", summary.num_checks - count(summary.unknown),
+                        counted(summary.num_checks, "check"));
+  }
+  if (!summary.unknown.empty()) text += "; can't tell: " + join(summary.unknown);
+  return text;
 }
 
 std::filesystem::path report_path(const Plan& plan) {

@@ -5,10 +5,25 @@
 
 namespace npdr::pipeline {
 
+/// What the checks say of one method's posteriors.
+struct CheckSummary {
+  std::string method;
+  Index num_checks = 0;
+  std::vector<std::string> failed;   ///< titles of the checks
+  std::vector<std::string> unknown;  ///< of those that can't tell
+  std::vector<std::string> reasons;  ///< what was found and what to do, a sentence each
+};
+
+/// "NPE: 2 of 7 checks FAIL: Training, RMSE"; "NPE: all 7 checks pass".
+std::string words_of(const CheckSummary& summary);
+
 /// The key is the plan's, and all files of the report are there.
 bool report_is_current(const Plan& plan, const Node& node);
 /// `files`: of the report, besides report.html; below the study's folder. Throws Error.
-void mark_report(const Node& node, const std::vector<std::filesystem::path>& files);
+void mark_report(const Node& node, const std::vector<std::filesystem::path>& files,
+                 const std::vector<CheckSummary>& checks);
+/// The verdicts of a report that is current. Throws InputError where it can't be read.
+std::vector<CheckSummary> read_check_summaries(const Node& node);
 /// Takes the mark away, where there is one. Throws std::filesystem::filesystem_error.
 void unmark_report(const Node& node);
 

@@ -57,19 +57,14 @@ Progress::Progress(std::string label, Index total)
     : label_(std::move(label)),
       total_(total),
       parent_(parent_descriptor()),
-      terminal_(isatty(STDERR_FILENO) != 0),
       start_(Clock::now()),
       shown_(start_) {}
-
-Progress::~Progress() {
-  if (line_open_) std::fputc('\n', stderr);
-}
 
 void Progress::update(Index done, const std::string& note) {
   const auto now = Clock::now();
   const bool is_last = total_ > 0 && done >= total_;
-  const double wait = parent_ >= 0 || terminal_ ? 0.1 : 60.0;
-  if (seconds_between(shown_, now) < wait && !(is_last && (parent_ >= 0 || line_open_))) return;
+  const bool is_watched = parent_ >= 0 || line_.is_terminal();
+  if (seconds_between(shown_, now) < (is_watched ? 0.1 : 60.0) && !(is_last && is_watched)) return;
   shown_ = now;
   show(done, note);
 }
@@ -83,10 +78,8 @@ void Progress::show(Index done, const std::string& note) {
   const std::string text = label_ + ": " +
                            progress_text(done, total_, seconds_between(start_, shown_)) +
                            (note.empty() ? "" : ", " + note);
-  // fmt::print() would throw where the terminal was closed.
-  std::fputs(((terminal_ ? "\r\033[K" : "") + text + (terminal_ ? "" : "\n")).c_str(), stderr);
-  std::fflush(stderr);
-  line_open_ = terminal_;
+  line_.show({text});
+  if (!line_.is_terminal()) std::fputs((text + "\n").c_str(), stderr);
 }
 
 }  // namespace npdr::pipeline

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/types.h"
+#include "pipeline/process/live_lines.h"
 
 namespace npdr::pipeline {
 
@@ -15,10 +16,6 @@ class Progress {
  public:
   /// total = 0: not known beforehand (training that stops by itself).
   Progress(std::string label, Index total);
-  /// Ends the live line.
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
 
   void update(Index done, const std::string& note = "");
 
@@ -28,8 +25,7 @@ class Progress {
   std::string label_;
   Index total_;
   int parent_;  ///< file descriptor, -1: none
-  bool terminal_;
-  bool line_open_ = false;
+  LiveLines line_;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point shown_;
 };

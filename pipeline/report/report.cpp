@@ -18,6 +18,7 @@
 #include "pipeline/report/next_steps.h"
 #include "pipeline/report/policy_parts.h"
 #include "pipeline/report/registry.h"
+#include "pipeline/report/verdicts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -216,7 +217,7 @@ void run_report(const Plan& plan, const Node& node) {
   const std::vector<fs::path> files = write_tables(report, folder / "tables");
   remove_other_tables(data, folder / "tables");
   analysis::write_report(report, report_path(plan));
-  mark_report(node, files);
+  mark_report(node, files, check_summaries(data));
 }
 
 }  // namespace npdr::pipeline

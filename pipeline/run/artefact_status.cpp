@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <map>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/file_error.h"
 #include "pipeline/artefacts/schemas.h"
@@ -42,6 +44,15 @@ std::optional<fs::path> earlier_artefact(const Plan& plan, const Node& node) {
   const fs::path found = fs::canonical(link, error);
   if (error || found.stem() == node.key) return std::nullopt;
   return found;
+}
+
+// A link of the readable folder whose artefact somebody has removed.
+std::optional<fs::path> removed_artefact(const Plan& plan, const Node& node) {
+  if (node.stage == Stage::report) return std::nullopt;
+  const fs::path link = link_of(plan, node, node.uses.front());
+  std::error_code error;
+  if (!fs::is_symlink(link, error) || fs::exists(link, error)) return std::nullopt;
+  return (link.parent_path() / fs::read_symlink(link, error)).lexically_normal();
 }
 
 // Nothing: no part of it is there.
@@ -204,12 +215,38 @@ ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny) 
   return status;
 }
 
+std::vector<int> processes_at_work(const Plan& plan) {
+  std::map<fs::path, std::map<std::string, int>> folders;  // each is read once
+  const auto in_the_making = [&](const fs::path& folder) -> const std::map<std::string, int>& {
+    const auto found = folders.find(folder);
+    if (found != folders.end()) return found->second;
+    return folders[folder] = files_in_the_making(folder);
+  };
+  std::vector<int> processes;
+  for (const Node& node : plan.nodes) {
+    processes.push_back(0);
+    if (is_complete(plan, node)) continue;
+    const auto& files = in_the_making(node.path.parent_path());
+    const auto own = files.find(node.path.filename().string());
+    if (own != files.end()) processes.back() = own->second;
+    if (node.stage != Stage::simulate) continue;
+    const auto& of_shards = in_the_making(plan.work.shard(node.key, {}).parent_path());
+    if (!of_shards.empty()) processes.back() = of_shards.begin()->second;
+  }
+  return processes;
+}
+
 std::vector<std::string> reasons(const Plan& plan, const Node& node) {
   if (is_complete(plan, node)) {
     const ArtefactStatus status = status_of(plan, node);
     return {status.state == ArtefactState::up_to_date ? "it is up to date" : status.detail};
   }
   const std::optional<fs::path> earlier = earlier_artefact(plan, node);
+  if (const auto removed = removed_artefact(plan, node)) {
+    const bool is_its = removed->stem() == node.key;
+    return {fmt::format("{} was removed: {}", is_its ? "its file" : "an earlier version's file",
+                        removed->string())};
+  }
   if (!earlier) return {"it was never made"};
   std::vector<std::string> lines;
   compare("", node.identity.key_document, document_of(*earlier), lines);

@@ -39,6 +39,9 @@ enum class Scrutiny { quick, thorough };
 
 ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny = Scrutiny::quick);
 
+/// Processes of this host that make the nodes of a plan now; 0: none does. (nodes)
+std::vector<int> processes_at_work(const Plan& plan);
+
 /// "up to date", "stale", "partial", "missing", "failed".
 std::string to_string(ArtefactState state);
 

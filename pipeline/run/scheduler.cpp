@@ -12,8 +12,10 @@
 
 #include "core/atomic_file.h"
 #include "pipeline/plan/completeness.h"
+#include "pipeline/plan/shards.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
+#include "pipeline/run/run_display.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -65,6 +67,15 @@ std::vector<std::string> stage_command(const SchedulerConfig& config, const Node
 
 namespace {
 
+// What a job's progress counts, where it is worth a word.
+std::string unit_of(const Plan& plan, const Node& node) {
+  if (node.stage == Stage::simulate) return " simulations";
+  if (node.stage != Stage::infer) return "";
+  const inference::Algorithm kind = plan.study.method(node.uses.front().method).algorithm.kind;
+  const bool trains = inference::traits_of(kind).family == inference::AlgorithmFamily::network;
+  return trains ? " epochs" : " simulations";
+}
+
 // The policy of an earlier iteration collects what the next one infers from.
 bool comes_until(const Plan& plan, const Node& node, Stage until) {
   if (node.stage <= until) return true;
@@ -115,7 +126,7 @@ Scheduler::Scheduler(const Plan& plan, SchedulerConfig config)
       config_(std::move(config)),
       states_(plan.nodes.size(), State::done),
       free_slots_(config_.num_jobs),
-      terminal_(isatty(STDERR_FILENO) != 0),
+      costs_(plan),
       start_(Clock::now()),
       shown_(start_) {
   for (const Node* node : missing_nodes(plan, config_)) {
@@ -137,6 +148,7 @@ ExitStatus Scheduler::run() {
     collect_ended_jobs();
     show_progress(false);
   }
+  lines_.clear();
   remove_stale_temporaries_of(plan_);
   if (num_missing_ > 0 && status_ == ExitStatus::done) show_progress(true);
   if (stopping_ && num_made_ < num_missing_ && status_ == ExitStatus::done) {
@@ -165,8 +177,9 @@ void Scheduler::start_ready_jobs() {
 
 void Scheduler::start(std::size_t index, int threads) {
   const Node& node = plan_.nodes[index];
-  jobs_.push_back(
-      {index, threads, ChildProcess(stage_command(config_, node), threads, log_path(node))});
+  jobs_.push_back({index, threads,
+                   ChildProcess(stage_command(config_, node), threads, log_path(node)),
+                   Clock::now()});
   states_[index] = State::running;
   free_slots_ -= threads;
 }
@@ -201,10 +214,12 @@ void Scheduler::collect_ended_jobs() {
 void Scheduler::end_of(const Job& job) {
   const Node& node = plan_.nodes[job.node];
   const int status = job.process.exit_status();
+  spent_ += spent(job);
   // Another run may have begun to make its own report in place of this one.
   if (status == 0 && (node.stage == Stage::report || is_complete(plan_, node))) {
     states_[job.node] = State::done;
     ++num_made_;
+    costs_.learn(node, spent(job));
     print_warnings(node, job.process.said());
     return;
   }
@@ -220,48 +235,88 @@ void Scheduler::end_of(const Job& job) {
   }
   const std::string reason = status > 128 ? fmt::format("killed by signal {}", status - 128)
                                           : fmt::format("exit status {}", status);
-  print(
-      fmt::format("{}npdr: {} failed ({}):\n", terminal_ ? "\r\033[K" : "", node.label(), reason));
+  lines_.clear();
+  print(fmt::format("npdr: {} failed ({}):\n", node.label(), reason));
   const auto& error = job.process.said();
   for (const std::string& line : error) print("    " + line + "\n");
   if (error.empty()) print_tail(log_path(node));
   print("    log: " + log_path(node) + "\n");
 }
 
-void Scheduler::print_warnings(const Node& node, const std::vector<std::string>& warnings) const {
+void Scheduler::print_warnings(const Node& node, const std::vector<std::string>& warnings) {
+  if (!warnings.empty()) lines_.clear();
   for (const std::string& line : warnings) {
-    print(fmt::format("{}npdr: {}: {}\n", terminal_ ? "\r\033[K" : "", node.label(), line));
+    print(fmt::format("npdr: {}: {}\n", node.label(), line));
   }
 }
 
 void Scheduler::pass_on_stop_request() {
   stopping_ = true;
   passed_on_ = true;
-  print(fmt::format("{}npdr: stopping; run it again to go on\n", terminal_ ? "\r\033[K" : ""));
+  lines_.clear();
+  print("npdr: stopping; run it again to go on\n");
   for (const Job& job : jobs_) job.process.send_signal(SIGTERM);
 }
 
+double Scheduler::spent(const Job& job) {
+  return seconds_since(job.start) * static_cast<double>(job.threads);
+}
+
+double Scheduler::left(const Job& job) const {
+  const ChildProcess::State& state = job.process.state();
+  if (state.total > 0 && state.done > 0) {
+    return spent(job) * static_cast<double>(state.total - state.done) /
+           static_cast<double>(state.done);
+  }
+  // Once it has taken longer than others nobody knows.
+  return std::max(0.0, costs_.expected(plan_.nodes[job.node]).value_or(0.0) - spent(job));
+}
+
+double Scheduler::share_done() const {
+  double done = spent_, rest = 0.0;
+  for (const Job& job : jobs_) {
+    done += spent(job);
+    rest += left(job);
+  }
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    if (states_[i] != State::waiting) continue;
+    const std::optional<double> expected = costs_.expected(plan_.nodes[i]);
+    if (!expected) return 0.0;
+    rest += *expected;
+  }
+  return done + rest > 0.0 ? done / (done + rest) : 0.0;
+}
+
+std::string Scheduler::job_text(const Job& job) const {
+  const Node& node = plan_.nodes[job.node];
+  const ChildProcess::State& state = job.process.state();
+  std::string text = node.label();
+  if (state.done > 0) {
+    text += fmt::format(": {}", state.done);
+    if (state.total > 0) text += fmt::format(" of {}", state.total);
+    text += unit_of(plan_, node);
+  }
+  const std::size_t num_shards = node.stage == Stage::simulate ? shards(plan_, node).size() : 0;
+  if (state.done > 0 && num_shards > 1) {
+    const Index size = plan_.study.simulate.shard_size;
+    text += fmt::format(", shard {} of {}", (state.done + size - 1) / size, num_shards);
+  }
+  return text + (state.note.empty() ? "" : ", " + state.note);
+}
+
 void Scheduler::show_progress(bool force) {
-  const double wait = terminal_ ? 0.2 : 60.0;
+  const double wait = lines_.is_terminal() ? 0.2 : 60.0;
   if (!force && seconds_since(shown_) < wait) return;
   shown_ = Clock::now();
-  std::string text = plan_.study.name + ": " +
-                     progress_text(static_cast<Index>(num_made_), static_cast<Index>(num_missing_),
-                                   seconds_since(start_));
-  for (const Job& job : jobs_) {
-    const ChildProcess::State& state = job.process.state();
-    text += " | " + plan_.nodes[job.node].label();
-    if (state.total > 0) text += fmt::format(" {}/{}", state.done, state.total);
-    if (state.total == 0 && state.done > 0) text += fmt::format(" {}", state.done);
-    if (!state.note.empty()) text += " " + state.note;
+  RunProgress run{plan_.study.name,      num_made_,    num_missing_,
+                  seconds_since(start_), share_done(), {}};
+  for (const Job& job : jobs_) run.jobs.push_back(job_text(job));
+  if (lines_.is_terminal() && !force) {
+    lines_.show(live_lines(run, lines_.size()));
+    return;
   }
-  if (terminal_ && !force) {
-    constexpr std::size_t width = 160;
-    print("\r\033[K" + text.substr(0, width));
-  } else {
-    print((terminal_ ? "\r\033[K" : "") + text + "\n");
-  }
-  std::fflush(stderr);
+  lines_.clear();
+  print(log_line(run) + "\n");
 }
 
 std::string Scheduler::log_path(const Node& node) const {

@@ -11,6 +11,8 @@
 #include "core/error.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/process/child_process.h"
+#include "pipeline/process/live_lines.h"
+#include "pipeline/run/run_costs.h"
 
 namespace npdr::pipeline {
 
@@ -47,6 +49,7 @@ class Scheduler {
     std::size_t node;
     int threads;
     ChildProcess process;
+    std::chrono::steady_clock::time_point start;
   };
 
   bool is_ready(std::size_t node) const;
@@ -55,8 +58,14 @@ class Scheduler {
   void wait_for_news();
   void collect_ended_jobs();
   void end_of(const Job& job);
-  void print_warnings(const Node& node, const std::vector<std::string>& warnings) const;
+  void print_warnings(const Node& node, const std::vector<std::string>& warnings);
   void pass_on_stop_request();
+  /// Core-seconds of a job so far, and of what is left of it.
+  static double spent(const Job& job);
+  double left(const Job& job) const;
+  /// Share of the run's work that is done.
+  double share_done() const;
+  std::string job_text(const Job& job) const;
   void show_progress(bool force);
   std::string log_path(const Node& node) const;
 
@@ -70,7 +79,9 @@ class Scheduler {
   ExitStatus status_ = ExitStatus::done;
   bool stopping_ = false;   ///< nothing more is started
   bool passed_on_ = false;  ///< the children were told to stop
-  bool terminal_;
+  RunCosts costs_;
+  double spent_ = 0.0;  ///< core-seconds of the jobs that have ended
+  LiveLines lines_;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point shown_;
 };

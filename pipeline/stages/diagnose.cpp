@@ -54,7 +54,7 @@ Case make_case(const Plan& plan, const Node& node) {
          .node = node,
          .method = method,
          .target = read_seen_target(plan, node),
-         .config = plan.study.diagnose_of(method),
+         .config = plan.study.diagnose_of(method).of_diagnosis(),
          .embedding = nullptr,
          .x_o = {},
          .calibration = {}};
@@ -73,12 +73,12 @@ std::vector<const Node*> simulations_of(const Case& c, bool of_calibration) {
   return found;
 }
 
-void require_rows(const Case& c, const std::string& what, Index found, Index failed,
-                  const std::string& advice) {
+void require_rows(const Case& c, Index found, Index failed) {
   if (found >= inference::kFewestSimulations) return;
-  throw InputError(fmt::format("{}: {} {} and {} failed ones, must be at least {} good ones; {}",
-                               c.node.label(), found, what, failed, inference::kFewestSimulations,
-                               advice));
+  throw InputError(
+      fmt::format("{}: {} simulations of calibration and {} failed ones, must be at least {} good "
+                  "ones; raise diagnose.num_simulations",
+                  c.node.label(), found, failed, inference::kFewestSimulations));
 }
 
 RowMatrixF features_of(const SimulationFeatures& source, const std::vector<std::uint32_t>& rows) {
@@ -96,8 +96,7 @@ std::vector<std::uint32_t> all_rows(Index count) {
 Calibration calibrate(const Case& c) {
   const auto simulations = simulations_of(c, true);
   const SimulationFeatures features(c.plan, simulations, c.target, *c.embedding);
-  require_rows(c, "simulations of calibration", features.num_rows(), features.num_failed(),
-               "raise diagnose.num_simulations");
+  require_rows(c, features.num_rows(), features.num_failed());
   Calibration made{read_network_posterior(*c.plan.inputs(c.node, Stage::infer).back()),
                    features.num_failed(),
                    features.theta(),
@@ -223,13 +222,12 @@ PredictiveResult check_predictions(const Case& c) {
   return result;
 }
 
-// Among what the network of the last round was trained on.
-inference::OutOfDistribution check_observation(const Case& c) {
+// Among what the network of the last round was trained on; none where that is too little to tell.
+std::optional<inference::OutOfDistribution> check_observation(const Case& c) {
   // At most 4000 rows, and 160 MB of features.
   constexpr Index most_rows = 4000, most_values = 40'000'000;
   const SimulationFeatures features(c.plan, simulations_of(c, false), c.target, *c.embedding);
-  require_rows(c, "simulations", features.num_rows(), features.num_failed(),
-               "raise method.num_simulations");
+  if (features.num_rows() < inference::kFewestSimulations) return std::nullopt;
   const Index allowed = std::clamp(most_values / features.num_features(),
                                    2 * inference::kFewestSimulations, most_rows);
   auto rows =
@@ -272,6 +270,10 @@ void run_check(Check check, const Case& c, Diagnosis& diagnosis) {
       diagnosis.training = check_training_curves(c);
       diagnosis.max_epochs = c.method.training.max_epochs;
       break;
+    case Check::bounds:
+    case Check::contraction:
+    case Check::fit:
+      break;  // of evaluated samples: of_diagnosis() leaves them out
   }
 }
 

@@ -1,5 +1,6 @@
 #include <functional>
 
+#include "core/atomic_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "tests/cli/program.h"
 
@@ -88,6 +89,123 @@ TEST_F(Commands, SampleAndLogProbUseAPosterior) {
   EXPECT_EQ(wrong_unit.status, 2);
   EXPECT_TRUE(says(wrong_unit.err,
                    {"npdr log-prob: grams.csv: column 'pole_mass' is in [g]", "must be in [kg]"}));
+}
+
+TEST_F(Commands, SamplesOfAStudyArePooledOverItsSeeds) {
+  const std::vector<std::string> words = {"sample",     "small.toml", "--method",
+                                          "NPDR (MoG)", "-n",         "6"};
+  const Outcome samples = npdr(words);
+  ASSERT_EQ(samples.status, 0) << samples.err;
+  const Outcome one = npdr({"sample", "runs/small/npdr-mog/seed-1/round-2/infer.h5", "-n", "6"});
+  EXPECT_EQ(samples.out, one.out) << "of its one seed";
+  const Outcome none = npdr({"sample", "small.toml"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_NE(none.err.find("2 methods infer (NPDR (MAF), NPDR (MoG)), must be one: choose it by "
+                          "--method"),
+            std::string::npos)
+      << none.err;
+  std::vector<std::string> two = words;
+  two.insert(two.end(), {"--set", "study.seeds=[1, 2]"});
+  EXPECT_NE(npdr(two).err.find("infer NPDR (MoG), seed 2, round 2: isn't there yet; run it first: "
+                               "npdr run small.toml"),
+            std::string::npos);
+  two.insert(two.end(), {"--seeds", "1"});
+  EXPECT_EQ(npdr(two).out, one.out);
+}
+
+TEST_F(Commands, HelpListAndCompletionKnowAllCommands) {
+  const std::string help = npdr({"help"}).out, man = npdr({"man"}).out;
+  const std::string bash = npdr({"completion", "bash"}).out;
+  for (const char* name : {"run", "sample", "list", "open", "completion", "log-prob"}) {
+    const std::string own = npdr({"help", name}).out;
+    EXPECT_EQ(own, npdr({name, "--help"}).out);
+    EXPECT_NE(own.find("npdr " + std::string(name)), std::string::npos) << "an example\n" << own;
+    EXPECT_NE(own.find("Example"), std::string::npos) << own;
+    EXPECT_NE(help.find("  " + std::string(name) + " "), std::string::npos) << help;
+    EXPECT_NE(bash.find("    " + std::string(name) + ") words="), std::string::npos) << bash;
+    std::string in_roff = name;
+    if (in_roff == "log-prob") in_roff = "log\\-prob";
+    EXPECT_NE(man.find(".SS npdr " + in_roff + "\n"), std::string::npos) << man;
+  }
+  EXPECT_TRUE(says(npdr({"help", "runn"}).err, {"unknown command 'runn' (did you mean 'run'?)"}));
+  EXPECT_TRUE(says(npdr({"completion", "tcsh"}).err, {"unknown shell 'tcsh'", "bash, zsh, fish"}));
+}
+
+// What bash would offer for the words of a line.
+TEST_F(Commands, BashCompletesCommandsOptionsAndValues) {
+  std::ofstream(file("complete.sh")) << npdr({"completion", "bash"}).out << R"(
+offer() {
+  COMP_WORDS=("$@") COMP_CWORD=$(($# - 1))
+  _npdr
+  echo "${COMPREPLY[*]}"
+}
+offer npdr stat
+offer npdr run --unt
+offer npdr run --until pol
+offer npdr list me
+offer npdr run st
+)";
+  ASSERT_EQ(
+      std::system(
+          ("bash " + file("complete.sh").string() + " > " + file("offered.txt").string()).c_str()),
+      0);
+  EXPECT_EQ(text_of(file("offered.txt")),
+            "status\n--until\npolicy policy_test\nmethods metrics\n\n");
+}
+
+TEST_F(Commands, ListSaysWhatThereIsToListAndALineAboutEach) {
+  const std::string lists = npdr({"list"}).out;
+  for (const char* name : {"simulators", "methods", "priors", "keys", "layouts"}) {
+    EXPECT_NE(lists.find("npdr list " + std::string(name)), std::string::npos) << lists;
+    EXPECT_EQ(npdr({"list", name}).status, 0) << name;
+  }
+  EXPECT_NE(npdr({"list", "priors"}).out.find("log_uniform        [low, high] with low > 0"),
+            std::string::npos);
+  const std::string keys = npdr({"list", "keys", "method.training"}).out;
+  EXPECT_TRUE(keys.starts_with("method.training.")) << keys;
+  EXPECT_EQ(keys.find("prior"), std::string::npos);
+  EXPECT_TRUE(says(npdr({"list", "keys", "method.trainin_"}).err,
+                   {"no key begins with", "did you mean 'method.training'?"}));
+  EXPECT_TRUE(says(npdr({"list", "methods", "npe"}).err,
+                   {"'npe': 'npdr list methods' takes no second word; leave it out"}));
+}
+
+TEST_F(Commands, OpenSaysWhereResultsAre) {
+  const Outcome outcome = npdr({"open", "small.toml"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* place :
+       {"report       runs/small/report.html\n", "tables       runs/small/tables\n",
+        "posterior    runs/small/npdr-maf/seed-1/round-2/infer.h5\n"}) {
+    EXPECT_NE(outcome.out.find(place), std::string::npos) << outcome.out;
+  }
+  EXPECT_EQ(outcome.out.find("round-1"), std::string::npos);
+  EXPECT_NE(npdr({"open", "small.toml", "--work", "none"}).out.find("isn't there yet: npdr run"),
+            std::string::npos);
+}
+
+TEST_F(Commands, ExplainNamesAFileThatWasRemoved) {
+  const auto link = file("runs/small/npdr-maf/seed-1/round-2/evaluate.h5");
+  const auto path = std::filesystem::canonical(link), aside = file("aside.h5");
+  std::filesystem::rename(path, aside);
+  const Outcome outcome = npdr({"explain", "small.toml", "evaluate NPDR (MAF)"});
+  std::filesystem::rename(aside, path);
+  EXPECT_NE(outcome.out.find("its file was removed: "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find(path.filename().string()), std::string::npos) << outcome.out;
+}
+
+// A temporary of a process that lives is work that goes on: here that of this test.
+TEST_F(Commands, StatusShowsWhatAnotherProcessMakes) {
+  const auto path =
+      std::filesystem::canonical(file("runs/small/npdr-maf/seed-1/round-2/evaluate.h5"));
+  std::filesystem::rename(path, file("aside.h5"));
+  std::string status;
+  {
+    const AtomicFile in_the_making(path);
+    status = npdr({"status", "small.toml"}).out;
+  }
+  std::filesystem::rename(file("aside.h5"), path);
+  EXPECT_NE(status.find("1 running, 14 up to date"), std::string::npos) << status;
+  EXPECT_NE(status.find("process " + std::to_string(getpid())), std::string::npos) << status;
 }
 
 TEST_F(Commands, UnknownOnesAreNamed) {

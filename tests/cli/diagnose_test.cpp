@@ -33,6 +33,7 @@ class Diagnose : public ::testing::Test {
     const Outcome outcome = npdr({"run", "checked.toml"});
     unsetenv("OMP_NUM_THREADS");
     ASSERT_EQ(outcome.status, 0) << outcome.err;
+    run_output_ = outcome.out;
   }
   static void TearDownTestSuite() { delete folder_; }
 
@@ -43,8 +44,26 @@ class Diagnose : public ::testing::Test {
   static std::filesystem::path file(const std::string& name) { return folder_->path() / name; }
 
   static TempFolder* folder_;
+  static std::string run_output_;
 };
 TempFolder* Diagnose::folder_ = nullptr;
+std::string Diagnose::run_output_;
+
+// 20 epochs end no training: with --strict the exit status says so.
+TEST_F(Diagnose, ARunEndsWithVerdictsAndWhatToDo) {
+  for (const char* words :
+       {"\nNPE: ", " of 11 checks FAIL: ", "\nNRE: ",
+        "\n  Training: it ended at training.max_epochs = 20 (seed 1)",
+        "\n  Contraction: 30 samples are too few; raise evaluate.num_samples to 100 or more"}) {
+    EXPECT_NE(run_output_.find(words), std::string::npos) << words << "\n" << run_output_;
+  }
+  const Outcome again = npdr({"run", "checked.toml"});
+  EXPECT_EQ(again.status, 0);
+  EXPECT_EQ(again.out, run_output_);
+  EXPECT_NE(again.err.find("checked: nothing to do, all is up to date"), std::string::npos);
+  EXPECT_EQ(npdr({"run", "checked.toml", "--strict"}).status, 4);
+  EXPECT_EQ(npdr({"run", "checked.toml", "--strict", "--set", "diagnose.checks=[]"}).status, 0);
+}
 
 TEST_F(Diagnose, TheReportHasATableAndFigures) {
   const std::string table = text_of(file("runs/checked/tables/diagnostics.md"));

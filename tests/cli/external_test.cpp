@@ -183,8 +183,7 @@ TEST_F(External, ADatasetOfAnotherPriorIsNoticed) {
 }
 
 TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {
-  run_well(
-      {"shell.toml", "--set", "diagnose.num_simulations=60", "--set", "diagnose.num_samples=100"});
+  run_well({"shell.toml", "--set", "diagnose={ num_simulations = 60, num_samples = 100 }"});
   const std::string text = table("external-shell", "diagnostics");
   EXPECT_NE(text.find("SBC ranks, round 1"), std::string::npos) << text;
   EXPECT_NE(text.find("Posterior predictive"), std::string::npos) << text;
@@ -204,8 +203,8 @@ TEST_F(External, ADatasetCanOnlyBeAskedWhatItHolds) {
             0);
   ASSERT_EQ(npdr({"import", "--theta", "made/theta.csv", "--x", "made/x.csv", "-o", "d.h5"}).status,
             0);
-  run_well(
-      {"dataset.toml", "--set", "simulator.dataset=d.h5", "--set", "diagnose.num_samples=100"});
+  run_well({"dataset.toml", "--set", "simulator.dataset=d.h5", "--set",
+            "diagnose={ num_samples = 100 }"});
   const std::string text = table("external-dataset", "diagnostics");
   EXPECT_NE(text.find("x_o among simulations"), std::string::npos) << text;
   EXPECT_NE(text.find("Training"), std::string::npos) << text;

@@ -192,5 +192,15 @@ TEST(AtomicFile, LooksForStaleTemporariesOncePerFolder) {
   EXPECT_TRUE(std::filesystem::exists(folder / stale));
 }
 
+TEST(AtomicFile, OthersSeeWhatIsInTheMaking) {
+  const TempFolder folder;
+  folder.file(fmt::format(".dead.h5.{}.{}.0.tmp", process_space(), dead_process()), "");
+  folder.file("made.h5", "");
+  const AtomicFile file(folder / "a.b.h5");  // whose folder forgets the dead one's
+  EXPECT_EQ(files_in_the_making(folder.path()),
+            (std::map<std::string, int>{{"a.b.h5", ::getpid()}}));
+  EXPECT_TRUE(files_in_the_making(folder / "none").empty());
+}
+
 }  // namespace
 }  // namespace npdr

@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   add_validate_command(app, result);
   add_new_command(app, result);
   add_list_command(app, result);
+  add_open_command(app, result);
   add_import_command(app, result);
   add_inspect_command(app, result);
   add_verify_command(app, result);
@@ -48,6 +49,8 @@ int main(int argc, char** argv) {
   add_log_prob_command(app, result);
   add_compare_command(app, result);
   add_evidence_command(app, result);
+  add_help_commands(app, result);
+  app.footer("Examples:\n  npdr new study\n  npdr run study.toml\n  npdr help run");
   if (is_unknown_command(app, argc, argv)) return static_cast<int>(npdr::ExitStatus::invalid_input);
   int status = 0;
   if (!parse_command_line(app, argc, argv, status)) return status;

@@ -54,5 +54,12 @@ TEST(TailProbability, WhatIsNoNumberIsFarOut) {
   EXPECT_THROW(tail_probability(Vector(), 1.0), InputError);
 }
 
+TEST(TailProbability, SaysHowSmallItCanBe) {
+  for (const Index n : {20, 39, 40, 1000}) {
+    const Vector reference = Vector::LinSpaced(n, 0.0, 1.0);
+    EXPECT_DOUBLE_EQ(tail_probability(reference, 1e300), smallest_tail_probability(n)) << n;
+  }
+}
+
 }  // namespace
 }  // namespace npdr::inference

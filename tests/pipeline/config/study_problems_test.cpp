@@ -378,7 +378,7 @@ TEST(StudyProblems, ChecksAreKnownAndDistinct) {
   };
   const std::string all =
       "distinct, each one of sbc, coverage, tarp, local_c2st, predictive, ood, "
-      "failures, training";
+      "failures, training, bounds, contraction, fit";
   EXPECT_NE(problem("checks = ['sbc', 'sbc']").find(all), std::string::npos);
   EXPECT_NE(problem("checks = ['rank']").find(all), std::string::npos);
   EXPECT_NE(problem("num_simulations = 39").find("diagnose.num_simulations = 39"),
@@ -401,9 +401,23 @@ TEST(StudyProblems, ATableOfChecksMeansAllOfThem) {
   const auto checks = [](const std::string& text) {
     return parse_study(kStudyText + text, "s.toml", {}).diagnose.checks.size();
   };
-  EXPECT_EQ(checks(""), 0u);
-  EXPECT_EQ(checks("[diagnose]\n"), 8u);
+  EXPECT_EQ(checks("[diagnose]\n"), 11u);
   EXPECT_EQ(checks("[diagnose]\nchecks = ['sbc']\n"), 1u);
+  EXPECT_EQ(checks("[diagnose]\nchecks = []\n"), 0u);
+}
+
+// Calibration is among them where its 300 simulations are at most a quarter of each method's.
+TEST(StudyProblems, WithoutATableStudiesAreCheckedByWhatCostsLittle) {
+  const auto checks = [](const std::vector<std::string>& overrides) {
+    return join(to_names(parse_study(kStudyText, "s.toml", overrides).diagnose.checks));
+  };
+  const std::string cheap = "predictive, ood, failures, training, bounds, contraction, fit";
+  EXPECT_EQ(checks({"method.num_simulations=1199"}), cheap);
+  EXPECT_EQ(checks({"method.num_simulations=1200"}), "sbc, coverage, " + cheap);
+  EXPECT_EQ(checks({"method.num_simulations=1200", "method.\"NPDR (MAF)\".algorithm=nle"}), cheap);
+  EXPECT_EQ(problems_of(edited(kStudyText, "num_simulations = 200",
+                               "num_simulations = 30\ntraining = { batch_size = 10 }")),
+            "");
 }
 
 }  // namespace

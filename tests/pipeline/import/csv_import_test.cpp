@@ -357,6 +357,23 @@ TEST_F(CsvImport, AnglesMayNotWrap) {
   EXPECT_LT(imported(turning_csv(10.0), options).rollouts[0].states(199, 0), M_PI);
 }
 
+// All of a swing in degrees, its rate too, contradicts nothing but its unit.
+TEST_F(CsvImport, WarnsOfAnglesThatBeginBeyondATurn) {
+  const auto swing = [](double factor) {
+    std::string text = "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n";
+    for (int i = 0; i < 200; ++i) {
+      const double t = 0.01 * i;
+      text += fmt::format("{:.2f},{:.6f},{:.6f},0\n", t, factor * 0.3 * std::cos(5.0 * t),
+                          factor * -1.5 * std::sin(5.0 * t));
+    }
+    return text;
+  };
+  EXPECT_EQ(notes(swing(1.0), pendulum_options()).size(), 1u);
+  EXPECT_TRUE(says(notes(swing(180.0 / M_PI), pendulum_options()).at(1),
+                   {"warning: a.csv: theta begins at 17.2 rad", "if it is in degrees",
+                    "--scale theta=0.0174533"}));
+}
+
 TEST_F(CsvImport, UnwrapsAnglesOnly) {
   CsvOptions options = pendulum_options();
   options.unwrap = {"thet"};

@@ -293,7 +293,7 @@ TEST(Plan, ChecksOfTheObservationAloneNeedNoCalibration) {
 }
 
 TEST(Plan, TheLevelOfTheChecksIsTheReportsAlone) {
-  const Plan one = plan_of({"diagnose={}"}), other = plan_of({"diagnose.alpha=0.1"});
+  const Plan one = plan_of({"diagnose={}"}), other = plan_of({"diagnose={ alpha = 0.1 }"});
   EXPECT_EQ(one.node(Stage::diagnose, {"A", 1, 0}).key,
             other.node(Stage::diagnose, {"A", 1, 0}).key);
   EXPECT_NE(one.node(Stage::report, {}).key, other.node(Stage::report, {}).key);

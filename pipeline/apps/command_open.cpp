@@ -1,0 +1,65 @@
+// The command that says where a study's results are.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "core/printable.h"
+#include "pipeline/apps/command_line.h"
+#include "pipeline/apps/commands.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/plan/report_marker.h"
+
+namespace npdr::pipeline {
+namespace {
+
+void print_place(const std::string& what, const std::filesystem::path& path, bool is_there) {
+  fmt::print("{:<12} {}{}\n", what, printable_line(path.string()),
+             is_there ? "" : "  (isn't there yet: npdr run)");
+}
+
+// Posteriors of the last round and iteration, of a method and seed each.
+void print_posteriors(const Plan& plan) {
+  for (const Node& node : plan.nodes) {
+    if (node.stage != Stage::infer) continue;
+    for (const Use& use : node.uses) {
+      const MethodConfig& method = plan.study.method(use.method);
+      const Index iterations = plan.study.num_iterations_of(method);
+      if (use.fold > 0 || use.round != method.algorithm.num_rounds) continue;
+      if (iterations > 1 && use.iteration != iterations) continue;
+      print_place("posterior", link_of(plan, node, use), is_complete(plan, node));
+    }
+  }
+}
+
+ExitStatus open_study(const StudyArguments& arguments, bool in_browser) {
+  const Plan plan = arguments.plan();
+  const bool is_there = is_complete(plan, plan.nodes.back());
+  const std::filesystem::path folder = plan.work.study(plan.study.name);
+  if (in_browser && is_there) {
+    execlp("xdg-open", "xdg-open", report_path(plan).c_str(), nullptr);
+    throw Error("xdg-open can't be started; open " + report_path(plan).string() + " yourself");
+  }
+  print_place("report", report_path(plan), is_there);
+  print_place("tables", folder / "tables", is_there);
+  print_place("figures", folder / "figures", is_there);
+  print_posteriors(plan);
+  return ExitStatus::done;
+}
+
+}  // namespace
+
+void add_open_command(CLI::App& app, int& result) {
+  auto* command = app.add_subcommand("open", "where a study's report, tables and posteriors are");
+  auto arguments = std::make_shared<StudyArguments>();
+  auto in_browser = std::make_shared<bool>(false);
+  arguments->add_to(*command);
+  command->add_flag("--browser", *in_browser, "open the report with xdg-open instead");
+  command->footer("Example:\n  npdr open study.toml --browser");
+  command->callback([&result, arguments, in_browser] {
+    result = guarded_main("npdr open", [&] { return open_study(*arguments, *in_browser); });
+  });
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,91 @@
+#include "pipeline/config/study_warnings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace npdr::pipeline {
+namespace {
+
+using inference::Marginal;
+using Numbers = std::map<std::string, double>;
+
+class StudyWarnings {
+ public:
+  StudyWarnings(const Study& study, const sim::SimulatorInfo& info) : study_(study), info_(info) {}
+
+  std::vector<std::string> all() {
+    if (study_.target.truth) warn_of_truth();
+    for (std::size_t i = 0; i < study_.references.size(); ++i) warn_of_reference(i);
+    warn_of_exact_recording();
+    return std::move(warnings_);
+  }
+
+ private:
+  void warn(const std::string& path, const std::string& text) {
+    warnings_.push_back(study_.places.of(path).str() + ": warning: " + text);
+  }
+
+  void require_inside(const Marginal& marginal, double value, const std::string& path,
+                      const std::string& name) {
+    if (!(value < marginal.lower() || value > marginal.upper())) return;
+    warn(path, fmt::format("{} = {}, outside of the prior, [{}, {}]: no posterior can hold it; "
+                           "widen prior.{}",
+                           name, value, marginal.lower(), marginal.upper(), marginal.name));
+  }
+
+  // A truth has nominal parameters where it doesn't say otherwise.
+  void warn_of_truth() {
+    for (const Marginal& marginal : study_.prior) {
+      const auto given = study_.target.truth->find(marginal.name);
+      if (given != study_.target.truth->end()) {
+        const std::string path = "target.truth." + marginal.name;
+        require_inside(marginal, given->second, path, path);
+        continue;
+      }
+      const Index p = sim::parameter_index(info_, marginal.name);
+      require_inside(marginal, info_.parameters[static_cast<std::size_t>(p)].nominal,
+                     "prior." + marginal.name,
+                     "the truth's " + marginal.name + ", its nominal value");
+    }
+  }
+
+  void warn_of_reference(std::size_t i) {
+    const ReferenceConfig& reference = study_.references[i];
+    for (const Marginal& marginal : study_.prior) {
+      const auto given = reference.parameters.find(marginal.name);
+      if (given == reference.parameters.end()) continue;
+      require_inside(marginal, given->second,
+                     fmt::format("reference[{}].parameters.{}", i, marginal.name),
+                     fmt::format("{} of reference '{}'", marginal.name, reference.name));
+    }
+  }
+
+  // Simulators of the user's are asked whether they draw noise of their own (sources/row_check.h).
+  void warn_of_exact_recording() {
+    const bool is_exact = study_.source().is_built_in && study_.observation_noise.is_silent();
+    const bool any_learns = std::ranges::any_of(study_.methods, [](const MethodConfig& method) {
+      const auto family = inference::traits_of(method.algorithm.kind).family;
+      return family == inference::AlgorithmFamily::network ||
+             family == inference::AlgorithmFamily::abc;
+    });
+    if (!study_.target.recording || !is_exact || !any_learns) return;
+    warn("observation_noise",
+         "observation_noise has no scale, and the target is a recording: methods learn from "
+         "simulations without the noise that sensors have, to which no recording is alike; set "
+         "observation_noise.scale, or std by channel");
+  }
+
+  const Study& study_;
+  const sim::SimulatorInfo& info_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const Study& study, const sim::SimulatorInfo& info) {
+  return StudyWarnings(study, info).all();
+}
+
+}  // namespace npdr::pipeline

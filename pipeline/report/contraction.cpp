@@ -1,0 +1,32 @@
+#include "pipeline/report/contraction.h"
+
+#include "analysis/summary.h"
+#include "core/normal.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Evenly spaced in probability: they stand for the prior whatever its kind.
+Vector quantiles_of(const inference::Marginal& marginal) {
+  constexpr Index count = 10'000;
+  RowMatrix u(count, 1);
+  for (Index i = 0; i < count; ++i) {
+    u(i, 0) = normal_quantile((static_cast<double>(i) + 0.5) / static_cast<double>(count));
+  }
+  return inference::Prior({marginal}).to_theta(u).col(0);
+}
+
+}  // namespace
+
+double prior_deviation(const ReportData& data, Index d) {
+  const Vector quantiles = quantiles_of(data.plan.study.prior[static_cast<std::size_t>(d)]);
+  return analysis::summarize_periodic(quantiles, data.period_of(d)).std;
+}
+
+double contraction(const ReportData& data, const EvaluatedRun& run, Index d, double prior_std) {
+  const double std =
+      analysis::summarize_periodic(run.evaluation.theta.col(d), data.period_of(d)).std;
+  return 1.0 - std * std / (prior_std * prior_std);
+}
+
+}  // namespace npdr::pipeline

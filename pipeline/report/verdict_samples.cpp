@@ -1,0 +1,180 @@
+// Verdicts on samples of posteriors that were evaluated: they ask for no simulation.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/quantiles.h"
+#include "core/normal.h"
+#include "core/text.h"
+#include "inference/diagnostics/bound_pressure.h"
+#include "pipeline/report/contraction.h"
+#include "pipeline/report/verdicts.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using Runs = std::vector<const EvaluatedRun*>;
+
+Verdict too_few_samples(Check check, Index count) {
+  return {check, Judgment::unknown, "can't tell",
+          fmt::format("{} samples are too few; raise evaluate.num_samples to {} or more", count,
+                      inference::kFewestForBounds)};
+}
+
+bool has_too_few(const Runs& runs) {
+  return runs.front()->evaluation.theta.rows() < inference::kFewestForBounds;
+}
+
+// The bound of parameter d that a run presses against; none where there is no such bound.
+std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& run, Index d) {
+  const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
+  const double period = data.period_of(d);
+  const bool is_whole_period = period > 0.0 && marginal.b - marginal.a >= 0.999 * period;
+  if (marginal.is_unbounded() || is_whole_period) return std::nullopt;
+  const Vector v = inference::Prior({marginal})
+                       .to_normal(run.evaluation.theta.col(d))
+                       .col(0)
+                       .unaryExpr(&normal_cdf);
+  const inference::BoundPressure found = inference::test_bounds(v);
+  if (found.presses_lower()) return marginal.lower();
+  if (found.presses_upper()) return marginal.upper();
+  return std::nullopt;
+}
+
+// What a posterior's RMSE is compared with: what the best of the prior reaches, or the truth.
+// Without noise the truth reaches zero, which no sample does.
+struct Yardstick {
+  double rmse = 0.0;
+  std::string words;
+};
+
+double median_of(const Vector& values) {
+  std::vector<double> finite;
+  std::ranges::copy_if(values, std::back_inserter(finite),
+                       [](double v) { return std::isfinite(v); });
+  std::ranges::sort(finite);
+  return analysis::quantile_of_sorted(finite, 0.5);
+}
+
+std::optional<Yardstick> yardstick(const ReportData& data) {
+  const std::string rmse = name_of(Metric::rmse);
+  constexpr double resolution = 0.01;
+  Yardstick found{resolution * median_of(data.baseline.prior->metrics.at(rmse)),
+                  "a hundredth of the prior's"};
+  if (std::isnan(found.rmse)) found.rmse = 0.0;
+  for (const BaselinePoint& point : data.baseline.points) {
+    if (point.name != "floor" && point.name != "truth") continue;
+    if (point.metrics.at(rmse) > found.rmse)
+      found = {point.metrics.at(rmse), "the " + point.name + "'s"};
+  }
+  if (found.rmse > 0.0) return found;
+  return std::nullopt;
+}
+
+// The recorded states are at most 1 in its units, and 0 explains a swing with less. Where a model
+// is right the floor is what noise leaves.
+constexpr double kFarFloor = 0.5;
+
+Verdict unexplained(double rmse) {
+  return {
+      Check::fit, Judgment::fails, fmt::format("NO parameters fit, {:.2g} at best", rmse),
+      fmt::format("the smallest RMSE of any parameters of the prior is {:.2g} of the largest "
+                  "recorded magnitude: look at units, clock, and sign and zero of the angles of "
+                  "the recording, or widen the prior",
+                  rmse)};
+}
+
+}  // namespace
+
+Verdict judge_bounds(const ReportData& data, const std::string& method) {
+  const Runs runs = data.runs_of(method);
+  if (has_too_few(runs)) {
+    return too_few_samples(Check::bounds, runs.front()->evaluation.theta.rows());
+  }
+  std::vector<std::string> pressed;
+  std::size_t failed = 0;
+  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
+    if (!data.is_inferred(method, d)) continue;
+    const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
+    std::size_t seeds = 0;
+    double bound = 0.0;
+    for (const EvaluatedRun* run : runs) {
+      const std::optional<double> found = pressed_bound(data, *run, d);
+      if (!found) continue;
+      bound = *found;
+      ++seeds;
+    }
+    if (seeds == 0) continue;
+    failed = std::max(failed, seeds);
+    pressed.push_back(fmt::format("{} at {:.4g} {}", marginal.name, bound, marginal.unit));
+  }
+  if (pressed.empty()) return {Check::bounds, Judgment::passes, "passes", ""};
+  return {Check::bounds, Judgment::fails,
+          std::string(traits_of(Check::bounds).failure) + seeds_text(failed, runs.size()),
+          fmt::format("its samples press against the end of the prior: {}; the prior may exclude "
+                      "the truth: widen it, or look for what the simulator lacks",
+                      join(pressed))};
+}
+
+Verdict judge_contraction(const ReportData& data, const std::string& method) {
+  constexpr double least = 0.1;
+  const Runs runs = data.runs_of(method);
+  if (has_too_few(runs)) {
+    return too_few_samples(Check::contraction, runs.front()->evaluation.theta.rows());
+  }
+  std::vector<std::string> unchanged;
+  double largest = 0.0;
+  Index num_inferred = 0;
+  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
+    if (!data.is_inferred(method, d)) continue;
+    ++num_inferred;
+    const double prior_std = prior_deviation(data, d);
+    double mean = 0.0;
+    for (const EvaluatedRun* run : runs) {
+      mean += contraction(data, *run, d, prior_std) / static_cast<double>(runs.size());
+    }
+    largest = std::max(largest, mean);
+    if (mean < least) unchanged.push_back(data.plan.study.prior[static_cast<std::size_t>(d)].name);
+  }
+  if (std::ssize(unchanged) == num_inferred) {
+    return {Check::contraction, Judgment::fails, std::string(traits_of(Check::contraction).failure),
+            "no parameter's variance is smaller than the prior's by a tenth: the observation says "
+            "nothing of them (other inputs, or longer rollouts, would), or nothing was learned "
+            "(more simulations, embedding.kind = \"all_steps\")"};
+  }
+  const std::string but =
+      unchanged.empty() ? "" : fmt::format("says little of {}", join(unchanged));
+  return {Check::contraction, Judgment::passes, fmt::format("passes, up to {:.3g}", largest), but};
+}
+
+Verdict judge_fit(const ReportData& data, const std::string& method) {
+  constexpr double most = 3.0;
+  const std::string rmse = name_of(Metric::rmse);
+  const Runs runs = data.runs_of(method);
+  const std::optional<Yardstick> reached = yardstick(data);
+  if (reached && reached->words == "the floor's" && reached->rmse > kFarFloor) {
+    return unexplained(reached->rmse);
+  }
+  std::size_t failed = 0;
+  double worst = 0.0;
+  for (const EvaluatedRun* run : runs) {
+    const double median = median_of(run->evaluation.metrics.at(rmse));
+    if (!reached || std::isnan(median)) {
+      return {Check::fit, Judgment::unknown, "can't tell",
+              "no rollout succeeded that an RMSE could be measured of"};
+    }
+    failed += median > most * reached->rmse ? 1 : 0;
+    worst = std::max(worst, median);
+  }
+  const std::string times = fmt::format("{:.2g} times {}", worst / reached->rmse, reached->words);
+  if (failed == 0) return {Check::fit, Judgment::passes, "passes, " + times, ""};
+  return {
+      Check::fit, Judgment::fails,
+      std::string(traits_of(Check::fit).failure) + seeds_text(failed, runs.size()) + ", " + times,
+      fmt::format("{:.3g} is the median RMSE of its samples, {} ({:.3g}): try embedding.kind = "
+                  "\"all_steps\", more simulations, more rounds",
+                  worst, times, reached->rmse)};
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,114 @@
+#include "pipeline/report/verdicts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.h"
+#include "pipeline/features/failures.h"
+#include "pipeline/report/verdict_reasons.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Bonferroni over the method's checks that have a p-value, and the seeds.
+double level_of(const ReportData& data, const std::string& method, const DiagnosisRuns& runs) {
+  const DiagnoseConfig config = data.checks_of(method);
+  const auto has_p_value = [](Check check) { return traits_of(check).has_p_value; };
+  const auto tests = static_cast<std::size_t>(std::ranges::count_if(config.checks, has_p_value));
+  return config.alpha / static_cast<double>(std::max<std::size_t>(tests * runs.size(), 1));
+}
+
+Verdict judge_training(const ReportData& data, const std::string& method,
+                       const DiagnosisRuns& runs) {
+  std::size_t failed = 0, far = 0;
+  double gap = 0.0;
+  for (const auto* run : runs) {
+    const inference::TrainingCheck& check = *run->result.training;
+    failed += check.is_converged ? 0 : 1;
+    far += check.is_far_from_training() ? 1 : 0;
+    gap += check.generalization_gap / static_cast<double>(runs.size());
+  }
+  std::string text = failed > 0 ? "NOT converged" + seeds_text(failed, runs.size()) : "converged";
+  text += fmt::format(", gap {:.2g} nats", gap);
+  if (far > 0) text += ": FAR above training" + seeds_text(far, runs.size());
+  const Judgment judgment = failed + far > 0 ? Judgment::fails : Judgment::passes;
+  return {Check::training, judgment, text,
+          training_reason(runs, data.plan.study.method(method).training)};
+}
+
+Verdict judge_p_value(Check check, const DiagnosisRuns& runs, double level) {
+  std::size_t failed = 0;
+  double smallest = 1.0;
+  std::string reason, unknown;
+  for (const auto* run : runs) {
+    const auto p_values = run->result.p_values();
+    const auto p = p_values.find(name_of(check));
+    if (p != p_values.end()) smallest = std::min(smallest, p->second);
+    const bool fails = p != p_values.end() && p->second < level;
+    if (!fails && unknown.empty()) unknown = too_little_to_tell(check, run->result, level);
+    if (!fails) continue;
+    ++failed;
+    if (reason.empty()) reason = failure_reason(check, *run);
+  }
+  const char* sign = runs.size() > 1 && smallest < 1.0 ? "≥" : "=";
+  const std::string p_text = fmt::format(", p {} {:.2g}", sign, smallest);
+  if (failed > 0) {
+    return {check, Judgment::fails,
+            std::string(traits_of(check).failure) + seeds_text(failed, runs.size()) + p_text,
+            reason};
+  }
+  if (!unknown.empty()) return {check, Judgment::unknown, "can't tell", unknown};
+  return {check, Judgment::passes, "passes" + p_text, ""};
+}
+
+Verdict judge(const ReportData& data, const std::string& method, Check check) {
+  switch (check) {
+    case Check::bounds:
+      return judge_bounds(data, method);
+    case Check::contraction:
+      return judge_contraction(data, method);
+    case Check::fit:
+      return judge_fit(data, method);
+    case Check::training:
+      return judge_training(data, method, data.diagnoses_of(method));
+    default:
+      const DiagnosisRuns runs = data.diagnoses_of(method);
+      return judge_p_value(check, runs, level_of(data, method, runs));
+  }
+}
+
+}  // namespace
+
+std::string seeds_text(std::size_t failed, std::size_t all) {
+  return all == 1 ? "" : fmt::format(" in {} of {} seeds", failed, all);
+}
+
+std::vector<Verdict> verdicts_of(const ReportData& data, const std::string& method) {
+  const DiagnoseConfig config = data.checks_of(method);
+  std::vector<Verdict> verdicts;
+  for (const Check check : values_of<Check>()) {
+    if (config.has(check)) verdicts.push_back(judge(data, method, check));
+  }
+  return verdicts;
+}
+
+std::vector<CheckSummary> check_summaries(const ReportData& data) {
+  std::vector<CheckSummary> summaries;
+  for (const std::string& method : data.methods) {
+    const std::vector<Verdict> verdicts = verdicts_of(data, method);
+    if (verdicts.empty()) continue;
+    CheckSummary summary{method, std::ssize(verdicts), {}, {}, {}};
+    for (const Verdict& verdict : verdicts) {
+      const std::string title(traits_of(verdict.check).title);
+      if (verdict.judgment == Judgment::fails) summary.failed.push_back(title);
+      if (verdict.judgment == Judgment::unknown) summary.unknown.push_back(title);
+      if (!verdict.reason.empty()) summary.reasons.push_back(title + ": " + verdict.reason);
+    }
+    summaries.push_back(std::move(summary));
+  }
+  return summaries;
+}
+
+}  // namespace npdr::pipeline

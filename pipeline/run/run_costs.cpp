@@ -1,0 +1,44 @@
+#include "pipeline/run/run_costs.h"
+
+#include "core/error.h"
+#include "pipeline/plan/completeness.h"
+
+namespace npdr::pipeline {
+
+RunCosts::RunCosts(const Plan& plan) : plan_(plan) {
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::report || !is_complete(plan, node)) continue;
+    if (by_method_.contains({node.stage, node.uses.front().method})) continue;
+    try {
+      learn(node, read_artefact_info(node.path).provenance.cost.core_seconds);
+    } catch (const Error&) {
+      // Damaged: whoever needs it says so.
+    }
+  }
+}
+
+double RunCosts::size_of(const Node& node) const {
+  return node.stage == Stage::simulate ? static_cast<double>(num_rows(plan_, node)) : 1.0;
+}
+
+void RunCosts::learn(const Node& node, double core_seconds) {
+  for (Mean* mean : {&by_method_[{node.stage, node.uses.front().method}], &by_stage_[node.stage]}) {
+    mean->sum += core_seconds;
+    mean->count += size_of(node);
+  }
+  all_.sum += core_seconds;
+  all_.count += 1.0;
+}
+
+std::optional<double> RunCosts::expected(const Node& node) const {
+  const auto same = by_method_.find({node.stage, node.uses.front().method});
+  if (same != by_method_.end()) return size_of(node) * same->second.sum / same->second.count;
+  const auto similar = by_stage_.find(node.stage);
+  if (similar != by_stage_.end()) {
+    return size_of(node) * similar->second.sum / similar->second.count;
+  }
+  if (all_.count == 0.0) return std::nullopt;
+  return all_.sum / all_.count;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,39 @@
+/// What artefacts cost, to say how long a run still takes: a simulation of ten thousand rows and a
+/// proposal count as one artefact each, and not as one another.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+/// Costs by stage and method. Simulations cost by the row.
+class RunCosts {
+ public:
+  /// Learns from artefacts that are there: one of each stage and method.
+  explicit RunCosts(const Plan& plan);
+
+  void learn(const Node& node, double core_seconds);
+
+  /// Core-seconds that `node` will probably cost: as others of its stage and method, of its stage,
+  /// or of any; none where nothing is known.
+  std::optional<double> expected(const Node& node) const;
+
+ private:
+  struct Mean {
+    double sum = 0.0;
+    double count = 0.0;
+  };
+  using Kind = std::pair<Stage, std::string>;
+  double size_of(const Node& node) const;
+
+  const Plan& plan_;
+  std::map<Kind, Mean> by_method_;
+  std::map<Stage, Mean> by_stage_;
+  Mean all_;  // an artefact each
+};
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,78 @@
+/// What people see of a run on a terminal.
+#include <sys/ioctl.h>
+
+#include <array>
+#include <regex>
+#include <thread>
+
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// A terminal of a size, and all that is written to it.
+class Terminal {
+ public:
+  Terminal(unsigned short columns, unsigned short rows)
+      : master_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
+    grantpt(master_);
+    unlockpt(master_);
+    name_ = ptsname(master_);
+    const winsize size = {rows, columns, 0, 0};
+    ioctl(master_, TIOCSWINSZ, &size);
+    own_ = open(name_.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
+    reader_ = std::thread([this] {
+      std::array<char, 1024> chunk;
+      for (;;) {
+        const ssize_t count = read(master_, chunk.data(), chunk.size());
+        if (count <= 0) break;
+        text_.append(chunk.data(), static_cast<std::size_t>(count));
+      }
+    });
+  }
+  ~Terminal() { close(master_); }
+
+  const std::string& name() const { return name_; }
+
+  // Once nobody else writes to it any more.
+  std::string text() {
+    close(own_);
+    reader_.join();
+    return text_;
+  }
+
+ private:
+  int master_, own_ = -1;
+  std::string name_, text_;
+  std::thread reader_;
+};
+
+TEST(Terminal, NoLineOfARunIsWiderThanItIs) {
+  const TempFolder folder;
+  folder.file("s.toml", small_study());
+  Terminal terminal(60, 24);
+  const Outcome outcome = run(folder.path(), {"npdr", "run", "s.toml"}, {.err = terminal.name()});
+  EXPECT_EQ(outcome.status, 0);
+  const std::string shown =
+      std::regex_replace(terminal.text(), std::regex("\x1b\\[[0-9]*[A-Z]"), "");
+  std::size_t num_bars = 0, num_jobs = 0;
+  std::string line;
+  for (const char c : shown) {
+    if (c != '\r' && c != '\n') {
+      line += c;
+      continue;
+    }
+    if (line.find('#') != std::string::npos) {
+      ++num_bars;
+      EXPECT_LT(line.size(), 60u) << line;
+    }
+    if (line.starts_with("  ")) ++num_jobs;
+    line.clear();
+  }
+  EXPECT_GT(num_bars, 0u) << shown;
+  EXPECT_GT(num_jobs, 0u) << shown;
+  EXPECT_NE(shown.find("small: 100 %, 15 of 15 artefacts"), std::string::npos) << shown;
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

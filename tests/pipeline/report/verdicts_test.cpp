@@ -1,0 +1,207 @@
+#include "pipeline/report/verdicts.h"
+
+#include "core/normal.h"
+#include "pipeline/report/registry.h"
+#include "tests/pipeline/small_study.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+const std::string kMethod = "NPDR (MAF)";
+
+// Samples at even quantiles of N(mean, std^2), cut off at the box of the small study's prior.
+RowMatrix samples_around(double mean, double std) {
+  constexpr Index n = 400;
+  RowMatrix theta(n, 2);
+  for (Index d = 0; d < 2; ++d) {
+    const double low = normal_cdf((0.3 - mean) / std), high = normal_cdf((1.7 - mean) / std);
+    for (Index i = 0; i < n; ++i) {
+      // The second column in another order: they don't depend on each other.
+      const Index rank = d == 0 ? i : (i * 171) % n;
+      const double p = low + (high - low) * (static_cast<double>(rank) + 0.5) / n;
+      theta(i, d) = mean + std * normal_quantile(p);
+    }
+  }
+  return theta;
+}
+
+class Verdicts : public ::testing::Test {
+ protected:
+  Verdicts()
+      : plan_(make_plan(parse_study(kStudyText, "s.toml", {}), WorkFolder("runs"))),
+        data_{plan_, sim::make_simulator(plan_.study.simulator)->info(), {kMethod}, {1}, {}, {}} {
+    data_.baseline.prior = PriorPredictions{{{"rmse", Vector::Constant(100, 5.0)}}, {}};
+    add_run(samples_around(1.0, 0.02), 0.02);
+    data_.diagnoses.push_back({{kMethod, 1, 0}, {}});
+    Diagnosis& diagnosis = data_.diagnoses.back().result;
+    diagnosis.predictive.emplace();
+    diagnosis.predictive->check.overall.num_reference = 100;
+    diagnosis.predictive->median = Vector::Zero(1);
+    diagnosis.ood.emplace().num_reference = 100;
+    diagnosis.failures.emplace();
+    diagnosis.training.emplace().is_converged = true;
+  }
+
+  void add_run(const RowMatrix& theta, double rmse) {
+    EvaluatedRun run;
+    run.use = {kMethod, 1, 1};
+    run.last_round = true;
+    run.evaluation.theta = theta;
+    run.evaluation.metrics["rmse"] = Vector::Constant(theta.rows(), rmse);
+    data_.runs = {run};
+  }
+
+  Verdict verdict_of(Check check) const {
+    const std::vector<Verdict> all = verdicts_of(data_, kMethod);
+    return *std::ranges::find(all, check, &Verdict::check);
+  }
+
+  Plan plan_;
+  ReportData data_;
+};
+
+TEST_F(Verdicts, AMethodWithoutFaultPassesAll) {
+  const auto summaries = check_summaries(data_);
+  ASSERT_EQ(summaries.size(), 1u);
+  EXPECT_EQ(words_of(summaries.front()), "NPDR (MAF): all 7 checks pass");
+  EXPECT_EQ(summaries.front().reasons.size(), 0u);
+  EXPECT_EQ(verdict_of(Check::failures).text, "passes, p = 1");
+}
+
+TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
+  add_run(samples_around(1.75, 0.02), 0.02);
+  const Verdict found = verdict_of(Check::bounds);
+  EXPECT_EQ(found.judgment, Judgment::fails);
+  EXPECT_NE(found.reason.find("pole_mass at 1.7 kg, pole_length at 1.7 m"), std::string::npos)
+      << found.reason;
+}
+
+TEST_F(Verdicts, APosteriorThatIsThePriorSaysNothing) {
+  const inference::Prior prior(plan_.study.prior);
+  add_run(sample_prior(prior, 400, 1), 0.02);
+  EXPECT_EQ(verdict_of(Check::contraction).text, "it IS the prior");
+  EXPECT_EQ(verdict_of(Check::bounds).judgment, Judgment::passes);
+  // A posterior that contracts by a quarter is told from it (false alarms: 1e-3; fixed seed).
+  RowMatrix narrower = sample_prior(prior, 400, 1);
+  narrower.col(0) = 1.0 + std::sqrt(0.75) * (narrower.col(0).array() - 1.0);
+  add_run(narrower, 0.02);
+  EXPECT_EQ(verdict_of(Check::contraction).judgment, Judgment::passes);
+  EXPECT_NE(verdict_of(Check::contraction).reason.find("says little of pole_length"),
+            std::string::npos);
+}
+
+TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.1}}}};
+  add_run(samples_around(1.0, 0.02), 0.29);
+  EXPECT_EQ(verdict_of(Check::fit).text, "passes, 2.9 times the floor's");
+  add_run(samples_around(1.0, 0.02), 3.0);
+  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::fails);
+  EXPECT_NE(verdict_of(Check::fit)
+                .reason.find("30 times the floor's (0.1): try embedding.kind = "
+                             "\"all_steps\""),
+            std::string::npos);
+}
+
+TEST_F(Verdicts, ARecordingThatNoParametersExplainFails) {
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.63}}}};
+  add_run(samples_around(1.0, 0.02), 0.64);
+  EXPECT_EQ(verdict_of(Check::fit).text, "NO parameters fit, 0.63 at best");
+  EXPECT_NE(verdict_of(Check::fit).reason.find("sign and zero of the angles"), std::string::npos);
+}
+
+// Samples of the exact posterior of a linear model with white noise of N = 2 D + 10 values: the
+// rate that the documents tell is below 1e-6; 2000 trials of a fixed seed.
+TEST_F(Verdicts, TheErrorOfAnExactPosteriorIsNeverFarAboveTheFloor) {
+  constexpr Index dimension = 2, values = 14, num_samples = 200;
+  for (std::uint64_t trial = 0; trial < 2000; ++trial) {
+    Stream stream({1, "fit_check", 0, trial, 0});
+    const auto chi_square = [&](Index degrees) {
+      double sum = 0.0;
+      for (Index i = 0; i < degrees; ++i) sum += std::pow(stream.normal(), 2);
+      return sum;
+    };
+    const double residual = chi_square(values - dimension);
+    Vector rmse(num_samples);
+    for (double& value : rmse) value = std::sqrt((residual + chi_square(dimension)) / values);
+    data_.baseline.prior->metrics["rmse"].setZero();
+    data_.baseline.points = {{"floor", Vector(), {{"rmse", std::sqrt(residual / values)}}}};
+    data_.runs.front().evaluation.metrics["rmse"] = rmse;
+    ASSERT_EQ(judge_fit(data_, kMethod).judgment, Judgment::passes) << trial;
+  }
+}
+
+// Nothing is as good as a truth without noise: the prior says what is small.
+TEST_F(Verdicts, WithoutNoiseTheErrorIsComparedWithThePriors) {
+  data_.baseline.points = {{"truth", Vector(), {{"rmse", 1e-8}}}};
+  add_run(samples_around(1.0, 0.02), 0.1);
+  EXPECT_EQ(verdict_of(Check::fit).text, "passes, 2 times a hundredth of the prior's");
+  add_run(samples_around(1.0, 0.02), 0.4);
+  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::fails);
+}
+
+TEST_F(Verdicts, TrainingFailsFarAboveItsLossAndAtItsLastEpoch) {
+  inference::TrainingCheck& training = *data_.diagnoses.front().result.training;
+  training.generalization_gap = 5.3;
+  EXPECT_EQ(verdict_of(Check::training).text, "converged, gap 5.3 nats: FAR above training");
+  EXPECT_NE(verdict_of(Check::training).reason.find("more of them, or a smaller network"),
+            std::string::npos);
+  training = {};
+  training.num_epochs = plan_.study.method(kMethod).training.max_epochs;
+  training.recent_fall = 0.8;
+  EXPECT_NE(verdict_of(Check::training)
+                .reason.find("the validation loss fell by 0.8 nats in the "
+                             "last tenth of the epochs; raise it"),
+            std::string::npos);
+}
+
+TEST_F(Verdicts, ChecksThatCouldFindNothingCantTell) {
+  Diagnosis& diagnosis = data_.diagnoses.front().result;
+  diagnosis.ood->num_reference = 20;
+  diagnosis.predictive->check.overall.num_reference = 20;
+  add_run(samples_around(1.0, 0.02).topRows(99), 0.02);
+  EXPECT_EQ(words_of(check_summaries(data_).front()),
+            "NPDR (MAF): 3 of 7 checks pass; can't tell: Posterior predictive, x_o among "
+            "simulations, Bounds of the prior, Contraction");
+  EXPECT_NE(verdict_of(Check::ood).reason.find("raise method.num_simulations"), std::string::npos);
+  diagnosis.ood.reset();
+  EXPECT_EQ(verdict_of(Check::ood).judgment, Judgment::unknown);
+}
+
+TEST_F(Verdicts, NothingIsInfinitelyFar) {
+  auto& ood = *data_.diagnoses.front().result.ood;
+  ood.p_value = 1e-5;
+  ood.mahalanobis = {3.0, 1.5, 0.1};
+  ood.residual = {std::numeric_limits<double>::infinity(), 0.0, 1e-5};
+  const Verdict found = verdict_of(Check::ood);
+  EXPECT_EQ(found.judgment, Judgment::fails);
+  EXPECT_NE(found.reason.find("2 times the usual distance within the simulations' directions, and "
+                              "another value of a feature that is the same in all of them"),
+            std::string::npos)
+      << found.reason;
+  EXPECT_EQ(found.reason.find("inf"), std::string::npos);
+}
+
+TEST_F(Verdicts, TheTableHasThemAll) {
+  data_.diagnoses.front().result.ood->p_value = 1e-5;
+  const analysis::Table table = diagnostics_table().make(data_);
+  EXPECT_EQ(table.rows.size(), 7u);
+  EXPECT_EQ(table.footnotes.size(), 1u);
+  EXPECT_EQ(table.rows[1].label, "x_o among simulations");
+  EXPECT_EQ(table.rows[1].cells.front().notes, std::vector<std::size_t>{0});
+}
+
+TEST_F(Verdicts, TheMarkOfAReportKeepsThem) {
+  const TempFolder folder;
+  Node node;
+  node.path = folder / "report.json";
+  mark_report(node, {}, {{"A", 7, {"Training"}, {"RMSE"}, {"why"}}});
+  const CheckSummary found = read_check_summaries(node).front();
+  EXPECT_EQ(words_of(found), "A: 1 of 7 checks FAIL: Training; can't tell: RMSE");
+  EXPECT_EQ(found.reasons, std::vector<std::string>{"why"});
+  folder.file("report.json", "{}");
+  EXPECT_THROW(read_check_summaries(node), InputError);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,29 @@
+#include "pipeline/run/run_costs.h"
+
+#include "tests/pipeline/small_study.h"
+
+namespace npdr::pipeline {
+namespace {
+
+TEST(RunCosts, ComeFromTheNearestKin) {
+  const Plan plan = make_plan(parse_study(kStudyText, "s.toml", {}), WorkFolder("none"));
+  RunCosts costs(plan);
+  const Node& maf = plan.node(Stage::infer, {"NPDR (MAF)", 1, 1});
+  const Node& other_seed = plan.node(Stage::infer, {"NPDR (MAF)", 2, 1});
+  const Node& mog = plan.node(Stage::infer, {"NPDR (MoG)", 1, 1});
+  const Node& few = plan.node(Stage::simulate, {"NPDR (MAF)", 1, 1});   // 200 rows
+  const Node& many = plan.node(Stage::simulate, {"NPDR (MoG)", 1, 1});  // 1000 rows
+  EXPECT_FALSE(costs.expected(maf));
+  costs.learn(few, 10.0);
+  EXPECT_DOUBLE_EQ(*costs.expected(many), 10.0 * static_cast<double>(num_rows(plan, many)) / 200.0)
+      << "by the row";
+  EXPECT_DOUBLE_EQ(*costs.expected(maf), 10.0) << "as any artefact";
+  costs.learn(maf, 30.0);
+  EXPECT_DOUBLE_EQ(*costs.expected(other_seed), 30.0);
+  EXPECT_DOUBLE_EQ(*costs.expected(mog), 30.0) << "as the stage";
+  costs.learn(mog, 2.0);
+  EXPECT_DOUBLE_EQ(*costs.expected(other_seed), 30.0);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
