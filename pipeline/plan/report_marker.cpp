@@ -29,7 +29,8 @@ void mark_report(const Node& node, const std::vector<std::filesystem::path>& fil
   }
   const nlohmann::ordered_json json = {
       {"key", node.key}, {"files", names}, {"key_document", node.identity.key_document}};
-  write_text_file(node.path, json.dump(2) + "\n");
+  // In ASCII: titles may hold characters that turn what a terminal shows.
+  write_text_file(node.path, json.dump(2, ' ', true) + "\n");
 }
 
 std::filesystem::path report_path(const Plan& plan) {
