@@ -1,7 +1,9 @@
 #include "analysis/escape.h"
 
 #include <algorithm>
+#include <charconv>
 #include <span>
+#include <system_error>
 #include <utility>
 
 #include "analysis/latex_symbols.h"
@@ -51,6 +53,13 @@ std::string substitute(std::string_view text, std::span<const Substitution> subs
   return printable(result);
 }
 
+bool is_number(std::string_view text) {
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
 }  // namespace
 
 std::string escape_html(std::string_view text) { return substitute(text, kHtml); }
@@ -61,7 +70,8 @@ std::string escape_latex(std::string_view text) { return latex_symbols(substitut
 
 std::string quote_csv(std::string_view text) {
   constexpr std::string_view formula = "=+-@";
-  const bool is_formula = text.size() > 1 && formula.find(text[0]) != std::string_view::npos;
+  const bool is_formula =
+      text.size() > 1 && formula.find(text[0]) != std::string_view::npos && !is_number(text);
   const std::string shown = (is_formula ? "'" : "") + printable(text);
   if (shown.find_first_of(",\"\n") == std::string::npos) return shown;
   constexpr Substitution doubled[] = {{'"', "\"\""}};

@@ -17,7 +17,8 @@ std::string escape_markdown(std::string_view text);
 std::string escape_latex(std::string_view text);
 
 /// A field of a CSV file: quoted when RFC 4180 asks for it. Text that begins with one of = + - @,
-/// which spreadsheets take for a formula and compute, begins with an apostrophe instead.
+/// which spreadsheets take for a formula and compute, begins with an apostrophe instead, unless it
+/// is a number.
 std::string quote_csv(std::string_view text);
 
 }  // namespace npdr::analysis

@@ -86,7 +86,8 @@ void print_as_json(const Comparison& c) {
 }
 
 void print_text(const Comparison& c) {
-  fmt::print("first   {}\nsecond  {}\n", c.first.where, c.second.where);
+  print_line("first   {}", c.first.where);
+  print_line("second  {}", c.second.where);
   fmt::print("the first {} rows of each\n\n", c.first.rows.rows());
   fmt::print("C2ST   {:.4f} ± {:.4f}  (0.5: can't be told apart, 1: don't overlap)\n",
              c.c2st.accuracy, c.c2st.standard_error);

@@ -169,15 +169,14 @@ void import_simulations(const ImportArguments& arguments) {
   const DatasetCounts counts =
       import_dataset(arguments.theta, arguments.x, arguments.output,
                      parse_csv_format(arguments.delimiter, arguments.decimal_comma));
-  fmt::print(
-      "wrote {}: {} rows; theta {}; x {}{}\n", arguments.output, counts.num_rows,
+  print_line(
+      "wrote {}: {} rows; theta {}; x {}{}", arguments.output, counts.num_rows,
       fmt::join(feature_names(counts.parameters), ", "),
       fmt::join(feature_names(counts.features), ", "),
       counts.num_failed == 0
           ? ""
           : fmt::format("; {} rows of x aren't finite and count as failed", counts.num_failed));
-  fmt::print("next: npdr run STUDY.toml --set simulator.dataset={}\n",
-             shell_word(arguments.output));
+  print_line("next: npdr run STUDY.toml --set simulator.dataset={}", shell_word(arguments.output));
 }
 
 void import_recording(const ImportArguments& arguments) {
@@ -188,13 +187,13 @@ void import_recording(const ImportArguments& arguments) {
   const auto [target, notes] =
       import_csv({arguments.files.begin(), arguments.files.end()}, csv_options(arguments));
   write_recording(target, arguments.output);
-  for (const std::string& note : notes) fmt::print("{}\n", note);
-  fmt::print("wrote {}: {} rollouts of {} steps of {} s; states {}; actions {}\n", arguments.output,
+  for (const std::string& note : notes) print_line("{}", note);
+  print_line("wrote {}: {} rollouts of {} steps of {} s; states {}; actions {}", arguments.output,
              target.num_rollouts(), target.num_steps(), target.dt, to_string(target.state_channels),
              to_string(target.action_channels));
-  fmt::print(
+  print_line(
       "next: npdr run STUDY.toml --set target.recording={}; npdr new NAME writes a study to start "
-      "from\n",
+      "from",
       shell_word(arguments.output));
 }
 

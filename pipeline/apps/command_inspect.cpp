@@ -6,7 +6,6 @@
 #include <set>
 
 #include "core/error.h"
-#include "core/printable.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verify.h"
@@ -19,12 +18,6 @@ namespace npdr::pipeline {
 namespace {
 
 constexpr const char* kAnotherType = "(another type)";
-
-// Much of it is text from files.
-template <class... T>
-void print_line(fmt::format_string<T...> format, T&&... values) {
-  fmt::print("{}\n", printable_line(fmt::format(format, std::forward<T>(values)...)));
-}
 
 // Other programs write attributes that we have no type for: truth values, references to scales.
 std::string attribute_text(const h5::Object& object, const std::string& name) try {

@@ -1,13 +1,17 @@
 /// Parts that all command lines share: the words that name a study, the outermost error handler.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "pipeline/plan/plan.h"
 
 namespace CLI {
@@ -60,6 +64,12 @@ struct UntilOption {
   /// None without the option. Throws InputError for an unknown name.
   std::optional<Stage> stage() const;
 };
+
+/// Prints a line, of which much is text from files.
+template <class... T>
+void print_line(fmt::format_string<T...> format, T&&... values) {
+  fmt::print("{}\n", printable_line(fmt::format(format, std::forward<T>(values)...)));
+}
 
 /// Prints `json` for programs: bytes of file names that aren't UTF-8 are replaced, all but ASCII is
 /// escaped where any of it isn't printable.

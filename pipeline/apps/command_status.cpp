@@ -10,6 +10,7 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/size_text.h"
 #include "pipeline/cluster/cluster_status.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/run/artefact_status.h"
 
 namespace npdr::pipeline {
@@ -50,7 +51,7 @@ std::optional<std::vector<QueuedTask>> ask_slurm(const Plan& plan) {
   try {
     return queued_tasks();
   } catch (const Error& error) {
-    fmt::print(stderr, "npdr status: what is queued isn't known: {}\n", error.what());
+    report_error("npdr status", fmt::format("what is queued isn't known: {}", error.what()));
     return std::nullopt;
   }
 }
@@ -66,8 +67,7 @@ std::vector<Standing> standings(const Plan& plan, Scrutiny scrutiny) {
   return rows;
 }
 
-void print_table(const Plan& plan, Scrutiny scrutiny) {
-  const std::vector<Standing> rows = standings(plan, scrutiny);
+void print_table(const std::vector<Standing>& rows) {
   std::size_t width = 8;
   for (const Standing& row : rows) width = std::max(width, row.node.label().size());
   fmt::print("{:<{}}  {:<10}  {:>9}  {:>9}  {:<8}  {}\n", "artefact", width, "state", "size",
@@ -80,8 +80,8 @@ void print_table(const Plan& plan, Scrutiny scrutiny) {
     ++counts[row.state()];
     bytes += status.bytes;
     seconds += status.cost.wall_seconds;
-    fmt::print(
-        "{:<{}}  {:<10}  {:>9}  {:>9}  {}  {}\n", row.node.label(), width, row.state(),
+    print_line(
+        "{:<{}}  {:<10}  {:>9}  {:>9}  {}  {}", row.node.label(), width, row.state(),
         status.bytes > 0 ? size_text(status.bytes) : "-",
         status.cost.wall_seconds > 0.0 ? fmt::format("{:.2f}", status.cost.wall_seconds) : "-",
         row.node.key.substr(0, 8), row.detail());
@@ -90,8 +90,8 @@ void print_table(const Plan& plan, Scrutiny scrutiny) {
   for (const auto& [state, count] : counts) {
     summary += fmt::format("{}{} {}", summary.empty() ? "" : ", ", count, state);
   }
-  fmt::print("\n{} artefacts: {}; {}, {:.1f} s of work\n", plan.nodes.size(), summary,
-             size_text(bytes), seconds);
+  fmt::print("\n{} artefacts: {}; {}, {:.1f} s of work\n", rows.size(), summary, size_text(bytes),
+             seconds);
 }
 
 struct CostRow {
@@ -145,9 +145,9 @@ nlohmann::ordered_json ids_of(const std::vector<QueuedTask>& tasks) {
   return ids;
 }
 
-void print_as_json(const Plan& plan, Scrutiny scrutiny) {
+void print_as_json(const std::vector<Standing>& standings) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  for (const Standing& row : standings(plan, scrutiny)) {
+  for (const Standing& row : standings) {
     nlohmann::ordered_json uses = nlohmann::ordered_json::array();
     for (const Use& use : row.node.uses) {
       uses.push_back({{"method", use.method},
@@ -204,19 +204,23 @@ void add_status_command(CLI::App& app, int& result) {
   auto* as_json = command->add_flag("--json", *json, "for programs");
   auto* as_cost = command->add_flag("--cost", *cost, "what was spent, by stage and by method");
   as_cost->excludes(as_json);
-  command->add_flag("--check", *check, "read every byte of every artefact and shard: find damage")
+  command
+      ->add_flag("--check", *check,
+                 "read every byte of every artefact and shard; status 1: some are damaged")
       ->excludes(as_cost);
   command->footer("Examples:\n  npdr status study.toml\n  npdr status study.toml --cost");
   command->callback([&result, study, json, cost, check] {
     result = guarded_main("npdr status", [&] {
       const Plan plan = study->plan();
-      const Scrutiny scrutiny = *check ? Scrutiny::thorough : Scrutiny::quick;
-      if (*json) {
-        print_as_json(plan, scrutiny);
-      } else {
-        *cost ? print_cost_tables(plan) : print_table(plan, scrutiny);
+      if (*cost) {
+        print_cost_tables(plan);
+        return ExitStatus::done;
       }
-      return ExitStatus::done;
+      const auto rows = standings(plan, *check ? Scrutiny::thorough : Scrutiny::quick);
+      *json ? print_as_json(rows) : print_table(rows);
+      const bool is_sound =
+          std::ranges::all_of(rows, [](const Standing& row) { return row.status.is_sound; });
+      return is_sound || !*check ? ExitStatus::done : ExitStatus::failed;
     });
   });
 }
@@ -234,9 +238,9 @@ void add_explain_command(CLI::App& app, int& result) {
       const auto nodes = named_nodes(plan, *word);
       if (nodes.empty()) fmt::print("all {} artefacts are up to date\n", plan.nodes.size());
       for (const Node* node : nodes) {
-        fmt::print("{} ({}): {}\n", node->label(), node->key.substr(0, 8),
+        print_line("{} ({}): {}", node->label(), node->key.substr(0, 8),
                    to_string(status_of(plan, *node).state));
-        for (const std::string& line : reasons(plan, *node)) fmt::print("    {}\n", line);
+        for (const std::string& line : reasons(plan, *node)) print_line("    {}", line);
       }
       return ExitStatus::done;
     });

@@ -22,6 +22,7 @@
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/plan/completeness.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/run/artefact_status.h"
 #include "pipeline/run/scheduler.h"
@@ -86,7 +87,7 @@ bool is_busy(const Plan& plan) {
   try {
     return !tasks_of(plan, queued_tasks()).empty();
   } catch (const Error& error) {
-    fmt::print(stderr, "npdr submit: going on to wait: {}\n", error.what());
+    report_error("npdr submit", fmt::format("going on to wait: {}", error.what()));
     return true;
   }
 }
@@ -105,19 +106,20 @@ void print_failures(const Plan& plan, std::optional<Stage> until) {
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     if (!jobs[i]) continue;
     for (const std::string& failure : jobs[i]->failed) {
-      fmt::print(stderr, "npdr submit: {} failed: {}\n", plan.nodes[i].label(), failure);
+      report_error("npdr submit", fmt::format("{} failed: {}", plan.nodes[i].label(), failure));
     }
   }
   for (const Node& node : plan.nodes) {
     if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
     const ArtefactStatus status = status_of(plan, node);
     if (status.state != ArtefactState::failed) continue;
-    fmt::print(stderr, "npdr submit: {} failed: {}\n", node.label(), status.detail);
+    report_error("npdr submit", fmt::format("{} failed: {}", node.label(), status.detail));
   }
   const auto missing = missing_nodes(plan, until);
   if (missing.empty()) return;
-  fmt::print(stderr, "npdr submit: {} artefacts are missing, the first one {}; submit again\n",
-             missing.size(), missing.front()->label());
+  report_error("npdr submit",
+               fmt::format("{} artefacts are missing, the first one {}; submit again",
+                           missing.size(), missing.front()->label()));
 }
 
 // Until Slurm has nothing more of the study; less and less often.

@@ -230,6 +230,12 @@ class Writer {
   std::string text_;
 };
 
+// A study whose reader refuses it helps nobody.
+void require(const std::string& name, const std::string& value,
+             const Constraint<std::string>& allowed) {
+  if (!satisfies(value, allowed)) throw InputError(must_be(name, quoted(value), allowed.words));
+}
+
 }  // namespace
 
 bool NewStudy::is_specific() const {
@@ -239,19 +245,20 @@ bool NewStudy::is_specific() const {
 }
 
 std::string new_study_text(const NewStudy& wanted) {
-  const Constraint<std::string> allowed = folder_name();
-  if (!satisfies(wanted.name, allowed)) {
-    throw InputError(must_be("study.name", quoted(wanted.name), allowed.words));
-  }
+  require("study.name", wanted.name, folder_name());
   std::vector<std::string> found;
-  const auto note = [&](const char* option, const std::string& value) {
-    if (!value.empty()) found.emplace_back(option);
+  const auto note = [&](const char* option, const std::string& value,
+                        const Constraint<std::string>& words) {
+    if (value.empty()) return;
+    require(option, value, words);
+    found.emplace_back(option);
   };
-  note("--simulator", wanted.simulator);
-  note("--command", wanted.command);
-  note("--worker", wanted.worker);
-  note("--library", wanted.library);
-  note("--mjcf", wanted.mjcf);
+  note("--simulator", wanted.simulator, file_path());
+  note("--command", wanted.command, shell_command());
+  note("--worker", wanted.worker, shell_command());
+  note("--library", wanted.library, file_path());
+  note("--mjcf", wanted.mjcf, file_path());
+  if (!wanted.recording.empty()) require("--recording", wanted.recording, file_path());
   if (found.size() != 1) {
     throw InputError(found.empty() ? "--recording needs one of --simulator, --worker, --library, "
                                      "--mjcf and --command beside it"

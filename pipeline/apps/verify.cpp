@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "inference/prior.h"
+#include "pipeline/apps/verified_rows.h"
 #include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/recording.h"
@@ -22,25 +23,11 @@
 namespace npdr::pipeline {
 namespace {
 
-std::vector<Index> pick_rows(Index num_rows, Index count, std::uint64_t pick) {
-  Stream stream({pick, "verify", 0, 0, 0});
-  const auto order = stream.permutation(static_cast<std::uint32_t>(num_rows));
-  std::vector<Index> rows(order.begin(), order.begin() + std::min(count, num_rows));
-  std::sort(rows.begin(), rows.end());
-  return rows;
-}
-
 // Equal bits; two NaN are equal whatever their payload.
-bool same(std::span<const float> a, std::span<const float> b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](float x, float y) {
+bool same(std::span<const float> a, const RowMatrixF& b) {
+  return std::equal(a.begin(), a.end(), b.data(), b.data() + b.size(), [](float x, float y) {
     return std::bit_cast<std::uint32_t>(x) == std::bit_cast<std::uint32_t>(y) || (x != x && y != y);
   });
-}
-
-// The joined file of a shard, or the file itself.
-std::filesystem::path simulation_of(const std::filesystem::path& path, const ArtefactInfo& info) {
-  if (info.schema.name != kSimulationShardSchema.name) return path;
-  return path.parent_path().string() + ".h5";
 }
 
 Target target_of(const std::filesystem::path& simulation, const ArtefactInfo& info) {
@@ -112,93 +99,45 @@ StreamId first_stream(const std::filesystem::path& path, const ArtefactInfo& inf
   return {info.identity.seed, kSimulationStream, round, begin, 0};
 }
 
-// theta of the rows as they were proposed: those of a shard are some of its simulation's.
-RowMatrix proposed_rows(const std::filesystem::path& path, const ArtefactInfo& info, Index count) {
-  const std::filesystem::path cache = simulation_of(path, info).parent_path().parent_path();
-  const std::string key = info.identity.inputs.at("proposal");
-  const auto& document = info.identity.key_document;
-  const auto begin = document.contains("begin") ? document.at("begin").get<Index>() : 0;
-  const h5::Dataset theta = open_proposal({cache / "propose" / (key + ".h5"), key});
-  return read_proposal(theta, {begin, begin + count});
-}
-
-// Rows of a simulation as they are stored.
-struct StoredRows {
-  Index num_rows = 0;
-  h5::Shape shape;            // of all of its values
-  std::vector<Index> picked;  // rows
-  RowMatrix theta;            // of those
-  RowMatrixF values;
-  std::vector<std::uint8_t> status;
-};
-
-StoredRows read_rows(const std::filesystem::path& path, const ArtefactInfo& info,
-                     const VerifyOptions& options) {
-  const bool is_shard = info.schema.name == kSimulationShardSchema.name;
-  const h5::File file = open_artefact(path, is_shard ? kSimulationShardSchema : kSimulationSchema);
-  const h5::Dataset values = simulated_values(file);
-  const RowMatrix theta = file.read_matrix<double>("theta", values.num_rows());
-  StoredRows rows{values.num_rows(),
-                  values.shape(),
-                  pick_rows(values.num_rows(), options.count, options.pick),
-                  {},
-                  {},
-                  {}};
-  rows.theta = theta(rows.picked, Eigen::all);
-  const auto status = file.dataset("status").read<std::uint8_t>();
-  for (const Index row : rows.picked) {
-    rows.status.push_back(status.at(static_cast<std::size_t>(row)));
-  }
-  rows.values.resize(std::ssize(rows.picked), values.row_size());
-  for (Index i = 0; i < rows.values.rows(); ++i) {
-    values.read_rows<float>(
-        rows.picked[static_cast<std::size_t>(i)], 1,
-        {rows.values.row(i).data(), static_cast<std::size_t>(values.row_size())});
-  }
-  return rows;
-}
-
 void check_shape(const std::filesystem::path& path, const Study& study, const StoredRows& rows) {
   const bool gives_motion = study.source().gives_motion;
   const std::size_t rank = gives_motion ? 4 : 2;
-  const auto num_parameters = static_cast<Index>(study.prior.size());
-  const bool fits = rows.shape.size() == rank && rows.theta.cols() == num_parameters &&
-                    (gives_motion || rows.shape[1] == std::ssize(study.external.features));
+  const h5::Shape& shape = rows.shape();
+  const bool fits = shape.size() == rank && rows.num_parameters() == std::ssize(study.prior) &&
+                    (gives_motion || shape[1] == std::ssize(study.external.features));
   if (!fits) throw InputError(path.string() + ": its rows aren't those of its study");
 }
 
 // Each row in a call of its own.
 Verification verify_simulation(const std::filesystem::path& path, const ArtefactInfo& info,
                                const VerifyOptions& options) {
-  const StoredRows rows = read_rows(path, info, options);
+  const StoredRows rows(path, info);
   const Study study = study_of(path, info, options);
   const SourceTraits& traits = study.source();
   if (!traits.simulates) reject_dataset(path);
   check_shape(path, study, rows);
   // A shard's own document doesn't hold the number of rollouts; its trajectories do.
   const Target target = traits.gives_motion
-                            ? target_of(simulation_of(path, info), info).first(rows.shape[1])
+                            ? target_of(simulation_of(path, info), info).first(rows.shape()[1])
                             : Target{};
-  const RowMatrix proposed = proposed_rows(path, info, rows.num_rows);
+  const ProposedRows proposed(path, info);
   const StreamId first = traits.takes_seeds ? first_stream(path, info) : StreamId{};
   const auto source = make_source(study);
   const auto simulator = source->open({.simulator = study.simulator, .target = target});
 
-  Verification result;
-  result.num_rows = rows.num_rows;
-  for (Index i = 0; i < std::ssize(rows.picked); ++i) {
-    const Index row = rows.picked[static_cast<std::size_t>(i)];
+  const PickedRows picked(rows.num_rows(), options);
+  Verification result{rows.num_rows(), picked.size(), {}};
+  for (Index i = 0; i < picked.size(); ++i) {
+    const Index row = picked[i];
     StreamId id = first;
     id.row += static_cast<std::uint64_t>(row);
+    const RowMatrix theta = rows.theta(row);
     const sim::Trajectories again =
-        simulator->simulate(source->parameters().complete(rows.theta.row(i)), id);
-    const std::span<const float> stored(rows.values.row(i).data(),
-                                        static_cast<std::size_t>(rows.values.cols()));
-    ++result.num_checked;
-    const bool ends_alike =
-        as_bytes(again.status).front() == rows.status[static_cast<std::size_t>(i)];
-    const bool is_proposed = rows.theta.row(i) == proposed.row(row);
-    if (!same(again.values, stored) || !ends_alike || !is_proposed) result.different.push_back(row);
+        simulator->simulate(source->parameters().complete(theta.row(0)), id);
+    const bool is_good = same(again.values, rows.values(row)) &&
+                         as_bytes(again.status).front() == rows.status(row) &&
+                         theta == proposed.theta(row);
+    if (!is_good) result.different.push_back(row);
   }
   return result;
 }
@@ -213,16 +152,18 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
                      ": its rows come from a posterior; only those of the prior can be recomputed");
   }
   const inference::Prior prior(prior_from_json(document.at("prior"), path.string()));
-  const RowMatrix theta = file.read_matrix<double>("theta", -1, prior.dimension());
-  Verification result;
-  result.num_rows = theta.rows();
+  const h5::Dataset theta = file.dataset("theta");
+  theta.require_shape({-1, prior.dimension()});
+  const PickedRows picked(theta.num_rows(), options);
+  Verification result{theta.num_rows(), picked.size(), {}};
   const Use use{"", info.identity.seed, document.value("round", Index{1}),
                 document.value("iteration", Index{0})};
   const std::uint64_t round = use.stream_round();
-  for (const Index row : pick_rows(result.num_rows, options.count, options.pick)) {
+  for (Index i = 0; i < picked.size(); ++i) {
+    const Index row = picked[i];
     Stream stream({info.identity.seed, "prior", round, static_cast<std::uint64_t>(row), 0});
-    ++result.num_checked;
-    if (prior.sample(stream).transpose() != theta.row(row)) result.different.push_back(row);
+    if (prior.sample(stream).transpose() != row_of<double>(theta, row))
+      result.different.push_back(row);
   }
   return result;
 }
@@ -273,13 +214,13 @@ Verification verify_policy_test(const std::filesystem::path& path, const Artefac
                      ": its returns aren't those of its grid; rerun stage "
                      "'policy_test'");
   }
-  Verification result;
-  result.num_rows = stored.size();
-  for (const Index row : pick_rows(result.num_rows, options.count, options.pick)) {
+  const PickedRows picked(stored.size(), options);
+  Verification result{stored.size(), picked.size(), {}};
+  for (Index i = 0; i < picked.size(); ++i) {
+    const Index row = picked[i];
     const sim::PolicyRollouts again =
         task->run(theta.row(row / num_states), test.initial_states.row(row % num_states),
                   test.policy.transpose());
-    ++result.num_checked;
     const double value = again.returns(0);
     const bool are_nan = std::isnan(value) && std::isnan(stored(row));
     if (value != stored(row) && !are_nan) result.different.push_back(row);
@@ -295,9 +236,16 @@ bool is_simulation(const ArtefactInfo& info) {
 // All that is read of the file. Anybody may have made it, and some crash HDF5: a child goes first.
 void read_all(const std::filesystem::path& path, const VerifyOptions& options) {
   const ArtefactInfo info = read_artefact_info(path);
-  if (is_simulation(info)) read_rows(path, info, options);
+  if (is_simulation(info)) {
+    const StoredRows rows(path, info);
+    const PickedRows picked(rows.num_rows(), options);
+    for (Index i = 0; i < picked.size(); ++i) {
+      rows.theta(picked[i]), rows.values(picked[i]), rows.status(picked[i]);
+    }
+  }
   if (info.schema.name == kProposalSchema.name) {
-    open_artefact(path, kProposalSchema).read_matrix<double>("theta");
+    const h5::Dataset theta = open_proposal(path);
+    for (Index row = 0; row < theta.num_rows(); ++row) row_of<double>(theta, row);
   }
   if (info.schema.name == kPolicyTestSchema.name) read_policy_test(path);
 }
@@ -315,7 +263,8 @@ Verification verify(const std::filesystem::path& given, const VerifyOptions& opt
   if (schema == kPolicyTestSchema.name) return verify_policy_test(path, info, options);
   throw InputError(path.string() + ": a " + schema +
                    "; only simulations, their shards, first proposals and tests of policies can be "
-                   "verified");
+                   "verified; to check this, make it again: run its study with another --work, and "
+                   "compare what 'npdr inspect --digest' says of both files");
 }
 
 }  // namespace npdr::pipeline

@@ -75,7 +75,8 @@ Constraint<std::string> folder_name() {
 }
 
 Constraint<std::string> file_path() {
-  return {"a path", [](const std::string& text) { return is_plain(text, 4096); }};
+  return {"a path without control characters",
+          [](const std::string& text) { return is_plain(text, 4096); }};
 }
 
 Constraint<std::string> column_name() {

@@ -94,6 +94,11 @@ Constraint<std::vector<std::uint64_t>> seeds_constraint() {
           }};
 }
 
+Constraint<double> rounds_constraint() {
+  // Each depends on all before it: more would take time and memory with their square.
+  return between(1, 200);
+}
+
 Constraint<std::vector<std::uint64_t>> rollouts_constraint() {
   return {"distinct and >= 1, in the order in which they are used", [](const auto& rollouts) {
             return all_distinct(rollouts) && std::ranges::count(rollouts, 0u) == 0;

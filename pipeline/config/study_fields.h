@@ -38,6 +38,7 @@ Constraint<double> quantile_constraint();
 /// States of a smoother's window: odd, 5 to 1001.
 Constraint<double> window_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
+Constraint<double> rounds_constraint();
 Constraint<std::vector<std::uint64_t>> rollouts_constraint();
 /// A number of folds, or none.
 Constraint<double> folds_constraint();
@@ -149,7 +150,8 @@ void describe(Fields& f, RefineConfig& c) {
 template <class Fields>
 void describe(Fields& f, inference::AlgorithmConfig& c) {
   choice(f, "algorithm", c.kind, "inference algorithm");
-  f("num_rounds", c.num_rounds, count_from(1), "rounds of proposing, simulating and training");
+  f("num_rounds", c.num_rounds, rounds_constraint(),
+    "rounds of proposing, simulating and training");
   f("num_simulations", c.num_simulations, count_from(1), "simulations per round");
   f("num_atoms", c.num_atoms, count_from(2),
     "parameter sets that the atomic loss and \"nre_b\" compare per simulation");

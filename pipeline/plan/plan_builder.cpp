@@ -13,8 +13,8 @@
 namespace npdr::pipeline {
 namespace {
 
-// More than any study that ends within a life; each takes about 50 KB of memory.
-constexpr std::size_t kMostArtefacts = 20'000;
+// More than any study that ends within a life; each takes about 200 KB of memory.
+constexpr Index kMostInferences = 5000;
 
 using Json = nlohmann::ordered_json;
 
@@ -38,6 +38,11 @@ inference::AlgorithmFamily family_of(const MethodConfig& method) {
   return inference::traits_of(method.algorithm.kind).family;
 }
 
+template <class T>
+bool is_among(const std::vector<T>& selected, const T& value) {
+  return selected.empty() || std::ranges::find(selected, value) != selected.end();
+}
+
 // Rounds of simulations come before the inference.
 bool needs_simulations(const MethodConfig& method) {
   using inference::AlgorithmFamily;
@@ -49,6 +54,7 @@ bool needs_simulations(const MethodConfig& method) {
 PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& selection)
     : plan_{std::move(study), nullptr, work, {}, {}, {}}, selection_(selection) {
   check_selection(selection);
+  check_size();
   if (auto x_o = resolve_source(plan_.study)) plan_.target = std::move(*x_o);
   plan_.source = make_source(plan_.study);
   keys_ = plan_.source->keys();
@@ -66,6 +72,30 @@ void PlanBuilder::check_selection(const Selection& selection) const {
   }
 }
 
+bool PlanBuilder::is_selected(std::uint64_t seed) const { return is_among(selection_.seeds, seed); }
+
+bool PlanBuilder::is_selected(const MethodConfig& method) const {
+  return is_among(selection_.methods, method.name);
+}
+
+// Before anything is built: what inferences depend on grows with the square of their rounds.
+void PlanBuilder::check_size() const {
+  const Study& study = plan_.study;
+  Index of_a_seed = 0;
+  for (const MethodConfig& method : study.methods) {
+    if (!is_selected(method)) continue;
+    const Index repeats = study.num_iterations_of(method) + study.evaluate.leave_out;
+    of_a_seed += method.algorithm.num_rounds * repeats;
+  }
+  const Index num_seeds =
+      std::ranges::count_if(study.seeds, [&](std::uint64_t seed) { return is_selected(seed); });
+  if (of_a_seed * num_seeds <= kMostInferences) return;
+  throw InputError(fmt::format(
+      "{}: its seeds, methods, iterations, rounds and folds ask for {} inferences, must be at most "
+      "{}; lower method.num_rounds, or divide study.seeds among several studies",
+      study.name, of_a_seed * num_seeds, kMostInferences));
+}
+
 Plan PlanBuilder::build() {
   const std::size_t target = add_target();
   held_out_ = add_held_out();
@@ -74,13 +104,10 @@ Plan PlanBuilder::build() {
   }
   if (plan_.study.source().predicts_features()) scale_ = add_scale();
   Results results;
-  const auto selected = [](const auto& wanted, const auto& value) {
-    return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
-  };
   for (const std::uint64_t seed : plan_.study.seeds) {
-    if (!selected(selection_.seeds, seed)) continue;
+    if (!is_selected(seed)) continue;
     for (const MethodConfig& method : plan_.study.methods) {
-      if (!selected(selection_.methods, method.name)) continue;
+      if (!is_selected(method)) continue;
       add_experiment(method, seed, target, results);
       if (infers(method)) add_folds(method, seed, results);
     }
@@ -370,12 +397,6 @@ std::size_t PlanBuilder::add(Stage stage, Json document, const Use& use, const I
     std::vector<Use>& uses = plan_.nodes[known->second].uses;
     if (std::ranges::find(uses, use) == uses.end()) uses.push_back(use);
     return known->second;
-  }
-  if (plan_.nodes.size() == kMostArtefacts) {
-    throw InputError(
-        fmt::format("{}: its seeds, methods and rounds ask for more than {} artefacts; lower "
-                    "method.num_rounds, or divide study.seeds among several studies",
-                    plan_.study.name, kMostArtefacts));
   }
   node.path = path_of(plan_, stage, node.key);
   node.uses = {use};

@@ -16,6 +16,7 @@ class PlanBuilder {
   using Inputs = std::vector<std::pair<std::string, std::size_t>>;  // by name, positions
 
   void check_selection(const Selection& selection) const;
+  void check_size() const;
   std::size_t add_target();
   /// A target without a fold, and the rollouts that it leaves out.
   struct Fold {
@@ -36,6 +37,8 @@ class PlanBuilder {
     std::vector<std::size_t> simulations;
     std::vector<std::size_t> posteriors;
   };
+  bool is_selected(std::uint64_t seed) const;
+  bool is_selected(const MethodConfig& method) const;
   /// All iterations of one method and seed.
   void add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target,
                       Results& results);

@@ -44,7 +44,8 @@ void mark_report(const Node& node, const std::vector<std::filesystem::path>& fil
                                        {"files", names},
                                        {"checks", verdicts},
                                        {"key_document", node.identity.key_document}};
-  write_text_file(node.path, json.dump(2) + "\n");
+  // In ASCII: titles may hold characters that turn what a terminal shows.
+  write_text_file(node.path, json.dump(2, ' ', true) + "\n");
 }
 
 std::vector<CheckSummary> read_check_summaries(const Node& node) {

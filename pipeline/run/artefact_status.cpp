@@ -55,6 +55,25 @@ std::optional<fs::path> removed_artefact(const Plan& plan, const Node& node) {
   return (link.parent_path() / fs::read_symlink(link, error)).lexically_normal();
 }
 
+// How a checkpoint says how far the work has come.
+struct CheckpointKind {
+  Schema schema;
+  const char* unit;
+  const char* attribute;
+};
+
+CheckpointKind checkpoint_kind(const Plan& plan, const Node& node) {
+  if (node.stage == Stage::policy) return {kPolicyCheckpointSchema, "iteration", "iteration"};
+  if (node.stage == Stage::infer) {
+    const MethodConfig& method = plan.study.method(node.uses.front().method);
+    const auto family = inference::traits_of(method.algorithm.kind).family;
+    if (family == inference::AlgorithmFamily::likelihood) {
+      return {kRefinementCheckpointSchema, "simulation", "num_draws"};
+    }
+  }
+  return {kCheckpointSchema, "epoch", "epoch"};
+}
+
 // Nothing: no part of it is there.
 std::optional<std::string> partial_detail(const Plan& plan, const Node& node) {
   if (node.stage == Stage::simulate) {
@@ -63,14 +82,11 @@ std::optional<std::string> partial_detail(const Plan& plan, const Node& node) {
     if (missing == total) return std::nullopt;
     return fmt::format("{} of {} shards", total - missing, total);
   }
-  const fs::path checkpoint = plan.work.checkpoint(name_of(node.stage), node.key);
-  if (!fs::exists(checkpoint)) return std::nullopt;
-  if (node.stage == Stage::policy) {
-    const h5::File file = open_artefact(checkpoint, kPolicyCheckpointSchema, node.key);
-    return fmt::format("checkpoint at iteration {}", file.attribute<Index>("iteration"));
-  }
-  const h5::File file = open_artefact(checkpoint, kCheckpointSchema, node.key);
-  return fmt::format("checkpoint at epoch {}", file.attribute<Index>("epoch"));
+  const CheckpointKind kind = checkpoint_kind(plan, node);
+  const auto file = open_artefact_if_there(
+      {plan.work.checkpoint(name_of(node.stage), node.key), node.key}, kind.schema);
+  if (!file) return std::nullopt;
+  return fmt::format("checkpoint at {} {}", kind.unit, file->attribute<Index>(kind.attribute));
 }
 
 Json document_of(const fs::path& artefact) {
@@ -200,17 +216,19 @@ ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny) 
   if (node.stage == Stage::simulate) {
     status.bytes += size_of_tree(fs::path(node.path).replace_extension());
   }
+  const auto reject = [&status](const std::string& why) {  // must not hide how the others stand
+    status.state = ArtefactState::stale;
+    status.is_sound = false;
+    status.detail = why;
+  };
   try {
     read_status(plan, node, scrutiny, status);
-  } catch (const DamagedFile& error) {  // must not hide how the others stand
-    status.state = ArtefactState::stale;
-    status.detail = std::string("damaged, remove it: ") + error.what();
+  } catch (const DamagedFile& error) {
+    reject(std::string("damaged, remove it: ") + error.what());
   } catch (const Error& error) {
-    status.state = ArtefactState::stale;
-    status.detail = std::string("can't be used: ") + error.what();
+    reject(std::string("can't be used: ") + error.what());
   } catch (const fs::filesystem_error& error) {
-    status.state = ArtefactState::stale;
-    status.detail = file_error_text(error.path1(), "be looked at", error.code().value());
+    reject(file_error_text(error.path1(), "be looked at", error.code().value()));
   }
   return status;
 }

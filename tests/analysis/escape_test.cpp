@@ -31,6 +31,8 @@ TEST(Escape, CsvHasNoFormulas) {
   EXPECT_EQ(quote_csv("=HYPERLINK(\"x\")"), "\"'=HYPERLINK(\"\"x\"\")\"");
   EXPECT_EQ(quote_csv("+a"), "'+a");
   EXPECT_EQ(quote_csv("@a"), "'@a");
+  EXPECT_EQ(quote_csv("-1-2"), "'-1-2");
+  for (const char* number : {"-1.5", "+2", "-3e-05", "-inf"}) EXPECT_EQ(quote_csv(number), number);
   EXPECT_EQ(quote_csv("a = b"), "a = b");
 }
 

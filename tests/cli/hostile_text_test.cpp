@@ -1,4 +1,7 @@
 /// Names, labels and titles of hostile text through all outputs, each read by its format's parser.
+#include <fmt/format.h>
+
+#include <cmath>
 #include <cstdlib>
 
 #include "core/printable.h"
@@ -15,18 +18,65 @@ const std::string kLabel = "=1+1]]><script>alert(1)</script>\xF6\x1b[31m\xE2\x80
 const std::string kTitle = "]]></title><script>alert(1)</script> & \\\\input{x} %$_#^~ \\u202e";
 const std::string kMethod = "=cmd|' /C calc'!A0 ]]><b>";
 
-// SVG as XML, tables as CSV: arguments are files.
-constexpr const char* kParsers = R"(
-import csv, sys, xml.etree.ElementTree
+// Each file by the parser of its format, which finds none but our own elements and commands in it.
+constexpr const char* kParsers = R"py(
+import csv, html.parser, json, re, sys, tomllib, xml.etree.ElementTree
+
+class Page(html.parser.HTMLParser):
+    titles = 0
+    def handle_starttag(self, tag, attributes):
+        assert tag not in ("script", "b", "iframe", "object", "embed"), tag
+        self.titles += tag == "title"
+        for name, value in attributes:
+            assert not name.startswith("on") and "javascript:" not in (value or ""), (name, value)
+
+def read_html(text):
+    page = Page()
+    page.feed(text)
+    page.close()
+    assert page.titles >= 1
+
+def read_csv(text):
+    for row in csv.reader(text.splitlines(keepends=True), strict=True):
+        for cell in row:
+            try: float(cell)
+            except ValueError: assert cell[:1] not in "=+-@" or len(cell) < 2, cell
+
+def read_tex(text):
+    text = re.sub(r"(?m)^%.*$", "", text)
+    commands = set(re.findall(r"\\([a-zA-Z]+)", text))
+    assert not commands & {"input", "include", "write", "def", "catcode", "csname"}, commands
+    bare = re.sub(r"\\.", "", text)
+    assert bare.count("{") == bare.count("}") and "#" not in bare and "%" not in bare, bare
+
+def read_md(text):
+    assert not re.search(r"(?<!\\)<(script|b|/title)", text), text
+
+readers = {"html": read_html, "csv": read_csv, "tex": read_tex, "md": read_md, "json": json.loads,
+           "toml": tomllib.loads, "svg": xml.etree.ElementTree.fromstring, "gp": str, "dat": str,
+           "txt": str, "log": str}
 for name in sys.argv[1:]:
-    if name.endswith(".svg"):
-        xml.etree.ElementTree.parse(name)
-    else:
-        for row in csv.reader(open(name, encoding="utf-8", newline=""), strict=True):
-            for cell in row:
-                try: float(cell)
-                except ValueError: assert cell[:1] not in "=+-@" or len(cell) < 2, cell
-)";
+    readers[name.rsplit(".", 1)[1]](open(name, encoding="utf-8", newline="").read())
+)py";
+
+// The text of all files is UTF-8 that only shows something, and its format's parser takes it.
+// Returns how many there were.
+Index expect_parsed(const TempFolder& folder, const std::filesystem::path& made) {
+  folder.file("parse.py", kParsers);
+  std::string parse =
+      "cd '" + made.string() + "' && python3 -I '" + (folder / "parse.py").string() + "'";
+  Index num_files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(made)) {
+    const std::string extension = entry.path().extension();
+    if (!entry.is_regular_file() || extension == ".h5" || extension == ".png") continue;
+    ++num_files;
+    const std::string text = text_of(entry.path());
+    EXPECT_EQ(printable(text), text) << entry.path();
+    parse += " '" + entry.path().lexically_relative(made).string() + "'";
+  }
+  EXPECT_EQ(std::system(parse.c_str()), 0) << parse;
+  return num_files;
+}
 
 std::string hostile_study() {
   return command_study("hostile")
@@ -39,11 +89,20 @@ std::string hostile_study() {
       .with("report", {"title = \"" + kTitle + "\"", "caption = \"" + kTitle + "\""});
 }
 
+// A recording whose action is called so.
+std::string swing(const std::string& action) {
+  std::string table = "t [s],theta [rad],theta_dot [rad/s],\"" + action + " [N m]\"\n";
+  for (int t = 0; t < 60; ++t) {
+    const double time = 0.02 * t;
+    table += fmt::format("{:.3f},{:.6f},{:.6f},0\n", time, std::sin(time), std::cos(time));
+  }
+  return table;
+}
+
 TEST(HostileText, IsTextInAllOutputs) {
   const TempFolder folder;
   folder.file("s.toml", hostile_study());
   folder.file("x_o.csv", "\"" + kLabel + " [m]\",b\x07 [\x1b]\n0.5,0.3\n");
-  folder.file("parse.py", kParsers);
   const std::string work = "w\xF6rk \x1b[1m]]>";
   const auto npdr = [&](std::vector<std::string> words) {
     words.insert(words.begin(), "npdr");
@@ -59,21 +118,7 @@ TEST(HostileText, IsTextInAllOutputs) {
   EXPECT_EQ(analysis::markup_error(report), "");
   EXPECT_EQ(report.find("<script>"), std::string::npos);
   EXPECT_EQ(printable(report), report);
-  std::string parse =
-      "cd '" + made.string() + "' && python3 -I '" + (folder / "parse.py").string() + "'";
-  Index num_files = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(made)) {
-    const std::string extension = entry.path().extension();
-    const bool is_text = extension == ".md" || extension == ".tex" || extension == ".gp";
-    const bool is_parsed = extension == ".csv" || extension == ".svg";
-    if (!is_text && !is_parsed) continue;
-    ++num_files;
-    const std::string text = text_of(entry.path());
-    EXPECT_EQ(printable(text), text) << entry.path();
-    if (is_parsed) parse += " '" + entry.path().lexically_relative(made).string() + "'";
-  }
-  EXPECT_GT(num_files, 10);
-  EXPECT_EQ(std::system(parse.c_str()), 0) << parse;
+  EXPECT_GT(expect_parsed(folder, made), 10);
 
   const auto is_json = [](const std::string& text) { return nlohmann::json::accept(text); };
   EXPECT_TRUE(is_json(npdr({"status", "s.toml", "--work", work, "--json"}).out));
@@ -85,6 +130,53 @@ TEST(HostileText, IsTextInAllOutputs) {
   folder.file("a.csv", kLabel + "\n" + "1\n2\n3\n4\n5\n6\n7\n8\n9\n10\n");
   npdr({"compare", "a.csv", "a.csv"});
   EXPECT_TRUE(is_json(npdr({"compare", "a.csv", "a.csv", "--json"}).out));
+}
+
+// Names of files and channels on the way from a lab's CSV to scripts for a cluster.
+TEST(HostileText, IsTextFromTheRecordingToTheJobs) {
+  const TempFolder folder;
+  const std::string channel = "torque $(touch pwned) `touch pwned` ]]><script> \\input|x";
+  const std::string table = swing(channel);
+  const std::vector<std::string> names = {
+      "a$(touch pwned)`touch pwned`\x1b[31m\xF6\n;touch pwned; '\"|x]]><script>.csv",
+      "=cmd|'!A0.csv"};
+  for (const std::string& name : names) folder.file(name, table);
+  const std::string recording = "r$(touch pwned)`touch pwned`'\"]]><script>.h5";
+  const auto npdr = [&](std::vector<std::string> words, int status = 0) {
+    words.insert(words.begin(), "npdr");
+    const Outcome outcome = run(folder.path(), words);
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    for (const std::string& text : {outcome.out, outcome.err}) EXPECT_EQ(printable(text), text);
+    return outcome;
+  };
+  npdr({"import", names[0], names[1], "--states", "theta [rad],theta_dot [rad/s]", "--actions",
+        channel + " [N m]", "-o", recording});
+  npdr({"inspect", recording});
+  const std::string worker = "sh -c 'read a' # $(touch pwned) \"q\"";
+  npdr({"new", "hostile", "--recording", recording, "--worker", worker});
+  npdr({"validate", "hostile.toml"});
+  const std::string work = "w$(touch pwned)`touch pwned`'";
+  folder.file("tasks.sh", npdr({"tasks", "hostile.toml", "--work", work}).out);
+  folder.file("jobs.sh", npdr({"submit", "hostile.toml", "--dry-run", "--work", work}).out);
+  for (const char* script : {"tasks.sh", "jobs.sh"}) {
+    const std::string check = "bash -n '" + (folder / script).string() + "'";
+    EXPECT_EQ(std::system(check.c_str()), 0) << text_of(folder / script);
+  }
+  // Each line is one command, whose words are the names.
+  folder.file(
+      "words.sh",
+      "while read -r line; do eval \"set -- $line\"; printf '%s\\n' \"$@\"; done < tasks.sh");
+  const std::string tell = "cd '" + folder.path().string() + "' && bash words.sh > words.txt";
+  EXPECT_EQ(std::system(tell.c_str()), 0);
+  EXPECT_NE(text_of(folder / "words.txt").find("\n" + work + "\n"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "pwned"));
+
+  npdr({"import", names[1], "--states", "theta [rad],theta_dot [rad/s]", "--actions",
+        channel + " [N m]", "-o", "r\x1b\n.h5"});
+  const Outcome refused =
+      npdr({"new", "broken", "--recording", "r\x1b\n.h5", "--worker", worker}, 2);
+  EXPECT_NE(refused.err.find("--recording = 'r"), std::string::npos) << refused.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "broken.toml"));
 }
 
 TEST(HostileText, MakesNoCommandsOfLineBreaks) {

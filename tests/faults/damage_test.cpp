@@ -174,7 +174,7 @@ class Repair : public Damage {
     EXPECT_NE(failed.err.find(c.damaged.filename()), std::string::npos) << failed.err;
     EXPECT_NE(failed.err.find("remove it"), std::string::npos) << failed.err;
     const Outcome status = folder_->npdr({"status", "--check"});
-    EXPECT_EQ(status.status, 0) << status.err;
+    EXPECT_EQ(status.status, 1) << status.err;
     EXPECT_NE(status.out.find("damaged, remove it: "), std::string::npos) << c.name << status.out;
     for (const fs::path& path : c.removed) {
       EXPECT_NE(failed.err.find(path.filename()), std::string::npos) << failed.err;
@@ -182,6 +182,7 @@ class Repair : public Damage {
     }
     const Outcome again = folder_->npdr({"run"});
     EXPECT_EQ(again.status, 0) << c.name << ": " << again.err;
+    EXPECT_EQ(folder_->npdr({"status", "--check"}).status, 0);
     expect_same_results(*folder_);
   }
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/program.h"
@@ -183,6 +184,12 @@ class Faults : public ::testing::Test {
   static void expect_same_results(const FaultFolder& folder) {
     EXPECT_EQ(differences(results(folder), *expected_), kNone);
     EXPECT_EQ(temporaries(folder.work()), std::set<std::string>());
+  }
+
+  /// One of several programs at once, each with an output of its own.
+  static std::unique_ptr<Program> start(const std::vector<std::string>& words, int number) {
+    const std::string name = std::to_string(number) + ".txt";
+    return std::make_unique<Program>(folder_->path(), words, Streams{"out" + name, "err" + name});
   }
 
   static FaultFolder* folder_;

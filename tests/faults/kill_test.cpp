@@ -246,5 +246,51 @@ TEST_F(KilledRuns, GoOnWithTheSameBits) {
   }
 }
 
+// Two runs of one folder, of which one or both are killed, while somebody asks how they stand. One
+// that is left ends with all that is needed, and all begins anew.
+class KilledPairs : public KilledRuns {
+ protected:
+  // Returns whether the second was left to end.
+  static bool kill_pair(int cycle, Tally& tally) {
+    const auto words = FaultFolder::words("npdr", {"run", "--jobs", "1"});
+    const auto first = start(words, 0), second = start(words, 1);
+    const auto asked = cycle % 4 < 2 ? std::vector<std::string>{"status", "--check"}
+                                     : std::vector<std::string>{"submit", "--dry-run"};
+    const auto somebody = start(FaultFolder::words("npdr", asked), 2);
+    first->ends_within(instant(random_, 1.5));
+    tally.running += first->has_ended() ? 0 : 1;
+    strike(*first, cycle % 3 == 0 ? Victim::scheduler : Victim::all);
+    const bool is_left = cycle % 2 == 1;
+    if (!is_left) strike(*second, Victim::all);
+    ++tally.kills;
+    const Outcome seen = somebody->wait();
+    EXPECT_EQ(seen.status, 0) << asked[0] << ": " << seen.out << seen.err;
+    first->wait();
+    const Outcome outcome = second->wait();
+    if (is_left) {
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+    }
+    return is_left;
+  }
+};
+
+TEST_F(KilledPairs, GoOnWithTheSameBitsWhileSomebodyLooks) {
+  fs::remove_all(folder_->work());
+  Tally tally;
+  for (int cycle = 0; cycle < num_kills(); ++cycle) {
+    if (!kill_pair(cycle, tally)) continue;
+    EXPECT_EQ(differences(results(*folder_), *expected_), kNone);
+    std::error_code ignored;  // children of the one that was killed may still write
+    fs::remove_all(folder_->cache(), ignored);
+  }
+  for (int i = 0; i < 2; ++i) {
+    const Outcome last = folder_->npdr({"run"});
+    EXPECT_EQ(last.status, 0) << last.err;
+  }
+  fmt::print("{} pairs, of which {} were killed at work\n", tally.kills, tally.running);
+  expect_same_results(*folder_);
+  EXPECT_GE(tally.running, 1) << "kills that hit nothing show nothing";
+}
+
 }  // namespace
 }  // namespace npdr::pipeline

@@ -9,13 +9,6 @@ class Together : public Faults {
  protected:
   void SetUp() override { std::filesystem::remove_all(folder_->work()); }
 
-  // Each with an output of its own.
-  static std::unique_ptr<Program> start(const std::vector<std::string>& words, int number) {
-    return std::make_unique<Program>(
-        folder_->path(), words,
-        Streams{fmt::format("out{}.txt", number), fmt::format("err{}.txt", number)});
-  }
-
   // Starts all at once, or each when those before it have made something more.
   static void run_together(int num_runs, bool at_once) {
     std::vector<std::unique_ptr<Program>> programs;

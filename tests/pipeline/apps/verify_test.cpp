@@ -31,6 +31,15 @@ TEST(Verify, RefusesAKeyThatIsntThatOfItsDocument) {
                    {"a.h5: its key isn't that of its key document"}));
 }
 
+TEST(Verify, SaysHowToCheckAPosterior) {
+  const TempFolder folder;
+  const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
+  ArtefactWriter(folder / "a.h5", kPosteriorSchema, identity).finish();
+  EXPECT_TRUE(says(message_of<InputError>([&] { verify(folder / "a.h5", {}); }, &folder),
+                   {"a.h5: a posterior; only simulations", "run its study with another --work",
+                    "'npdr inspect --digest'"}));
+}
+
 // A simulation whose rows come, as it says, from a command.
 TEST(Verify, RunsNothingThatTheFileNamesUnlessToldTo) {
   const TempFolder folder;

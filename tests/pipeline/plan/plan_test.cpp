@@ -34,9 +34,16 @@ Plan plan_of(const std::vector<std::string>& overrides = {}, const Selection& se
 }
 
 TEST(Plan, HasALimit) {
-  EXPECT_TRUE(says(message_of<InputError>([] { plan_of({"method.A.num_rounds=1000000000"}); }),
-                   {"two: its seeds, methods and rounds ask for more than 20000 artefacts",
-                    "lower method.num_rounds"}));
+  const std::vector<std::string> rounds = {"method.A.num_rounds=51", "method.B.num_rounds=50"};
+  std::string seeds = "study.seeds=[1";
+  for (int seed = 2; seed <= 50; ++seed) seeds += "," + std::to_string(seed);
+  seeds += "]";
+  EXPECT_TRUE(says(message_of<InputError>([&] {
+                     plan_of({rounds[0], rounds[1], seeds});
+                   }),
+                   {"two: its seeds, methods, iterations, rounds and folds ask for 5050 inferences",
+                    "must be at most 5000; lower method.num_rounds"}));
+  EXPECT_NO_THROW(plan_of({rounds[0], rounds[1], seeds}, {{}, {1}}));
 }
 
 TEST(Plan, EveryNodeComesAfterWhatItNeeds) {

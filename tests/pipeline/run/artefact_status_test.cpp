@@ -1,0 +1,33 @@
+#include "pipeline/run/artefact_status.h"
+
+#include <gtest/gtest.h>
+
+#include "pipeline/artefacts/refinement_file.h"
+#include "pipeline/config/study_reader.h"
+#include "tests/study_text.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+TEST(ArtefactStatus, SaysHowFarARefinementHasCome) {
+  const TempFolder folder;
+  const std::string study =
+      pendulum_study("refined")
+          .with("observation_noise", {"scale = 0.1"})
+          .method("Start", {"embedding = { kind = \"bayessim\" }", kSmallMixture})
+          .method("Refined", {"algorithm = \"refine\"", "refine = { start = \"Start\" }"});
+  const Plan plan = make_plan(parse_study(study, "s.toml"), WorkFolder(folder.path()));
+  const Node& node = plan.node(Stage::infer, {"Refined", 1, 1});
+  RefinementCheckpoint checkpoint;
+  checkpoint.state.num_draws = 300;
+  std::filesystem::create_directories(node.path.parent_path());
+  write_refinement(plan.work.checkpoint("infer", node.key), node.identity, checkpoint);
+  const ArtefactStatus status = status_of(plan, node, Scrutiny::thorough);
+  EXPECT_EQ(status.state, ArtefactState::partial) << status.detail;
+  EXPECT_EQ(status.detail, "checkpoint at simulation 300");
+  EXPECT_TRUE(status.is_sound);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
