@@ -55,8 +55,11 @@ std::string verdicts_html(const std::vector<ReportVerdict>& verdicts) {
   if (verdicts.empty()) return "";
   std::string html = "<ul class=\"verdicts\">\n";
   for (const ReportVerdict& verdict : verdicts) {
-    html += fmt::format("<li class=\"{}\">{}</li>\n", verdict.holds ? "holds" : "fails",
+    html += fmt::format("<li class=\"{}\">{}", verdict.holds ? "holds" : "fails",
                         escape_html(verdict.words));
+    for (const std::string& reason : verdict.reasons)
+      html += "\n<p>" + escape_html(reason) + "</p>";
+    html += "</li>\n";
   }
   return html + "</ul>\n";
 }

@@ -30,6 +30,7 @@ struct ReportSection {
 struct ReportVerdict {
   bool holds = false;
   std::string words;
+  std::vector<std::string> reasons = {};  ///< what was found and what to do
 };
 
 struct Report {

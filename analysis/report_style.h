@@ -70,6 +70,7 @@ pre {
 }
 .verdicts { list-style: none; margin: 0 0 1rem; padding: 0; max-width: 60rem; }
 .verdicts li { margin: .35rem 0; padding: .45rem .9rem; border-left: .35rem solid; border-radius: .3rem; }
+.verdicts p { margin: .2rem 0 0; font-size: .9rem; color: var(--muted); max-width: none; }
 .verdicts .holds { border-color: var(--good); background: var(--good-card); }
 .verdicts .fails { border-color: var(--bad); background: var(--bad-card); }
 .tools { display: flex; flex-wrap: wrap; gap: .3rem .9rem; align-items: center; margin: 0 0 .5rem; font-size: .88rem; }

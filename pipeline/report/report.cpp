@@ -207,17 +207,21 @@ void run_report(const Plan& plan, const Node& node) {
   report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;
   const Making making = making_of_artefacts(plan);
   report.prose = warning_of_builds(making.builds) + warnings;
+  const std::vector<CheckSummary> checks = check_summaries(data);
+  for (const CheckSummary& check : checks) {
+    report.verdicts.push_back({check.failed.empty(), words_of(check), check.reasons});
+  }
   for (const Section section : kSections) {
     analysis::ReportSection made = make_section(section, data, folder);
-    if (!made.tables.empty() || !made.figures.empty() || !made.code.empty())
-      report.sections.push_back(std::move(made));
+    const bool is_empty = made.tables.empty() && made.figures.empty() && made.code.empty();
+    if (!is_empty) report.sections.push_back(std::move(made));
   }
   report.commands = {plan.command};
   report.provenance = provenance(data, node, making);
   const std::vector<fs::path> files = write_tables(report, folder / "tables");
   remove_other_tables(data, folder / "tables");
   analysis::write_report(report, report_path(plan));
-  mark_report(node, files, check_summaries(data));
+  mark_report(node, files, checks);
 }
 
 }  // namespace npdr::pipeline

@@ -78,11 +78,13 @@ TEST(Report, AllowsItsOwnScriptAlone) {
 
 TEST(Report, SaysFirstWhatHoldsAndWhatFails) {
   Report report{"Title", "Prose."};
-  report.verdicts = {{true, "A: 3 of 3 checks pass"}, {false, "B: <1> of 3 checks FAILS"}};
+  report.verdicts = {{true, "A: 3 of 3 checks pass"},
+                     {false, "B: <1> of 3 checks FAILS", {"a & b"}}};
   const std::string html = to_html(report);
   EXPECT_EQ(markup_error(html), "");
   const std::size_t holds = html.find("<li class=\"holds\">A: 3 of 3 checks pass</li>");
-  const std::size_t fails = html.find("<li class=\"fails\">B: &lt;1&gt; of 3 checks FAILS</li>");
+  const std::size_t fails =
+      html.find("<li class=\"fails\">B: &lt;1&gt; of 3 checks FAILS\n<p>a &amp; b</p></li>");
   EXPECT_LT(holds, fails);
   EXPECT_LT(fails, html.find("<p>Prose.</p>"));
 }
