@@ -25,5 +25,6 @@ void add_sample_command(CLI::App& app, int& result);
 void add_log_prob_command(CLI::App& app, int& result);
 void add_compare_command(CLI::App& app, int& result);
 void add_evidence_command(CLI::App& app, int& result);
+void add_export_command(CLI::App& app, int& result);
 
 }  // namespace npdr::pipeline

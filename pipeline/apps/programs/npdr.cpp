@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   add_log_prob_command(app, result);
   add_compare_command(app, result);
   add_evidence_command(app, result);
+  add_export_command(app, result);
   if (is_unknown_command(app, argc, argv)) return static_cast<int>(npdr::ExitStatus::invalid_input);
   int status = 0;
   if (!parse_command_line(app, argc, argv, status)) return status;
