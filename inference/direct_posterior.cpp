@@ -14,11 +14,18 @@ EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index num_i
   return {num_inputs, trained_features, config, dimension, structure};
 }
 
+EmbeddedEstimator<float> make_network(const NetworkParts& parts) {
+  const Index dimension = parts.prior.dimension(), features = parts.transform.num_outputs();
+  if (parts.role == NetworkRole::likelihood) {
+    return make_network(parts.estimator, dimension, 0, features, parts.structure_seed);
+  }
+  return make_network(parts.estimator, features, parts.trained_features, dimension,
+                      parts.structure_seed);
+}
+
 DirectPosterior::DirectPosterior(NetworkParts given)
     : NetworkPosterior(std::move(given)),
-      network_(std::make_shared<const EmbeddedEstimator<float>>(
-          make_network(parts().estimator, parts().transform.num_outputs(), parts().trained_features,
-                       prior().dimension(), parts().structure_seed))) {
+      network_(std::make_shared<const EmbeddedEstimator<float>>(make_network(parts()))) {
   const Index weights = parts().parameters.size(), features = parts().x_o.size();
   if (weights != network_->num_parameters() || features != parts().transform.num_inputs()) {
     throw ShapeError("posterior: " + std::to_string(weights) + " weights and " +

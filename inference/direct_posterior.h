@@ -30,6 +30,9 @@ class DirectPosterior : public NetworkPosterior {
   std::optional<GaussianMixture> mixture_;  ///< of mixtures, already divided by the proposal
 };
 
+/// The density network of the parts, in the role of a posterior or of a likelihood.
+EmbeddedEstimator<float> make_network(const NetworkParts& parts);
+
 /// The network that a config and a structure seed stand for.
 EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index num_inputs,
                                       Index trained_features, Index dimension,

@@ -15,7 +15,6 @@ namespace {
 
 constexpr Index kBlock = 500;
 constexpr float kUsualRanges = 20.0f;
-constexpr float kFarthest = 100.0f;
 
 void for_each_block(const FeatureSource& x, Index num_rows,
                     const std::function<void(const RowMatrixF&)>& body) {

@@ -21,6 +21,8 @@
 namespace npdr::inference {
 
 struct FeatureTransform {
+  static constexpr float kFarthest = 100.0f;  ///< the clamp of standardized features
+
   VectorF mean;               ///< (F)
   VectorF inverse_deviation;  ///< (F); 0 for a feature that doesn't vary: it carries nothing
   RowMatrixF basis;           ///< (F, k); (0, 0): no projection

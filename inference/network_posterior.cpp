@@ -11,6 +11,13 @@ std::unique_ptr<NetworkPosterior> NetworkPosterior::given(const VectorF& x) cons
   return make_posterior(std::move(parts));
 }
 
+ParameterLayout network_layout(const NetworkParts& parts) {
+  if (parts.role != NetworkRole::ratio) return make_network(parts).layout();
+  return RatioEstimator<float>(parts.estimator, parts.prior.dimension(),
+                               parts.transform.num_outputs())
+      .layout();
+}
+
 std::unique_ptr<NetworkPosterior> make_posterior(NetworkParts parts) {
   if (parts.role == NetworkRole::posterior) {
     return std::make_unique<DirectPosterior>(std::move(parts));

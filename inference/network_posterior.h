@@ -57,6 +57,10 @@ class NetworkPosterior : public Posterior {
   NetworkParts parts_;
 };
 
+/// The layers of the parts' network, and their places in `parameters`, which aren't looked at.
+/// Throws InputError for sizes that can't be.
+ParameterLayout network_layout(const NetworkParts& parts);
+
 /// The posterior of the parts' role. Throws ShapeError when they don't go together.
 std::unique_ptr<NetworkPosterior> make_posterior(NetworkParts parts);
 

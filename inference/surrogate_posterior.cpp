@@ -47,14 +47,13 @@ struct SurrogatePosterior::Normalizer {
 
 SurrogatePosterior::SurrogatePosterior(NetworkParts given)
     : NetworkPosterior(std::move(given)), normalizer_(std::make_unique<Normalizer>()) {
-  const Index dimension = prior().dimension(), features = parts().transform.num_outputs();
   Index num_parameters = 0;
   if (parts().role == NetworkRole::likelihood) {
-    likelihood_ = std::make_shared<const EmbeddedEstimator<float>>(
-        make_network(parts().estimator, dimension, 0, features, parts().structure_seed));
+    likelihood_ = std::make_shared<const EmbeddedEstimator<float>>(make_network(parts()));
     num_parameters = likelihood_->num_parameters();
   } else {
-    ratio_ = std::make_shared<const RatioEstimator<float>>(parts().estimator, dimension, features);
+    ratio_ = std::make_shared<const RatioEstimator<float>>(parts().estimator, prior().dimension(),
+                                                           parts().transform.num_outputs());
     num_parameters = ratio_->num_parameters();
   }
   if (parts().parameters.size() != num_parameters ||

@@ -74,9 +74,7 @@ class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
  public:
   PosteriorTask(const PosteriorEstimationConfig& config, const RoundData& data,
                 const NetworkParts& parts, const StreamId& id)
-      : TaskOf(make_network(parts.estimator, parts.transform.num_outputs(), parts.trained_features,
-                            parts.prior.dimension(), parts.structure_seed),
-               data, parts) {
+      : TaskOf(make_network(parts), data, parts) {
     const auto likelihood = [&](std::vector<std::uint32_t> rows, VectorF weights) {
       objective_ = std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::u_given_z,
                                                          network_, parts.transform, data_,
@@ -98,9 +96,7 @@ class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
 class LikelihoodTask : public TaskOf<EmbeddedEstimator<float>> {
  public:
   LikelihoodTask(const RoundData& data, const NetworkParts& parts)
-      : TaskOf(make_network(parts.estimator, parts.prior.dimension(), 0,
-                            parts.transform.num_outputs(), parts.structure_seed),
-               data, parts) {
+      : TaskOf(make_network(parts), data, parts) {
     objective_ =
         std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::z_given_u, network_,
                                               parts.transform, data_, all_rows(data), VectorF());

@@ -1,8 +1,11 @@
 #include "inference/estimators/autoregressive_transform.h"
 
+#include <string>
+
 #include "inference/estimators/dense.h"
 
 namespace npdr::inference {
+
 template <typename S>
 AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidden_features,
                                                     Index num_hidden_layers,
@@ -15,21 +18,27 @@ AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidde
     while (first < hidden_ && degree(first) < g) ++first;
     first_.push_back(first);
   }
-  input_weight_ = layout.add(dimension, hidden_);
+  const Size width{hidden_, "h"};
+  std::vector<Index> degrees;
+  for (Index unit = 0; unit < hidden_; ++unit) degrees.push_back(degree(unit));
+  layout.note("degree", width, "how many of the first variables a hidden unit depends on", degrees);
+  input_weight_ = layout.add("input.weight", {dimension, "v"}, width, "W_1, masked");
   for (Index l = 1; l < num_hidden_layers; ++l) {
-    hidden_weight_.push_back(layout.add(hidden_, hidden_));
-    hidden_bias_.push_back(layout.add(1, hidden_));
+    const std::string name = "hidden_" + std::to_string(l);
+    hidden_weight_.push_back(layout.add(name + ".weight", width, width, "W_(l + 1), masked"));
+    hidden_bias_.push_back(layout.add_bias(name + ".bias", width, "b_(l + 1)"));
   }
-  const Index num_outputs = map_->num_parameters() * dimension;
-  output_weight_ = layout.add(hidden_, num_outputs);
-  output_bias_ = layout.add(1, num_outputs);
+  const Size outputs{map_->num_parameters() * dimension, "p v"};
+  output_weight_ = layout.add("output.weight", width, outputs,
+                              "W_o, masked: column p v + d gives the p-th number of variable d");
+  output_bias_ = layout.add_bias("output.bias", outputs, "b_o");
 
   input_mask_ = RowMatrixX<S>::NullaryExpr(dimension, hidden_,
                                            [&](Index d, Index j) { return S(d + 1 <= degree(j)); });
   hidden_mask_ = RowMatrixX<S>::NullaryExpr(
       hidden_, hidden_, [&](Index i, Index j) { return S(degree(i) <= degree(j)); });
   output_mask_ = RowMatrixX<S>::NullaryExpr(
-      hidden_, num_outputs, [&](Index j, Index d) { return S(degree(j) <= d % dimension); });
+      hidden_, outputs.value, [&](Index j, Index d) { return S(degree(j) <= d % dimension); });
 }
 
 template <typename S>

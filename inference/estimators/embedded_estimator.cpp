@@ -36,8 +36,10 @@ EmbeddedEstimator<S>::EmbeddedEstimator(Index x_features, Index trained_features
   fix_matrix_blocking();
   Index context_features = x_features;
   if (trained_features > 0) {
-    weight_ = layout_.add(x_features, trained_features);
-    bias_ = layout_.add(1, trained_features);
+    const Size width{trained_features, "c"};
+    weight_ = layout_.add("linear.weight", {x_features, "z"}, width,
+                          "of the trained linear layer, where there is one");
+    bias_ = layout_.add_bias("linear.bias", width, "its bias");
     context_features = trained_features;
   }
   estimator_ = make_estimator<S>(config, dimension, context_features, structure, layout_);

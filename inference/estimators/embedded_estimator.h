@@ -26,6 +26,7 @@ class EmbeddedEstimator {
   Index dimension() const { return estimator_->dimension(); }
   Index x_features() const { return x_features_; }
   Index num_parameters() const { return layout_.size(); }
+  const ParameterLayout& layout() const { return layout_; }
   const DensityEstimator<S>& estimator() const { return *estimator_; }
 
   /// Fresh random weights; see DensityEstimator::initialize.

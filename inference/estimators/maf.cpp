@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "inference/estimators/affine_map.h"
 #include "inference/estimators/dense.h"
@@ -52,15 +53,22 @@ MaskedAutoregressiveFlow<S>::MaskedAutoregressiveFlow(const EstimatorConfig& con
   check_size("num_transforms", config.num_transforms);
   check_size("hidden_features", config.hidden_features);
   check_size("num_hidden_layers", config.num_hidden_layers);
-  context_weight_ = layout.add(context_features, config.num_transforms * config.hidden_features);
-  context_bias_ = layout.add(1, config.num_transforms * config.hidden_features);
+  const Size width{config.num_transforms * config.hidden_features, "K h"};
+  context_weight_ = layout.add("context.weight", {context_features, "c"}, width,
+                               "W_c of all K transforms, one beside the other");
+  context_bias_ = layout.add_bias("context.bias", width, "b_1 of all of them");
   const auto map = make_map<S>(config);
   Stream stream(structure);
   for (Index k = 0; k < config.num_transforms; ++k) {
+    layout.begin_names_with("transform_" + std::to_string(k + 1) + ".");
+    order_.push_back(stream.permutation(static_cast<std::uint32_t>(dimension)));
+    layout.note("order", {dimension, "v"},
+                "variable j of a transform is variable order[j] of what comes in",
+                {order_.back().begin(), order_.back().end()});
     transforms_.emplace_back(dimension, config.hidden_features, config.num_hidden_layers, map,
                              layout);
-    order_.push_back(stream.permutation(static_cast<std::uint32_t>(dimension)));
   }
+  layout.begin_names_with("");
 }
 
 template <typename S>

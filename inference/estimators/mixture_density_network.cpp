@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "inference/estimators/dense.h"
 #include "inference/estimators/size_check.h"
@@ -32,14 +33,17 @@ MixtureDensityNetwork<S>::MixtureDensityNetwork(const EstimatorConfig& config, I
   check_size("num_components", config.num_components);
   check_size("hidden_features", config.hidden_features);
   check_size("num_hidden_layers", config.num_hidden_layers);
-  Index inputs = context_features;
-  for (Index l = 0; l < config.num_hidden_layers; ++l) {
-    weights_.push_back(layout.add(inputs, config.hidden_features));
-    biases_.push_back(layout.add(1, config.hidden_features));
-    inputs = config.hidden_features;
+  Size inputs{context_features, "c"};
+  const auto add = [&](const std::string& name, const Size& outputs, const char* meaning) {
+    weights_.push_back(layout.add(name + ".weight", inputs, outputs, meaning));
+    biases_.push_back(layout.add_bias(name + ".bias", outputs, "its bias"));
+    inputs = outputs;
+  };
+  for (Index l = 1; l <= config.num_hidden_layers; ++l) {
+    add("hidden_" + std::to_string(l), {config.hidden_features, "h"}, "of a hidden layer");
   }
-  weights_.push_back(layout.add(inputs, num_columns()));
-  biases_.push_back(layout.add(1, num_columns()));
+  add("head", {num_columns(), "q K"},
+      "K logits of the weights, K means of each variable, then K of each entry of U, row by row");
 }
 
 template <typename S>

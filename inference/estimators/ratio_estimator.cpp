@@ -1,11 +1,12 @@
 #include "inference/estimators/ratio_estimator.h"
 
+#include <string>
+
 #include "core/matrix_blocking.h"
 #include "inference/estimators/dense.h"
 #include "inference/estimators/size_check.h"
 
 namespace npdr::inference {
-namespace {}  // namespace
 
 template <typename S>
 RatioEstimator<S>::RatioEstimator(const EstimatorConfig& config, Index dimension, Index x_features)
@@ -13,16 +14,20 @@ RatioEstimator<S>::RatioEstimator(const EstimatorConfig& config, Index dimension
   check_size("hidden_features", config.hidden_features);
   check_size("num_hidden_layers", config.num_hidden_layers);
   fix_matrix_blocking();
-  const Index hidden = config.hidden_features;
-  u_weight_ = layout_.add(dimension, hidden);
-  x_weight_ = layout_.add(x_features, hidden);
-  bias_ = layout_.add(1, hidden);
-  for (Index l = 0; l < config.num_hidden_layers; ++l) {
-    blocks_.push_back({layout_.add(hidden, hidden), layout_.add(1, hidden),
-                       layout_.add(hidden, hidden), layout_.add(1, hidden)});
+  const Size hidden{config.hidden_features, "h"}, one{1, "1"};
+  u_weight_ = layout_.add("u.weight", {dimension, "v"}, hidden, "W_u");
+  x_weight_ = layout_.add("x.weight", {x_features, "c"}, hidden, "W_x");
+  bias_ = layout_.add_bias("x.bias", hidden, "b");
+  for (Index l = 1; l <= config.num_hidden_layers; ++l) {
+    layout_.begin_names_with("block_" + std::to_string(l) + ".");
+    blocks_.push_back({.a_weight = layout_.add("a.weight", hidden, hidden, "A_l"),
+                       .a_bias = layout_.add_bias("a.bias", hidden, "a_l"),
+                       .b_weight = layout_.add("b.weight", hidden, hidden, "B_l"),
+                       .b_bias = layout_.add_bias("b.bias", hidden, "b_l")});
   }
-  out_weight_ = layout_.add(hidden, 1);
-  out_bias_ = layout_.add(1, 1);
+  layout_.begin_names_with("");
+  out_weight_ = layout_.add("output.weight", hidden, one, "w");
+  out_bias_ = layout_.add_bias("output.bias", one, "c");
 }
 
 template <typename S>

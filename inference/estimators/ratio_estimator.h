@@ -37,6 +37,7 @@ class RatioEstimator {
   Index dimension() const { return dimension_; }
   Index x_features() const { return x_features_; }
   Index num_parameters() const { return layout_.size(); }
+  const ParameterLayout& layout() const { return layout_; }
 
   /// Fresh random weights, with which f is near 0.
   Parameters<S> initial_parameters(const StreamId& id) const;

@@ -26,6 +26,7 @@ void add_sample_command(CLI::App& app, int& result);
 void add_log_prob_command(CLI::App& app, int& result);
 void add_compare_command(CLI::App& app, int& result);
 void add_evidence_command(CLI::App& app, int& result);
+void add_export_command(CLI::App& app, int& result);
 
 /// Those that tell of all others: help, man, completion. Come last.
 void add_help_commands(CLI::App& app, int& result);

@@ -62,6 +62,16 @@ std::vector<std::string> Layout::those_there(std::vector<std::string> names) con
   return names;
 }
 
+Index Layout::num_values() const {
+  Index count = 0;
+  for (const std::string& name : in_->names()) {
+    const h5::Dataset dataset = in_->dataset(name);
+    dataset.require_readable(dataset.type());
+    count += dataset.num_rows() * dataset.row_size();
+  }
+  return count;
+}
+
 Layout Layout::missing() {
   Layout nowhere = lister();
   nowhere.list("", {}, "");

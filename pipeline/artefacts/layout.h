@@ -131,6 +131,8 @@ class Layout {
     return is_there(name, value) ? std::optional(group(name)) : std::nullopt;
   }
 
+  /// How many values the datasets of a group that is read hold, whatever they are.
+  Index num_values() const;
   /// Those of the names that a file has which is read; else all.
   std::vector<std::string> those_there(std::vector<std::string> names) const;
   /// Makes a size known that a file that is read says elsewhere.

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "core/error.h"
 #include "core/text.h"
+#include "inference/direct_posterior.h"
+#include "pipeline/artefacts/json_attribute.h"
 #include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -49,7 +51,7 @@ void describe(Layout f, VectorF& x, Observed& observed) {
   describe(x_o, "action", observed.channels.actions);
 }
 
-void describe(Layout f, inference::GaussianMixture& proposal) {
+void describe_proposal(Layout f, inference::GaussianMixture& proposal) {
   if (f.reads() || proposal.means.empty())
     proposal = {Vector::Zero(1), {Vector()}, {Eigen::MatrixXd()}};
   Eigen::MatrixXd& factor = proposal.precision_factors.front();
@@ -68,52 +70,33 @@ void describe(Layout f, inference::GaussianMixture& proposal) {
   }
 }
 
-template <class Config>
-void describe_json(Layout f, const std::string& name, Config& config, const char* meaning) {
-  std::string text = to_json(config).dump();
-  f.attribute(name, text, meaning);
-  if (f.reads()) {
-    const std::string where = f.where() + ": attribute '" + name + "'";
-    config = from_json<Config>(parse_json(text, where), where);
-  }
-}
-
-std::uint64_t parse_structure_seed(const std::string& where, const std::string& text) {
-  std::uint64_t seed = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, seed);
-  if (error == std::errc() && stop == end) return seed;
-  throw InputError(where + ": " +
-                   must_be("attribute 'structure_seed'", quoted(text), "an integer >= 0"));
-}
-
-void check_trained_features(const std::string& where, Index width) {
-  const Constraint<double> allowed = between(0, kMaxWidth);
-  if (satisfies(width, allowed)) return;
-  throw InputError(where + ": " +
-                   must_be("attribute 'trained_features'", std::to_string(width), allowed.words));
-}
-
 void describe(Layout f, inference::NetworkParts& parts, Observed& observed) {
-  std::string role = name_of(parts.role), seed = std::to_string(parts.structure_seed);
-  f.attribute("network_role", role,
-              "what the network says: `posterior` q(u \\| z), `likelihood` q(z \\| u) or `ratio` "
-              "p(z \\| u) / p(z)");
-  describe_json(f, "density_estimator", parts.estimator, "JSON: the method's settings");
-  f.attribute("trained_features", parts.trained_features,
-              "width of the trained linear layer; 0: none");
-  f.attribute("structure_seed", seed, "an integer: seeds the order of the variables in a flow");
-  if (f.reads()) {
-    parts.role = parse_enum<inference::NetworkRole>("network role", role);
-    check_trained_features(f.where(), parts.trained_features);
-    parts.structure_seed = parse_structure_seed(f.where(), seed);
-  }
-  f("weights", parts.parameters, {{"P", "weight"}}, "all weights of the network",
-    {.allowed = h5::Values::finite, .storage = kFastest});
+  describe_architecture(f, parts);
   describe(f, parts.x_o, observed);
   describe(f, parts.transform);
   describe_json(f, "sampler", parts.sampler, "JSON: the same");
-  if (auto group = f.group("proposal", parts.proposal)) describe(*group, *parts.proposal);
+  if (auto group = f.group("proposal", parts.proposal)) describe_proposal(*group, *parts.proposal);
+}
+
+// What a network's mixture says at x_o, which follows from the rest: for those who read files
+// without the program.
+void describe_mixture(Layout f, inference::GaussianMixture mixture) {
+  const Index k = mixture.num_components(), d = mixture.dimension();
+  RowMatrix means(k, d), factors(k, d * d);
+  for (Index i = 0; i < k; ++i) {
+    const RowMatrix factor = mixture.precision_factors[static_cast<std::size_t>(i)];
+    means.row(i) = mixture.means[static_cast<std::size_t>(i)].transpose();
+    factors.row(i) = Eigen::Map<const Eigen::RowVectorXd>(factor.data(), d * d);
+  }
+  const Dim component{"K", "component"};
+  Layout group = f.group("mixture");
+  group(
+      "log_weight", mixture.log_weights, {component},
+      "of `mdn` as a posterior: of the Gaussians at x_o, in the space where the prior is N(0, I); "
+      "already divided by the proposal");
+  group("mean", means, {component, kParameter}, "theirs");
+  group("factor", factors, {component, kParameter, kParameter}, "U of their precisions U'U",
+        {.shape = {k, d, d}});
 }
 
 void describe_embedding(Layout f, const inference::EmbeddingConfig& embedding) {
@@ -126,24 +109,6 @@ void describe_losses(Layout f, Losses& training, Losses& validation) {
   const Dims epochs = {{"epochs", "epoch"}};
   group("training_loss", training, epochs, "mean of each epoch of this round's training [nats]");
   group("validation_loss", validation, epochs, "the same of the validation rows");
-}
-
-// A network is made before its weights can be counted exactly. The large matrices of its estimator
-// alone tell a file that asks for much more than it holds.
-void require_enough_weights(const std::string& where, const inference::NetworkParts& parts) {
-  const inference::EstimatorConfig& c = parts.estimator;
-  using enum inference::EstimatorKind;
-  const bool is_flow = c.kind == maf || c.kind == nsf;
-  const bool is_likelihood = parts.role == inference::NetworkRole::likelihood;
-  const Index width = is_likelihood ? parts.transform.num_outputs() : parts.prior.dimension();
-  const Index layers = c.kind == resnet ? 2 * c.num_hidden_layers : c.num_hidden_layers - 1;
-  const Index least =
-      (is_flow ? c.num_transforms : 1) * c.hidden_features * (layers * c.hidden_features + width);
-  if (parts.parameters.size() >= least) return;
-  throw InputError(
-      fmt::format("{}: {} weights, but its density_estimator has more than {}; rerun "
-                  "stage 'infer'",
-                  where, parts.parameters.size(), least));
 }
 
 inference::NetworkParts parts_over(const std::vector<inference::Marginal>& prior) {
@@ -161,7 +126,7 @@ std::unique_ptr<inference::NetworkPosterior> read_network(const h5::File& file) 
   inference::NetworkParts parts = parts_over(prior);
   Observed observed;
   describe(f, parts, observed);
-  require_enough_weights(file.where(), parts);
+  describe_layers(f, parts);
   try {
     return inference::make_posterior(std::move(parts));
   } catch (const ShapeError& error) {
@@ -201,6 +166,11 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   const Layout f = Layout::writer(file);
   describe(f, prior);
   describe(f, parts, observed);
+  describe_layers(f, parts);
+  const auto* direct = dynamic_cast<const inference::DirectPosterior*>(&posterior);
+  if (direct != nullptr && parts.estimator.kind == inference::EstimatorKind::mdn) {
+    describe_mixture(f, direct->mixture());
+  }
   describe_embedding(f, method.embedding);
   describe(f, rows);
   describe_losses(f, training.training_loss, training.validation_loss);
@@ -230,6 +200,9 @@ void describe(Layout f, inference::FeatureTransform& transform) {
   group("basis", transform.basis, {kFeature, {"k", "component"}},
         "principal components; missing when there are none",
         {.allowed = h5::Values::finite, .unless_empty = true, .storage = kFastest});
+  if (f.reads()) return;
+  group.attribute("farthest", double{inference::FeatureTransform::kFarthest},
+                  "standardized features beyond +- it are set to it, before the basis");
 }
 
 std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefact) {
@@ -291,6 +264,7 @@ void list_posterior(Layout f) {
   Vector losses;
   describe(f, prior);
   describe(f, parts, observed);
+  describe_mixture(f, {Vector::Zero(1), {Vector::Zero(1)}, {Eigen::MatrixXd::Ones(1, 1)}});
   describe_embedding(f, {});
   describe(f, rows);
   describe_losses(f, losses, losses);

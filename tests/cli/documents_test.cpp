@@ -49,6 +49,7 @@ const std::map<std::string, std::string> kNotRun = {
 const std::map<std::string, std::string> kSmallRuns = {
     {"npdr run study.toml", "--set method.training.max_epochs=5"},
     {"npdr run experiments/pendulum.toml --set 'study.seeds=[1]'", ""},
+    {"npdr run experiments/pendulum.toml --only 'NPDR (MAF)'", ""},
     {"npdr run experiments/furuta.toml --set target.recording=recording.h5",
      "--only 'NPDR (MAF)' --seeds 1 --set method.num_rounds=1 --set method.num_simulations=80 "
      "--set method.training.max_epochs=1 --set evaluate.num_samples=10 --set evaluate.floor=false"},

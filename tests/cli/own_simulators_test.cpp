@@ -16,15 +16,6 @@ namespace fs = std::filesystem;
 
 const fs::path kExamples = fs::path(NPDR_SOURCE_DIR) / "experiments" / "external";
 
-// A Python that has a package; "": none has.
-std::string python_with(const std::string& package) {
-  for (const char* name : {"python3", "/usr/bin/python3"}) {
-    const std::string command = std::string(name) + " -c 'import " + package + "' 2>/dev/null";
-    if (std::system(command.c_str()) == 0) return name;
-  }
-  return "";
-}
-
 class OwnSimulators : public ::testing::Test {
  protected:
   Outcome npdr(std::vector<std::string> words) const {

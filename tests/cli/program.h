@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -107,6 +108,15 @@ class Program {
 inline Outcome run(const std::filesystem::path& folder, const std::vector<std::string>& words,
                    const Streams& streams = {}) {
   return Program(folder, words, streams).wait();
+}
+
+/// A Python that has a package; "": none has.
+inline std::string python_with(const std::string& package) {
+  for (const char* name : {"python3", "/usr/bin/python3"}) {
+    const std::string command = std::string(name) + " -c 'import " + package + "' 2>/dev/null";
+    if (std::system(command.c_str()) == 0) return name;
+  }
+  return "";
 }
 
 /// A small pendulum study that takes a second: two methods, two rounds.

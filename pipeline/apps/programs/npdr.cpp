@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
   add_log_prob_command(app, result);
   add_compare_command(app, result);
   add_evidence_command(app, result);
+  add_export_command(app, result);
   add_help_commands(app, result);
   app.footer("Examples:\n  npdr new study\n  npdr run study.toml\n  npdr help run");
   if (is_unknown_command(app, argc, argv)) return static_cast<int>(npdr::ExitStatus::invalid_input);

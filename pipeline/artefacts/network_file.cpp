@@ -1,0 +1,140 @@
+#include "pipeline/artefacts/network_file.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/artefacts/json_attribute.h"
+#include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/config/study_fields.h"
+
+namespace npdr::pipeline {
+namespace {
+
+std::uint64_t parse_structure_seed(const std::string& where, const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, seed);
+  if (error == std::errc() && stop == end) return seed;
+  throw InputError(where + ": " +
+                   must_be("attribute 'structure_seed'", quoted(text), "an integer >= 0"));
+}
+
+void check_trained_features(const std::string& where, Index width) {
+  const Constraint<double> allowed = between(0, kMaxWidth);
+  if (satisfies(width, allowed)) return;
+  throw InputError(where + ": " +
+                   must_be("attribute 'trained_features'", std::to_string(width), allowed.words));
+}
+
+// A network is made before its weights can be counted exactly. The large matrices of its estimator
+// alone tell a file that asks for much more than it holds.
+void require_enough_weights(const Layout& network, const inference::NetworkParts& parts) {
+  const inference::EstimatorConfig& c = parts.estimator;
+  using enum inference::EstimatorKind;
+  const bool is_flow = c.kind == maf || c.kind == nsf;
+  const bool is_likelihood = parts.role == inference::NetworkRole::likelihood;
+  const Index width = is_likelihood ? parts.transform.num_outputs() : parts.prior.dimension();
+  const Index layers = c.kind == resnet ? 2 * c.num_hidden_layers : c.num_hidden_layers - 1;
+  const Index least =
+      (is_flow ? c.num_transforms : 1) * c.hidden_features * (layers * c.hidden_features + width);
+  const Index found = network.num_values();
+  if (found >= least) return;
+  throw InputError(
+      fmt::format("{}: {} weights, but the file's density_estimator has more than {}; "
+                  "rerun stage 'infer'",
+                  network.where(), found, least));
+}
+
+void describe(Layout network, const inference::FixedNumbers& fixed) {
+  std::vector<Index> values = fixed.values;
+  network(fixed.name, values, {{fixed.size.name, "variable"}}, fixed.meaning);
+  if (values == fixed.values) return;
+  throw InputError(fmt::format(
+      "{}: {} isn't what the file's structure_seed and density_estimator give; rerun stage 'infer'",
+      network.where(), fixed.name));
+}
+
+void describe(Layout network, const inference::Layer& layer,
+              inference::Parameters<float>& parameters) {
+  const DatasetOptions options{.allowed = h5::Values::finite, .storage = kFastest};
+  auto place = inference::view(parameters, layer.block);
+  RowMatrixF matrix = place;
+  VectorF vector = place.row(0).transpose();
+  if (*layer.rows.name == '\0') {
+    network(layer.name, vector, {{layer.cols.name, "output"}}, layer.meaning, options);
+    place.row(0) = vector.transpose();
+  } else {
+    network(layer.name, matrix, {{layer.rows.name, "input"}, {layer.cols.name, "output"}},
+            layer.meaning, options);
+    place = matrix;
+  }
+}
+
+// Those of an untrained network of one parameter and one feature.
+void list_layers(Layout f, inference::NetworkRole role, const inference::EstimatorConfig& config,
+                 Index trained_features) {
+  inference::NetworkParts parts{
+      .prior = inference::Prior({{"", "", inference::Marginal::Kind::uniform, 0, 1}}),
+      .role = role,
+      .estimator = config,
+      .trained_features = trained_features,
+      .transform = {VectorF::Zero(1), VectorF::Ones(1), {}},
+      .parameters = {},
+      .x_o = {}};
+  parts.parameters.setZero(inference::network_layout(parts).size());
+  describe_layers(f, parts);
+}
+
+}  // namespace
+
+void describe_architecture(Layout f, inference::NetworkParts& parts) {
+  std::string role = name_of(parts.role), seed = std::to_string(parts.structure_seed);
+  f.attribute("network_role", role,
+              "what the network says: `posterior` q(u \\| z), `likelihood` q(z \\| u) or `ratio` "
+              "p(z \\| u) / p(z)");
+  describe_json(f, "density_estimator", parts.estimator, "JSON: the method's settings");
+  f.attribute("trained_features", parts.trained_features,
+              "width of the trained linear layer; 0: none");
+  f.attribute("structure_seed", seed, "an integer: seeds the order of the variables in a flow");
+  if (!f.reads()) return;
+  parts.role = parse_enum<inference::NetworkRole>("network role", role);
+  check_trained_features(f.where(), parts.trained_features);
+  parts.structure_seed = parse_structure_seed(f.where(), seed);
+}
+
+void describe_layers(Layout f, inference::NetworkParts& parts) {
+  Layout network = f.group("network");
+  if (f.reads()) require_enough_weights(network, parts);
+  const inference::ParameterLayout layout = inference::network_layout(parts);
+  if (f.reads()) parts.parameters.setZero(layout.size());
+  const auto bind = [&](const inference::Size& size) { network.bind(size.name, size.value); };
+  for (const inference::FixedNumbers& fixed : layout.fixed_numbers()) {
+    bind(fixed.size);
+    describe(network, fixed);
+  }
+  for (const inference::Layer& layer : layout.layers()) {
+    bind(layer.rows);
+    bind(layer.cols);
+    describe(network, layer, parts.parameters);
+  }
+}
+
+void list_flow(Layout f) {
+  list_layers(f, inference::NetworkRole::posterior,
+              {.kind = inference::EstimatorKind::maf, .num_transforms = 1}, 1);
+}
+
+void list_mixture(Layout f) {
+  list_layers(f, inference::NetworkRole::posterior,
+              {.kind = inference::EstimatorKind::mdn, .num_hidden_layers = 1}, 0);
+}
+
+void list_ratio_network(Layout f) {
+  list_layers(f, inference::NetworkRole::ratio,
+              {.kind = inference::EstimatorKind::resnet, .num_hidden_layers = 1}, 0);
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,150 @@
+"""Densities and samples of a trained posterior of npdr (infer.h5), with numpy and h5py alone.
+
+    posterior = Posterior("infer.h5")
+    theta = posterior.sample(1000, np.random.default_rng(1))  # (1000, D), columns posterior.names
+    posterior.log_prob(theta)                                 # (1000) [nats]
+
+docs/file-formats.md says what stands in the file, docs/methods.md where the equations come from.
+npdr_particles.py reads those of ABC, linear regression and refinement.
+"""
+import json
+import math
+from statistics import NormalDist
+import h5py
+import numpy as np
+
+normal_quantile = np.vectorize(NormalDist().inv_cdf, otypes=[float])
+normal_cdf = np.vectorize(lambda u: 0.5 * math.erfc(-u / math.sqrt(2)), otypes=[float])
+
+def read(group):
+    return {**group.attrs, **{name: values[:] for name, values in group.items()}}
+
+def log_normal(u):
+    return -0.5 * np.sum(u**2, axis=-1) - 0.5 * u.shape[-1] * math.log(2 * math.pi)
+
+def positive(a):  # 1 at 0, at least 1e-3
+    return np.logaddexp(0, a + math.log(math.expm1(1 - 1e-3))) + 1e-3
+
+class Prior:  # u = Phi^-1(F(theta)), parameter by parameter
+    def __init__(self, file):
+        marginals = json.loads(file.attrs["prior"])
+        self.names = [m["name"] for m in marginals]
+        kinds, pairs = zip(*(next((k, v) for k, v in m.items() if isinstance(v, list)) for m in marginals))
+        self.is_log = np.array([k.startswith("log_") for k in kinds])
+        self.is_bounded = np.array([k.endswith("uniform") for k in kinds])
+        pairs = [np.log(pair) if kind == "log_uniform" else pair for kind, pair in zip(kinds, pairs)]
+        self.a, b = np.transpose(pairs)
+        self.width = np.where(self.is_bounded, b - self.a, b)
+    def to_u(self, theta):  # (n, D), and log |du / dtheta|
+        with np.errstate(all="ignore"):
+            t = np.where(self.is_log, np.log(theta), theta)
+        share = (t - self.a) / self.width
+        by_share = normal_quantile(np.clip(np.nan_to_num(share), 2.0**-53, 1 - 2.0**-53))
+        u = np.where(self.is_bounded, by_share, share)
+        log_slope = -np.log(self.width) - self.is_log * t - self.is_bounded * log_normal(u[..., None])
+        is_inside = np.isfinite(t) & (~self.is_bounded | (share >= 0) & (share <= 1))
+        return u, np.where(is_inside, log_slope, -np.inf).sum(1)
+    def to_theta(self, u):
+        t = self.a + self.width * np.where(self.is_bounded, normal_cdf(u), u)
+        return np.where(self.is_log, np.exp(np.where(self.is_log, t, 0)), t)
+
+def spline(v, p, inverse=False):  # of v (n, V) with numbers p (n, 3 bins - 1, V): z, or back; log slope
+    if p.shape[1] == 0:  # the flow is affine
+        return v, 0 * v
+    bins, ends = (p.shape[1] + 1) // 3, np.ones_like(v[:, None])
+    shares = [np.exp(a - a.max(1, keepdims=True)) for a in np.split(p[:, : 2 * bins], 2, axis=1)]
+    sizes = [10 * (1e-3 + (1 - 1e-3 * bins) * s / s.sum(1, keepdims=True)) for s in shares]
+    knots = [np.concatenate([-5 * ends, np.cumsum(s, 1) - 5], 1) for s in sizes]
+    slopes = np.concatenate([ends, positive(p[:, 2 * bins :]), ends], 1)
+    k = np.sum(knots[inverse][:, 1:-1] <= v[:, None], axis=1, keepdims=True)
+    x, y, w, h, d0 = (np.take_along_axis(a, k, 1)[:, 0] for a in [*knots, *sizes, slopes])
+    d1, s, is_inside = np.take_along_axis(slopes, k + 1, 1)[:, 0], h / w, np.abs(v) < 5
+    bend = d1 + d0 - 2 * s
+    if inverse:
+        a, b, c = h * (s - d0) + (v - y) * bend, h * d0 - (v - y) * bend, s * (y - v)
+        return np.where(is_inside, x - 2 * w * c / (b + np.sqrt(np.maximum(0, b * b - 4 * a * c))), v), None
+    xi = (v - x) / w
+    q = xi * (1 - xi)
+    slope = s**2 * (d1 * xi**2 + 2 * s * q + d0 * (1 - xi) ** 2) / (s + bend * q) ** 2
+    z = y + h * (s * xi**2 + d0 * q) / (s + bend * q)
+    return np.where(is_inside, z, v), np.log(np.where(is_inside, slope, 1))
+
+class Network:
+    def __init__(self, file):
+        config = json.loads(file.attrs["density_estimator"])
+        self.w, self.is_ratio = read(file["network"]), config["kind"] == "resnet"
+        self.layers = range(1, config["num_hidden_layers"] + 1)
+        self.transforms = range(1, config["num_transforms"] + 1)
+    def dense(self, name, x):
+        return x @ np.float64(self.w[name + ".weight"]) + self.w[name + ".bias"]
+    def log_prob(self, u, c):  # log q(u | c) of a flow, the log ratio of a ratio network
+        if self.is_ratio:
+            h = self.dense("x", c) + u @ self.w["u.weight"]
+            for k in self.layers:
+                h = h + self.dense(f"block_{k}.b", np.maximum(0, self.dense(f"block_{k}.a", np.maximum(0, h))))
+            return self.dense("output", np.maximum(0, h))[:, 0]
+        log_det = 0
+        for k in self.transforms:
+            u = u[:, self.w[f"transform_{k}.order"]]
+            scale, shift, of_spline = self.numbers(k, u, c)
+            u, log_slope = spline(u * scale + shift, of_spline)
+            log_det = log_det + np.sum(np.log(scale) + log_slope, axis=1)
+        return log_normal(u) + log_det
+    def numbers(self, k, u, c):  # that transform k maps u with
+        name, h = f"transform_{k}.", np.split(self.dense("context", c), len(self.transforms), axis=1)[k - 1]
+        h = np.tanh(h + u @ self.w[name + "input.weight"])
+        for layer in self.layers[:-1]:
+            h = np.tanh(self.dense(f"{name}hidden_{layer}", h))
+        p = self.dense(name + "output", h).reshape(len(u), -1, u.shape[1])
+        return positive(p[:, 0]), p[:, 1], p[:, 2:]
+    def sample(self, c, n, rng):  # of a flow
+        z = rng.standard_normal((n, len(self.w["transform_1.order"])))
+        for k in reversed(self.transforms):
+            u = np.zeros_like(z)
+            for d in range(z.shape[1]):  # whose numbers depend on those before it
+                scale, shift, of_spline = self.numbers(k, u, c)
+                u[:, d] = ((spline(z, of_spline, inverse=True)[0] - shift) / scale)[:, d]
+            z[:, self.w[f"transform_{k}.order"]] = u
+        return z
+
+class Posterior:
+    def __init__(self, path):
+        with h5py.File(path) as f:
+            kind = (f.attrs.get("schema"), f.attrs.get("schema_version"))
+            if kind != ("posterior", 5) or "network" not in f:
+                raise ValueError(f"{path}: not a trained posterior of schema 5; npdr run makes one")
+            self.prior, self.network, self.role = Prior(f), Network(f), f.attrs["network_role"]
+            self.names, self.x_o, self.transform = self.prior.names, f["x_o"][:], read(f["transform"])
+            self.mixture = read(f["mixture"]) if "mixture" in f else {}
+        if "head.weight" in self.network.w and not self.mixture:
+            raise ValueError(f"{path}: a mixture as likelihood can't be read here; use npdr log-prob")
+    def context(self, x):  # (1, C)
+        if self.mixture and x is not None:
+            raise ValueError("the file has its mixture at x_o alone; use npdr log-prob --x")
+        t, x = self.transform, self.x_o if x is None else x
+        z = np.clip((x - t["mean"]) * t["inverse_deviation"], -t["farthest"], t["farthest"])[None]
+        z = z @ t["basis"] if "basis" in t else z
+        return self.network.dense("linear", z) if "linear.weight" in self.network.w else z
+    def log_q(self, u, z):  # of the network
+        if self.mixture:
+            y = np.einsum("kij,nkj->nki", self.mixture["factor"], u[:, None] - self.mixture["mean"])
+            log_det = np.log(np.einsum("kii->ki", self.mixture["factor"])).sum(1)
+            return np.logaddexp.reduce(self.mixture["log_weight"] + log_det + log_normal(y), axis=1)
+        if self.role == "likelihood":
+            return self.network.log_prob(np.repeat(z, len(u), 0), u)
+        return self.network.log_prob(u, z)
+    def log_prob(self, theta, x=None):  # in the roles likelihood and ratio up to a constant
+        u, log_slope = self.prior.to_u(theta)
+        return self.log_q(u, self.context(x)) + log_slope + (0 if self.role == "posterior" else log_normal(u))
+    def sample(self, n, rng, x=None, num_candidates=100_000):
+        z = self.context(x)
+        if self.role != "posterior":  # draws of the prior, resampled by their weight
+            u = rng.standard_normal((num_candidates, len(self.names)))
+            log_weight = self.log_q(u, z)
+            weight = np.exp(log_weight - log_weight.max())
+            return self.prior.to_theta(u[rng.choice(num_candidates, n, p=weight / weight.sum())])
+        if not self.mixture:
+            return self.prior.to_theta(self.network.sample(z, n, rng))
+        k = rng.choice(len(self.mixture["mean"]), n, p=np.exp(self.mixture["log_weight"]))
+        y = np.linalg.solve(self.mixture["factor"][k], rng.standard_normal((n, len(self.names), 1)))
+        return self.prior.to_theta(self.mixture["mean"][k] + y[..., 0])

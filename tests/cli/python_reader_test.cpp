@@ -1,0 +1,111 @@
+/// The readers of posterior files in python/ say what the program says.
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = NPDR_SOURCE_DIR;
+
+// A method of each kind of file, with what the readers must undo: trained layers, principal
+// components, a division by a proposal.
+StudyText study_of_all_kinds() {
+  const std::string some = "num_simulations = 300";
+  const std::string components =
+      "embedding = { kind = \"all_steps\", downsample = 20, principal_components = 4 }";
+  const std::string network =
+      "\", num_transforms = 3, num_components = 3, num_bins = 5, hidden_features = 12 }";
+  const auto estimator = [&](const std::string& kind) {
+    return "density_estimator = { kind = \"" + kind + network;
+  };
+  const std::string training = "training = { max_epochs = 30, batch_size = 50 }";
+  const std::string sampler = "sampler = { kind = \"importance\" }";
+  return pendulum_study("all")
+      .with("observation_noise", {"scale = 0.1"})
+      .only("prior",
+            {"pole_mass = { log_uniform = [0.3, 1.7] }", "pole_length = { uniform = [0.3, 1.7] }",
+             "damping = { log_normal = [-3.0, 1.0] }", "gravity = { normal = [9.81, 0.1] }"})
+      .with("evaluate", {"num_samples = 20"})
+      .method("maf", {some, training, estimator("maf"),
+                      "embedding = { kind = \"linear\", features = 8, downsample = 20, "
+                      "principal_components = 12 }"})
+      .method("nsf", {some, training, estimator("nsf"), components})
+      .method("mdn", {some, training, estimator("mdn"), "embedding = { kind = \"bayessim\" }"})
+      .method("npe_a", {"algorithm = \"npe_a\"", "num_rounds = 2", some, training, estimator("mdn"),
+                        components})
+      .method("nle", {"algorithm = \"nle\"", some, training, estimator("maf"), components, sampler})
+      .method("nre",
+              {"algorithm = \"nre_b\"", some, training, estimator("resnet"), components, sampler})
+      .method("abc", {"algorithm = \"abc_rejection\"", some, components,
+                      "abc = { quantile = 0.2, smooth = true }"});
+}
+
+class PythonReader : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    python_ = python_with("h5py");
+    if (python_.empty()) GTEST_SKIP() << "needs h5py";
+  }
+
+  Outcome shell(const std::string& command) const {
+    const std::string path = "export PATH=" NPDR_BINARY_DIR "/bin:$PATH\n";
+    return run(folder_.path(), {"/bin/bash", "-c", path + command});
+  }
+
+  void run_study(const StudyText& study) const {
+    std::ofstream(folder_.path() / "study.toml") << study;
+    const Outcome outcome = shell("npdr run study.toml --until infer");
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+
+  void expect_reads(const std::string& posterior) const {
+    const Outcome outcome =
+        shell("set -e; npdr sample " + posterior + " -n 4000 > theta.csv; npdr log-prob " +
+              posterior + " theta.csv > log_prob.csv; " + python_ + " " +
+              (kRoot / "tests/cli/python_reader.py").string() + " " + (kRoot / "python").string() +
+              " " + posterior + " theta.csv log_prob.csv");
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  }
+
+  std::string python_;
+  TempFolder folder_;
+};
+
+TEST_F(PythonReader, SaysWhatTheProgramSaysOfEveryKind) {
+  run_study(study_of_all_kinds());
+  for (const std::string method : {"maf", "nsf", "mdn", "npe-a", "nle", "nre", "abc"}) {
+    const std::string round = method == "npe-a" ? "2" : "1";
+    expect_reads("runs/all/" + method + "/seed-1/round-" + round + "/infer.h5");
+  }
+}
+
+TEST_F(PythonReader, ReadsWhatARefinementWeighs) {
+  run_study(pendulum_study("refined")
+                .with("simulator", {"store_every = 40", "segment_length = 200"})
+                .with("observation_noise", {"scale = 0.2"})
+                .method("refined",
+                        {"algorithm = \"refine\"", "refine = { level_size = 1000, min_ess = 200 }"})
+                .with("evaluate", {"num_samples = 20"}));
+  expect_reads("runs/refined/refined/seed-1/round-1/infer.h5");
+}
+
+TEST_F(PythonReader, RefusesWhatItCantRead) {
+  run_study(pendulum_study("one").method(
+      "maf", {"num_simulations = 100", "training = { max_epochs = 1 }", kSmallFlow}));
+  const auto expect_says = [&](const std::string& module, const std::string& name,
+                               const std::string& file, const std::string& message) {
+    const std::string found =
+        shell("cd " + (kRoot / "python").string() + " && " + python_ + " -B -c 'import " + module +
+              "; " + module + "." + name + "(\"" + (folder_.path() / file).string() + "\")'")
+            .err;
+    EXPECT_NE(found.find(message), std::string::npos) << found;
+  };
+  expect_says("npdr_posterior", "Posterior", "runs/one/target.h5",
+              "target.h5: not a trained posterior of schema 5; npdr run makes one");
+  expect_says("npdr_particles", "Particles", "runs/one/maf/seed-1/round-1/infer.h5",
+              "infer.h5: holds no particles; read it by npdr_posterior.py");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
