@@ -43,9 +43,11 @@ std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& 
 }
 
 // What a posterior's RMSE is compared with: what the best of the prior reaches, or the truth.
-// Without noise the truth reaches zero, which no sample does.
+// Without noise the truth reaches zero, which no sample does: there a tenth of the prior's is small
+// enough.
 struct Yardstick {
-  double rmse = 0.0;
+  double limit = 0.0;
+  double unit = 0.0;  ///< "30 times the floor's", "20 % of the prior's"
   std::string words;
 };
 
@@ -59,16 +61,17 @@ double median_of(const Vector& values) {
 
 std::optional<Yardstick> yardstick(const ReportData& data) {
   const std::string rmse = name_of(Metric::rmse);
-  constexpr double resolution = 0.01;
-  Yardstick found{resolution * median_of(data.baseline.prior->metrics.at(rmse)),
-                  "a hundredth of the prior's"};
-  if (std::isnan(found.rmse)) found.rmse = 0.0;
+  const double of_prior = median_of(data.baseline.prior->metrics.at(rmse));
+  Yardstick found;
+  if (of_prior > 0.0) found = {0.1 * of_prior, 0.01 * of_prior, "% of the prior's"};
   for (const BaselinePoint& point : data.baseline.points) {
     if (point.name != "floor" && point.name != "truth") continue;
-    if (point.metrics.at(rmse) > found.rmse)
-      found = {point.metrics.at(rmse), "the " + point.name + "'s"};
+    const double reached = point.metrics.at(rmse);
+    if (3.0 * reached > found.limit) {
+      found = {3.0 * reached, reached, "times the " + point.name + "'s"};
+    }
   }
-  if (found.rmse > 0.0) return found;
+  if (found.limit > 0.0) return found;
   return std::nullopt;
 }
 
@@ -149,13 +152,13 @@ Verdict judge_contraction(const ReportData& data, const std::string& method) {
 }
 
 Verdict judge_fit(const ReportData& data, const std::string& method) {
-  constexpr double most = 3.0;
   const std::string rmse = name_of(Metric::rmse);
+  for (const BaselinePoint& point : data.baseline.points) {
+    const bool is_floor = point.name == "floor";
+    if (is_floor && point.metrics.at(rmse) > kFarFloor) return unexplained(point.metrics.at(rmse));
+  }
   const Runs runs = data.runs_of(method);
   const std::optional<Yardstick> reached = yardstick(data);
-  if (reached && reached->words == "the floor's" && reached->rmse > kFarFloor) {
-    return unexplained(reached->rmse);
-  }
   std::size_t failed = 0;
   double worst = 0.0;
   for (const EvaluatedRun* run : runs) {
@@ -164,17 +167,17 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
       return {Check::fit, Judgment::unknown, "can't tell",
               "no rollout succeeded that an RMSE could be measured of"};
     }
-    failed += median > most * reached->rmse ? 1 : 0;
+    failed += median > reached->limit ? 1 : 0;
     worst = std::max(worst, median);
   }
-  const std::string times = fmt::format("{:.2g} times {}", worst / reached->rmse, reached->words);
-  if (failed == 0) return {Check::fit, Judgment::passes, "passes, " + times, ""};
+  const std::string size = fmt::format("{:.2g} {}", worst / reached->unit, reached->words);
+  if (failed == 0) return {Check::fit, Judgment::passes, "passes, " + size, ""};
   return {
       Check::fit, Judgment::fails,
-      std::string(traits_of(Check::fit).failure) + seeds_text(failed, runs.size()) + ", " + times,
-      fmt::format("{:.3g} is the median RMSE of its samples, {} ({:.3g}): try embedding.kind = "
+      std::string(traits_of(Check::fit).failure) + seeds_text(failed, runs.size()) + ", " + size,
+      fmt::format("{:.3g} is the median RMSE of its samples, {}: try embedding.kind = "
                   "\"all_steps\", more simulations, more rounds",
-                  worst, times, reached->rmse)};
+                  worst, size)};
 }
 
 }  // namespace npdr::pipeline
