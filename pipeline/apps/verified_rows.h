@@ -1,5 +1,5 @@
-/// Rows that `npdr verify` looks at, one after the other: a file of any size takes no more memory than
-/// a row of it.
+/// Rows that `npdr verify` looks at, one after the other: a file of any size takes no more memory
+/// than a row of it.
 #pragma once
 
 #include <filesystem>
@@ -17,9 +17,7 @@ class PickedRows {
   PickedRows(Index num_rows, const VerifyOptions& options);
 
   Index size() const { return size_; }
-  Index operator[](Index i) const {
-    return some_.empty() ? i : some_[static_cast<std::size_t>(i)];
-  }
+  Index operator[](Index i) const { return some_.empty() ? i : some_[static_cast<std::size_t>(i)]; }
 
  private:
   Index size_;
