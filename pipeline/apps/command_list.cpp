@@ -75,7 +75,7 @@ void list_keys(const ListArguments& arguments) {
   if (keys.empty()) {
     std::vector<std::string> tables;
     for (const StudyTable& table : study_tables()) tables.push_back(table.path);
-    throw InputError("no key begins with " + unknown_name("table", arguments.of, tables));
+    throw InputError(unknown_name("beginning of a key", arguments.of, tables));
   }
   for (const StudyKey& key : keys) {
     fmt::print("{:<44} {}", key.path, key.doc);

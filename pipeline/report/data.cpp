@@ -1,6 +1,7 @@
 #include "pipeline/report/data.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/text.h"
 #include "pipeline/artefacts/recording.h"
@@ -56,9 +57,15 @@ std::vector<std::string> ReportData::policy_methods() const {
 }
 
 bool ReportData::is_inferred(const std::string& method, Index d) const {
+  const inference::Marginal& marginal = plan.study.prior[static_cast<std::size_t>(d)];
+  // Samples of a network that extrapolates may all lie on a bound.
+  const auto is_bound = [&](double value) {
+    const double rounding = 1e-12 * std::abs(value);
+    return value <= marginal.lower() + rounding || value >= marginal.upper() - rounding;
+  };
   const auto varies = [&](const EvaluatedRun* run) {
     const auto column = run->evaluation.theta.col(d);
-    return column.size() < 2 || (column.array() != column(0)).any();
+    return column.size() < 2 || (column.array() != column(0)).any() || is_bound(column(0));
   };
   return std::ranges::any_of(runs_of(method), varies);
 }

@@ -127,8 +127,10 @@ TEST_F(Commands, HelpListAndCompletionKnowAllCommands) {
     if (in_roff == "log-prob") in_roff = "log\\-prob";
     EXPECT_NE(man.find(".SS npdr " + in_roff + "\n"), std::string::npos) << man;
   }
-  EXPECT_TRUE(says(npdr({"help", "runn"}).err, {"unknown command 'runn' (did you mean 'run'?)"}));
-  EXPECT_TRUE(says(npdr({"completion", "tcsh"}).err, {"unknown shell 'tcsh'", "bash, zsh, fish"}));
+  EXPECT_TRUE(says(npdr({"help", "runn"}).err,
+                   {"npdr help: unknown command 'runn' (did you mean 'run'?)"}));
+  EXPECT_TRUE(says(npdr({"completion", "tcsh"}).err,
+                   {"npdr completion: unknown shell 'tcsh'", "bash, zsh, fish"}));
 }
 
 // What bash would offer for the words of a line.
@@ -165,9 +167,10 @@ TEST_F(Commands, ListSaysWhatThereIsToListAndALineAboutEach) {
   EXPECT_TRUE(keys.starts_with("method.training.")) << keys;
   EXPECT_EQ(keys.find("prior"), std::string::npos);
   EXPECT_TRUE(says(npdr({"list", "keys", "method.trainin_"}).err,
-                   {"no key begins with", "did you mean 'method.training'?"}));
+                   {"npdr list: unknown beginning of a key 'method.trainin_'",
+                    "did you mean 'method.training'?"}));
   EXPECT_TRUE(says(npdr({"list", "methods", "npe"}).err,
-                   {"'npe': 'npdr list methods' takes no second word; leave it out"}));
+                   {"npdr list: 'npe': 'npdr list methods' takes no second word; leave it out"}));
 }
 
 TEST_F(Commands, OpenSaysWhereResultsAre) {

@@ -414,7 +414,9 @@ TEST(StudyProblems, WithoutATableStudiesAreCheckedByWhatCostsLittle) {
   const std::string cheap = "predictive, ood, failures, training, bounds, contraction, fit";
   EXPECT_EQ(checks({"method.num_simulations=1199"}), cheap);
   EXPECT_EQ(checks({"method.num_simulations=1200"}), "sbc, coverage, " + cheap);
-  EXPECT_EQ(checks({"method.num_simulations=1200", "method.\"NPDR (MAF)\".algorithm=nle"}), cheap);
+  EXPECT_EQ(checks({"method.num_simulations=1200", "method.\"NPDR (MAF)\".algorithm=nle",
+                    "method.\"NPDR (MAF)\".embedding.kind=all_steps"}),
+            cheap);
   EXPECT_EQ(problems_of(edited(kStudyText, "num_simulations = 200",
                                "num_simulations = 30\ntraining = { batch_size = 10 }")),
             "");

@@ -370,7 +370,7 @@ TEST_F(CsvImport, WarnsOfAnglesThatBeginBeyondATurn) {
   };
   EXPECT_EQ(notes(swing(1.0), pendulum_options()).size(), 1u);
   EXPECT_TRUE(says(notes(swing(180.0 / M_PI), pendulum_options()).at(1),
-                   {"warning: a.csv: theta begins at 17.2 rad", "if it is in degrees",
+                   {"warning: ", "a.csv: theta begins at 17.2 rad", "if it is in degrees",
                     "--scale theta=0.0174533"}));
 }
 

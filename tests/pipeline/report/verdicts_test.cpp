@@ -77,6 +77,18 @@ TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
       << found.reason;
 }
 
+TEST_F(Verdicts, ParametersWhoseSamplesAllLieOnABoundArentKnown) {
+  RowMatrix theta = samples_around(1.0, 0.02);
+  theta.col(1).setConstant(1.7);
+  add_run(theta, 0.02);
+  EXPECT_TRUE(data_.is_inferred(kMethod, 1));
+  EXPECT_EQ(verdict_of(Check::bounds).judgment, Judgment::fails);
+  theta.col(1).setConstant(1.2);
+  add_run(theta, 0.02);
+  EXPECT_FALSE(data_.is_inferred(kMethod, 1));
+  EXPECT_EQ(verdict_of(Check::bounds).judgment, Judgment::passes);
+}
+
 TEST_F(Verdicts, APosteriorThatIsThePriorSaysNothing) {
   const inference::Prior prior(plan_.study.prior);
   add_run(sample_prior(prior, 400, 1), 0.02);
