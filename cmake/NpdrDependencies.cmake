@@ -1,17 +1,10 @@
 # Every third-party library of the project, in one place. scripts/install-deps installs them all.
 # Where another project adds this one, it links what our libraries link.
 set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(OpenMP REQUIRED COMPONENTS CXX)
-find_package(Threads REQUIRED)
-find_package(SUNDIALS 6.4 REQUIRED COMPONENTS arkode cvode nvecserial)
-find_package(PkgConfig REQUIRED)
-# Bullet in double precision: in single, the velocity of a club at the end of a long arm is too coarse.
-pkg_check_modules(BULLET REQUIRED IMPORTED_TARGET GLOBAL bullet-float64)
+include(NpdrLibraryDependencies)
 add_library(Bullet::double ALIAS PkgConfig::BULLET)
-find_package(NLopt 2.7 REQUIRED NO_MODULE)
+find_package(Threads REQUIRED)
 find_package(tomlplusplus REQUIRED)
-find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 set(HDF5_PREFER_PARALLEL FALSE)
 find_package(HDF5 1.10 REQUIRED COMPONENTS C HL)

@@ -4,11 +4,12 @@ include(GoogleTest OPTIONAL)
 # Flags that every target of the project shares.
 add_library(npdr_flags INTERFACE)
 target_compile_features(npdr_flags INTERFACE cxx_std_20)
-target_include_directories(npdr_flags INTERFACE ${PROJECT_SOURCE_DIR})
+target_include_directories(npdr_flags INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                $<INSTALL_INTERFACE:include/npdr>)
 # errno and floating-point traps are not used here; giving them up lets loops over lanes vectorize.
 # Nothing that changes the value of a result (such as -ffast-math) is allowed.
 target_compile_options(npdr_flags INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
+  $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Wnon-virtual-dtor>
   -fno-math-errno -fno-trapping-math)
 # GCC 12 warns inside its own std::string where strings are joined (GCC bugs 105329, 105651), also of
 # system headers when they are precompiled.
@@ -22,7 +23,7 @@ elseif(NPDR_BASELINE)
   target_compile_options(npdr_flags INTERFACE -march=${NPDR_BASELINE})
 endif()
 if(NPDR_WERROR)
-  target_compile_options(npdr_flags INTERFACE -Werror)
+  target_compile_options(npdr_flags INTERFACE $<BUILD_INTERFACE:-Werror>)
 endif()
 if(NPDR_SANITIZE)
   target_compile_options(npdr_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all

@@ -74,6 +74,31 @@ TEST_F(Export, ParticlesKeepTheirWeightsInAGroupOfTheirOwn) {
   EXPECT_NEAR(sum, 2.0, 1e-12);
 }
 
+TEST_F(Export, FeaturesStandInPlaceOfRollouts) {
+  const Names small = {"shell.toml",
+                       "--set",
+                       "method.num_simulations=100",
+                       "--set",
+                       "evaluate.num_samples=30",
+                       "--set",
+                       "method.training.max_epochs=3"};
+  const auto with = [&](Names words, const Names& more) {
+    words.insert(words.end(), small.begin(), small.end());
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = npdr(words);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  };
+  fs::copy(fs::path(NPDR_SOURCE_DIR) / "experiments/external", folder_.path(),
+           fs::copy_options::recursive);
+  with({"run"}, {"--until", "evaluate"});
+  with({"export"}, {"-o", "out.nc"});
+  const h5::File file = h5::File::open(folder_ / "out.nc");
+  EXPECT_EQ(file.names(),
+            (Names{"observed_data", "posterior", "posterior_predictive", "prior", "sample_stats"}));
+  EXPECT_EQ(file.group("posterior_predictive").dataset("x").shape(), (h5::Shape{1, 30, 2}));
+  EXPECT_EQ(file.group("observed_data").read_vector<double>("x").size(), 2);
+}
+
 TEST_F(Export, SaysWhatIsMissing) {
   std::ofstream(folder_.path() / "study.toml") << small_study();
   const Outcome several = npdr({"export", "study.toml", "-o", "out.nc"});

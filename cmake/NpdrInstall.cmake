@@ -1,0 +1,34 @@
+# What `cmake --install` gives besides the programs, and `cpack` packs: the libraries with their headers and a
+# package for find_package(npdr), documents, studies, readers of posteriors.
+include(CMakePackageConfigHelpers)
+set(package lib/cmake/npdr)
+foreach(library core sim inference analysis)
+  set_target_properties(npdr_${library} PROPERTIES EXPORT_NAME ${library})
+  install(DIRECTORY ${library} DESTINATION include/npdr FILES_MATCHING PATTERN "*.h"
+          PATTERN mujoco EXCLUDE PATTERN library EXCLUDE)
+endforeach()
+set_target_properties(npdr_flags PROPERTIES EXPORT_NAME flags)
+install(TARGETS npdr_flags npdr_core npdr_sim npdr_inference npdr_analysis EXPORT npdr ARCHIVE DESTINATION lib)
+install(EXPORT npdr NAMESPACE npdr:: FILE npdrTargets.cmake DESTINATION ${package})
+configure_package_config_file(cmake/npdrConfig.cmake.in ${PROJECT_BINARY_DIR}/npdrConfig.cmake
+                              INSTALL_DESTINATION ${package})
+# Headers may change with any version.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/npdrConfigVersion.cmake COMPATIBILITY ExactVersion)
+install(FILES ${PROJECT_BINARY_DIR}/npdrConfig.cmake ${PROJECT_BINARY_DIR}/npdrConfigVersion.cmake
+              cmake/NpdrLibraryDependencies.cmake DESTINATION ${package})
+# Where their links to each other hold. Not in share/doc, which small systems leave out.
+install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION share/npdr)
+install(DIRECTORY docs experiments python DESTINATION share/npdr PATTERN __pycache__ EXCLUDE)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "npdr <npdr@localhost>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS gnuplot-nox)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-numpy, python3-h5py")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, pkg-config, libeigen3-dev, libsundials-dev, libbullet-dev, \
+libnlopt-dev, libnlopt-cxx-dev, libfmt-dev")
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+include(CPack)
