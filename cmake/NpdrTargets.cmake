@@ -30,6 +30,9 @@ if(NPDR_SANITIZE)
                          -fno-omit-frame-pointer)
   target_link_options(npdr_flags INTERFACE -fsanitize=address,undefined)
 endif()
+if(NPDR_FUZZ)
+  target_compile_options(npdr_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # What nearly every file includes is compiled once for all libraries, by npdr_core, and once more, with JSON,
 # for the upper layers of the pipeline, by npdr_artefacts, and with command lines by npdr_report; for tests

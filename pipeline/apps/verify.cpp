@@ -245,7 +245,8 @@ void read_all(const std::filesystem::path& path, const VerifyOptions& options) {
   }
   if (info.schema.name == kProposalSchema.name) {
     const h5::Dataset theta = open_proposal(path);
-    for (Index row = 0; row < theta.num_rows(); ++row) row_of<double>(theta, row);
+    const PickedRows picked(theta.num_rows(), options);
+    for (Index i = 0; i < picked.size(); ++i) row_of<double>(theta, picked[i]);
   }
   if (info.schema.name == kPolicyTestSchema.name) read_policy_test(path);
 }

@@ -27,8 +27,11 @@ Target read_target_artefact(const ArtefactFile& target) {
   const h5::File file = open_artefact(target, kTargetSchema);
   if (!file.has("x")) return read_rollouts(file);
   const RowMatrix x = file.read_matrix<double>("x", 1, -1, h5::Values::finite);
-  return observation_target(column_channels(file.dataset("x"), x.cols()), x.row(0).transpose(),
-                            target.path.filename().string());
+  const std::vector<Channel> features = column_channels(file.dataset("x"), x.cols());
+  if (std::ssize(features) != x.cols()) {
+    throw InputError(file.where() + ": dataset 'x' has no labels; rerun stage 'target'");
+  }
+  return observation_target(features, x.row(0).transpose(), target.path.filename().string());
 }
 
 }  // namespace npdr::pipeline

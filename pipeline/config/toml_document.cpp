@@ -80,6 +80,18 @@ Path parse_key(const std::string& key) {
   return path;
 }
 
+// A text without quotes.
+toml::table parse_text(const std::string& text, std::string_view origin) {
+  try {
+    // JSON's escapes are TOML's.
+    return toml::parse("value = " + nlohmann::json(text).dump(), origin);
+  } catch (const nlohmann::json::exception&) {
+    throw InputError("the value isn't UTF-8, must be TOML or plain text");
+  } catch (const toml::parse_error& error) {
+    throw InputError(std::string(error.description()));
+  }
+}
+
 // A table that holds the value under the key "value": toml++ has no free-standing values.
 toml::table parse_value(const Assignment& assignment) {
   const std::string_view origin = assignment.origin;
@@ -90,8 +102,7 @@ toml::table parse_value(const Assignment& assignment) {
     const bool bare = begin != std::string::npos &&
                       std::string("[{\"'").find(assignment.value[begin]) == std::string::npos;
     if (!bare) throw InputError(std::string(error.description()));
-    // JSON's escapes are TOML's.
-    return toml::parse("value = " + nlohmann::json(assignment.value.substr(begin)).dump(), origin);
+    return parse_text(assignment.value.substr(begin), origin);
   }
 }
 

@@ -54,6 +54,13 @@ TEST(StudyProblems, ReportsAllOfThemInTheOrderOfTheFile) {
             "\ns.toml:19:26: method.training.clip_norm = 'x'", "must be a finite number, > 0"}));
 }
 
+TEST(StudyProblems, OverridesMustBeUtf8) {
+  for (const char* text : {"\xe1z", "a\x7f"}) {
+    EXPECT_TRUE(says(problems_of(kStudyText, {std::string("target.recording=") + text}),
+                     {"--set target.recording="}));
+  }
+}
+
 TEST(StudyProblems, NamesTheNearestKeyAndTheKnownOnes) {
   EXPECT_TRUE(says(problems_after("[simulator]", "[simulater]"),
                    {"s.toml: simulator.name is missing", join(sim::simulator_names()),

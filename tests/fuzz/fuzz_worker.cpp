@@ -1,0 +1,56 @@
+// Replies of workers, through a shell that sends them.
+#include <fstream>
+
+#include "pipeline/sources/program_call.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/fuzz/input_bytes.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// About two rows of two steps of one state.
+const std::string kHello = "{\"npdr_worker\": 1, \"reply\": \"hello\"}\n";
+const std::string kStates = "{\"npdr_worker\": 1, \"reply\": \"states\", \"shape\": [2, 2, 1]}\n";
+const std::string kError =
+    "{\"npdr_worker\": 1, \"reply\": \"error\", \"message\": \"out of fuel\"}\n";
+
+std::string seed(const std::string& hello, const std::string& reply) {
+  return static_cast<char>(hello.size()) + hello + reply;
+}
+
+void write(const std::filesystem::path& path, std::string_view bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+}  // namespace
+
+std::vector<std::string> worker_seeds() {
+  const std::string states(2 * 2 * sizeof(double), '\0');
+  return {seed(kHello, kStates + states + std::string(2, '\0')),
+          seed(kHello, kStates + states + std::string{'\0', '\3'}), seed(kHello, kError)};
+}
+
+void fuzz_worker(std::string_view input, const std::filesystem::path& folder) {
+  InputBytes bytes(input);
+  write(folder / "hello", bytes.text());
+  write(folder / "reply", bytes.rest());
+  ExternalConfig external;
+  external.worker = "read line; cat hello; read line; cat reply";
+  external.folder = folder;
+  sim::SimulatorInfo info;
+  info.parameters = {{"a", "1", 1.0, 0.0, 2.0, "", 0.0}};
+  info.state_channels = {{"x", "m"}};
+  const ProgramInputs inputs{.segments = {.dt = 0.1,
+                                          .num_rollouts = 1,
+                                          .steps = {2},
+                                          .past = {0},
+                                          .first_states = RowMatrix::Zero(1, 1),
+                                          .actions = RowMatrix::Zero(2, 0)}};
+  const std::vector<std::uint32_t> seeds = {1, 2};
+  const ProgramRows rows{RowMatrix::Zero(2, 1), seeds, 0, 5.0};
+  const auto call = make_worker_call(external, info, inputs, 1);
+  sim::Trajectories result = call->empty(2);
+  call->call(rows, result);
+}
+
+}  // namespace npdr::pipeline
