@@ -7,7 +7,6 @@
 #include "analysis/figure_layout.h"
 #include "analysis/figure_overlay.h"
 #include "analysis/file_stem.h"
-#include "core/atomic_file.h"
 
 namespace npdr::analysis {
 namespace {
@@ -237,10 +236,9 @@ FigureFiles write_figure(const Figure& figure, const std::filesystem::path& dire
   const FigureLayout layout(figure);
   const int width = static_cast<int>(std::lround(layout.width));
   const int height = static_cast<int>(std::lround(layout.height));
-  const FigureFiles files =
-      render_script({figure.name, width, height, Script(figure, layout).commands()}, directory);
-  write_text_file(files.svg, with_overlay(read_text_file(files.svg), figure, layout));
-  return files;
+  return render_script(
+      {figure.name, width, height, Script(figure, layout).commands(), overlay_of(figure, layout)},
+      directory);
 }
 
 std::vector<Index> check_selection(const std::string& what, const std::vector<Index>& wanted,

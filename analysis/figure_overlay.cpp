@@ -42,7 +42,7 @@ std::string panel_shapes(const Panel& panel, const Box& box) {
 
 }  // namespace
 
-std::string with_overlay(std::string svg, const Figure& figure, const FigureLayout& layout) {
+std::string overlay_of(const Figure& figure, const FigureLayout& layout) {
   std::string group =
       "<g class=\"overlay\" fill=\"none\" stroke=\"none\" pointer-events=\"all\">\n";
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
@@ -53,9 +53,7 @@ std::string with_overlay(std::string svg, const Figure& figure, const FigureLayo
     group += fmt::format("<g class=\"entry\" data-color=\"{}\" data-name=\"{}\"/>\n", entry.color,
                          escape_html(entry.words));
   }
-  const std::size_t end = svg.rfind("</svg>");
-  if (end != std::string::npos) svg.insert(end, group + "</g>\n");
-  return svg;
+  return group + "</g>\n";
 }
 
 }  // namespace npdr::analysis

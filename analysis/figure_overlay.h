@@ -8,10 +8,10 @@
 
 namespace npdr::analysis {
 
-/// `svg` with a group "overlay" at its end: a rectangle for each panel that has series, with the
+/// A group "overlay": a rectangle for each panel that has series, with the
 /// ends and titles of its axes as data attributes (as shown: scaled, in the shown unit); one for
 /// each tip, whose words browsers show beside the pointer; and an empty group for each entry of the
 /// legend, with its color and words.
-std::string with_overlay(std::string svg, const Figure& figure, const FigureLayout& layout);
+std::string overlay_of(const Figure& figure, const FigureLayout& layout);
 
 }  // namespace npdr::analysis

@@ -49,6 +49,18 @@ std::string file_text(const GnuplotScript& script) {
 enum class ImageFormat { svg, png, pdf };
 constexpr const char* kFormatNames[] = {"svg", "png", "pdf"};
 
+std::string with_overlay(std::string svg, const std::string& overlay) {
+  const std::size_t end = svg.rfind("</svg>");
+  return end == std::string::npos ? svg : svg.insert(end, overlay);
+}
+
+// The same picture is the same file, whenever it was drawn.
+std::string without_date(std::string pdf) {
+  constexpr std::string_view before = "/CreationDate (D:", date = "20000101000000";
+  const std::size_t at = pdf.find(before);
+  return at == std::string::npos ? pdf : pdf.replace(at + before.size(), date.size(), date);
+}
+
 std::filesystem::path run(const std::string& program, const GnuplotScript& script,
                           const std::filesystem::path& directory, ImageFormat format) {
   const std::string format_name = kFormatNames[static_cast<std::size_t>(format)];
@@ -73,8 +85,11 @@ std::filesystem::path run(const std::string& program, const GnuplotScript& scrip
     throw Error(fmt::format("{}: {} failed with status {} on {}:\n{}", path.string(), program,
                             result.exit_status, script.name + ".gp", result.errors));
   }
+  const std::string drawn = read_text_file(file.temporary());
   if (format == ImageFormat::svg) {
-    write_text_file(file.temporary(), tidy_svg(read_text_file(file.temporary())));
+    write_text_file(file.temporary(), with_overlay(tidy_svg(drawn), script.overlay));
+  } else if (format == ImageFormat::pdf) {
+    write_text_file(file.temporary(), without_date(drawn));
   }
   file.commit();
   return path;

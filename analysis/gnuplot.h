@@ -12,10 +12,11 @@ namespace npdr::analysis {
 
 /// Commands that draw a figure.
 struct GnuplotScript {
-  std::string name;      ///< of its files: letters, digits, '_' and '-'
-  int width = 640;       ///< [px] of the SVG; the PNG has twice as many
-  int height = 480;      ///< [px]
-  std::string commands;  ///< gnuplot's, after terminal and output are set; data files by name
+  std::string name;          ///< of its files: letters, digits, '_' and '-'
+  int width = 640;           ///< [px] of the SVG; the PNG has twice as many
+  int height = 480;          ///< [px]
+  std::string commands;      ///< gnuplot's, after terminal and output are set; data files by name
+  std::string overlay = {};  ///< SVG elements in front of all others
 };
 
 /// A figure's script and what gnuplot made of it.

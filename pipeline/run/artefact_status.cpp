@@ -240,16 +240,23 @@ std::vector<int> processes_at_work(const Plan& plan) {
     if (found != folders.end()) return found->second;
     return folders[folder] = files_in_the_making(folder);
   };
+  const auto process_of = [&](const Node& node) {
+    if (is_complete(plan, node)) return 0;
+    const auto& files = in_the_making(node.path.parent_path());
+    const auto own = files.find(node.path.filename().string());
+    if (own != files.end()) return own->second;
+    if (node.stage != Stage::simulate) return 0;
+    const auto& of_shards = in_the_making(plan.work.shard(node.key, {}).parent_path());
+    return of_shards.empty() ? 0 : of_shards.begin()->second;
+  };
   std::vector<int> processes;
   for (const Node& node : plan.nodes) {
     processes.push_back(0);
-    if (is_complete(plan, node)) continue;
-    const auto& files = in_the_making(node.path.parent_path());
-    const auto own = files.find(node.path.filename().string());
-    if (own != files.end()) processes.back() = own->second;
-    if (node.stage != Stage::simulate) continue;
-    const auto& of_shards = in_the_making(plan.work.shard(node.key, {}).parent_path());
-    if (!of_shards.empty()) processes.back() = of_shards.begin()->second;
+    try {
+      processes.back() = process_of(node);
+    } catch (const fs::filesystem_error&) {
+      // The artefact's own status says so.
+    }
   }
   return processes;
 }

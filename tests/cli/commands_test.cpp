@@ -415,8 +415,8 @@ TEST_F(Commands, TheReportsCaptionStandsBelowItsTables) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string html = text_of(file("runs/captioned/report.html"));
   const std::size_t caption = html.find("<p>What one sees.</p>");
-  EXPECT_LT(html.find("id=\"table-seeds\""), caption);
-  EXPECT_LT(caption, html.find("id=\"section-2\""));
+  EXPECT_LT(html.find("id=\"table-fit\""), caption);
+  EXPECT_LT(caption, html.find("id=\"section-3\""));
 }
 
 TEST_F(Commands, FiguresShowTheFirstSixMethodsOfMore) {

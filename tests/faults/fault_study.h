@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/cli/program.h"
 
@@ -134,6 +135,17 @@ class FaultFolder {
   TempFolder folder_;
 };
 
+/// Without the lines of the report that say when its results were made and what they cost.
+inline std::string timeless(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line, kept;
+  while (std::getline(lines, line)) {
+    if (!line.starts_with("<dt>last result<") && !line.starts_with("<dt>cost<"))
+      kept += line + "\n";
+  }
+  return kept;
+}
+
 /// Everything that a run leaves in a study's readable folder, by place: digests of artefacts, and
 /// the texts of tables, figures and report.
 inline std::map<std::string, std::string> results(const FaultFolder& folder) {
@@ -141,7 +153,7 @@ inline std::map<std::string, std::string> results(const FaultFolder& folder) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.readable())) {
     const std::string name = entry.path().lexically_relative(folder.readable());
     const bool is_made = entry.is_regular_file() && !found.contains(name);
-    if (is_made && !name.starts_with("logs")) found[name] = text_of(entry.path());
+    if (is_made && !name.starts_with("logs")) found[name] = timeless(text_of(entry.path()));
   }
   return found;
 }

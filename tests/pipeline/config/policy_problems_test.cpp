@@ -10,7 +10,8 @@ const std::string kNpe = "num_simulations = 200";
 
 // Ends in the table [policy], whose first line is the twelfth.
 const std::string kPolicyText =
-    furuta_study("small").only("target", {"truth = {}"}).method("A").with("policy", {});
+    edited(furuta_study("small").only("target", {"truth = {}"}).method("A").with("policy", {}),
+           "[diagnose]\nchecks = []\n", "");
 
 std::string policy_problems(const std::string& more) { return problems_of(kPolicyText + more); }
 
