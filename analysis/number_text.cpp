@@ -11,6 +11,7 @@ namespace {
 constexpr int kMeanDigits = 3;    // significant, as the paper's tables have them
 constexpr int kNumberDigits = 4;  // significant
 constexpr int kMaxDecimals = 8;
+constexpr double kRounding = 2e-15;  // of equal numbers' mean
 
 // The decimal exponent of |value| after rounding to `digits` significant digits; 0 for 0.
 int exponent_of(double value, int digits) {
@@ -27,6 +28,7 @@ std::string formula(const std::string& text, NumberStyle style) {
 std::string mean_std_text(double mean, double std, NumberStyle style) {
   if (!std::isfinite(mean)) return "n/a";
   const bool has_std = std::isfinite(std);
+  if (has_std && std < kRounding * std::abs(mean)) std = 0.0;
   const double size = std::max(std::abs(mean), has_std ? std : 0.0);
   const int exponent = exponent_of(size, kMeanDigits);
   const bool scaled = exponent >= 3 || exponent < -3;

@@ -16,6 +16,7 @@ TEST(NumberText, WritesThePublishedFiguresAsThePaperDoes) {
   EXPECT_EQ(plain(0.263, 0.004), "0.263 ± 0.004");
   EXPECT_EQ(plain(0.274, 0.021), "0.274 ± 0.021");
   EXPECT_EQ(plain(1070.0, 30.0), "[1.07 ± 0.03]e+3");
+  EXPECT_EQ(plain(0.745, 1e-16), "0.745 ± 0.000") << "equal numbers";
   EXPECT_EQ(mean_std_text(0.263, 0.004, NumberStyle::latex), "$0.263 \\pm 0.004$");
   EXPECT_EQ(mean_std_text(1070.0, 30.0, NumberStyle::latex), "$[1.07 \\pm 0.03]\\mathrm{e}{+}3$");
 }

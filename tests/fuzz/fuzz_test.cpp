@@ -7,6 +7,9 @@
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
+// Else names of tests would have the bytes of pointers.
+void PrintTo(const FuzzTarget& target, std::ostream* stream) { *stream << target.name; }
+
 namespace {
 
 std::string changed(std::string input, std::uint64_t row) {

@@ -241,7 +241,8 @@ TEST(StudyProblems, TheReportShowsParametersOfThePrior) {
                    {"--set report.symbols={ pole_mass = '\\input x' }: report.symbols.pole_mass",
                     "must be a formula of letters"}));
   EXPECT_TRUE(says(problems_of(kStudyText, {"report.symbols={ gravity = 'g' }"}),
-                   {"report.symbols", "unknown parameter of the prior 'gravity'"}));
+                   {"--set report.symbols={ gravity = 'g' }: report.symbols",
+                    "unknown parameter of the prior 'gravity'"}));
   EXPECT_EQ(problems_of(kStudyText, {"report.symbols={ pole_mass = 'm_p' }"}), "");
 }
 
