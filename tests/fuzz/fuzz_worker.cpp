@@ -32,10 +32,15 @@ std::vector<std::string> worker_seeds() {
 
 void fuzz_worker(std::string_view input, const std::filesystem::path& folder) {
   InputBytes bytes(input);
-  write(folder / "hello", bytes.text());
+  const std::string hello(bytes.text());
+  write(folder / "hello", hello);
   write(folder / "reply", bytes.rest());
   ExternalConfig external;
-  external.worker = "read line; cat hello; read line; cat reply";
+  // Who waits for the end of a line waits for the time limit; who ends is told of at once.
+  external.worker = hello.find('\n') == std::string::npos
+                        ? "cat hello"
+                        : "read line; cat hello; read line; cat reply";
+  external.time_limit = 10.0;
   external.folder = folder;
   sim::SimulatorInfo info;
   info.parameters = {{"a", "1", 1.0, 0.0, 2.0, "", 0.0}};
