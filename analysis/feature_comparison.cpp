@@ -70,9 +70,9 @@ FeaturePrediction predict_feature(const Eigen::Ref<const Vector>& values, double
   for (std::size_t q = 0; q < 3; ++q) {
     prediction.quantiles[q] = quantile_of_sorted(sorted, probabilities[q]);
   }
-  const auto ties = std::ranges::equal_range(sorted, x_o);
-  const auto below = static_cast<double>(ties.begin() - sorted.begin());
-  const auto equal = static_cast<double>(ties.size());
+  const auto ties = std::equal_range(sorted.begin(), sorted.end(), x_o);
+  const auto below = static_cast<double>(ties.first - sorted.begin());
+  const auto equal = static_cast<double>(ties.second - ties.first);
   prediction.tail = (below + 0.5 * equal) / static_cast<double>(sorted.size());
   return prediction;
 }

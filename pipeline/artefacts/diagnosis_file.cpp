@@ -40,7 +40,7 @@ void describe(Layout f, CoverageResult& result) {
     return;
   }
   RowMatrix curve(coverage.level.size(), 2);
-  curve << coverage.level, coverage.coverage;
+  if (curve.size() > 0) curve << coverage.level, coverage.coverage;  // Eigen's << wants a row
   f("curve", curve, {{"101"}, {"2"}}, "level, and coverage there");
   f.attribute("area", coverage.area, "mean of coverage - level above level 1/2");
   f.attribute("kolmogorov_smirnov", coverage.kolmogorov_smirnov.statistic, "of the levels");

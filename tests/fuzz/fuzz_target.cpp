@@ -14,7 +14,9 @@ bool accepts(const FuzzTarget& target, std::string_view input,
     return true;
   } catch (const Error& error) {
     const std::string message = error.what();
-    if (message.find("the HDF5 library crashes on it") == std::string::npos) return false;
+    constexpr std::string_view crash = "the HDF5 library crashes on it";
+    const bool is_quoted = input.find(crash) != std::string_view::npos;  // fuzzers learn such words
+    if (is_quoted || message.find(crash) == std::string::npos) return false;
     std::fprintf(stderr, "%s\n", message.c_str());
     std::abort();
   }

@@ -38,7 +38,8 @@ class InputBytes {
 
   /// At most 255 bytes, with their number first.
   std::string text() {
-    const std::string text(bytes_.substr(std::min<std::size_t>(1, bytes_.size()), byte()));
+    const std::size_t count = byte();
+    const std::string text(bytes_.substr(0, count));
     bytes_.remove_prefix(text.size());
     return text;
   }
