@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/process/shell_text.h"
+
 namespace npdr::pipeline {
 namespace {
 
@@ -23,12 +25,13 @@ std::string next_steps(const ReportData& data) {
                     "npdr sample {} -n 1000 > theta.csv\n"
                     "\n# In Python, a new one for each training episode\n"
                     "import numpy as np\n"
-                    "names = open(\"theta.csv\").readline().strip().split(\",\")\n"
+                    "header = open(\"theta.csv\").readline().strip()\n"
+                    "names = [name.split(\" [\")[0] for name in header.split(\",\")]\n"
                     "theta = np.loadtxt(\"theta.csv\", delimiter=\",\", skiprows=1, ndmin=2)\n"
                     "rng = np.random.default_rng(1)\n"
                     "for episode in range(100):\n"
                     "    parameters = dict(zip(names, rng.choice(theta)))\n",
-                    posterior_of(data, data.methods.front()));
+                    shell_word(posterior_of(data, data.methods.front())));
 }
 
 }  // namespace npdr::pipeline

@@ -22,8 +22,7 @@ class PowerSearch {
   double best() const;
 
   /// Whether there is nothing more to try: powers twice as large as the one whose score is least
-  /// have been, or `most`, or eleven of which the largest is less than 1.2 times the
-  /// smallest.
+  /// have been, or `most`, or ten levels have raised it by less than a fifth.
   bool is_over(double most) const;
   /// Whether powers that are larger than all that were tried might be better still.
   bool ends_at_least(double most) const;

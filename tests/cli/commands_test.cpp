@@ -113,66 +113,6 @@ TEST_F(Commands, SamplesOfAStudyArePooledOverItsSeeds) {
   EXPECT_EQ(npdr(two).out, one.out);
 }
 
-TEST_F(Commands, HelpListAndCompletionKnowAllCommands) {
-  const std::string help = npdr({"help"}).out, man = npdr({"man"}).out;
-  const std::string bash = npdr({"completion", "bash"}).out;
-  for (const char* name : {"run", "sample", "list", "open", "completion", "log-prob"}) {
-    const std::string own = npdr({"help", name}).out;
-    EXPECT_EQ(own, npdr({name, "--help"}).out);
-    EXPECT_NE(own.find("npdr " + std::string(name)), std::string::npos) << "an example\n" << own;
-    EXPECT_NE(own.find("Example"), std::string::npos) << own;
-    EXPECT_NE(help.find("  " + std::string(name) + " "), std::string::npos) << help;
-    EXPECT_NE(bash.find("    " + std::string(name) + ") words="), std::string::npos) << bash;
-    std::string in_roff = name;
-    if (in_roff == "log-prob") in_roff = "log\\-prob";
-    EXPECT_NE(man.find(".SS npdr " + in_roff + "\n"), std::string::npos) << man;
-  }
-  EXPECT_TRUE(says(npdr({"help", "runn"}).err,
-                   {"npdr help: unknown command 'runn' (did you mean 'run'?)"}));
-  EXPECT_TRUE(says(npdr({"completion", "tcsh"}).err,
-                   {"npdr completion: unknown shell 'tcsh'", "bash, zsh, fish"}));
-}
-
-// What bash would offer for the words of a line.
-TEST_F(Commands, BashCompletesCommandsOptionsAndValues) {
-  std::ofstream(file("complete.sh")) << npdr({"completion", "bash"}).out << R"(
-offer() {
-  COMP_WORDS=("$@") COMP_CWORD=$(($# - 1))
-  _npdr
-  echo "${COMPREPLY[*]}"
-}
-offer npdr stat
-offer npdr run --unt
-offer npdr run --until pol
-offer npdr list me
-offer npdr run st
-)";
-  ASSERT_EQ(
-      std::system(
-          ("bash " + file("complete.sh").string() + " > " + file("offered.txt").string()).c_str()),
-      0);
-  EXPECT_EQ(text_of(file("offered.txt")),
-            "status\n--until\npolicy policy_test\nmethods metrics\n\n");
-}
-
-TEST_F(Commands, ListSaysWhatThereIsToListAndALineAboutEach) {
-  const std::string lists = npdr({"list"}).out;
-  for (const char* name : {"simulators", "methods", "priors", "keys", "layouts"}) {
-    EXPECT_NE(lists.find("npdr list " + std::string(name)), std::string::npos) << lists;
-    EXPECT_EQ(npdr({"list", name}).status, 0) << name;
-  }
-  EXPECT_NE(npdr({"list", "priors"}).out.find("log_uniform        [low, high] with low > 0"),
-            std::string::npos);
-  const std::string keys = npdr({"list", "keys", "method.training"}).out;
-  EXPECT_TRUE(keys.starts_with("method.training.")) << keys;
-  EXPECT_EQ(keys.find("prior"), std::string::npos);
-  EXPECT_TRUE(says(npdr({"list", "keys", "method.trainin_"}).err,
-                   {"npdr list: unknown beginning of a key 'method.trainin_'",
-                    "did you mean 'method.training'?"}));
-  EXPECT_TRUE(says(npdr({"list", "methods", "npe"}).err,
-                   {"npdr list: 'npe': 'npdr list methods' takes no second word; leave it out"}));
-}
-
 TEST_F(Commands, OpenSaysWhereResultsAre) {
   const Outcome outcome = npdr({"open", "small.toml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -451,22 +391,6 @@ TEST_F(Commands, StagesRunOneByOneGiveTheSameBitsAsARun) {
   stage("npdr-evaluate", {});
   stage("npdr-report", {});
   EXPECT_EQ(digests(file("staged/small")), digests(file("runs/small")));
-}
-
-TEST_F(Commands, NewWritesAStudyThatIsValid) {
-  EXPECT_EQ(npdr({"new", "mine"}).status, 0);
-  EXPECT_EQ(npdr({"validate", "mine.toml", "--quiet"}).status, 0);
-  EXPECT_EQ(npdr({"new", "mine"}).status, 2);
-}
-
-TEST_F(Commands, HelpAndListsAreThere) {
-  for (const char* command : {"run", "status", "explain", "validate", "new", "list", "import",
-                              "inspect", "verify", "sample", "log-prob"}) {
-    EXPECT_EQ(npdr({command, "--help"}).status, 0) << command;
-  }
-  for (const char* what : {"simulators", "methods", "embeddings", "estimators", "keys"}) {
-    EXPECT_FALSE(npdr({"list", what}).out.empty()) << what;
-  }
 }
 
 }  // namespace
