@@ -1,10 +1,12 @@
 // Every method against posteriors that are known: C2ST of posterior samples (0.5: can't be told
-// from exact ones, 1: they don't overlap) for several budgets of simulations, and what it cost.
+// from exact ones, 1: they don't overlap) for several budgets of simulations, mean over several
+// observations, and what it cost.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 
@@ -13,6 +15,8 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/diagnostics/c2st.h"
+#include "inference/network_posterior.h"
+#include "pipeline/store/h5.h"
 
 namespace npdr::bench {
 namespace {
@@ -37,6 +41,13 @@ Method method(const std::string& name, Algorithm algorithm, EstimatorKind estima
   return {name, config};
 }
 
+// One round for the mean of five networks: the first is what a study has that says nothing.
+Method ensemble_method(const std::string& name, Algorithm algorithm, EstimatorKind estimator) {
+  Method m = method(name, algorithm, estimator, 1);
+  m.config.estimator.num_networks = 5;
+  return m;
+}
+
 // Particles are smoothed by the density's kernel: otherwise samples repeat them, which any
 // classifier sees.
 Method abc_method(const std::string& name, Algorithm algorithm, Index num_rounds, double quantile) {
@@ -47,7 +58,15 @@ Method abc_method(const std::string& name, Algorithm algorithm, Index num_rounds
 }
 
 std::vector<Method> all_methods() {
-  return {method("NPE-A, MoG", Algorithm::npe_a, EstimatorKind::mdn, 1),
+  return {ensemble_method("NPE, 5 splines", Algorithm::npe_c, EstimatorKind::nsf),
+          ensemble_method("NPE, 5 MAFs", Algorithm::npe_c, EstimatorKind::maf),
+          ensemble_method("NLE, 5 MAFs", Algorithm::nle, EstimatorKind::maf),
+          method("NPE, MAF", Algorithm::npe_c, EstimatorKind::maf, 1),
+          method("NPE, MoG", Algorithm::npe_c, EstimatorKind::mdn, 1),
+          method("NPE, splines", Algorithm::npe_c, EstimatorKind::nsf, 1),
+          method("NLE, MAF, 1 round", Algorithm::nle, EstimatorKind::maf, 1),
+          method("NLE, splines, 1 round", Algorithm::nle, EstimatorKind::nsf, 1),
+          method("NRE-B, 1 round", Algorithm::nre_b, EstimatorKind::resnet, 1),
           method("NPE-A, MoG, 2 rounds", Algorithm::npe_a, EstimatorKind::mdn, 2),
           method("NPE-B, MAF", Algorithm::npe_b, EstimatorKind::maf, 4),
           method("NPE-C, MAF", Algorithm::npe_c, EstimatorKind::maf, 4),
@@ -62,39 +81,88 @@ std::vector<Method> all_methods() {
           abc_method("ABC, MCMC", Algorithm::abc_mcmc, 10, 0.1)};
 }
 
+// What was observed, and exact samples of the posterior given that.
+struct Observation {
+  VectorF x_o;
+  RowMatrix exact;  ///< (n, D)
+};
+
+std::vector<Observation> own_observations(const KnownPosterior& task, Index count,
+                                          Index num_samples, std::uint64_t seed) {
+  std::vector<Observation> observations;
+  for (Index i = 1; i <= count; ++i) {
+    VectorF x_o = observation(task, i);
+    RowMatrix exact = exact_samples(task, x_o, num_samples, seed);
+    observations.push_back({std::move(x_o), std::move(exact)});
+  }
+  return observations;
+}
+
+// Those of a file with groups observation_1, observation_2, ... of x_o (F) and
+// reference_posterior (n, D).
+std::vector<Observation> published_observations(const std::filesystem::path& path, Index count,
+                                                Index num_samples) {
+  const auto file = pipeline::h5::File::open(path);
+  std::vector<Observation> observations;
+  for (Index i = 1; i <= count; ++i) {
+    const auto group = file.group(fmt::format("observation_{}", i));
+    const RowMatrixF exact = group.read_matrix<float>("reference_posterior");
+    observations.push_back({group.read_vector<double>("x_o").cast<float>(),
+                            exact.topRows(std::min(num_samples, exact.rows())).cast<double>()});
+  }
+  return observations;
+}
+
 struct Score {
-  std::optional<double> c2st;  ///< none: the budget is too small for the method
-  double train_seconds = 0.0;  ///< and simulations, which cost next to nothing here
-  double sample_seconds = 0.0;
+  std::optional<double> c2st;   ///< mean over observations; none: the budget is too small
+  double train_seconds = 0.0;   ///< of all trainings; simulations cost next to nothing here
+  double sample_seconds = 0.0;  ///< of one observation
 };
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-std::shared_ptr<const inference::Posterior> infer(const KnownPosterior& task, const Method& method,
-                                                  std::uint64_t seed) {
+using PosteriorPointer = std::shared_ptr<const inference::Posterior>;
+
+PosteriorPointer infer(const KnownPosterior& task, const Method& method, const VectorF& x_o,
+                       std::uint64_t seed) {
   const inference::Algorithm algorithm = method.config.algorithm.kind;
   if (inference::traits_of(algorithm).family == inference::AlgorithmFamily::abc) {
     return inference::infer_abc(method.config.algorithm, method.abc, task.prior, task.simulator,
-                                task.x_o, seed);
+                                x_o, seed);
   }
-  return inference::infer(method.config, task.prior, task.simulator, task.x_o, seed);
+  return inference::infer(method.config, task.prior, task.simulator, x_o, seed);
 }
 
-Score score(const KnownPosterior& task, Method method, Index num_simulations, Index num_samples,
-            std::uint64_t seed) {
+// Posteriors given another observation: that of a network which saw the prior's simulations alone
+// holds for all of them.
+PosteriorPointer given(const PosteriorPointer& posterior, const Method& method,
+                       const VectorF& x_o) {
+  const auto* network = dynamic_cast<const inference::NetworkPosterior*>(posterior.get());
+  if (!network || method.config.algorithm.num_rounds > 1) return nullptr;
+  return network->given(x_o);
+}
+
+Score score(const KnownPosterior& task, const std::vector<Observation>& observations, Method method,
+            Index num_simulations, std::uint64_t seed) {
   inference::AlgorithmConfig& algorithm = method.config.algorithm;
   algorithm.num_simulations = num_simulations / algorithm.num_rounds;
   Score score;
-  auto start = Clock::now();
-  const auto posterior = infer(task, method, seed);
-  score.train_seconds = seconds_since(start);
-  start = Clock::now();
-  const RowMatrix samples = posterior->sample(num_samples, {seed, "posterior", 0, 0, 0});
-  score.sample_seconds = seconds_since(start);
-  const RowMatrix exact = exact_samples(task, num_samples, seed);
-  score.c2st = inference::c2st(exact, samples, {seed, "c2st", 0, 0, 0}).accuracy;
+  PosteriorPointer posterior;
+  double c2st = 0.0;
+  for (const auto& [x_o, exact] : observations) {
+    auto start = Clock::now();
+    posterior = given(posterior, method, x_o);
+    if (!posterior) posterior = infer(task, method, x_o, seed);
+    score.train_seconds += seconds_since(start);
+    start = Clock::now();
+    const RowMatrix samples = posterior->sample(exact.rows(), {seed, "posterior", 0, 0, 0});
+    const double count = static_cast<double>(observations.size());
+    score.sample_seconds += seconds_since(start) / count;
+    c2st += inference::c2st(exact, samples, {seed, "c2st", 0, 0, 0}).accuracy / count;
+  }
+  score.c2st = c2st;
   return score;
 }
 
@@ -102,15 +170,25 @@ struct Options {
   std::vector<std::string> tasks = known_posterior_names();
   std::vector<std::string> methods;
   std::vector<Index> num_simulations = {1'000, 10'000};
+  Index num_observations = 3;
   Index num_samples = 10'000;
+  std::filesystem::path published;  ///< folder of TASK.h5; empty: observations of our own
   std::uint64_t seed = 1;
 };
 
-Score score_or_failure(const KnownPosterior& task, const Method& m, Index num_simulations,
-                       const Options& options) {
+std::vector<Observation> observations_of(const KnownPosterior& task, const Options& options) {
+  if (options.published.empty()) {
+    return own_observations(task, options.num_observations, options.num_samples, options.seed);
+  }
+  return published_observations(options.published / (task.name + ".h5"), options.num_observations,
+                                options.num_samples);
+}
+
+Score score_or_failure(const KnownPosterior& task, const std::vector<Observation>& observations,
+                       const Method& m, Index num_simulations, const Options& options) {
   Score result;
   try {
-    result = score(task, m, num_simulations, options.num_samples, options.seed);
+    result = score(task, observations, m, num_simulations, options.seed);
     fmt::print(stderr, "{}, {}, {} simulations: C2ST {:.3f}, {:.1f} s, {:.1f} s\n", task.name,
                m.name, num_simulations, *result.c2st, result.train_seconds, result.sample_seconds);
   } catch (const Error& error) {
@@ -123,8 +201,10 @@ Score score_or_failure(const KnownPosterior& task, const Method& m, Index num_si
 analysis::Table empty_table(const KnownPosterior& task, const Options& options) {
   analysis::Table table;
   table.name = task.name;
-  table.caption = fmt::format("{}, {} parameters: C2ST of {} posterior samples, seed {}.",
-                              task.name, task.prior.dimension(), options.num_samples, options.seed);
+  table.caption = fmt::format(
+      "{}, {} parameters: C2ST of {} posterior samples, mean of {} observations, seed {}.",
+      task.name, task.prior.dimension(), options.num_samples, options.num_observations,
+      options.seed);
   table.row_header = "Method";
   for (const Index n : options.num_simulations) {
     table.columns.push_back({fmt::format("{} simulations", n), false});
@@ -140,12 +220,13 @@ bool is_wanted(const std::vector<std::string>& wanted, const std::string& name) 
 
 void print_task(const KnownPosterior& task, const Options& options) {
   analysis::Table table = empty_table(task, options);
+  const std::vector<Observation> observations = observations_of(task, options);
   for (const Method& m : all_methods()) {
     if (!is_wanted(options.methods, m.name)) continue;
     analysis::Row row{m.name, {}};
     Score last;
     for (const Index n : options.num_simulations) {
-      last = score_or_failure(task, m, n, options);
+      last = score_or_failure(task, observations, m, n, options);
       row.cells.emplace_back(last.c2st ? fmt::format("{:.3f}", *last.c2st) : "none");
     }
     row.cells.emplace_back(fmt::format("{:.1f}", last.train_seconds));
@@ -175,6 +256,12 @@ int main(int argc, char** argv) {
   app.add_option("--num-simulations", options.num_simulations, "budgets, over all rounds")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
+  app.add_option("--num-observations", options.num_observations, "observations a task")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--published", options.published,
+                 "folder of TASK.h5 with observation_1/x_o and reference_posterior, ...: these in "
+                 "place of our own observations")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--num-samples", options.num_samples, "posterior samples")
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", options.seed, "of everything random");

@@ -1,8 +1,10 @@
-/// Inference tasks whose posterior can be sampled exactly, as in the benchmark of Lueckmann et al.
-/// (2021, "Benchmarking Simulation-Based Inference"), which has them as "two moons" (T.8) and
-/// "Gaussian linear" (T.1).
+/// Inference tasks whose posterior can be sampled exactly, given any observation. The first four
+/// are those of the benchmark of Lueckmann et al. (2021, "Benchmarking Simulation-Based Inference")
+/// with the same names there (T.8, T.3, T.1, T.2), the fifth is its T.7; the last one is its T.4
+/// with independent noise.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,16 +16,21 @@ struct KnownPosterior {
   std::string name;
   inference::Prior prior;
   inference::SimulatorFunction simulator;
-  VectorF x_o;                                  ///< (F)
-  std::function<Vector(Stream& stream)> exact;  ///< one exact posterior sample, (D)
+  /// One exact sample (D) of p(theta | x_o).
+  std::function<Vector(const VectorF& x_o, Stream& stream)> exact;
 };
 
-/// "two_moons", "gaussian_linear" (10 dimensions).
+/// "two_moons", "slcp", "gaussian_linear", "gaussian_linear_uniform", "gaussian_mixture",
+/// "slcp_distractors".
 std::vector<std::string> known_posterior_names();
 /// Throws InputError for another name.
 KnownPosterior known_posterior(const std::string& name);
 
-/// (n, D) exact samples; row i has a stream of its own.
-RowMatrix exact_samples(const KnownPosterior& task, Index n, std::uint64_t seed);
+/// x_o (F) of a theta of the prior; another one for each number.
+VectorF observation(const KnownPosterior& task, Index number);
+
+/// (n, D) exact samples given x_o; row i has a stream of its own.
+RowMatrix exact_samples(const KnownPosterior& task, const VectorF& x_o, Index n,
+                        std::uint64_t seed);
 
 }  // namespace npdr::bench

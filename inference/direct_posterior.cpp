@@ -1,7 +1,10 @@
 #include "inference/direct_posterior.h"
 
+#include <cmath>
+
 #include "core/error.h"
 #include "core/parallel.h"
+#include "inference/ensemble.h"
 #include "inference/estimators/mixture_density_network.h"
 #include "inference/row_blocks.h"
 
@@ -23,18 +26,14 @@ EmbeddedEstimator<float> make_network(const NetworkParts& parts) {
                       parts.structure_seed);
 }
 
-DirectPosterior::DirectPosterior(NetworkParts given)
-    : NetworkPosterior(std::move(given)),
-      network_(std::make_shared<const EmbeddedEstimator<float>>(make_network(parts()))) {
-  const Index weights = parts().parameters.size(), features = parts().x_o.size();
-  if (weights != network_->num_parameters() || features != parts().transform.num_inputs()) {
-    throw ShapeError("posterior: " + std::to_string(weights) + " weights and " +
-                     std::to_string(features) + " features, must be " +
-                     std::to_string(network_->num_parameters()) + " and " +
-                     std::to_string(parts().transform.num_inputs()));
+DirectPosterior::DirectPosterior(NetworkParts given) : NetworkPosterior(std::move(given)) {
+  for (Index m = 0; m < parts().estimator.num_networks; ++m) {
+    NetworkParts one = network_of(parts(), m);
+    members_.push_back({make_network(one), std::move(one.parameters)});
   }
+  require_weights(parts(), members_.front().network.num_parameters());
   parts().transform.apply(parts().x_o.transpose(), z_);
-  if (parts().estimator.kind == EstimatorKind::mdn) mixture_ = mixture_of_network();
+  if (parts().estimator.kind == EstimatorKind::mdn) mixture_ = mixture_of_networks();
   if (!parts().proposal) return;
   if (!mixture_ || parts().proposal->dimension() != prior().dimension()) {
     throw ShapeError("posterior: only a mixture can be divided by a proposal of its dimension");
@@ -42,25 +41,36 @@ DirectPosterior::DirectPosterior(NetworkParts given)
   mixture_ = corrected_for_proposal(*mixture_, *parts().proposal);
 }
 
+// A network draws a block of rows, which are M rows apart in the result.
 Samples DirectPosterior::draw(Index n, const StreamId& id) const {
   if (parts().proposal) return {prior().to_theta(mixture_->sample(n, id))};
-  RowMatrix u(num_blocks(n) * kBlockRows, prior().dimension());
-  parallel_for(num_blocks(n), [&](Index b) {
+  const Index networks = std::ssize(members_), rows = kBlockRows * networks;
+  const Index groups = (n + rows - 1) / rows;
+  RowMatrix u(groups * rows, prior().dimension());
+  parallel_for(groups * networks, [&](Index b) {
+    const Index m = b % networks;
+    const Member& member = members_[static_cast<std::size_t>(m)];
     StreamId block = id;
     block.row += static_cast<std::uint64_t>(b * kBlockRows);
-    u.middleRows(b * kBlockRows, kBlockRows) =
-        network_->sample(parts().parameters, z_, kBlockRows, block).cast<double>();
+    const RowMatrixF drawn = member.network.sample(member.weights, z_, kBlockRows, block);
+    u(Eigen::seqN(b / networks * rows + m, kBlockRows, networks), Eigen::all) =
+        drawn.cast<double>();
   });
   return {prior().to_theta(u.topRows(n))};
 }
 
-Vector DirectPosterior::network_log_prob(const RowMatrixF& u) const {
+Vector DirectPosterior::networks_log_prob(const RowMatrixF& u) const {
   Vector result;
   evaluate_in_blocks(
       u,
       [&](const RowMatrixF& block, VectorF& log_prob) {
-        auto scratch = network_->make_scratch();
-        network_->log_prob(parts().parameters, block, z_, scratch, log_prob);
+        LogMeanExp mean;
+        for (const Member& member : members_) {
+          auto scratch = member.network.make_scratch();
+          member.network.log_prob(member.weights, block, z_, scratch, log_prob);
+          mean.add(log_prob);
+        }
+        log_prob = mean.result();
       },
       result);
   return result;
@@ -69,17 +79,32 @@ Vector DirectPosterior::network_log_prob(const RowMatrixF& u) const {
 Vector DirectPosterior::log_prob(const RowMatrix& theta) const {
   const RowMatrix u = prior().to_normal(theta);
   const Vector log_prob =
-      parts().proposal ? mixture_->log_prob(u) : network_log_prob(u.cast<float>());
+      parts().proposal ? mixture_->log_prob(u) : networks_log_prob(u.cast<float>());
   return log_prob + prior().log_det_to_normal(theta);
 }
 
-GaussianMixture DirectPosterior::mixture_of_network() const {
-  const auto& mixtures = dynamic_cast<const MixtureDensityNetwork<float>&>(network_->estimator());
-  auto scratch = network_->make_scratch();
+GaussianMixture DirectPosterior::mixture_of(const Member& member) const {
+  const auto& mixtures =
+      dynamic_cast<const MixtureDensityNetwork<float>&>(member.network.estimator());
+  auto scratch = member.network.make_scratch();
   auto& heads = static_cast<MixtureScratch<float>&>(*scratch.estimator);
-  mixtures.forward_heads(parts().parameters, network_->embed(parts().parameters, z_, scratch),
-                         heads);
+  mixtures.forward_heads(member.weights, member.network.embed(member.weights, z_, scratch), heads);
   return mixtures.mixture(heads, 0);
+}
+
+GaussianMixture DirectPosterior::mixture_of_networks() const {
+  GaussianMixture all = mixture_of(members_.front());
+  for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
+    const GaussianMixture one = mixture_of(*member);
+    const Index before = all.num_components();
+    all.log_weights.conservativeResize(before + one.num_components());
+    all.log_weights.tail(one.num_components()) = one.log_weights;
+    all.means.insert(all.means.end(), one.means.begin(), one.means.end());
+    all.precision_factors.insert(all.precision_factors.end(), one.precision_factors.begin(),
+                                 one.precision_factors.end());
+  }
+  all.log_weights.array() -= std::log(static_cast<double>(members_.size()));
+  return all;
 }
 
 const GaussianMixture& DirectPosterior::mixture() const {

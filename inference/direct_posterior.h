@@ -1,4 +1,5 @@
-/// A posterior that a density estimator gives directly (the NPE family):
+/// A posterior that a density estimator, or an ensemble of them (ensemble.h), gives directly (the
+/// NPE family):
 ///   log p(theta | x_o) = log q(u(theta) | z_o) + log |du / dtheta|.
 /// With a proposal p~ in its parts (NPE-A), q stands for the proposal's posterior, and
 ///   p(u | x_o) ~ q(u | z_o) N(u; 0, I) / p~(u),
@@ -15,6 +16,7 @@ class DirectPosterior : public NetworkPosterior {
   /// Throws ShapeError when the parts don't go together.
   explicit DirectPosterior(NetworkParts parts);
 
+  /// Of every num_networks consecutive samples one comes from each network.
   Samples draw(Index n, const StreamId& id) const override;
   Vector log_prob(const RowMatrix& theta) const override;
 
@@ -22,15 +24,21 @@ class DirectPosterior : public NetworkPosterior {
   const GaussianMixture& mixture() const;
 
  private:
-  GaussianMixture mixture_of_network() const;
-  Vector network_log_prob(const RowMatrixF& u) const;
+  struct Member {
+    EmbeddedEstimator<float> network;
+    Parameters<float> weights;
+  };
 
-  std::shared_ptr<const EmbeddedEstimator<float>> network_;
+  GaussianMixture mixture_of(const Member& member) const;
+  GaussianMixture mixture_of_networks() const;
+  Vector networks_log_prob(const RowMatrixF& u) const;
+
+  std::vector<Member> members_;
   RowMatrixF z_;                            ///< (1, F or k): x_o, transformed
   std::optional<GaussianMixture> mixture_;  ///< of mixtures, already divided by the proposal
 };
 
-/// The density network of the parts, in the role of a posterior or of a likelihood.
+/// The density network of parts of a single one, in the role of a posterior or of a likelihood.
 EmbeddedEstimator<float> make_network(const NetworkParts& parts);
 
 /// The network that a config and a structure seed stand for.

@@ -43,9 +43,8 @@ std::shared_ptr<const NetworkPosterior> infer(const PosteriorEstimationConfig& c
                       static_cast<std::uint32_t>(round));
     const MatrixFeatures source(x);
     data.x = &source;
-    TrainingState state;
-    posterior = estimate_posterior(config, data, {seed, "train", r, 0, 0}, state,
-                                   [](const TrainingState&) { return true; });
+    std::vector<TrainingState> states;
+    posterior = estimate_posterior(config, data, {seed, "train", r, 0, 0}, states, never_stop);
   }
   return posterior;
 }

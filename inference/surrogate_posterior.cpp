@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "inference/direct_posterior.h"
+#include "inference/ensemble.h"
 #include "inference/row_blocks.h"
 #include "inference/samplers/chain_diagnostics.h"
 #include "inference/samplers/resampler.h"
@@ -47,40 +48,50 @@ struct SurrogatePosterior::Normalizer {
 
 SurrogatePosterior::SurrogatePosterior(NetworkParts given)
     : NetworkPosterior(std::move(given)), normalizer_(std::make_unique<Normalizer>()) {
-  Index num_parameters = 0;
-  if (parts().role == NetworkRole::likelihood) {
-    likelihood_ = std::make_shared<const EmbeddedEstimator<float>>(make_network(parts()));
-    num_parameters = likelihood_->num_parameters();
-  } else {
-    ratio_ = std::make_shared<const RatioEstimator<float>>(parts().estimator, prior().dimension(),
-                                                           parts().transform.num_outputs());
-    num_parameters = ratio_->num_parameters();
-  }
-  if (parts().parameters.size() != num_parameters ||
-      parts().x_o.size() != parts().transform.num_inputs()) {
-    throw ShapeError("posterior: " + std::to_string(parts().parameters.size()) + " weights and " +
-                     std::to_string(parts().x_o.size()) + " features, must be " +
-                     std::to_string(num_parameters) + " and " +
-                     std::to_string(parts().transform.num_inputs()));
-  }
+  for (Index m = 0; m < parts().estimator.num_networks; ++m) members_.push_back(make_member(m));
+  const Member& first = members_.front();
+  require_weights(parts(),
+                  first.ratio ? first.ratio->num_parameters() : first.likelihood->num_parameters());
   parts().transform.apply(parts().x_o.transpose(), z_);
 }
 
 SurrogatePosterior::~SurrogatePosterior() = default;
 
+SurrogatePosterior::Member SurrogatePosterior::make_member(Index m) const {
+  NetworkParts one = network_of(parts(), m);
+  Member member;
+  if (one.role == NetworkRole::likelihood) {
+    member.likelihood = std::make_unique<const EmbeddedEstimator<float>>(make_network(one));
+  } else {
+    member.ratio = std::make_unique<const RatioEstimator<float>>(one.estimator, prior().dimension(),
+                                                                 one.transform.num_outputs());
+  }
+  member.weights = std::move(one.parameters);
+  return member;
+}
+
+void SurrogatePosterior::evaluate(const Member& member, const RowMatrixF& u,
+                                  VectorF& values) const {
+  if (member.ratio) {
+    RatioScratch<float> scratch;
+    member.ratio->logits(member.weights, u, z_, scratch, values);
+  } else {
+    auto scratch = member.likelihood->make_scratch();
+    member.likelihood->log_prob(member.weights, z_.replicate(u.rows(), 1), u, scratch, values);
+  }
+}
+
 Vector SurrogatePosterior::surrogate(const RowMatrix& u) const {
   Vector result;
-  const RowMatrixF z = z_.replicate(kBlockRows, 1);
   evaluate_in_blocks(
       u.cast<float>(),
       [&](const RowMatrixF& block, VectorF& values) {
-        if (ratio_) {
-          RatioScratch<float> scratch;
-          ratio_->logits(parts().parameters, block, z_, scratch, values);
-        } else {
-          auto scratch = likelihood_->make_scratch();
-          likelihood_->log_prob(parts().parameters, z, block, scratch, values);
+        LogMeanExp mean;
+        for (const Member& member : members_) {
+          evaluate(member, block, values);
+          mean.add(values);
         }
+        values = mean.result();
       },
       result);
   return result;

@@ -1,9 +1,10 @@
 /// A posterior whose likelihood, or ratio of likelihood to evidence, a network has learned:
 ///   log p(u | x_o) = l(u) + log N(u; 0, I) - log Z,
 ///   l(u) = log q(z_o | u)   (NLE; Papamakarios, Sterratt and Murray 2019),
-///   l(u) = f(u, z_o)        (NRE; ratio_loss.h).
-/// It is sampled by Markov chains (slice_sampler.h) that begin at draws of the prior, resampled by
-/// their weight exp l; or, with sampler "importance", those draws are the samples.
+///   l(u) = f(u, z_o)        (NRE; ratio_loss.h),
+/// or log 1/M sum_m exp l_m(u) of an ensemble (ensemble.h). It is sampled by Markov chains
+/// (slice_sampler.h) that begin at draws of the prior, resampled by their weight exp l; or, with
+/// sampler "importance", those draws are the samples.
 ///
 /// log Z, which only log_prob() needs, is estimated once by importance sampling: from a Gaussian
 /// around 1000 samples, 1.5 times as wide, mixed with the prior.
@@ -36,8 +37,15 @@ class SurrogatePosterior : public NetworkPosterior {
   double log_normalizer() const;
   double estimate_log_normalizer() const;
 
-  std::shared_ptr<const EmbeddedEstimator<float>> likelihood_;  ///< of z given u
-  std::shared_ptr<const RatioEstimator<float>> ratio_;
+  struct Member {
+    std::unique_ptr<const EmbeddedEstimator<float>> likelihood;  ///< of z given u
+    std::unique_ptr<const RatioEstimator<float>> ratio;          ///< null in the other role
+    Parameters<float> weights;
+  };
+  Member make_member(Index m) const;
+  void evaluate(const Member& member, const RowMatrixF& u, VectorF& values) const;
+
+  std::vector<Member> members_;
   RowMatrixF z_;  ///< (1, F or k): x_o, transformed
   std::unique_ptr<Normalizer> normalizer_;
 };

@@ -70,14 +70,14 @@ def spline(v, p, inverse=False):  # of v (n, V) with numbers p (n, 3 bins - 1, V
     return np.where(is_inside, z, v), np.log(np.where(is_inside, slope, 1))
 
 class Network:
-    def __init__(self, file):
-        config = json.loads(file.attrs["density_estimator"])
-        self.w, self.is_ratio = read(file["network"]), config["kind"] == "resnet"
+    def __init__(self, group, config):
+        self.w, self.is_ratio = read(group), config["kind"] == "resnet"
         self.layers = range(1, config["num_hidden_layers"] + 1)
         self.transforms = range(1, config["num_transforms"] + 1)
     def dense(self, name, x):
         return x @ np.float64(self.w[name + ".weight"]) + self.w[name + ".bias"]
-    def log_prob(self, u, c):  # log q(u | c) of a flow, the log ratio of a ratio network
+    def log_prob(self, u, z):  # log q(u | z) of a flow, the log ratio of a ratio network
+        c = self.dense("linear", z) if "linear.weight" in self.w else z
         if self.is_ratio:
             h = self.dense("x", c) + u @ self.w["u.weight"]
             for k in self.layers:
@@ -97,7 +97,8 @@ class Network:
             h = np.tanh(self.dense(f"{name}hidden_{layer}", h))
         p = self.dense(name + "output", h).reshape(len(u), -1, u.shape[1])
         return positive(p[:, 0]), p[:, 1], p[:, 2:]
-    def sample(self, c, n, rng):  # of a flow
+    def sample(self, z, n, rng):  # of a flow
+        c = self.dense("linear", z) if "linear.weight" in self.w else z
         z = rng.standard_normal((n, len(self.w["transform_1.order"])))
         for k in reversed(self.transforms):
             u = np.zeros_like(z)
@@ -110,41 +111,40 @@ class Network:
 class Posterior:
     def __init__(self, path):
         with h5py.File(path) as f:
-            kind = (f.attrs.get("schema"), f.attrs.get("schema_version"))
-            if kind != ("posterior", 5) or "network" not in f:
-                raise ValueError(f"{path}: not a trained posterior of schema 5; npdr run makes one")
-            self.prior, self.network, self.role = Prior(f), Network(f), f.attrs["network_role"]
+            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 6] or "network_1" not in f:
+                raise ValueError(f"{path}: not a trained posterior of schema 6; npdr run makes one")
+            config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]
+            self.networks = [Network(f[f"network_{m + 1}"], config) for m in range(config["num_networks"])]
             self.names, self.x_o, self.transform = self.prior.names, f["x_o"][:], read(f["transform"])
             self.mixture = read(f["mixture"]) if "mixture" in f else {}
-        if "head.weight" in self.network.w and not self.mixture:
+        if "head.weight" in self.networks[0].w and not self.mixture:
             raise ValueError(f"{path}: a mixture as likelihood can't be read here; use npdr log-prob")
-    def context(self, x):  # (1, C)
+    def features(self, x):  # (1, F or k)
         if self.mixture and x is not None:
             raise ValueError("the file has its mixture at x_o alone; use npdr log-prob --x")
         t, x = self.transform, self.x_o if x is None else x
         z = np.clip((x - t["mean"]) * t["inverse_deviation"], -t["farthest"], t["farthest"])[None]
-        z = z @ t["basis"] if "basis" in t else z
-        return self.network.dense("linear", z) if "linear.weight" in self.network.w else z
-    def log_q(self, u, z):  # of the network
+        return z @ t["basis"] if "basis" in t else z
+    def log_q(self, u, z):  # the mean of the networks' densities
         if self.mixture:
             y = np.einsum("kij,nkj->nki", self.mixture["factor"], u[:, None] - self.mixture["mean"])
             log_det = np.log(np.einsum("kii->ki", self.mixture["factor"])).sum(1)
             return np.logaddexp.reduce(self.mixture["log_weight"] + log_det + log_normal(y), axis=1)
-        if self.role == "likelihood":
-            return self.network.log_prob(np.repeat(z, len(u), 0), u)
-        return self.network.log_prob(u, z)
+        u, z = (np.repeat(z, len(u), 0), u) if self.role == "likelihood" else (u, z)
+        return np.logaddexp.reduce([net.log_prob(u, z) for net in self.networks]) - math.log(len(self.networks))
     def log_prob(self, theta, x=None):  # in the roles likelihood and ratio up to a constant
         u, log_slope = self.prior.to_u(theta)
-        return self.log_q(u, self.context(x)) + log_slope + (0 if self.role == "posterior" else log_normal(u))
+        return self.log_q(u, self.features(x)) + log_slope + (0 if self.role == "posterior" else log_normal(u))
     def sample(self, n, rng, x=None, num_candidates=100_000):
-        z = self.context(x)
+        z = self.features(x)
         if self.role != "posterior":  # draws of the prior, resampled by their weight
             u = rng.standard_normal((num_candidates, len(self.names)))
-            log_weight = self.log_q(u, z)
-            weight = np.exp(log_weight - log_weight.max())
+            weight = np.exp((log_weight := self.log_q(u, z)) - log_weight.max())
             return self.prior.to_theta(u[rng.choice(num_candidates, n, p=weight / weight.sum())])
         if not self.mixture:
-            return self.prior.to_theta(self.network.sample(z, n, rng))
+            counts = rng.multinomial(n, np.full(len(self.networks), 1 / len(self.networks)))
+            u = [net.sample(z, count, rng) for net, count in zip(self.networks, counts)]
+            return self.prior.to_theta(rng.permutation(np.concatenate(u)))
         k = rng.choice(len(self.mixture["mean"]), n, p=np.exp(self.mixture["log_weight"]))
         y = np.linalg.solve(self.mixture["factor"][k], rng.standard_normal((n, len(self.names), 1)))
         return self.prior.to_theta(self.mixture["mean"][k] + y[..., 0])

@@ -131,8 +131,10 @@ inline StudyText::Lines few_trials() {
 
 /// Lines of methods with networks that take no time.
 inline const std::string kSmallFlow =
-    "density_estimator = { kind = \"maf\", num_transforms = 2, hidden_features = 10 }";
+    "density_estimator = { kind = \"maf\", num_networks = 2, num_transforms = 2, "
+    "hidden_features = 10 }";
 inline const std::string kSmallMixture =
-    "density_estimator = { kind = \"mdn\", num_components = 2, hidden_features = 10 }";
+    "density_estimator = { kind = \"mdn\", num_networks = 1, num_components = 2, "
+    "hidden_features = 10 }";
 
 }  // namespace npdr

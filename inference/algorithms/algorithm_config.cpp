@@ -10,7 +10,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr std::array kMixtures = {EstimatorKind::mdn};
-constexpr std::array kDensities = {EstimatorKind::maf, EstimatorKind::mdn, EstimatorKind::nsf};
+constexpr std::array kDensities = {EstimatorKind::nsf, EstimatorKind::maf, EstimatorKind::mdn};
 constexpr std::array kRatios = {EstimatorKind::resnet};
 
 using A = Algorithm;

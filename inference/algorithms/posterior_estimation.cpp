@@ -1,8 +1,13 @@
 #include "inference/algorithms/posterior_estimation.h"
 
+#include <atomic>
+#include <mutex>
+
 #include "core/error.h"
+#include "core/parallel.h"
 #include "inference/algorithms/component_growth.h"
 #include "inference/algorithms/round_task.h"
+#include "inference/ensemble.h"
 
 namespace npdr::inference {
 namespace {
@@ -42,14 +47,12 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
 }
 
 Parameters<float> first_weights(const PosteriorEstimationConfig& config, const RoundTask& task,
-                                const NetworkParts& parts, const RoundData& data,
+                                const EstimatorConfig& estimator, const RoundData& data, Index m,
                                 const StreamId& id) {
   if (data.posteriors.empty()) return task.initial_parameters(named(id, "initial_weights"));
-  const NetworkParts& previous = data.posteriors.back()->parts();
-  if (previous.estimator.num_components == parts.estimator.num_components) {
-    return previous.parameters;
-  }
-  return grow_components(previous, parts.estimator, config.algorithm.component_perturbation,
+  const NetworkParts previous = network_of(data.posteriors.back()->parts(), m);
+  if (previous.estimator.num_components == estimator.num_components) return previous.parameters;
+  return grow_components(previous, estimator, config.algorithm.component_perturbation,
                          named(id, "component_growth"));
 }
 
@@ -60,16 +63,15 @@ void require_weights(const RoundTask& task, const TrainingState& state) {
                    ", as many as the network's");
 }
 
-}  // namespace
-
-std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
-                                                     const RoundData& data, const StreamId& id,
-                                                     TrainingState& state, const EpochHook& hook) {
-  check_estimator(config.algorithm.kind, config.estimator.kind);
-  NetworkParts parts = untrained_parts(config, data, id);
+// Network m of the ensemble; false when the hook stopped it.
+bool train_network(const PosteriorEstimationConfig& config, const RoundData& data,
+                   const NetworkParts& all, Index m, StreamId id, TrainingState& state,
+                   const EpochHook& hook) {
+  const NetworkParts parts = network_of(all, m);
+  id.seed = seed_of_network(id.seed, m);
   const auto task = make_round_task(config, data, parts, id);
   if (state.epoch == 0 && state.parameters.size() == 0) {
-    state.parameters = first_weights(config, *task, parts, data, id);
+    state.parameters = first_weights(config, *task, parts.estimator, data, m, id);
   }
   require_weights(*task, state);
   bool stopped = false;
@@ -77,8 +79,35 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
     stopped = !hook(s);
     return !stopped;
   });
-  if (stopped && !state.finished(config.training)) return nullptr;
-  parts.parameters = state.best_parameters;
+  return !stopped || state.finished(config.training);
+}
+
+}  // namespace
+
+bool never_stop(Index, const TrainingState&) { return true; }
+
+std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
+                                                     const RoundData& data, const StreamId& id,
+                                                     std::vector<TrainingState>& states,
+                                                     const NetworkHook& hook) {
+  check_estimator(config.algorithm.kind, config.estimator.kind);
+  NetworkParts parts = untrained_parts(config, data, id);
+  states.resize(static_cast<std::size_t>(parts.estimator.num_networks));
+  std::mutex one_at_a_time;
+  std::atomic<bool> stopped = false;
+  parallel_for(std::ssize(states), [&](Index m) {
+    const bool ended =
+        train_network(config, data, parts, m, id, states[static_cast<std::size_t>(m)],
+                      [&](const TrainingState& state) {
+                        const std::scoped_lock lock(one_at_a_time);
+                        return hook(m, state);
+                      });
+    if (!ended) stopped = true;
+  });
+  if (stopped) return nullptr;
+  std::vector<Parameters<float>> weights;
+  for (const TrainingState& state : states) weights.push_back(state.best_parameters);
+  parts.parameters = joined(weights);
   return make_posterior(std::move(parts));
 }
 

@@ -8,6 +8,7 @@
 ///  - nre_a, nre_b: p(z | u) / p(z) by a binary or a categorical cross-entropy (ratio_objective.h).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -40,14 +41,23 @@ struct RoundData {
   std::vector<std::shared_ptr<const NetworkPosterior>> posteriors;
 };
 
-/// Trains on `data` from the weights and the feature transform of the last round's posterior, or
-/// from scratch in round 1. `id` names the seed and round. A `state` that a hook kept goes on from
-/// there with the same bits; an empty one starts. Returns nothing when the hook stopped training:
-/// `state` is the checkpoint. Throws ShapeError for the state of another network, InputError for a
-/// density estimator that doesn't suit the algorithm.
+/// Called after every epoch of network m = 0, 1, ..., by one thread at a time; returns false to
+/// stop that network's training here.
+using NetworkHook = std::function<bool(Index m, const TrainingState&)>;
+
+/// The hook that lets all trainings come to their end.
+bool never_stop(Index m, const TrainingState& state);
+
+/// Trains the networks of the estimator on `data`, each on a thread, from the weights and the
+/// feature transform of the last round's posterior, or from scratch in round 1. `id` names the seed
+/// and round. `states`: one a network, or none; a state that a hook kept goes on from there with
+/// the same bits, an empty one starts. Returns nothing when the hook stopped a training. Throws
+/// ShapeError for the state of another network, InputError for a density estimator that doesn't
+/// suit the algorithm.
 std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
                                                      const RoundData& data, const StreamId& id,
-                                                     TrainingState& state, const EpochHook& hook);
+                                                     std::vector<TrainingState>& states,
+                                                     const NetworkHook& hook);
 
 /// (n, D) proposals of theta for the next round, drawn from the posterior estimate; for the
 /// analytic loss from a mixture that the loss can correct for.

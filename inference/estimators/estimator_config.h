@@ -21,10 +21,12 @@ constexpr auto enum_table(EstimatorKind) {
 
 struct EstimatorConfig {
   static constexpr Range kNumBins = {2, 100};
+  static constexpr Range kNumNetworks = {1, 100};
 
-  EstimatorKind kind = EstimatorKind::maf;
+  EstimatorKind kind = EstimatorKind::nsf;
+  Index num_networks = 1;       ///< whose densities are averaged (ensemble.h)
   Index num_transforms = 5;     ///< "maf", "nsf": autoregressive transforms
-  Index num_bins = 8;           ///< "nsf": bins of each spline
+  Index num_bins = 5;           ///< "nsf": bins of each spline
   Index num_components = 10;    ///< "mdn": Gaussians in the mixture
   Index hidden_features = 50;   ///< width of each hidden layer
   Index num_hidden_layers = 2;  ///< hidden layers (per transform); blocks of "resnet"

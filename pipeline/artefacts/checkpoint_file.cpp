@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
@@ -30,27 +31,49 @@ void describe(Layout f, inference::TrainingState& state) {
   f("validation_loss", state.validation_loss, epochs, "as in the posterior");
 }
 
+void describe_epochs(Layout f, Index epochs) {
+  f.attribute("epochs", epochs, "that the networks have done, in all");
+}
+
+void write_states(Layout f, std::vector<inference::TrainingState>& states) {
+  Index epochs = 0;
+  for (const inference::TrainingState& state : states) epochs += state.epoch;
+  describe_epochs(f, epochs);
+  for (Index m = 0; m < std::ssize(states); ++m) {
+    inference::TrainingState& state = states[static_cast<std::size_t>(m)];
+    if (state.epoch > 0) describe(f.group(group_of_network(m)), state);
+  }
+}
+
+std::vector<inference::TrainingState> read_states(Layout f) {
+  std::vector<inference::TrainingState> states;
+  for (const Index m : networks_there(f)) {
+    states.resize(static_cast<std::size_t>(m + 1));
+    describe(f.group(group_of_network(m)), states.back());
+  }
+  return states;
+}
+
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity,
                       Checkpoint checkpoint) {
   ArtefactWriter writer(path, kCheckpointSchema, identity);
   writer.add_cost(checkpoint.cost);
-  describe(Layout::writer(writer.file()), checkpoint.training);
+  write_states(Layout::writer(writer.file()), checkpoint.trainings);
   writer.finish();
 }
 
 Checkpoint read_checkpoint(const ArtefactFile& artefact) {
   const std::optional<h5::File> file = open_artefact_if_there(artefact, kCheckpointSchema);
   if (!file) return {};
-  Checkpoint checkpoint{.training = {}, .cost = provenance_of(*file).cost};
-  describe(Layout::reader(*file), checkpoint.training);
-  return checkpoint;
+  return {.trainings = read_states(Layout::reader(*file)), .cost = provenance_of(*file).cost};
 }
 
 void list_training_checkpoint(Layout f) {
+  describe_epochs(f, 0);
   inference::TrainingState state;
-  describe(f, state);
+  describe(f.group(group_of_network(0)), state);
 }
 
 }  // namespace npdr::pipeline

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "inference/ensemble.h"
 #include "pipeline/artefacts/json_attribute.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/config/study_fields.h"
@@ -73,6 +74,22 @@ void describe(Layout network, const inference::Layer& layer,
   }
 }
 
+void describe_network(Layout network, inference::NetworkParts& parts) {
+  if (network.reads()) require_enough_weights(network, parts);
+  const inference::ParameterLayout layout = inference::network_layout(parts);
+  if (network.reads()) parts.parameters.setZero(layout.size());
+  const auto bind = [&](const inference::Size& size) { network.bind(size.name, size.value); };
+  for (const inference::FixedNumbers& fixed : layout.fixed_numbers()) {
+    bind(fixed.size);
+    describe(network, fixed);
+  }
+  for (const inference::Layer& layer : layout.layers()) {
+    bind(layer.rows);
+    bind(layer.cols);
+    describe(network, layer, parts.parameters);
+  }
+}
+
 // Those of an untrained network of one parameter and one feature.
 void list_layers(Layout f, inference::NetworkRole role, const inference::EstimatorConfig& config,
                  Index trained_features) {
@@ -90,6 +107,16 @@ void list_layers(Layout f, inference::NetworkRole role, const inference::Estimat
 
 }  // namespace
 
+std::string group_of_network(Index m) { return fmt::format("network_{}", m + 1); }
+
+std::vector<Index> networks_there(const Layout& f) {
+  std::vector<Index> networks;
+  for (Index m = 0; m < static_cast<Index>(inference::EstimatorConfig::kNumNetworks.high); ++m) {
+    if (!f.those_there({group_of_network(m)}).empty()) networks.push_back(m);
+  }
+  return networks;
+}
+
 void describe_architecture(Layout f, inference::NetworkParts& parts) {
   std::string role = name_of(parts.role), seed = std::to_string(parts.structure_seed);
   f.attribute("network_role", role,
@@ -98,7 +125,7 @@ void describe_architecture(Layout f, inference::NetworkParts& parts) {
   describe_json(f, "density_estimator", parts.estimator, "JSON: the method's settings");
   f.attribute("trained_features", parts.trained_features,
               "width of the trained linear layer; 0: none");
-  f.attribute("structure_seed", seed, "an integer: seeds the order of the variables in a flow");
+  f.attribute("structure_seed", seed, "an integer: seeds the order of the variables in flows");
   if (!f.reads()) return;
   parts.role = parse_enum<inference::NetworkRole>("network role", role);
   check_trained_features(f.where(), parts.trained_features);
@@ -106,20 +133,13 @@ void describe_architecture(Layout f, inference::NetworkParts& parts) {
 }
 
 void describe_layers(Layout f, inference::NetworkParts& parts) {
-  Layout network = f.group("network");
-  if (f.reads()) require_enough_weights(network, parts);
-  const inference::ParameterLayout layout = inference::network_layout(parts);
-  if (f.reads()) parts.parameters.setZero(layout.size());
-  const auto bind = [&](const inference::Size& size) { network.bind(size.name, size.value); };
-  for (const inference::FixedNumbers& fixed : layout.fixed_numbers()) {
-    bind(fixed.size);
-    describe(network, fixed);
+  std::vector<inference::Parameters<float>> weights;
+  for (Index m = 0; m < parts.estimator.num_networks; ++m) {
+    inference::NetworkParts one = inference::network_of(parts, m);
+    describe_network(f.group(group_of_network(m)), one);
+    weights.push_back(std::move(one.parameters));
   }
-  for (const inference::Layer& layer : layout.layers()) {
-    bind(layer.rows);
-    bind(layer.cols);
-    describe(network, layer, parts.parameters);
-  }
+  parts.parameters = inference::joined(weights);
 }
 
 void list_flow(Layout f) {

@@ -103,12 +103,33 @@ void describe_embedding(Layout f, const inference::EmbeddingConfig& embedding) {
   f.attribute("embedding", to_json(embedding).dump(), "JSON: the same");
 }
 
-template <class Losses>
-void describe_losses(Layout f, Losses& training, Losses& validation) {
-  Layout group = f.group("training");
+// Networks have epochs of their own number.
+void describe(Layout f, TrainingLosses& losses) {
+  f.bind("epochs", -1);
   const Dims epochs = {{"epochs", "epoch"}};
-  group("training_loss", training, epochs, "mean of each epoch of this round's training [nats]");
-  group("validation_loss", validation, epochs, "the same of the validation rows");
+  f("training_loss", losses.training, epochs, "mean of each epoch of this round's training [nats]");
+  f("validation_loss", losses.validation, epochs, "the same of the validation rows");
+}
+
+void write_losses(Layout f, const std::vector<inference::TrainingState>& trainings) {
+  Layout group = f.group("training");
+  for (Index m = 0; m < std::ssize(trainings); ++m) {
+    const inference::TrainingState& state = trainings[static_cast<std::size_t>(m)];
+    TrainingLosses losses{
+        Vector::Map(state.training_loss.data(), std::ssize(state.training_loss)),
+        Vector::Map(state.validation_loss.data(), std::ssize(state.validation_loss))};
+    describe(group.group(group_of_network(m)), losses);
+  }
+}
+
+std::vector<TrainingLosses> read_losses(Layout f) {
+  Layout group = f.group("training");
+  std::vector<TrainingLosses> losses;
+  for (const Index m : networks_there(group)) {
+    describe(group.group(group_of_network(m)), losses.emplace_back());
+  }
+  if (losses.empty()) describe(group.group(group_of_network(0)), losses.emplace_back());
+  return losses;
 }
 
 inference::NetworkParts parts_over(const std::vector<inference::Marginal>& prior) {
@@ -156,7 +177,7 @@ inference::PosteriorEstimationConfig estimation_config(const MethodConfig& metho
 
 void write_posterior(h5::File& file, const MethodConfig& method,
                      const inference::NetworkPosterior& posterior, const Target& target,
-                     inference::TrainingState training, RowCounts rows) {
+                     const std::vector<inference::TrainingState>& trainings, RowCounts rows) {
   inference::NetworkParts parts = posterior.parts();
   std::vector<inference::Marginal> prior = parts.prior.marginals();
   Observed observed{.dt = target.dt,
@@ -173,7 +194,7 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   }
   describe_embedding(f, method.embedding);
   describe(f, rows);
-  describe_losses(f, training.training_loss, training.validation_loss);
+  write_losses(f, trainings);
 }
 
 void describe(Layout f, std::vector<inference::Marginal>& prior) {
@@ -248,11 +269,10 @@ PosteriorNotes read_posterior_notes(const ArtefactFile& artefact) {
   PosteriorNotes notes{.rows = {},
                        .regression = read_regression_counts(file),
                        .certificate = read_certificate(file),
-                       .training_loss = {},
-                       .validation_loss = {}};
+                       .losses = {}};
   const Layout f = Layout::reader(file);
   describe(f, notes.rows);
-  if (!holds_particles(file)) describe_losses(f, notes.training_loss, notes.validation_loss);
+  if (!holds_particles(file)) notes.losses = read_losses(f);
   return notes;
 }
 
@@ -261,13 +281,13 @@ void list_posterior(Layout f) {
   inference::NetworkParts parts = parts_over(prior);
   Observed observed;
   RowCounts rows;
-  Vector losses;
+  TrainingLosses losses;
   describe(f, prior);
   describe(f, parts, observed);
   describe_mixture(f, {Vector::Zero(1), {Vector::Zero(1)}, {Eigen::MatrixXd::Ones(1, 1)}});
   describe_embedding(f, {});
   describe(f, rows);
-  describe_losses(f, losses, losses);
+  describe(f.group("training").group(group_of_network(0)), losses);
 }
 
 }  // namespace npdr::pipeline

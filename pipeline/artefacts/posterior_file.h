@@ -22,7 +22,7 @@ struct RowCounts {
 /// `target`: the rollouts that x_o was made of. Throws Error.
 void write_posterior(h5::File& file, const MethodConfig& method,
                      const inference::NetworkPosterior& posterior, const Target& target,
-                     inference::TrainingState training, RowCounts rows);
+                     const std::vector<inference::TrainingState>& trainings, RowCounts rows);
 
 /// Reads the posterior of a file, whatever study and algorithm made it. Throws InputError.
 std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefact);
@@ -53,13 +53,18 @@ struct RegressionCounts {
   Index outside_prior = 0;
 };
 
+/// Losses of a network's training, (epochs).
+struct TrainingLosses {
+  Vector training;
+  Vector validation;
+};
+
 /// Counts and losses that stand beside the posterior.
 struct PosteriorNotes {
   RowCounts rows;
   std::optional<RegressionCounts> regression;
   std::optional<inference::ImportanceCertificate> certificate;
-  Vector training_loss;    ///< (epochs); empty without a network
-  Vector validation_loss;  ///< (epochs)
+  std::vector<TrainingLosses> losses;  ///< one a network
 };
 /// Throws InputError.
 PosteriorNotes read_posterior_notes(const ArtefactFile& artefact);

@@ -26,6 +26,7 @@ class MethodChecker : Checker {
   void check_training(const std::string& path, const MethodConfig& method);
   void check_split(const std::string& path, const MethodConfig& method);
   void check_estimator(const std::string& path, MethodConfig& method);
+  void check_networks(const std::string& path, const MethodConfig& method);
   void check_loss(const std::string& path, const MethodConfig& method);
   void check_abc(const std::string& path, const MethodConfig& method);
   void check_regression(const std::string& path);
@@ -129,6 +130,7 @@ void MethodChecker::check_estimator(const std::string& path, MethodConfig& metho
   if (!reading_.good(path + ".algorithm") || !reading_.good(kind_path)) return;
   const inference::AlgorithmTraits& algorithm = inference::traits_of(method.algorithm.kind);
   if (!reading_.has(kind_path)) method.density_estimator.kind = algorithm.estimators.front();
+  check_networks(path, method);
   const inference::EstimatorKind kind = method.density_estimator.kind;
   if (std::ranges::count(algorithm.estimators, kind) == 0) {
     fail(kind_path, quoted(name_of(kind)),
@@ -142,6 +144,16 @@ void MethodChecker::check_estimator(const std::string& path, MethodConfig& metho
                      "principal_components",
                      algorithm.name));
   }
+}
+
+// The proposal that a posterior is divided by is one Gaussian.
+void MethodChecker::check_networks(const std::string& path, const MethodConfig& method) {
+  const std::string key = path + ".density_estimator.num_networks";
+  if (!inference::traits_of(method.algorithm.kind).grows_in_last_round) return;
+  if (method.density_estimator.num_networks == 1 || !reading_.good(key)) return;
+  fail(key, std::to_string(method.density_estimator.num_networks),
+       fmt::format("1 with algorithm '{}', whose posterior is divided by a single Gaussian",
+                   name_of(method.algorithm.kind)));
 }
 
 void MethodChecker::check_loss(const std::string& path, const MethodConfig& method) {

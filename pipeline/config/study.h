@@ -131,7 +131,7 @@ struct MethodConfig {
   Index num_iterations = 1;  ///< each collects target rollouts, infers and searches for a policy
   Index policy_iterations = 20;  ///< steps of a policy search
   inference::EmbeddingConfig embedding;
-  inference::EstimatorConfig density_estimator;
+  inference::EstimatorConfig density_estimator = {.num_networks = 5};
   inference::TrainingConfig training;
   inference::SamplerConfig sampler;
   inference::AbcConfig abc;

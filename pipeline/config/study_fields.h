@@ -75,6 +75,9 @@ template <class Fields>
 void describe(Fields& f, inference::EstimatorConfig& c) {
   choice(f, "kind", c.kind,
          "masked autoregressive flow, mixture of Gaussians, neural spline flow, residual network");
+  f("num_networks", c.num_networks, between(c.kNumNetworks),
+    "trained side by side, each from other weights and on another part of the simulations; the "
+    "posterior is the mean of theirs");
   f("num_transforms", c.num_transforms, between(1, kMaxLayers),
     "autoregressive transforms (\"maf\" and \"nsf\" only)");
   f("num_bins", c.num_bins, between(c.kNumBins), "bins of each spline (\"nsf\" only)");

@@ -52,6 +52,13 @@ void resolve_target(TargetConfig& target, const fs::path& file, const Reading& r
   }
 }
 
+// Ensembles are for posteriors that aren't divided by a proposal.
+void resolve_networks(MethodConfig& method, std::size_t i, const Reading& reading) {
+  const std::string key = "method[" + std::to_string(i) + "].density_estimator.num_networks";
+  const bool has_one = inference::traits_of(method.algorithm.kind).grows_in_last_round;
+  if (has_one && !reading.has(key)) method.density_estimator.num_networks = 1;
+}
+
 // Without a network there is no layer to train, and no reason to look at fewer states than are
 // there.
 void resolve_without_network(Study& study, std::size_t i, const Reading& reading) {
@@ -138,7 +145,10 @@ void resolve(Study& study, const fs::path& file, const Reading& reading) {
     study.policy.search.kind = inference::PolicyOptimizerKind::power;
   }
   resolve_external(study, file, reading);
-  for (std::size_t i = 0; i < study.methods.size(); ++i) resolve_without_network(study, i, reading);
+  for (std::size_t i = 0; i < study.methods.size(); ++i) {
+    resolve_without_network(study, i, reading);
+    resolve_networks(study.methods[i], i, reading);
+  }
 }
 
 }  // namespace

@@ -108,6 +108,7 @@ kind = "bayessim"
 
 [method.density_estimator]
 kind = "maf"
+# ...
 num_transforms = 2
 # ...
 hidden_features = 20

@@ -78,7 +78,8 @@ Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, 
   }
   row.cells.emplace_back(run.notes.rows.used + run.notes.rows.failed);
   row.cells.emplace_back(run.notes.rows.failed);
-  const auto epochs = static_cast<Index>(run.notes.training_loss.size());
+  Index epochs = 0;
+  for (const TrainingLosses& network : run.notes.losses) epochs += network.training.size();
   row.cells.push_back(epochs > 0 ? Cell(epochs) : Cell());
   if (has.has_sampler) add_sampler_cells(run, row, table);
   return row;

@@ -71,7 +71,7 @@ CheckpointKind checkpoint_kind(const Plan& plan, const Node& node) {
       return {kRefinementCheckpointSchema, "simulation", "num_draws"};
     }
   }
-  return {kCheckpointSchema, "epoch", "epoch"};
+  return {kCheckpointSchema, "epoch", "epochs"};
 }
 
 // Nothing: no part of it is there.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "core/error.h"
 #include "inference/diagnostics/calibration.h"
@@ -236,9 +237,17 @@ std::optional<inference::OutOfDistribution> check_observation(const Case& c) {
   return inference::test_out_of_distribution(features_of(features, rows), c.x_o);
 }
 
+// Of the network that has learned least: one that isn't converged, or has the largest gap.
 inference::TrainingCheck check_training_curves(const Case& c) {
-  const PosteriorNotes notes = read_posterior_notes(c.last_posterior());
-  return inference::check_training(notes.training_loss, notes.validation_loss, c.method.training);
+  std::vector<inference::TrainingCheck> checks;
+  for (const auto& [training, validation] : read_posterior_notes(c.last_posterior()).losses) {
+    checks.push_back(inference::check_training(training, validation, c.method.training));
+  }
+  const auto is_better = [](const auto& a, const auto& b) {
+    return std::tuple(!a.is_converged, a.generalization_gap) <
+           std::tuple(!b.is_converged, b.generalization_gap);
+  };
+  return *std::ranges::max_element(checks, is_better);
 }
 
 // The list of all checks: what each of them adds to the diagnosis.

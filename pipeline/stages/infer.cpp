@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <numeric>
+#include <vector>
 
 #include "core/error.h"
 #include "pipeline/artefacts/checkpoint_file.h"
@@ -39,29 +41,40 @@ auto blaming_checkpoint(const Plan& plan, const Node& node, const Work& work) {
   }
 }
 
-// After each epoch: progress, a checkpoint now and then, and one more when asked to stop.
+// After each epoch of a network: progress, now and then a checkpoint with its state and those that
+// the others had at their turn, and one more when asked to stop.
 class EpochReport {
  public:
-  // `start`: of the stage; `earlier`: of the runs that this one goes on from.
-  EpochReport(const Plan& plan, const Node& node, Clock::time_point start, const Cost& earlier)
+  // `start`: of the stage; `earlier`: what the runs that this one goes on from left.
+  EpochReport(const Plan& plan, const Node& node, Index num_networks, Clock::time_point start,
+              const Checkpoint& earlier)
       : plan_(plan),
         node_(node),
         progress_(node.label() + ", epoch", 0),
         start_(start),
-        earlier_(earlier) {}
+        earlier_(earlier.cost),
+        states_(earlier.trainings),
+        saved_(static_cast<std::size_t>(num_networks), Clock::now()),
+        epochs_(static_cast<std::size_t>(num_networks), 0) {
+    states_.resize(saved_.size());
+  }
 
-  bool operator()(const inference::TrainingState& state) {
+  bool operator()(Index network, const inference::TrainingState& state) {
+    const auto m = static_cast<std::size_t>(network);
     const auto now = Clock::now();
-    const bool is_due = seconds_between(saved_, now) > kSecondsBetweenCheckpoints;
+    const bool is_due = seconds_between(saved_[m], now) > kSecondsBetweenCheckpoints;
     // Saved before it is shown: who looks at the progress may be gone.
     const bool is_stopping = stop_requested();
     if (is_due || is_stopping) {
-      Checkpoint checkpoint{state, earlier_};
+      states_[m] = state;
+      saved_[m] = now;
+      Checkpoint checkpoint{states_, earlier_};
       checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
       write_checkpoint(plan_.work.checkpoint("infer", node_.key), node_.identity, checkpoint);
-      saved_ = now;
     }
-    progress_.update(state.epoch, fmt::format("loss {:.4g}", state.validation_loss.back()));
+    epochs_[m] = state.epoch;
+    progress_.update(std::reduce(epochs_.begin(), epochs_.end()),
+                     fmt::format("loss {:.4g}", state.validation_loss.back()));
     return !is_stopping;
   }
 
@@ -71,7 +84,9 @@ class EpochReport {
   Progress progress_;
   Clock::time_point start_;
   Cost earlier_;
-  Clock::time_point saved_ = Clock::now();
+  std::vector<inference::TrainingState> states_;
+  std::vector<Clock::time_point> saved_;
+  std::vector<Index> epochs_;
 };
 
 // Trains a network on all rounds' simulations.
@@ -98,15 +113,15 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
 
   Checkpoint checkpoint = read_checkpoint({plan.work.checkpoint("infer", node.key), node.key});
   writer.add_cost(checkpoint.cost);
-  inference::TrainingState& state = checkpoint.training;
-  EpochReport report(plan, node, start, checkpoint.cost);
+  EpochReport report(plan, node, config.estimator.num_networks, start, checkpoint);
   const auto posterior = blaming_checkpoint(plan, node, [&] {
-    return inference::estimate_posterior(
-        config, data, {use.seed, "training", use.stream_round(), 0, 0}, state, std::ref(report));
+    return inference::estimate_posterior(config, data,
+                                         {use.seed, "training", use.stream_round(), 0, 0},
+                                         checkpoint.trainings, std::ref(report));
   });
   if (!posterior) throw Checkpointed(node.label() + ": stopped on request, checkpoint written");
 
-  write_posterior(writer.file(), method, *posterior, target, state,
+  write_posterior(writer.file(), method, *posterior, target, checkpoint.trainings,
                   {features.num_rows(), features.num_failed()});
 }
 

@@ -101,9 +101,9 @@ std::unique_ptr<inference::NetworkPosterior> train(const PendulumTask& task,
   data.x = &x;
   data.round.assign(num_simulations, 1);
   data.x_o = inference::observed_features(*task.embedding, task.target, 1);
-  inference::TrainingState state;
-  return inference::estimate_posterior(config, data, {1, "train", 1, 0, 0}, state,
-                                       [](const inference::TrainingState&) { return true; });
+  std::vector<inference::TrainingState> states;
+  return inference::estimate_posterior(config, data, {1, "train", 1, 0, 0}, states,
+                                       inference::never_stop);
 }
 
 // Ranks of each parameter over fresh truths from the prior.

@@ -15,7 +15,8 @@ StudyText study_of_all_kinds() {
   const std::string components =
       "embedding = { kind = \"all_steps\", downsample = 20, principal_components = 4 }";
   const std::string network =
-      "\", num_transforms = 3, num_components = 3, num_bins = 5, hidden_features = 12 }";
+      "\", num_networks = 2, num_transforms = 3, num_components = 3, num_bins = 5, hidden_features "
+      "= 12 }";
   const auto estimator = [&](const std::string& kind) {
     return "density_estimator = { kind = \"" + kind + network;
   };
@@ -32,8 +33,8 @@ StudyText study_of_all_kinds() {
                       "principal_components = 12 }"})
       .method("nsf", {some, training, estimator("nsf"), components})
       .method("mdn", {some, training, estimator("mdn"), "embedding = { kind = \"bayessim\" }"})
-      .method("npe_a", {"algorithm = \"npe_a\"", "num_rounds = 2", some, training, estimator("mdn"),
-                        components})
+      .method("npe_a", {"algorithm = \"npe_a\"", "num_rounds = 2", some, training,
+                        "density_estimator = { kind = \"mdn\", num_components = 3 }", components})
       .method("nle", {"algorithm = \"nle\"", some, training, estimator("maf"), components, sampler})
       .method("nre",
               {"algorithm = \"nre_b\"", some, training, estimator("resnet"), components, sampler})
@@ -102,7 +103,7 @@ TEST_F(PythonReader, RefusesWhatItCantRead) {
     EXPECT_NE(found.find(message), std::string::npos) << found;
   };
   expect_says("npdr_posterior", "Posterior", "runs/one/target.h5",
-              "target.h5: not a trained posterior of schema 5; npdr run makes one");
+              "target.h5: not a trained posterior of schema 6; npdr run makes one");
   expect_says("npdr_particles", "Particles", "runs/one/maf/seed-1/round-1/infer.h5",
               "infer.h5: holds no particles; read it by npdr_posterior.py");
 }

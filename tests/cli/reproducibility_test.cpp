@@ -115,7 +115,7 @@ TEST_F(Reproducibility, ASecondRunDoesNothing) {
 TEST_F(Reproducibility, AChangedTrainingKeyKeepsTheSimulationsOfRoundOne) {
   digests_of("runs", {});
   const Outcome plan = run(folder_.path(), {"npdr", "run", "small.toml", "--dry-run", "--set",
-                                            "method.training.learning_rate=1e-3"});
+                                            "method.training.learning_rate=2e-3"});
   EXPECT_EQ(plan.out.find("# simulate NPDR (MAF), seed 1, round 1"), std::string::npos);
   EXPECT_NE(plan.out.find("# infer NPDR (MAF), seed 1, round 1"), std::string::npos);
   EXPECT_NE(plan.out.find("# simulate NPDR (MAF), seed 1, round 2"), std::string::npos);

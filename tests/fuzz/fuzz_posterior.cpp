@@ -36,7 +36,9 @@ inference::NetworkParts network(NetworkRole role, EstimatorKind kind) {
 void write_network(h5::File& file, const inference::NetworkParts& parts) {
   MethodConfig method;
   method.density_estimator = parts.estimator;
-  write_posterior(file, method, *inference::make_posterior(parts), {}, {}, {});
+  inference::TrainingState state;
+  state.training_loss = state.validation_loss = {1.0, 0.5};
+  write_posterior(file, method, *inference::make_posterior(parts), {}, {state}, {});
 }
 
 void write_abc(h5::File& file, bool is_smooth) {

@@ -23,11 +23,10 @@ TEST(NpeA, NeedsSimulationsOfItsOwnRound) {
   const RowMatrixF x(0, 2);
   const MatrixFeatures none(x);
   const RoundData data{&prior, &none, RowMatrix(0, 1), {}, VectorF::Zero(2), {}};
-  TrainingState state;
+  std::vector<TrainingState> states;
   EXPECT_TRUE(says(message_of<InputError>([&] {
                      estimate_posterior(small_config(Algorithm::npe_a, EstimatorKind::mdn, 1, 10),
-                                        data, {1, "training", 1, 0, 0}, state,
-                                        [](const TrainingState&) { return true; });
+                                        data, {1, "training", 1, 0, 0}, states, never_stop);
                    }),
                    {"training: 0 training and 0 validation rows"}));
 }

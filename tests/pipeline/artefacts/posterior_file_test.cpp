@@ -151,7 +151,7 @@ TEST_F(PosteriorFile, AStructureSeedMustBeAnInteger) {
 TEST_F(PosteriorFile, LayersHaveNamesAndShapes) {
   reread(parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::nsf));
   const h5::File file = open_artefact(folder_ / "p.h5", kPosteriorSchema);
-  const h5::Group network = file.group("network");
+  const h5::Group network = file.group("network_1");
   EXPECT_EQ(
       network.names(),
       (std::vector<std::string>{
@@ -161,16 +161,18 @@ TEST_F(PosteriorFile, LayersHaveNamesAndShapes) {
           "transform_2.hidden_1.bias", "transform_2.hidden_1.weight", "transform_2.input.weight",
           "transform_2.order", "transform_2.output.bias", "transform_2.output.weight"}));
   EXPECT_EQ(network.dataset("context.weight").shape(), (h5::Shape{2, 16}));
-  EXPECT_EQ(network.dataset("transform_2.output.bias").shape(), (h5::Shape{25}));
+  EXPECT_EQ(network.dataset("transform_2.output.bias").shape(), (h5::Shape{16}));
 }
 
 TEST_F(PosteriorFile, AnotherOrderOfVariablesIsRefused) {
   const auto spoil = [](h5::File& file) {
     const std::int64_t order = 7;
-    file.group("network").dataset("transform_2.order").write_rows<std::int64_t>(0, 1, {&order, 1});
+    file.group("network_1")
+        .dataset("transform_2.order")
+        .write_rows<std::int64_t>(0, 1, {&order, 1});
   };
   EXPECT_TRUE(says(message_of<InputError>([&] { reread(spoil); }, &folder_),
-                   {"p.h5: group 'network': transform_2.order isn't what", "structure_seed",
+                   {"p.h5: group 'network_1': transform_2.order isn't what", "structure_seed",
                     "rerun stage 'infer'"}));
 }
 
@@ -189,14 +191,15 @@ TEST_F(PosteriorFile, LayersOfAbsurdSizesAreRefused) {
 }
 
 TEST_F(PosteriorFile, ANetworkWithoutItsWeightsIsRefusedBeforeItIsMade) {
-  EXPECT_TRUE(says(message_of_estimator(
-                       {.num_transforms = 128, .hidden_features = 4096, .num_hidden_layers = 128}),
-                   {"p.h5: group 'network': 246 weights, but the file's density_estimator has more "
-                    "than 272730947584; rerun stage 'infer'"}));
+  EXPECT_TRUE(
+      says(message_of_estimator(
+               {.num_transforms = 128, .hidden_features = 4096, .num_hidden_layers = 128}),
+           {"p.h5: group 'network_1': 246 weights, but the file's density_estimator has more "
+            "than 272730947584; rerun stage 'infer'"}));
   EXPECT_TRUE(says(
       message_of_estimator(
           {.kind = inference::EstimatorKind::mdn, .num_components = 128, .hidden_features = 8}),
-      {"p.h5: group 'network': has no dataset 'hidden_1.weight'"}));
+      {"p.h5: group 'network_1': has no dataset 'hidden_1.weight'"}));
 }
 
 }  // namespace

@@ -34,19 +34,19 @@ TEST(MethodProblems, MethodsFitTheStudy) {
 }
 
 TEST(MethodProblems, TrainingFitsTheNumberOfSimulations) {
-  EXPECT_TRUE(says(problems_after(kMaf, "num_simulations = 60"),
-                   {"s.toml:15:1: method.training.batch_size = 50", "must be <= 48"}));
-  EXPECT_EQ(problems_after(kMaf, "num_simulations = 63"), "");
+  EXPECT_TRUE(says(problems_after(kMaf, "num_simulations = 50"),
+                   {"s.toml:15:1: method.training.batch_size = 50", "must be <= 45"}));
+  EXPECT_EQ(problems_after(kMaf, "num_simulations = 56"), "");
   EXPECT_TRUE(
       says(problems_after(kMaf, "num_simulations = 7\nnum_atoms = 2\ntraining.batch_size = 2"),
-           {"s.toml:19:1: method.training.validation_fraction = 0.2",
+           {"s.toml:19:1: method.training.validation_fraction = 0.1",
             "must be such that 2 or more of the 7 simulations of a round are left for training and "
             "for validation each"}));
   EXPECT_TRUE(says(problems_after(kMaf, "num_atoms = 11\ntraining = { batch_size = 10 }"),
                    {"s.toml:17:13: method.num_atoms = 11", "must be <= training.batch_size = 10"}));
   EXPECT_TRUE(says(problems_after(kMaf, "loss = 'analytic'"),
                    {"s.toml:17:8: method.loss = 'analytic'",
-                    "must be 'auto' or 'atomic' with density_estimator.kind = 'maf'", "'mdn'"}));
+                    "must be 'auto' or 'atomic' with density_estimator.kind = 'nsf'", "'mdn'"}));
 }
 
 TEST(MethodProblems, RefinementNeedsADensityOfTheNoise) {

@@ -22,7 +22,7 @@ TEST(StudyKeys, SayTypeDefaultAndWhatIsAllowed) {
   EXPECT_EQ(keys.at("target.recording").default_value, "");
   const StudyKey& rate = keys.at("method.training.learning_rate");
   EXPECT_EQ(rate.type, "a finite number");
-  EXPECT_EQ(rate.default_value, "0.0005");
+  EXPECT_EQ(rate.default_value, "0.001");
   EXPECT_EQ(rate.allowed, "> 0 and <= 1");
   EXPECT_EQ(rate.doc, "step size of Adam");
 }

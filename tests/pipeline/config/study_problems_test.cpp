@@ -261,9 +261,9 @@ TEST(StudyProblems, OfTheCommandLineNameTheOverride) {
                     "must be an existing HDF5 file"}));
   EXPECT_TRUE(says(
       problems_of(kStudyText, {"method.training.batch_size=1000"}),
-      {"--set method.training.batch_size=1000: method.training.batch_size = 1000", "must be <= 160",
+      {"--set method.training.batch_size=1000: method.training.batch_size = 1000", "must be <= 180",
        "\n--set method.training.batch_size=1000: method.training.batch_size = 1000",
-       "must be <= 800"}));
+       "must be <= 900"}));
 }
 
 TEST(StudyProblems, OverridesThatCantBeReadSaySo) {

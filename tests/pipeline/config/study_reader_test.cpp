@@ -23,7 +23,7 @@ TEST(StudyReader, FillsInDefaults) {
   EXPECT_EQ(study.simulator.integrator, sim::Integrator::erk4);
   EXPECT_EQ(study.simulate.shard_size, 1000);
   EXPECT_EQ(study.methods[0].algorithm.num_simulations, 200);
-  EXPECT_EQ(study.methods[0].training.learning_rate, 5e-4);
+  EXPECT_EQ(study.methods[0].training.learning_rate, 1e-3);
   EXPECT_EQ(study.methods[1].algorithm.num_simulations, 1000);
   EXPECT_EQ(study.evaluate.metrics, (std::vector<Metric>{Metric::dtw, Metric::rmse}));
   EXPECT_EQ(study.limits.max_failed_fraction, 0.05);

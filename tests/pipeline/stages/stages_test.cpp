@@ -180,7 +180,8 @@ TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
   std::filesystem::remove(infer.path);
 
   const std::filesystem::path checkpoint = plan.work.checkpoint("infer", infer.key);
-  write_checkpoint(checkpoint, infer.identity, {state_of(VectorF::Zero(weights.size() + 16)), {}});
+  write_checkpoint(checkpoint, infer.identity,
+                   {{state_of(VectorF::Zero(weights.size() + 16))}, {}});
   const std::string message = message_of<InputError>([&] { run_stage(plan, infer); }, &folder_);
   EXPECT_NE(message.find(".checkpoint.h5: training state: " + std::to_string(weights.size() + 16) +
                          " parameters, must be " + std::to_string(weights.size()) +
@@ -188,9 +189,9 @@ TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
             std::string::npos)
       << message;
 
-  write_checkpoint(checkpoint, infer.identity, {state_of(weights), {}});
+  write_checkpoint(checkpoint, infer.identity, {{state_of(weights)}, {}});
   const std::string digest = content_digest(checkpoint);
-  write_checkpoint(checkpoint, infer.identity, {state_of(weights), {1000.0, 3000.0}});
+  write_checkpoint(checkpoint, infer.identity, {{state_of(weights)}, {1000.0, 3000.0}});
   EXPECT_EQ(content_digest(checkpoint), digest) << "time is no content";
   run_stage(plan, infer);
   EXPECT_GE(provenance_of(h5::File::open(infer.path)).cost.wall_seconds, 1000.0);
