@@ -9,6 +9,7 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/size_text.h"
+#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/run/artefact_status.h"
@@ -195,7 +196,8 @@ std::vector<const Node*> named_nodes(const Plan& plan, const std::string& word) 
 }  // namespace
 
 void add_status_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("status", "one row per artefact: where it stands");
+  auto* command =
+      app.add_subcommand("status", "one row per artefact: where it stands; what the checks say");
   auto study = std::make_shared<StudyArguments>();
   auto json = std::make_shared<bool>(false);
   auto cost = std::make_shared<bool>(false);
@@ -218,6 +220,7 @@ void add_status_command(CLI::App& app, int& result) {
       }
       const auto rows = standings(plan, *check ? Scrutiny::thorough : Scrutiny::quick);
       *json ? print_as_json(rows) : print_table(rows);
+      if (!*json) print_verdicts_if_made(plan);
       const bool is_sound =
           std::ranges::all_of(rows, [](const Standing& row) { return row.status.is_sound; });
       return is_sound || !*check ? ExitStatus::done : ExitStatus::failed;

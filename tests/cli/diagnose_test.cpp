@@ -116,11 +116,15 @@ TEST_F(Diagnose, ABrowserRunsTheReportsScript) {
   EXPECT_NE(dom.find("<div class=\"tools\">"), std::string::npos);
 }
 
-TEST_F(Diagnose, NothingIsMadeTwice) {
+TEST_F(Diagnose, NothingIsMadeTwiceAndStatusShowsVerdicts) {
   // Target, baseline, report; (2 x 3 + 3) of training, 2 evaluations, 2 of calibration, 2
   // diagnoses, less what the methods share: the first proposal and simulation.
   const Outcome status = npdr({"status", "checked.toml"});
   EXPECT_NE(status.out.find("16 artefacts: 16 up to date"), std::string::npos) << status.out;
+  EXPECT_NE(status.out.find("\nNPE: "), std::string::npos) << status.out;
+  EXPECT_NE(status.out.find("\nreport: runs/checked/report.html\n"), std::string::npos);
+  const Outcome changed = npdr({"status", "checked.toml", "--set", "diagnose.alpha=0.05"});
+  EXPECT_EQ(changed.out.find("\nNPE: "), std::string::npos) << "verdicts of another report";
   EXPECT_NE(npdr({"run", "checked.toml", "--dry-run", "--set", "diagnose.alpha=0.05"})
                 .out.find("# report"),
             std::string::npos);
