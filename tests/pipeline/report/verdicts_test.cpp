@@ -113,6 +113,10 @@ TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
                 .reason.find("30 times the floor's: try embedding.kind = "
                              "\"all_steps\""),
             std::string::npos);
+  plan_.study.methods.front().embedding.kind = inference::EmbeddingKind::all_steps;
+  EXPECT_NE(verdict_of(Check::fit).reason.find("30 times the floor's: try more simulations"),
+            std::string::npos)
+      << "what it has already";
 }
 
 TEST_F(Verdicts, ARecordingThatNoParametersExplainFails) {
