@@ -8,18 +8,23 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr Index kMedian = 2;          // of kIntervalLevels
-constexpr double kRowShare = 0.7;     // of a parameter's row, over which its sets are spread
-constexpr double kSetHeight = 13.0;   // [px]
+constexpr double kRowShare = 0.7;     // of a parameter's row, over which its lanes are spread
+constexpr double kLaneHeight = 13.0;  // [px]
 constexpr double kRowPadding = 12.0;  // [px]
 
 double middle_of_row(Index parameter, Index count) {
   return static_cast<double>(count - parameter) - 0.5;
 }
 
-// The first set is the uppermost.
-double place_of_set(const IntervalPlot& plot, Index parameter, std::size_t set) {
-  const auto count = static_cast<double>(plot.sets.size());
-  const double share = (static_cast<double>(set) + 0.5) / count - 0.5;
+// Sets lie on lanes of their own, the first uppermost, and marked points on one below, so that they
+// don't hide a narrow interval.
+std::size_t num_lanes(const IntervalPlot& plot) {
+  return plot.sets.size() + (plot.points.empty() ? 0 : 1);
+}
+
+double place_of_lane(const IntervalPlot& plot, Index parameter, std::size_t lane) {
+  const auto count = static_cast<double>(num_lanes(plot));
+  const double share = (static_cast<double>(lane) + 0.5) / count - 0.5;
   return middle_of_row(parameter, std::ssize(plot.parameters)) - kRowShare * share;
 }
 
@@ -34,8 +39,7 @@ RowMatrix lines(const Vector& low, const Vector& high, const Vector& y) {
   return points;
 }
 
-// The rows: what the prior allows.
-void add_prior(const IntervalPlot& plot, Figure& figure, Panel& panel) {
+void add_rows(const IntervalPlot& plot, Figure& figure, Panel& panel) {
   const Index count = std::ssize(plot.parameters);
   Vector y(count);
   for (Index k = 0; k < count; ++k) {
@@ -45,10 +49,11 @@ void add_prior(const IntervalPlot& plot, Figure& figure, Panel& panel) {
     std::ranges::replace(label, '_', ' ');
     panel.y.labels.insert(panel.y.labels.begin(), label);
     panel.tips.push_back(
-        {{0.0, 1.0}, {y(k) - 0.5, y(k) + 0.5}, plot.tips[static_cast<std::size_t>(k)]});
+        {plot.row, {y(k) - 0.5, y(k) + 0.5}, plot.tips[static_cast<std::size_t>(k)]});
   }
-  const std::string table = add_table(figure, "the prior's ends, row of the parameter",
-                                      lines(Vector::Zero(count), Vector::Ones(count), y));
+  const std::string table = add_table(
+      figure, "ends of the row, row of the parameter",
+      lines(Vector::Constant(count, plot.row.lower), Vector::Constant(count, plot.row.upper), y));
   panel.series.push_back({SeriesKind::line, table, {0, 1}, "#e3e7eb", 7.0});
 }
 
@@ -59,7 +64,7 @@ void add_set(const IntervalPlot& plot, std::size_t set, Figure& figure, Panel& p
                       "interval plot '{}': quantiles of '{}' have shape ({}, {}), must be ({}, 5)",
                       plot.name, name, quantiles.rows(), quantiles.cols(), count);
   Vector y(count);
-  for (Index k = 0; k < count; ++k) y(k) = place_of_set(plot, k, set);
+  for (Index k = 0; k < count; ++k) y(k) = place_of_lane(plot, k, set);
   const char* color = kMethodColors[set];
   for (const Index low : {Index{0}, Index{1}}) {
     const std::string table =
@@ -79,7 +84,8 @@ void add_point(const IntervalPlot& plot, const IntervalPoint& point, Figure& fig
                       "interval plot '{}': '{}' has {} values for {} parameters", plot.name,
                       point.name, point.place.size(), count);
   for (Index k = 0; k < count; ++k) {
-    panel.marks.push_back({point.mark, point.color, point.place(k), middle_of_row(k, count), 0.7});
+    const double y = place_of_lane(plot, k, plot.sets.size());
+    panel.marks.push_back({point.mark, point.color, point.place(k), y, 0.7});
   }
   figure.legend.push_back({point.mark, point.color, point.name});
 }
@@ -97,12 +103,11 @@ FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem:
   Figure figure{.name = plot.name};
   figure.sizes.panel_width = 640.0;
   figure.sizes.panel_height = static_cast<double>(count) *
-                              (kRowPadding + kSetHeight * static_cast<double>(plot.sets.size()));
+                              (kRowPadding + kLaneHeight * static_cast<double>(num_lanes(plot)));
   figure.sizes.font = figure.sizes.tick_font = 12.0;
-  Panel panel{
-      .x = make_axis({0.0, 1.0}, "place in the prior: share of it that lies below", "", 3, 0.0),
-      .y = {0.0, static_cast<double>(count)}};
-  add_prior(plot, figure, panel);
+  Panel panel{.x = make_axis(plot.row, plot.title, "", 3, 0.0),
+              .y = {0.0, static_cast<double>(count)}};
+  add_rows(plot, figure, panel);
   for (std::size_t set = 0; set < plot.sets.size(); ++set) add_set(plot, set, figure, panel);
   for (const IntervalPoint& point : plot.points) add_point(plot, point, figure, panel);
   figure.panels.push_back(std::move(panel));

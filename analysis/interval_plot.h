@@ -1,4 +1,5 @@
-/// Figure of credible intervals: which parameters are known, and how well, at a glance.
+/// Figure of intervals, a row for each thing: which parameters are known, and how well, at a
+/// glance.
 #pragma once
 
 #include <filesystem>
@@ -16,29 +17,31 @@ inline constexpr double kIntervalLevels[] = {0.05, 0.25, 0.5, 0.75, 0.95};
 /// Intervals of one posterior.
 struct IntervalSet {
   std::string name;     ///< such as "NPDR (MAF)"
-  RowMatrix quantiles;  ///< (D, 5) at kIntervalLevels, as places in the prior: shares in [0, 1]
+  RowMatrix quantiles;  ///< (D, 5) at kIntervalLevels, as places in a row
 };
 
 /// One parameter vector that is marked, such as the nominal one.
 struct IntervalPoint {
   std::string name;
-  Vector place;  ///< (D) in the prior; what isn't in [0, 1] isn't marked
+  Vector place;  ///< (D) in a row; what lies outside isn't marked
   LegendMark mark = LegendMark::triangle;
   std::string color;
 };
 
 struct IntervalPlot {
   std::string name;                     ///< of the files: letters, digits, '_' and '-'
+  std::string title;                    ///< of the axis of places
+  Range row = {0.0, 1.0};               ///< the places that a row shows
   std::vector<std::string> parameters;  ///< (D) labels; underscores are shown as blanks
   std::vector<std::string> tips;        ///< (D) words for who points at a row
   std::vector<IntervalSet> sets;        ///< blue, orange, purple, ...; the first on top
   std::vector<IntervalPoint> points = {};
 };
 
-/// Draws a row for each parameter, which is as wide as the prior: a line for each posterior's 90 %
-/// interval, a thick one for its 50 % interval, a dot for the median, and the marked points. Writes
-/// the figure's files and its data files into `directory`. Throws InputError for no parameters and
-/// for no or too many sets; ShapeError for quantiles or points of another size.
+/// Draws a row for each parameter, such as one as wide as its prior: a line for each posterior's 90
+/// % interval, a thick one for its 50 % interval, a dot for the median, and the marked points.
+/// Writes the figure's files and its data files into `directory`. Throws InputError for no
+/// parameters and for no or too many sets; ShapeError for quantiles or points of another size.
 FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem::path& directory);
 
 }  // namespace npdr::analysis

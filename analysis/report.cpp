@@ -88,7 +88,8 @@ constexpr const char* kFoldedSection =
     "</section>\n";
 
 std::string code_html(const std::string& code) {
-  return code.empty() ? "" : "<pre><code>" + escape_html(code) + "</code></pre>\n";
+  if (code.empty()) return "";
+  return "<pre tabindex=\"0\"><code>" + escape_html(code) + "</code></pre>\n";
 }
 
 std::string section_html(const ReportSection& section, std::size_t number) {

@@ -84,7 +84,7 @@ const equip = (figure) => {
   };
   button("+", "Zoom in", () => zoom(1 / 1.5));
   button("\u2212", "Zoom out", () => zoom(1.5));
-  button("Reset", "Show the whole figure", () => show(...home));
+  button("Reset", "Reset: show the whole figure", () => show(...home));
   const shapes = [...svg.querySelectorAll("path, polygon, circle, use")];
   for (const entry of overlay.querySelectorAll(".entry")) {
     const label = make("label", "");
@@ -162,6 +162,6 @@ addEventListener("beforeprint", () => {
 
 /// SHA-256 of the script, which the page's content security policy allows alone.
 inline constexpr const char* kReportScriptHash =
-    "sha256-Itq1bMvYQYGMAYhjpfrso6lmuVSSit53MFEXxATilCA=";
+    "sha256-srKl6FcXVYYpKYc3gwab6o5SghvnYFr52tcCJMNo/20=";
 
 }  // namespace npdr::analysis

@@ -37,23 +37,27 @@ nav { margin: 1.5rem 0 0; padding: .8rem 1.1rem; background: var(--card); border
 nav ol { margin: 0; padding-left: 1.4rem; columns: 18rem; }
 figure { margin: 1.5rem 0 2rem; }
 figcaption { color: var(--muted); font-size: .93rem; max-width: 50rem; }
-.table figcaption { margin-bottom: .5rem; }
+.table figcaption, .table summary { margin-bottom: .5rem; }
+.table summary { color: var(--muted); font-size: .93rem; max-width: 50rem; }
 .plot figcaption { margin-top: .6rem; }
 .paper {
-  background: var(--paper); border: 1px solid var(--rule); border-radius: .5rem; padding: .5rem;
-  overflow-x: auto; text-align: center;
+  border: 1px solid var(--rule); border-radius: .5rem; padding: .5rem;
+  text-align: center;
 }
 .paper svg { max-width: 100%; height: auto; display: block; margin: 0 auto; }
 @media (max-width: 40rem) { .paper svg { max-width: none; } }
 .paper svg .entry { display: none; }
 /* A shadow at the side where there is more to see. */
-.scroll {
+.scroll { --under: var(--page); }
+.paper { --under: var(--paper); }
+.scroll, .paper {
   overflow-x: auto;
   background:
-    linear-gradient(to right, var(--page) 30%, transparent) left / 3rem 100% no-repeat local,
-    linear-gradient(to left, var(--page) 30%, transparent) right / 3rem 100% no-repeat local,
+    linear-gradient(to right, var(--under) 30%, transparent) left / 3rem 100% no-repeat local,
+    linear-gradient(to left, var(--under) 30%, transparent) right / 3rem 100% no-repeat local,
     linear-gradient(to right, var(--shadow), transparent) left / .8rem 100% no-repeat scroll,
-    linear-gradient(to left, var(--shadow), transparent) right / .8rem 100% no-repeat scroll;
+    linear-gradient(to left, var(--shadow), transparent) right / .8rem 100% no-repeat scroll,
+    var(--under);
 }
 table { border-collapse: collapse; font-size: .95rem; font-variant-numeric: tabular-nums; }
 thead th { border-top: 2px solid var(--text); border-bottom: 1px solid var(--text); }
@@ -63,6 +67,7 @@ th, td { padding: .38rem .65rem; text-align: left; white-space: nowrap; font-wei
 thead th { font-weight: 600; white-space: normal; vertical-align: bottom; }
 sup { line-height: 0; }
 th.number, td.number { text-align: right; }
+.words { white-space: normal; min-width: 9rem; vertical-align: top; }
 .note { color: var(--muted); font-size: .88rem; margin: .35rem 0 0; }
 pre {
   background: var(--card); border-radius: .5rem; padding: .75rem 1rem; overflow-x: auto;
@@ -83,7 +88,7 @@ pre {
 .dot { width: .7rem; height: .7rem; border-radius: 50%; border: 1px solid var(--rule); }
 output { display: block; min-height: 1.5em; font-size: .88rem; color: var(--muted); font-variant-numeric: tabular-nums; }
 summary h2 { display: inline; border: 0; padding: 0; margin: 0; }
-details { margin: 2.75rem 0 .75rem; padding-top: .9rem; border-top: 1px solid var(--rule); }
+section > details { margin: 2.75rem 0 .75rem; padding-top: .9rem; border-top: 1px solid var(--rule); }
 th button {
   font: inherit; color: inherit; background: none; border: 0; padding: 0; cursor: pointer;
   text-align: inherit; white-space: inherit;
@@ -99,12 +104,13 @@ dd { margin: 0; overflow-wrap: anywhere; }
 @media print {
   body { max-width: none; padding: 0; font-size: .8rem; }
   nav, .tools, output { display: none; }
-  .scroll { overflow: visible; background: none; }
+  .scroll, .paper { overflow: visible; background: none; }
   table { font-size: .72rem; }
   th, td { white-space: normal; padding: .2rem .35rem; }
-  .paper { overflow: visible; }
   .paper svg { max-width: 100%; }
   figure, table { break-inside: avoid; }
+  h2, summary { break-after: avoid; }
+  pre { white-space: pre-wrap; overflow-wrap: anywhere; }
 }
 )";
 

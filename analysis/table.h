@@ -52,7 +52,8 @@ struct Table {
   std::vector<Column> columns;
   std::vector<Row> rows;
   std::vector<std::string> footnotes;
-  std::string command;  ///< what made it; empty: not said
+  std::string command;     ///< what made it; empty: not said
+  bool is_folded = false;  ///< on a page: shown when asked for
 
   /// The index of the footnote with this text, which is added when there is none yet.
   std::size_t footnote(const std::string& text);

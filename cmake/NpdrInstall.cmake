@@ -1,5 +1,6 @@
 # What `cmake --install` gives besides the programs, and `cpack` packs: the libraries with their headers and a
-# package for find_package(npdr), documents, studies, readers of posteriors.
+# package for find_package(npdr), documents, studies, readers of posteriors, what the program says of itself to man
+# and shells.
 include(CMakePackageConfigHelpers)
 set(package lib/cmake/npdr)
 foreach(library core sim inference analysis)
@@ -20,8 +21,23 @@ install(FILES ${PROJECT_BINARY_DIR}/npdrConfig.cmake ${PROJECT_BINARY_DIR}/npdrC
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION share/npdr)
 install(DIRECTORY docs experiments python DESTINATION share/npdr PATTERN __pycache__ EXCLUDE)
 
+# npdr_install_words(<file> <folder> <word>...): what `npdr <word>...` prints, as a file.
+function(npdr_install_words file folder)
+  set(path ${PROJECT_BINARY_DIR}/share/${file})
+  list(JOIN ARGN " " words)
+  install(CODE "file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share)
+                execute_process(COMMAND $<TARGET_FILE:npdr> ${words} OUTPUT_FILE ${path} COMMAND_ERROR_IS_FATAL ANY)")
+  install(FILES ${path} DESTINATION ${folder})
+endfunction()
+set(NPDR_ZSH_COMPLETIONS share/zsh/site-functions CACHE STRING
+    "Folder that zsh finds functions in, below the prefix; Debian's packages have another")
+npdr_install_words(npdr.1 share/man/man1 man)
+npdr_install_words(npdr share/bash-completion/completions completion bash)
+npdr_install_words(_npdr ${NPDR_ZSH_COMPLETIONS} completion zsh)
+npdr_install_words(npdr.fish share/fish/vendor_completions.d completion fish)
+
 set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "npdr <npdr@localhost>")
+set(CPACK_PACKAGE_CONTACT "The npdr developers")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

@@ -7,10 +7,9 @@
 #include <memory>
 #include <thread>
 
-#include "core/printable.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/plan/report_marker.h"
+#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/shell_text.h"
 #include "pipeline/run/scheduler.h"
@@ -33,19 +32,6 @@ void print_commands(const Plan& plan, const SchedulerConfig& config) {
   }
 }
 
-// What the checks say; returns whether any failed.
-bool print_verdicts(const Plan& plan) {
-  bool any_failed = false;
-  for (const CheckSummary& summary : read_check_summaries(plan.nodes.back())) {
-    fmt::print("\n{}\n", printable_line(words_of(summary)));
-    for (const std::string& reason : summary.reasons) {
-      fmt::print("  {}\n", printable_line(reason));
-    }
-    any_failed = any_failed || !summary.failed.empty();
-  }
-  return any_failed;
-}
-
 // The study's main tables, what its checks say, and where the rest is; returns whether any check
 // failed.
 bool print_results(const Plan& plan) {
@@ -56,9 +42,7 @@ bool print_results(const Plan& plan) {
     if (name != main) std::cout << "\n";
     std::cout << table.rdbuf() << std::flush;
   }
-  const bool any_failed = print_verdicts(plan);
-  fmt::print("\nreport: {}\n", printable_line(report_path(plan).string()));
-  return any_failed;
+  return print_verdicts(plan, VerdictDetail::reasons);
 }
 
 std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string>& beginnings) {

@@ -9,8 +9,10 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/size_text.h"
+#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/process/progress.h"
+#include "pipeline/process/terminal_columns.h"
 #include "pipeline/run/artefact_status.h"
 
 namespace npdr::pipeline {
@@ -67,11 +69,46 @@ std::vector<Standing> standings(const Plan& plan, Scrutiny scrutiny) {
   return rows;
 }
 
+// The table's lines. On a terminal none wraps in the middle of a word: keys, which '--json' has,
+// too, are left out where they have no room, and details go on a line of their own.
+class TableLines {
+ public:
+  explicit TableLines(const std::vector<Standing>& rows) : columns_(terminal_columns()) {
+    for (const Standing& row : rows) width_ = std::max(width_, row.node.label().size());
+    has_keys_ = !columns_ || line("", "", "", "").size() + 10 <= *columns_;
+  }
+
+  void print_head() const {
+    print_line("{}{}", line("artefact", "state", "size", "seconds"), has_keys_ ? "  key" : "");
+  }
+
+  void print(const Standing& row) const {
+    const ArtefactStatus& status = row.status;
+    const double seconds = status.cost.wall_seconds;
+    const std::string text =
+        line(row.node.label(), row.state(), status.bytes > 0 ? size_text(status.bytes) : "-",
+             seconds > 0.0 ? fmt::format("{:.2f}", seconds) : "-") +
+        (has_keys_ ? "  " + row.node.key.substr(0, 8) : "");
+    const std::string detail = row.detail();
+    const bool has_room = !columns_ || text.size() + 2 + detail.size() <= *columns_;
+    print_line("{}{}", text, detail.empty() || !has_room ? "" : "  " + detail);
+    if (!has_room && !detail.empty()) print_line("    {}", detail);
+  }
+
+ private:
+  std::string line(const std::string& label, const std::string& state, const std::string& size,
+                   const std::string& seconds) const {
+    return fmt::format("{:<{}}  {:<10}  {:>9}  {:>9}", label, width_, state, size, seconds);
+  }
+
+  std::optional<std::size_t> columns_;
+  std::size_t width_ = 8;
+  bool has_keys_ = true;
+};
+
 void print_table(const std::vector<Standing>& rows) {
-  std::size_t width = 8;
-  for (const Standing& row : rows) width = std::max(width, row.node.label().size());
-  fmt::print("{:<{}}  {:<10}  {:>9}  {:>9}  {:<8}  {}\n", "artefact", width, "state", "size",
-             "seconds", "key", "");
+  const TableLines lines(rows);
+  lines.print_head();
   std::map<std::string, int> counts;
   std::uintmax_t bytes = 0;
   double seconds = 0.0;
@@ -80,11 +117,7 @@ void print_table(const std::vector<Standing>& rows) {
     ++counts[row.state()];
     bytes += status.bytes;
     seconds += status.cost.wall_seconds;
-    print_line(
-        "{:<{}}  {:<10}  {:>9}  {:>9}  {}  {}", row.node.label(), width, row.state(),
-        status.bytes > 0 ? size_text(status.bytes) : "-",
-        status.cost.wall_seconds > 0.0 ? fmt::format("{:.2f}", status.cost.wall_seconds) : "-",
-        row.node.key.substr(0, 8), row.detail());
+    lines.print(row);
   }
   std::string summary;
   for (const auto& [state, count] : counts) {
@@ -195,7 +228,8 @@ std::vector<const Node*> named_nodes(const Plan& plan, const std::string& word) 
 }  // namespace
 
 void add_status_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("status", "one row per artefact: where it stands");
+  auto* command =
+      app.add_subcommand("status", "one row per artefact: where it stands; what the checks say");
   auto study = std::make_shared<StudyArguments>();
   auto json = std::make_shared<bool>(false);
   auto cost = std::make_shared<bool>(false);
@@ -218,6 +252,7 @@ void add_status_command(CLI::App& app, int& result) {
       }
       const auto rows = standings(plan, *check ? Scrutiny::thorough : Scrutiny::quick);
       *json ? print_as_json(rows) : print_table(rows);
+      if (!*json) print_verdicts_if_made(plan);
       const bool is_sound =
           std::ranges::all_of(rows, [](const Standing& row) { return row.status.is_sound; });
       return is_sound || !*check ? ExitStatus::done : ExitStatus::failed;

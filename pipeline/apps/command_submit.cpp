@@ -13,6 +13,7 @@
 
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/batch_task.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/cluster/doomed_jobs.h"
@@ -198,7 +199,9 @@ ExitStatus submit(SubmitArguments& arguments) {
   }
   print_warnings("npdr submit", plan);
   submit_missing(plan, config);
-  return arguments.wait ? wait_for_jobs(plan, config.until) : ExitStatus::done;
+  const ExitStatus status = arguments.wait ? wait_for_jobs(plan, config.until) : ExitStatus::done;
+  if (status == ExitStatus::done) print_verdicts_if_made(plan);
+  return status;
 }
 
 ExitStatus cancel(const StudyArguments& arguments) {

@@ -77,6 +77,10 @@ double ReportData::period_of(Index d) const {
 
 bool has_posteriors(const ReportData& data) { return !data.methods.empty(); }
 
+bool predicts_features(const ReportData& data) {
+  return !data.methods.empty() && data.plan.study.source().predicts_features();
+}
+
 bool evaluates_rounds(const ReportData& data) {
   const EvaluateConfig& evaluate = data.plan.study.evaluate;
   return has_posteriors(data) && evaluate.rounds == EvaluatedRounds::all &&

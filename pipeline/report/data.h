@@ -70,6 +70,7 @@ struct ReportData {
 /// Conditions under which several tables and figures exist.
 bool has_posteriors(const ReportData& data);
 bool evaluates_rounds(const ReportData& data);
+bool predicts_features(const ReportData& data);
 bool has_policies(const ReportData& data);
 
 /// Reads all that `node` needs. Throws InputError.

@@ -1,9 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "analysis/interval_plot.h"
-#include "analysis/quantiles.h"
 #include "core/normal.h"
 #include "inference/prior.h"
 #include "pipeline/report/figure_parts.h"
@@ -21,20 +18,6 @@ RowMatrix place_in_prior(const inference::Prior& prior, const RowMatrix& theta,
   });
 }
 
-RowMatrix quantiles_of(const RowMatrix& samples) {
-  RowMatrix quantiles(samples.cols(), std::ssize(analysis::kIntervalLevels));
-  for (Index d = 0; d < samples.cols(); ++d) {
-    Vector sorted = samples.col(d);
-    std::ranges::sort(sorted);
-    Index k = 0;
-    for (const double level : analysis::kIntervalLevels) {
-      quantiles(d, k++) = analysis::quantile_of_sorted(
-          {sorted.data(), static_cast<std::size_t>(sorted.size())}, level);
-    }
-  }
-  return quantiles;
-}
-
 // "pole_mass [kg]", and a line for each method: "NPE: 0.812, 90 % in [0.31, 1.02]".
 std::string tip_of(const ReportData& data, Index d) {
   const inference::Marginal& parameter = data.plan.study.prior[static_cast<std::size_t>(d)];
@@ -43,7 +26,7 @@ std::string tip_of(const ReportData& data, Index d) {
     const RowMatrix samples = pooled(data.runs_of(method), [d](const EvaluatedRun* run) -> Vector {
       return run->evaluation.theta.col(d);
     });
-    const RowMatrix quantiles = quantiles_of(samples);
+    const RowMatrix quantiles = interval_quantiles(samples);
     words += fmt::format("\n{}: {:.3g}, 90 % in [{:.3g}, {:.3g}]", method, quantiles(0, 2),
                          quantiles(0, 0), quantiles(0, 4));
   }
@@ -56,6 +39,7 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
   const std::vector<Index> shown = shown_parameters(study);
   analysis::IntervalPlot plot;
   plot.name = "intervals";
+  plot.title = "place in the prior: share of it that lies below";
   for (const Index d : shown) {
     plot.parameters.push_back(study.prior[static_cast<std::size_t>(d)].name);
     plot.tips.push_back(tip_of(data, d));
@@ -67,7 +51,7 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
       samples.conservativeResize(samples.rows() + place.rows(), Eigen::NoChange);
       samples.bottomRows(place.rows()) = place;
     }
-    plot.sets.push_back({method, quantiles_of(samples)});
+    plot.sets.push_back({method, interval_quantiles(samples)});
   }
   for (const MarkedPoint& point : marked_points(data)) {
     const RowMatrix place = place_in_prior(prior, point.theta.transpose(), shown);

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <numeric>
 
+#include "analysis/interval_plot.h"
 #include "analysis/pair_plot.h"
+#include "analysis/quantiles.h"
 
 namespace npdr::pipeline {
 
@@ -64,6 +68,21 @@ std::vector<MarkedPoint> marked_points(const ReportData& data) {
          LineStyle::dash_dotted);
   }
   return points;
+}
+
+RowMatrix interval_quantiles(const RowMatrix& samples) {
+  RowMatrix quantiles(samples.cols(), std::ssize(analysis::kIntervalLevels));
+  for (Index d = 0; d < samples.cols(); ++d) {
+    std::vector<double> sorted;
+    std::ranges::copy_if(samples.col(d), std::back_inserter(sorted),
+                         [](double value) { return std::isfinite(value); });
+    std::ranges::sort(sorted);
+    Index k = 0;
+    for (const double level : analysis::kIntervalLevels) {
+      quantiles(d, k++) = analysis::quantile_of_sorted(sorted, level);
+    }
+  }
+  return quantiles;
 }
 
 const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method) {

@@ -33,6 +33,10 @@ struct MarkedPoint {
 /// Nominal, truth and the first references.
 std::vector<MarkedPoint> marked_points(const ReportData& data);
 
+/// Quantiles of each column of samples (n, D) at analysis::kIntervalLevels, (D, 5); samples that
+/// aren't finite are left out. NaN where none is left.
+RowMatrix interval_quantiles(const RowMatrix& samples);
+
 /// The first seed's checks of a method.
 const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method);
 

@@ -58,6 +58,7 @@ FigureEntry pair_figure();
 FigureEntry trajectory_figure();
 FigureEntry held_out_figure();
 FigureEntry path_figure();
+FigureEntry feature_figure();
 FigureEntry band_figure();
 FigureEntry learning_figure();
 FigureEntry grid_return_figure();
@@ -67,9 +68,9 @@ FigureEntry coverage_figure();
 
 /// In the order of the report.
 inline std::vector<FigureEntry> all_figures() {
-  return {interval_figure(),     pair_figure(), trajectory_figure(), held_out_figure(),
-          path_figure(),         band_figure(), learning_figure(),   grid_return_figure(),
-          grid_success_figure(), rank_figure(), coverage_figure()};
+  return {interval_figure(),    pair_figure(),         trajectory_figure(), held_out_figure(),
+          path_figure(),        feature_figure(),      band_figure(),       learning_figure(),
+          grid_return_figure(), grid_success_figure(), rank_figure(),       coverage_figure()};
 }
 
 }  // namespace npdr::pipeline

@@ -8,9 +8,7 @@
 namespace npdr::pipeline {
 namespace {
 
-bool exists(const ReportData& data) {
-  return !data.methods.empty() && data.plan.study.source().predicts_features();
-}
+constexpr Index kMostUnfolded = 20;  // features; a figure shows as many
 
 Row feature_row(const ReportData& data, const std::string& method, Index f) {
   const auto feature_of = [f](const EvaluatedRun* run) -> Vector {
@@ -31,6 +29,7 @@ Table make(const ReportData& data) {
       "Posterior predictive distribution of each feature, all seeds. P(x < x_o): near 0 or 1 where "
       "the observation is a surprise.",
       "Feature, method", {"x_o", "predicted", "5 %", "50 %", "95 %", "P(x < x_o)"});
+  table.is_folded = data.target.num_states() > kMostUnfolded;
   for (Index f = 0; f < data.target.num_states(); ++f) {
     for (const std::string& method : data.methods) {
       table.rows.push_back(feature_row(data, method, f));
@@ -44,6 +43,6 @@ Table make(const ReportData& data) {
 /// One row a feature and method: x_o, mean and standard deviation, 5, 50 and 95 % of the posterior
 /// predictive distribution, and the probability of its lower tail at x_o (Gelman et al. 1996),
 /// pooled over seeds.
-TableEntry features_table() { return {"features", Section::fit, exists, make}; }
+TableEntry features_table() { return {"features", Section::fit, predicts_features, make}; }
 
 }  // namespace npdr::pipeline

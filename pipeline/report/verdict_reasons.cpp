@@ -140,14 +140,16 @@ std::string training_reason(const DiagnosisRuns& runs, const inference::Training
   for (const auto* run : runs) {
     const inference::TrainingCheck& check = *run->result.training;
     if (check.passes()) continue;
-    if (check.is_converged) {
+    const bool ended = check.num_epochs >= training.max_epochs;
+    // More epochs don't mend what falls no more.
+    if (check.is_converged || (ended && check.is_far_from_training() && check.recent_fall <= 0.0)) {
       return fmt::format(
           "the validation loss lies {:.2g} nats above that of training (seed {}): "
           "simulations are too few for so many weights and features; more of them, "
           "or a smaller network",
           check.generalization_gap, run->use.seed);
     }
-    if (check.num_epochs >= training.max_epochs) {
+    if (ended) {
       return fmt::format(
           "it ended at training.max_epochs = {} (seed {}), the validation loss fell "
           "by {:.2g} nats in the last tenth of the epochs; raise it",

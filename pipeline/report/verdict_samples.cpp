@@ -75,6 +75,14 @@ std::optional<Yardstick> yardstick(const ReportData& data) {
   return std::nullopt;
 }
 
+// What would let a method learn more of its observation.
+std::string advice_to_learn(const ReportData& data, const std::string& method) {
+  using inference::EmbeddingKind;
+  const EmbeddingKind kind = data.plan.study.method(method).embedding.kind;
+  const bool sees_all = kind == EmbeddingKind::all_steps || kind == EmbeddingKind::identity;
+  return std::string(sees_all ? "" : "embedding.kind = \"all_steps\", ") + "more simulations";
+}
+
 // The recorded states are at most 1 in its units, and 0 explains a swing with less. Where a model
 // is right the floor is what noise leaves.
 constexpr double kFarFloor = 0.5;
@@ -143,8 +151,8 @@ Verdict judge_contraction(const ReportData& data, const std::string& method) {
   if (std::ssize(unchanged) == num_inferred) {
     return {Check::contraction, Judgment::fails, std::string(traits_of(Check::contraction).failure),
             "no parameter's variance is smaller than the prior's by a tenth: the observation says "
-            "nothing of them (other inputs, or longer rollouts, would), or nothing was learned "
-            "(more simulations, embedding.kind = \"all_steps\")"};
+            "nothing of them (other inputs, or longer rollouts, would), or nothing was learned (" +
+                advice_to_learn(data, method) + ")"};
   }
   const std::string but =
       unchanged.empty() ? "" : fmt::format("says little of {}", join(unchanged));
@@ -175,9 +183,8 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
   return {
       Check::fit, Judgment::fails,
       std::string(traits_of(Check::fit).failure) + seeds_text(failed, runs.size()) + ", " + size,
-      fmt::format("{:.3g} is the median RMSE of its samples, {}: try embedding.kind = "
-                  "\"all_steps\", more simulations, more rounds",
-                  worst, size)};
+      fmt::format("{:.3g} is the median RMSE of its samples, {}: try {}, more rounds", worst, size,
+                  advice_to_learn(data, method))};
 }
 
 }  // namespace npdr::pipeline

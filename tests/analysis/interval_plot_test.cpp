@@ -12,6 +12,7 @@ namespace {
 
 IntervalPlot plot_of(std::size_t num_sets) {
   IntervalPlot plot{.name = "intervals",
+                    .title = "place",
                     .parameters = {"pole_mass", "pole_length"},
                     .tips = {"pole_mass [kg]\nA: 1 & more", "tip 2"},
                     .sets = {},
@@ -35,10 +36,10 @@ TEST(IntervalPlot, DrawsTheRowsAndBothIntervalsOfEachSet) {
   }
   const std::string wide = read_text_file(folder.path() / "intervals_2.dat");
   const std::string narrow = read_text_file(folder.path() / "intervals_3.dat");
-  EXPECT_NE(wide.find("\n0.1 1.6"), std::string::npos) << wide << "the first row is above";
-  EXPECT_NE(wide.find("\n0.5 1.6"), std::string::npos) << wide;
-  EXPECT_NE(narrow.find("\n0.2 1.6"), std::string::npos) << narrow;
-  EXPECT_NE(narrow.find("\n0.4 1.6"), std::string::npos) << narrow;
+  EXPECT_NE(wide.find("\n0.1 1.73"), std::string::npos) << wide << "the first row is above";
+  EXPECT_NE(wide.find("\n0.5 1.73"), std::string::npos) << wide;
+  EXPECT_NE(narrow.find("\n0.2 1.73"), std::string::npos) << narrow;
+  EXPECT_NE(narrow.find("\n0.4 1.73"), std::string::npos) << narrow;
 }
 
 TEST(IntervalPlot, RowsHaveTips) {

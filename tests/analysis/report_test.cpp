@@ -99,8 +99,9 @@ TEST(Report, FoldsSectionsAndTurnsTheirOrder) {
   EXPECT_EQ(markup_error(html), "");
   EXPECT_LT(html.find("<figure class=\"plot\">"), html.find("<table>"));
   EXPECT_EQ(count_of(html, "<details>"), 1);
-  EXPECT_NE(html.find("<pre><code>npdr sample &lt;posterior&gt;</code></pre>\n</details>"),
-            std::string::npos);
+  EXPECT_NE(
+      html.find("<pre tabindex=\"0\"><code>npdr sample &lt;posterior&gt;</code></pre>\n</details>"),
+      std::string::npos);
 }
 
 TEST(Report, LoadsNothingFromElsewhere) {

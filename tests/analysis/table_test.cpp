@@ -7,6 +7,7 @@
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "tests/analysis/markup_check.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::analysis {
@@ -99,7 +100,7 @@ TEST(Table, AsHtmlEscapesItsText) {
   EXPECT_EQ(to_html(small_table()),
             R"(<figure class="table" id="table-table_a2">
 <figcaption>Fit to 5 recordings &amp; more</figcaption>
-<div class="scroll"><table>
+<div class="scroll" tabindex="0"><table>
 <thead>
 <tr><th>Metric</th><th class="number">NPDR (MAF)</th><th class="number">NPDR (MAF), published</th><th>Remark</th></tr>
 </thead>
@@ -112,6 +113,23 @@ TEST(Table, AsHtmlEscapesItsText) {
 <p class="note"><sup>a</sup> 3 of 5000 samples failed, &lt; 1 %</p>
 </figure>
 )");
+}
+
+TEST(Table, AsHtmlBreaksLongTextsIntoLines) {
+  Table table = small_table();
+  table.rows.front().cells.back() = Cell("FAR above what can be reached");
+  const std::string html = to_html(table);
+  EXPECT_NE(html.find("<td class=\"words\">FAR above"), std::string::npos);
+  EXPECT_EQ(count_of(html, "class=\"words\""), 1);
+}
+
+TEST(Table, AsHtmlCanBeFolded) {
+  Table table = small_table();
+  table.is_folded = true;
+  const std::string html = to_html(table);
+  EXPECT_NE(html.find("<details>\n<summary>Fit to 5 recordings &amp; more</summary>\n<div"),
+            std::string::npos);
+  EXPECT_EQ(markup_error(html), "");
 }
 
 // Unlike a number, a count is never rounded.

@@ -102,25 +102,60 @@ TEST_F(Diagnose, LatexCompilesItsTables) {
       << text_of(file("all.out"));
 }
 
+// What chromium makes of a page, which may load nothing from elsewhere; `options` are its.
+std::string dom_of(const std::filesystem::path& page, const std::string& options = "") {
+  const std::filesystem::path folder = page.parent_path();
+  EXPECT_EQ(
+      status_of(folder,
+                "timeout 60 chromium --headless --no-sandbox --disable-gpu "
+                "--host-resolver-rules='MAP * ~NOTFOUND' --enable-logging=stderr --dump-dom " +
+                    options + " 'file://" + page.string() + "' > dom.html 2> messages.txt"),
+      0);
+  const std::string messages = text_of(folder / "messages.txt");
+  EXPECT_EQ(messages.find("CONSOLE"), std::string::npos) << messages;
+  return text_of(folder / "dom.html");
+}
+
 TEST_F(Diagnose, ABrowserRunsTheReportsScript) {
   if (status_of(file("."), "command -v chromium > /dev/null") != 0) GTEST_SKIP() << "no chromium";
-  const std::string page = file("runs/checked/report.html").string();
-  ASSERT_EQ(status_of(file("."),
-                      "timeout 60 chromium --headless --no-sandbox --disable-gpu "
-                      "--enable-logging=stderr --dump-dom 'file://" +
-                          page + "' > dom.html 2> messages.txt"),
-            0);
-  const std::string dom = text_of(file("dom.html")), messages = text_of(file("messages.txt"));
-  EXPECT_EQ(messages.find("CONSOLE"), std::string::npos) << messages;
+  const std::string dom = dom_of(file("runs/checked/report.html"));
   EXPECT_NE(dom.find("<button type=\"button\" title=\"Sort\">Check</button>"), std::string::npos);
   EXPECT_NE(dom.find("<div class=\"tools\">"), std::string::npos);
 }
 
-TEST_F(Diagnose, NothingIsMadeTwice) {
+TEST_F(Diagnose, AllOfTheReportCanBeReadAndReachedByKeys) {
+  if (status_of(file("."), "command -v chromium > /dev/null") != 0) GTEST_SKIP() << "no chromium";
+  std::string page = text_of(file("runs/checked/report.html"));
+  // The page's policy would let no other script run.
+  const std::size_t policy = page.find("<meta http-equiv=\"Content-Security-Policy\"");
+  ASSERT_NE(policy, std::string::npos);
+  page.erase(policy, page.find('\n', policy) - policy);
+  page.insert(
+      page.find("</body>"),
+      "<script>" + text_of(NPDR_SOURCE_DIR "/tests/cli/report_accessibility.js") + "</script>");
+  std::ofstream(file("page.html")) << page;
+  for (const char* width : {"1200", "500"}) {
+    for (const auto& [number, theme] : {std::pair("0", "dark"), std::pair("1", "light")}) {
+      const std::string dom =
+          dom_of(file("page.html"), std::string("--blink-settings=preferredColorScheme=") + number +
+                                        " --window-size=" + width + ",900");
+      const std::string expected = std::string("<pre id=\"findings\">theme: ") + theme + "</pre>";
+      EXPECT_NE(dom.find(expected), std::string::npos)
+          << width << " px\n"
+          << dom.substr(std::min(dom.size(), dom.find("<pre id=\"findings\">")));
+    }
+  }
+}
+
+TEST_F(Diagnose, NothingIsMadeTwiceAndStatusShowsVerdicts) {
   // Target, baseline, report; (2 x 3 + 3) of training, 2 evaluations, 2 of calibration, 2
   // diagnoses, less what the methods share: the first proposal and simulation.
   const Outcome status = npdr({"status", "checked.toml"});
   EXPECT_NE(status.out.find("16 artefacts: 16 up to date"), std::string::npos) << status.out;
+  EXPECT_NE(status.out.find("\nNPE: "), std::string::npos) << status.out;
+  EXPECT_NE(status.out.find("\nreport: runs/checked/report.html\n"), std::string::npos);
+  const Outcome changed = npdr({"status", "checked.toml", "--set", "diagnose.alpha=0.05"});
+  EXPECT_EQ(changed.out.find("\nNPE: "), std::string::npos) << "verdicts of another report";
   EXPECT_NE(npdr({"run", "checked.toml", "--dry-run", "--set", "diagnose.alpha=0.05"})
                 .out.find("# report"),
             std::string::npos);

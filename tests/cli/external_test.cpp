@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "pipeline/store/h5.h"
+#include "tests/analysis/markup_check.h"
 #include "tests/cli/program.h"
 
 namespace npdr::pipeline {
@@ -105,6 +106,33 @@ TEST_F(External, RowsThatAreProbablyWrongAreToldAtOnceAndInTheReport) {
   EXPECT_NE(outcome.err.find("warning: " + warning), std::string::npos) << outcome.err;
   EXPECT_NE(text_of(folder_ / "runs/external-shell/report.html").find("Warning: " + warning),
             std::string::npos);
+}
+
+// 25 features; the seventh is 1 whatever the parameters, and 2 in the observation.
+TEST_F(External, OfManyFeaturesTheGreatestSurprisesAreDrawnAndTheTableIsFolded) {
+  folder_.file("more.awk",
+               "BEGIN { FS = OFS = \",\" }\n"
+               "{ for (i = 3; i <= 25; ++i) $i = NR == 1 ? \"f\" i : i * $1 + (i - 10) * $2 }\n"
+               "NR > 1 { $7 = seventh } { print }\n");
+  folder_.file(
+      "many.sh",
+      "sh linear_gaussian.sh \"$1\" two.csv && awk -v seventh=1 -f more.awk two.csv > \"$2\"");
+  const std::string folder = folder_.path().string();
+  ASSERT_EQ(std::system(("cd " + folder +
+                         " && awk -v seventh=2 -f more.awk x_o.csv > x.csv && "
+                         "mv x.csv x_o.csv")
+                            .c_str()),
+            0);
+  run_well({"shell.toml", "--set", "simulator.command='sh many.sh {theta} {x}'", "--set",
+            "method.num_simulations=200"});
+  const auto study = folder_ / "runs/external-shell";
+  const std::string figure = text_of(study / "figures/features.svg");
+  const std::string tip = "<title>f7\nNPE (Gaussian): they hardly vary, or failed</title>";
+  EXPECT_EQ(figure.find("<title>f"), figure.find(tip));
+  EXPECT_EQ(analysis::count_of(figure, "class=\"tip\""), 20);
+  const std::string html = text_of(study / "report.html");
+  EXPECT_NE(html.find("id=\"table-features\">\n<details>"), std::string::npos);
+  EXPECT_NE(html.find("the 20 that surprise most of 25"), std::string::npos);
 }
 
 TEST_F(External, OfASimulatorThatCrashesOnlyTheCulpritsAreLost) {

@@ -91,6 +91,17 @@ TEST_F(PythonReader, ReadsWhatARefinementWeighs) {
   expect_reads("runs/refined/refined/seed-1/round-1/infer.h5");
 }
 
+TEST_F(PythonReader, TheLinesOfAReportRun) {
+  std::ofstream(folder_.path() / "study.toml")
+      << pendulum_study("one")
+             .method("a flow", {"num_simulations = 100", "training = { max_epochs = 1 }"})
+             .with("evaluate", {"num_samples = 20"});
+  const Outcome outcome =
+      shell("npdr run study.toml > /dev/null && " + python_ + " " +
+            (kRoot / "tests/cli/report_lines.py").string() + " runs/one/report.html");
+  EXPECT_EQ(outcome.out, "(1000, 2) pole_length pole_mass\n") << outcome.err;
+}
+
 TEST_F(PythonReader, RefusesWhatItCantRead) {
   run_study(pendulum_study("one").method(
       "maf", {"num_simulations = 100", "training = { max_epochs = 1 }", kSmallFlow}));

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <regex>
+#include <sstream>
 #include <thread>
 
 #include "tests/cli/program.h"
@@ -72,6 +73,28 @@ TEST(Terminal, NoLineOfARunIsWiderThanItIs) {
   EXPECT_GT(num_bars, 0u) << shown;
   EXPECT_GT(num_jobs, 0u) << shown;
   EXPECT_NE(shown.find("small: 100 %, 15 of 15 artefacts"), std::string::npos) << shown;
+}
+
+// The longest label has 36 characters: with keys its row has 80.
+TEST(Terminal, NoLineOfStatusIsWiderThanItIs) {
+  const TempFolder folder;
+  folder.file("s.toml", small_study());
+  const Outcome whole = run(folder.path(), {"npdr", "status", "s.toml"});
+  EXPECT_NE(whole.out.find("  key\n"), std::string::npos) << whole.out;
+  for (const unsigned short columns : std::to_array<unsigned short>({79, 80})) {
+    Terminal terminal(columns, 24);
+    EXPECT_EQ(run(folder.path(), {"npdr", "status", "s.toml"}, {.out = terminal.name()}).status, 0);
+    std::istringstream shown(terminal.text());
+    std::string line;
+    std::size_t longest = 0;
+    bool has_keys = false;
+    while (std::getline(shown, line)) {
+      longest = std::max(longest, line.size() - 1);  // without the carriage return
+      has_keys = has_keys || line.ends_with("  key\r");
+    }
+    EXPECT_EQ(longest, columns == 79 ? 70u : 80u);
+    EXPECT_EQ(has_keys, columns == 80);
+  }
 }
 
 }  // namespace

@@ -104,8 +104,11 @@ TEST_F(Submit, AStudyHasTheBitsOfALocalRun) {
   const Outcome submitted =
       npdr({"submit", "small.toml", "--wait", "--set", "simulate.shard_size=40"});
   EXPECT_EQ(submitted.status, 0) << submitted.err;
+  // What the checks say, nothing of this study, and where the report is.
+  const std::string end = "\nreport: runs/small/report.html\n";
+  EXPECT_TRUE(submitted.out.ends_with(end)) << submitted.out;
   const Outcome again = npdr({"submit", "small.toml", "--set", "simulate.shard_size=40"});
-  EXPECT_EQ(again.out, "small: nothing to submit, all is up to date\n");
+  EXPECT_EQ(again.out, "small: nothing to submit, all is up to date\n" + end);
   expect_bits_of_a_local_run("small");
 }
 

@@ -11,6 +11,14 @@ foreach(file bin/npdr bin/npdr-infer lib/npdr_worker.py include/npdr_simulator.h
     message(FATAL_ERROR "${file} isn't installed")
   endif()
 endforeach()
+# What the program prints, where man and shells look for it.
+foreach(file share/man/man1/npdr.1 share/bash-completion/completions/npdr share/zsh/site-functions/_npdr
+             share/fish/vendor_completions.d/npdr.fish)
+  file(STRINGS ${FOLDER}/prefix/${file} lines REGEX evidence)
+  if(lines STREQUAL "")
+    message(FATAL_ERROR "${file} knows nothing of 'npdr evidence'")
+  endif()
+endforeach()
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${FOLDER}/build -G Ninja -D CMAKE_BUILD_TYPE=Release
     -D CMAKE_PREFIX_PATH=${FOLDER}/prefix)
 run(${CMAKE_COMMAND} --build ${FOLDER}/build)

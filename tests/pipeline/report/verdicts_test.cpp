@@ -113,6 +113,10 @@ TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
                 .reason.find("30 times the floor's: try embedding.kind = "
                              "\"all_steps\""),
             std::string::npos);
+  plan_.study.methods.front().embedding.kind = inference::EmbeddingKind::all_steps;
+  EXPECT_NE(verdict_of(Check::fit).reason.find("30 times the floor's: try more simulations"),
+            std::string::npos)
+      << "what it has already";
 }
 
 TEST_F(Verdicts, ARecordingThatNoParametersExplainFails) {
@@ -166,6 +170,11 @@ TEST_F(Verdicts, TrainingFailsFarAboveItsLossAndAtItsLastEpoch) {
                 .reason.find("the validation loss fell by 0.8 nats in the "
                              "last tenth of the epochs; raise it"),
             std::string::npos);
+  training.recent_fall = 0.0;
+  training.generalization_gap = 6.0;
+  EXPECT_NE(verdict_of(Check::training).reason.find("lies 6 nats above that of training"),
+            std::string::npos)
+      << "more epochs won't mend that";
 }
 
 TEST_F(Verdicts, ChecksThatCouldFindNothingCantTell) {

@@ -1,0 +1,12 @@
+/// Width of the terminal that people read a program's output on.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+namespace npdr::pipeline {
+
+/// Columns of the terminal that stdout is, as it is now; none where it is a file or a pipe.
+std::optional<std::size_t> terminal_columns();
+
+}  // namespace npdr::pipeline

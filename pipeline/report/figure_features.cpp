@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "analysis/interval_plot.h"
+#include "core/feature_names.h"
+#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/registry.h"
+#include "pipeline/report/table_parts.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kMostRows = 20;
+constexpr double kFar = 6.0;  // [standard deviations] what is farther is drawn here
+
+// What a method predicts of each feature, relative to the observation, in units of the standard
+// deviation of its predictions.
+struct Surprise {
+  RowMatrix quantiles;  // (F, 5)
+  Vector size;          // (F) distance of the mean from the observation
+};
+
+Surprise surprise_of(const ReportData& data, const std::string& method) {
+  const Index count = data.target.num_states();
+  Surprise surprise{RowMatrix(count, std::ssize(analysis::kIntervalLevels)), Vector(count)};
+  for (Index f = 0; f < count; ++f) {
+    const Vector x = pooled(data.runs_of(method), [f](const EvaluatedRun* run) -> Vector {
+      return run->evaluation.x->col(f).cast<double>();
+    });
+    const analysis::Summary summary = analysis::summarize(x);
+    // Predictions are floats. One that never varies is far away, unless it is what was observed.
+    const double x_o = static_cast<float>(data.target.rollouts.front().states(1, f));
+    const double resolution = 1e-7 * std::max(std::abs(x_o), std::abs(summary.mean));
+    const double unit = std::max({summary.std, resolution, std::numeric_limits<double>::min()});
+    const auto place = [&](double value) { return std::clamp((value - x_o) / unit, -kFar, kFar); };
+    surprise.size(f) = std::abs((summary.mean - x_o) / unit);
+    if (!std::isfinite(surprise.size(f))) {  // no rollout succeeded
+      surprise.size(f) = std::numeric_limits<double>::infinity();
+    }
+    surprise.quantiles.row(f) = interval_quantiles(x).unaryExpr(place);
+  }
+  return surprise;
+}
+
+std::string words_of(double size) {
+  if (size > 1e5) return "they hardly vary, or failed";
+  return fmt::format("{:.2g} standard deviations from the observation", size);
+}
+
+// Features, those that surprise any method most first.
+std::vector<Index> worst_first(const std::vector<Surprise>& surprises) {
+  Vector worst = surprises.front().size;
+  for (const Surprise& surprise : surprises) worst = worst.cwiseMax(surprise.size);
+  std::vector<Index> order(static_cast<std::size_t>(worst.size()));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::stable_sort(order, [&](Index a, Index b) { return worst(a) > worst(b); });
+  order.resize(std::min<std::size_t>(order.size(), kMostRows));
+  return order;
+}
+
+analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+  const std::vector<std::string> methods = drawn_methods(data.methods);
+  std::vector<Surprise> surprises;
+  for (const std::string& method : methods) surprises.push_back(surprise_of(data, method));
+  const std::vector<Index> shown = worst_first(surprises);
+  analysis::IntervalPlot plot;
+  plot.name = "features";
+  plot.title = "prediction - observation, in standard deviations";
+  plot.row = {-kFar, kFar};
+  for (const Index f : shown) {
+    const Channel& feature = data.target.state_channels[static_cast<std::size_t>(f)];
+    plot.parameters.push_back(feature_name(feature));
+    plot.tips.push_back(plot.parameters.back());
+  }
+  for (std::size_t k = 0; k < methods.size(); ++k) {
+    plot.sets.push_back({methods[k], surprises[k].quantiles(shown, Eigen::all)});
+    for (std::size_t row = 0; row < shown.size(); ++row) {
+      plot.tips[row] +=
+          fmt::format("\n{}: {}", methods[k], words_of(surprises[k].size(shown[row])));
+    }
+  }
+  plot.points.push_back({"observation", Vector::Zero(std::ssize(shown)),
+                         analysis::LegendMark::diamond, analysis::kTruthColor});
+  const Index count = data.target.num_states();
+  const std::string which =
+      count > kMostRows ? fmt::format("the {} that surprise most of {}", kMostRows, count) : "all";
+  return {analysis::write_interval_plot(plot, folder).svg,
+          fmt::format("Features, {}, the greatest surprise first: median, 50 % (thick) and 90 % "
+                      "interval of the posterior predictive distribution, all seeds, relative to "
+                      "the observation, in standard deviations of it.{}",
+                      which, left_out_methods(data.methods))};
+}
+
+}  // namespace
+
+/// Where the observed features lie among the predicted ones.
+FigureEntry feature_figure() { return {Section::fit, predicts_features, make}; }
+
+}  // namespace npdr::pipeline
