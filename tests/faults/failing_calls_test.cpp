@@ -93,6 +93,7 @@ TEST_F(FailingCalls, AReadThatIsCutShortIsGoneOnWith) {
 struct Case {
   std::string call;
   std::vector<int> errors;
+  friend void PrintTo(const Case& c, std::ostream* stream) { *stream << c.call; }
 };
 
 const std::vector<Case> kCases = {{"open", {EMFILE, EIO, EINTR}}, {"read", {EIO, EINTR, 0}},
@@ -134,7 +135,7 @@ struct Fates {
 
 // Every n-th call of each stage fails; all of them with the environment variable
 // NPDR_FAULT_CALLS=1, otherwise some.
-class EachCall : public Faults {
+class EachCall : public Faults, public ::testing::WithParamInterface<Case> {
  protected:
   static int next(int n) { return std::getenv("NPDR_FAULT_CALLS") == nullptr ? 8 * n : n + 1; }
 
@@ -199,25 +200,26 @@ class EachCall : public Faults {
   }
 };
 
-TEST_F(EachCall, ThatFailsIsReportedOrDoesNoHarm) {
+TEST_P(EachCall, ThatFailsIsReportedOrDoesNoHarm) {
   fmt::print("{}\n", Fates::title());
   Fates all;
-  for (const Case& c : kCases) {
-    for (const int error : c.errors) {
-      Fates fates;
-      for (const std::string stage :
-           {"target", "propose", "simulate", "infer", "baseline", "evaluate", "diagnose"}) {
-        const Artefact artefact = quick(stage);
-        for (int n = 1; fail(artefact, c.call, error, n, fates);) n = next(n);
-      }
-      fmt::print("{}\n", fates.row(c.call + " " + (error == 0 ? "half" : strerrorname_np(error))));
-      all += fates;
+  for (const int error : GetParam().errors) {
+    Fates fates;
+    for (const std::string stage :
+         {"target", "propose", "simulate", "infer", "baseline", "evaluate", "diagnose"}) {
+      const Artefact artefact = quick(stage);
+      for (int n = 1; fail(artefact, GetParam().call, error, n, fates);) n = next(n);
     }
+    const std::string name = error == 0 ? "half" : strerrorname_np(error);
+    fmt::print("{}\n", fates.row(GetParam().call + " " + name));
+    all += fates;
   }
-  fmt::print("{}\n", all.row("all"));
   EXPECT_EQ(all.bad(), 0);
   expect_same_results(*folder_);
 }
+
+INSTANTIATE_TEST_SUITE_P(All, EachCall, ::testing::ValuesIn(kCases),
+                         [](const auto& of) { return of.param.call; });
 
 }  // namespace
 }  // namespace npdr::pipeline
