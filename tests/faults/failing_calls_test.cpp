@@ -89,6 +89,21 @@ TEST_F(FailingCalls, AReadThatIsCutShortIsGoneOnWith) {
   expect_same_results(*folder_);
 }
 
+TEST_F(FailingCalls, AFileThatCannotBeClosedIsNamed) {
+  const Artefact reader = posterior();
+  std::filesystem::remove(reader.path);
+  {
+    FailingCall failing("close", EIO);
+    failing.set("NPDR_FAIL_UNDER", ".cache/simulate");
+    const Outcome failed = run(folder_->path(), FaultFolder::making(reader));
+    EXPECT_EQ(failed.status, 1) << failed.err;
+    EXPECT_NE(failed.err.find(".h5: HDF5 couldn't close this file"), std::string::npos)
+        << failed.err;
+  }
+  EXPECT_EQ(folder_->npdr({"run"}).status, 0);
+  expect_same_results(*folder_);
+}
+
 // A call and the ways in which it fails; 0: it does half of what it is asked for.
 struct Case {
   std::string call;
