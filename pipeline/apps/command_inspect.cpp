@@ -1,4 +1,4 @@
-// Commands about artefacts: inspect and verify.
+// The command inspect.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,6 @@
 #include "core/error.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/verify.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/process/forked_trial.h"
@@ -146,42 +145,6 @@ void add_inspect_command(CLI::App& app, int& result) {
     result = guarded_main("npdr inspect", [&] {
       inspect(*path, *study, *digest);
       return ExitStatus::done;
-    });
-  });
-}
-
-void add_verify_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand(
-      "verify", "recompute random rows of a simulation or proposal and compare bit for bit");
-  auto path = std::make_shared<std::string>();
-  constexpr Index most_rows = 100'000'000;
-  auto options = std::make_shared<VerifyOptions>();
-  auto all = std::make_shared<bool>(false);
-  command->add_option("FILE", *path)->required();
-  command->add_option("--rows", options->count, "how many")
-      ->capture_default_str()
-      ->check(CLI::Range(Index{1}, most_rows));
-  command->add_flag("--all", *all, "all rows");
-  add_seed_option(*command, "--pick", options->pick, "picks the rows");
-  command->add_flag(
-      "--run-command", options->runs_command,
-      "run the program or library that the file names, which can do all that you can");
-  command->footer("Example:\n  npdr verify runs/study/npe/seed-1/round-1/simulate.h5");
-  command->callback([&result, path, options, all] {
-    result = guarded_main("npdr verify", [&] {
-      if (*all) options->count = most_rows;
-      const Verification found = verify(*path, *options);
-      print_line("{}: {} of {} rows recomputed, {} differ", *path, found.num_checked,
-                 found.num_rows, found.different.size());
-      if (found.num_checked < found.num_rows) {
-        const double share =
-            static_cast<double>(found.num_checked) / static_cast<double>(found.num_rows);
-        print_line(
-            "    a single bad row is found so with a probability of {:.3g} %; --all finds any",
-            100.0 * share);
-      }
-      for (const Index row : found.different) fmt::print("    row {}\n", row);
-      return found.different.empty() ? ExitStatus::done : ExitStatus::failed;
     });
   });
 }

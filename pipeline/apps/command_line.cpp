@@ -103,12 +103,16 @@ void StudyArguments::add_to(CLI::App& app) {
   add_selection_to(app);
 }
 
-void StudyArguments::add_selection_to(CLI::App& app, const std::string& method_option) {
+void StudyArguments::add_settings_to(CLI::App& app) {
   app.add_option("--set", overrides,
                  "key=value that replaces a key of the study, such as simulate.shard_size=500 or "
                  "'method.\"NPDR (MAF)\".num_rounds=2'; may be repeated")
       ->allow_extra_args(false);
   app.add_option("--work", work, "folder of results and cache")->capture_default_str();
+}
+
+void StudyArguments::add_selection_to(CLI::App& app, const std::string& method_option) {
+  add_settings_to(app);
   app.add_option(method_option, methods, "only this method; may be repeated")
       ->allow_extra_args(false);
   app.add_option_function<std::vector<std::string>>(

@@ -44,7 +44,9 @@ struct StudyArguments {
   std::vector<std::uint64_t> seeds;
 
   void add_to(CLI::App& app);
-  /// The options without the file; `method_option`: what names its methods, in place of "--only".
+  /// Options for the study's keys and its work folder.
+  void add_settings_to(CLI::App& app);
+  /// All options without the file; `method_option`: what names its methods, in place of "--only".
   void add_selection_to(CLI::App& app, const std::string& method_option = "--only");
   /// `site`: see read_study().
   Plan plan(const ClusterConfig& site = {}) const;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "pipeline/apps/verify.h"
@@ -31,6 +32,15 @@ RowMatrixX<T> row_of(const h5::Dataset& dataset, Index row) {
   dataset.read_rows<T>(row, 1, {values.data(), static_cast<std::size_t>(values.size())});
   return values;
 }
+
+/// The key of an input that an artefact names, which anybody may have written. Throws InputError.
+std::string input_key(const std::filesystem::path& path, const ArtefactInfo& info,
+                      const std::string& name);
+
+/// A number of a document that counts something; `otherwise` where it isn't there. Throws
+/// InputError, or without `otherwise` what the JSON library throws.
+Index count_of(const std::filesystem::path& path, const nlohmann::ordered_json& document,
+               const std::string& name, std::optional<Index> otherwise = {});
 
 /// The joined file of a shard, or the file itself.
 std::filesystem::path simulation_of(const std::filesystem::path& path, const ArtefactInfo& info);

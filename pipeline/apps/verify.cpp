@@ -1,5 +1,7 @@
 #include "pipeline/apps/verify.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -31,16 +33,16 @@ bool same(std::span<const float> a, const RowMatrixF& b) {
 }
 
 Target target_of(const std::filesystem::path& simulation, const ArtefactInfo& info) {
-  const std::string key = info.identity.inputs.at("target");
+  const std::string key = input_key(simulation, info, "target");
   const auto path = simulation.parent_path().parent_path() / "target" / (key + ".h5");
   return read_recording(path);
 }
 
 // The round of a simulation's proposal, in the cache beside it.
 Index round_of(const std::filesystem::path& simulation, const ArtefactInfo& info) {
-  const std::string key = info.identity.inputs.at("proposal");
+  const std::string key = input_key(simulation, info, "proposal");
   const auto path = simulation.parent_path().parent_path() / "propose" / (key + ".h5");
-  return read_artefact_info(path).identity.key_document.at("round").get<Index>();
+  return count_of(path, read_artefact_info(path).identity.key_document, "round");
 }
 
 // Escapes of JSON: what a file holds could otherwise rewrite the terminal's lines.
@@ -93,8 +95,8 @@ Study study_of(const std::filesystem::path& path, const ArtefactInfo& info,
 
 // Rows [begin, ...) of which simulation, and the random numbers of the first.
 StreamId first_stream(const std::filesystem::path& path, const ArtefactInfo& info) {
-  const auto& document = info.identity.key_document;
-  const auto begin = document.contains("begin") ? document.at("begin").get<std::uint64_t>() : 0;
+  const auto begin =
+      static_cast<std::uint64_t>(count_of(path, info.identity.key_document, "begin", 0));
   const auto round = static_cast<std::uint64_t>(round_of(simulation_of(path, info), info));
   return {info.identity.seed, kSimulationStream, round, begin, 0};
 }
@@ -156,8 +158,8 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
   theta.require_shape({-1, prior.dimension()});
   const PickedRows picked(theta.num_rows(), options);
   Verification result{theta.num_rows(), picked.size(), {}};
-  const Use use{"", info.identity.seed, document.value("round", Index{1}),
-                document.value("iteration", Index{0})};
+  const Use use{"", info.identity.seed, count_of(path, document, "round", 1),
+                count_of(path, document, "iteration", 0)};
   const std::uint64_t round = use.stream_round();
   for (Index i = 0; i < picked.size(); ++i) {
     const Index row = picked[i];
@@ -176,7 +178,7 @@ Study tested_study(const std::filesystem::path& path, const ArtefactInfo& info,
   if (document.contains("truth")) {
     study.target.truth = document.at("truth").get<std::map<std::string, double>>();
   }
-  study.policy.num_steps = document.at("task").at("num_steps").get<Index>();
+  study.policy.num_steps = count_of(path, document.at("task"), "num_steps");
   study.policy.model = document.at("task").at("model").get<std::map<std::string, double>>();
   if (!document.contains("grid")) return study;
   PolicyGrid& grid = study.policy.grid;
@@ -184,6 +186,7 @@ Study tested_study(const std::filesystem::path& path, const ArtefactInfo& info,
     PolicyGridAxis& axis = i == 0 ? grid.x : grid.y;
     axis.parameter = document.at("grid").at(i).at("parameter").get<std::string>();
     axis.values = document.at("grid").at(i).at("values").get<std::vector<double>>();
+    if (axis.values.empty()) throw InputError("grid has no values of '" + axis.parameter + "'");
   }
   return study;
 }
@@ -233,7 +236,8 @@ bool is_simulation(const ArtefactInfo& info) {
          info.schema.name == kSimulationShardSchema.name;
 }
 
-// All that is read of the file. Anybody may have made it, and some crash HDF5: a child goes first.
+// All that is read of the file, and of the proposal beside it. Anybody may have made them, and some
+// crash HDF5: a child goes first.
 void read_all(const std::filesystem::path& path, const VerifyOptions& options) {
   const ArtefactInfo info = read_artefact_info(path);
   if (is_simulation(info)) {
@@ -242,6 +246,8 @@ void read_all(const std::filesystem::path& path, const VerifyOptions& options) {
     for (Index i = 0; i < picked.size(); ++i) {
       rows.theta(picked[i]), rows.values(picked[i]), rows.status(picked[i]);
     }
+    const ProposedRows proposed(path, info);
+    for (Index i = 0; i < picked.size(); ++i) proposed.theta(picked[i]);
   }
   if (info.schema.name == kProposalSchema.name) {
     const h5::Dataset theta = open_proposal(path);
@@ -251,6 +257,20 @@ void read_all(const std::filesystem::path& path, const VerifyOptions& options) {
   if (info.schema.name == kPolicyTestSchema.name) read_policy_test(path);
 }
 
+// Looks at rows of what has any that can be made one by one.
+Verification verify_rows(const std::filesystem::path& path, const ArtefactInfo& info,
+                         const VerifyOptions& options) {
+  if (is_simulation(info)) return verify_simulation(path, info, options);
+  const std::string& schema = info.schema.name;
+  if (schema == kProposalSchema.name) return verify_proposal(path, info, options);
+  if (schema == kPolicyTestSchema.name) return verify_policy_test(path, info, options);
+  throw InputError(fmt::format(
+      "{}: a {}, which has no rows that can be made one by one, as simulations, first proposals "
+      "and tests of policies have; add --remake STUDY to make all of it again, which took {:.1f} s "
+      "({:.1f} core-seconds), and compare",
+      path.string(), schema, info.provenance.cost.wall_seconds, info.provenance.cost.core_seconds));
+}
+
 }  // namespace
 
 Verification verify(const std::filesystem::path& given, const VerifyOptions& options) {
@@ -258,14 +278,20 @@ Verification verify(const std::filesystem::path& given, const VerifyOptions& opt
   const std::filesystem::path path = std::filesystem::weakly_canonical(given);
   if (!survives([&] { read_all(path, options); })) throw damaged_file(path);
   const ArtefactInfo info = read_artefact_info(path);
-  if (is_simulation(info)) return verify_simulation(path, info, options);
-  const std::string& schema = info.schema.name;
-  if (schema == kProposalSchema.name) return verify_proposal(path, info, options);
-  if (schema == kPolicyTestSchema.name) return verify_policy_test(path, info, options);
-  throw InputError(path.string() + ": a " + schema +
-                   "; only simulations, their shards, first proposals and tests of policies can be "
-                   "verified; to check this, make it again: run its study with another --work, and "
-                   "compare what 'npdr inspect --digest' says of both files");
+  const auto blame_documents = [&](const std::string& why) -> InputError {
+    return InputError(path.string() + ": its key document or study isn't what stage '" +
+                      info.schema.stage + "' writes: " + why);
+  };
+  try {
+    return verify_rows(path, info, options);
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    if (message.starts_with('/')) throw;  // about a file; others are about what the documents say
+    throw blame_documents(message);
+  } catch (const nlohmann::json::exception& error) {
+    const std::string message = error.what();
+    throw blame_documents(message.substr(message.find("] ") + 2));
+  }
 }
 
 }  // namespace npdr::pipeline

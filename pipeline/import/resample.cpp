@@ -12,6 +12,8 @@ namespace {
 
 // Part of a step that the duration may lack for one more: rounded times.
 constexpr double kRounding = 1e-3;
+// Straight lines say nothing new, but fill the memory.
+constexpr double kMostRowsPerRow = 1000.0;
 
 // The interval between two times that holds `time`; its first row.
 Index interval_of(const std::vector<double>& times, double time) {
@@ -25,6 +27,11 @@ Index interval_of(const std::vector<double>& times, double time) {
 EvenRows resampled(const std::vector<double>& times, const RowMatrix& states,
                    const RowMatrix& actions, double dt) {
   const double duration = times.back() - times.front();
+  const double most = kMostRowsPerRow * static_cast<double>(times.size());
+  if (!(duration / dt <= most)) {
+    throw InputError(fmt::format("{} s makes {:.3g} steps of {} rows, must make at most {:.0f}", dt,
+                                 duration / dt, times.size(), most));
+  }
   const auto num_steps = static_cast<Index>(std::floor(duration / dt + kRounding));
   if (num_steps < 1) {
     throw InputError(

@@ -1,14 +1,10 @@
 #include "pipeline/sources/call_files.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <cerrno>
 #include <fstream>
-#include <system_error>
 
-#include "core/atomic_file.h"
-#include "core/error.h"
 #include "core/file_error.h"
 #include "pipeline/store/h5.h"
 
@@ -49,30 +45,9 @@ void write_table(const std::filesystem::path& path, FileFormat format,
 
 }  // namespace
 
-CallFolder::CallFolder(FileFormat format) : extension_(format == FileFormat::csv ? ".csv" : ".h5") {
-  std::error_code error;
-  const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
-  if (error) {
-    throw InputError(
-        fmt::format("TMPDIR = '{}', must be an existing folder: calls of the "
-                    "simulator's command leave their files there",
-                    parent.string()));
-  }
-  remove_stale_temporaries_once(parent);
-  do {
-    path_ = temporary_name(std::filesystem::absolute(parent) / "npdr-call");
-  } while (mkdir(path_.c_str(), 0700) != 0 && errno == EEXIST);
-  const int reason = errno;
-  std::error_code unreadable;
-  if (!std::filesystem::is_directory(path_, unreadable)) {
-    throw_file_error(path_, "make this folder", reason);
-  }
-}
-
-CallFolder::~CallFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
+CallFolder::CallFolder(FileFormat format)
+    : folder_("npdr-call", "calls of the simulator's command leave their files there"),
+      extension_(format == FileFormat::csv ? ".csv" : ".h5") {}
 
 void write_theta_file(const std::filesystem::path& path, FileFormat format,
                       const std::vector<sim::Parameter>& parameters, const RowMatrix& theta) {

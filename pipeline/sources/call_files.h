@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/temporary_folder.h"
 #include "core/types.h"
 #include "pipeline/store/file_format.h"
 #include "sim/segments.h"
@@ -14,24 +15,20 @@
 
 namespace npdr::pipeline {
 
-/// A folder for the files of one call, below the system's folder of temporary files; removed with
-/// all that is in it. Names are absolute.
+/// A folder for the files of one call. Names are absolute.
 class CallFolder {
  public:
   /// Throws Error.
   explicit CallFolder(FileFormat format);
-  ~CallFolder();
-  CallFolder(const CallFolder&) = delete;
-  CallFolder& operator=(const CallFolder&) = delete;
 
-  std::filesystem::path theta() const { return path_ / ("theta" + extension_); }
-  std::filesystem::path x() const { return path_ / ("x" + extension_); }
-  std::filesystem::path seeds() const { return path_ / "seeds.txt"; }
-  std::filesystem::path segments() const { return path_ / ("segments" + extension_); }
-  std::filesystem::path actions() const { return path_ / ("actions" + extension_); }
+  std::filesystem::path theta() const { return folder_.path() / ("theta" + extension_); }
+  std::filesystem::path x() const { return folder_.path() / ("x" + extension_); }
+  std::filesystem::path seeds() const { return folder_.path() / "seeds.txt"; }
+  std::filesystem::path segments() const { return folder_.path() / ("segments" + extension_); }
+  std::filesystem::path actions() const { return folder_.path() / ("actions" + extension_); }
 
  private:
-  std::filesystem::path path_;
+  TemporaryFolder folder_;
   std::string extension_;
 };
 

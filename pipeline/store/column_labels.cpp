@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "core/error.h"
 #include "core/feature_names.h"
@@ -28,14 +29,14 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
     throw InputError(fmt::format("{} has {} columns, but {} labels", dataset.where(), num_columns,
                                  labels.size()));
   }
-  for (auto label = labels.begin(); label != labels.end(); ++label) {
-    if (label->empty()) {
-      throw InputError(
-          fmt::format("{}: label {} is empty", dataset.where(), label - labels.begin() + 1));
+  std::unordered_set<std::string> known;  // of a million, too
+  for (const std::string& label : labels) {
+    if (label.empty()) {
+      throw InputError(fmt::format("{}: label {} is empty", dataset.where(), known.size() + 1));
     }
-    if (std::find(labels.begin(), label, *label) != label) {
-      throw InputError(fmt::format("{}: two columns have the label {}", dataset.where(),
-                                   "'" + shortened(*label) + "'"));
+    if (!known.insert(label).second) {
+      throw InputError(
+          fmt::format("{}: two columns have the label '{}'", dataset.where(), shortened(label)));
     }
   }
   return labels;

@@ -34,9 +34,19 @@ std::string readable(const std::string& text) {
   return fmt::format("{}: {}", text.substr(0, end), std::generic_category().message(number));
 }
 
-// Whether closing something failed: HDF5 then keeps an identifier of freed memory, and may crash in
-// any later call.
-bool is_unsound = false;
+// The file in which closing something failed, "": none did. HDF5 then keeps an identifier of freed
+// memory, and may crash in any later call.
+std::array<char, 1024> unsound_file{};
+
+// Of the file that an identifier is about; "?" where it's about none.
+std::array<char, 1024> file_name(hid_t id) {
+  std::array<char, 1024> name{"?"};
+  if (H5Iget_type(id) == H5I_FILE || H5Iget_type(id) == H5I_GROUP ||
+      H5Iget_type(id) == H5I_DATASET || H5Iget_type(id) == H5I_ATTR) {
+    H5Fget_name(id, name.data(), name.size());
+  }
+  return name;
+}
 
 herr_t take_description(unsigned n, const H5E_error2_t* entry, void* result) {
   if (n == 0 && entry->desc != nullptr) *static_cast<std::string*>(result) = entry->desc;
@@ -56,10 +66,11 @@ void prepare() {
 }
 
 void require_sound() {
-  if (!is_unsound) return;
+  if (unsound_file.front() == '\0') return;
   throw Error(
-      "HDF5 couldn't close a file that was read, as after an error of the disk or network, and "
-      "can't go on in this process; run again");
+      std::string(unsound_file.data()) +
+      ": HDF5 couldn't close this file, as after an error of the disk or network, and can't "
+      "go on in this process; run again");
 }
 
 std::string reason() {
@@ -103,7 +114,9 @@ void written(herr_t status, const std::string& where, const std::string& action)
 }
 
 Handle::~Handle() {
-  if (id_ >= 0 && H5Iis_valid(id_) > 0 && H5Idec_ref(id_) < 0) is_unsound = true;
+  if (id_ < 0 || H5Iis_valid(id_) <= 0) return;
+  const auto name = file_name(id_);  // afterwards nobody knows
+  if (H5Idec_ref(id_) < 0) unsound_file = name;
 }
 
 std::string to_string(const Shape& shape) {

@@ -67,14 +67,80 @@ class HangingGnuplot : public Surroundings {
 };
 
 TEST_F(HangingGnuplot, DoesNotKeepARunFromStopping) {
-  const Program program(folder_.path(), {"npdr", "run", "small.toml"});
-  ASSERT_TRUE(comes_true([&] { return text_of(folder_ / "pid").ends_with('\n'); }));
-  program.send_to_group(SIGINT);
-  EXPECT_TRUE(program.ends_within(10.0));
-  program.send(SIGKILL);
-  EXPECT_EQ(program.wait().status, 75);
-  const pid_t gnuplot = std::stoi(text_of(folder_ / "pid"));
-  EXPECT_TRUE(comes_true([&] { return has_ended(gnuplot); }));
+  // Ctrl-C reaches all of a terminal's processes, `kill` the run alone.
+  for (const bool is_for_all : {true, false}) {
+    fs::remove(folder_ / "pid");
+    const Program program(folder_.path(), {"npdr", "run", "small.toml"});
+    ASSERT_TRUE(comes_true([&] { return text_of(folder_ / "pid").ends_with('\n'); }));
+    is_for_all ? program.send_to_group(SIGINT) : program.send(SIGTERM);
+    EXPECT_TRUE(program.ends_within(10.0));
+    program.send(SIGKILL);
+    EXPECT_EQ(program.wait().status, 75);
+    const pid_t gnuplot = std::stoi(text_of(folder_ / "pid"));
+    EXPECT_TRUE(comes_true([&] { return has_ended(gnuplot); }));
+  }
+}
+
+TEST_F(Surroundings, ASecondRequestEndsARunThatCannotStop) {
+  const Program program(folder_.path(),
+                        {"npdr", "run", "small.toml", "--set", "method.training.max_epochs=1000000",
+                         "--set", "method.training.stop_after_epochs=1000000"});
+  ASSERT_TRUE(begins_to_make(program, folder_ / "runs/.cache/infer"));
+  const std::vector<pid_t> children = program.children();
+  for (const pid_t child : children) kill(child, SIGSTOP);
+  // One that follows within a second counts as the same.
+  EXPECT_TRUE(comes_true([&] {
+    program.send(SIGTERM);
+    return program.has_ended();
+  }));
+  EXPECT_EQ(program.wait().status, 128 + SIGTERM);
+  for (const pid_t child : children) kill(child, SIGCONT);
+  for (const pid_t child : children) EXPECT_TRUE(comes_true([&] { return has_ended(child); }));
+}
+
+TEST_F(Surroundings, ACommandThatWaitsForAFileEndsAtOnce) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Program waiting(folder_.path(), {"npdr", "validate", "pipe"});
+    // It opens without waiting once somebody reads.
+    int end = -1;
+    ASSERT_TRUE(comes_true([&] { return (end = open(pipe.c_str(), O_WRONLY | O_NONBLOCK)) >= 0; }));
+    waiting.send(signal);
+    EXPECT_EQ(waiting.wait().status, 128 + signal);
+    close(end);
+  }
+  for (const std::string command : {"import", "inspect", "verify", "sample"}) {
+    const Outcome outcome = command == "import"
+                                ? npdr({"import", "pipe", "--states", "a [m]", "--actions", "b [m]",
+                                        "--dt", "0.1", "-o", "o.h5"})
+                                : npdr({command, "pipe"});
+    EXPECT_EQ(outcome.status, 2) << command;
+    EXPECT_NE(outcome.err.find("pipe: isn't a"), std::string::npos) << outcome.err;
+  }
+}
+
+TEST_F(Surroundings, AVerificationEndsAtOnceWithTheProgramThatItRuns) {
+  folder_.file("c.toml", command_study("c").method("A", {"num_simulations = 100"}));
+  folder_.file("x_o.csv", "0.5\n");
+  folder_.file("simulate.sh",
+               "if [ -e hangs ]; then echo $$ > pid; exec sleep 1000; fi\n"
+               "awk -F, 'NR > 1 { print $1 }' $1 > $2\n");
+  const Outcome made = npdr({"run", "c.toml", "--until", "simulate"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  folder_.file("hangs", "");
+  for (const int signal : {SIGINT, SIGTERM}) {
+    fs::remove(folder_ / "pid");
+    const Program program(
+        folder_.path(), {"npdr", "verify", "runs/c/a/seed-1/round-1/simulate.h5", "--run-command"});
+    ASSERT_TRUE(comes_true([&] { return text_of(folder_ / "pid").ends_with('\n'); }));
+    program.send(signal);
+    EXPECT_TRUE(program.ends_within(10.0));
+    program.send(SIGKILL);
+    EXPECT_EQ(program.wait().status, 128 + signal);
+    const pid_t simulator = std::stoi(text_of(folder_ / "pid"));
+    EXPECT_TRUE(comes_true([&] { return has_ended(simulator); }));
+  }
 }
 
 TEST_F(Surroundings, ClosedStreamsTakeNoFileOfOurs) {

@@ -89,10 +89,26 @@ TEST_F(FailingCalls, AReadThatIsCutShortIsGoneOnWith) {
   expect_same_results(*folder_);
 }
 
+TEST_F(FailingCalls, AFileThatCannotBeClosedIsNamed) {
+  const Artefact reader = posterior();
+  std::filesystem::remove(reader.path);
+  {
+    FailingCall failing("close", EIO);
+    failing.set("NPDR_FAIL_UNDER", ".cache/simulate");
+    const Outcome failed = run(folder_->path(), FaultFolder::making(reader));
+    EXPECT_EQ(failed.status, 1) << failed.err;
+    EXPECT_NE(failed.err.find(".h5: HDF5 couldn't close this file"), std::string::npos)
+        << failed.err;
+  }
+  EXPECT_EQ(folder_->npdr({"run"}).status, 0);
+  expect_same_results(*folder_);
+}
+
 // A call and the ways in which it fails; 0: it does half of what it is asked for.
 struct Case {
   std::string call;
   std::vector<int> errors;
+  friend void PrintTo(const Case& c, std::ostream* stream) { *stream << c.call; }
 };
 
 const std::vector<Case> kCases = {{"open", {EMFILE, EIO, EINTR}}, {"read", {EIO, EINTR, 0}},
@@ -134,7 +150,7 @@ struct Fates {
 
 // Every n-th call of each stage fails; all of them with the environment variable
 // NPDR_FAULT_CALLS=1, otherwise some.
-class EachCall : public Faults {
+class EachCall : public Faults, public ::testing::WithParamInterface<Case> {
  protected:
   static int next(int n) { return std::getenv("NPDR_FAULT_CALLS") == nullptr ? 8 * n : n + 1; }
 
@@ -199,25 +215,26 @@ class EachCall : public Faults {
   }
 };
 
-TEST_F(EachCall, ThatFailsIsReportedOrDoesNoHarm) {
+TEST_P(EachCall, ThatFailsIsReportedOrDoesNoHarm) {
   fmt::print("{}\n", Fates::title());
   Fates all;
-  for (const Case& c : kCases) {
-    for (const int error : c.errors) {
-      Fates fates;
-      for (const std::string stage :
-           {"target", "propose", "simulate", "infer", "baseline", "evaluate", "diagnose"}) {
-        const Artefact artefact = quick(stage);
-        for (int n = 1; fail(artefact, c.call, error, n, fates);) n = next(n);
-      }
-      fmt::print("{}\n", fates.row(c.call + " " + (error == 0 ? "half" : strerrorname_np(error))));
-      all += fates;
+  for (const int error : GetParam().errors) {
+    Fates fates;
+    for (const std::string stage :
+         {"target", "propose", "simulate", "infer", "baseline", "evaluate", "diagnose"}) {
+      const Artefact artefact = quick(stage);
+      for (int n = 1; fail(artefact, GetParam().call, error, n, fates);) n = next(n);
     }
+    const std::string name = error == 0 ? "half" : strerrorname_np(error);
+    fmt::print("{}\n", fates.row(GetParam().call + " " + name));
+    all += fates;
   }
-  fmt::print("{}\n", all.row("all"));
   EXPECT_EQ(all.bad(), 0);
   expect_same_results(*folder_);
 }
+
+INSTANTIATE_TEST_SUITE_P(All, EachCall, ::testing::ValuesIn(kCases),
+                         [](const auto& of) { return of.param.call; });
 
 }  // namespace
 }  // namespace npdr::pipeline

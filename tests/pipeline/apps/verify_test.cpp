@@ -31,13 +31,15 @@ TEST(Verify, RefusesAKeyThatIsntThatOfItsDocument) {
                    {"a.h5: its key isn't that of its key document"}));
 }
 
-TEST(Verify, SaysHowToCheckAPosterior) {
+TEST(Verify, SaysHowToCheckAPosteriorAndWhatThatCosts) {
   const TempFolder folder;
   const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
-  ArtefactWriter(folder / "a.h5", kPosteriorSchema, identity).finish();
+  ArtefactWriter writer(folder / "a.h5", kPosteriorSchema, identity);
+  writer.add_cost({90.0, 180.0});
+  writer.finish();
   EXPECT_TRUE(says(message_of<InputError>([&] { verify(folder / "a.h5", {}); }, &folder),
-                   {"a.h5: a posterior; only simulations", "run its study with another --work",
-                    "'npdr inspect --digest'"}));
+                   {"a.h5: a posterior, which has no rows", "add --remake STUDY",
+                    "which took 90.0 s (180.", "core-seconds)"}));
 }
 
 // A simulation whose rows come, as it says, from a command.

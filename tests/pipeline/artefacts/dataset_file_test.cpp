@@ -107,6 +107,19 @@ TEST_F(DatasetFiles, LabelsMustBeDistinct) {
   EXPECT_EQ(problem({"p", ""}), "twice.h5: dataset 'x': label 2 is empty");
 }
 
+// Each compared with all before it, they would take an hour.
+TEST_F(DatasetFiles, AMillionColumnsAreReadInSeconds) {
+  constexpr Index count = 1'000'000;
+  std::vector<std::string> labels;
+  for (Index c = 0; c < count; ++c) labels.push_back("column_" + std::to_string(c));
+  h5::File file = h5::File::create(folder_ / "wide.h5");
+  file.write("theta", RowMatrix(RowMatrix::Ones(2, 1)))
+      .set_attribute("labels", std::vector<std::string>{"a"});
+  file.write("x", RowMatrixF(RowMatrixF::Ones(2, count))).set_attribute("labels", labels);
+  file.close();
+  EXPECT_EQ(std::ssize(DatasetFile(folder_ / "wide.h5", {"a"}).features()), count);
+}
+
 TEST_F(DatasetFiles, OtherUnitsAreRejected) {
   import("a\n1\n", "p [mm]\n1\n");
   EXPECT_NO_THROW(DatasetFile(folder_ / "d.h5", {"a"}, {{"p", "1"}}));

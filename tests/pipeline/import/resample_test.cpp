@@ -80,5 +80,17 @@ TEST(Resample, AtLeastOneStepMustFit) {
                    {"lasts 0.1 s", "must be at least one step of 0.5 s"}));
 }
 
+TEST(Resample, AStepThatFillsTheMemoryIsRefused) {
+  EXPECT_TRUE(says(message_of<InputError>([] {
+                     even({0.0, 0.1}, 1e-9);
+                   }),
+                   {"1e-09 s makes 1e+08 steps of 2 rows", "must make at most 2000"}));
+  EXPECT_TRUE(says(message_of<InputError>([] {
+                     even({0.0, 0.1}, 1e-300);
+                   }),
+                   {"1e-300 s makes 1e+299 steps of 2 rows", "must make at most 2000"}));
+  EXPECT_EQ(even({0.0, 0.1}, 0.1 / 2000.0).actions.rows(), 2000);
+}
+
 }  // namespace
 }  // namespace npdr::pipeline

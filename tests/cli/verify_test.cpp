@@ -1,0 +1,71 @@
+// Artefacts that are made again to be compared.
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr const char* kPosterior = "runs/again/a/seed-1/round-1/infer.h5";
+
+class VerifyByRemake : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
+    folder_->file("again.toml",
+                  pendulum_study("again").method(
+                      "A", {"num_simulations = 100", "embedding = { kind = \"bayessim\" }",
+                            kSmallMixture, "training = { max_epochs = 3 }"}));
+    ASSERT_EQ(npdr({"run", "again.toml", "--until", "infer"}).status, 0);
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static Outcome npdr(std::vector<std::string> words) {
+    words.insert(words.begin(), "npdr");
+    return run(folder_->path(), words);
+  }
+
+  static TempFolder* folder_;
+};
+
+TempFolder* VerifyByRemake::folder_ = nullptr;
+
+TEST_F(VerifyByRemake, APosteriorIsTrainedAgainToTheSameBits) {
+  const auto before = digests(*folder_ / "runs");
+  const Outcome outcome = npdr({"verify", kPosterior, "--remake", "again.toml"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, std::string(kPosterior) + ": made again, with the same bits\n");
+  EXPECT_TRUE(says(outcome.err, {"npdr verify: makes again infer A, seed 1, round 1, which took ",
+                                 "core-seconds"}));
+  EXPECT_EQ(digests(*folder_ / "runs"), before);
+}
+
+// A file that says that it is the posterior.
+TEST_F(VerifyByRemake, AnotherPosteriorUnderTheSameKeyIsFound) {
+  const std::filesystem::path other = *folder_ / "other.h5";
+  {
+    const h5::File made = h5::File::open(*folder_ / kPosterior);
+    const ArtefactInfo info = read_artefact_info(*folder_ / kPosterior);
+    ArtefactWriter writer(other, info.schema, info.identity);
+    writer.file().set_attribute("algorithm", std::string("npe"));
+    writer.finish();
+  }
+  const Outcome outcome = npdr({"verify", "other.h5", "--remake", "again.toml"});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_EQ(outcome.out, "other.h5: made again, with OTHER bits\n");
+}
+
+TEST_F(VerifyByRemake, TheStudyMustBeTheFilesOwn) {
+  const Outcome other = npdr({"verify", kPosterior, "--remake", "again.toml", "--set",
+                              "method.training.learning_rate=0.002"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_TRUE(
+      says(other.err, {"npdr verify: key '", "is not in the plan of this study", "--set changed"}));
+  const Outcome elsewhere =
+      npdr({"verify", kPosterior, "--remake", "again.toml", "--work", "elsewhere"});
+  EXPECT_EQ(elsewhere.status, 2);
+  EXPECT_TRUE(says(elsewhere.err,
+                   {"npdr verify: infer A, seed 1, round 1 needs 'target', which isn't there"}));
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "elsewhere"));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
