@@ -51,8 +51,9 @@ void LogMeanExp::add(const VectorF& values) {
   }
   const auto larger = log_sum_.array().max(values.array());
   const auto smaller = log_sum_.array().min(values.array());
-  log_sum_ = (larger == smaller).select(larger + std::log(2.0f),
-                                        larger + (smaller - larger).exp().log1p()).eval();
+  log_sum_ = (larger == smaller)
+                 .select(larger + std::log(2.0f), larger + (smaller - larger).exp().log1p())
+                 .eval();
 }
 
 VectorF LogMeanExp::result() const {

@@ -54,7 +54,8 @@ NetworkParts random_parts(NetworkRole role, EstimatorKind kind) {
 // Centers of n cells of [-kFar, kFar].
 constexpr double kFar = 12.0;
 RowMatrix grid(Index n) {
-  return Vector::LinSpaced(n, 0.5 - 0.5 * double(n), 0.5 * double(n) - 0.5) * (2.0 * kFar / double(n));
+  return Vector::LinSpaced(n, 0.5 - 0.5 * double(n), 0.5 * double(n) - 0.5) *
+         (2.0 * kFar / double(n));
 }
 
 void expect_mean_of_members(const NetworkParts& parts) {

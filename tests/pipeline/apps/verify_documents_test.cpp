@@ -68,11 +68,12 @@ class VerifyDocuments : public ::testing::Test {
       }
     };
     const auto with = [&](Json Identity::*document) {
-      for_each_change(info.identity.*document, Json::json_pointer(), [&](const Json& changed, const auto& change) {
-        Identity identity = info.identity;
-        identity.*document = changed;
-        verify_with(identity, change);
-      });
+      for_each_change(info.identity.*document, Json::json_pointer(),
+                      [&](const Json& changed, const auto& change) {
+                        Identity identity = info.identity;
+                        identity.*document = changed;
+                        verify_with(identity, change);
+                      });
     };
     with(&Identity::key_document);
     with(&Identity::study);
@@ -95,10 +96,11 @@ class VerifyDocuments : public ::testing::Test {
 };
 
 TEST_F(VerifyDocuments, OfSimulationsAndProposalsAreCheckedAsTheyAreUsed) {
-  const Plan plan = plan_of(pendulum_study("s")
-                                .with("simulator", {"store_every = 100"})
-                                .method("A", {"num_simulations = 20", "algorithm = \"abc_rejection\""}),
-                            folder_);
+  const Plan plan =
+      plan_of(pendulum_study("s")
+                  .with("simulator", {"store_every = 100"})
+                  .method("A", {"num_simulations = 20", "algorithm = \"abc_rejection\""}),
+              folder_);
   const Node& simulation = plan.node(Stage::simulate, {"A", 1, 1});
   make(plan, simulation);
   const auto read = [](const Node& node, const Schema& schema, const char* name) {
@@ -120,14 +122,14 @@ TEST_F(VerifyDocuments, OfSimulationsAndProposalsAreCheckedAsTheyAreUsed) {
 }
 
 TEST_F(VerifyDocuments, OfPolicyTestsAreCheckedAsTheyAreUsed) {
-  const Plan plan = plan_of(
-      furuta_study("s")
-          .method("P", {"algorithm = \"nominal\""})
-          .with("policy", few_trials())
-          .with("policy", {"num_steps = 60"})
-          .with("policy.grid", {"x = { parameter = \"pole_mass\", values = [0.02, 0.03] }",
-                                "y = { parameter = \"gravity\", values = [9.0, 9.8] }"}),
-      folder_);
+  const Plan plan =
+      plan_of(furuta_study("s")
+                  .method("P", {"algorithm = \"nominal\""})
+                  .with("policy", few_trials())
+                  .with("policy", {"num_steps = 60"})
+                  .with("policy.grid", {"x = { parameter = \"pole_mass\", values = [0.02, 0.03] }",
+                                        "y = { parameter = \"gravity\", values = [9.0, 9.8] }"}),
+              folder_);
   const Node& node = plan.node(Stage::policy_test, {"P", 1, 0, 0});
   make(plan, node);
   const PolicyTest test = read_policy_test(node);
