@@ -19,6 +19,7 @@ struct Network {
 
 EstimatorConfig maf(Index transforms, Index hidden) {
   EstimatorConfig config;
+  config.kind = EstimatorKind::maf;
   config.num_transforms = transforms;
   config.hidden_features = hidden;
   return config;

@@ -126,9 +126,9 @@ KnownPosterior slcp() {
 }
 
 // The same, with 92 features behind it that say nothing: Student t with two degrees of freedom.
-KnownPosterior slcp_distractors() {
+KnownPosterior slcp_with_noise() {
   KnownPosterior task = slcp();
-  task.name = "slcp_distractors";
+  task.name = "slcp_with_noise";
   task.simulator = [](const Vector& theta, Stream& stream) {
     VectorF x(100);
     x.head(8) = slcp_x(theta, stream);
@@ -186,7 +186,7 @@ KnownPosterior gaussian_mixture() {
 
 using Maker = KnownPosterior (*)();
 constexpr Maker kTasks[] = {
-    two_moons, slcp, gaussian_linear, gaussian_linear_uniform, gaussian_mixture, slcp_distractors};
+    two_moons, slcp, gaussian_linear, gaussian_linear_uniform, gaussian_mixture, slcp_with_noise};
 
 }  // namespace
 

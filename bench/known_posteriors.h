@@ -1,7 +1,7 @@
 /// Inference tasks whose posterior can be sampled exactly, given any observation. The first four
 /// are those of the benchmark of Lueckmann et al. (2021, "Benchmarking Simulation-Based Inference")
-/// with the same names there (T.8, T.3, T.1, T.2), the fifth is its T.7; the last one is its T.4
-/// with independent noise.
+/// with the same names there; the fifth is there, too, and the last one is slcp with 92 more
+/// features that say nothing.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ struct KnownPosterior {
 };
 
 /// "two_moons", "slcp", "gaussian_linear", "gaussian_linear_uniform", "gaussian_mixture",
-/// "slcp_distractors".
+/// "slcp_with_noise".
 std::vector<std::string> known_posterior_names();
 /// Throws InputError for another name.
 KnownPosterior known_posterior(const std::string& name);

@@ -1,5 +1,6 @@
 #include "inference/direct_posterior.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -35,13 +36,22 @@ DirectPosterior::DirectPosterior(NetworkParts given) : NetworkPosterior(std::mov
   parts().transform.apply(parts().x_o.transpose(), z_);
   if (parts().estimator.kind == EstimatorKind::mdn) mixture_ = mixture_of_networks();
   if (!parts().proposal) return;
-  if (!mixture_ || parts().proposal->dimension() != prior().dimension()) {
-    throw ShapeError("posterior: only a mixture can be divided by a proposal of its dimension");
+  if (!mixture_ || members_.size() > 1 || parts().proposal->dimension() != prior().dimension()) {
+    throw ShapeError(
+        "posterior: only one network's mixture can be divided by a proposal of its dimension");
   }
   mixture_ = corrected_for_proposal(*mixture_, *parts().proposal);
 }
 
-// A network draws a block of rows, which are M rows apart in the result.
+// Place of network m among the M samples from number `first` on: each of them is of another
+// network, in random order.
+Index DirectPosterior::place_of(Index m, Index first, const StreamId& id) const {
+  StreamId order = within(id, "networks");
+  order.row += static_cast<std::uint64_t>(first);
+  const auto networks = Stream(order).permutation(static_cast<std::uint32_t>(members_.size()));
+  return std::ranges::find(networks, static_cast<std::uint32_t>(m)) - networks.begin();
+}
+
 Samples DirectPosterior::draw(Index n, const StreamId& id) const {
   if (parts().proposal) return {prior().to_theta(mixture_->sample(n, id))};
   const Index networks = std::ssize(members_), rows = kBlockRows * networks;
@@ -53,8 +63,10 @@ Samples DirectPosterior::draw(Index n, const StreamId& id) const {
     StreamId block = id;
     block.row += static_cast<std::uint64_t>(b * kBlockRows);
     const RowMatrixF drawn = member.network.sample(member.weights, z_, kBlockRows, block);
-    u(Eigen::seqN(b / networks * rows + m, kBlockRows, networks), Eigen::all) =
-        drawn.cast<double>();
+    for (Index k = 0; k < kBlockRows; ++k) {
+      const Index first = b / networks * rows + k * networks;
+      u.row(first + place_of(m, first, id)) = drawn.row(k).cast<double>();
+    }
   });
   return {prior().to_theta(u.topRows(n))};
 }

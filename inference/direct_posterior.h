@@ -16,7 +16,7 @@ class DirectPosterior : public NetworkPosterior {
   /// Throws ShapeError when the parts don't go together.
   explicit DirectPosterior(NetworkParts parts);
 
-  /// Of every num_networks consecutive samples one comes from each network.
+  /// Of every num_networks consecutive samples one comes from each network, in random order.
   Samples draw(Index n, const StreamId& id) const override;
   Vector log_prob(const RowMatrix& theta) const override;
 
@@ -29,6 +29,7 @@ class DirectPosterior : public NetworkPosterior {
     Parameters<float> weights;
   };
 
+  Index place_of(Index m, Index first, const StreamId& id) const;
   GaussianMixture mixture_of(const Member& member) const;
   GaussianMixture mixture_of_networks() const;
   Vector networks_log_prob(const RowMatrixF& u) const;

@@ -1,6 +1,7 @@
 #include "inference/ensemble.h"
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "core/error.h"
@@ -17,10 +18,17 @@ std::uint64_t seed_of_network(std::uint64_t seed, Index m) {
 
 NetworkParts network_of(const NetworkParts& parts, Index m) {
   const Index size = parts.parameters.size() / parts.estimator.num_networks;
-  NetworkParts one = parts;
+  NetworkParts one{.prior = parts.prior,
+                   .role = parts.role,
+                   .estimator = parts.estimator,
+                   .trained_features = parts.trained_features,
+                   .structure_seed = seed_of_network(parts.structure_seed, m),
+                   .transform = parts.transform,
+                   .parameters = parts.parameters.segment(m * size, size),
+                   .x_o = parts.x_o,
+                   .proposal = parts.proposal,
+                   .sampler = parts.sampler};
   one.estimator.num_networks = 1;
-  one.structure_seed = seed_of_network(parts.structure_seed, m);
-  one.parameters = parts.parameters.segment(m * size, size);
   return one;
 }
 
@@ -49,11 +57,13 @@ void LogMeanExp::add(const VectorF& values) {
     log_sum_ = values;
     return;
   }
+  const auto is_nan = log_sum_.array().isNaN() || values.array().isNaN();
   const auto larger = log_sum_.array().max(values.array());
   const auto smaller = log_sum_.array().min(values.array());
-  log_sum_ = (larger == smaller)
-                 .select(larger + std::log(2.0f), larger + (smaller - larger).exp().log1p())
-                 .eval();
+  const VectorF sum =
+      (larger == smaller)
+          .select(larger + std::log(2.0f), larger + (smaller - larger).exp().log1p());
+  log_sum_ = is_nan.select(std::numeric_limits<float>::quiet_NaN(), sum.array()).eval();
 }
 
 VectorF LogMeanExp::result() const {

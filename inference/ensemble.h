@@ -2,7 +2,7 @@
 ///   q(u | z) = 1/M sum_m q_m(u | z),
 /// trained on the same simulations from other first weights, with other orders of the variables,
 /// and each with a part of the rows of its own for validation, so that all rows train most of them.
-/// The networks of ratios and likelihoods are averaged the same way.
+/// Likelihoods are averaged the same way; ratios, which are known up to a constant, can't be.
 ///
 /// Source: Lakshminarayanan, Pritzel and Blundell 2017, "Simple and scalable predictive uncertainty
 /// estimation using deep ensembles"; for these posteriors Hermans et al. 2022, "A crisis in
@@ -28,7 +28,7 @@ Parameters<float> joined(const std::vector<Parameters<float>>& weights);
 /// x_o has as many features as its transform.
 void require_weights(const NetworkParts& parts, Index num_parameters);
 
-/// log 1/M sum_m exp(values_m) of each row, added one m after the other.
+/// log 1/M sum_m exp(values_m) of each row, added one m after the other; NaN where one of them is.
 class LogMeanExp {
  public:
   void add(const VectorF& values);

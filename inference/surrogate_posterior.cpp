@@ -50,6 +50,9 @@ SurrogatePosterior::SurrogatePosterior(NetworkParts given)
     : NetworkPosterior(std::move(given)), normalizer_(std::make_unique<Normalizer>()) {
   for (Index m = 0; m < parts().estimator.num_networks; ++m) members_.push_back(make_member(m));
   const Member& first = members_.front();
+  if (first.ratio && members_.size() > 1) {
+    throw ShapeError("posterior: ratios are known up to a constant, and can't be averaged");
+  }
   require_weights(parts(),
                   first.ratio ? first.ratio->num_parameters() : first.likelihood->num_parameters());
   parts().transform.apply(parts().x_o.transpose(), z_);

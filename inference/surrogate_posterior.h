@@ -2,9 +2,9 @@
 ///   log p(u | x_o) = l(u) + log N(u; 0, I) - log Z,
 ///   l(u) = log q(z_o | u)   (NLE; Papamakarios, Sterratt and Murray 2019),
 ///   l(u) = f(u, z_o)        (NRE; ratio_loss.h),
-/// or log 1/M sum_m exp l_m(u) of an ensemble (ensemble.h). It is sampled by Markov chains
-/// (slice_sampler.h) that begin at draws of the prior, resampled by their weight exp l; or, with
-/// sampler "importance", those draws are the samples.
+/// or log 1/M sum_m exp l_m(u) of an ensemble of likelihoods (ensemble.h). It is sampled by Markov
+/// chains (slice_sampler.h) that begin at draws of the prior, resampled by their weight exp l; or,
+/// with sampler "importance", those draws are the samples.
 ///
 /// log Z, which only log_prob() needs, is estimated once by importance sampling: from a Gaussian
 /// around 1000 samples, 1.5 times as wide, mixed with the prior.

@@ -58,11 +58,21 @@ std::string estimator_list(const AlgorithmTraits& traits) {
   return join(names);
 }
 
-void check_estimator(Algorithm algorithm, EstimatorKind estimator) {
+bool allows_ensembles(const AlgorithmTraits& traits) {
+  return !traits.grows_in_last_round && traits.role != NetworkRole::ratio;
+}
+
+void check_estimator(Algorithm algorithm, const EstimatorConfig& estimator) {
   const AlgorithmTraits& traits = traits_of(algorithm);
-  if (std::ranges::count(traits.estimators, estimator) > 0) return;
-  throw InputError("density_estimator.kind = '" + name_of(estimator) + "', must be one of " +
-                   estimator_list(traits) + " with algorithm '" + name_of(algorithm) + "'");
+  const std::string with = " with algorithm '" + name_of(algorithm) + "'";
+  if (std::ranges::count(traits.estimators, estimator.kind) == 0) {
+    throw InputError("density_estimator.kind = '" + name_of(estimator.kind) + "', must be one of " +
+                     estimator_list(traits) + with);
+  }
+  if (estimator.num_networks > 1 && !allows_ensembles(traits)) {
+    throw InputError("density_estimator.num_networks = " + std::to_string(estimator.num_networks) +
+                     ", must be 1" + with);
+  }
 }
 
 Loss resolve_loss(const AlgorithmConfig& config, EstimatorKind estimator) {

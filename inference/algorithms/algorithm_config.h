@@ -74,8 +74,13 @@ struct AlgorithmConfig {
   bool combined_loss = false;  ///< "npe_c": add -log q on the rows of the prior, when atomic
 };
 
-/// Throws InputError for a kind that the algorithm can't use, and says which it can.
-void check_estimator(Algorithm algorithm, EstimatorKind estimator);
+/// Whether the algorithm's posterior may be the mean of several networks': not where it is divided
+/// by a single Gaussian, nor where each network's ratio has a constant of its own (ratio_loss.h).
+bool allows_ensembles(const AlgorithmTraits& traits);
+
+/// Throws InputError for a kind, or a number of networks, that the algorithm can't use, and says
+/// which it can.
+void check_estimator(Algorithm algorithm, const EstimatorConfig& estimator);
 
 /// The loss that NPE-C has with this estimator: "auto" is analytic for a mixture and atomic
 /// otherwise. Throws InputError for "analytic" with another estimator.

@@ -65,17 +65,18 @@ void require_weights(const RoundTask& task, const TrainingState& state) {
 
 // Network m of the ensemble; false when the hook stopped it.
 bool train_network(const PosteriorEstimationConfig& config, const RoundData& data,
-                   const NetworkParts& all, Index m, StreamId id, TrainingState& state,
-                   const EpochHook& hook) {
+                   const VectorF& row_weights, const NetworkParts& all, Index m, StreamId id,
+                   TrainingState& state, const EpochHook& hook) {
+  const ValidationFold fold{id.seed, m};
   const NetworkParts parts = network_of(all, m);
   id.seed = seed_of_network(id.seed, m);
-  const auto task = make_round_task(config, data, parts, id);
+  const auto task = make_round_task(config, data, row_weights, parts, id);
   if (state.epoch == 0 && state.parameters.size() == 0) {
     state.parameters = first_weights(config, *task, parts.estimator, data, m, id);
   }
   require_weights(*task, state);
   bool stopped = false;
-  train(task->objective(), config.training, id, state, [&](const TrainingState& s) {
+  train(task->objective(), config.training, id, fold, state, [&](const TrainingState& s) {
     stopped = !hook(s);
     return !stopped;
   });
@@ -90,21 +91,28 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
                                                      const RoundData& data, const StreamId& id,
                                                      std::vector<TrainingState>& states,
                                                      const NetworkHook& hook) {
-  check_estimator(config.algorithm.kind, config.estimator.kind);
+  check_estimator(config.algorithm.kind, config.estimator);
   NetworkParts parts = untrained_parts(config, data, id);
   states.resize(static_cast<std::size_t>(parts.estimator.num_networks));
+  const VectorF weights_of_rows = row_weights(config, data);
   std::mutex one_at_a_time;
-  std::atomic<bool> stopped = false;
+  std::atomic<bool> halted = false;  // by the hook, or by the error of a network
   parallel_for(std::ssize(states), [&](Index m) {
-    const bool ended =
-        train_network(config, data, parts, m, id, states[static_cast<std::size_t>(m)],
-                      [&](const TrainingState& state) {
-                        const std::scoped_lock lock(one_at_a_time);
-                        return hook(m, state);
-                      });
-    if (!ended) stopped = true;
+    if (halted) return;
+    const auto hook_of_network = [&](const TrainingState& state) {
+      const std::scoped_lock lock(one_at_a_time);
+      return hook(m, state) && !halted;
+    };
+    try {
+      const bool ended = train_network(config, data, weights_of_rows, parts, m, id,
+                                       states[static_cast<std::size_t>(m)], hook_of_network);
+      if (!ended) halted = true;
+    } catch (...) {
+      halted = true;
+      throw;
+    }
   });
-  if (stopped) return nullptr;
+  if (halted) return nullptr;
   std::vector<Parameters<float>> weights;
   for (const TrainingState& state : states) weights.push_back(state.best_parameters);
   parts.parameters = joined(weights);

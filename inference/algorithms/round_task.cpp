@@ -73,7 +73,7 @@ class TaskOf : public RoundTask {
 class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
  public:
   PosteriorTask(const PosteriorEstimationConfig& config, const RoundData& data,
-                const NetworkParts& parts, const StreamId& id)
+                const VectorF& row_weights, const NetworkParts& parts, const StreamId& id)
       : TaskOf(make_network(parts), data, parts) {
     const auto likelihood = [&](std::vector<std::uint32_t> rows, VectorF weights) {
       objective_ = std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::u_given_z,
@@ -83,7 +83,7 @@ class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
     if (config.algorithm.kind == Algorithm::npe_a) {
       likelihood(rows_of_last_round(data), {});
     } else if (config.algorithm.kind == Algorithm::npe_b) {
-      likelihood(all_rows(data), importance_weights(data));
+      likelihood(all_rows(data), row_weights);
     } else {
       if (is_analytic(config.algorithm, config.estimator.kind)) {
         data_.proposals = proposal_mixtures(data);
@@ -117,12 +117,17 @@ class RatioTask : public TaskOf<RatioEstimator<float>> {
 
 }  // namespace
 
+VectorF row_weights(const PosteriorEstimationConfig& config, const RoundData& data) {
+  if (config.algorithm.kind != Algorithm::npe_b) return {};
+  return importance_weights(data);
+}
+
 std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
-                                           const RoundData& data, const NetworkParts& parts,
-                                           const StreamId& id) {
+                                           const RoundData& data, const VectorF& row_weights,
+                                           const NetworkParts& parts, const StreamId& id) {
   switch (parts.role) {
     case NetworkRole::posterior:
-      return std::make_unique<PosteriorTask>(config, data, parts, id);
+      return std::make_unique<PosteriorTask>(config, data, row_weights, parts, id);
     case NetworkRole::likelihood:
       return std::make_unique<LikelihoodTask>(data, parts);
     case NetworkRole::ratio:

@@ -18,10 +18,13 @@ class RoundTask {
   virtual Parameters<float> initial_parameters(const StreamId& id) const = 0;
 };
 
+/// Importance weights of the rows (N) that "npe_b" trains with; empty: all weigh the same.
+VectorF row_weights(const PosteriorEstimationConfig& config, const RoundData& data);
+
 /// The task of the algorithm for `parts`, whose estimator and transform are set. Keeps references
 /// to its arguments.
 std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
-                                           const RoundData& data, const NetworkParts& parts,
-                                           const StreamId& id);
+                                           const RoundData& data, const VectorF& row_weights,
+                                           const NetworkParts& parts, const StreamId& id);
 
 }  // namespace npdr::inference

@@ -30,7 +30,7 @@ constexpr auto enum_table(EmbeddingKind) {
 /// Choice of how the H rollouts of one simulation become the feature vector x.
 struct EmbeddingConfig {
   EmbeddingKind kind = EmbeddingKind::linear;
-  Index features = 256;               ///< width of the trained layer ("linear" only)
+  Index features = 16;                ///< width of the trained layer ("linear" only)
   Index principal_components = 0;     ///< project x on so many of its own first; 0: don't
   Index downsample = 1;               ///< keep every k-th state
   std::vector<std::string> channels;  ///< state channels to keep; empty: all

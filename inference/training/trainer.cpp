@@ -28,9 +28,9 @@ StreamId of_epoch(StreamId id, std::string_view name, std::uint64_t epoch) {
 // Every (1 / validation_fraction)-th row validates, from an offset of the seed's. Rows are draws of
 // the same distribution, so that is as good as a random choice, and a row keeps its part when later
 // rounds add more: nothing validates that an earlier round has trained on.
-Split split_rows(Index num_rows, const TrainingConfig& config, StreamId id) {
-  id.round = 0;
-  const double offset = Stream(named(id, "validation_split")).uniform();
+Split split_rows(Index num_rows, const TrainingConfig& config, const ValidationFold& fold) {
+  const double offset = Stream({fold.seed, "validation_split", 0, 0, 0}).uniform() +
+                        static_cast<double>(fold.number) * config.validation_fraction;
   const auto validating_before = [&](Index row) {
     return std::floor(offset + config.validation_fraction * static_cast<double>(row));
   };
@@ -127,7 +127,12 @@ bool TrainingState::finished(const TrainingConfig& config) const {
 
 void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
            TrainingState& state, const EpochHook& hook) {
-  const Split split = split_rows(objective.num_rows(), config, id);
+  train(objective, config, id, {id.seed, 0}, state, hook);
+}
+
+void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
+           const ValidationFold& fold, TrainingState& state, const EpochHook& hook) {
+  const Split split = split_rows(objective.num_rows(), config, fold);
   Adam optimizer(state.parameters.size(), config.learning_rate);
   Parameters<float> gradient = Parameters<float>::Zero(state.parameters.size());
   if (state.epoch == 0) {

@@ -57,12 +57,22 @@ struct TrainingState {
 /// Called after every epoch; returns false to stop here (the state is a valid checkpoint).
 using EpochHook = std::function<bool(const TrainingState&)>;
 
+/// Rows that validate: a share of all of them that begins at random, by the seed, and for fold k so
+/// many shares later: folds have no row in common as long as there are shares.
+struct ValidationFold {
+  std::uint64_t seed = 0;
+  Index number = 0;
+};
+
 /// Trains from `state` until early stopping, max_epochs or the hook says so. The split into
-/// training and validation rows, the batches and their order are functions of `id` and the epoch,
-/// so a run that is stopped and continued gives the same bits.
+/// training and validation rows, the batches and their order are functions of `fold`, `id` and the
+/// epoch, so a run that is stopped and continued gives the same bits.
 /// A state with epoch 0 and only `parameters` set starts from the beginning.
 /// Throws InputError when there are fewer than two training or two validation rows, and Error when
 /// no epoch had a finite validation loss: then nothing was learned.
+void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
+           const ValidationFold& fold, TrainingState& state, const EpochHook& hook);
+/// The same with the first fold of the seed of `id`.
 void train(Objective& objective, const TrainingConfig& config, const StreamId& id,
            TrainingState& state, const EpochHook& hook);
 

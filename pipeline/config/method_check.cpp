@@ -146,13 +146,12 @@ void MethodChecker::check_estimator(const std::string& path, MethodConfig& metho
   }
 }
 
-// The proposal that a posterior is divided by is one Gaussian.
 void MethodChecker::check_networks(const std::string& path, const MethodConfig& method) {
   const std::string key = path + ".density_estimator.num_networks";
-  if (!inference::traits_of(method.algorithm.kind).grows_in_last_round) return;
+  if (inference::allows_ensembles(inference::traits_of(method.algorithm.kind))) return;
   if (method.density_estimator.num_networks == 1 || !reading_.good(key)) return;
   fail(key, std::to_string(method.density_estimator.num_networks),
-       fmt::format("1 with algorithm '{}', whose posterior is divided by a single Gaussian",
+       fmt::format("1 with algorithm '{}': the posteriors of several can't be averaged",
                    name_of(method.algorithm.kind)));
 }
 

@@ -62,7 +62,9 @@ Constraint<std::vector<std::string>> shell_lines();
 template <class Fields>
 void describe(Fields& f, inference::EmbeddingConfig& c) {
   choice(f, "kind", c.kind, "how rollouts become features");
-  f("features", c.features, between(1, kMaxWidth), "width of the trained layer (\"linear\" only)");
+  f("features", c.features, between(1, kMaxWidth),
+    "width of the trained layer (\"linear\" only); twice the parameters when left out, if that is "
+    "more");
   f("principal_components", c.principal_components, count_from(0),
     "of the features, for the network to see; 0: the features themselves");
   f("downsample", c.downsample, count_from(1),

@@ -1,5 +1,6 @@
 #include "pipeline/config/study_reader.h"
 
+#include <algorithm>
 #include <fstream>
 #include <system_error>
 
@@ -52,11 +53,18 @@ void resolve_target(TargetConfig& target, const fs::path& file, const Reading& r
   }
 }
 
-// Ensembles are for posteriors that aren't divided by a proposal.
 void resolve_networks(MethodConfig& method, std::size_t i, const Reading& reading) {
   const std::string key = "method[" + std::to_string(i) + "].density_estimator.num_networks";
-  const bool has_one = inference::traits_of(method.algorithm.kind).grows_in_last_round;
+  const bool has_one = !inference::allows_ensembles(inference::traits_of(method.algorithm.kind));
   if (has_one && !reading.has(key)) method.density_estimator.num_networks = 1;
+}
+
+// As many as tell the parameters apart: a wider layer learns the simulations by heart.
+void resolve_features(Study& study, std::size_t i, const Reading& reading) {
+  if (reading.has("method[" + std::to_string(i) + "].embedding.features")) return;
+  Index& features = study.methods[i].embedding.features;
+  const Index twice = std::min<Index>(2 * std::ssize(study.prior), kMaxWidth);
+  features = std::max(features, twice);
 }
 
 // Without a network there is no layer to train, and no reason to look at fewer states than are
@@ -148,6 +156,7 @@ void resolve(Study& study, const fs::path& file, const Reading& reading) {
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
     resolve_without_network(study, i, reading);
     resolve_networks(study.methods[i], i, reading);
+    resolve_features(study, i, reading);
   }
 }
 

@@ -115,7 +115,7 @@ hidden_features = 20
 # ...
 
 [method.training]
-learning_rate = 5e-4
+learning_rate = 1e-3
 # ...
 
 # Of "nle", "nre_a" and "nre_b", whose posteriors have to be sampled:

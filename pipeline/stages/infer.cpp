@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <numeric>
 #include <vector>
 
 #include "core/error.h"
@@ -41,8 +40,8 @@ auto blaming_checkpoint(const Plan& plan, const Node& node, const Work& work) {
   }
 }
 
-// After each epoch of a network: progress, now and then a checkpoint with its state and those that
-// the others had at their turn, and one more when asked to stop.
+// After each epoch of a network: progress, now and then a checkpoint with the last states of all,
+// and one more when asked to stop.
 class EpochReport {
  public:
   // `start`: of the stage; `earlier`: what the runs that this one goes on from left.
@@ -53,28 +52,26 @@ class EpochReport {
         progress_(node.label() + ", epoch", 0),
         start_(start),
         earlier_(earlier.cost),
-        states_(earlier.trainings),
-        saved_(static_cast<std::size_t>(num_networks), Clock::now()),
-        epochs_(static_cast<std::size_t>(num_networks), 0) {
-    states_.resize(saved_.size());
+        states_(earlier.trainings) {
+    states_.resize(static_cast<std::size_t>(num_networks));
   }
 
   bool operator()(Index network, const inference::TrainingState& state) {
-    const auto m = static_cast<std::size_t>(network);
+    states_[static_cast<std::size_t>(network)] = state;
     const auto now = Clock::now();
-    const bool is_due = seconds_between(saved_[m], now) > kSecondsBetweenCheckpoints;
+    const bool is_due = seconds_between(saved_, now) > kSecondsBetweenCheckpoints;
     // Saved before it is shown: who looks at the progress may be gone.
     const bool is_stopping = stop_requested();
     if (is_due || is_stopping) {
-      states_[m] = state;
-      saved_[m] = now;
+      saved_ = now;
       Checkpoint checkpoint{states_, earlier_};
       checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
-      write_checkpoint(plan_.work.checkpoint("infer", node_.key), node_.identity, checkpoint);
+      write_checkpoint(plan_.work.checkpoint("infer", node_.key), node_.identity,
+                       std::move(checkpoint));
     }
-    epochs_[m] = state.epoch;
-    progress_.update(std::reduce(epochs_.begin(), epochs_.end()),
-                     fmt::format("loss {:.4g}", state.validation_loss.back()));
+    Index epochs = 0;
+    for (const inference::TrainingState& each : states_) epochs += each.epoch;
+    progress_.update(epochs, fmt::format("loss {:.4g}", state.validation_loss.back()));
     return !is_stopping;
   }
 
@@ -85,11 +82,10 @@ class EpochReport {
   Clock::time_point start_;
   Cost earlier_;
   std::vector<inference::TrainingState> states_;
-  std::vector<Clock::time_point> saved_;
-  std::vector<Index> epochs_;
+  Clock::time_point saved_ = Clock::now();
 };
 
-// Trains a network on all rounds' simulations.
+// Trains the networks on all rounds' simulations.
 void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const auto start = Clock::now();
   const Use& use = node.uses.front();

@@ -36,8 +36,9 @@ StudyText study_of_all_kinds() {
       .method("npe_a", {"algorithm = \"npe_a\"", "num_rounds = 2", some, training,
                         "density_estimator = { kind = \"mdn\", num_components = 3 }", components})
       .method("nle", {"algorithm = \"nle\"", some, training, estimator("maf"), components, sampler})
-      .method("nre",
-              {"algorithm = \"nre_b\"", some, training, estimator("resnet"), components, sampler})
+      .method("nre", {"algorithm = \"nre_b\"", some, training,
+                      "density_estimator = { kind = \"resnet\", hidden_features = 12 }", components,
+                      sampler})
       .method("abc", {"algorithm = \"abc_rejection\"", some, components,
                       "abc = { quantile = 0.2, smooth = true }"});
 }

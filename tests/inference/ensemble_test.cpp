@@ -4,10 +4,11 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "core/error.h"
 #include "inference/direct_posterior.h"
-#include "inference/estimators/ratio_estimator.h"
+#include "inference/matrix_features.h"
 #include "inference/surrogate_posterior.h"
 #include "tests/inference/linear_gaussian_check.h"
 
@@ -43,9 +44,7 @@ NetworkParts random_parts(NetworkRole role, EstimatorKind kind) {
                      .x_o = VectorF::Constant(1, 0.3f)};
   std::vector<Parameters<float>> weights;
   for (Index m = 0; m < kNetworks; ++m) {
-    weights.push_back(role == NetworkRole::ratio
-                          ? disturbed(RatioEstimator<float>(parts.estimator, 1, 1), m)
-                          : disturbed(make_network(network_of(parts, m)), m));
+    weights.push_back(disturbed(make_network(network_of(parts, m)), m));
   }
   parts.parameters = joined(weights);
   return parts;
@@ -73,7 +72,6 @@ TEST(Ensemble, DensityIsTheMeanOfItsNetworks) {
   expect_mean_of_members(random_parts(NetworkRole::posterior, EstimatorKind::nsf));
   expect_mean_of_members(random_parts(NetworkRole::posterior, EstimatorKind::mdn));
   expect_mean_of_members(random_parts(NetworkRole::likelihood, EstimatorKind::maf));
-  expect_mean_of_members(random_parts(NetworkRole::ratio, EstimatorKind::resnet));
 }
 
 TEST(Ensemble, MixturesOfItsNetworksAreOne) {
@@ -114,18 +112,81 @@ TEST(Ensemble, SamplesDoNotDependOnTheirNumber) {
 TEST(Ensemble, LogOfAMeanStandsImpossibleValues) {
   constexpr float none = -std::numeric_limits<float>::infinity();
   LogMeanExp mean;
-  mean.add(Eigen::Vector3f(0.0f, none, 200.0f));
-  mean.add(Eigen::Vector3f(0.0f, none, none));
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  mean.add(Eigen::Vector<float, 5>(0.0f, none, 200.0f, nan, 0.0f));
+  mean.add(Eigen::Vector<float, 5>(0.0f, none, none, 0.0f, nan));
   const VectorF result = mean.result();
   EXPECT_FLOAT_EQ(result(0), 0.0f);
   EXPECT_EQ(result(1), none);
   EXPECT_FLOAT_EQ(result(2), 200.0f - std::log(2.0f));
+  EXPECT_TRUE(std::isnan(result(3)) && std::isnan(result(4)));
 }
 
 TEST(Ensemble, RefusesWeightsOfAnotherNumberOfNetworks) {
   NetworkParts parts = random_parts(NetworkRole::posterior, EstimatorKind::maf);
   parts.estimator.num_networks = 2;
   EXPECT_THROW(make_posterior(parts), ShapeError);
+}
+
+// What one network is judged by, the others train on.
+TEST(Ensemble, EachNetworkValidatesOnRowsOfItsOwn) {
+  class Watcher : public Objective {
+   public:
+    Index num_rows() const override { return 1000; }
+    double loss(const Parameters<float>&, const Batch& batch,
+                Parameters<float>* gradient) override {
+      if (gradient == nullptr) validated.insert(batch.rows.begin(), batch.rows.end());
+      if (gradient != nullptr) gradient->setZero();
+      return 0.0;
+    }
+    std::set<std::uint32_t> validated;
+  };
+  std::set<std::uint32_t> all;
+  for (Index m = 0; m < 10; ++m) {
+    Watcher watcher;
+    TrainingState state;
+    state.parameters = Parameters<float>::Zero(1);
+    train(watcher, {.max_epochs = 1}, {seed_of_network(1, m), "train", 1, 0, 0}, {1, m}, state,
+          [](const TrainingState&) { return true; });
+    EXPECT_EQ(watcher.validated.size(), 100u);
+    all.merge(watcher.validated);
+  }
+  EXPECT_EQ(all.size(), 1000u);
+}
+
+// Rounds with several networks: neighbors are of other networks in an order that changes.
+TEST(Ensemble, SamplesComeFromTheNetworksInRandomOrder) {
+  const DirectPosterior posterior(random_parts(NetworkRole::posterior, EstimatorKind::mdn));
+  const RowMatrix samples = posterior.sample(3 * 300, {1, "posterior", 0, 0, 0});
+  Index first = 0;
+  for (Index m = 0; m < kNetworks; ++m) {
+    const auto one = make_posterior(network_of(posterior.parts(), m));
+    const RowMatrix own = one->sample(3 * 300, {1, "posterior", 0, 0, 0});
+    for (Index k = 0; k < 64; ++k) first += samples(3 * k, 0) == own(64 * m + k, 0) ? 1 : 0;
+  }
+  EXPECT_EQ(first, 64) << "each group begins with a sample of one network";
+}
+
+// The others end with the first, and its error is what is said.
+TEST(Ensemble, AnErrorOfOneNetworkEndsAll) {
+  const LinearGaussian task(1);
+  const Prior prior = task.prior();
+  PosteriorEstimationConfig config = small_config(Algorithm::npe_c, EstimatorKind::maf, 1, 500);
+  config.estimator.num_networks = 3;
+  config.training.max_epochs = 1'000'000;
+  config.training.stop_after_epochs = 1'000'000;
+  const RowMatrix theta = sample_prior(prior, 500, 1);
+  const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
+  const MatrixFeatures source(x);
+  const RoundData data{&prior,           &source, theta, std::vector<std::uint32_t>(500, 1),
+                       VectorF::Zero(1), {}};
+  std::vector<TrainingState> states;
+  EXPECT_THROW(estimate_posterior(config, data, {1, "train", 1, 0, 0}, states,
+                                  [](Index m, const TrainingState&) -> bool {
+                                    if (m == 0) throw Error("no space left");
+                                    return true;
+                                  }),
+               Error);
 }
 
 TEST(Ensemble, FindsTheLinearGaussianPosterior) {

@@ -57,7 +57,11 @@ TEST(NreB, FindsTheLinearGaussianPosteriorOverRounds) {
 
 TEST(Algorithms, SayWhichEstimatorsSuitThem) {
   EXPECT_EQ(message_of<InputError>([] { check_estimator(Algorithm::nre_b, {}); }),
-            "density_estimator.kind = 'maf', must be one of resnet with algorithm 'nre_b'");
+            "density_estimator.kind = 'nsf', must be one of resnet with algorithm 'nre_b'");
+  EXPECT_EQ(message_of<InputError>([] {
+              check_estimator(Algorithm::npe_a, {.kind = EstimatorKind::mdn, .num_networks = 5});
+            }),
+            "density_estimator.num_networks = 5, must be 1 with algorithm 'npe_a'");
 }
 
 TEST(Algorithms, EveryOneIsFoundByItsNameAndByOlderSpellings) {
