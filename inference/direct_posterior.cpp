@@ -1,6 +1,5 @@
 #include "inference/direct_posterior.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -43,31 +42,30 @@ DirectPosterior::DirectPosterior(NetworkParts given) : NetworkPosterior(std::mov
   mixture_ = corrected_for_proposal(*mixture_, *parts().proposal);
 }
 
-// Place of network m among the M samples from number `first` on: each of them is of another
-// network, in random order.
-Index DirectPosterior::place_of(Index m, Index first, const StreamId& id) const {
-  StreamId order = within(id, "networks");
-  order.row += static_cast<std::uint64_t>(first);
-  const auto networks = Stream(order).permutation(static_cast<std::uint32_t>(members_.size()));
-  return std::ranges::find(networks, static_cast<std::uint32_t>(m)) - networks.begin();
-}
-
+// Rows of one network lie in blocks; then each of M samples is of another network, in random order.
 Samples DirectPosterior::draw(Index n, const StreamId& id) const {
   if (parts().proposal) return {prior().to_theta(mixture_->sample(n, id))};
   const Index networks = std::ssize(members_), rows = kBlockRows * networks;
   const Index groups = (n + rows - 1) / rows;
-  RowMatrix u(groups * rows, prior().dimension());
+  RowMatrixF drawn(groups * rows, prior().dimension());
   parallel_for(groups * networks, [&](Index b) {
-    const Index m = b % networks;
-    const Member& member = members_[static_cast<std::size_t>(m)];
+    const Member& member = members_[static_cast<std::size_t>(b % networks)];
     StreamId block = id;
     block.row += static_cast<std::uint64_t>(b * kBlockRows);
-    const RowMatrixF drawn = member.network.sample(member.weights, z_, kBlockRows, block);
-    for (Index k = 0; k < kBlockRows; ++k) {
-      const Index first = b / networks * rows + k * networks;
-      u.row(first + place_of(m, first, id)) = drawn.row(k).cast<double>();
-    }
+    drawn.middleRows(b * kBlockRows, kBlockRows) =
+        member.network.sample(member.weights, z_, kBlockRows, block);
   });
+  RowMatrix u(drawn.rows(), drawn.cols());
+  for (Index first = 0; first < n; first += networks) {
+    StreamId order = within(id, "networks");
+    order.row += static_cast<std::uint64_t>(first);
+    const Index row =
+        first / rows * rows + first % rows / networks;  // of the group's first network
+    Index place = first;
+    for (const Index m : Stream(order).permutation(static_cast<std::uint32_t>(networks))) {
+      u.row(place++) = drawn.row(row + m * kBlockRows).cast<double>();
+    }
+  }
   return {prior().to_theta(u.topRows(n))};
 }
 

@@ -29,7 +29,6 @@ class DirectPosterior : public NetworkPosterior {
     Parameters<float> weights;
   };
 
-  Index place_of(Index m, Index first, const StreamId& id) const;
   GaussianMixture mixture_of(const Member& member) const;
   GaussianMixture mixture_of_networks() const;
   Vector networks_log_prob(const RowMatrixF& u) const;

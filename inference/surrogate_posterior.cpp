@@ -56,6 +56,7 @@ SurrogatePosterior::SurrogatePosterior(NetworkParts given)
   require_weights(parts(),
                   first.ratio ? first.ratio->num_parameters() : first.likelihood->num_parameters());
   parts().transform.apply(parts().x_o.transpose(), z_);
+  z_rows_ = z_.replicate(kBlockRows, 1);
 }
 
 SurrogatePosterior::~SurrogatePosterior() = default;
@@ -80,7 +81,7 @@ void SurrogatePosterior::evaluate(const Member& member, const RowMatrixF& u,
     member.ratio->logits(member.weights, u, z_, scratch, values);
   } else {
     auto scratch = member.likelihood->make_scratch();
-    member.likelihood->log_prob(member.weights, z_.replicate(u.rows(), 1), u, scratch, values);
+    member.likelihood->log_prob(member.weights, z_rows_, u, scratch, values);
   }
 }
 

@@ -46,7 +46,8 @@ class SurrogatePosterior : public NetworkPosterior {
   void evaluate(const Member& member, const RowMatrixF& u, VectorF& values) const;
 
   std::vector<Member> members_;
-  RowMatrixF z_;  ///< (1, F or k): x_o, transformed
+  RowMatrixF z_;       ///< (1, F or k): x_o, transformed
+  RowMatrixF z_rows_;  ///< (kBlockRows, F or k): the same in each row
   std::unique_ptr<Normalizer> normalizer_;
 };
 

@@ -8,7 +8,7 @@ namespace npdr::inference {
 /// Rows that are needed to train, and to validate.
 inline constexpr Index kFewestTrainingRows = 2;
 
-/// Defaults do best on average over known posteriors (bench/bench_posteriors.cpp).
+/// Defaults were chosen by the losses of fresh simulations of tasks with known posteriors.
 struct TrainingConfig {
   double learning_rate = 1e-3;
   Index batch_size = 50;
