@@ -58,8 +58,10 @@ Method abc_method(const std::string& name, Algorithm algorithm, Index num_rounds
 }
 
 std::vector<Method> all_methods() {
-  return {ensemble_method("NPE, 5 splines", Algorithm::npe_c, EstimatorKind::nsf),
+  return {ensemble_method("NPE and NLE, 5 splines", Algorithm::npe_nle, EstimatorKind::nsf),
+          ensemble_method("NPE, 5 splines", Algorithm::npe_c, EstimatorKind::nsf),
           ensemble_method("NPE, 5 MAFs", Algorithm::npe_c, EstimatorKind::maf),
+          ensemble_method("NLE, 5 splines", Algorithm::nle, EstimatorKind::nsf),
           ensemble_method("NLE, 5 MAFs", Algorithm::nle, EstimatorKind::maf),
           method("NPE, MAF", Algorithm::npe_c, EstimatorKind::maf, 1),
           method("NPE, MoG", Algorithm::npe_c, EstimatorKind::mdn, 1),

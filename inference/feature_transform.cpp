@@ -110,6 +110,17 @@ RowMatrix first_standardized_rows(const FeatureSource& x, const FeatureTransform
   return all;
 }
 
+std::vector<Index> varying_columns(const FeatureTransform& transform) {
+  const bool projects = transform.basis.cols() > 0;
+  std::vector<Index> varying;
+  for (Index k = 0; k < transform.num_outputs(); ++k) {
+    const bool varies = projects ? transform.basis.col(k).squaredNorm() > 0.0f
+                                 : transform.inverse_deviation(k) > 0.0f;
+    if (varies) varying.push_back(k);
+  }
+  return varying;
+}
+
 }  // namespace
 
 void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {
@@ -123,14 +134,13 @@ void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {
   if (projects) z.noalias() = standardized * basis;
 }
 
+Index num_varying_outputs(const FeatureTransform& transform) {
+  return std::ssize(varying_columns(transform));
+}
+
 FeatureTransform varying_outputs(const FeatureTransform& transform) {
   const bool projects = transform.basis.cols() > 0;
-  std::vector<Index> varying;
-  for (Index k = 0; k < transform.num_outputs(); ++k) {
-    const bool varies = projects ? transform.basis.col(k).squaredNorm() > 0.0f
-                                 : transform.inverse_deviation(k) > 0.0f;
-    if (varies) varying.push_back(k);
-  }
+  const std::vector<Index> varying = varying_columns(transform);
   if (varying.empty()) throw InputError("no feature of x varies among the simulations");
   const auto count = static_cast<Index>(varying.size());
   FeatureTransform result = transform;

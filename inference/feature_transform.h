@@ -45,5 +45,7 @@ FeatureTransform fit_feature_transform(const FeatureSource& x, Index components)
 /// `transform` without the outputs that are 0 for all simulations: where the density of z itself is
 /// learned, it would be infinite there. Throws InputError when none is left.
 FeatureTransform varying_outputs(const FeatureTransform& transform);
+/// How many outputs that leaves.
+Index num_varying_outputs(const FeatureTransform& transform);
 
 }  // namespace npdr::inference

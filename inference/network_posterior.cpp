@@ -1,6 +1,7 @@
 #include "inference/network_posterior.h"
 
 #include "inference/direct_posterior.h"
+#include "inference/pooled_posterior.h"
 #include "inference/surrogate_posterior.h"
 
 namespace npdr::inference {
@@ -19,6 +20,7 @@ ParameterLayout network_layout(const NetworkParts& parts) {
 }
 
 std::unique_ptr<NetworkPosterior> make_posterior(NetworkParts parts) {
+  if (parts.likelihood) return std::make_unique<PooledPosterior>(std::move(parts));
   if (parts.role == NetworkRole::posterior) {
     return std::make_unique<DirectPosterior>(std::move(parts));
   }

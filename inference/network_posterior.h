@@ -26,6 +26,13 @@ constexpr auto enum_table(NetworkRole) {
       {{posterior, "posterior"}, {likelihood, "likelihood"}, {ratio, "ratio"}});
 }
 
+/// Likelihood networks that are pooled with a posterior's (pooled_posterior.h): as many, of the
+/// same estimator, of the features that vary.
+struct PooledLikelihood {
+  Parameters<float> parameters;
+  double weight = 0.0;  ///< in [0, 1]
+};
+
 /// Everything that such a posterior consists of: what a file must hold.
 struct NetworkParts {
   Prior prior;
@@ -39,7 +46,8 @@ struct NetworkParts {
   /// Proposal of the simulations that the network saw, where its answer must still be divided by
   /// it (NPE-A); role posterior of a mixture only.
   std::optional<GaussianMixture> proposal = {};
-  SamplerConfig sampler = {};  ///< roles likelihood and ratio only
+  SamplerConfig sampler = {};                       ///< roles likelihood and ratio only
+  std::optional<PooledLikelihood> likelihood = {};  ///< role posterior only
 };
 
 class NetworkPosterior : public Posterior {

@@ -4,7 +4,7 @@
     theta = posterior.sample(1000, np.random.default_rng(1))  # (1000, D), columns posterior.names
     posterior.log_prob(theta)                                 # (1000) [nats]
 
-docs/file-formats.md says what stands in the file, docs/methods.md where the equations come from.
+docs/file-formats.md says what stands in the file, docs/methods.md where the equations come from;
 npdr_particles.py reads those of ABC, linear regression and refinement.
 """
 import json
@@ -21,6 +21,9 @@ def read(group):
 
 def log_normal(u):
     return -0.5 * np.sum(u**2, axis=-1) - 0.5 * u.shape[-1] * math.log(2 * math.pi)
+
+def log_mean(networks, u, z):  # of their densities
+    return np.logaddexp.reduce([network.log_prob(u, z) for network in networks]) - math.log(len(networks))
 
 def positive(a):  # 1 at 0, at least 1e-3
     return np.logaddexp(0, a + math.log(math.expm1(1 - 1e-3))) + 1e-3
@@ -108,16 +111,23 @@ class Network:
             z[:, self.w[f"transform_{k}.order"]] = u
         return z
 
-class Posterior:
+class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l, or of both, pooled
     def __init__(self, path):
         with h5py.File(path) as f:
-            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 6] or "network_1" not in f:
-                raise ValueError(f"{path}: not a trained posterior of schema 6; npdr run makes one")
+            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 7] or "network_1" not in f:
+                raise ValueError(f"{path}: not a trained posterior of schema 7; npdr run makes one")
             config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]
-            self.networks = [Network(f[f"network_{m + 1}"], config) for m in range(config["num_networks"])]
+            names = [f"network_{m + 1}" for m in range(config["num_networks"])]
+            self.networks, self.pool = [Network(f[name], config) for name in names], {}
+            self.likelihoods = self.networks
+            if self.role != "posterior":  # q is the prior
+                self.networks, self.pool = [], {"weight": 1, "weight_at_x_o": 1, "log_normalizer_at_x_o": 0}
+            elif "likelihood" in f:
+                self.pool = dict(f["likelihood"].attrs)
+                self.likelihoods = [Network(f["likelihood"][name], config) for name in names]
             self.names, self.x_o, self.transform = self.prior.names, f["x_o"][:], read(f["transform"])
             self.mixture = read(f["mixture"]) if "mixture" in f else {}
-        if "head.weight" in self.networks[0].w and not self.mixture:
+        if "head.weight" in self.likelihoods[0].w and not self.mixture:
             raise ValueError(f"{path}: a mixture as likelihood can't be read here; use npdr log-prob")
     def features(self, x):  # (1, F or k)
         if self.mixture and x is not None:
@@ -125,26 +135,36 @@ class Posterior:
         t, x = self.transform, self.x_o if x is None else x
         z = np.clip((x - t["mean"]) * t["inverse_deviation"], -t["farthest"], t["farthest"])[None]
         return z @ t["basis"] if "basis" in t else z
-    def log_q(self, u, z):  # the mean of the networks' densities
+    def log_q(self, u, z):
         if self.mixture:
             y = np.einsum("kij,nkj->nki", self.mixture["factor"], u[:, None] - self.mixture["mean"])
             log_det = np.log(np.einsum("kii->ki", self.mixture["factor"])).sum(1)
             return np.logaddexp.reduce(self.mixture["log_weight"] + log_det + log_normal(y), axis=1)
-        u, z = (np.repeat(z, len(u), 0), u) if self.role == "likelihood" else (u, z)
-        return np.logaddexp.reduce([net.log_prob(u, z) for net in self.networks]) - math.log(len(self.networks))
-    def log_prob(self, theta, x=None):  # in the roles likelihood and ratio up to a constant
-        u, log_slope = self.prior.to_u(theta)
-        return self.log_q(u, self.features(x)) + log_slope + (0 if self.role == "posterior" else log_normal(u))
+        return log_mean(self.networks, u, z) if self.networks else log_normal(u)
+    def log_weight(self, u, z, at_x_o):  # of draws of q: (l N / q)^weight
+        if not self.pool:
+            return 0
+        basis = self.transform.get("basis", np.diag(self.transform["inverse_deviation"]))
+        varying = np.repeat(z[:, np.any(basis, axis=0)], len(u), 0)
+        log_l = log_mean(self.likelihoods, *((u, z) if self.role == "ratio" else (varying, u)))
+        return self.pool["weight_at_x_o" if at_x_o else "weight"] * (log_l + log_normal(u) - self.log_q(u, z))
+    def log_prob(self, theta, x=None):  # up to a constant: roles likelihood and ratio, a pool at another x
+        (u, log_slope), z = self.prior.to_u(theta), self.features(x)
+        log_p = self.log_q(u, z) + self.log_weight(u, z, x is None) + log_slope
+        return log_p - self.pool.get("log_normalizer_at_x_o", 0)
+    def draw_q(self, z, n, rng):
+        if self.mixture:
+            k = rng.choice(len(self.mixture["mean"]), n, p=np.exp(self.mixture["log_weight"]))
+            y = np.linalg.solve(self.mixture["factor"][k], rng.standard_normal((n, len(self.names), 1)))
+            return self.mixture["mean"][k] + y[..., 0]
+        if not self.networks:
+            return rng.standard_normal((n, len(self.names)))
+        counts = rng.multinomial(n, np.full(len(self.networks), 1 / len(self.networks)))
+        return rng.permutation(np.concatenate([net.sample(z, k, rng) for net, k in zip(self.networks, counts)]))
     def sample(self, n, rng, x=None, num_candidates=100_000):
         z = self.features(x)
-        if self.role != "posterior":  # draws of the prior, resampled by their weight
-            u = rng.standard_normal((num_candidates, len(self.names)))
-            weight = np.exp((log_weight := self.log_q(u, z)) - log_weight.max())
-            return self.prior.to_theta(u[rng.choice(num_candidates, n, p=weight / weight.sum())])
-        if not self.mixture:
-            counts = rng.multinomial(n, np.full(len(self.networks), 1 / len(self.networks)))
-            u = [net.sample(z, count, rng) for net, count in zip(self.networks, counts)]
-            return self.prior.to_theta(rng.permutation(np.concatenate(u)))
-        k = rng.choice(len(self.mixture["mean"]), n, p=np.exp(self.mixture["log_weight"]))
-        y = np.linalg.solve(self.mixture["factor"][k], rng.standard_normal((n, len(self.names), 1)))
-        return self.prior.to_theta(self.mixture["mean"][k] + y[..., 0])
+        u = self.draw_q(z, num_candidates if self.pool else n, rng)
+        if self.pool:  # resampled by their weight
+            log_w = self.log_weight(u, z, x is None)
+            u = u[rng.choice(len(u), n, p=np.exp(log_w - np.logaddexp.reduce(log_w)))]
+        return self.prior.to_theta(u)

@@ -20,6 +20,7 @@ using R = NetworkRole;
 // Every algorithm. To add one that trains a network, write its Objective, a case for it in
 // round_task.cpp, and a row here. Other spellings are those of older papers and tools.
 constexpr std::array kAlgorithms = std::to_array<AlgorithmTraits>({
+    {{A::npe_nle, "npe_nle"}, F::network, R::posterior, kDensities, "", false, true},
     {{A::npe_a, "npe_a", "snpe_a snpe-a bayessim"},
      F::network,
      R::posterior,
@@ -35,7 +36,13 @@ constexpr std::array kAlgorithms = std::to_array<AlgorithmTraits>({
     {{A::nle, "nle", "snle"}, F::network, R::likelihood, kDensities},
     {{A::nre_a, "nre_a", "aalr snre_a"}, F::network, R::ratio, kRatios},
     {{A::nre_b, "nre_b", "snre_b"}, F::network, R::ratio, kRatios, "num_atoms"},
-    {{A::abc_rejection, "abc_rejection", "abc rejection_abc mcabc"}, F::abc},
+    {{A::abc_rejection, "abc_rejection", "abc rejection_abc mcabc"},
+     F::abc,
+     R::posterior,
+     {},
+     "",
+     false,
+     true},
     {{A::abc_mcmc, "abc_mcmc", "mcmc_abc"}, F::abc},
     {{A::abc_smc, "abc_smc", "smc_abc"}, F::abc},
     {{A::linear_regression, "linear_regression", "blr bayesian_linear_regression"}, F::regression},

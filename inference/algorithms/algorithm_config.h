@@ -12,7 +12,8 @@
 namespace npdr::inference {
 
 enum class Algorithm {
-  npe_a,  ///< this and the next five: posterior_estimation.h
+  npe_nle,  ///< this and the next six: posterior_estimation.h
+  npe_a,
   npe_b,
   npe_c,
   nle,
@@ -46,6 +47,7 @@ struct AlgorithmTraits : EnumRow<Algorithm> {
   /// One Gaussian is the network until the last round, which grows it to a mixture; posteriors are
   /// divided by their proposal.
   bool grows_in_last_round = false;
+  bool has_one_round = false;  ///< all simulations come from the prior
 };
 
 /// Every algorithm, in the documented order.

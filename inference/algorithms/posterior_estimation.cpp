@@ -6,8 +6,10 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "inference/algorithms/component_growth.h"
+#include "inference/algorithms/pool_weight.h"
 #include "inference/algorithms/round_task.h"
 #include "inference/ensemble.h"
+#include "inference/pooled_posterior.h"
 
 namespace npdr::inference {
 namespace {
@@ -44,6 +46,17 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
     parts.proposal = dynamic_cast<const DirectPosterior&>(previous).mixture();
   }
   return parts;
+}
+
+// What is trained: the networks of the algorithm's role, and for "npe_nle" those of the likelihood.
+std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& config,
+                                              const RoundData& data, const StreamId& id) {
+  std::vector<NetworkParts> ensembles = {untrained_parts(config, data, id)};
+  if (config.algorithm.kind != Algorithm::npe_nle || config.trained_features > 0) return ensembles;
+  const Index varying = num_varying_outputs(ensembles.front().transform);
+  if (varying == 0 || varying > kMostPooledFeatures) return ensembles;
+  ensembles.push_back(likelihood_parts(ensembles.front()));
+  return ensembles;
 }
 
 Parameters<float> first_weights(const PosteriorEstimationConfig& config, const RoundTask& task,
@@ -92,20 +105,22 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
                                                      std::vector<TrainingState>& states,
                                                      const NetworkHook& hook) {
   check_estimator(config.algorithm.kind, config.estimator);
-  NetworkParts parts = untrained_parts(config, data, id);
-  states.resize(static_cast<std::size_t>(parts.estimator.num_networks));
+  std::vector<NetworkParts> ensembles = untrained_ensembles(config, data, id);
+  const Index networks = config.estimator.num_networks;
+  states.resize(ensembles.size() * static_cast<std::size_t>(networks));
   const VectorF weights_of_rows = row_weights(config, data);
   std::mutex one_at_a_time;
   std::atomic<bool> halted = false;  // by the hook, or by the error of a network
-  parallel_for(std::ssize(states), [&](Index m) {
+  parallel_for(std::ssize(states), [&](Index k) {
     if (halted) return;
     const auto hook_of_network = [&](const TrainingState& state) {
       const std::scoped_lock lock(one_at_a_time);
-      return hook(m, state) && !halted;
+      return hook(k, state) && !halted;
     };
     try {
-      const bool ended = train_network(config, data, weights_of_rows, parts, m, id,
-                                       states[static_cast<std::size_t>(m)], hook_of_network);
+      const NetworkParts& parts = ensembles[static_cast<std::size_t>(k / networks)];
+      const bool ended = train_network(config, data, weights_of_rows, parts, k % networks, id,
+                                       states[static_cast<std::size_t>(k)], hook_of_network);
       if (!ended) halted = true;
     } catch (...) {
       halted = true;
@@ -113,9 +128,20 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
     }
   });
   if (halted) return nullptr;
-  std::vector<Parameters<float>> weights;
-  for (const TrainingState& state : states) weights.push_back(state.best_parameters);
-  parts.parameters = joined(weights);
+  for (std::size_t e = 0; e < ensembles.size(); ++e) {
+    std::vector<Parameters<float>> weights;
+    const auto first = static_cast<Index>(e) * networks;
+    for (Index k = first; k < first + networks; ++k) {
+      weights.push_back(states[static_cast<std::size_t>(k)].best_parameters);
+    }
+    ensembles[e].parameters = joined(weights);
+  }
+  NetworkParts& parts = ensembles.front();
+  if (ensembles.size() > 1) {
+    NetworkParts& likelihood = ensembles.back();
+    const double weight = pool_weight(parts, likelihood, data, config.training, id);
+    parts.likelihood = {std::move(likelihood.parameters), weight};
+  }
   return make_posterior(std::move(parts));
 }
 

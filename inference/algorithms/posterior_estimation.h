@@ -1,5 +1,9 @@
 /// One round of neural inference: simulations of all rounds so far -> posterior.
 ///
+///  - npe_nle: q(u | z) and l(z | u), both by maximum likelihood, pooled (pooled_posterior.h) by
+///  how
+///    they predict held-out parameters (pool_weight.h); q alone where x is a trained layer's, or
+///    has more than kMostPooledFeatures;
 ///  - npe_a: q(u | z), a mixture, by maximum likelihood on the last round's simulations; divided by
 ///    their proposal (likelihood_objective.h, gaussian_mixture.h);
 ///  - npe_b: q(u | z) by maximum likelihood weighted by p / p~ (likelihood_objective.h);
@@ -30,6 +34,10 @@ struct PosteriorEstimationConfig {
   Index trained_features = 0;      ///< width of the linear layer; 0: none
 };
 
+/// Features of x, or its principal components, that "npe_nle" learns a likelihood of: that of many
+/// costs much and says little.
+inline constexpr Index kMostPooledFeatures = 50;
+
 /// The simulations of all rounds so far, the failed ones left out, and what was observed.
 struct RoundData {
   const Prior* prior = nullptr;
@@ -50,10 +58,10 @@ bool never_stop(Index m, const TrainingState& state);
 
 /// Trains the networks of the estimator on `data`, each on a thread, from the weights and the
 /// feature transform of the last round's posterior, or from scratch in round 1. `id` names the seed
-/// and round. `states`: one a network, or none; a state that a hook kept goes on from there with
-/// the same bits, an empty one starts. Returns nothing when the hook stopped a training. Throws
-/// ShapeError for the state of another network, InputError for a density estimator that doesn't
-/// suit the algorithm.
+/// and round. `states`: one a network, those of a likelihood after those of the posterior, or none;
+/// a state that a hook kept goes on from there with the same bits, an empty one starts. Returns
+/// nothing when the hook stopped a training. Throws ShapeError for the state of another network,
+/// InputError for a density estimator that doesn't suit the algorithm.
 std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
                                                      const RoundData& data, const StreamId& id,
                                                      std::vector<TrainingState>& states,

@@ -82,7 +82,8 @@ class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
     };
     if (config.algorithm.kind == Algorithm::npe_a) {
       likelihood(rows_of_last_round(data), {});
-    } else if (config.algorithm.kind == Algorithm::npe_b) {
+    } else if (config.algorithm.kind == Algorithm::npe_nle ||
+               config.algorithm.kind == Algorithm::npe_b) {
       likelihood(all_rows(data), row_weights);
     } else {
       if (is_analytic(config.algorithm, config.estimator.kind)) {

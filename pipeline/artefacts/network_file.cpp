@@ -111,7 +111,9 @@ std::string group_of_network(Index m) { return fmt::format("network_{}", m + 1);
 
 std::vector<Index> networks_there(const Layout& f) {
   std::vector<Index> networks;
-  for (Index m = 0; m < static_cast<Index>(inference::EstimatorConfig::kNumNetworks.high); ++m) {
+  // "npe_nle" trains as many again.
+  for (Index m = 0; m < static_cast<Index>(2 * inference::EstimatorConfig::kNumNetworks.high);
+       ++m) {
     if (!f.those_there({group_of_network(m)}).empty()) networks.push_back(m);
   }
   return networks;

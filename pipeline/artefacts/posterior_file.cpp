@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/error.h"
 #include "core/text.h"
-#include "inference/direct_posterior.h"
+#include "inference/pooled_posterior.h"
 #include "pipeline/artefacts/json_attribute.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/network_file.h"
@@ -70,6 +71,30 @@ void describe_proposal(Layout f, inference::GaussianMixture& proposal) {
   }
 }
 
+// What follows from the rest at x_o is there for those who read files without the program.
+void describe(Layout f, PoolNotes& pool) {
+  f.attribute("weight", pool.weight,
+              "of `npe_nle`: of the likelihood's posterior in the pool with that of the networks "
+              "above, in [0, 1]");
+  f.attribute("weight_at_x_o", pool.weight_at_x_o,
+              "the same at x_o: less where the two contradict each other there");
+  f.attribute("log_normalizer_at_x_o", pool.log_normalizer,
+              "log integral of q^(1 - weight) (l N)^weight at x_o [nats]");
+  if (f.reads() && !(pool.weight >= 0.0 && pool.weight <= 1.0)) {
+    throw InputError(f.where() + ": " +
+                     must_be("attribute 'weight'", fmt::format("{}", pool.weight),
+                             "in [0, 1]; rerun stage 'infer'"));
+  }
+}
+
+void describe_likelihood(Layout f, PoolNotes& pool, inference::NetworkParts& parts) {
+  describe(f, pool);
+  parts.likelihood->weight = pool.weight;
+  inference::NetworkParts likelihood = inference::likelihood_parts(parts);
+  describe_layers(f, likelihood);
+  parts.likelihood->parameters = std::move(likelihood.parameters);
+}
+
 void describe(Layout f, inference::NetworkParts& parts, Observed& observed) {
   describe_architecture(f, parts);
   describe(f, parts.x_o, observed);
@@ -111,7 +136,7 @@ void describe(Layout f, TrainingLosses& losses) {
   f("validation_loss", losses.validation, epochs, "the same of the validation rows");
 }
 
-void write_losses(Layout f, const std::vector<inference::TrainingState>& trainings) {
+void write_losses(Layout f, std::span<const inference::TrainingState> trainings) {
   Layout group = f.group("training");
   for (Index m = 0; m < std::ssize(trainings); ++m) {
     const inference::TrainingState& state = trainings[static_cast<std::size_t>(m)];
@@ -141,13 +166,17 @@ inference::NetworkParts parts_over(const std::vector<inference::Marginal>& prior
 }
 
 std::unique_ptr<inference::NetworkPosterior> read_network(const h5::File& file) {
-  const Layout f = Layout::reader(file);
+  Layout f = Layout::reader(file);
   std::vector<inference::Marginal> prior;
   describe(f, prior);
   inference::NetworkParts parts = parts_over(prior);
   Observed observed;
   describe(f, parts, observed);
   describe_layers(f, parts);
+  PoolNotes pool;
+  if (auto group = f.group("likelihood", parts.likelihood)) {
+    describe_likelihood(*group, pool, parts);
+  }
   try {
     return inference::make_posterior(std::move(parts));
   } catch (const ShapeError& error) {
@@ -184,7 +213,7 @@ void write_posterior(h5::File& file, const MethodConfig& method,
                     .num_rollouts = target.num_rollouts(),
                     .num_steps = target.num_steps(),
                     .channels = {target.state_channels, target.action_channels}};
-  const Layout f = Layout::writer(file);
+  Layout f = Layout::writer(file);
   describe(f, prior);
   describe(f, parts, observed);
   describe_layers(f, parts);
@@ -192,9 +221,18 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   if (direct != nullptr && parts.estimator.kind == inference::EstimatorKind::mdn) {
     describe_mixture(f, direct->mixture());
   }
+  const std::span all = trainings;
+  const std::size_t networks =
+      std::min(all.size(), static_cast<std::size_t>(parts.estimator.num_networks));
+  write_losses(f, all.first(networks));
+  if (auto likelihood = f.group("likelihood", parts.likelihood)) {
+    const auto& pool = dynamic_cast<const inference::PooledPosterior&>(posterior);
+    PoolNotes notes{parts.likelihood->weight, pool.weight(), pool.log_normalizer()};
+    describe_likelihood(*likelihood, notes, parts);
+    write_losses(*likelihood, all.subspan(networks));
+  }
   describe_embedding(f, method.embedding);
   describe(f, rows);
-  write_losses(f, trainings);
 }
 
 void describe(Layout f, std::vector<inference::Marginal>& prior) {
@@ -269,9 +307,11 @@ PosteriorNotes read_posterior_notes(const ArtefactFile& artefact) {
   PosteriorNotes notes{.rows = {},
                        .regression = read_regression_counts(file),
                        .certificate = read_certificate(file),
-                       .losses = {}};
-  const Layout f = Layout::reader(file);
+                       .losses = {},
+                       .pool = {}};
+  Layout f = Layout::reader(file);
   describe(f, notes.rows);
+  if (auto group = f.group("likelihood", notes.pool)) describe(*group, *notes.pool);
   if (!holds_particles(file)) notes.losses = read_losses(f);
   return notes;
 }
@@ -285,6 +325,8 @@ void list_posterior(Layout f) {
   describe(f, prior);
   describe(f, parts, observed);
   describe_mixture(f, {Vector::Zero(1), {Vector::Zero(1)}, {Eigen::MatrixXd::Ones(1, 1)}});
+  PoolNotes pool;
+  describe(f.group("likelihood"), pool);
   describe_embedding(f, {});
   describe(f, rows);
   describe(f.group("training").group(group_of_network(0)), losses);

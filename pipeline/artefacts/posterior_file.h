@@ -59,12 +59,20 @@ struct TrainingLosses {
   Vector validation;
 };
 
+/// How much the likelihood of "npe_nle" counts (pooled_posterior.h).
+struct PoolNotes {
+  double weight = 0.0;          ///< by held-out simulations
+  double weight_at_x_o = 0.0;   ///< less where networks contradict each other
+  double log_normalizer = 0.0;  ///< at x_o [nats]
+};
+
 /// Counts and losses that stand beside the posterior.
 struct PosteriorNotes {
   RowCounts rows;
   std::optional<RegressionCounts> regression;
   std::optional<inference::ImportanceCertificate> certificate;
   std::vector<TrainingLosses> losses;  ///< one a network
+  std::optional<PoolNotes> pool;
 };
 /// Throws InputError.
 PosteriorNotes read_posterior_notes(const ArtefactFile& artefact);

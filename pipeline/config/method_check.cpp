@@ -28,6 +28,7 @@ class MethodChecker : Checker {
   void check_estimator(const std::string& path, MethodConfig& method);
   void check_networks(const std::string& path, const MethodConfig& method);
   void check_loss(const std::string& path, const MethodConfig& method);
+  void check_rounds(const std::string& path, const MethodConfig& method);
   void check_abc(const std::string& path, const MethodConfig& method);
   void check_regression(const std::string& path);
   void check_refine(const std::string& path, const MethodConfig& method);
@@ -50,6 +51,7 @@ void MethodChecker::check(std::size_t i) {
   check_unused_settings(path, method);
   check_iterations(path, method);
   check_embedding(path + ".embedding", method.embedding);
+  check_rounds(path, method);
   switch (inference::traits_of(method.algorithm.kind).family) {
     case inference::AlgorithmFamily::network:
       check_training(path, method);
@@ -212,6 +214,16 @@ void MethodChecker::check_iterations(const std::string& path, const MethodConfig
   }
 }
 
+void MethodChecker::check_rounds(const std::string& path, const MethodConfig& method) {
+  const std::string rounds = path + ".num_rounds";
+  if (!inference::traits_of(method.algorithm.kind).has_one_round) return;
+  if (method.algorithm.num_rounds == 1 || !reading_.good(rounds)) return;
+  fail(rounds, std::to_string(method.algorithm.num_rounds),
+       fmt::format("1 with algorithm '{}', whose simulations all come from the prior: raise "
+                   "num_simulations",
+                   name_of(method.algorithm.kind)));
+}
+
 void MethodChecker::check_abc(const std::string& path, const MethodConfig& method) {
   const std::string kind = path + ".embedding.kind", rounds = path + ".num_rounds";
   if (reading_.good(kind) && method.embedding.kind == inference::EmbeddingKind::linear) {
@@ -220,15 +232,9 @@ void MethodChecker::check_abc(const std::string& path, const MethodConfig& metho
                      name_of(method.algorithm.kind)));
   }
   if (!reading_.good(rounds)) return;
-  const std::string found = std::to_string(method.algorithm.num_rounds);
-  if (method.algorithm.kind == inference::Algorithm::abc_rejection &&
-      method.algorithm.num_rounds != 1) {
-    fail(rounds, found,
-         "1 with algorithm 'abc_rejection', whose simulations all come from the prior: raise "
-         "num_simulations");
-  }
   if (method.algorithm.kind == inference::Algorithm::abc_mcmc && method.algorithm.num_rounds < 2) {
-    fail(rounds, found, ">= 2 with algorithm 'abc_mcmc': chains take one step in each round");
+    fail(rounds, std::to_string(method.algorithm.num_rounds),
+         ">= 2 with algorithm 'abc_mcmc': chains take one step in each round");
   }
 }
 

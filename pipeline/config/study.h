@@ -126,7 +126,7 @@ struct RefineConfig {
 /// One column of the study's tables.
 struct MethodConfig {
   std::string name;
-  inference::AlgorithmConfig algorithm;
+  inference::AlgorithmConfig algorithm = {.kind = inference::Algorithm::npe_nle};
   Index num_rollouts = 0;    ///< the first h of the target's rollouts; 0: all
   Index num_iterations = 1;  ///< each collects target rollouts, infers and searches for a policy
   Index policy_iterations = 20;  ///< steps of a policy search

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/config/study_check.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/toml_document.h"
@@ -57,6 +58,17 @@ void resolve_networks(MethodConfig& method, std::size_t i, const Reading& readin
   const std::string key = "method[" + std::to_string(i) + "].density_estimator.num_networks";
   const bool has_one = !inference::allows_ensembles(inference::traits_of(method.algorithm.kind));
   if (has_one && !reading.has(key)) method.density_estimator.num_networks = 1;
+}
+
+// The algorithm of a method that names none has one round; NPE-C is meant by what it alone has.
+void resolve_algorithm(MethodConfig& method, std::size_t i, const Reading& reading) {
+  constexpr auto npe_c = inference::Algorithm::npe_c;
+  const std::string path = "method[" + std::to_string(i) + "].";
+  if (reading.has(path + "algorithm")) return;
+  const auto settings = split(std::string(inference::traits_of(npe_c).settings), ' ');
+  const bool has_setting = std::ranges::any_of(
+      settings, [&](const std::string& setting) { return reading.has(path + setting); });
+  if (method.algorithm.num_rounds > 1 || has_setting) method.algorithm.kind = npe_c;
 }
 
 // As many as tell the parameters apart: a wider layer learns the simulations by heart.
@@ -154,6 +166,7 @@ void resolve(Study& study, const fs::path& file, const Reading& reading) {
   }
   resolve_external(study, file, reading);
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
+    resolve_algorithm(study.methods[i], i, reading);
     resolve_without_network(study, i, reading);
     resolve_networks(study.methods[i], i, reading);
     resolve_features(study, i, reading);

@@ -44,11 +44,30 @@ void add_sampler_cells(const EvaluatedRun& run, Row& row, Table& table) {
   row.cells.push_back(sampler ? worst(sampler->ess, -1.0) : Cell());
 }
 
+bool any_was_pooled(const ReportData& data) {
+  return std::ranges::any_of(data.runs,
+                             [](const EvaluatedRun& run) { return run.notes.pool.has_value(); });
+}
+
+Cell pool_cell(const EvaluatedRun& run, Table& table) {
+  if (!run.notes.pool) return {};
+  const auto& [weight, at_x_o, log_normalizer] = *run.notes.pool;
+  Cell cell = at_x_o;
+  if (at_x_o < weight) {
+    cell.notes.push_back(table.footnote(fmt::format(
+        "{:.2g} among held-out simulations: at x_o the networks of posterior and likelihood "
+        "contradict each other; is it among the simulations?",
+        weight)));
+  }
+  return cell;
+}
+
 // Columns that not every study has.
 struct Columns {
   bool has_nominal;
   bool has_truth;
   bool has_sampler;
+  bool has_pool;
 };
 
 void add_seed_columns(const ReportData& data, const Columns& has, Table& table) {
@@ -62,6 +81,7 @@ void add_seed_columns(const ReportData& data, const Columns& has, Table& table) 
   }
   add_columns(table, {"simulations", "failed", "epochs"});
   if (has.has_sampler) add_columns(table, {"largest R-hat", "smallest ESS"});
+  if (has.has_pool) add_columns(table, {"weight of NLE"});
 }
 
 Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, Table& table) {
@@ -82,6 +102,7 @@ Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, 
   for (const TrainingLosses& network : run.notes.losses) epochs += network.training.size();
   row.cells.push_back(epochs > 0 ? Cell(epochs) : Cell());
   if (has.has_sampler) add_sampler_cells(run, row, table);
+  if (has.has_pool) row.cells.push_back(pool_cell(run, table));
   return row;
 }
 
@@ -89,7 +110,7 @@ Table make(const ReportData& data) {
   Table table =
       empty_table("Each experiment. log p: posterior density in nats.", "Method, seed", {});
   const Columns has{data.plan.source->has_nominal(), data.plan.study.target.truth.has_value(),
-                    any_was_sampled(data)};
+                    any_was_sampled(data), any_was_pooled(data)};
   add_seed_columns(data, has, table);
   note_fixed_parameters(table, data);
   note_known_parameters(table, data);

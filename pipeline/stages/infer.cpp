@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <vector>
 
@@ -45,19 +46,19 @@ auto blaming_checkpoint(const Plan& plan, const Node& node, const Work& work) {
 class EpochReport {
  public:
   // `start`: of the stage; `earlier`: what the runs that this one goes on from left.
-  EpochReport(const Plan& plan, const Node& node, Index num_networks, Clock::time_point start,
+  EpochReport(const Plan& plan, const Node& node, Clock::time_point start,
               const Checkpoint& earlier)
       : plan_(plan),
         node_(node),
         progress_(node.label() + ", epoch", 0),
         start_(start),
         earlier_(earlier.cost),
-        states_(earlier.trainings) {
-    states_.resize(static_cast<std::size_t>(num_networks));
-  }
+        states_(earlier.trainings) {}
 
   bool operator()(Index network, const inference::TrainingState& state) {
-    states_[static_cast<std::size_t>(network)] = state;
+    const auto number = static_cast<std::size_t>(network);
+    states_.resize(std::max(states_.size(), number + 1));
+    states_[number] = state;
     const auto now = Clock::now();
     const bool is_due = seconds_between(saved_, now) > kSecondsBetweenCheckpoints;
     // Saved before it is shown: who looks at the progress may be gone.
@@ -109,7 +110,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
 
   Checkpoint checkpoint = read_checkpoint({plan.work.checkpoint("infer", node.key), node.key});
   writer.add_cost(checkpoint.cost);
-  EpochReport report(plan, node, config.estimator.num_networks, start, checkpoint);
+  EpochReport report(plan, node, start, checkpoint);
   const auto posterior = blaming_checkpoint(plan, node, [&] {
     return inference::estimate_posterior(config, data,
                                          {use.seed, "training", use.stream_round(), 0, 0},

@@ -31,8 +31,10 @@ StudyText study_of_all_kinds() {
       .method("maf", {some, training, estimator("maf"),
                       "embedding = { kind = \"linear\", features = 8, downsample = 20, "
                       "principal_components = 12 }"})
-      .method("nsf", {some, training, estimator("nsf"), components})
-      .method("mdn", {some, training, estimator("mdn"), "embedding = { kind = \"bayessim\" }"})
+      .method("nsf", {"algorithm = \"npe_c\"", some, training, estimator("nsf"), components})
+      .method("pool", {"algorithm = \"npe_nle\"", some, training, estimator("nsf"), components})
+      .method("mdn", {"algorithm = \"npe_c\"", some, training, estimator("mdn"),
+                      "embedding = { kind = \"bayessim\" }"})
       .method("npe_a", {"algorithm = \"npe_a\"", "num_rounds = 2", some, training,
                         "density_estimator = { kind = \"mdn\", num_components = 3 }", components})
       .method("nle", {"algorithm = \"nle\"", some, training, estimator("maf"), components, sampler})
@@ -76,7 +78,7 @@ class PythonReader : public ::testing::Test {
 
 TEST_F(PythonReader, SaysWhatTheProgramSaysOfEveryKind) {
   run_study(study_of_all_kinds());
-  for (const std::string method : {"maf", "nsf", "mdn", "npe-a", "nle", "nre", "abc"}) {
+  for (const std::string method : {"maf", "nsf", "pool", "mdn", "npe-a", "nle", "nre", "abc"}) {
     const std::string round = method == "npe-a" ? "2" : "1";
     expect_reads("runs/all/" + method + "/seed-1/round-" + round + "/infer.h5");
   }
@@ -115,7 +117,7 @@ TEST_F(PythonReader, RefusesWhatItCantRead) {
     EXPECT_NE(found.find(message), std::string::npos) << found;
   };
   expect_says("npdr_posterior", "Posterior", "runs/one/target.h5",
-              "target.h5: not a trained posterior of schema 6; npdr run makes one");
+              "target.h5: not a trained posterior of schema 7; npdr run makes one");
   expect_says("npdr_particles", "Particles", "runs/one/maf/seed-1/round-1/infer.h5",
               "infer.h5: holds no particles; read it by npdr_posterior.py");
 }

@@ -39,6 +39,67 @@ TEST(NpeC, SplinesFindTheLinearGaussianPosterior) {
   expect_linear_gaussian(small_config(Algorithm::npe_c, EstimatorKind::nsf, 1, 4000));
 }
 
+TEST(NpeNle, FindsTheLinearGaussianPosterior) {
+  expect_linear_gaussian(small_config(Algorithm::npe_nle, EstimatorKind::nsf, 1, 4000));
+}
+
+// x = theta + noise, and features that say nothing.
+SimulatorFunction shifted(Index num_features) {
+  return [num_features](const Vector& theta, Stream& stream) {
+    VectorF x = VectorF::Zero(num_features);
+    x(0) = static_cast<float>(theta(0) + 0.3 * stream.normal());
+    for (float& value : x.tail(num_features - 1)) value = static_cast<float>(stream.normal());
+    return x;
+  };
+}
+
+TEST(NpeNle, LearnsNoLikelihoodOfManyOrTrainedFeatures) {
+  const Prior prior({{"a", "1", Marginal::Kind::normal, 0.0, 1.0}});
+  PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 100);
+  c.training.max_epochs = 2;
+  const auto has_likelihood = [&](Index num_features) {
+    const VectorF x_o = VectorF::Zero(num_features);
+    return infer(c, prior, shifted(num_features), x_o, 1)->parts().likelihood.has_value();
+  };
+  EXPECT_TRUE(has_likelihood(kMostPooledFeatures));
+  EXPECT_FALSE(has_likelihood(kMostPooledFeatures + 1));
+  c.principal_components = 3;
+  EXPECT_TRUE(has_likelihood(kMostPooledFeatures + 1));
+  c.trained_features = 2;
+  EXPECT_FALSE(has_likelihood(kMostPooledFeatures + 1));
+}
+
+TEST(NpeNle, GoesOnFromStatesWithTheSameBits) {
+  const LinearGaussian task(2);
+  const Prior prior = task.prior();
+  PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 200);
+  c.estimator.num_networks = 2;
+  c.training.max_epochs = 6;
+  RoundData data{.prior = &prior,
+                 .x = nullptr,
+                 .theta = sample_prior(prior, 200, 1),
+                 .round = std::vector<std::uint32_t>(200, 1),
+                 .x_o = VectorF::Ones(2),
+                 .posteriors = {}};
+  const RowMatrixF x = simulate(task.simulator(), data.theta, 1, 1);
+  const MatrixFeatures source(x);
+  data.x = &source;
+  const StreamId id{1, "training", 1, 0, 0};
+  std::vector<TrainingState> all, states(4);
+  const auto whole = estimate_posterior(c, data, id, all, never_stop);
+  ASSERT_EQ(all.size(), 4u);
+  // Stopped after some epochs of one of the likelihood's networks.
+  const auto stopped = estimate_posterior(c, data, id, states, [&](Index k, const auto& state) {
+    states[static_cast<std::size_t>(k)] = state;
+    return k < 2 || state.epoch < 3;
+  });
+  EXPECT_EQ(stopped, nullptr);
+  const auto resumed = estimate_posterior(c, data, id, states, never_stop);
+  EXPECT_EQ(resumed->parts().parameters, whole->parts().parameters);
+  EXPECT_EQ(resumed->parts().likelihood->parameters, whole->parts().likelihood->parameters);
+  EXPECT_EQ(resumed->parts().likelihood->weight, whole->parts().likelihood->weight);
+}
+
 TEST(Nle, FindsTheLinearGaussianPosterior) {
   expect_linear_gaussian(small_config(Algorithm::nle, EstimatorKind::maf, 1, 4000));
   expect_linear_gaussian(small_config(Algorithm::nle, EstimatorKind::maf, 2, 2000));

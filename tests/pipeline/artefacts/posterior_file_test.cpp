@@ -112,6 +112,22 @@ TEST_F(PosteriorFile, EveryRoleComesBackAsItWas) {
   }
 }
 
+TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
+  inference::NetworkParts parts =
+      parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::nsf);
+  parts.likelihood = {
+      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::nsf).parameters, 0.25};
+  RowMatrix theta(2, 1);
+  theta << 0.2, 0.9;
+  const auto posterior = reread(parts);
+  EXPECT_EQ(posterior->parts().likelihood->weight, 0.25);
+  EXPECT_EQ(posterior->parts().likelihood->parameters, parts.likelihood->parameters);
+  EXPECT_EQ(posterior->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
+  const auto spoil = [&](h5::File& file) { file.group("likelihood").set_attribute("weight", 1.5); };
+  EXPECT_TRUE(says(message_of<InputError>([&] { reread(parts, spoil); }, &folder_),
+                   {"p.h5: group 'likelihood': attribute 'weight' = 1.5", "must be in [0, 1]"}));
+}
+
 TEST_F(PosteriorFile, AProposalComesBackAsItWasOrIsRefused) {
   inference::NetworkParts parts =
       parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::mdn);

@@ -89,7 +89,7 @@ TEST(MethodProblems, AlgorithmsHaveNetworksAndEmbeddingsThatSuitThem) {
                     "must be another with algorithm 'nle'", "'all_steps'"}));
   EXPECT_EQ(problems_after(kMaf, "algorithm = 'nre_b'\nembedding = { kind = 'bayessim' }"), "");
   EXPECT_TRUE(says(problems_after(kMaf, "sampler = { thin = 3 }"),
-                   {"s.toml:17:11: method.sampler", "must be left out", "'npe_c'"}));
+                   {"s.toml:17:11: method.sampler", "must be left out", "'npe_nle'"}));
   EXPECT_TRUE(says(problems_after(kMaf,
                                   "algorithm = 'nre_b'\nembedding = { kind = 'bayessim' }\n"
                                   "num_atoms = 51"),
@@ -103,6 +103,18 @@ TEST(StudyReader, PopulationsOfSmcAreHalvedUnlessAStudySaysOtherwise) {
   EXPECT_EQ(quantile("algorithm = 'abc_smc'"), 0.5);
   EXPECT_EQ(quantile("algorithm = 'abc_smc'\nabc.quantile = 0.2"), 0.2);
   EXPECT_EQ(quantile("algorithm = 'abc_rejection'\nnum_rounds = 1"), 0.1);
+}
+
+TEST(StudyReader, TheAlgorithmFollowsFromRoundsAndSettingsUnlessAStudySaysIt) {
+  using inference::Algorithm;
+  const auto algorithm = [](const std::string& method) {
+    return parse_study(edited(kStudyText, kMaf, method), "s.toml", {}).methods[0].algorithm.kind;
+  };
+  EXPECT_EQ(algorithm(kMaf), Algorithm::npe_nle);
+  EXPECT_EQ(algorithm("num_rounds = 2"), Algorithm::npe_c);
+  EXPECT_EQ(algorithm("num_atoms = 5"), Algorithm::npe_c);
+  EXPECT_TRUE(says(problems_after(kMaf, "algorithm = 'npe_nle'\nnum_rounds = 2"),
+                   {"s.toml:18:14: method.num_rounds = 2", "must be 1 with algorithm 'npe_nle'"}));
 }
 
 TEST(MethodProblems, MethodsWithoutANetworkHaveKeysOfTheirOwn) {
@@ -130,7 +142,7 @@ TEST(MethodProblems, SettingsOfOtherAlgorithmsMustBeLeftOut) {
   EXPECT_TRUE(says(problems_after(kMaf, "algorithm = 'abc'\ntraining = { batch_size = 10 }"),
                    {"s.toml:18:12: method.training", "must be left out", "'abc_rejection'"}));
   EXPECT_TRUE(says(problems_after(kMaf, "abc = {}"),
-                   {"s.toml:17:7: method.abc", "must be left out", "'npe_c'"}));
+                   {"s.toml:17:7: method.abc", "must be left out", "'npe_nle'"}));
   // One for all methods may be meant for the others.
   EXPECT_EQ(problems_of(edited(kStudyText, kMaf, "algorithm = 'abc'"),
                         {"method.training.batch_size=10", "method.abc.quantile=0.2"}),

@@ -1,0 +1,170 @@
+#include "inference/pooled_posterior.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "core/error.h"
+#include "inference/estimators/gaussian_mixture.h"
+
+namespace npdr::inference {
+namespace {
+
+// Samples are resampled in groups, from as many candidates as give twice as many effective ones.
+constexpr Index kGroup = 500;
+constexpr Index kCandidates = 4 * kGroup;     // drawn at once
+constexpr Index kMostCandidates = 64 * kGroup;  // of a group
+
+double effective_size(const Vector& log_weights) {
+  return std::exp(2.0 * log_sum_exp(log_weights) - log_sum_exp(2.0 * log_weights));
+}
+
+// Row i + 1/2 of `count` equal parts of the weights (Kitagawa 1996, systematic resampling).
+std::vector<Index> systematic_resample(const Vector& log_weights, Index count, double uniform) {
+  const Vector weights = (log_weights.array() - log_weights.maxCoeff()).exp();
+  const double step = weights.sum() / static_cast<double>(count);
+  std::vector<Index> rows;
+  double cumulative = 0.0;
+  for (Index i = 0; i < weights.size(); ++i) {
+    cumulative += weights(i);
+    while (std::ssize(rows) < count &&
+           (static_cast<double>(std::ssize(rows)) + uniform) * step < cumulative) {
+      rows.push_back(i);
+    }
+  }
+  while (std::ssize(rows) < count) rows.push_back(rows.back());  // by rounding alone
+  return rows;
+}
+
+}  // namespace
+
+// Written once, by whoever needs it first.
+struct PooledPosterior::Known {
+  std::once_flag weighed, normalized;
+  double weight = 0.0;
+  double log_z = 0.0;
+};
+
+NetworkParts posterior_parts(NetworkParts parts) {
+  parts.likelihood.reset();
+  return parts;
+}
+
+NetworkParts likelihood_parts(NetworkParts parts) {
+  parts.role = NetworkRole::likelihood;
+  parts.trained_features = 0;
+  parts.transform = varying_outputs(parts.transform);
+  parts.parameters = parts.likelihood ? parts.likelihood->parameters : Parameters<float>();
+  parts.likelihood.reset();
+  return parts;
+}
+
+PooledPosterior::PooledPosterior(NetworkParts given)
+    : NetworkPosterior(std::move(given)),
+      posterior_(posterior_parts(parts())),
+      likelihood_(likelihood_parts(parts())),
+      known_(std::make_unique<Known>()) {}
+
+PooledPosterior::~PooledPosterior() = default;
+
+// log l(z_o | u) N(u; 0, I) / q(u | z_o), (n); NaN, which a network may say far from what it knows,
+// counts as a likelihood of 0.
+Vector PooledPosterior::log_ratio(const RowMatrix& theta) const {
+  const Vector ratio = likelihood_.relative_log_prob(theta) - posterior_.log_prob(theta);
+  return ratio.array().isFinite().select(ratio,
+                                         -std::numeric_limits<double>::max() / 4.0);
+}
+
+double PooledPosterior::weight() const {
+  std::call_once(known_->weighed, [&] { known_->weight = largest_usable_weight(); });
+  return known_->weight;
+}
+
+double PooledPosterior::largest_usable_weight() const {
+  constexpr int halvings = 20;
+  const StreamId id{parts().structure_seed, "pool_weight", 0, 0, 0};
+  const Vector ratio = log_ratio(posterior_.sample(kCandidates, id));
+  const auto is_usable = [&](double weight) {
+    return effective_size(weight * ratio) >=
+           kSmallestEfficiency * static_cast<double>(ratio.size());
+  };
+  double high = parts().likelihood->weight, low = 0.0;
+  if (is_usable(high)) return high;
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_usable(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+RowMatrix PooledPosterior::draw_group(const StreamId& id, double& effective,
+                                      Index& num_candidates) const {
+  RowMatrix candidates(0, prior().dimension());
+  Vector log_weights;
+  StreamId batch = within(id, "pool_candidates");
+  batch.row = id.row * (kMostCandidates / kGroup);
+  while (candidates.rows() < kMostCandidates) {
+    const RowMatrix more = posterior_.sample(kCandidates, batch);
+    batch.row += kCandidates;
+    candidates.conservativeResize(candidates.rows() + more.rows(), Eigen::NoChange);
+    candidates.bottomRows(more.rows()) = more;
+    log_weights.conservativeResize(candidates.rows());
+    log_weights.tail(more.rows()) = weight() * log_ratio(more);
+    effective = effective_size(log_weights);
+    if (effective >= 2.0 * kGroup) break;
+  }
+  num_candidates += candidates.rows();
+  Stream stream(within(id, "pool_resampling"));
+  const std::vector<Index> rows = systematic_resample(log_weights, kGroup, stream.uniform());
+  RowMatrix group(kGroup, candidates.cols());
+  Index place = 0;
+  for (const std::uint32_t i : stream.permutation(kGroup)) {
+    group.row(place++) = candidates.row(rows[i]);
+  }
+  return group;
+}
+
+Samples PooledPosterior::draw(Index n, const StreamId& id) const {
+  if (weight() == 0.0) return posterior_.draw(n, id);
+  RowMatrix theta(n, prior().dimension());
+  SamplerReport report{.r_hat = {}, .ess = Vector::Zero(1), .num_evaluations = 0};
+  for (Index first = 0; first < n; first += kGroup) {
+    StreamId of_group = id;
+    of_group.row += static_cast<std::uint64_t>(first);
+    double effective = 0.0;
+    const RowMatrix group = draw_group(of_group, effective, report.num_evaluations);
+    const Index rows = std::min(kGroup, n - first);
+    theta.middleRows(first, rows) = group.topRows(rows);
+    report.ess(0) += effective;
+  }
+  return {theta, report};
+}
+
+double PooledPosterior::log_normalizer() const {
+  std::call_once(known_->normalized, [&] { known_->log_z = estimate_log_normalizer(); });
+  return known_->log_z;
+}
+
+double PooledPosterior::estimate_log_normalizer() const {
+  if (weight() == 0.0) return 0.0;
+  constexpr Index num_draws = 20'000;
+  const StreamId id{parts().structure_seed, "pool_normaliser", 0, 0, 0};
+  return log_sum_exp(weight() * log_ratio(posterior_.sample(num_draws, id))) -
+         std::log(static_cast<double>(num_draws));
+}
+
+Vector PooledPosterior::relative_log_prob(const RowMatrix& theta) const {
+  const Vector log_q = posterior_.log_prob(theta);
+  if (weight() == 0.0) return log_q;
+  // Outside of the prior's support both are -infinity, whose difference means nothing.
+  const Vector pooled =
+      (1.0 - weight()) * log_q + weight() * likelihood_.relative_log_prob(theta);
+  return log_q.array().isFinite().select(pooled, log_q);
+}
+
+Vector PooledPosterior::log_prob(const RowMatrix& theta) const {
+  return relative_log_prob(theta).array() - log_normalizer();
+}
+
+}  // namespace npdr::inference

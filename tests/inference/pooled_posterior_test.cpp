@@ -1,0 +1,163 @@
+#include "inference/pooled_posterior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/error.h"
+#include "inference/ensemble.h"
+#include "inference/matrix_features.h"
+#include "inference/algorithms/pool_weight.h"
+#include "inference/estimators/gaussian_mixture.h"
+#include "tests/inference/linear_gaussian_check.h"
+
+namespace npdr::inference {
+namespace {
+
+// Untrained networks of one parameter and two features, disturbed: any density will do.
+Parameters<float> some_weights(const NetworkParts& parts, double strength) {
+  const auto network = make_network(parts);
+  Parameters<float> weights = network.initial_parameters({1, "weights", 0, 0, 0});
+  Stream stream({1, "disturbance", 0, 0, 0});
+  for (float& weight : weights) {
+    const double disturbance = strength * stream.normal();
+    if (weight != 0.0f) weight += static_cast<float>(disturbance);
+  }
+  return weights;
+}
+
+NetworkParts some_pool(double weight, double likelihood_strength = 0.2) {
+  NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0}}),
+                     .estimator = {.kind = EstimatorKind::maf,
+                                   .num_transforms = 2,
+                                   .hidden_features = 10},
+                     .structure_seed = 5,
+                     .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
+                     .parameters = {},
+                     .x_o = VectorF::Ones(2)};
+  parts.parameters = some_weights(parts, 0.2);
+  parts.likelihood = {some_weights(likelihood_parts(parts), likelihood_strength), weight};
+  return parts;
+}
+
+constexpr Index kCells = 4000;
+constexpr double kCell = 4.0 / kCells;
+
+// Centers of cells of the prior's range.
+RowMatrix grid() {
+  return Vector::LinSpaced(kCells, -1.0 + 0.5 * kCell, 3.0 - 0.5 * kCell);
+}
+
+const StreamId kId{1, "posterior", 0, 0, 0};
+
+TEST(PooledPosterior, DensityIsThePoolOfBothAndIntegratesToOne) {
+  for (const double weight : {0.3, 1.0}) {
+    const NetworkParts parts = some_pool(weight);
+    const PooledPosterior pool(parts);
+    EXPECT_EQ(pool.weight(), weight);
+    // 20,000 draws; their weights vary by less than their mean.
+    EXPECT_NEAR(pool.log_prob(grid()).array().exp().sum() * kCell, 1.0, 0.03);
+    const Vector expected =
+        (1.0 - weight) * make_posterior(posterior_parts(parts))->log_prob(grid()) +
+        weight * make_posterior(likelihood_parts(parts))->relative_log_prob(grid());
+    const Vector difference = pool.log_prob(grid()) - expected;
+    EXPECT_LT((difference.array() - difference(0)).abs().maxCoeff(), 1e-9);
+    EXPECT_EQ(pool.log_prob(RowMatrix::Constant(1, 1, 3.5))(0),
+              -std::numeric_limits<double>::infinity());
+  }
+}
+
+TEST(PooledPosterior, SamplesHaveTheQuantilesOfTheDensity) {
+  const PooledPosterior pool(some_pool(0.7));
+  const Samples samples = pool.draw(5000, kId);
+  const Vector density = pool.log_prob(grid()).array().exp();
+  for (const double at : {0.0, 0.5, 1.0, 1.5, 2.0}) {
+    const Index below = static_cast<Index>((at + 1.0) / kCell);
+    const double expected = density.head(below).sum() * kCell;
+    const double found = (samples.theta.col(0).array() < at).cast<double>().mean();
+    // Six standard errors of 5000 samples, of which resampling leaves most different.
+    EXPECT_NEAR(found, expected, 6.0 * 0.5 / std::sqrt(5000.0)) << at;
+  }
+  ASSERT_TRUE(samples.report);
+  EXPECT_GT(samples.report->ess(0), 10'000.0);  // twice the samples
+}
+
+TEST(PooledPosterior, ASampleDependsOnItsRowAlone) {
+  const PooledPosterior pool(some_pool(0.7));
+  const RowMatrix many = pool.sample(1300, kId);
+  EXPECT_EQ(pool.sample(7, kId), many.topRows(7));
+  EXPECT_EQ(pool.sample(900, kId), many.topRows(900));
+  const std::set<double> different(many.data(), many.data() + many.size());
+  EXPECT_GT(different.size(), 1100u);
+}
+
+TEST(PooledPosterior, WithoutWeightIsThePosteriorItself) {
+  const NetworkParts parts = some_pool(0.0);
+  const PooledPosterior pool(parts);
+  const auto alone = make_posterior(posterior_parts(parts));
+  EXPECT_EQ(pool.sample(700, kId), alone->sample(700, kId));
+  EXPECT_EQ(pool.log_prob(grid()), alone->log_prob(grid()));
+}
+
+TEST(PooledPosterior, TakesLessOfALikelihoodThatContradictsIt) {
+  // A likelihood far from anything that the posterior's draws know.
+  const PooledPosterior pool(some_pool(1.0, 4.0));
+  EXPECT_LT(pool.weight(), 1.0);
+  EXPECT_GE(pool.weight(), 0.0);
+  EXPECT_TRUE(pool.log_prob(grid()).array().isFinite().all());
+  EXPECT_GE(pool.draw(500, kId).report->ess(0), 500.0);
+}
+
+TEST(PooledPosterior, RefusesWeightsOfAnotherNetwork) {
+  NetworkParts parts = some_pool(0.5);
+  parts.likelihood->parameters.conservativeResize(3);
+  EXPECT_THROW(PooledPosterior{parts}, ShapeError);
+}
+
+// Of a linear-Gaussian task, trained.
+class PoolWeight : public ::testing::Test {
+ protected:
+  PoolWeight() : prior_(task_.prior()) {
+    config_ = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 1000);
+    config_.estimator.num_networks = 2;
+    data_.prior = &prior_;
+    data_.theta = sample_prior(prior_, 1000, 1);
+    data_.round.assign(1000, 1);
+    data_.x_o = VectorF::Ones(2);
+    x_ = simulate(task_.simulator(), data_.theta, 1, 1);
+    source_.emplace(x_);
+    data_.x = &*source_;
+    std::vector<TrainingState> states;
+    parts_ = estimate_posterior(config_, data_, kTraining, states, never_stop)->parts();
+  }
+
+  double weight(const NetworkParts& posterior, const NetworkParts& likelihood) const {
+    return pool_weight(posterior, likelihood, data_, config_.training, kTraining);
+  }
+
+  static constexpr StreamId kTraining{1, "training", 1, 0, 0};
+  const LinearGaussian task_{2};
+  const Prior prior_;
+  PosteriorEstimationConfig config_;
+  RoundData data_;
+  RowMatrixF x_;
+  std::optional<MatrixFeatures> source_;
+  std::optional<NetworkParts> parts_;
+};
+
+TEST_F(PoolWeight, LeavesOutWhatPredictsNothing) {
+  const NetworkParts posterior = posterior_parts(*parts_), likelihood = likelihood_parts(*parts_);
+  const double trained = weight(posterior, likelihood);
+  EXPECT_GT(trained, 0.0);
+  EXPECT_LT(trained, 1.0);
+  EXPECT_EQ(trained, parts_->likelihood->weight);
+  NetworkParts ignorant = posterior, misled = likelihood;
+  ignorant.parameters *= 0.1f;
+  misled.parameters *= -1.0f;
+  EXPECT_LE(weight(posterior, misled), 0.1);
+  EXPECT_GE(weight(ignorant, likelihood), 0.9);
+}
+
+}  // namespace
+}  // namespace npdr::inference
