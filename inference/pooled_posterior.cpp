@@ -13,14 +13,15 @@ namespace {
 
 // Samples are resampled in groups, from as many candidates as give twice as many effective ones.
 constexpr Index kGroup = 500;
-constexpr Index kCandidates = 4 * kGroup;     // drawn at once
+constexpr Index kCandidates = 4 * kGroup;       // drawn at once
 constexpr Index kMostCandidates = 64 * kGroup;  // of a group
 
 double effective_size(const Vector& log_weights) {
   return std::exp(2.0 * log_sum_exp(log_weights) - log_sum_exp(2.0 * log_weights));
 }
 
-// Row i + 1/2 of `count` equal parts of the weights (Kitagawa 1996, systematic resampling).
+// Rows at `count` evenly spaced places along the cumulative weights, the first at `uniform` in (0,
+// 1) of the space (Kitagawa 1996).
 std::vector<Index> systematic_resample(const Vector& log_weights, Index count, double uniform) {
   const Vector weights = (log_weights.array() - log_weights.maxCoeff()).exp();
   const double step = weights.sum() / static_cast<double>(count);
@@ -72,8 +73,7 @@ PooledPosterior::~PooledPosterior() = default;
 // counts as a likelihood of 0.
 Vector PooledPosterior::log_ratio(const RowMatrix& theta) const {
   const Vector ratio = likelihood_.relative_log_prob(theta) - posterior_.log_prob(theta);
-  return ratio.array().isFinite().select(ratio,
-                                         -std::numeric_limits<double>::max() / 4.0);
+  return ratio.array().isFinite().select(ratio, -std::numeric_limits<double>::max() / 4.0);
 }
 
 double PooledPosterior::weight() const {
@@ -158,9 +158,7 @@ Vector PooledPosterior::relative_log_prob(const RowMatrix& theta) const {
   const Vector log_q = posterior_.log_prob(theta);
   if (weight() == 0.0) return log_q;
   // Outside of the prior's support both are -infinity, whose difference means nothing.
-  const Vector pooled =
-      (1.0 - weight()) * log_q + weight() * likelihood_.relative_log_prob(theta);
-  return log_q.array().isFinite().select(pooled, log_q);
+  return log_q.array().isFinite().select(log_q + weight() * log_ratio(theta), log_q);
 }
 
 Vector PooledPosterior::log_prob(const RowMatrix& theta) const {

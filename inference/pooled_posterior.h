@@ -1,15 +1,15 @@
 /// The posteriors of two networks, q(u | z_o) of NPE and l(z_o | u) N(u; 0, I) of NLE, pooled:
 ///   p(u | x_o) = 1/Z q(u | z_o)^(1 - a) (l(z_o | u) N(u; 0, I))^a,
-/// the logarithmic opinion pool (Genest and Zidek 1986, "Combining probability distributions"), whose
-/// weight a in [0, 1] predicted held-out parameters best (algorithms/pool_weight.h). Errors that the
-/// two don't share cancel in part; where one of them is useless, a leaves it out.
+/// the logarithmic opinion pool (Genest and Zidek 1986, "Combining probability distributions"),
+/// whose weight a in [0, 1] predicted held-out parameters best (algorithms/pool_weight.h). Errors
+/// that the two don't share cancel in part; where one of them is useless, a leaves it out.
 ///
 /// It is sampled by importance: draws of q, resampled with weights
 ///   w(u) = (l(z_o | u) N(u; 0, I) / q(u | z_o))^a
 /// (Dax et al. 2023, "Neural importance sampling for rapid and reliable gravitational-wave
-/// inference"; Gloeckler et al. 2022, "Variational methods for simulation-based inference"), so that
-/// no chain has to find its way between modes. Z is the mean of w over draws of q. Where the two
-/// contradict each other at x_o, as when it is like no simulation, a is lowered until
+/// inference"; Gloeckler et al. 2022, "Variational methods for simulation-based inference"), so
+/// that no chain has to find its way between modes. Z is the mean of w over draws of q. Where the
+/// two contradict each other at x_o, as when it is like no simulation, a is lowered until
 /// kSmallestEfficiency of q's draws remain.
 #pragma once
 

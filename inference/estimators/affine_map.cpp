@@ -17,9 +17,12 @@ template <typename S>
 void AffineMap<S>::forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, RowMatrixX<S>& z,
                            VectorX<S>& log_det) const {
   const Index d = u.cols();
-  scratch.scale = softplus(scratch.raw.leftCols(d).array() + S(kScaleOffset)) + S(kSmallestScale);
+  // Eigen vectorizes functions of whole matrices; of D columns only where D is large.
+  scratch.scale = scratch.raw.leftCols(d);
+  scratch.scale = softplus(scratch.scale.array() + S(kScaleOffset)) + S(kSmallestScale);
+  z = scratch.scale.array().log();
+  log_det += z.rowwise().sum();
   z = u.array() * scratch.scale.array() + scratch.raw.middleCols(d, d).array();
-  log_det += scratch.scale.array().log().matrix().rowwise().sum();
 }
 
 template <typename S>
@@ -27,9 +30,10 @@ void AffineMap<S>::backward(const RowMatrixX<S>& u, const VectorX<S>& d_log_det,
                             ElementScratch<S>& scratch, RowMatrixX<S>& d) const {
   scratch.d_raw.resize(u.rows(), scratch.raw.cols());
   // ds/da = sigmoid(a + a_0) = 1 - exp(-softplus(a + a_0)).
+  const RowMatrixX<S> sigmoid = S(1) - (S(kSmallestScale) - scratch.scale.array()).exp();
   scratch.d_raw.leftCols(u.cols()) =
       (d.array() * u.array() + scratch.scale.array().inverse().colwise() * d_log_det.array()) *
-      (S(1) - (S(kSmallestScale) - scratch.scale.array()).exp());
+      sigmoid.array();
   scratch.d_raw.middleCols(u.cols(), u.cols()) = d;
   d = d.cwiseProduct(scratch.scale);
 }

@@ -18,7 +18,7 @@ constexpr double kSmallestDerivative = 1e-3;
 const double kDerivativeOffset = std::log(std::expm1(1.0 - kSmallestDerivative));
 
 // Column k D + d of `result` = 2 B (m + (1 - K m) softmax_k(raw)), for all rows and variables at
-// once.
+// once. Eigen vectorizes functions of whole matrices; of D columns only where D is large.
 template <typename S>
 void bins_of(const Eigen::Ref<const RowMatrixX<S>>& raw, Index bins, RowMatrixX<S>& result) {
   const Index d = raw.cols() / bins;
@@ -27,14 +27,15 @@ void bins_of(const Eigen::Ref<const RowMatrixX<S>>& raw, Index bins, RowMatrixX<
   result.resize(raw.rows(), raw.cols());
   RowMatrixX<S> sum = RowMatrixX<S>::Zero(raw.rows(), d);
   for (Index k = 0; k < bins; ++k) {
-    result.middleCols(k * d, d) = (raw.middleCols(k * d, d) - largest).array().exp();
-    sum += result.middleCols(k * d, d);
+    result.middleCols(k * d, d) = raw.middleCols(k * d, d) - largest;
   }
+  result.array() = result.array().exp();
+  for (Index k = 0; k < bins; ++k) sum += result.middleCols(k * d, d);
   const S smallest = S(2.0 * kBound * kSmallestBin);
   const S rest = S(2.0 * kBound * (1.0 - static_cast<double>(bins) * kSmallestBin));
+  sum = rest * sum.array().inverse();
   for (Index k = 0; k < bins; ++k) {
-    result.middleCols(k * d, d) =
-        smallest + rest * result.middleCols(k * d, d).array() / sum.array();
+    result.middleCols(k * d, d) = smallest + result.middleCols(k * d, d).array() * sum.array();
   }
 }
 
@@ -75,9 +76,9 @@ template <typename S>
 void SplineMap<S>::shape(ElementScratch<S>& scratch, Index d) const {
   bins_of<S>(scratch.raw.middleCols(2 * d, bins_ * d), bins_, scratch.widths);
   bins_of<S>(scratch.raw.middleCols((2 + bins_) * d, bins_ * d), bins_, scratch.heights);
+  scratch.derivatives = scratch.raw.rightCols((bins_ - 1) * d);
   scratch.derivatives =
-      softplus(scratch.raw.rightCols((bins_ - 1) * d).array() + S(kDerivativeOffset)) +
-      S(kSmallestDerivative);
+      softplus(scratch.derivatives.array() + S(kDerivativeOffset)) + S(kSmallestDerivative);
 }
 
 // The bin in which `value` lies along `knots_of`: the widths for v, the heights for z.
@@ -129,12 +130,10 @@ void SplineMap<S>::forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, R
       scratch.denominator(i, d) = denominator;
     }
   }
-  log_det +=
+  scratch.slope =
       ((scratch.slope.array() / scratch.denominator.array()).square() * scratch.numerator.array())
-          .log()
-          .matrix()
-          .rowwise()
-          .sum();
+          .log();
+  log_det += scratch.slope.rowwise().sum();
 }
 
 // With N = h (s xi^2 + d_0 q), A = d_1 xi^2 + 2 s q + d_0 (1 - xi)^2 and D the denominator,

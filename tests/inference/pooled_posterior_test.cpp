@@ -6,10 +6,10 @@
 #include <set>
 
 #include "core/error.h"
-#include "inference/ensemble.h"
-#include "inference/matrix_features.h"
 #include "inference/algorithms/pool_weight.h"
+#include "inference/ensemble.h"
 #include "inference/estimators/gaussian_mixture.h"
+#include "inference/matrix_features.h"
 #include "tests/inference/linear_gaussian_check.h"
 
 namespace npdr::inference {
@@ -28,14 +28,13 @@ Parameters<float> some_weights(const NetworkParts& parts, double strength) {
 }
 
 NetworkParts some_pool(double weight, double likelihood_strength = 0.2) {
-  NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0}}),
-                     .estimator = {.kind = EstimatorKind::maf,
-                                   .num_transforms = 2,
-                                   .hidden_features = 10},
-                     .structure_seed = 5,
-                     .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
-                     .parameters = {},
-                     .x_o = VectorF::Ones(2)};
+  NetworkParts parts{
+      .prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0}}),
+      .estimator = {.kind = EstimatorKind::maf, .num_transforms = 2, .hidden_features = 10},
+      .structure_seed = 5,
+      .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
+      .parameters = {},
+      .x_o = VectorF::Ones(2)};
   parts.parameters = some_weights(parts, 0.2);
   parts.likelihood = {some_weights(likelihood_parts(parts), likelihood_strength), weight};
   return parts;
@@ -45,9 +44,7 @@ constexpr Index kCells = 4000;
 constexpr double kCell = 4.0 / kCells;
 
 // Centers of cells of the prior's range.
-RowMatrix grid() {
-  return Vector::LinSpaced(kCells, -1.0 + 0.5 * kCell, 3.0 - 0.5 * kCell);
-}
+RowMatrix grid() { return Vector::LinSpaced(kCells, -1.0 + 0.5 * kCell, 3.0 - 0.5 * kCell); }
 
 const StreamId kId{1, "posterior", 0, 0, 0};
 
