@@ -75,11 +75,20 @@ std::string contents(const Report& report) {
   return html + "</ol>\n</nav>\n";
 }
 
+std::string drawing_html(const std::filesystem::path& svg, const std::string& prefix,
+                         const std::string& caption, const char* kind) {
+  return fmt::format("<div class=\"{}\"><div class=\"paper\">{}</div></div>\n", kind,
+                     inline_svg(read_text_file(svg), prefix, caption));
+}
+
 std::string figure_html(const ReportFigure& figure, const std::string& prefix) {
-  return fmt::format(
-      "<figure class=\"plot\">\n<div class=\"paper\">{}</div>\n<figcaption>{}</figcaption>\n"
-      "</figure>\n",
-      inline_svg(read_text_file(figure.svg), prefix, figure.caption), escape_html(figure.caption));
+  std::string drawings =
+      drawing_html(figure.svg, prefix, figure.caption, figure.narrow ? "drawing wide" : "drawing");
+  if (figure.narrow) {
+    drawings += drawing_html(*figure.narrow, prefix + "narrow-", figure.caption, "drawing narrow");
+  }
+  return fmt::format("<figure class=\"plot\">\n{}<figcaption>{}</figcaption>\n</figure>\n",
+                     drawings, escape_html(figure.caption));
 }
 
 constexpr const char* kSection = "<section id=\"section-{}\">\n<h2>{}</h2>\n{}</section>\n";

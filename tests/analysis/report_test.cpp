@@ -104,6 +104,19 @@ TEST(Report, FoldsSectionsAndTurnsTheirOrder) {
       std::string::npos);
 }
 
+TEST(Report, ShowsAnotherDrawingWhereItIsNarrow) {
+  const TempFolder folder;
+  Report report = small_report(folder.path());
+  ReportFigure& figure = report.sections[0].figures[0];
+  figure.narrow = figure.svg;
+  const std::string html = to_html(report);
+  EXPECT_EQ(markup_error(html), "") << "ids are there once";
+  EXPECT_EQ(count_of(html, "<svg "), 3);
+  EXPECT_EQ(count_of(html, "<div class=\"drawing wide\">"), 1);
+  EXPECT_EQ(count_of(html, "<div class=\"drawing narrow\">"), 1);
+  EXPECT_EQ(count_of(html, "<div class=\"drawing\">"), 1) << "the other figure has one drawing";
+}
+
 TEST(Report, LoadsNothingFromElsewhere) {
   const TempFolder folder;
   const std::string html = to_html(small_report(folder.path()));
