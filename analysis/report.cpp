@@ -51,15 +51,22 @@ std::string head(const Report& report) {
       policy, escape_html(report.title), kReportStyle);
 }
 
+// Reasons of several verdicts would push the answers off the first screen.
+std::string verdict_html(const ReportVerdict& verdict, bool is_open) {
+  const std::string words = escape_html(verdict.words);
+  if (verdict.reasons.empty()) return words;
+  std::string html =
+      fmt::format("<details{}><summary>{}</summary>", is_open ? " open=\"\"" : "", words);
+  for (const std::string& reason : verdict.reasons) html += "\n<p>" + escape_html(reason) + "</p>";
+  return html + "</details>";
+}
+
 std::string verdicts_html(const std::vector<ReportVerdict>& verdicts) {
   if (verdicts.empty()) return "";
   std::string html = "<ul class=\"verdicts\">\n";
   for (const ReportVerdict& verdict : verdicts) {
-    html += fmt::format("<li class=\"{}\">{}", verdict.holds ? "holds" : "fails",
-                        escape_html(verdict.words));
-    for (const std::string& reason : verdict.reasons)
-      html += "\n<p>" + escape_html(reason) + "</p>";
-    html += "</li>\n";
+    html += fmt::format("<li class=\"{}\">{}</li>\n", verdict.holds ? "holds" : "fails",
+                        verdict_html(verdict, verdicts.size() == 1));
   }
   return html + "</ul>\n";
 }

@@ -83,10 +83,14 @@ TEST(Report, SaysFirstWhatHoldsAndWhatFails) {
   const std::string html = to_html(report);
   EXPECT_EQ(markup_error(html), "");
   const std::size_t holds = html.find("<li class=\"holds\">A: 3 of 3 checks pass</li>");
-  const std::size_t fails =
-      html.find("<li class=\"fails\">B: &lt;1&gt; of 3 checks FAILS\n<p>a &amp; b</p></li>");
+  const std::size_t fails = html.find(
+      "<li class=\"fails\"><details><summary>B: &lt;1&gt; of 3 checks FAILS</summary>\n"
+      "<p>a &amp; b</p></details></li>");
   EXPECT_LT(holds, fails);
   EXPECT_LT(fails, html.find("<p>Prose.</p>"));
+  report.verdicts.erase(report.verdicts.begin());
+  EXPECT_NE(to_html(report).find("<details open=\"\"><summary>B"), std::string::npos)
+      << "of the only method";
 }
 
 TEST(Report, FoldsSectionsAndTurnsTheirOrder) {
