@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <limits>
 
+#include "analysis/figure_layout.h"
+
 namespace npdr::analysis {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr Index kMedian = 2;          // of kIntervalLevels
-constexpr double kRowShare = 0.7;     // of a parameter's row, over which its lanes are spread
-constexpr double kLaneHeight = 13.0;  // [px]
-constexpr double kRowPadding = 12.0;  // [px]
+constexpr Index kMedian = 2;              // of kIntervalLevels
+constexpr double kRowShare = 0.7;         // of a parameter's row, over which its lanes are spread
+constexpr double kLaneHeight = 13.0;      // [px]
+constexpr double kRowPadding = 12.0;      // [px]
+constexpr double kRowWidth = 640.0;       // [px]
+constexpr double kLeastRowWidth = 150.0;  // [px]
 
 double middle_of_row(Index parameter, Index count) {
   return static_cast<double>(count - parameter) - 0.5;
@@ -90,6 +94,12 @@ void add_point(const IntervalPlot& plot, const IntervalPoint& point, Figure& fig
   figure.legend.push_back({point.mark, point.color, point.name});
 }
 
+// What is left of `width` beside the names.
+double row_width(const Figure& figure, double width) {
+  const FigureLayout layout(figure);
+  return std::max(kLeastRowWidth, width - (layout.width - figure.sizes.panel_width));
+}
+
 }  // namespace
 
 FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem::path& directory) {
@@ -101,7 +111,7 @@ FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem:
                       "interval plot '{}': {} tips for {} parameters", plot.name, plot.tips.size(),
                       count);
   Figure figure{.name = plot.name};
-  figure.sizes.panel_width = 640.0;
+  figure.sizes.panel_width = kRowWidth;
   figure.sizes.panel_height = static_cast<double>(count) *
                               (kRowPadding + kLaneHeight * static_cast<double>(num_lanes(plot)));
   figure.sizes.font = figure.sizes.tick_font = 12.0;
@@ -111,6 +121,7 @@ FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem:
   for (std::size_t set = 0; set < plot.sets.size(); ++set) add_set(plot, set, figure, panel);
   for (const IntervalPoint& point : plot.points) add_point(plot, point, figure, panel);
   figure.panels.push_back(std::move(panel));
+  if (plot.width) figure.sizes.panel_width = row_width(figure, *plot.width);
   return write_figure(figure, directory);
 }
 

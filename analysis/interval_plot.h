@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,8 @@ struct IntervalPlot {
   std::vector<std::string> tips;        ///< (D) words for who points at a row
   std::vector<IntervalSet> sets;        ///< blue, orange, purple, ...; the first on top
   std::vector<IntervalPoint> points = {};
+  /// [px] of the whole figure, where names leave rows 150 px; by default rows of 640 px are drawn
+  std::optional<double> width = {};
 };
 
 /// Draws a row for each parameter, such as one as wide as its prior: a line for each posterior's 90

@@ -51,15 +51,22 @@ std::string head(const Report& report) {
       policy, escape_html(report.title), kReportStyle);
 }
 
+// Reasons of several verdicts would push the answers off the first screen.
+std::string verdict_html(const ReportVerdict& verdict, bool is_open) {
+  const std::string words = escape_html(verdict.words);
+  if (verdict.reasons.empty()) return words;
+  std::string html =
+      fmt::format("<details{}><summary>{}</summary>", is_open ? " open=\"\"" : "", words);
+  for (const std::string& reason : verdict.reasons) html += "\n<p>" + escape_html(reason) + "</p>";
+  return html + "</details>";
+}
+
 std::string verdicts_html(const std::vector<ReportVerdict>& verdicts) {
   if (verdicts.empty()) return "";
   std::string html = "<ul class=\"verdicts\">\n";
   for (const ReportVerdict& verdict : verdicts) {
-    html += fmt::format("<li class=\"{}\">{}", verdict.holds ? "holds" : "fails",
-                        escape_html(verdict.words));
-    for (const std::string& reason : verdict.reasons)
-      html += "\n<p>" + escape_html(reason) + "</p>";
-    html += "</li>\n";
+    html += fmt::format("<li class=\"{}\">{}</li>\n", verdict.holds ? "holds" : "fails",
+                        verdict_html(verdict, verdicts.size() == 1));
   }
   return html + "</ul>\n";
 }
@@ -75,11 +82,20 @@ std::string contents(const Report& report) {
   return html + "</ol>\n</nav>\n";
 }
 
+std::string drawing_html(const std::filesystem::path& svg, const std::string& prefix,
+                         const std::string& caption, const char* kind) {
+  return fmt::format("<div class=\"{}\"><div class=\"paper\">{}</div></div>\n", kind,
+                     inline_svg(read_text_file(svg), prefix, caption));
+}
+
 std::string figure_html(const ReportFigure& figure, const std::string& prefix) {
-  return fmt::format(
-      "<figure class=\"plot\">\n<div class=\"paper\">{}</div>\n<figcaption>{}</figcaption>\n"
-      "</figure>\n",
-      inline_svg(read_text_file(figure.svg), prefix, figure.caption), escape_html(figure.caption));
+  std::string drawings =
+      drawing_html(figure.svg, prefix, figure.caption, figure.narrow ? "drawing wide" : "drawing");
+  if (figure.narrow) {
+    drawings += drawing_html(*figure.narrow, prefix + "narrow-", figure.caption, "drawing narrow");
+  }
+  return fmt::format("<figure class=\"plot\">\n{}<figcaption>{}</figcaption>\n</figure>\n",
+                     drawings, escape_html(figure.caption));
 }
 
 constexpr const char* kSection = "<section id=\"section-{}\">\n<h2>{}</h2>\n{}</section>\n";

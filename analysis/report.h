@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,9 +11,13 @@
 
 namespace npdr::analysis {
 
+/// Width of a figure that fits into the page on a telephone, [px].
+inline constexpr double kNarrowWidth = 340.0;
+
 struct ReportFigure {
   std::filesystem::path svg;
   std::string caption;
+  std::optional<std::filesystem::path> narrow = {};  ///< in its place where the page is narrow
 };
 
 struct ReportSection {

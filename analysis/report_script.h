@@ -55,8 +55,8 @@ const colorOf = (shape) => {
 const number = (value, range) =>
   value.toFixed(Math.min(12, Math.max(0, 3 - Math.floor(Math.log10(Math.abs(range))))));
 
-const equip = (figure) => {
-  const svg = figure.querySelector("svg"), overlay = figure.querySelector(".overlay");
+const equip = (drawing) => {
+  const svg = drawing.querySelector("svg"), overlay = drawing.querySelector(".overlay");
   if (!svg || !overlay || !svg.viewBox.baseVal) return;
   const box = svg.viewBox.baseVal;
   const home = [box.x, box.y, box.width, box.height];
@@ -99,8 +99,8 @@ const equip = (figure) => {
     label.append(box, dot, document.createTextNode(entry.dataset.name));
     tools.append(label);
   }
-  figure.querySelector(".paper").before(tools);
-  figure.querySelector(".paper").after(output);
+  drawing.querySelector(".paper").before(tools);
+  drawing.querySelector(".paper").after(output);
 
   const panels = [...overlay.querySelectorAll(".panel")];
   const value = (data, axis, share) => {
@@ -152,7 +152,7 @@ const equip = (figure) => {
     act();
   });
 };
-document.querySelectorAll(".plot").forEach(equip);
+document.querySelectorAll(".drawing").forEach(equip);
 
 // What is folded belongs on paper, too.
 addEventListener("beforeprint", () => {
@@ -162,6 +162,6 @@ addEventListener("beforeprint", () => {
 
 /// SHA-256 of the script, which the page's content security policy allows alone.
 inline constexpr const char* kReportScriptHash =
-    "sha256-srKl6FcXVYYpKYc3gwab6o5SghvnYFr52tcCJMNo/20=";
+    "sha256-FeVvsqrf8HhptZpm1EJL3To22lmCZtTPo28on5TV374=";
 
 }  // namespace npdr::analysis

@@ -45,7 +45,14 @@ figcaption { color: var(--muted); font-size: .93rem; max-width: 50rem; }
   text-align: center;
 }
 .paper svg { max-width: 100%; height: auto; display: block; margin: 0 auto; }
-@media (max-width: 40rem) { .paper svg { max-width: none; } }
+/* Where the page is narrow, what is drawn for that is seen; what isn't keeps the size of its words. */
+.narrow { display: none; }
+@media (max-width: 40rem) {
+  .paper svg { max-width: none; }
+  .narrow .paper svg { max-width: 100%; }
+  .wide { display: none; }
+  .narrow { display: block; }
+}
 .paper svg .entry { display: none; }
 /* A shadow at the side where there is more to see. */
 .scroll { --under: var(--page); }
@@ -104,6 +111,8 @@ dd { margin: 0; overflow-wrap: anywhere; }
 @media print {
   body { max-width: none; padding: 0; font-size: .8rem; }
   nav, .tools, output { display: none; }
+  .wide { display: block; }
+  .narrow { display: none; }
   .scroll, .paper { overflow: visible; background: none; }
   table { font-size: .72rem; }
   th, td { white-space: normal; padding: .2rem .35rem; }

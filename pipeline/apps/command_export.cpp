@@ -4,9 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "core/error.h"
 #include "core/printable.h"
+#include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/report/chain_files.h"
 #include "pipeline/report/inference_data.h"
 
 namespace npdr::pipeline {
@@ -16,30 +19,53 @@ struct ExportArguments {
   StudyArguments study;
   std::string output;
   Index num_predictions = 100;
+  std::string format = name_of(ExportFormat::netcdf);
 };
+
+std::vector<std::string> export_study(const ExportArguments& arguments, bool has_predictions) {
+  const Plan plan = arguments.study.plan();
+  const auto format = parse_enum<ExportFormat>("format", arguments.format);
+  if (format != ExportFormat::netcdf) {
+    if (!has_predictions) return write_chain_files(plan, arguments.output, format);
+    throw InputError("--predictions: only the format netcdf holds rollouts; leave it out");
+  }
+  write_inference_data(plan, arguments.output, arguments.num_predictions);
+  return {arguments.output};
+}
 
 }  // namespace
 
 void add_export_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand(
-      "export", "a method's posteriors as InferenceData (NetCDF), for ArviZ and xarray");
+      "export",
+      "a method's posteriors for ArviZ and xarray, GetDist, or readers of CmdStan's files");
   auto arguments = std::make_shared<ExportArguments>();
   arguments->study.add_to(*command);
-  command->add_option("-o,--output", arguments->output, "file to write, such as out.nc")
-      ->required();
   command
-      ->add_option("--predictions", arguments->num_predictions,
-                   "draws of each seed whose rollouts are simulated; 0: none")
-      ->capture_default_str()
-      ->check(CLI::Range(Index{0}, Index{1'000'000}));
+      ->add_option("-o,--output", arguments->output,
+                   "file to write, such as out.nc; of getdist and cmdstan, its beginning")
+      ->required();
+  set_choices(
+      *command
+           ->add_option("--format", arguments->format,
+                        "NetCDF (InferenceData of ArviZ), chains of GetDist, CSV as of CmdStan")
+           ->capture_default_str(),
+      names_of<ExportFormat>());
+  CLI::Option* predictions =
+      command
+          ->add_option("--predictions", arguments->num_predictions,
+                       "draws of each seed whose rollouts are simulated; 0: none")
+          ->capture_default_str()
+          ->check(CLI::Range(Index{0}, Index{1'000'000}));
   command->footer(
-      "Example: npdr export study.toml --only NPE -o out.nc; in Python: "
-      "arviz.from_netcdf(\"out.nc\")\n"
+      "Examples:\n"
+      "  npdr export study.toml --only NPE -o out.nc   arviz.from_netcdf(\"out.nc\")\n"
+      "  npdr export study.toml --only NPE --format getdist -o chains/npe\n"
       "Seeds are chains. What stands in the file: docs/python.md.");
-  command->callback([&result, arguments] {
+  command->callback([&result, arguments, predictions] {
     result = guarded_main("npdr export", [&] {
-      write_inference_data(arguments->study.plan(), arguments->output, arguments->num_predictions);
-      fmt::print("wrote {}\n", printable_line(arguments->output));
+      const auto files = export_study(*arguments, predictions->count() > 0);
+      print_line("wrote {}", join(files));
       return ExitStatus::done;
     });
   });

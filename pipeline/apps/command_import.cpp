@@ -84,8 +84,8 @@ Channels channels_of_arguments(const ImportArguments& arguments) {
   }
   if (arguments.states.empty()) {
     throw InputError(
-        "say which columns to take: --simulator NAME, or --states and --actions, if it "
-        "has any");
+        "say which columns to take: --simulator NAME, or --states 'theta [rad],theta_dot [rad/s]' "
+        "and --actions 'voltage [V]', if it has any");
   }
   return {parse_channels(arguments.states), parse_channels(arguments.actions)};
 }

@@ -137,7 +137,7 @@ void add_inspect_command(CLI::App& app, int& result) {
   auto path = std::make_shared<std::string>();
   auto study = std::make_shared<bool>(false);
   auto digest = std::make_shared<bool>(false);
-  command->add_option("FILE", *path)->required();
+  command->add_option("FILE", *path, "artefact, recording or dataset (HDF5)")->required();
   command->add_flag("--study", *study, "print the resolved study that it belongs to");
   command->add_flag("--digest", *digest, "hash of the content: equal digests, equal bits");
   command->footer("Example:\n  npdr inspect runs/study/target.h5");

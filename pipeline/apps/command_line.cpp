@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -16,6 +17,7 @@
 #include "core/file_error.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "pipeline/apps/help_format.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_warnings.h"
 #include "pipeline/process/build_info.h"
@@ -75,7 +77,10 @@ bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
   fill_standard_streams();
   choose_signals();
   app.set_version_flag("--version", fmt::format("npdr {} ({})", creator_version(), git_revision()));
-  app.get_formatter()->column_width(34);
+  const auto formatter = std::make_shared<HelpFormatter>();
+  app.formatter(formatter);
+  for (CLI::App* command : app.get_subcommands({})) command->formatter(formatter);
+  app.failure_message(words_of_failure);
   try {
     app.parse(argc, argv);
     return true;

@@ -58,7 +58,7 @@ void add_verify_command(CLI::App& app, int& result) {
       "recompute random rows of a simulation or proposal, or all of any artefact, and compare bit "
       "for bit");
   auto arguments = std::make_shared<VerifyArguments>();
-  command->add_option("FILE", arguments->path)->required();
+  command->add_option("FILE", arguments->path, "artefact, such as simulate.h5")->required();
   auto* rows = command->add_option("--rows", arguments->rows.count, "how many")
                    ->capture_default_str()
                    ->check(CLI::Range(Index{1}, kMostRows));

@@ -28,6 +28,9 @@ namespace {
 using inference::Marginal;
 using Numbers = std::map<std::string, double>;
 
+constexpr const char* kRecordingFile =
+    "an existing HDF5 file; 'npdr import' makes one of CSV files";
+
 class StudyChecker : Checker {
  public:
   StudyChecker(Study& study, Reading& reading) : Checker(reading), study_(study) {}
@@ -116,7 +119,7 @@ void StudyChecker::check_target() {
     must_be_left_out("target.inputs", "it is for a truth");
     return;
   }
-  if (target.inputs) require_file("target.inputs", *target.inputs, "an existing HDF5 file");
+  if (target.inputs) require_file("target.inputs", *target.inputs, kRecordingFile);
   must_be_left_out("target.rollouts", "it picks those of a recording");
   check_values("target.truth", *target.truth);
   if (target.num_rollouts < 1 && !target.inputs) {
@@ -125,7 +128,11 @@ void StudyChecker::check_target() {
 }
 
 void StudyChecker::check_recording(const std::string& recording) {
-  require_file("target.recording", recording, "an existing HDF5 file");
+  if (recording.ends_with(".csv")) {
+    fail("target.recording", quoted(recording), kRecordingFile);
+    return;
+  }
+  require_file("target.recording", recording, kRecordingFile);
   if (reading_.has("target.seed")) {
     fail("target.seed", std::to_string(study_.target.seed),
          "left out with a recording: it picks the behavior of a truth");

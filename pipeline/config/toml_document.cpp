@@ -184,6 +184,12 @@ void remove_rival(toml::table& document, const Path& path) {
   keep_only(*table, path[1], std::array{"recording", "truth", "observation"});
 }
 
+// What toml++ says of a text without quotes doesn't name them.
+const char* advice_on(std::string_view description) {
+  const bool is_bare = description.find("determine value type") != std::string_view::npos;
+  return is_bare ? "; texts stand in quotes, such as name = \"NPE\"" : "";
+}
+
 }  // namespace
 
 toml::table parse_toml(std::string_view text, const std::string& origin) {
@@ -194,7 +200,7 @@ toml::table parse_toml(std::string_view text, const std::string& origin) {
     throw InputError(origin + ": " + error.what());
   } catch (const toml::parse_error& error) {
     throw InputError(place_of(error.source(), origin).str() + ": " +
-                     std::string(error.description()));
+                     std::string(error.description()) + advice_on(error.description()));
   }
 }
 

@@ -33,7 +33,7 @@ std::string tip_of(const ReportData& data, Index d) {
   return words;
 }
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::IntervalPlot plot_of(const ReportData& data) {
   const Study& study = data.plan.study;
   const inference::Prior prior(study.prior);
   const std::vector<Index> shown = shown_parameters(study);
@@ -57,10 +57,19 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
     const RowMatrix place = place_in_prior(prior, point.theta.transpose(), shown);
     plot.points.push_back({point.name, place.transpose(), point.mark, point.color});
   }
-  return {analysis::write_interval_plot(plot, folder).svg,
+  return plot;
+}
+
+analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+  analysis::IntervalPlot plot = plot_of(data);
+  const std::filesystem::path svg = analysis::write_interval_plot(plot, folder).svg;
+  plot.name += "_narrow";
+  plot.width = analysis::kNarrowWidth;
+  return {svg,
           fmt::format("What the posteriors say of each parameter, all seeds: median, 50 % interval "
                       "(thick) and 90 % interval, within what the prior allows (grey).{}{}",
-                      left_out_methods(data.methods), left_out_parameters(study))};
+                      left_out_methods(data.methods), left_out_parameters(data.plan.study)),
+          analysis::write_interval_plot(plot, folder).svg};
 }
 
 }  // namespace

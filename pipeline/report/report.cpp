@@ -184,7 +184,10 @@ void remove_other_tables(const ReportData& data, const fs::path& folder) {
 std::vector<fs::path> write_tables(const analysis::Report& report, const fs::path& folder) {
   std::vector<fs::path> files;
   for (const analysis::ReportSection& section : report.sections) {
-    for (const analysis::ReportFigure& figure : section.figures) files.push_back(figure.svg);
+    for (const analysis::ReportFigure& figure : section.figures) {
+      files.push_back(figure.svg);
+      if (figure.narrow) files.push_back(*figure.narrow);
+    }
     for (const analysis::Table& table : section.tables) {
       analysis::write_table(table, folder);
       for (const fs::path& file : analysis::table_files(table.name, folder)) files.push_back(file);

@@ -49,6 +49,17 @@ TEST(IntervalPlot, RowsHaveTips) {
   EXPECT_EQ(count_of(svg, "<rect class=\"tip\""), 2);
 }
 
+TEST(IntervalPlot, FitsIntoAWidthThatIsGiven) {
+  const TempFolder folder;
+  IntervalPlot plot = plot_of(1);
+  plot.width = 340.0;
+  const std::string svg = read_text_file(write_interval_plot(plot, folder.path()).svg);
+  EXPECT_NE(svg.find("viewBox=\"0 0 340 "), std::string::npos) << svg.substr(0, 400);
+  plot.width = 100.0;
+  const std::string least = read_text_file(write_interval_plot(plot, folder.path()).svg);
+  EXPECT_EQ(least.find("viewBox=\"0 0 100 "), std::string::npos) << "rows can still be seen";
+}
+
 TEST(IntervalPlot, RejectsWhatCantBeDrawn) {
   const TempFolder folder;
   EXPECT_THROW(write_interval_plot(plot_of(0), folder.path()), InputError);

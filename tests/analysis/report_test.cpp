@@ -83,10 +83,14 @@ TEST(Report, SaysFirstWhatHoldsAndWhatFails) {
   const std::string html = to_html(report);
   EXPECT_EQ(markup_error(html), "");
   const std::size_t holds = html.find("<li class=\"holds\">A: 3 of 3 checks pass</li>");
-  const std::size_t fails =
-      html.find("<li class=\"fails\">B: &lt;1&gt; of 3 checks FAILS\n<p>a &amp; b</p></li>");
+  const std::size_t fails = html.find(
+      "<li class=\"fails\"><details><summary>B: &lt;1&gt; of 3 checks FAILS</summary>\n"
+      "<p>a &amp; b</p></details></li>");
   EXPECT_LT(holds, fails);
   EXPECT_LT(fails, html.find("<p>Prose.</p>"));
+  report.verdicts.erase(report.verdicts.begin());
+  EXPECT_NE(to_html(report).find("<details open=\"\"><summary>B"), std::string::npos)
+      << "of the only method";
 }
 
 TEST(Report, FoldsSectionsAndTurnsTheirOrder) {
@@ -102,6 +106,19 @@ TEST(Report, FoldsSectionsAndTurnsTheirOrder) {
   EXPECT_NE(
       html.find("<pre tabindex=\"0\"><code>npdr sample &lt;posterior&gt;</code></pre>\n</details>"),
       std::string::npos);
+}
+
+TEST(Report, ShowsAnotherDrawingWhereItIsNarrow) {
+  const TempFolder folder;
+  Report report = small_report(folder.path());
+  ReportFigure& figure = report.sections[0].figures[0];
+  figure.narrow = figure.svg;
+  const std::string html = to_html(report);
+  EXPECT_EQ(markup_error(html), "") << "ids are there once";
+  EXPECT_EQ(count_of(html, "<svg "), 3);
+  EXPECT_EQ(count_of(html, "<div class=\"drawing wide\">"), 1);
+  EXPECT_EQ(count_of(html, "<div class=\"drawing narrow\">"), 1);
+  EXPECT_EQ(count_of(html, "<div class=\"drawing\">"), 1) << "the other figure has one drawing";
 }
 
 TEST(Report, LoadsNothingFromElsewhere) {

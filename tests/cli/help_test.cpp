@@ -36,6 +36,31 @@ TEST_F(Help, HelpListAndCompletionKnowAllCommands) {
                    {"npdr completion: unknown shell 'tcsh'", "bash, zsh, fish"}));
 }
 
+TEST_F(Help, HelpFitsIntoATerminal) {
+  for (const char* name : {"run", "submit", "verify", "list", "export", "help"}) {
+    std::istringstream lines(npdr({"help", name}).out);
+    std::string line;
+    std::getline(lines, line);  // the command in a sentence
+    while (std::getline(lines, line)) EXPECT_LE(line.size(), 80) << name << ": " << line;
+  }
+  EXPECT_NE(npdr({"help", "run"}).out.find("the last stage to run: target, held_out,"),
+            std::string::npos);
+}
+
+TEST_F(Help, WhatCantBeReadIsNamedAndLeadsToHelp) {
+  const auto fails = [&](const std::vector<std::string>& words, const std::string& message) {
+    const Outcome outcome = npdr(words);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.err, message + "\n");
+  };
+  fails({},
+        "npdr: no command; 'npdr new NAME' begins a study, 'npdr run STUDY' brings one up to "
+        "date, 'npdr help' lists all commands");
+  fails({"run"}, "npdr run: STUDY is required; options and examples: npdr help run");
+  EXPECT_TRUE(says(npdr({"run", "study.toml", "--sed", "1"}).err,
+                   {"npdr run: unknown option '--sed' (did you mean '--set'?)", "npdr help run"}));
+}
+
 // What bash would offer for the words of a line.
 TEST_F(Help, BashCompletesCommandsOptionsAndValues) {
   std::ofstream(file("complete.sh")) << npdr({"completion", "bash"}).out << R"(

@@ -62,6 +62,11 @@ for (const element of document.querySelectorAll(reachable)) {
 }
 if (document.documentElement.scrollWidth > innerWidth)
   findings.add(`the page is wider than its window: ${document.documentElement.scrollWidth} px`);
+for (const svg of document.querySelectorAll(".narrow svg, .wide svg")) {
+  const {width} = svg.getBoundingClientRect();
+  if (width > svg.parentElement.clientWidth) findings.add(`is cut off: ${width} px of a drawing`);
+  if (width > 0 && width < 0.85 * svg.viewBox.baseVal.width) findings.add(`has tiny words: a drawing, ${width} px`);
+}
 const list = document.createElement("pre");
 list.id = "findings";
 list.textContent = [`theme: ${dark ? "dark" : "light"}`, ...findings].join("\n");

@@ -258,7 +258,7 @@ TEST(StudyProblems, OfTheCommandLineNameTheOverride) {
            {"--set simulte.shard_size=3: unknown key 'simulte'", "'simulate'", "known: study"}));
   EXPECT_TRUE(says(problems_of(kStudyText, {"target.recording=no.h5"}),
                    {"--set target.recording=no.h5: target.recording = 'no.h5'",
-                    "must be an existing HDF5 file"}));
+                    "must be an existing HDF5 file; 'npdr import' makes one of CSV files"}));
   EXPECT_TRUE(says(
       problems_of(kStudyText, {"method.training.batch_size=1000"}),
       {"--set method.training.batch_size=1000: method.training.batch_size = 1000", "must be <= 180",
@@ -297,12 +297,22 @@ TEST(StudyProblems, NamesTooLongForTheFileSystemAreNoSurprise) {
             std::string::npos);
 }
 
+TEST(StudyProblems, ACsvFileIsNoRecordingYet) {
+  const TempFolder folder;
+  const std::string csv = folder.file("run.csv", "t [s],theta [rad]\n").string();
+  EXPECT_TRUE(says(problems_of(kStudyText, {"target.recording=" + csv}),
+                   {"target.recording = '", "'npdr import' makes one of CSV files"}));
+}
+
 TEST(StudyProblems, SyntaxErrorsHaveAPosition) {
   EXPECT_EQ(problems_after("[study]", "[study"),
             "s.toml:1:7: Error while parsing table header: expected ']', saw '\\n'");
   EXPECT_EQ(problems_after("seeds = [1, 2]", "name = \"b\""),
             "s.toml:3:8: Error while parsing key-value pair: cannot redefine existing string "
             "'name'");
+  EXPECT_EQ(problems_after("seeds = [1, 2]", "seeds = one"),
+            "s.toml:3:9: Error while parsing value: could not determine value type; texts stand in "
+            "quotes, such as name = \"NPE\"");
 }
 
 TEST(StudyProblems, HostileFilesAreRefused) {
