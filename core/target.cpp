@@ -35,7 +35,9 @@ void check_finite(const std::string& where, const std::string& what, const RowMa
 
 void Target::check(const std::string& where) const {
   if (!(dt > 0.0) || !std::isnormal(dt)) {
-    throw InputError(where + ": dt = " + std::to_string(dt) + ", must be a positive time [s]");
+    std::ostringstream message;
+    message << where << ": dt = " << dt << ", must be a positive time [s], and not below 1e-307";
+    throw InputError(message.str());
   }
   if (rollouts.empty() || num_steps() < 1) {
     throw InputError(where + ": no rollout with at least one step");

@@ -96,6 +96,7 @@ double to_normal(const Marginal& m, double theta) {
 }
 
 double to_theta(const Marginal& m, double u) {
+  if (!std::isfinite(u)) return std::numeric_limits<double>::quiet_NaN();  // not the border
   if (m.kind == Marginal::Kind::normal) return m.a + m.b * u;
   if (m.kind == Marginal::Kind::log_normal) {
     return std::clamp(std::exp(m.a + m.b * u), kSmallestPositive, kLargest);

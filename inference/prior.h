@@ -69,7 +69,7 @@ class Prior {
   /// +-8.2), which the prior passes with probability 1e-16.
   RowMatrix to_normal(const RowMatrix& theta) const;
 
-  /// theta(u), (n, D); always inside of the support.
+  /// theta(u), (n, D); always inside of the support, and NaN where u isn't finite.
   RowMatrix to_theta(const RowMatrix& u) const;
 
   /// sum_d log |d u_d / d theta_d| = log p(theta) - log N(u; 0, I) at u = u(theta). (n)

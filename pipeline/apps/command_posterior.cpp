@@ -144,8 +144,8 @@ std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) 
 }
 
 // Weights that are finite may still overflow in the sums of a network.
-void require_numbers(const PosteriorArguments& arguments, const RowMatrix& values) {
-  if (!values.hasNaN()) return;
+void require_numbers(const PosteriorArguments& arguments, bool are_numbers) {
+  if (are_numbers) return;
   throw Error(arguments.posterior +
               ": its network's answer isn't a number: its weights, or x, are too large; train it "
               "anew, with a smaller training.learning_rate where that may have made them so");
@@ -157,7 +157,7 @@ void print_samples(const PosteriorArguments& arguments, bool is_first) {
   const inference::Samples samples =
       posterior->draw(arguments.count, {arguments.seed, "sample", 0, 0, 0});
   const RowMatrix& theta = samples.theta;
-  require_numbers(arguments, theta);
+  require_numbers(arguments, theta.allFinite());
   print_sampler(samples);
   std::vector<std::string> header;
   for (const auto& m : posterior->prior().marginals()) {
@@ -227,7 +227,7 @@ RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
 void print_log_prob(const PosteriorArguments& arguments) {
   const auto posterior = load(arguments);
   const Vector log_prob = posterior->log_prob(read_theta(arguments.theta, posterior->prior()));
-  require_numbers(arguments, log_prob);
+  require_numbers(arguments, !log_prob.hasNaN());
   fmt::print("log_prob\n");
   for (const double value : log_prob) fmt::print("{:.17g}\n", value);
 }

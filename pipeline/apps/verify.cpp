@@ -93,6 +93,17 @@ Study study_of(const std::filesystem::path& path, const ArtefactInfo& info,
                    ": its rows are those of a dataset; only simulations can be recomputed");
 }
 
+// Does what documents of the file say: who can't learns from which file that comes.
+template <class Follow>
+auto followed(const std::filesystem::path& path, const Follow& follow) {
+  try {
+    return follow();
+  } catch (const InputError& error) {
+    throw InputError(path.string() +
+                     ": what its key document and study say can't be done: " + error.what());
+  }
+}
+
 // Rows [begin, ...) of which simulation, and the random numbers of the first.
 StreamId first_stream(const std::filesystem::path& path, const ArtefactInfo& info) {
   const auto begin =
@@ -124,8 +135,9 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
                             : Target{};
   const ProposedRows proposed(path, info);
   const StreamId first = traits.takes_seeds ? first_stream(path, info) : StreamId{};
-  const auto source = make_source(study);
-  const auto simulator = source->open({.simulator = study.simulator, .target = target});
+  const auto source = followed(path, [&] { return make_source(study); });
+  const auto simulator = followed(
+      path, [&] { return source->open({.simulator = study.simulator, .target = target}); });
 
   const PickedRows picked(rows.num_rows(), options);
   Verification result{rows.num_rows(), picked.size(), {}};
@@ -134,8 +146,8 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
     StreamId id = first;
     id.row += static_cast<std::uint64_t>(row);
     const RowMatrix theta = rows.theta(row);
-    const sim::Trajectories again =
-        simulator->simulate(source->parameters().complete(theta.row(0)), id);
+    const sim::Trajectories again = followed(
+        path, [&] { return simulator->simulate(source->parameters().complete(theta.row(0)), id); });
     const bool is_good = same(again.values, rows.values(row)) &&
                          as_bytes(again.status).front() == rows.status(row) &&
                          theta == proposed.theta(row);
@@ -153,7 +165,8 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
     throw InputError(path.string() +
                      ": its rows come from a posterior; only those of the prior can be recomputed");
   }
-  const inference::Prior prior(prior_from_json(document.at("prior"), path.string()));
+  const auto marginals = prior_from_json(document.at("prior"), path.string());
+  const inference::Prior prior = followed(path, [&] { return inference::Prior(marginals); });
   const h5::Dataset theta = file.dataset("theta");
   theta.require_shape({-1, prior.dimension()});
   const PickedRows picked(theta.num_rows(), options);
@@ -186,7 +199,9 @@ Study tested_study(const std::filesystem::path& path, const ArtefactInfo& info,
     PolicyGridAxis& axis = i == 0 ? grid.x : grid.y;
     axis.parameter = document.at("grid").at(i).at("parameter").get<std::string>();
     axis.values = document.at("grid").at(i).at("values").get<std::vector<double>>();
-    if (axis.values.empty()) throw InputError("grid has no values of '" + axis.parameter + "'");
+    if (axis.values.empty()) {
+      throw InputError(path.string() + ": its grid has no values of '" + axis.parameter + "'");
+    }
   }
   return study;
 }
@@ -208,8 +223,9 @@ Verification verify_policy_test(const std::filesystem::path& path, const Artefac
                                 const VerifyOptions& options) {
   const Study study = tested_study(path, info, options);
   const PolicyTest test = read_policy_test(path);
-  const auto task = make_task(study);
-  const RowMatrix theta = tested_parameters(study, *make_source(study));
+  const auto task = followed(path, [&] { return make_task(study); });
+  const RowMatrix theta =
+      followed(path, [&] { return tested_parameters(study, *make_source(study)); });
   const Vector stored = stored_returns(test);
   const Index num_states = test.initial_states.rows();
   if (stored.size() != theta.rows() * num_states) {
@@ -278,19 +294,12 @@ Verification verify(const std::filesystem::path& given, const VerifyOptions& opt
   const std::filesystem::path path = std::filesystem::weakly_canonical(given);
   if (!survives([&] { read_all(path, options); })) throw damaged_file(path);
   const ArtefactInfo info = read_artefact_info(path);
-  const auto blame_documents = [&](const std::string& why) -> InputError {
-    return InputError(path.string() + ": its key document or study isn't what stage '" +
-                      info.schema.stage + "' writes: " + why);
-  };
   try {
     return verify_rows(path, info, options);
-  } catch (const InputError& error) {
-    const std::string message = error.what();
-    if (message.starts_with('/')) throw;  // about a file; others are about what the documents say
-    throw blame_documents(message);
   } catch (const nlohmann::json::exception& error) {
     const std::string message = error.what();
-    throw blame_documents(message.substr(message.find("] ") + 2));
+    throw InputError(path.string() + ": its key document or study isn't what stage '" +
+                     info.schema.stage + "' writes: " + message.substr(message.find("] ") + 2));
   }
 }
 

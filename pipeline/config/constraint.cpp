@@ -67,7 +67,7 @@ Constraint<std::string> label() {
 }
 
 Constraint<std::string> folder_name() {
-  return {"a folder name of letters, digits, '_', '-' and '.' that doesn't begin with '.'",
+  return {"a folder name of 1 to 100 letters, digits, '_', '-' and '.' that doesn't begin with '.'",
           [](const std::string& text) {
             return is_label(text) && text.front() != '.' &&
                    std::all_of(text.begin(), text.end(), is_folder_character);

@@ -1,6 +1,7 @@
 #include "pipeline/config/problems.h"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 #include "core/error.h"
@@ -18,10 +19,15 @@ void Problems::throw_if_any() const {
   std::stable_sort(sorted.begin(), sorted.end(), [](const Problem& a, const Problem& b) {
     return std::tie(a.place.line, a.place.column) < std::tie(b.place.line, b.place.column);
   });
+  constexpr std::size_t most = 50;  // who has more has misunderstood something
+  std::set<std::string> told;
   std::vector<std::string> lines;
   for (const Problem& problem : sorted) {
     std::string line = problem.place.str() + ": " + problem.message;
-    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+    if (told.insert(line).second && told.size() <= most) lines.push_back(line);
+  }
+  if (told.size() > most) {
+    lines.push_back("and " + std::to_string(told.size() - most) + " more problems");
   }
   throw InputError(join(lines, "\n"));
 }

@@ -14,7 +14,8 @@ class Problems {
   void add(const Place& place, const std::string& message);
   bool empty() const { return problems_.empty(); }
 
-  /// Throws one InputError with a line per problem in the file's order, each line once.
+  /// Throws one InputError with a line per problem in the file's order, each line once, and
+  /// the number of those beyond the first 50.
   void throw_if_any() const;
 
  private:

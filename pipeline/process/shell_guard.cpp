@@ -34,6 +34,7 @@ void wait_for_end(pid_t shell) {
   sigaddset(&child, SIGCHLD);
   sigprocmask(SIG_BLOCK, &child, nullptr);
   const int news = signalfd(-1, &child, SFD_CLOEXEC);
+  const int patience = news < 0 ? 10 : -1;  // [ms], where there is no descriptor for it to be told
   bool is_told = false;
   for (;;) {
     // The group's number is ours until the shell is reaped.
@@ -45,7 +46,7 @@ void wait_for_end(pid_t shell) {
     }
     std::array<pollfd, 2> events = {pollfd{STDIN_FILENO, POLLIN, 0},
                                     pollfd{is_told ? -1 : news, POLLIN, 0}};
-    if (poll(events.data(), events.size(), -1) < 0) continue;
+    if (poll(events.data(), events.size(), is_told ? -1 : patience) <= 0) continue;
     if (events[0].revents != 0) return;
     signalfd_siginfo which;
     [[maybe_unused]] const ssize_t count = read(news, &which, sizeof(which));
@@ -93,7 +94,7 @@ void end_all(pid_t shell) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
   dup2(control, STDIN_FILENO);
   dup2(report, STDOUT_FILENO);
-  close_range(2, ~0U, 0);
+  closefrom(2);
   say(shell < 0 ? -error : shell);
   if (shell > 0) wait_for_end(shell);
   if (shell > 0) end_all(shell);

@@ -79,7 +79,7 @@ struct ShellStreams {
     dprintf(STDERR_FILENO, "%s: can't be entered: %s\n", folder, std::strerror(errno));
     _exit(126);
   }
-  close_range(3, ~0U, 0);
+  closefrom(3);
   execve("/bin/sh", arguments, variables);
   _exit(127);
 }

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <optional>
 
 #include "core/error.h"
 #include "pipeline/process/shell_call.h"
@@ -21,6 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kLongestHeader = 1 << 20;
 constexpr int kPollMilliseconds = 100;  // between two looks at requests to stop
+constexpr double kLastSeconds = 1.0;    // for a program to end that has closed its output
 
 // write() to a program that has ended, without the signal that would end this one.
 ssize_t write_quietly(int descriptor, std::span<const char> bytes) {
@@ -142,10 +144,12 @@ WorkerReply WorkerProcess::exchange(std::span<const char> request, double time_l
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   Exchange exchange(shell_, request, body_size, body);
   WorkerReply& reply = exchange.reply();
+  std::optional<double> closed;
   while (!exchange.is_complete() && !exchange.has_failed()) {
     stop_here_if_requested();
     const bool goes_on = exchange.go_on();
     if (exchange.is_complete()) break;
+    if (exchange.is_closed() && !closed) closed = seconds();
     if (seconds() >= time_limit) {
       reply.timed_out = true;
       reply.problem = fmt::format("no reply within its time limit of {:.3g} s", time_limit);
@@ -157,6 +161,8 @@ WorkerReply WorkerProcess::exchange(std::span<const char> request, double time_l
       reply.problem =
           (exchange.has_begun() ? "ended in its reply: " : "ended in place of a reply: ") +
           result.words(time_limit);
+    } else if (closed && seconds() >= *closed + kLastSeconds) {
+      reply.problem = "its standard output isn't a reply: it was closed";
     }
   }
   shell_.read_output();

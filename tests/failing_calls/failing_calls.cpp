@@ -19,6 +19,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
+#include <sys/signalfd.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -171,6 +172,11 @@ void* mmap(void* where, std::size_t size, int protection, int flags, int file, o
   if ((flags & MAP_ANONYMOUS) == 0 && fails("mmap", file)) return MAP_FAILED;
   return real<void*(void*, std::size_t, int, int, int, off_t)>("mmap")(where, size, protection,
                                                                        flags, file, at);
+}
+
+int signalfd(int file, const sigset_t* signals, int flags) noexcept {
+  if (fails("signalfd", nullptr)) return -1;
+  return real<int(int, const sigset_t*, int)>("signalfd")(file, signals, flags);
 }
 
 int flock(int file, int operation) {

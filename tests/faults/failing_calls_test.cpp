@@ -104,6 +104,26 @@ TEST_F(FailingCalls, AFileThatCannotBeClosedIsNamed) {
   expect_same_results(*folder_);
 }
 
+// Who waits for a program is told of its end by a signal; without a descriptor left for that, it
+// has to look itself.
+TEST_F(FailingCalls, TheEndOfAProgramIsNoticedWithoutSignals) {
+  const TempFolder folder;
+  folder.file("x_o.csv", "a\n0.5\n");
+  folder.file("s.toml",
+              command_study("s")
+                  .with("simulator", {"command = \"cut -d, -f1 {theta} >{x}\"", "time_limit = 30"})
+                  .with("prior", {"a = { uniform = [0.0, 1.0] }"})
+                  .method("A", {"algorithm = \"abc_rejection\""}));
+  ASSERT_EQ(run(folder.path(), {"npdr-propose", "s.toml"}).status, 0);
+  FailingCall failing("signalfd", ENFILE);
+  failing.set("NPDR_FAIL_NOTE", folder / "note");
+  const Program program(folder.path(), {"npdr-simulate", "s.toml"});
+  EXPECT_TRUE(program.ends_within(20.0));
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(text_of(folder / "note").starts_with("signalfd")) << "the call is made";
+}
+
 // A call and the ways in which it fails; 0: it does half of what it is asked for.
 struct Case {
   std::string call;

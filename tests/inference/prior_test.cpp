@@ -66,6 +66,15 @@ TEST(Prior, StaysInsideOfTheSupportHoweverFarUGoes) {
   EXPECT_TRUE(prior.log_prob(theta).allFinite());
 }
 
+// A network that overflows has no sample to give, rather than one on the border.
+TEST(Prior, HasNoParametersWhereUIsntFinite) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  RowMatrix u(2, 4);
+  u.row(0).setConstant(infinity);
+  u.row(1).setConstant(-infinity);
+  EXPECT_TRUE(all_kinds().to_theta(u).array().isNaN().all());
+}
+
 // Probability mass is kept: p(theta) = N(u) |du/dtheta| at any theta, by central differences.
 TEST(Prior, LogDeterminantIsThatOfTheMap) {
   const Prior prior = all_kinds();

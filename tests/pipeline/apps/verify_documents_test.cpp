@@ -121,6 +121,31 @@ TEST_F(VerifyDocuments, OfSimulationsAndProposalsAreCheckedAsTheyAreUsed) {
   change_each(plan.node(Stage::propose, {"A", 1, 1}), write_theta);
 }
 
+// What a document leads to may be gone, though the document is as its stage has written it.
+TEST_F(VerifyDocuments, AreNotToBlameForALibraryThatIsGone) {
+  const Plan plan =
+      plan_of(pendulum_study("s")
+                  .with("simulator", {"store_every = 100"})
+                  .method("A", {"num_simulations = 20", "algorithm = \"abc_rejection\""}),
+              folder_);
+  const Node& simulation = plan.node(Stage::simulate, {"A", 1, 1});
+  make(plan, simulation);
+  ArtefactInfo info = read_artefact_info(simulation.path);
+  info.identity.study["simulator"] = {{"library", "gone.so"}};
+  const h5::Shape shape =
+      open_artefact(simulation.path, kSimulationSchema).dataset("trajectories").shape();
+  ArtefactWriter writer(simulation.path, info.schema, info.identity);
+  writer.file().create_dataset("theta", h5::ElementType::f64, {20, 2});
+  writer.file().create_dataset("trajectories", h5::ElementType::f32, shape);
+  writer.file().write("status", VectorX<std::uint8_t>(VectorX<std::uint8_t>::Zero(20)));
+  writer.finish();
+  const std::string message =
+      message_of<InputError>([&] { verify(simulation.path, {.runs_command = true}); }, &folder_);
+  EXPECT_NE(message.find(".h5: what its key document and study say can't be done: gone.so: "),
+            std::string::npos)
+      << message;
+}
+
 TEST_F(VerifyDocuments, OfPolicyTestsAreCheckedAsTheyAreUsed) {
   const Plan plan =
       plan_of(furuta_study("s")

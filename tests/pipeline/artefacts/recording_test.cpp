@@ -176,7 +176,9 @@ TEST_F(EditedRecording, NamesMissingParts) {
 
 TEST_F(EditedRecording, ChecksTheTimeStep) {
   EXPECT_TRUE(says(reading([](hid_t file) { write_double(file, "dt", 0.0); }),
-                   {"a.h5: dt = 0.000000", "must be a positive time [s]"}));
+                   {"a.h5: dt = 0,", "must be a positive time [s]"}));
+  EXPECT_TRUE(says(reading([](hid_t file) { write_double(file, "dt", 5e-324); }),
+                   {"a.h5: dt = 4.94066e-324, must be a positive time [s], and not below 1e-307"}));
   EXPECT_TRUE(says(reading([](hid_t file) {
                      write_double(file, "dt", std::numeric_limits<double>::quiet_NaN());
                    }),

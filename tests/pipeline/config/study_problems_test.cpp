@@ -21,7 +21,8 @@ TEST(StudyProblems, NamesPositionKeyValueAndWhatIsAllowed) {
   EXPECT_TRUE(says(
       problems_after("\"small\"", "\"../small\""),
       {"s.toml:2:8: study.name = '../small'",
-       "must be a folder name of letters, digits, '_', '-' and '.' that doesn't begin with '.'"}));
+       "must be a folder name of 1 to 100 letters, digits, '_', '-' and '.' that doesn't begin "
+       "with '.'"}));
 }
 
 TEST(StudyProblems, NoiseIsGivenOrHasAPrior) {
@@ -87,10 +88,10 @@ TEST(StudyProblems, WrongTypesSayWhatTypeIsDue) {
       {"s.toml:17:19: method.num_simulations = 1000.0", "must be an integer, >= 1 and <= 10^9"}));
   EXPECT_TRUE(says(problems_after(kMaf, "training = 3"),
                    {"s.toml:17:12: method.training = 3", "must be a table"}));
-  EXPECT_TRUE(
-      says(problems_after("\"small\"", "[1]"), {"s.toml:2:8: study.name = [1]",
-                                                "must be text, a folder name of letters, digits, "
-                                                "'_', '-' and '.' that doesn't begin with '.'"}));
+  EXPECT_TRUE(says(problems_after("\"small\"", "[1]"),
+                   {"s.toml:2:8: study.name = [1]",
+                    "must be text, a folder name of 1 to 100 letters, digits, "
+                    "'_', '-' and '.' that doesn't begin with '.'"}));
   EXPECT_TRUE(says(problems_after("[1, 2]", "[1, -2]"),
                    {"s.toml:3:9: study.seeds = [1, -2]",
                     "must be a list of integers, distinct and >= 0, 1 to 1000 of them"}));
@@ -313,6 +314,15 @@ TEST(StudyProblems, SyntaxErrorsHaveAPosition) {
   EXPECT_EQ(problems_after("seeds = [1, 2]", "seeds = one"),
             "s.toml:3:9: Error while parsing value: could not determine value type; texts stand in "
             "quotes, such as name = \"NPE\"");
+}
+
+TEST(StudyProblems, OfManyTheFirstAreTold) {
+  std::string unknown = "[evaluate]\n";
+  for (int i = 0; i < 100'000; ++i) unknown += "k" + std::to_string(i) + " = 1\n";
+  const std::string problems = problems_after("[prior]", unknown + "[prior]");
+  EXPECT_EQ(std::ranges::count(problems, '\n'), 50);
+  EXPECT_TRUE(problems.starts_with("s.toml:12:1: evaluate: unknown key 'k0'"));
+  EXPECT_TRUE(problems.ends_with("\nand 99950 more problems"));
 }
 
 TEST(StudyProblems, HostileFilesAreRefused) {

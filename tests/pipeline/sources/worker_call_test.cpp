@@ -48,6 +48,9 @@ while True:
                     time.sleep(1000)
                 os._exit(3)
             if what == "hangs": time.sleep(1000)
+            if what == "closes":
+                os.close(1)
+                time.sleep(1000)
             if what == "error":
                 replies.write(b'{"npdr_worker": 1, "reply": "error", "message": "boom"}\n')
                 break
@@ -168,6 +171,11 @@ TEST_F(Workers, OnlyTheCulpritOfAHangIsLost) {
 TEST_F(Workers, OnlyTheCulpritOfABadReplyIsLost) {
   expect_only_five_is(run(12, "prints"), RolloutStatus::bad_output);
   expect_only_five_is(run(12, "shape"), RolloutStatus::bad_output);
+}
+
+TEST_F(Workers, AClosedOutputIsNotWaitedFor) {
+  study_.external.time_limit = 30.0;
+  expect_only_five_is(run(6, "closes"), RolloutStatus::bad_output);
 }
 
 TEST_F(Workers, HalfAReplyIsACrash) {
