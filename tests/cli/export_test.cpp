@@ -127,8 +127,10 @@ TEST_F(Export, ChainsOfGetDistAndFilesAsOfCmdStan) {
   std::ofstream(folder_ / "out/npe_3.txt") << "1 0 1 1\n";
   const Outcome stale = chains("getdist", "out/npe");
   EXPECT_EQ(stale.status, 2);
-  EXPECT_TRUE(says(stale.err, {"out/npe_3.txt is there already", "one more chain; remove it"}));
-  EXPECT_TRUE(says(chains("getdits", "npe").err, {"'getdits'", "did you mean 'getdist'?"}));
+  EXPECT_TRUE(says(stale.err,
+                   {"npdr export: out/npe_3.txt is there already", "one more chain; remove it"}));
+  EXPECT_TRUE(says(chains("getdits", "npe").err,
+                   {"npdr export: unknown format 'getdits'", "did you mean 'getdist'?"}));
 }
 
 TEST_F(Export, SaysWhatIsMissing) {

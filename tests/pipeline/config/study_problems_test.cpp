@@ -301,9 +301,9 @@ TEST(StudyProblems, NamesTooLongForTheFileSystemAreNoSurprise) {
 TEST(StudyProblems, ACsvFileIsNoRecordingYet) {
   const TempFolder folder;
   const std::string csv = folder.file("run.csv", "t [s],theta [rad]\n").string();
-  EXPECT_TRUE(
-      says(problems_of(kStudyText, {"target.recording=" + csv}),
-           {"run.csv', must be an existing HDF5 file", "'npdr import' makes one of CSV files"}));
+  EXPECT_TRUE(says(problems_of(kStudyText, {"target.recording=" + csv}),
+                   {"--set target.recording", "run.csv', must be an existing HDF5 file",
+                    "'npdr import' makes one of CSV files"}));
 }
 
 TEST(StudyProblems, SyntaxErrorsHaveAPosition) {
