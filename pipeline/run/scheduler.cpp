@@ -268,8 +268,9 @@ double Scheduler::left(const Job& job) const {
     return spent(job) * static_cast<double>(state.total - state.done) /
            static_cast<double>(state.done);
   }
-  // Once it has taken longer than others nobody knows.
-  return std::max(0.0, costs_.expected(plan_.nodes[job.node]).value_or(0.0) - spent(job));
+  // Once it has taken longer than others, as long again is as good a guess as any.
+  const double expected = costs_.expected(plan_.nodes[job.node]).value_or(0.0);
+  return spent(job) < expected ? expected - spent(job) : spent(job);
 }
 
 double Scheduler::share_done() const {
