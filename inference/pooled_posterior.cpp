@@ -20,8 +20,8 @@ double effective_size(const Vector& log_weights) {
   return std::exp(2.0 * log_sum_exp(log_weights) - log_sum_exp(2.0 * log_weights));
 }
 
-// Rows at `count` evenly spaced places along the cumulative weights, the first at `uniform` in (0,
-// 1) of the space (Kitagawa 1996).
+// Rows at `count` evenly spaced places along the cumulative weights; `uniform` in (0, 1) says where
+// the first is (Kitagawa 1996).
 std::vector<Index> systematic_resample(const Vector& log_weights, Index count, double uniform) {
   const Vector weights = (log_weights.array() - log_weights.maxCoeff()).exp();
   const double step = weights.sum() / static_cast<double>(count);

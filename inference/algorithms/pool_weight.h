@@ -11,7 +11,7 @@
 
 namespace npdr::inference {
 
-/// x of the rows i and parameters must come from the prior. `posterior`, `likelihood`: trained.
+/// Simulations must be those of the prior. `posterior`, `likelihood`: trained, of as many networks.
 double pool_weight(const NetworkParts& posterior, const NetworkParts& likelihood,
                    const RoundData& data, const TrainingConfig& training, const StreamId& id);
 

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <mutex>
+#include <string>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -105,6 +106,11 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
                                                      std::vector<TrainingState>& states,
                                                      const NetworkHook& hook) {
   check_estimator(config.algorithm.kind, config.estimator);
+  if (traits_of(config.algorithm.kind).has_one_round && !data.posteriors.empty()) {
+    throw InputError("round " + std::to_string(data.posteriors.size() + 1) + ": algorithm '" +
+                     name_of(config.algorithm.kind) +
+                     "' has one, on simulations of the prior; use 'npe_c' for more");
+  }
   std::vector<NetworkParts> ensembles = untrained_ensembles(config, data, id);
   const Index networks = config.estimator.num_networks;
   states.resize(ensembles.size() * static_cast<std::size_t>(networks));

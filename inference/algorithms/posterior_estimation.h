@@ -1,9 +1,8 @@
 /// One round of neural inference: simulations of all rounds so far -> posterior.
 ///
 ///  - npe_nle: q(u | z) and l(z | u), both by maximum likelihood, pooled (pooled_posterior.h) by
-///  how
-///    they predict held-out parameters (pool_weight.h); q alone where x is a trained layer's, or
-///    has more than kMostPooledFeatures;
+///    how they predict held-out parameters (pool_weight.h); q alone where a layer is trained, or x
+///    has more than kMostPooledFeatures; one round;
 ///  - npe_a: q(u | z), a mixture, by maximum likelihood on the last round's simulations; divided by
 ///    their proposal (likelihood_objective.h, gaussian_mixture.h);
 ///  - npe_b: q(u | z) by maximum likelihood weighted by p / p~ (likelihood_objective.h);
@@ -61,7 +60,7 @@ bool never_stop(Index m, const TrainingState& state);
 /// and round. `states`: one a network, those of a likelihood after those of the posterior, or none;
 /// a state that a hook kept goes on from there with the same bits, an empty one starts. Returns
 /// nothing when the hook stopped a training. Throws ShapeError for the state of another network,
-/// InputError for a density estimator that doesn't suit the algorithm.
+/// InputError for a density estimator, or a round, that doesn't suit the algorithm.
 std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
                                                      const RoundData& data, const StreamId& id,
                                                      std::vector<TrainingState>& states,

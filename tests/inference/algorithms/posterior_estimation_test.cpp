@@ -69,6 +69,15 @@ TEST(NpeNle, LearnsNoLikelihoodOfManyOrTrainedFeatures) {
   EXPECT_FALSE(has_likelihood(kMostPooledFeatures + 1));
 }
 
+TEST(NpeNle, HasOneRound) {
+  const LinearGaussian task(1);
+  PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 2, 100);
+  c.training.max_epochs = 1;
+  EXPECT_TRUE(says(message_of<InputError>(
+                       [&] { infer(c, task.prior(), task.simulator(), VectorF::Ones(1), 1); }),
+                   {"round 2: algorithm 'npe_nle' has one", "use 'npe_c' for more"}));
+}
+
 TEST(NpeNle, GoesOnFromStatesWithTheSameBits) {
   const LinearGaussian task(2);
   const Prior prior = task.prior();
