@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "inference/estimators/gaussian_mixture.h"
+#include "inference/weighted_moments.h"
 
 namespace npdr::inference {
 namespace {
@@ -16,14 +17,14 @@ constexpr Index kGroup = 500;
 constexpr Index kCandidates = 4 * kGroup;       // drawn at once
 constexpr Index kMostCandidates = 64 * kGroup;  // of a group
 
-double effective_size(const Vector& log_weights) {
-  return std::exp(2.0 * log_sum_exp(log_weights) - log_sum_exp(2.0 * log_weights));
+// The largest 1.
+Vector weights_of(const Vector& log_weights) {
+  return (log_weights.array() - log_weights.maxCoeff()).exp();
 }
 
 // Rows at `count` evenly spaced places along the cumulative weights; `uniform` in (0, 1) says where
 // the first is (Kitagawa 1996).
-std::vector<Index> systematic_resample(const Vector& log_weights, Index count, double uniform) {
-  const Vector weights = (log_weights.array() - log_weights.maxCoeff()).exp();
+std::vector<Index> systematic_resample(const Vector& weights, Index count, double uniform) {
   const double step = weights.sum() / static_cast<double>(count);
   std::vector<Index> rows;
   double cumulative = 0.0;
@@ -86,7 +87,7 @@ double PooledPosterior::largest_usable_weight() const {
   const StreamId id{parts().structure_seed, "pool_weight", 0, 0, 0};
   const Vector ratio = log_ratio(posterior_.sample(kCandidates, id));
   const auto is_usable = [&](double weight) {
-    return effective_size(weight * ratio) >=
+    return effective_size(weights_of(weight * ratio)) >=
            kSmallestEfficiency * static_cast<double>(ratio.size());
   };
   double high = parts().likelihood->weight, low = 0.0;
@@ -111,12 +112,13 @@ RowMatrix PooledPosterior::draw_group(const StreamId& id, double& effective,
     candidates.bottomRows(more.rows()) = more;
     log_weights.conservativeResize(candidates.rows());
     log_weights.tail(more.rows()) = weight() * log_ratio(more);
-    effective = effective_size(log_weights);
+    effective = effective_size(weights_of(log_weights));
     if (effective >= 2.0 * kGroup) break;
   }
   num_candidates += candidates.rows();
   Stream stream(within(id, "pool_resampling"));
-  const std::vector<Index> rows = systematic_resample(log_weights, kGroup, stream.uniform());
+  const std::vector<Index> rows =
+      systematic_resample(weights_of(log_weights), kGroup, stream.uniform());
   RowMatrix group(kGroup, candidates.cols());
   Index place = 0;
   for (const std::uint32_t i : stream.permutation(kGroup)) {

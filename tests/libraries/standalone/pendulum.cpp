@@ -27,7 +27,7 @@ int main() {
   const auto uniform = inference::Marginal::Kind::uniform;
   const inference::Prior prior(
       {{"pole_mass", "kg", uniform, 0.3, 1.7}, {"pole_length", "m", uniform, 0.3, 1.7}});
-  inference::PosteriorEstimationConfig config;  // NPE-C with a masked autoregressive flow
+  inference::PosteriorEstimationConfig config;  // NPE-C with a neural spline flow
   config.algorithm.num_simulations = 2000;
   config.principal_components = 20;
   const auto posterior = inference::infer(config, prior, simulate, x_o, /*seed=*/1);
