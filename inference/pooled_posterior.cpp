@@ -72,9 +72,14 @@ PooledPosterior::~PooledPosterior() = default;
 
 // log l(z_o | u) N(u; 0, I) / q(u | z_o), (n); NaN, which a network may say far from what it knows,
 // counts as a likelihood of 0.
-Vector PooledPosterior::log_ratio(const RowMatrix& theta) const {
-  const Vector ratio = likelihood_.relative_log_prob(theta) - posterior_.log_prob(theta);
+Vector PooledPosterior::log_ratio(const RowMatrix& theta, const Vector& log_q) const {
+  const Vector ratio = likelihood_.relative_log_prob(theta) - log_q;
   return ratio.array().isFinite().select(ratio, -std::numeric_limits<double>::max() / 4.0);
+}
+
+Vector PooledPosterior::log_ratio_of_draws(Index n, const StreamId& id) const {
+  const RowMatrix theta = posterior_.sample(n, id);
+  return log_ratio(theta, posterior_.log_prob(theta));
 }
 
 double PooledPosterior::weight() const {
@@ -85,7 +90,7 @@ double PooledPosterior::weight() const {
 double PooledPosterior::largest_usable_weight() const {
   constexpr int halvings = 20;
   const StreamId id{parts().structure_seed, "pool_weight", 0, 0, 0};
-  const Vector ratio = log_ratio(posterior_.sample(kCandidates, id));
+  const Vector ratio = log_ratio_of_draws(kCandidates, id);
   const auto is_usable = [&](double weight) {
     return effective_size(weights_of(weight * ratio)) >=
            kSmallestEfficiency * static_cast<double>(ratio.size());
@@ -111,7 +116,7 @@ RowMatrix PooledPosterior::draw_group(const StreamId& id, double& effective,
     candidates.conservativeResize(candidates.rows() + more.rows(), Eigen::NoChange);
     candidates.bottomRows(more.rows()) = more;
     log_weights.conservativeResize(candidates.rows());
-    log_weights.tail(more.rows()) = weight() * log_ratio(more);
+    log_weights.tail(more.rows()) = weight() * log_ratio(more, posterior_.log_prob(more));
     effective = effective_size(weights_of(log_weights));
     if (effective >= 2.0 * kGroup) break;
   }
@@ -152,7 +157,7 @@ double PooledPosterior::estimate_log_normalizer() const {
   if (weight() == 0.0) return 0.0;
   constexpr Index num_draws = 20'000;
   const StreamId id{parts().structure_seed, "pool_normaliser", 0, 0, 0};
-  return log_sum_exp(weight() * log_ratio(posterior_.sample(num_draws, id))) -
+  return log_sum_exp(weight() * log_ratio_of_draws(num_draws, id)) -
          std::log(static_cast<double>(num_draws));
 }
 
@@ -160,7 +165,7 @@ Vector PooledPosterior::relative_log_prob(const RowMatrix& theta) const {
   const Vector log_q = posterior_.log_prob(theta);
   if (weight() == 0.0) return log_q;
   // Outside of the prior's support both are -infinity, whose difference means nothing.
-  return log_q.array().isFinite().select(log_q + weight() * log_ratio(theta), log_q);
+  return log_q.array().isFinite().select(log_q + weight() * log_ratio(theta, log_q), log_q);
 }
 
 Vector PooledPosterior::log_prob(const RowMatrix& theta) const {

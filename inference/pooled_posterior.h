@@ -38,7 +38,8 @@ class PooledPosterior : public NetworkPosterior {
  private:
   struct Known;
 
-  Vector log_ratio(const RowMatrix& theta) const;
+  Vector log_ratio(const RowMatrix& theta, const Vector& log_q) const;
+  Vector log_ratio_of_draws(Index n, const StreamId& id) const;
   RowMatrix draw_group(const StreamId& id, double& effective_size, Index& num_candidates) const;
   double largest_usable_weight() const;
   double estimate_log_normalizer() const;

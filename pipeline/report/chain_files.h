@@ -20,10 +20,9 @@ constexpr auto enum_table(ExportFormat) {
 
 /// Writes the samples of the last posteriors of the plan's only method, a chain a seed in a file of
 /// its own, with log densities [nats]:
-///   getdist  <root>_1.txt, ...: weight (1), -log p, parameters; <root>.paramnames: names and
-///   LaTeX;
-///            <root>.ranges: bounds of the prior
-///   cmdstan  <root>_1.csv, ...: lp__, parameters
+///  - getdist: <root>_1.txt, ...: weight (1), -log p, parameters; <root>.paramnames: names and
+///    LaTeX; <root>.ranges: bounds of the prior;
+///  - cmdstan: <root>_1.csv, ...: lp__, parameters.
 /// Returns the files. Throws InputError for several methods, for what isn't made yet, and where a
 /// file of another export would be taken for one more chain.
 std::vector<std::string> write_chain_files(const Plan& plan, const std::string& root,

@@ -51,13 +51,13 @@ bool any_was_pooled(const ReportData& data) {
 
 Cell pool_cell(const EvaluatedRun& run, Table& table) {
   if (!run.notes.pool) return {};
-  const auto& [weight, at_x_o, log_normalizer] = *run.notes.pool;
-  Cell cell = at_x_o;
-  if (at_x_o < weight) {
+  const PoolNotes& pool = *run.notes.pool;
+  Cell cell = pool.weight_at_x_o;
+  if (pool.weight_at_x_o < pool.weight) {
     cell.notes.push_back(table.footnote(fmt::format(
         "{:.2g} among held-out simulations: at x_o the networks of posterior and likelihood "
         "contradict each other; is it among the simulations?",
-        weight)));
+        pool.weight)));
   }
   return cell;
 }

@@ -92,15 +92,18 @@ class VerifyDocuments : public ::testing::Test {
     return make_plan(parse_study(text, "s.toml"), WorkFolder(folder.path()));
   }
 
+  Plan twenty_simulations() const {
+    return plan_of(pendulum_study("s")
+                       .with("simulator", {"store_every = 100"})
+                       .method("A", {"num_simulations = 20", "algorithm = \"abc_rejection\""}),
+                   folder_);
+  }
+
   TempFolder folder_;
 };
 
 TEST_F(VerifyDocuments, OfSimulationsAndProposalsAreCheckedAsTheyAreUsed) {
-  const Plan plan =
-      plan_of(pendulum_study("s")
-                  .with("simulator", {"store_every = 100"})
-                  .method("A", {"num_simulations = 20", "algorithm = \"abc_rejection\""}),
-              folder_);
+  const Plan plan = twenty_simulations();
   const Node& simulation = plan.node(Stage::simulate, {"A", 1, 1});
   make(plan, simulation);
   const auto read = [](const Node& node, const Schema& schema, const char* name) {
@@ -123,11 +126,7 @@ TEST_F(VerifyDocuments, OfSimulationsAndProposalsAreCheckedAsTheyAreUsed) {
 
 // What a document leads to may be gone, though the document is as its stage has written it.
 TEST_F(VerifyDocuments, AreNotToBlameForALibraryThatIsGone) {
-  const Plan plan =
-      plan_of(pendulum_study("s")
-                  .with("simulator", {"store_every = 100"})
-                  .method("A", {"num_simulations = 20", "algorithm = \"abc_rejection\""}),
-              folder_);
+  const Plan plan = twenty_simulations();
   const Node& simulation = plan.node(Stage::simulate, {"A", 1, 1});
   make(plan, simulation);
   ArtefactInfo info = read_artefact_info(simulation.path);

@@ -306,68 +306,6 @@ TEST(StudyProblems, ACsvFileIsNoRecordingYet) {
                     "'npdr import' makes one of CSV files"}));
 }
 
-TEST(StudyProblems, SyntaxErrorsHaveAPosition) {
-  EXPECT_EQ(problems_after("[study]", "[study"),
-            "s.toml:1:7: Error while parsing table header: expected ']', saw '\\n'");
-  EXPECT_EQ(problems_after("seeds = [1, 2]", "name = \"b\""),
-            "s.toml:3:8: Error while parsing key-value pair: cannot redefine existing string "
-            "'name'");
-  EXPECT_EQ(problems_after("seeds = [1, 2]", "seeds = one"),
-            "s.toml:3:9: Error while parsing value: could not determine value type; texts stand in "
-            "quotes, such as name = \"NPE\"");
-}
-
-TEST(StudyProblems, OfManyTheFirstAreTold) {
-  std::string unknown = "[evaluate]\n";
-  for (int i = 0; i < 100'000; ++i) unknown += "k" + std::to_string(i) + " = 1\n";
-  const std::string problems = problems_after("[prior]", unknown + "[prior]");
-  EXPECT_EQ(std::ranges::count(problems, '\n'), 50);
-  EXPECT_TRUE(problems.starts_with("s.toml:12:1: evaluate: unknown key 'k0'"));
-  EXPECT_TRUE(problems.ends_with("\nand 99950 more problems"));
-}
-
-TEST(StudyProblems, HostileFilesAreRefused) {
-  const TempFolder folder;
-  const auto read = [&](const std::filesystem::path& path) {
-    return message_of<InputError>([&] { read_study(path); }, &folder);
-  };
-  EXPECT_TRUE(says(read(folder / "missing.toml"),
-                   {"missing.toml: can't be opened", "does it exist and may you read it?"}));
-  std::filesystem::create_directory(folder / "folder.toml");
-  EXPECT_TRUE(
-      says(read(folder / "folder.toml"), {"folder.toml: is a folder", "must be a study file"}));
-  EXPECT_EQ(read(folder.file("big.toml", std::string(10'000'001, '#'))),
-            "big.toml: is larger than 10 MB: not a study file");
-  EXPECT_EQ(read("/dev/zero"), "/dev/zero: is larger than 10 MB: not a study file");
-  EXPECT_EQ(read(folder.file("binary.toml", std::string("\x7f"
-                                                        "ELF\x02\x01\0\0",
-                                                        8)))
-                .substr(0, 17),
-            "binary.toml:1:1: ");
-  std::string deep;
-  for (int i = 0; i < 200'000; ++i) deep += "a.";
-  EXPECT_TRUE(says(read(folder.file("deep.toml", deep + "a = 1")),
-                   {"deep.toml: holds 200000 dots", "10000"}));
-  EXPECT_EQ(read(folder.file("nested.toml", "a = " + std::string(100'000, '['))).substr(0, 13),
-            "nested.toml:1");
-}
-
-TEST(StudyProblems, QuotesOfLongValuesAreCut) {
-  EXPECT_EQ(quoted(std::string(100, 'a')), "'" + std::string(60, 'a') + "...'");
-  EXPECT_EQ(quoted("a\tb"), "'a?b'");
-  EXPECT_EQ(shortened(std::string(59, 'a') + "\xC3\xA9\xC3\xA9"), std::string(59, 'a') + "...");
-}
-
-TEST(StudyProblems, ManyDotsThatAreAllowedDontOverflowTheStack) {
-  std::string deep;
-  for (int i = 0; i < 10'000; ++i) deep += "a.";
-  EXPECT_NE(problems_of(deep + "a = 1").find("unknown key 'a'"), std::string::npos);
-  EXPECT_NE(problems_of(kStudyText, {deep.substr(0, 2000) + "a=1"}).find("unknown key 'a'"),
-            std::string::npos);
-  EXPECT_NE(problems_of(kStudyText, {deep.substr(0, 2002) + "a=1"}).find("holds 1001 dots"),
-            std::string::npos);
-}
-
 TEST(StudyProblems, ReferencesAndHeldOutRolloutsAreChecked) {
   const auto with = [](const std::string& tables) {
     return problems_of(std::string(kStudyText) + "\n" + tables);
