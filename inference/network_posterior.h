@@ -26,11 +26,20 @@ constexpr auto enum_table(NetworkRole) {
       {{posterior, "posterior"}, {likelihood, "likelihood"}, {ratio, "ratio"}});
 }
 
+/// Powers a of q(u | z) / p(u) and b of l(z | u) in a pool (pooled_posterior.h): q alone.
+struct PoolPowers {
+  double posterior = 1.0;   ///< a
+  double likelihood = 0.0;  ///< b
+
+  static constexpr double kLargestSum = 2.0;
+  bool operator==(const PoolPowers&) const = default;
+};
+
 /// Likelihood networks that are pooled with a posterior's (pooled_posterior.h): as many, of the
 /// same estimator, of the features that vary.
 struct PooledLikelihood {
   Parameters<float> parameters;
-  double weight = 0.0;  ///< in [0, 1]
+  PoolPowers powers = {};
 };
 
 /// Everything that such a posterior consists of: what a file must hold.

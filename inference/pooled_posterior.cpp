@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
 
 #include "core/error.h"
@@ -16,6 +15,11 @@ namespace {
 constexpr Index kGroup = 500;
 constexpr Index kCandidates = 4 * kGroup;       // drawn at once
 constexpr Index kMostCandidates = 64 * kGroup;  // of a group
+
+// So small that powers of it are finite and weigh nothing beside any other.
+constexpr double kImpossible = -1e100;
+
+constexpr PoolPowers kPosteriorAlone = {};
 
 // The largest 1.
 Vector weights_of(const Vector& log_weights) {
@@ -43,8 +47,8 @@ std::vector<Index> systematic_resample(const Vector& weights, Index count, doubl
 
 // Written once, by whoever needs it first.
 struct PooledPosterior::Known {
-  std::once_flag weighed, normalized;
-  double weight = 0.0;
+  std::once_flag has_powers, has_normalizer;
+  PoolPowers powers;
   double log_z = 0.0;
 };
 
@@ -70,38 +74,45 @@ PooledPosterior::PooledPosterior(NetworkParts given)
 
 PooledPosterior::~PooledPosterior() = default;
 
-// log l(z_o | u) N(u; 0, I) / q(u | z_o), (n); NaN, which a network may say far from what it knows,
-// counts as a likelihood of 0.
-Vector PooledPosterior::log_ratio(const RowMatrix& theta, const Vector& log_q) const {
-  const Vector ratio = likelihood_.relative_log_prob(theta) - log_q;
-  return ratio.array().isFinite().select(ratio, -std::numeric_limits<double>::max() / 4.0);
+// NaN, which a network may say far from what it knows, counts as a likelihood of 0.
+PoolEvidence PooledPosterior::evidence(const RowMatrix& theta, const Vector& log_q) const {
+  const Vector log_prior = prior().log_prob(theta);
+  const Vector log_l = likelihood_.relative_log_prob(theta) - log_prior;
+  return {log_q - log_prior, log_l.array().isFinite().select(log_l, kImpossible)};
 }
 
-Vector PooledPosterior::log_ratio_of_draws(Index n, const StreamId& id) const {
-  const RowMatrix theta = posterior_.sample(n, id);
-  return log_ratio(theta, posterior_.log_prob(theta));
+PoolEvidence PooledPosterior::evidence(const RowMatrix& theta) const {
+  return evidence(theta, posterior_.log_prob(theta));
 }
 
-double PooledPosterior::weight() const {
-  std::call_once(known_->weighed, [&] { known_->weight = largest_usable_weight(); });
-  return known_->weight;
+PoolEvidence PooledPosterior::evidence_of_draws(Index n, const StreamId& id) const {
+  return evidence(posterior_.sample(n, id));
 }
 
-double PooledPosterior::largest_usable_weight() const {
+PoolPowers PooledPosterior::powers() const {
+  std::call_once(known_->has_powers, [&] { known_->powers = usable_powers(); });
+  return known_->powers;
+}
+
+PoolPowers PooledPosterior::usable_powers() const {
   constexpr int halvings = 20;
-  const StreamId id{parts().structure_seed, "pool_weight", 0, 0, 0};
-  const Vector ratio = log_ratio_of_draws(kCandidates, id);
-  const auto is_usable = [&](double weight) {
-    return effective_size(weights_of(weight * ratio)) >=
-           kSmallestEfficiency * static_cast<double>(ratio.size());
+  const StreamId id{parts().structure_seed, "pool_powers", 0, 0, 0};
+  const PoolEvidence evidence = evidence_of_draws(kCandidates, id);
+  const PoolPowers wanted = parts().likelihood->powers;
+  const auto part_of_way = [&](double part) {
+    return PoolPowers{1.0 + part * (wanted.posterior - 1.0), part * wanted.likelihood};
   };
-  double high = parts().likelihood->weight, low = 0.0;
-  if (is_usable(high)) return high;
+  const auto is_usable = [&](double part) {
+    return effective_size(weights_of(evidence.log_weights(part_of_way(part)))) >=
+           kSmallestEfficiency * static_cast<double>(kCandidates);
+  };
+  double high = 1.0, low = 0.0;
+  if (is_usable(high)) return wanted;
   for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (low + high);
     (is_usable(middle) ? low : high) = middle;
   }
-  return low;
+  return part_of_way(low);
 }
 
 RowMatrix PooledPosterior::draw_group(const StreamId& id, double& effective,
@@ -116,7 +127,7 @@ RowMatrix PooledPosterior::draw_group(const StreamId& id, double& effective,
     candidates.conservativeResize(candidates.rows() + more.rows(), Eigen::NoChange);
     candidates.bottomRows(more.rows()) = more;
     log_weights.conservativeResize(candidates.rows());
-    log_weights.tail(more.rows()) = weight() * log_ratio(more, posterior_.log_prob(more));
+    log_weights.tail(more.rows()) = evidence(more).log_weights(powers());
     effective = effective_size(weights_of(log_weights));
     if (effective >= 2.0 * kGroup) break;
   }
@@ -133,7 +144,7 @@ RowMatrix PooledPosterior::draw_group(const StreamId& id, double& effective,
 }
 
 Samples PooledPosterior::draw(Index n, const StreamId& id) const {
-  if (weight() == 0.0) return posterior_.draw(n, id);
+  if (powers() == kPosteriorAlone) return posterior_.draw(n, id);
   RowMatrix theta(n, prior().dimension());
   SamplerReport report{.r_hat = {}, .ess = Vector::Zero(1), .num_evaluations = 0};
   for (Index first = 0; first < n; first += kGroup) {
@@ -149,23 +160,24 @@ Samples PooledPosterior::draw(Index n, const StreamId& id) const {
 }
 
 double PooledPosterior::log_normalizer() const {
-  std::call_once(known_->normalized, [&] { known_->log_z = estimate_log_normalizer(); });
+  std::call_once(known_->has_normalizer, [&] { known_->log_z = estimate_log_normalizer(); });
   return known_->log_z;
 }
 
 double PooledPosterior::estimate_log_normalizer() const {
-  if (weight() == 0.0) return 0.0;
+  if (powers() == kPosteriorAlone) return 0.0;
   constexpr Index num_draws = 20'000;
   const StreamId id{parts().structure_seed, "pool_normaliser", 0, 0, 0};
-  return log_sum_exp(weight() * log_ratio_of_draws(num_draws, id)) -
+  return log_sum_exp(evidence_of_draws(num_draws, id).log_weights(powers())) -
          std::log(static_cast<double>(num_draws));
 }
 
 Vector PooledPosterior::relative_log_prob(const RowMatrix& theta) const {
   const Vector log_q = posterior_.log_prob(theta);
-  if (weight() == 0.0) return log_q;
+  if (powers() == kPosteriorAlone) return log_q;
   // Outside of the prior's support both are -infinity, whose difference means nothing.
-  return log_q.array().isFinite().select(log_q + weight() * log_ratio(theta, log_q), log_q);
+  const Vector pooled = log_q + evidence(theta, log_q).log_weights(powers());
+  return log_q.array().isFinite().select(pooled, log_q);
 }
 
 Vector PooledPosterior::log_prob(const RowMatrix& theta) const {

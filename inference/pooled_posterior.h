@@ -1,22 +1,36 @@
-/// The posteriors of two networks, q(u | z_o) of NPE and l(z_o | u) N(u; 0, I) of NLE, pooled:
-///   p(u | x_o) = 1/Z q(u | z_o)^(1 - a) (l(z_o | u) N(u; 0, I))^a,
-/// the logarithmic opinion pool (Genest and Zidek 1986, "Combining probability distributions"),
-/// whose weight a in [0, 1] predicted held-out parameters best (algorithms/pool_weight.h). Errors
-/// that the two don't share cancel in part; where one of them is useless, a leaves it out.
+/// The posteriors of two networks, q(u | z_o) of NPE and that of NLE's likelihood l(z_o | u),
+/// pooled over the prior p(u) = N(u; 0, I):
+///   p_{a,b}(u | x_o) = 1/Z p(u) (q(u | z_o) / p(u))^a l(z_o | u)^b,
+/// a logarithmic opinion pool (Genest and Zidek 1986, "Combining probability distributions"), whose
+/// powers a, b >= 0 predicted held-out parameters best (algorithms/pool_powers.h). Errors that the
+/// two don't share cancel in part; where one of them is useless, its power leaves it out. a + b > 1
+/// sharpens posteriors that are too wide, as means of several networks are, a + b < 1 widens; what
+/// the data don't tell stays the prior.
 ///
 /// It is sampled by importance: draws of q, resampled with weights
-///   w(u) = (l(z_o | u) N(u; 0, I) / q(u | z_o))^a
+///   w(u) = (q(u | z_o) / p(u))^(a - 1) l(z_o | u)^b
 /// (Dax et al. 2023, "Neural importance sampling for rapid and reliable gravitational-wave
 /// inference"; Gloeckler et al. 2022, "Variational methods for simulation-based inference"), so
 /// that no chain has to find its way between modes. Z is the mean of w over draws of q. Where the
-/// two contradict each other at x_o, as when it is like no simulation, a is lowered until
-/// kSmallestEfficiency of q's draws remain.
+/// two contradict each other at x_o, as when it is like no simulation, the powers are moved towards
+/// those of q alone, (1, 0), until kSmallestEfficiency of q's draws remain.
 #pragma once
 
 #include "inference/direct_posterior.h"
 #include "inference/surrogate_posterior.h"
 
 namespace npdr::inference {
+
+/// What both networks say of points, over the prior: log q(u | z_o) / p(u) and log l(z_o | u), (n).
+struct PoolEvidence {
+  Vector posterior;
+  Vector likelihood;
+
+  /// log w(u), (n).
+  Vector log_weights(PoolPowers powers) const {
+    return (powers.posterior - 1.0) * posterior + powers.likelihood * likelihood;
+  }
+};
 
 class PooledPosterior : public NetworkPosterior {
  public:
@@ -31,17 +45,19 @@ class PooledPosterior : public NetworkPosterior {
   Vector log_prob(const RowMatrix& theta) const override;
   Vector relative_log_prob(const RowMatrix& theta) const override;
 
-  /// The weight a, and log Z [nats], at x_o.
-  double weight() const;
+  /// The powers, and log Z [nats], at x_o.
+  PoolPowers powers() const;
   double log_normalizer() const;
+
+  PoolEvidence evidence(const RowMatrix& theta) const;
 
  private:
   struct Known;
 
-  Vector log_ratio(const RowMatrix& theta, const Vector& log_q) const;
-  Vector log_ratio_of_draws(Index n, const StreamId& id) const;
+  PoolEvidence evidence(const RowMatrix& theta, const Vector& log_q) const;
+  PoolEvidence evidence_of_draws(Index n, const StreamId& id) const;
   RowMatrix draw_group(const StreamId& id, double& effective_size, Index& num_candidates) const;
-  double largest_usable_weight() const;
+  PoolPowers usable_powers() const;
   double estimate_log_normalizer() const;
 
   DirectPosterior posterior_;

@@ -114,14 +114,15 @@ class Network:
 class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l, or of both, pooled
     def __init__(self, path):
         with h5py.File(path) as f:
-            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 7] or "network_1" not in f:
-                raise ValueError(f"{path}: not a trained posterior of schema 7; npdr run makes one")
+            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 8] or "network_1" not in f:
+                raise ValueError(f"{path}: not a trained posterior of schema 8; npdr run makes one")
             config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]
             names = [f"network_{m + 1}" for m in range(config["num_networks"])]
             self.networks, self.pool = [Network(f[name], config) for name in names], {}
             self.likelihoods = self.networks
             if self.role != "posterior":  # q is the prior
-                self.networks, self.pool = [], {"weight": 1, "weight_at_x_o": 1, "log_normalizer_at_x_o": 0}
+                self.networks, self.pool = [], dict.fromkeys(("posterior_power", "likelihood_power", "posterior_power_at_x_o",
+                                                         "likelihood_power_at_x_o"), 1)
             elif "likelihood" in f:
                 self.pool = dict(f["likelihood"].attrs)
                 self.likelihoods = [Network(f["likelihood"][name], config) for name in names]
@@ -141,13 +142,14 @@ class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l
             log_det = np.log(np.einsum("kii->ki", self.mixture["factor"])).sum(1)
             return np.logaddexp.reduce(self.mixture["log_weight"] + log_det + log_normal(y), axis=1)
         return log_mean(self.networks, u, z) if self.networks else log_normal(u)
-    def log_weight(self, u, z, at_x_o):  # of draws of q: (l N / q)^weight
+    def log_weight(self, u, z, at_x_o):  # of draws of q: (q / N)^(a - 1) l^b
         if not self.pool:
             return 0
         basis = self.transform.get("basis", np.diag(self.transform["inverse_deviation"]))
         varying = np.repeat(z[:, np.any(basis, axis=0)], len(u), 0)
         log_l = log_mean(self.likelihoods, *((u, z) if self.role == "ratio" else (varying, u)))
-        return self.pool["weight_at_x_o" if at_x_o else "weight"] * (log_l + log_normal(u) - self.log_q(u, z))
+        a, b = (self.pool[power + ("_at_x_o" if at_x_o else "")] for power in ("posterior_power", "likelihood_power"))
+        return (a - 1) * (self.log_q(u, z) - log_normal(u)) + b * log_l
     def log_prob(self, theta, x=None):  # up to a constant: roles likelihood and ratio, a pool at another x
         (u, log_slope), z = self.prior.to_u(theta), self.features(x)
         log_p = self.log_q(u, z) + self.log_weight(u, z, x is None) + log_slope

@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "inference/algorithms/component_growth.h"
-#include "inference/algorithms/pool_weight.h"
+#include "inference/algorithms/pool_powers.h"
 #include "inference/algorithms/round_task.h"
 #include "inference/ensemble.h"
 #include "inference/pooled_posterior.h"
@@ -58,6 +58,14 @@ std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& c
   if (varying == 0 || varying > kMostPooledFeatures) return ensembles;
   ensembles.push_back(likelihood_parts(ensembles.front()));
   return ensembles;
+}
+
+// The simulations that train networks which are pooled.
+RoundData without_judging_rows(RoundData data) {
+  const Index rows = data.theta.rows() - num_judging_rows(data.theta.rows());
+  data.theta.conservativeResize(rows, Eigen::NoChange);
+  data.round.resize(static_cast<std::size_t>(rows));
+  return data;
 }
 
 Parameters<float> first_weights(const PosteriorEstimationConfig& config, const RoundTask& task,
@@ -114,7 +122,8 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
   std::vector<NetworkParts> ensembles = untrained_ensembles(config, data, id);
   const Index networks = config.estimator.num_networks;
   states.resize(ensembles.size() * static_cast<std::size_t>(networks));
-  const VectorF weights_of_rows = row_weights(config, data);
+  const RoundData training = ensembles.size() > 1 ? without_judging_rows(data) : data;
+  const VectorF weights_of_rows = row_weights(config, training);
   std::mutex one_at_a_time;
   std::atomic<bool> halted = false;  // by the hook, or by the error of a network
   parallel_for(std::ssize(states), [&](Index k) {
@@ -125,7 +134,7 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
     };
     try {
       const NetworkParts& parts = ensembles[static_cast<std::size_t>(k / networks)];
-      const bool ended = train_network(config, data, weights_of_rows, parts, k % networks, id,
+      const bool ended = train_network(config, training, weights_of_rows, parts, k % networks, id,
                                        states[static_cast<std::size_t>(k)], hook_of_network);
       if (!ended) halted = true;
     } catch (...) {
@@ -144,9 +153,8 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
   }
   NetworkParts& parts = ensembles.front();
   if (ensembles.size() > 1) {
-    NetworkParts& likelihood = ensembles.back();
-    const double weight = pool_weight(parts, likelihood, data, config.training, id);
-    parts.likelihood = {std::move(likelihood.parameters), weight};
+    parts.likelihood = {.parameters = std::move(ensembles.back().parameters)};
+    parts.likelihood->powers = pool_powers(parts, data, id);
   }
   return make_posterior(std::move(parts));
 }

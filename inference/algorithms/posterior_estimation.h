@@ -1,7 +1,7 @@
 /// One round of neural inference: simulations of all rounds so far -> posterior.
 ///
 ///  - npe_nle: q(u | z) and l(z | u), both by maximum likelihood, pooled (pooled_posterior.h) by
-///    how they predict held-out parameters (pool_weight.h); q alone where a layer is trained, or x
+///    how they predict held-out parameters (pool_powers.h); q alone where a layer is trained, or x
 ///    has more than kMostPooledFeatures; one round;
 ///  - npe_a: q(u | z), a mixture, by maximum likelihood on the last round's simulations; divided by
 ///    their proposal (likelihood_objective.h, gaussian_mixture.h);

@@ -73,23 +73,26 @@ void describe_proposal(Layout f, inference::GaussianMixture& proposal) {
 
 // What follows from the rest at x_o is there for those who read files without the program.
 void describe(Layout f, PoolNotes& pool) {
-  f.attribute("weight", pool.weight,
-              "of `npe_nle`: of the likelihood's posterior in the pool with that of the networks "
-              "above, in [0, 1]");
-  f.attribute("weight_at_x_o", pool.weight_at_x_o,
-              "the same at x_o: less where the two contradict each other there");
-  f.attribute("log_normalizer_at_x_o", pool.log_normalizer,
-              "log integral of q^(1 - weight) (l N)^weight at x_o [nats]");
-  if (f.reads() && !(pool.weight >= 0.0 && pool.weight <= 1.0)) {
+  f.attribute("posterior_power", pool.powers.posterior,
+              "of `npe_nle`: a of the networks above in the pool p (q / p)^a l^b, p the prior");
+  f.attribute("likelihood_power", pool.powers.likelihood, "b of the networks here");
+  f.attribute("posterior_power_at_x_o", pool.powers_at_x_o.posterior,
+              "the same at x_o: nearer to 1 where the two contradict each other there");
+  f.attribute("likelihood_power_at_x_o", pool.powers_at_x_o.likelihood, "nearer to 0");
+  f.attribute("log_normalizer_at_x_o", pool.log_normalizer, "log integral of the pool [nats]");
+  if (!f.reads()) return;
+  constexpr double largest = inference::PoolPowers::kLargestSum;
+  for (const double power : {pool.powers.posterior, pool.powers.likelihood}) {
+    if (power >= 0.0 && power <= largest) continue;
     throw InputError(f.where() + ": " +
-                     must_be("attribute 'weight'", fmt::format("{}", pool.weight),
-                             "in [0, 1]; rerun stage 'infer'"));
+                     must_be("powers of a pool", fmt::format("{}", power),
+                             fmt::format("0 to {}; rerun stage 'infer'", largest)));
   }
 }
 
 void describe_likelihood(Layout f, PoolNotes& pool, inference::NetworkParts& parts) {
   describe(f, pool);
-  parts.likelihood->weight = pool.weight;
+  parts.likelihood->powers = pool.powers;
   inference::NetworkParts likelihood = inference::likelihood_parts(parts);
   describe_layers(f, likelihood);
   parts.likelihood->parameters = std::move(likelihood.parameters);
@@ -227,7 +230,7 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   write_losses(f, all.first(networks));
   if (auto likelihood = f.group("likelihood", parts.likelihood)) {
     const auto& pool = dynamic_cast<const inference::PooledPosterior&>(posterior);
-    PoolNotes notes{parts.likelihood->weight, pool.weight(), pool.log_normalizer()};
+    PoolNotes notes{parts.likelihood->powers, pool.powers(), pool.log_normalizer()};
     describe_likelihood(*likelihood, notes, parts);
     write_losses(*likelihood, all.subspan(networks));
   }

@@ -61,8 +61,8 @@ struct TrainingLosses {
 
 /// How much the likelihood of "npe_nle" counts (pooled_posterior.h).
 struct PoolNotes {
-  double weight = 0.0;          ///< by held-out simulations
-  double weight_at_x_o = 0.0;   ///< less where networks contradict each other
+  inference::PoolPowers powers;         ///< by held-out simulations
+  inference::PoolPowers powers_at_x_o;  ///< nearer to (1, 0) where networks contradict each other
   double log_normalizer = 0.0;  ///< at x_o [nats]
 };
 

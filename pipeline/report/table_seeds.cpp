@@ -49,17 +49,21 @@ bool any_was_pooled(const ReportData& data) {
                              [](const EvaluatedRun& run) { return run.notes.pool.has_value(); });
 }
 
-Cell pool_cell(const EvaluatedRun& run, Table& table) {
-  if (!run.notes.pool) return {};
-  const PoolNotes& pool = *run.notes.pool;
-  Cell cell = pool.weight_at_x_o;
-  if (pool.weight_at_x_o < pool.weight) {
-    cell.notes.push_back(table.footnote(fmt::format(
-        "{:.2g} among held-out simulations: at x_o the networks of posterior and likelihood "
-        "contradict each other; is it among the simulations?",
-        pool.weight)));
+void add_pool_cells(const EvaluatedRun& run, Row& row, Table& table) {
+  if (!run.notes.pool) {
+    row.cells.resize(row.cells.size() + 2);
+    return;
   }
-  return cell;
+  const inference::PoolPowers& wanted = run.notes.pool->powers;
+  const inference::PoolPowers& powers = run.notes.pool->powers_at_x_o;
+  row.cells.emplace_back(powers.posterior);
+  row.cells.emplace_back(powers.likelihood);
+  if (powers == wanted) return;
+  row.cells.back().notes.push_back(
+      table.footnote(fmt::format("{:.2g} and {:.2g} among held-out simulations: at x_o the "
+                                 "networks of posterior and likelihood "
+                                 "contradict each other; is it among the simulations?",
+                                 wanted.posterior, wanted.likelihood)));
 }
 
 // Columns that not every study has.
@@ -81,7 +85,7 @@ void add_seed_columns(const ReportData& data, const Columns& has, Table& table) 
   }
   add_columns(table, {"simulations", "failed", "epochs"});
   if (has.has_sampler) add_columns(table, {"largest R-hat", "smallest ESS"});
-  if (has.has_pool) add_columns(table, {"weight of NLE"});
+  if (has.has_pool) add_columns(table, {"power of NPE", "power of NLE"});
 }
 
 Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, Table& table) {
@@ -102,7 +106,7 @@ Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, 
   for (const TrainingLosses& network : run.notes.losses) epochs += network.training.size();
   row.cells.push_back(epochs > 0 ? Cell(epochs) : Cell());
   if (has.has_sampler) add_sampler_cells(run, row, table);
-  if (has.has_pool) row.cells.push_back(pool_cell(run, table));
+  if (has.has_pool) add_pool_cells(run, row, table);
   return row;
 }
 

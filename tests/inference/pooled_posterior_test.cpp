@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "inference/algorithms/pool_weight.h"
+#include "inference/algorithms/pool_powers.h"
 #include "inference/ensemble.h"
 #include "inference/estimators/gaussian_mixture.h"
 #include "inference/matrix_features.h"
@@ -27,7 +27,7 @@ Parameters<float> some_weights(const NetworkParts& parts, double strength) {
   return weights;
 }
 
-NetworkParts some_pool(double weight, double likelihood_strength = 0.2) {
+NetworkParts some_pool(PoolPowers powers, double likelihood_strength = 0.2) {
   NetworkParts parts{
       .prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0}}),
       .estimator = {.kind = EstimatorKind::maf, .num_transforms = 2, .hidden_features = 10},
@@ -36,7 +36,7 @@ NetworkParts some_pool(double weight, double likelihood_strength = 0.2) {
       .parameters = {},
       .x_o = VectorF::Ones(2)};
   parts.parameters = some_weights(parts, 0.2);
-  parts.likelihood = {some_weights(likelihood_parts(parts), likelihood_strength), weight};
+  parts.likelihood = {some_weights(likelihood_parts(parts), likelihood_strength), powers};
   return parts;
 }
 
@@ -49,16 +49,18 @@ RowMatrix grid() { return Vector::LinSpaced(kCells, -1.0 + 0.5 * kCell, 3.0 - 0.
 const StreamId kId{1, "posterior", 0, 0, 0};
 
 TEST(PooledPosterior, DensityIsThePoolOfBothAndIntegratesToOne) {
-  for (const double weight : {0.3, 1.0}) {
-    const NetworkParts parts = some_pool(weight);
+  for (const PoolPowers powers :
+       {PoolPowers{0.7, 0.3}, PoolPowers{0.0, 1.0}, PoolPowers{0.6, 0.9}}) {
+    const NetworkParts parts = some_pool(powers);
     const PooledPosterior pool(parts);
-    EXPECT_EQ(pool.weight(), weight);
+    EXPECT_EQ(pool.powers(), powers);
     // 20,000 draws; their weights vary by less than their mean.
     EXPECT_NEAR(pool.log_prob(grid()).array().exp().sum() * kCell, 1.0, 0.03);
-    const Vector expected =
-        (1.0 - weight) * make_posterior(posterior_parts(parts))->log_prob(grid()) +
-        weight * make_posterior(likelihood_parts(parts))->relative_log_prob(grid());
-    const Vector difference = pool.log_prob(grid()) - expected;
+    const Vector prior = parts.prior.log_prob(grid());
+    const Vector q = make_posterior(posterior_parts(parts))->log_prob(grid()) - prior;
+    const Vector l = make_posterior(likelihood_parts(parts))->relative_log_prob(grid()) - prior;
+    const Vector difference =
+        pool.log_prob(grid()) - (prior + powers.posterior * q + powers.likelihood * l);
     EXPECT_LT((difference.array() - difference(0)).abs().maxCoeff(), 1e-9);
     EXPECT_EQ(pool.log_prob(RowMatrix::Constant(1, 1, 3.5))(0),
               -std::numeric_limits<double>::infinity());
@@ -66,7 +68,7 @@ TEST(PooledPosterior, DensityIsThePoolOfBothAndIntegratesToOne) {
 }
 
 TEST(PooledPosterior, SamplesHaveTheQuantilesOfTheDensity) {
-  const PooledPosterior pool(some_pool(0.7));
+  const PooledPosterior pool(some_pool({0.4, 0.9}));
   const Samples samples = pool.draw(5000, kId);
   const Vector density = pool.log_prob(grid()).array().exp();
   for (const double at : {0.0, 0.5, 1.0, 1.5, 2.0}) {
@@ -81,7 +83,7 @@ TEST(PooledPosterior, SamplesHaveTheQuantilesOfTheDensity) {
 }
 
 TEST(PooledPosterior, ASampleDependsOnItsRowAlone) {
-  const PooledPosterior pool(some_pool(0.7));
+  const PooledPosterior pool(some_pool({0.4, 0.9}));
   const RowMatrix many = pool.sample(1300, kId);
   EXPECT_EQ(pool.sample(7, kId), many.topRows(7));
   EXPECT_EQ(pool.sample(900, kId), many.topRows(900));
@@ -89,8 +91,8 @@ TEST(PooledPosterior, ASampleDependsOnItsRowAlone) {
   EXPECT_GT(different.size(), 1100u);
 }
 
-TEST(PooledPosterior, WithoutWeightIsThePosteriorItself) {
-  const NetworkParts parts = some_pool(0.0);
+TEST(PooledPosterior, WithoutALikelihoodIsThePosteriorItself) {
+  const NetworkParts parts = some_pool({1.0, 0.0});
   const PooledPosterior pool(parts);
   const auto alone = make_posterior(posterior_parts(parts));
   EXPECT_EQ(pool.sample(700, kId), alone->sample(700, kId));
@@ -99,28 +101,29 @@ TEST(PooledPosterior, WithoutWeightIsThePosteriorItself) {
 
 TEST(PooledPosterior, TakesLessOfALikelihoodThatContradictsIt) {
   // A likelihood far from anything that the posterior's draws know.
-  const PooledPosterior pool(some_pool(1.0, 4.0));
-  EXPECT_LT(pool.weight(), 1.0);
-  EXPECT_GE(pool.weight(), 0.0);
+  const PooledPosterior pool(some_pool({0.5, 1.0}, 4.0));
+  EXPECT_LT(pool.powers().likelihood, 1.0);
+  EXPECT_GE(pool.powers().likelihood, 0.0);
+  EXPECT_DOUBLE_EQ(pool.powers().posterior, 1.0 - 0.5 * pool.powers().likelihood);
   EXPECT_TRUE(pool.log_prob(grid()).array().isFinite().all());
   EXPECT_GE(pool.draw(500, kId).report->ess(0), 500.0);
 }
 
 TEST(PooledPosterior, RefusesWeightsOfAnotherNetwork) {
-  NetworkParts parts = some_pool(0.5);
+  NetworkParts parts = some_pool({});
   parts.likelihood->parameters.conservativeResize(3);
   EXPECT_THROW(PooledPosterior{parts}, ShapeError);
 }
 
 // Of a linear-Gaussian task, trained.
-class PoolWeight : public ::testing::Test {
+class PoolPowersOf : public ::testing::Test {
  protected:
-  PoolWeight() : prior_(task_.prior()) {
-    config_ = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 1000);
+  PoolPowersOf() : prior_(task_.prior()) {
+    config_ = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 2000);
     config_.estimator.num_networks = 2;
     data_.prior = &prior_;
-    data_.theta = sample_prior(prior_, 1000, 1);
-    data_.round.assign(1000, 1);
+    data_.theta = sample_prior(prior_, 2000, 1);
+    data_.round.assign(2000, 1);
     data_.x_o = VectorF::Ones(2);
     x_ = simulate(task_.simulator(), data_.theta, 1, 1);
     source_.emplace(x_);
@@ -129,9 +132,7 @@ class PoolWeight : public ::testing::Test {
     parts_ = estimate_posterior(config_, data_, kTraining, states, never_stop)->parts();
   }
 
-  double weight(const NetworkParts& posterior, const NetworkParts& likelihood) const {
-    return pool_weight(posterior, likelihood, data_, config_.training, kTraining);
-  }
+  PoolPowers powers() const { return pool_powers(*parts_, data_, kTraining); }
 
   static constexpr StreamId kTraining{1, "training", 1, 0, 0};
   const LinearGaussian task_{2};
@@ -143,17 +144,29 @@ class PoolWeight : public ::testing::Test {
   std::optional<NetworkParts> parts_;
 };
 
-TEST_F(PoolWeight, LeavesOutWhatPredictsNothing) {
-  const NetworkParts posterior = posterior_parts(*parts_), likelihood = likelihood_parts(*parts_);
-  const double trained = weight(posterior, likelihood);
-  EXPECT_GT(trained, 0.0);
-  EXPECT_LT(trained, 1.0);
-  EXPECT_EQ(trained, parts_->likelihood->weight);
-  NetworkParts ignorant = posterior, misled = likelihood;
-  ignorant.parameters *= 0.1f;
-  misled.parameters *= -1.0f;
-  EXPECT_LE(weight(posterior, misled), 0.1);
-  EXPECT_GE(weight(ignorant, likelihood), 0.9);
+TEST_F(PoolPowersOf, CalibratedNetworksAddUpToOne) {
+  EXPECT_EQ(powers(), parts_->likelihood->powers);
+  // 100 simulations, each of information 1 about the sum: a standard error of 0.1. Means of
+  // networks are a little too wide.
+  EXPECT_NEAR(powers().posterior + powers().likelihood, 1.1, 0.3);
+}
+
+TEST_F(PoolPowersOf, NetworksThatPredictNothingHaveNone) {
+  parts_->likelihood->parameters *= -1.0f;
+  EXPECT_LE(powers().likelihood, 0.1);
+  EXPECT_NEAR(powers().posterior, 1.0, 0.3);
+}
+
+TEST_F(PoolPowersOf, NetworksThatAreWrongThroughoutHaveNone) {
+  // Networks that were shown other parameters' x have nothing to say of these.
+  data_.theta = sample_prior(prior_, 2000, 2);
+  EXPECT_LE(powers().posterior + powers().likelihood, 0.3);
+}
+
+TEST(PoolPowers, JudgedByATwentiethOfTheSimulations) {
+  EXPECT_EQ(num_judging_rows(19), 0);
+  EXPECT_EQ(num_judging_rows(1000), 50);
+  EXPECT_EQ(num_judging_rows(100'000), 300);
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ TEST(NpeNle, GoesOnFromStatesWithTheSameBits) {
   const auto resumed = estimate_posterior(c, data, id, states, never_stop);
   EXPECT_EQ(resumed->parts().parameters, whole->parts().parameters);
   EXPECT_EQ(resumed->parts().likelihood->parameters, whole->parts().likelihood->parameters);
-  EXPECT_EQ(resumed->parts().likelihood->weight, whole->parts().likelihood->weight);
+  EXPECT_EQ(resumed->parts().likelihood->powers, whole->parts().likelihood->powers);
 }
 
 TEST(Nle, FindsTheLinearGaussianPosterior) {

@@ -116,16 +116,19 @@ TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
   inference::NetworkParts parts =
       parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::nsf);
   parts.likelihood = {
-      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::nsf).parameters, 0.25};
+      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::nsf).parameters,
+      {.posterior = 0.5, .likelihood = 0.75}};
   RowMatrix theta(2, 1);
   theta << 0.2, 0.9;
   const auto posterior = reread(parts);
-  EXPECT_EQ(posterior->parts().likelihood->weight, 0.25);
+  EXPECT_EQ(posterior->parts().likelihood->powers, parts.likelihood->powers);
   EXPECT_EQ(posterior->parts().likelihood->parameters, parts.likelihood->parameters);
   EXPECT_EQ(posterior->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
-  const auto spoil = [&](h5::File& file) { file.group("likelihood").set_attribute("weight", 1.5); };
+  const auto spoil = [&](h5::File& file) {
+    file.group("likelihood").set_attribute("likelihood_power", 2.5);
+  };
   EXPECT_TRUE(says(message_of<InputError>([&] { reread(parts, spoil); }, &folder_),
-                   {"p.h5: group 'likelihood': attribute 'weight' = 1.5", "must be in [0, 1]"}));
+                   {"p.h5: group 'likelihood': powers of a pool = 2.5", "must be 0 to 2"}));
 }
 
 TEST_F(PosteriorFile, AProposalComesBackAsItWasOrIsRefused) {

@@ -1,0 +1,22 @@
+/// The powers of NPE and NLE in their pool (pooled_posterior.h): of a, b = 0, 0.05, ..., a + b <= 2
+/// those with the largest log density of parameters that no network has been trained on,
+///   sum_i log p_{a,b}(u_i | z_i) - ((a + b - 1) / 0.3)^2 / 2 - (a - b)^2 / 2,
+///   log p_{a,b}(u_i | z_i) = log q(u_i | z_i) + w_i0 - log 1/(K + 1) sum_k exp(w_ik),
+/// with w the pool's weights of draws of q: a concave function. u_i0 = u_i is a draw of the
+/// posterior given x_i as it is in simulations of the prior, u_i1, ..., u_iK are draws of q: the
+/// sum stands for the pool's normalizing constant. The last terms are a prior that few simulations
+/// don't outweigh.
+#pragma once
+
+#include "inference/algorithms/posterior_estimation.h"
+
+namespace npdr::inference {
+
+/// How many of `num_rows` simulations judge the powers: the last ones.
+Index num_judging_rows(Index num_rows);
+
+/// `parts`: the networks of posterior and likelihood. `data`: simulations of the prior, of which
+/// the last num_judging_rows() have trained none of them.
+PoolPowers pool_powers(const NetworkParts& parts, const RoundData& data, const StreamId& id);
+
+}  // namespace npdr::inference
