@@ -14,8 +14,9 @@ const make = (name, text, attributes = {}) => {
 };
 
 // Tables: a click on a title sorts by its column, another one the other way round.
+const magnitude = (text) => parseFloat(text.replace(/^\[(\S+).*?\]/, "$1"));  // [1.07 ± 0.03]e+3
 const compare = (a, b) => {
-  const x = parseFloat(a), y = parseFloat(b);
+  const x = magnitude(a), y = magnitude(b);
   if (isNaN(x) || isNaN(y)) return (isNaN(x) - isNaN(y)) || a.localeCompare(b);
   return x - y;
 };

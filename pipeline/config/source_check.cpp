@@ -13,6 +13,7 @@
 #include "inference/embeddings/embedding_config.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/config/program_check.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -296,9 +297,15 @@ class SourceChecker : Checker {
   }
 
   void check_program() {
+    const ExternalConfig& external = study_.external;
     std::error_code unreadable;
-    if (std::filesystem::is_directory(study_.external.folder, unreadable)) return;
-    fail("simulator.folder", quoted(study_.external.folder), "an existing folder");
+    if (!std::filesystem::is_directory(external.folder, unreadable)) {
+      return fail("simulator.folder", quoted(external.folder), "an existing folder");
+    }
+    const std::string& command = external.worker ? *external.worker : *external.command;
+    const std::string fault = program_fault(command, external.folder);
+    if (fault.empty()) return;
+    fail("simulator." + what_, quoted(command), "a command that can be run: " + fault);
   }
 
   void check_dataset() {

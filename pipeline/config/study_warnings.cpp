@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/text.h"
+#include "pipeline/config/program_check.h"
+
 namespace npdr::pipeline {
 namespace {
 
@@ -19,6 +22,7 @@ class StudyWarnings {
     if (study_.target.truth) warn_of_truth();
     for (std::size_t i = 0; i < study_.references.size(); ++i) warn_of_reference(i);
     warn_of_exact_recording();
+    if (study_.source().calls_program) warn_of_program();
     return std::move(warnings_);
   }
 
@@ -75,6 +79,18 @@ class StudyWarnings {
          "observation_noise has no scale, and the target is a recording: methods learn from "
          "simulations without the noise that sensors have, to which no recording is alike; set "
          "observation_noise.scale, or std by channel");
+  }
+
+  // Where simulations run, it may be there: on the nodes of a cluster, or after 'module load'.
+  void warn_of_program() {
+    const auto& worker = study_.external.worker;
+    const std::string& command = worker ? *worker : *study_.external.command;
+    const std::string program = unknown_program(command);
+    if (program.empty()) return;
+    const std::string path = worker ? "simulator.worker" : "simulator.command";
+    warn(path, fmt::format("{} = {}: there is no program {} on the PATH; correct its name, or "
+                           "install it where simulations run",
+                           path, quoted(command), quoted(program)));
   }
 
   const Study& study_;

@@ -23,6 +23,7 @@ struct CheckedPair {
   std::optional<double> ratio;               // that all of them share that say anything; not 1
   Index num_spikes = 0;                      // of the rate, where the position wraps
   std::string slope;                         // label of another rate that is the slope; empty: none
+  bool is_swapped = false;                   // the position is the slope of the rate
 };
 
 bool are_near(double a, double b) { return std::abs(a - b) < kAlike * std::abs(b); }
@@ -70,17 +71,21 @@ bool agrees(const std::optional<RateFit>& fit) {
   return !fit || verdict_of(*fit) == RateVerdict::agrees;
 }
 
+bool is_slope_everywhere(const Target& target, const RatePair& pair) {
+  return std::ranges::all_of(target.rollouts, [&](const Rollout& rollout) {
+    const auto fit = fit_of(target, pair, rollout);
+    return fit && agrees(fit);
+  });
+}
+
 // Another pair's rate that agrees with this position in every rollout, where its own doesn't.
 std::string other_slope(const Target& target, const std::vector<RatePair>& pairs,
                         const CheckedPair& checked, Index position) {
   if (std::ranges::all_of(checked.fits, agrees)) return "";
   for (const RatePair& other : pairs) {
     if (other.position == position) continue;
-    const bool is_slope = std::ranges::all_of(target.rollouts, [&](const Rollout& rollout) {
-      const auto fit = fit_of(target, {position, other.rate}, rollout);
-      return fit && agrees(fit);
-    });
-    if (is_slope) return target.state_channels[static_cast<std::size_t>(other.rate)].label;
+    if (!is_slope_everywhere(target, {position, other.rate})) continue;
+    return target.state_channels[static_cast<std::size_t>(other.rate)].label;
   }
   return "";
 }
@@ -99,7 +104,7 @@ std::optional<double> factor_of_dt(const std::vector<CheckedPair>& pairs) {
   std::vector<double> ratios;
   for (const CheckedPair& pair : pairs) {
     if (!is_known(pair)) continue;
-    if (!pair.ratio || *pair.ratio < 0.0 || !pair.slope.empty() ||
+    if (!pair.ratio || *pair.ratio < 0.0 || !pair.slope.empty() || pair.is_swapped ||
         is_of_degrees(*pair.ratio, pair.position.unit)) {
       return std::nullopt;
     }
@@ -191,6 +196,12 @@ std::string spikes_problem(const CheckedPair& pair) {
 void add_problems(const CheckedPair& pair, const std::vector<std::string>& files,
                   std::vector<std::string>& problems) {
   if (pair.num_spikes > 0) problems.push_back(spikes_problem(pair));
+  if (pair.is_swapped) {
+    problems.push_back(
+        fmt::format("{} is the slope of {}: the two columns are swapped; correct the header",
+                    pair.position.label, pair.rate.label));
+    return;
+  }
   if (!pair.slope.empty()) {
     problems.push_back(
         fmt::format("{} isn't the slope of {}, but {} is: are columns swapped? Correct the header",
@@ -235,6 +246,8 @@ RateReport report_rates(const Target& target, const std::vector<RatePair>& pairs
   for (const RatePair& pair : pairs) {
     all.push_back(checked(target, pair));
     all.back().slope = other_slope(target, pairs, all.back(), pair.position);
+    all.back().is_swapped = !std::ranges::all_of(all.back().fits, agrees) &&
+                            is_slope_everywhere(target, {pair.rate, pair.position});
   }
   RateReport report;
   if (const std::optional<double> factor = factor_of_dt(all)) {

@@ -17,6 +17,7 @@
 #include "pipeline/process/build_info.h"
 #include "pipeline/report/next_steps.h"
 #include "pipeline/report/policy_parts.h"
+#include "pipeline/report/pooling_text.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/verdicts.h"
 
@@ -90,7 +91,10 @@ analysis::ReportSection heading(Section section, const ReportData& data) {
   const bool simulates = study.source().simulates;
   switch (section) {
     case Section::posteriors:
-      return {.title = "Which parameters, and how sure?", .prose = "", .figures_first = true};
+      return {.title = "Which parameters, and how sure?",
+              .prose = "",
+              .remarks = pooling_text(study),
+              .figures_first = true};
     case Section::fit:
       return {.title = study.source().gives_motion ? "How well do they explain the recording?"
                                                    : "How well do they explain the observation?",

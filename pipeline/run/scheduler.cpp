@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <deque>
-#include <fstream>
 #include <set>
 
 #include "core/atomic_file.h"
@@ -28,17 +26,6 @@ double seconds_since(Clock::time_point start) {
 
 // Unlike fmt::print(), doesn't throw: a terminal that was closed or a full disk end no run.
 void print(const std::string& text) { std::fputs(text.c_str(), stderr); }
-
-void print_tail(const std::string& path) {
-  constexpr std::size_t num_lines = 10;
-  std::ifstream file(path);
-  std::deque<std::string> lines;
-  for (std::string line; std::getline(file, line);) {
-    lines.push_back(line);
-    if (lines.size() > num_lines) lines.pop_front();
-  }
-  for (const std::string& line : lines) print("    " + line + "\n");
-}
 
 // Where nothing is missing, nobody comes by who would remove what killed programs left behind.
 void remove_stale_temporaries_of(const Plan& plan) {
@@ -233,14 +220,8 @@ void Scheduler::end_of(const Job& job) {
   if (status_ == ExitStatus::done) {
     status_ = is_known ? static_cast<ExitStatus>(status) : ExitStatus::failed;
   }
-  const std::string reason = status > 128 ? fmt::format("killed by signal {}", status - 128)
-                                          : fmt::format("exit status {}", status);
   lines_.clear();
-  print(fmt::format("npdr: {} failed ({}):\n", node.label(), reason));
-  const auto& error = job.process.said();
-  for (const std::string& line : error) print("    " + line + "\n");
-  if (error.empty()) print_tail(log_path(node));
-  print("    log: " + log_path(node) + "\n");
+  print(failures_.tell(node.label(), status, job.process.said(), log_path(node)));
 }
 
 void Scheduler::print_warnings(const Node& node, const std::vector<std::string>& warnings) {

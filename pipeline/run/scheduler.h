@@ -12,6 +12,7 @@
 #include "pipeline/plan/plan.h"
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/live_lines.h"
+#include "pipeline/run/failure_words.h"
 #include "pipeline/run/run_costs.h"
 
 namespace npdr::pipeline {
@@ -38,9 +39,9 @@ class Scheduler {
   /// Throws InputError as missing_nodes(), Error as settle().
   Scheduler(const Plan& plan, SchedulerConfig config);
 
-  /// Runs until all is done, something failed, or a stop was requested. Failures are printed with
-  /// the end of their log; what doesn't depend on them is finished first. Returns the status that
-  /// the program should leave with. Throws Error when a process can't be started.
+  /// Runs until all is done, something failed, or a stop was requested. Failures are printed; what
+  /// doesn't depend on them is finished first. Returns the status that the program should leave
+  /// with. Throws Error when a process can't be started.
   ExitStatus run();
 
  private:
@@ -82,6 +83,7 @@ class Scheduler {
   RunCosts costs_;
   double spent_ = 0.0;  ///< core-seconds of the jobs that have ended
   LiveLines lines_;
+  FailureWords failures_;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point shown_;
 };

@@ -106,6 +106,14 @@ TEST(RateReport, NamesColumnsThatAreSwapped) {
   EXPECT_TRUE(says(both[1], {"alpha_dot isn't the slope of alpha, but theta_dot is", "swapped"}));
 }
 
+// Of a swing the slope of the rate, too, is nearly a multiple of the angle, and no unit's.
+TEST(RateReport, NamesAPositionAndARateThatAreSwapped) {
+  Target target = right_target();
+  for (Rollout& rollout : target.rollouts) rollout.states.col(0).swap(rollout.states.col(2));
+  EXPECT_EQ(problem(target),
+            "theta is the slope of theta_dot: the two columns are swapped; correct the header");
+}
+
 TEST(RateReport, NamesTheFilesThatAreUnlikeTheOthers) {
   Target target = right_target();
   target.rollouts[1].states.col(0) *= 180.0 / M_PI;

@@ -2,6 +2,7 @@
 #include <set>
 
 #include "pipeline/report/figure_parts.h"
+#include "pipeline/report/pooling_text.h"
 #include "pipeline/report/registry.h"
 #include "tests/pipeline/small_study.h"
 
@@ -85,6 +86,13 @@ TEST(ReportTables, HaveNamesOfTheirOwn) {
   std::set<std::string> names;
   for (const TableEntry& entry : all_tables()) EXPECT_TRUE(names.insert(entry.name).second);
   EXPECT_TRUE(names.contains("fit"));
+}
+
+TEST(Reports, SayWhatTwoKindsOfNetworksHaveToDoWithTheDefault) {
+  const Study study = plan_of({"method.\"NPDR (MoG)\".algorithm='npe_c'"}).study;
+  EXPECT_EQ(pooling_text(study).find("NPDR (MAF) combines two kinds of neural networks"), 0u);
+  EXPECT_EQ(pooling_text(plan_of().study).find("NPDR (MAF) and NPDR (MoG) combine two"), 0u);
+  EXPECT_EQ(pooling_text(plan_of({"method.algorithm='npe_c'"}).study), "");
 }
 
 TEST(ReportFigures, SayWhatTheyLeaveOut) {

@@ -1,0 +1,27 @@
+#include "pipeline/report/pooling_text.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "core/text.h"
+
+namespace npdr::pipeline {
+
+std::string pooling_text(const Study& study) {
+  std::vector<std::string> names;
+  for (const MethodConfig& method : study.methods) {
+    if (method.algorithm.kind == inference::Algorithm::npe_nle) names.push_back(method.name);
+  }
+  if (names.empty()) return "";
+  const std::string seen = study.source().gives_motion ? "motion" : "observation";
+  return fmt::format(
+      "{0} combine{1} two kinds of neural networks that learn from the same simulations: one says "
+      "which parameters explain the {2} (neural posterior estimation, NPE), the other to which {2} "
+      "parameters lead (neural likelihood estimation, NLE). Each counts as much as it has proved "
+      "to predict simulations that it hadn't seen: 'weight of NLE' in the table of experiments "
+      "goes from 0, NPE alone, to 1, NLE alone.",
+      join(names, names.size() == 2 ? " and " : ", "), names.size() == 1 ? "s" : "", seen);
+}
+
+}  // namespace npdr::pipeline
