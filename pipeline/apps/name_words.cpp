@@ -138,6 +138,8 @@ std::string words_of(Check check) {
       return "does it depend on the parameters which simulations fail?";
     case Check::training:
       return "has training ended, and not far below the validation loss?";
+    case Check::sampling:
+      return "do the chains that sample the posterior agree?";
     case Check::bounds:
       return "does the posterior press against the prior's bounds?";
     case Check::contraction:

@@ -19,6 +19,7 @@ enum class Check {
   ood,
   failures,
   training,
+  sampling,
   bounds,
   contraction,
   fit
@@ -29,6 +30,7 @@ enum class CheckNeeds {
   posterior,    ///< which all have that infer
   simulations,  ///< among which an observation can lie
   network,
+  sampler,  ///< since the network gives a density up to a constant
 };
 
 /// Everything about a check that others than its own files need.
@@ -64,6 +66,14 @@ constexpr auto enum_table(Check) {
        true,
        "failures DEPEND on them"},
       {{training, "training"}, "Training", network, false, false, false, "NOT converged"},
+      {{sampling, "sampling"},
+       "Sampling",
+       sampler,
+       false,
+       false,
+       false,
+       "chains DON'T agree",
+       true},
       {{bounds, "bounds"},
        "Bounds of the prior",
        posterior,

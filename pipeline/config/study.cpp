@@ -52,7 +52,8 @@ const MethodConfig& Study::method(const std::string& method_name) const {
 
 std::string Study::why_unchecked(Check check, const MethodConfig& method) const {
   using inference::AlgorithmFamily;
-  const AlgorithmFamily family = inference::traits_of(method.algorithm.kind).family;
+  const inference::AlgorithmTraits& algorithm = inference::traits_of(method.algorithm.kind);
+  const AlgorithmFamily family = algorithm.family;
   const CheckTraits traits = traits_of(check);
   if (traits.asks_simulator && !source().simulates) {
     return "a dataset can't be asked for other simulations";
@@ -60,6 +61,10 @@ std::string Study::why_unchecked(Check check, const MethodConfig& method) const 
   const bool has_network = family == AlgorithmFamily::network;
   if (traits.needs == CheckNeeds::network && !has_network) {
     return "there is no network that could be asked about other observations";
+  }
+  const bool has_density = algorithm.role == inference::NetworkRole::posterior;
+  if (traits.needs == CheckNeeds::sampler && (!has_network || has_density)) {
+    return "its samples need no chains";
   }
   if (traits.needs == CheckNeeds::simulations && !has_network && family != AlgorithmFamily::abc) {
     return "there are no simulations that it has learned from";

@@ -19,8 +19,8 @@ std::string pooling_text(const Study& study) {
       "{0} combine{1} two kinds of neural networks that learn from the same simulations: one says "
       "which parameters explain the {2} (neural posterior estimation, NPE), the other to which {2} "
       "parameters lead (neural likelihood estimation, NLE). Each counts as much as it has proved "
-      "to predict simulations that it hadn't seen: 'weight of NLE' in the table of experiments "
-      "goes from 0, NPE alone, to 1, NLE alone.",
+      "to predict simulations that neither had seen: its power in the table of experiments. Powers "
+      "that add up to more than 1 made what was too wide narrower.",
       join(names, names.size() == 2 ? " and " : ", "), names.size() == 1 ? "s" : "", seen);
 }
 

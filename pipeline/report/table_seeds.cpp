@@ -5,6 +5,7 @@
 
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
+#include "pipeline/report/verdicts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -23,14 +24,13 @@ Cell worst(const Vector& values, double sign) {
 
 // Chains that are too short to say, or that don't agree.
 void note_chains(const EvaluatedRun& run, Cell& cell, Table& table) {
-  constexpr double too_large = 1.1;
   const Vector& r_hat = run.evaluation.sampler->r_hat;
   if (r_hat.size() == 0) return;
   if (r_hat.hasNaN()) {
     cell.notes.push_back(
         table.footnote("fewer than four draws of each chain say nothing: raise "
                        "evaluate.num_samples, or for ABC the rounds"));
-  } else if (r_hat.maxCoeff() > too_large) {
+  } else if (r_hat.maxCoeff() > kLargestRHat) {
     cell.notes.push_back(table.footnote(
         "chains don't agree: raise sampler.num_warmup; where modes lie apart, which no chain "
         "crosses, sampler.num_candidates and num_chains; for ABC the rounds"));

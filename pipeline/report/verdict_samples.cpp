@@ -42,7 +42,8 @@ std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& 
   return std::nullopt;
 }
 
-// What a posterior's RMSE is compared with: what the best of the prior reaches, or the truth.
+// What a posterior's RMSE is compared with: what the best of the prior reaches, or the truth, or
+// the noise, below which the observation hardly tells parameters apart.
 // Without noise the truth reaches zero, which no sample does: there a tenth of the prior's is small
 // enough.
 struct Yardstick {
@@ -71,6 +72,8 @@ std::optional<Yardstick> yardstick(const ReportData& data) {
       found = {3.0 * reached, reached, "times the " + point.name + "'s"};
     }
   }
+  const double noise = data.plan.study.observation_noise.scale;
+  if (noise > found.limit) found = {noise, noise, "times the noise's scale"};
   if (found.limit > 0.0) return found;
   return std::nullopt;
 }
@@ -96,7 +99,48 @@ Verdict unexplained(double rmse) {
                   rmse)};
 }
 
+// Of the weights of draws of the prior.
+Verdict judge_weights(const Runs& runs) {
+  constexpr double fewest = 100.0;
+  double smallest = HUGE_VAL;
+  std::size_t failed = 0;
+  for (const EvaluatedRun* run : runs) {
+    const double size = run->evaluation.sampler->ess.minCoeff();
+    failed += size < fewest ? 1 : 0;
+    smallest = std::min(smallest, size);
+  }
+  const std::string text = fmt::format("effective size {:.3g}", smallest);
+  if (failed == 0) return {Check::sampling, Judgment::passes, "passes, " + text, ""};
+  return {Check::sampling, Judgment::fails,
+          "too few DIFFERENT draws" + seeds_text(failed, runs.size()) + ", " + text,
+          fmt::format("its samples repeat draws of the prior, of which {:.3g} count: raise "
+                      "sampler.num_candidates, or take sampler.kind = \"slice\"",
+                      smallest)};
+}
+
 }  // namespace
+
+Verdict judge_sampling(const ReportData& data, const std::string& method) {
+  const Runs runs = data.runs_of(method);
+  if (runs.front()->evaluation.sampler->r_hat.size() == 0) return judge_weights(runs);
+  double largest = 0.0;
+  std::size_t failed = 0;
+  for (const EvaluatedRun* run : runs) {
+    const Vector& r_hat = run->evaluation.sampler->r_hat;
+    if (r_hat.hasNaN()) {
+      return {Check::sampling, Judgment::unknown, "can't tell",
+              "fewer than four draws of each chain say nothing; raise evaluate.num_samples"};
+    }
+    failed += r_hat.maxCoeff() > kLargestRHat ? 1 : 0;
+    largest = std::max(largest, r_hat.maxCoeff());
+  }
+  const std::string text = fmt::format(", R-hat {:.3g}", largest);
+  if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, ""};
+  return {Check::sampling, Judgment::fails,
+          std::string(traits_of(Check::sampling).failure) + seeds_text(failed, runs.size()) + text,
+          "its chains are in different places: raise sampler.num_warmup; where modes lie apart, "
+          "which no chain crosses, sampler.num_candidates and num_chains"};
+}
 
 Verdict judge_bounds(const ReportData& data, const std::string& method) {
   const Runs runs = data.runs_of(method);

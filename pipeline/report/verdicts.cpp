@@ -65,6 +65,8 @@ Verdict judge_p_value(Check check, const DiagnosisRuns& runs, double level) {
 
 Verdict judge(const ReportData& data, const std::string& method, Check check) {
   switch (check) {
+    case Check::sampling:
+      return judge_sampling(data, method);
     case Check::bounds:
       return judge_bounds(data, method);
     case Check::contraction:

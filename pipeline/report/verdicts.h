@@ -24,9 +24,13 @@ struct Verdict {
 std::vector<Verdict> verdicts_of(const ReportData& data, const std::string& method);
 
 /// The same of one check of evaluated samples.
+Verdict judge_sampling(const ReportData& data, const std::string& method);
 Verdict judge_bounds(const ReportData& data, const std::string& method);
 Verdict judge_contraction(const ReportData& data, const std::string& method);
 Verdict judge_fit(const ReportData& data, const std::string& method);
+
+/// R-hat (chain_diagnostics.h) above which chains count as having found different places.
+inline constexpr double kLargestRHat = 1.1;
 
 /// " in 2 of 5 seeds"; nothing where there is one.
 std::string seeds_text(std::size_t failed, std::size_t all);

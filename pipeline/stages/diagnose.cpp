@@ -279,6 +279,7 @@ void run_check(Check check, const Case& c, Diagnosis& diagnosis) {
       diagnosis.training = check_training_curves(c);
       diagnosis.max_epochs = c.method.training.max_epochs;
       break;
+    case Check::sampling:
     case Check::bounds:
     case Check::contraction:
     case Check::fit:

@@ -345,7 +345,7 @@ TEST(StudyProblems, ChecksAreKnownAndDistinct) {
   };
   const std::string all =
       "distinct, each one of sbc, coverage, tarp, local_c2st, predictive, ood, "
-      "failures, training, bounds, contraction, fit";
+      "failures, training, sampling, bounds, contraction, fit";
   EXPECT_NE(problem("checks = ['sbc', 'sbc']").find(all), std::string::npos);
   EXPECT_NE(problem("checks = ['rank']").find(all), std::string::npos);
   EXPECT_NE(problem("num_simulations = 39").find("diagnose.num_simulations = 39"),
@@ -368,7 +368,7 @@ TEST(StudyProblems, ATableOfChecksMeansAllOfThem) {
   const auto checks = [](const std::string& text) {
     return parse_study(kStudyText + text, "s.toml", {}).diagnose.checks.size();
   };
-  EXPECT_EQ(checks("[diagnose]\n"), 11u);
+  EXPECT_EQ(checks("[diagnose]\n"), 12u);
   EXPECT_EQ(checks("[diagnose]\nchecks = ['sbc']\n"), 1u);
   EXPECT_EQ(checks("[diagnose]\nchecks = []\n"), 0u);
 }
@@ -378,7 +378,8 @@ TEST(StudyProblems, WithoutATableStudiesAreCheckedByWhatCostsLittle) {
   const auto checks = [](const std::vector<std::string>& overrides) {
     return join(to_names(parse_study(kStudyText, "s.toml", overrides).diagnose.checks));
   };
-  const std::string cheap = "predictive, ood, failures, training, bounds, contraction, fit";
+  const std::string cheap =
+      "predictive, ood, failures, training, sampling, bounds, contraction, fit";
   EXPECT_EQ(checks({"method.num_simulations=1199"}), cheap);
   EXPECT_EQ(checks({"method.num_simulations=1200"}), "sbc, coverage, " + cheap);
   EXPECT_EQ(checks({"method.num_simulations=1200", "method.\"NPDR (MAF)\".algorithm=nle",

@@ -69,6 +69,30 @@ TEST_F(Verdicts, AMethodWithoutFaultPassesAll) {
   EXPECT_EQ(verdict_of(Check::failures).text, "passes, p = 1");
 }
 
+TEST_F(Verdicts, ChainsThatDontAgreeFail) {
+  plan_.study.methods.front().algorithm.kind = inference::Algorithm::nle;
+  const auto sampled = [&](double r_hat) {
+    data_.runs.front().evaluation.sampler = {Vector::Constant(2, r_hat), Vector::Constant(2, 500),
+                                             1};
+    return verdict_of(Check::sampling);
+  };
+  EXPECT_EQ(sampled(1.02).text, "passes, R-hat 1.02");
+  EXPECT_EQ(sampled(1.2).text, "chains DON'T agree, R-hat 1.2");
+  EXPECT_EQ(sampled(std::nan("")).judgment, Judgment::unknown);
+  EXPECT_EQ(words_of(check_summaries(data_).front()),
+            "NPDR (MAF): 7 of 8 checks pass; can't tell: Sampling");
+}
+
+TEST_F(Verdicts, FewDrawsThatCountFail) {
+  plan_.study.methods.front().algorithm.kind = inference::Algorithm::nre_b;
+  const auto weighed = [&](double size) {
+    data_.runs.front().evaluation.sampler = {Vector(), Vector::Constant(1, size), 1};
+    return verdict_of(Check::sampling);
+  };
+  EXPECT_EQ(weighed(150.0).text, "passes, effective size 150");
+  EXPECT_EQ(weighed(37.0).judgment, Judgment::fails);
+}
+
 TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
   add_run(samples_around(1.75, 0.02), 0.02);
   const Verdict found = verdict_of(Check::bounds);
@@ -117,6 +141,15 @@ TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
   EXPECT_NE(verdict_of(Check::fit).reason.find("30 times the floor's: try more simulations"),
             std::string::npos)
       << "what it has already";
+}
+
+TEST_F(Verdicts, AnErrorBelowTheNoisePasses) {
+  data_.baseline.points = {{"truth", Vector(), {{"rmse", 1e-8}}}};
+  plan_.study.observation_noise.scale = 0.2;
+  add_run(samples_around(1.0, 0.02), 0.19);
+  EXPECT_EQ(verdict_of(Check::fit).text, "passes, 0.95 times the noise's scale");
+  add_run(samples_around(1.0, 0.02), 0.22);
+  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::fails);
 }
 
 TEST_F(Verdicts, ARecordingThatNoParametersExplainFails) {
