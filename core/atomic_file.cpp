@@ -16,6 +16,7 @@
 #include <set>
 #include <utility>
 
+#include "core/error.h"
 #include "core/file_error.h"
 #include "core/open_file.h"
 
@@ -71,6 +72,14 @@ std::string unpredictable_digits() {
   return fmt::format("{:016x}", number);
 }
 
+// Renaming onto a device or pipe would put an end to it, for all programs.
+void require_replaceable(const fs::path& path) {
+  std::error_code unknown;
+  const fs::file_status there = fs::symlink_status(path, unknown);
+  if (!fs::is_other(there)) return;
+  throw InputError(path.string() + ": is a device, pipe or socket, must be a file or a new name");
+}
+
 // Makes an empty file, and its folder: what can't be written is known before any work is done.
 void reserve(const fs::path& file, const fs::path& shown_as) {
   make_folder(folder_of(file));
@@ -115,6 +124,7 @@ AtomicFile::AtomicFile(fs::path path, const fs::path& scratch)
     : path_(std::move(path)),
       beside_(temporary_name(path_)),
       temporary_(scratch.empty() ? beside_ : scratch / beside_.filename()) {
+  require_replaceable(path_);
   reserve(beside_, path_);
   if (temporary_ == beside_) return;
   try {

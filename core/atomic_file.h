@@ -17,8 +17,8 @@ void make_folder(const std::filesystem::path& folder);
 class AtomicFile {
  public:
   /// Makes the folder if there is none. Throws Error when it can't be written to: says why and what
-  /// to do. `scratch`: a folder of this machine to write in first, from where commit() copies the
-  /// file; empty: none.
+  /// to do, and InputError where the name is a device's or pipe's. `scratch`: a folder of this
+  /// machine to write in first, from where commit() copies the file; empty: none.
   explicit AtomicFile(std::filesystem::path path, const std::filesystem::path& scratch = {});
   /// Removes the temporary unless commit() has been called.
   ~AtomicFile();

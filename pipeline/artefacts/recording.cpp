@@ -6,6 +6,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/artefacts/outside_file.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/h5.h"
@@ -13,6 +14,29 @@
 
 namespace npdr::pipeline {
 namespace {
+
+// Far more than anybody simulates many times over: 1 GB.
+constexpr Index kMostNumbers = 125'000'000;
+constexpr std::size_t kLongestText = 255;
+
+// Before any of them is read: a small file may claim very many zeros.
+void require_moderate_size(const h5::Dataset& dataset) {
+  const Index most_rows = kMostNumbers / std::max<Index>(dataset.row_size(), 1);
+  if (dataset.num_rows() <= most_rows) return;
+  throw InputError(fmt::format(
+      "{} has shape {}, must hold at most {} numbers; cut it, or record fewer steps or rollouts",
+      dataset.where(), h5::to_string(dataset.shape()), kMostNumbers));
+}
+
+void require_short(const h5::Dataset& dataset, const char* what,
+                   const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) {
+    if (text.size() <= kLongestText) continue;
+    throw InputError(fmt::format("{} has a {} of {} bytes, '{}', must be of at most {}",
+                                 dataset.where(), what, text.size(), shortened(text),
+                                 kLongestText));
+  }
+}
 
 std::vector<Channel> read_channels(const h5::Dataset& dataset) {
   const auto labels = dataset.attribute<std::vector<std::string>>("labels");
@@ -22,6 +46,8 @@ std::vector<Channel> read_channels(const h5::Dataset& dataset) {
     throw InputError(fmt::format("{} has {} channels, but {} labels and {} units", dataset.where(),
                                  count, labels.size(), units.size()));
   }
+  require_short(dataset, "label", labels);
+  require_short(dataset, "unit", units);
   std::vector<Channel> channels;
   for (std::size_t c = 0; c < count; ++c) {
     if (std::ranges::find(labels.begin(), labels.begin() + std::ptrdiff_t(c), labels[c]) !=
@@ -42,7 +68,9 @@ std::vector<std::string> read_names(const h5::File& file, Index num_rollouts) {
   }
   const h5::Dataset dataset = file.dataset("rollout");
   dataset.require_shape({num_rollouts});
-  return dataset.read_texts();
+  std::vector<std::string> names = dataset.read_texts();
+  require_short(dataset, "name", names);
+  return names;
 }
 
 // The columns of the `expected` channels among those that were found; all, when nothing is
@@ -102,6 +130,8 @@ Target read_rollouts(const h5::File& file, const std::optional<Channels>& expect
     throw InputError(states.where() + " is empty; record a rollout");
   }
   actions.require_shape({states.shape()[0], states.shape()[1] - 1, -1});
+  require_moderate_size(states);
+  require_moderate_size(actions);
   states.require_readable(h5::ElementType::f64);
   actions.require_readable(h5::ElementType::f64);
 

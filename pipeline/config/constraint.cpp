@@ -66,6 +66,10 @@ Constraint<std::string> label() {
   return {"1 to 100 characters, none of them a control character", is_label};
 }
 
+Constraint<std::map<std::string, double>> few_numbers() {
+  return {"of at most 1000 numbers", [](const auto& numbers) { return numbers.size() <= 1000; }};
+}
+
 Constraint<std::string> folder_name() {
   return {"a folder name of 1 to 100 letters, digits, '_', '-' and '.' that doesn't begin with '.'",
           [](const std::string& text) {

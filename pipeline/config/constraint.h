@@ -3,6 +3,7 @@
 
 #include <concepts>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,9 @@ Constraint<std::string> one_of() {
 Constraint<std::string> label();
 /// A label that can name a folder: letters, digits, '_', '-' and '.', not at the start.
 Constraint<std::string> folder_name();
+
+/// As many numbers as anybody has names for.
+Constraint<std::map<std::string, double>> few_numbers();
 
 /// A path: 1 to 4096 bytes, none of them a control character.
 Constraint<std::string> file_path();

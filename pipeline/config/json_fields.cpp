@@ -33,7 +33,8 @@ bool read_list(const Json& json, std::vector<T>& values, bool (*read)(const Json
 
 }  // namespace
 
-Json json_value(const FreeTable& table) { return Json::parse(table.json); }
+// Ordered objects look for each new member among all before it; sorted ones, as this is, don't.
+Json json_value(const FreeTable& table) { return nlohmann::json::parse(table.json); }
 
 Json json_value(const std::map<std::string, double>& numbers) {
   Json json = Json::object();

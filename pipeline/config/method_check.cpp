@@ -96,6 +96,13 @@ void MethodChecker::check_embedding(const std::string& path,
 
 void MethodChecker::check_training(const std::string& path, const MethodConfig& method) {
   const std::string batch = path + ".training.batch_size";
+  constexpr Index fewest = 2 * inference::kFewestTrainingRows;
+  if (const Index count = method.algorithm.num_simulations;
+      count < fewest && reading_.good(path + ".num_simulations")) {
+    fail(path + ".num_simulations", std::to_string(count),
+         fmt::format(">= {}, {} each for training and for validation", fewest, fewest / 2));
+    return;
+  }
   const double rows = static_cast<double>(method.algorithm.num_simulations) *
                       (1.0 - method.training.validation_fraction);
   const bool readable = reading_.good(batch) && reading_.good(path + ".num_simulations") &&

@@ -1,7 +1,7 @@
 #include "pipeline/config/problems.h"
 
 #include <algorithm>
-#include <set>
+#include <string_view>
 #include <tuple>
 
 #include "core/error.h"
@@ -38,17 +38,19 @@ void Reading::fail(const std::string& path, const std::string& message) {
 
 void Reading::fail(const std::string& path, const Place& place, const std::string& message) {
   problems_.add(place, message);
-  failed_.push_back(path);
+  failed_.insert(path);
 }
 
 bool Reading::good(const std::string& path) const {
-  const auto inside = [](const std::string& inner, const std::string& outer) {
-    return !outer.empty() && inner.starts_with(outer) &&
-           (inner.size() == outer.size() || inner[outer.size()] == '.' ||
-            inner[outer.size()] == '[');
-  };
-  return std::none_of(failed_.begin(), failed_.end(), [&](const std::string& failed) {
-    return inside(failed, path) || inside(path, failed);
+  if (path.empty()) return true;
+  for (std::size_t end = path.size(); end != 0 && end != std::string::npos;
+       end = path.find_last_of(".[", end - 1)) {
+    if (failed_.contains(path.substr(0, end))) return false;
+  }
+  return std::ranges::none_of(std::string_view(".["), [&](char separator) {
+    const std::string members = path + separator;
+    const auto failed = failed_.lower_bound(members);
+    return failed != failed_.end() && failed->starts_with(members);
   });
 }
 

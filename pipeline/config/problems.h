@@ -1,6 +1,7 @@
 /// Problems of a study and their places: collected, so that one run reports everything.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -50,7 +51,7 @@ class Reading {
  private:
   Places places_;
   Problems problems_;
-  std::vector<std::string> failed_;
+  std::set<std::string> failed_;
 };
 
 /// "method[0].training" as people write it: "method.training".

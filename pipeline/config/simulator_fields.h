@@ -39,8 +39,7 @@ template <class Fields>
 void describe(Fields& f, sim::SimulatorConfig& c) {
   f("name", c.name, simulator_constraint(),
     "a built-in simulator; exactly one of name, command, worker, library, mjcf and dataset");
-  f("parameters", c.parameters, anything<std::map<std::string, double>>(),
-    "values that replace the simulator's nominal ones");
+  f("parameters", c.parameters, few_numbers(), "values that replace the simulator's nominal ones");
   f("segment_length", c.segment_length, count_from(0),
     "steps until the simulation restarts from the recorded state; 0: never");
   choice(f, "integrator", c.integrator, "method for the ODE");
@@ -64,8 +63,7 @@ void describe(Fields& f, DescribedParameter& c) {
 
 template <class Fields>
 void describe(Fields& f, GoalConfig& c) {
-  f("place", c.place, anything<std::map<std::string, double>>(),
-    "state channel = value of the goal");
+  f("place", c.place, few_numbers(), "state channel = value of the goal");
   f("radius", c.radius, not_negative(), "Euclidean, around that place; 0: there is no goal");
   f("speed", c.speed, not_negative(), "largest speed over the last step that is rest; 0: any");
   f("description", c.description, anything<std::string>(), "such as \"rests near the hole\"");

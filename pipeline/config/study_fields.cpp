@@ -133,7 +133,8 @@ Constraint<std::vector<double>> ascending() {
 }
 
 Constraint<std::vector<inference::Marginal>> prior_constraint() {
-  return {"of at least one parameter", [](const auto& prior) { return !prior.empty(); }};
+  return {"of 1 to 1000 parameters",
+          [](const auto& prior) { return !prior.empty() && prior.size() <= 1000; }};
 }
 
 Constraint<std::string> memory_constraint() {

@@ -203,8 +203,7 @@ void describe(Fields& f, MethodConfig& c) {
 template <class Fields>
 void describe(Fields& f, ReferenceConfig& c) {
   f("name", c.name, label(), "column title in the tables; unique");
-  f("parameters", c.parameters, anything<std::map<std::string, double>>(),
-    "values that differ from the study's nominal ones");
+  f("parameters", c.parameters, few_numbers(), "values that differ from the study's nominal ones");
 }
 
 template <class Fields>
@@ -213,7 +212,7 @@ void describe(Fields& f, TargetConfig& c) {
     "HDF5 file of recorded rollouts, relative to the study file's folder");
   f("observation", c.observation, file_path(),
     "CSV or HDF5 file of x_o, where the simulator gives features, not rollouts");
-  f("truth", c.truth, anything<std::map<std::string, double>>(),
+  f("truth", c.truth, few_numbers(),
     "parameters of a simulated target that aren't nominal; {}: none");
   f("inputs", c.inputs, file_path(),
     "recording whose initial states and actions a truth's rollouts have; without it those of the "
@@ -233,7 +232,7 @@ void describe(Fields& f, ObservationNoise& c) {
     "standard deviation / largest recorded magnitude of the channel in a rollout");
   f("scale_prior", c.scale_prior, noise_prior(0.0, "scale"),
     "[median, deviation of the logarithm], in place of scale: it isn't known");
-  f("std", c.std, anything<std::map<std::string, double>>(),
+  f("std", c.std, few_numbers(),
     "standard deviation of some channels in their units, in place of scale: { theta = 0.01 }");
   f("correlation", c.correlation, correlation_constraint(),
     "of neighboring stored states' noise, which begins anew in each segment; none when left out");
@@ -294,9 +293,9 @@ void describe(Fields& f, PolicyConfig& c) {
   f("num_test_states", c.num_test_states, between(20, 1'000'000),
     "initial states that a policy is tested from");
   f("num_steps", c.num_steps, count_from(0), "of a rollout; 0: as many as the simulator has");
-  f("initial", c.initial, anything<std::map<std::string, double>>(),
+  f("initial", c.initial, few_numbers(),
     "parameters of the policy that begin elsewhere: { energy_gain = 30.0 }");
-  f("model", c.model, anything<std::map<std::string, double>>(),
+  f("model", c.model, few_numbers(),
     "domain parameters that the policy believes in, in place of the nominal ones");
   f("initial_std", c.search.initial_std, positive(),
     "deviation of the first candidates, in the coordinates of the search");

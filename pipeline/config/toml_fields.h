@@ -53,7 +53,8 @@ class TomlFields {
     fields.reject_unknown_keys();
   }
 
-  /// A list of tables, [[key]]; `body` describes one element. It may be empty where `minimum` is 0.
+  /// A list of tables, [[key]]; `body` describes one element. It may be empty where `minimum` is 0,
+  /// and holds at most 1000 of them.
   template <class T, class Body>
   void list(const std::string& key, std::vector<T>& values, int minimum, std::string_view /*doc*/,
             const Body& body) {
@@ -63,6 +64,12 @@ class TomlFields {
       const std::string tables = "[[" + display(below(key)) + "]] table";
       reading_.fail(below(key), minimum > 0 ? "needs at least one " + tables
                                             : "must be made of " + tables + "s");
+      return;
+    }
+    constexpr std::size_t most = 1000;
+    if (const std::size_t count = node->as_array()->size(); count > most) {
+      reading_.fail(below(key), display(below(key)) + " is there " + std::to_string(count) +
+                                    " times, must be at most " + std::to_string(most));
       return;
     }
     std::size_t i = 0;

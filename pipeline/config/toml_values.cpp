@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "pipeline/config/constraint.h"
@@ -95,18 +96,19 @@ bool has_only_tables(const toml::node& node) {
 }
 
 // `prefix`: the names of the tables around this one, each followed by a point.
-void read_marginals(const TomlSlot& slot, const std::string& prefix, std::vector<Marginal>& value) {
+void read_marginals(const TomlSlot& slot, const std::string& prefix, std::set<std::string>& names,
+                    std::vector<Marginal>& value) {
   for (const auto& [key, node] : in_file_order(*slot.node.as_table(), slot.reading)) {
     const TomlSlot member = member_slot(slot, *key, *node);
     const std::string name = prefix + std::string(key->str());
     if (has_only_tables(*node)) {
-      read_marginals(member, name + ".", value);
+      read_marginals(member, name + ".", names, value);
       continue;
     }
     Marginal marginal;
     marginal.name = name;
     if (!read_marginal(member, marginal)) fail_type(member, marginal_words());
-    if (std::ranges::count(value, name, &Marginal::name) > 0) {
+    if (!names.insert(name).second) {
       member.reading.fail(member.path, fmt::format("prior: {} is there twice", quoted(name)));
     }
     value.push_back(marginal);
@@ -195,7 +197,7 @@ bool read_value(const TomlSlot& slot, FreeTable& value) {
   std::ostringstream text;
   text << toml::json_formatter(*slot.node.as_table());
   // Parsed and written again, so that the text doesn't depend on how the study file looks.
-  value.json = nlohmann::ordered_json::parse(text.str()).dump();
+  value.json = nlohmann::json::parse(text.str()).dump();
   return true;
 }
 
@@ -217,7 +219,8 @@ bool read_value(const TomlSlot& slot, std::map<std::string, PublishedFigure>& va
 
 bool read_value(const TomlSlot& slot, std::vector<Marginal>& value) {
   if (!slot.node.is_table()) return false;
-  read_marginals(slot, "", value);
+  std::set<std::string> names;
+  read_marginals(slot, "", names, value);
   return true;
 }
 

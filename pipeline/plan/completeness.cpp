@@ -11,7 +11,13 @@ namespace npdr::pipeline {
 
 bool is_complete(const Plan& plan, const Node& node) {
   if (node.stage == Stage::report) return report_is_current(plan, node);
-  return std::filesystem::exists(node.path);
+  const std::filesystem::file_status there = std::filesystem::status(node.path);
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
+    const char* const kind =
+        std::filesystem::is_directory(there) ? "a folder" : "a device, pipe or socket";
+    throw InputError(node.path.string() + ": is " + kind + ", must be a file; move it away");
+  }
+  return std::filesystem::exists(there);
 }
 
 void settle(const Plan& plan, const Node& node) {

@@ -5,7 +5,8 @@
 
 namespace npdr::pipeline {
 
-/// Whether the node's artefact is there and complete.
+/// Whether the node's artefact is there and complete. Throws InputError where something else than a
+/// file has its name.
 bool is_complete(const Plan& plan, const Node& node);
 
 /// Links the uses of a complete artefact, and removes the checkpoint that it may have left behind:

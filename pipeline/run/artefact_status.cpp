@@ -254,7 +254,7 @@ std::vector<int> processes_at_work(const Plan& plan) {
     processes.push_back(0);
     try {
       processes.back() = process_of(node);
-    } catch (const fs::filesystem_error&) {
+    } catch (const std::exception&) {
       // The artefact's own status says so.
     }
   }

@@ -1,6 +1,7 @@
 #include "core/atomic_file.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -8,6 +9,7 @@
 
 #include "core/error.h"
 #include "tests/file_size_limit.h"
+#include "tests/message_of.h"
 #include "tests/temp_folder.h"
 
 namespace npdr {
@@ -73,6 +75,17 @@ TEST(AtomicFile, CantReplaceAFolderAndLeavesNothingBehind) {
   const TempFolder folder;
   std::filesystem::create_directories(folder / "a" / "child");
   EXPECT_THROW(write_text_file(folder / "a", "text"), Error);
+  EXPECT_EQ(folder.size(), 1);
+}
+
+// As root, "-o /dev/null" would leave the machine without one.
+TEST(AtomicFile, TakesNoNameOfADeviceOrPipe) {
+  const TempFolder folder;
+  const std::filesystem::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(message_of<InputError>([&] { write_text_file(pipe, "new"); }, &folder),
+            "pipe: is a device, pipe or socket, must be a file or a new name");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
   EXPECT_EQ(folder.size(), 1);
 }
 

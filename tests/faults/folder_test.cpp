@@ -104,6 +104,7 @@ TEST_F(Folders, WhatIsInTheWayIsNamed) {
     fs::remove(artefact.path);
     fs::create_directory(artefact.path);
     EXPECT_NE(folder_->npdr({"status"}).out.find("is a folder"), std::string::npos);
+    expect_named(folder_->npdr({"run"}), "is a folder, must be a file");
     fs::remove(artefact.path);
     fs::create_symlink(artefact.path.filename(), artefact.path);
     expect_named(folder_->npdr({"run"}), artefact.path.filename());

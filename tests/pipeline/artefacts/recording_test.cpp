@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/text.h"
 #include "pipeline/process/forked_trial.h"
 #include "pipeline/store/h5.h"
 #include "tests/device_recordings.h"
@@ -195,11 +196,35 @@ TEST_F(EditedRecording, ChecksRankShapeAndType) {
                    {"a.h5: dataset 'actions' has shape (3, 51, 1)", "must be (3, 50, any)"}));
   EXPECT_TRUE(says(replaced("actions", H5T_STD_I64LE, {3, 50, 1}),
                    {"a.h5: dataset 'actions' holds 64-bit integers", "must hold 64-bit floats"}));
-  EXPECT_TRUE(says(replaced("actions", H5T_IEEE_F64LE, {3, 50, 1'000'000'000}),
-                   {"a.h5: dataset 'actions' claims shape (3, 50, 1000000000)",
-                    "nothing was ever written to it"}));
+  EXPECT_TRUE(says(
+      replaced("actions", H5T_IEEE_F64LE, {3, 50, 1000}),
+      {"a.h5: dataset 'actions' claims shape (3, 50, 1000)", "nothing was ever written to it"}));
   EXPECT_TRUE(says(replaced("rollout", H5T_C_S1, {2}),
                    {"a.h5: dataset 'rollout' has shape (2)", "must be (3)"}));
+}
+
+// A few MB of compressed zeros would take minutes to read, and all memory.
+TEST_F(EditedRecording, OfMoreNumbersThanAnybodyRecordsIsntRead) {
+  EXPECT_EQ(reading([](hid_t file) {
+              replace_dataset(file, "states", H5T_IEEE_F64LE, {3000, 500'001, 2});
+              replace_dataset(file, "actions", H5T_IEEE_F64LE, {3000, 500'000, 1});
+            }),
+            "a.h5: dataset 'states' has shape (3000, 500001, 2), must hold at most 125000000 "
+            "numbers; cut it, or record fewer steps or rollouts");
+}
+
+TEST_F(EditedRecording, TextsWithoutAnEndAreCutInTheMessage) {
+  const std::string endless(100'000, 'a');
+  Target target = twin();
+  target.state_channels[1].label = endless;
+  EXPECT_EQ(reading(target), "a.h5: dataset 'states' has a label of 100000 bytes, '" +
+                                 shortened(endless) + "', must be of at most 255");
+  target = twin();
+  target.action_channels[0].unit = endless;
+  EXPECT_TRUE(says(reading(target), {"a.h5: dataset 'actions' has a unit of 100000 bytes"}));
+  target = twin();
+  target.rollouts[2].name = endless;
+  EXPECT_TRUE(says(reading(target), {"a.h5: dataset 'rollout' has a name of 100000 bytes"}));
 }
 
 TEST_F(EditedRecording, ChecksTheChannelsAgainstTheSimulators) {

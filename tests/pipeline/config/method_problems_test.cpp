@@ -37,6 +37,9 @@ TEST(MethodProblems, TrainingFitsTheNumberOfSimulations) {
   EXPECT_TRUE(says(problems_after(kMaf, "num_simulations = 50"),
                    {"s.toml:15:1: method.training.batch_size = 50", "must be <= 45"}));
   EXPECT_EQ(problems_after(kMaf, "num_simulations = 56"), "");
+  EXPECT_EQ(problems_after(kMaf, "num_simulations = 3\ntraining.batch_size = 2"),
+            "s.toml:17:19: method.num_simulations = 3, must be >= 4, 2 each for training and for "
+            "validation");
   EXPECT_TRUE(
       says(problems_after(kMaf, "num_simulations = 7\nnum_atoms = 2\ntraining.batch_size = 2"),
            {"s.toml:19:1: method.training.validation_fraction = 0.1",

@@ -175,10 +175,10 @@ TEST(StudyProblems, SaysWhatAPriorsEntryMustBe) {
 }
 
 TEST(StudyProblems, APriorNeedsAParameterAndAStudyAMethod) {
-  EXPECT_TRUE(says(
-      problems_of("[study]\nname = 'a'\n[target]\ntruth = {}\n[simulator]\nname = 'pendulum'"),
-      {"s.toml: prior is missing", "must be a table of distributions, of at least one parameter",
-       "\ns.toml: needs at least one [[method]] table"}));
+  EXPECT_TRUE(
+      says(problems_of("[study]\nname = 'a'\n[target]\ntruth = {}\n[simulator]\nname = 'pendulum'"),
+           {"s.toml: prior is missing", "must be a table of distributions, of 1 to 1000 parameters",
+            "\ns.toml: needs at least one [[method]] table"}));
 }
 
 TEST(StudyProblems, AParameterCantBeInferredAndFixed) {

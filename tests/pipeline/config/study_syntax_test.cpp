@@ -27,6 +27,29 @@ TEST(StudySyntax, OfManyTheFirstAreTold) {
   EXPECT_TRUE(problems.ends_with("\nand 99950 more problems"));
 }
 
+// Many texts in a row that differ by a number.
+std::string numbered(int count, const std::string& before, const std::string& after) {
+  std::string result;
+  for (int i = 0; i < count; ++i) result += before + std::to_string(i) + after;
+  return result;
+}
+
+TEST(StudySyntax, NobodyMeansMoreThanAThousandOfAKind) {
+  EXPECT_TRUE(
+      problems_after("[prior]", "[prior]\n" + numbered(1000, "a", " = { uniform = [0, 1] }\n"))
+          .ends_with("must be of 1 to 1000 parameters"));
+  EXPECT_TRUE(problems_after("pole_mass = 1.1", numbered(1000, "a", " = 1, ") + "pole_mass = 1.1")
+                  .ends_with("must be of at most 1000 numbers"));
+  EXPECT_EQ(problems_of(kStudyText + numbered(999, "[[method]]\nfoo = ", "\n")),
+            "s.toml:15:1: method is there 1001 times, must be at most 1000");
+}
+
+TEST(StudySyntax, ALibrarysSettingsAreReadAtOnceHoweverMany) {
+  const std::string library =
+      "library = \"no.so\"\nsettings = { " + numbered(200'000, "k", " = 1, ");
+  EXPECT_NE(problems_after("name = \"pendulum\"", library + "end = 1 }"), "");
+}
+
 TEST(StudySyntax, HostileFilesAreRefused) {
   const TempFolder folder;
   const auto read = [&](const std::filesystem::path& path) {
