@@ -40,11 +40,12 @@ std::string mean_std_text(double mean, double std, NumberStyle style) {
   std::string text = fmt::format("{:.{}f}", mean * scale, decimals);
   if (has_std) {
     text += fmt::format(" {} {:.{}f}", latex ? "\\pm" : "±", std * scale, decimals);
+    if (scaled) text = "[" + text + "]";
   }
   if (!scaled) return formula(text, style);
-  if (!latex) return fmt::format("[{}]e{:+d}", text, exponent);
+  if (!latex) return fmt::format("{}e{:+d}", text, exponent);
   const char sign = exponent < 0 ? '-' : '+';
-  return fmt::format("$[{}]\\mathrm{{e}}{{{}}}{}$", text, sign, std::abs(exponent));
+  return fmt::format("${}\\mathrm{{e}}{{{}}}{}$", text, sign, std::abs(exponent));
 }
 
 std::string number_text(double value, NumberStyle style) {

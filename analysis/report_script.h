@@ -14,8 +14,9 @@ const make = (name, text, attributes = {}) => {
 };
 
 // Tables: a click on a title sorts by its column, another one the other way round.
+const magnitude = (text) => parseFloat(text.replace(/^\[(\S+).*?\]/, "$1"));  // [1.07 ± 0.03]e+3
 const compare = (a, b) => {
-  const x = parseFloat(a), y = parseFloat(b);
+  const x = magnitude(a), y = magnitude(b);
   if (isNaN(x) || isNaN(y)) return (isNaN(x) - isNaN(y)) || a.localeCompare(b);
   return x - y;
 };
@@ -162,6 +163,6 @@ addEventListener("beforeprint", () => {
 
 /// SHA-256 of the script, which the page's content security policy allows alone.
 inline constexpr const char* kReportScriptHash =
-    "sha256-FeVvsqrf8HhptZpm1EJL3To22lmCZtTPo28on5TV374=";
+    "sha256-k0szTtsyELNSSi8mks2jkbV5uz3nn8qqe/4nakI6d/0=";
 
 }  // namespace npdr::analysis

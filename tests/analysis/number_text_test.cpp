@@ -46,6 +46,8 @@ TEST(NumberText, RoundsBeforeItCountsDigits) {
 
 TEST(NumberText, LeavesOutWhatIsNotKnown) {
   EXPECT_EQ(plain(0.263, kNaN), "0.263");
+  EXPECT_EQ(plain(7.26e-4, kNaN), "7.26e-4");
+  EXPECT_EQ(mean_std_text(1070.0, kNaN, NumberStyle::latex), "$1.07\\mathrm{e}{+}3$");
   EXPECT_EQ(plain(kNaN, 0.1), "n/a");
   EXPECT_EQ(number_text(kNaN, NumberStyle::plain), "n/a");
   EXPECT_EQ(number_text(-kInfinity, NumberStyle::plain), "-inf");

@@ -1,5 +1,5 @@
-// Finds what somebody with weak eyes or without a mouse can't read or reach on a report, and
-// writes it at the end of the page, a line each.
+// Finds what somebody with weak eyes or without a mouse can't read or reach on a report, and what
+// doesn't do as it says, and writes it at the end of the page, a line each.
 const findings = new Set();
 const dark = matchMedia("(prefers-color-scheme: dark)").matches;
 const parse = (color) => {
@@ -67,6 +67,12 @@ for (const svg of document.querySelectorAll(".narrow svg, .wide svg")) {
   if (width > svg.parentElement.clientWidth) findings.add(`is cut off: ${width} px of a drawing`);
   if (width > 0 && width < 0.85 * svg.viewBox.baseVal.width) findings.add(`has tiny words: a drawing, ${width} px`);
 }
+// Sorting: numbers by what they are worth, whatever they look like.
+const table = [...document.querySelectorAll("table")].find((t) => t.tBodies[0].rows.length > 1);
+const [large, small] = [...table.tBodies[0].rows].map((row) => row.cells[1]);
+[large.textContent, small.textContent] = ["2000", "[1.07 \u00b1 0.03]e+3"];
+table.tHead.rows[0].cells[1].querySelector("button").click();
+if (small.parentElement.rowIndex > large.parentElement.rowIndex) findings.add("sorts 2000 before [1.07 \u00b1 0.03]e+3");
 const list = document.createElement("pre");
 list.id = "findings";
 list.textContent = [`theme: ${dark ? "dark" : "light"}`, ...findings].join("\n");
