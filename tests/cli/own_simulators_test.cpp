@@ -120,6 +120,29 @@ TEST_F(OwnSimulators, AWorkerGivesWhatTheLibraryGives) {
   for (std::size_t i = 0; i < mine.size(); ++i) ASSERT_NEAR(mine[i], theirs[i], 1e-4) << i;
 }
 
+// Once, though everything that asks the worker fails; and told as what the study calls it.
+TEST_F(OwnSimulators, AParameterThatTheStudyDoesntHaveIsToldOnce) {
+  const std::string python = python_with("numpy");
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+  write_recording(furuta_recording(2), folder_ / "recorded.h5");
+  folder_.file("sim.py", R"py(
+import npdr_worker
+npdr_worker.serve(lambda theta, first_state, actions, dt, rng: theta["mass"])
+)py");
+  ASSERT_EQ(
+      npdr({"new", "mine", "--recording", "recorded.h5", "--worker", python + " sim.py"}).status,
+      0);
+  const Outcome outcome = npdr({"run", "mine.toml", "--set", "target.held_out=0"});
+  EXPECT_EQ(outcome.status, 1);
+  for (const char* part : {"KeyError: \"the study has no parameter 'mass'; it has a\"",
+                           "failed (exit status 1), as above:"}) {
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  }
+  const std::size_t first = outcome.err.find("Traceback");
+  EXPECT_NE(first, std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("Traceback", first + 1), std::string::npos) << outcome.err;
+}
+
 // Bits of a worker's simulations don't depend on threads or shards, and survive being killed.
 TEST_F(OwnSimulators, AWorkersBitsDependOnNothingButTheStudy) {
   const std::string python = python_with("numpy");

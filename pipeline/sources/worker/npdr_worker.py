@@ -103,7 +103,7 @@ def _replay(simulate, batch, header, arrays):
     message = ""
     for segment in _segments(arrays):
         if batch:
-            columns = dict(zip(header["parameters"], arrays["theta"].T.copy()))
+            columns = _Parameters(zip(header["parameters"], arrays["theta"].T.copy()))
             shape = (rows, len(segment.actions), len(header["states"]))
             part = _checked(simulate(columns, segment.first_state, segment.actions, header["dt"],
                                      segment.seeds(arrays["seeds"])), shape)
@@ -112,7 +112,7 @@ def _replay(simulate, batch, header, arrays):
             states[:, segment.slice] = part
             continue
         for row in np.flatnonzero(status == OK):
-            theta = dict(zip(header["parameters"], arrays["theta"][row].tolist()))
+            theta = _Parameters(zip(header["parameters"], arrays["theta"][row].tolist()))
             rng = _seeded(arrays["seeds"][row], segment.number)
             try:
                 result = simulate(theta, segment.first_state.copy(), segment.actions.copy(),
@@ -125,6 +125,11 @@ def _replay(simulate, batch, header, arrays):
                 status[row] = CRASHED
                 states[row] = np.nan
     return states, status, message
+
+
+class _Parameters(dict):
+    def __missing__(self, name):
+        raise KeyError("the study has no parameter '%s'; it has %s" % (name, ", ".join(self)))
 
 
 class _Segment:
