@@ -163,6 +163,6 @@ addEventListener("beforeprint", () => {
 
 /// SHA-256 of the script, which the page's content security policy allows alone.
 inline constexpr const char* kReportScriptHash =
-    "sha256-FeVvsqrf8HhptZpm1EJL3To22lmCZtTPo28on5TV374=";
+    "sha256-k0szTtsyELNSSi8mks2jkbV5uz3nn8qqe/4nakI6d/0=";
 
 }  // namespace npdr::analysis

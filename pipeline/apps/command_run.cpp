@@ -2,16 +2,20 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <thread>
 
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/apps/fitted_table.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/shell_text.h"
+#include "pipeline/process/terminal_columns.h"
 #include "pipeline/run/scheduler.h"
 
 namespace npdr::pipeline {
@@ -37,10 +41,13 @@ void print_commands(const Plan& plan, const SchedulerConfig& config) {
 bool print_results(const Plan& plan) {
   const char* main = plan.study.source().simulates ? "fit.md" : "parameters.md";
   for (const char* name : {main, "policy.md"}) {
-    std::ifstream table(plan.work.study(plan.study.name) / "tables" / name);
+    const std::filesystem::path path = plan.work.study(plan.study.name) / "tables" / name;
+    std::ifstream table(path);
     if (!table) continue;  // nothing was inferred, or no policy searched for
     if (name != main) std::cout << "\n";
-    std::cout << table.rdbuf() << std::flush;
+    const std::string text(std::istreambuf_iterator<char>(table), {});
+    const auto columns = terminal_columns();
+    std::cout << (columns ? fitted_tables(text, *columns, path) : text) << std::flush;
   }
   return print_verdicts(plan, VerdictDetail::reasons);
 }
