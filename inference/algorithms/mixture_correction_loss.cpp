@@ -55,13 +55,10 @@ double MixtureCorrection::log_normalizer(const GaussianMixture& q,
   Vector log_masses(q.num_components() * num_blocks * kLanes);
   for (Index k = 0; k < q.num_components(); ++k) {
     const Eigen::MatrixXd precision = q.precision(k);
-    const Vector precision_times_mean = precision * q.means[index(k)];
-    const double log_constant =
-        q.log_weights(k) + 0.5 * (log_det(q.precision_factors[index(k)]) -
-                                  q.means[index(k)].dot(precision_times_mean));
+    const double log_constant = q.log_weights(k) + 0.5 * log_det(q.precision_factors[index(k)]);
     for (Index b = 0; b < num_blocks; ++b) {
       Product& product = products_[index(k * num_blocks + b)];
-      multiply(q.precision_factors[index(k)], precision, precision_times_mean, blocks_[index(b)],
+      multiply(q.precision_factors[index(k)], precision, q.means[index(k)], blocks_[index(b)],
                gradient != nullptr, product);
       product.log_mass += log_constant;
       log_masses.segment<kLanes>((k * num_blocks + b) * kLanes) = product.log_mass.matrix();
@@ -76,15 +73,28 @@ double MixtureCorrection::log_normalizer(const GaussianMixture& q,
   return log_z;
 }
 
-// Cholesky's A = L L', then L^-1, v = L^-T L^-1 b and A^-1 = L^-T L^-1, for all lanes at once.
+// Cholesky's A = P + E = L L', E = P~ - I, then L^-1 and A^-1 = L^-T L^-1, for all lanes at once,
+// and
+//   v = mu + A^-1 g,   exponent of the mass = (mu'(e + g) + g'A^-1 g) / 2,   e = P~ m~, g = e - E
+//   mu,
+// which is the same as v = A^-1 (P mu + e), (v'A v - mu'P mu) / 2, without the difference of two
+// large numbers where P is nearly singular: where the proposal is the prior, e, E and g are 0.
 // As A - P is positive semidefinite, no pivot of A is smaller than that of P = U'U, the square of
 // U's: rounding makes it so where q is nearly flat and the proposal as wide as the prior.
 void MixtureCorrection::multiply(const Eigen::MatrixXd& factor, const Eigen::MatrixXd& precision,
-                                 const Vector& precision_times_mean, const Block& block,
-                                 bool with_covariance, Product& product) {
+                                 const Vector& mean, const Block& block, bool with_covariance,
+                                 Product& product) {
   const Index d = dimension_;
   product.log_mass = block.log_constant;
-  product.mean.assign(index(d), Lanes::Zero());
+  product.mean.resize(index(d));
+  gap_.resize(index(d));
+  for (Index i = 0; i < d; ++i) {
+    const Lanes& e = block.precision_times_mean[index(i)];
+    Lanes& g = gap_[index(i)] = e;
+    for (Index j = 0; j < d; ++j) g -= block.precision_minus_identity[index(i * d + j)] * mean(j);
+    product.log_mass += 0.5 * mean(i) * (e + g);
+    product.mean[index(i)].setConstant(mean(i));
+  }
   for (Index i = 0; i < d; ++i) {
     for (Index j = 0; j <= i; ++j) {
       Lanes sum = block.precision_minus_identity[index(i * d + j)] + precision(i, j);
@@ -102,11 +112,8 @@ void MixtureCorrection::multiply(const Eigen::MatrixXd& factor, const Eigen::Mat
       for (Index l = j; l < i; ++l) sum -= at(factor_, i, l) * at(inverse_factor_, l, j);
       at(inverse_factor_, i, j) = sum * at(inverse_factor_, i, i);
     }
-    Lanes y = Lanes::Zero();  // L^-1 b
-    for (Index l = 0; l <= i; ++l) {
-      y += at(inverse_factor_, i, l) *
-           (block.precision_times_mean[index(l)] + precision_times_mean(l));
-    }
+    Lanes y = Lanes::Zero();  // L^-1 g
+    for (Index l = 0; l <= i; ++l) y += at(inverse_factor_, i, l) * gap_[index(l)];
     product.log_mass += 0.5 * y.square();
     for (Index l = 0; l <= i; ++l) product.mean[index(l)] += at(inverse_factor_, i, l) * y;
   }

@@ -56,9 +56,8 @@ class MixtureCorrection {
   };
 
   Lanes& at(LaneArray& matrix, Index row, Index col) const;
-  void multiply(const Eigen::MatrixXd& factor, const Eigen::MatrixXd& precision,
-                const Vector& precision_times_mean, const Block& block, bool with_covariance,
-                Product& product);
+  void multiply(const Eigen::MatrixXd& factor, const Eigen::MatrixXd& precision, const Vector& mean,
+                const Block& block, bool with_covariance, Product& product);
   void add_gradient(const GaussianMixture& q, Index k, double log_z,
                     GaussianMixtureGradient& gradient) const;
 
@@ -67,6 +66,7 @@ class MixtureCorrection {
   std::vector<Product> products_;  ///< K x blocks
   LaneArray factor_;               ///< (D, D): the Cholesky factor of A
   LaneArray inverse_factor_;       ///< (D, D)
+  LaneArray gap_;                  ///< (D): R_j m_j - (R_j - I) mu_k
 };
 
 }  // namespace npdr::inference
