@@ -75,8 +75,8 @@ std::string unpredictable_digits() {
 // Renaming onto a device or pipe would put an end to it, for all programs.
 void require_replaceable(const fs::path& path) {
   std::error_code unknown;
-  const fs::file_status there = fs::symlink_status(path, unknown);
-  if (!fs::is_other(there)) return;
+  // A link to one, too: /dev/stdout is.
+  if (!fs::is_other(fs::status(path, unknown))) return;
   throw InputError(path.string() + ": is a device, pipe or socket, must be a file or a new name");
 }
 

@@ -16,7 +16,6 @@ constexpr Index kGroup = 500;
 constexpr Index kCandidates = 4 * kGroup;       // drawn at once
 constexpr Index kMostCandidates = 64 * kGroup;  // of a group
 
-// So small that powers of it are finite and weigh nothing beside any other.
 constexpr double kImpossible = -1e100;
 
 constexpr PoolPowers kPosteriorAlone = {};
@@ -44,6 +43,12 @@ std::vector<Index> systematic_resample(const Vector& weights, Index count, doubl
 }
 
 }  // namespace
+
+Vector PoolEvidence::log_weights(PoolPowers powers) const {
+  const auto log_l = likelihood.array().isFinite().select(likelihood.array(), kImpossible);
+  const Vector weights = (powers.posterior - 1.0) * posterior.array() + powers.likelihood * log_l;
+  return posterior.array().isFinite().select(weights, kImpossible);
+}
 
 // Written once, by whoever needs it first.
 struct PooledPosterior::Known {
@@ -74,11 +79,9 @@ PooledPosterior::PooledPosterior(NetworkParts given)
 
 PooledPosterior::~PooledPosterior() = default;
 
-// NaN, which a network may say far from what it knows, counts as a likelihood of 0.
 PoolEvidence PooledPosterior::evidence(const RowMatrix& theta, const Vector& log_q) const {
   const Vector log_prior = prior().log_prob(theta);
-  const Vector log_l = likelihood_.relative_log_prob(theta) - log_prior;
-  return {log_q - log_prior, log_l.array().isFinite().select(log_l, kImpossible)};
+  return {log_q - log_prior, likelihood_.relative_log_prob(theta) - log_prior};
 }
 
 PoolEvidence PooledPosterior::evidence(const RowMatrix& theta) const {

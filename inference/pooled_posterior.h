@@ -26,10 +26,9 @@ struct PoolEvidence {
   Vector posterior;
   Vector likelihood;
 
-  /// log w(u), (n).
-  Vector log_weights(PoolPowers powers) const {
-    return (powers.posterior - 1.0) * posterior + powers.likelihood * likelihood;
-  }
+  /// log w(u), (n). Where q has no density, or a network says NaN, so small that it weighs nothing
+  /// beside any other.
+  Vector log_weights(PoolPowers powers) const;
 };
 
 class PooledPosterior : public NetworkPosterior {
@@ -49,6 +48,8 @@ class PooledPosterior : public NetworkPosterior {
   PoolPowers powers() const;
   double log_normalizer() const;
 
+  /// q alone, whose draws are candidates.
+  const Posterior& proposal() const { return posterior_; }
   PoolEvidence evidence(const RowMatrix& theta) const;
 
  private:

@@ -21,10 +21,11 @@ constexpr double kStep = PoolPowers::kLargestSum / kSteps;
 PoolEvidence evidence_given(NetworkParts parts, const VectorF& x, const RowMatrix& theta,
                             const StreamId& id) {
   parts.x_o = x;
+  const PooledPosterior pool(std::move(parts));
   RowMatrix points(kDraws + 1, theta.cols());
   points.row(0) = theta;
-  points.bottomRows(kDraws) = make_posterior(posterior_parts(parts))->sample(kDraws, id);
-  return PooledPosterior(std::move(parts)).evidence(points);
+  points.bottomRows(kDraws) = pool.proposal().sample(kDraws, id);
+  return pool.evidence(points);
 }
 
 double log_prior(PoolPowers powers) {
@@ -73,6 +74,8 @@ PoolPowers pool_powers(const NetworkParts& parts, const RoundData& data, const S
     evidence[static_cast<std::size_t>(i)] =
         evidence_given(parts, x.row(i).transpose(), data.theta.row(first + i), draws);
   });
+  // Without a density of q at the parameters there is nothing to take a power of.
+  std::erase_if(evidence, [](const PoolEvidence& row) { return !std::isfinite(row.posterior(0)); });
   return best_powers(evidence);
 }
 

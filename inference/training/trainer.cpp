@@ -115,11 +115,6 @@ void require_finite_loss(const TrainingState& state) {
 
 }  // namespace
 
-std::vector<std::uint32_t> validation_rows(Index num_rows, const TrainingConfig& config,
-                                           const ValidationFold& fold) {
-  return split_rows(num_rows, config, fold).validation;
-}
-
 StreamId of_batch(StreamId id, std::string_view name, const Batch& batch) {
   id.epoch = batch.epoch;
   id.row = batch.number;

@@ -64,11 +64,6 @@ struct ValidationFold {
   Index number = 0;
 };
 
-/// The rows of `num_rows` that validate. Throws InputError when fewer than two do, or fewer than
-/// two are left.
-std::vector<std::uint32_t> validation_rows(Index num_rows, const TrainingConfig& config,
-                                           const ValidationFold& fold);
-
 /// Trains from `state` until early stopping, max_epochs or the hook says so. The split into
 /// training and validation rows, the batches and their order are functions of `fold`, `id` and the
 /// epoch, so a run that is stopped and continued gives the same bits.

@@ -82,12 +82,12 @@ void describe(Layout f, PoolNotes& pool) {
   f.attribute("log_normalizer_at_x_o", pool.log_normalizer, "log integral of the pool [nats]");
   if (!f.reads()) return;
   constexpr double largest = inference::PoolPowers::kLargestSum;
-  for (const double power : {pool.powers.posterior, pool.powers.likelihood}) {
-    if (power >= 0.0 && power <= largest) continue;
-    throw InputError(f.where() + ": " +
-                     must_be("powers of a pool", fmt::format("{}", power),
-                             fmt::format("0 to {}; rerun stage 'infer'", largest)));
-  }
+  const auto [a, b] = pool.powers;
+  if (a >= 0.0 && b >= 0.0 && a + b <= largest + 1e-9) return;
+  throw InputError(
+      f.where() + ": " +
+      must_be("powers of a pool", fmt::format("{} and {}", a, b),
+              fmt::format("at least 0 and {} together; rerun stage 'infer'", largest)));
 }
 
 void describe_likelihood(Layout f, PoolNotes& pool, inference::NetworkParts& parts) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/text.h"
+#include "inference/algorithms/pool_powers.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/method_settings.h"
@@ -13,6 +14,14 @@
 
 namespace npdr::pipeline {
 namespace {
+
+// Simulations of a round that networks learn from: others choose the powers of a pool.
+Index num_learned_from(const MethodConfig& method) {
+  const Index count = method.algorithm.num_simulations;
+  const bool is_pooled = method.algorithm.kind == inference::Algorithm::npe_nle &&
+                         method.embedding.kind != inference::EmbeddingKind::linear;
+  return is_pooled ? count - inference::num_judging_rows(count) : count;
+}
 
 class MethodChecker : Checker {
  public:
@@ -103,8 +112,8 @@ void MethodChecker::check_training(const std::string& path, const MethodConfig& 
          fmt::format(">= {}, {} each for training and for validation", fewest, fewest / 2));
     return;
   }
-  const double rows = static_cast<double>(method.algorithm.num_simulations) *
-                      (1.0 - method.training.validation_fraction);
+  const double rows =
+      static_cast<double>(num_learned_from(method)) * (1.0 - method.training.validation_fraction);
   const bool readable = reading_.good(batch) && reading_.good(path + ".num_simulations") &&
                         reading_.good(path + ".training.validation_fraction");
   // Half a row of slack: 1 - 0.2 isn't exact.
@@ -122,7 +131,7 @@ void MethodChecker::check_split(const std::string& path, const MethodConfig& met
   constexpr Index fewest = inference::kFewestTrainingRows;
   const std::string fraction = path + ".training.validation_fraction";
   if (!reading_.good(fraction) || !reading_.good(path + ".num_simulations")) return;
-  const Index rows = method.algorithm.num_simulations;
+  const Index rows = num_learned_from(method);
   const auto share = [&](double part) {
     return static_cast<Index>(std::floor(part * static_cast<double>(rows) + 1e-9));
   };

@@ -70,7 +70,8 @@ std::string program_fault(const std::string& command, const fs::path& folder) {
   if (has_folder(program) && access((folder / program).c_str(), X_OK) != 0) {
     return fmt::format("{} may not be executed (chmod +x)", quoted(program));
   }
-  const bool is_script = reads_scripts(program) && !script.empty() && script.front() != '-';
+  const bool is_option = script.starts_with('-') || script.starts_with('+');
+  const bool is_script = reads_scripts(program) && !script.empty() && !is_option;
   // Shells look for scripts on the PATH, too.
   if (is_script && is_missing(folder / script) && !is_known(script)) return no_file(script);
   return "";

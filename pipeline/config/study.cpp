@@ -63,6 +63,9 @@ std::string Study::why_unchecked(Check check, const MethodConfig& method) const 
     return "there is no network that could be asked about other observations";
   }
   const bool has_density = algorithm.role == inference::NetworkRole::posterior;
+  if (traits.needs == CheckNeeds::sampler && family == AlgorithmFamily::abc) {
+    return "its chains are short, and agree as a whole; their R-hat is in the table of experiments";
+  }
   if (traits.needs == CheckNeeds::sampler && (!has_network || has_density)) {
     return "its samples need no chains";
   }

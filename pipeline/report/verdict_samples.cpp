@@ -42,6 +42,10 @@ std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& 
   return std::nullopt;
 }
 
+// The recorded states are at most 1 in its units, and 0 explains a swing with less. Where a model
+// is right the floor is what noise leaves.
+constexpr double kFarFloor = 0.5;
+
 // What a posterior's RMSE is compared with: what the best of the prior reaches, or the truth, or
 // the noise, below which the observation hardly tells parameters apart.
 // Without noise the truth reaches zero, which no sample does: there a tenth of the prior's is small
@@ -72,7 +76,7 @@ std::optional<Yardstick> yardstick(const ReportData& data) {
       found = {3.0 * reached, reached, "times the " + point.name + "'s"};
     }
   }
-  const double noise = data.plan.study.observation_noise.scale;
+  const double noise = std::min(data.plan.study.observation_noise.scale, kFarFloor);
   if (noise > found.limit) found = {noise, noise, "times the noise's scale"};
   if (found.limit > 0.0) return found;
   return std::nullopt;
@@ -85,10 +89,6 @@ std::string advice_to_learn(const ReportData& data, const std::string& method) {
   const bool sees_all = kind == EmbeddingKind::all_steps || kind == EmbeddingKind::identity;
   return std::string(sees_all ? "" : "embedding.kind = \"all_steps\", ") + "more simulations";
 }
-
-// The recorded states are at most 1 in its units, and 0 explains a swing with less. Where a model
-// is right the floor is what noise leaves.
-constexpr double kFarFloor = 0.5;
 
 Verdict unexplained(double rmse) {
   return {

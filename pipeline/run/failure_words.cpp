@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <fstream>
+#include <sstream>
 
 namespace npdr::pipeline {
 namespace {
@@ -19,10 +20,15 @@ std::string tail_of(const std::filesystem::path& path) {
   return fmt::format("{}", fmt::join(lines, ""));
 }
 
-// Counts of rows and seconds differ from job to job.
-std::string without_numbers(std::string text) {
-  std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
-  return text;
+// Counts of rows and seconds differ from job to job; what is part of a name or path does not.
+std::string without_numbers(const std::string& text) {
+  std::istringstream words(text);
+  std::string result;
+  for (std::string word; words >> word;) {
+    if (word.find_first_not_of("0123456789.,:;()") != std::string::npos) result += word;
+    result += ' ';
+  }
+  return result;
 }
 
 }  // namespace
@@ -34,13 +40,10 @@ std::string FailureWords::tell(const std::string& label, int status,
                                        : fmt::format("exit status {}", status);
   std::string lines = said.empty() ? tail_of(log) : "";
   std::set<std::string> new_lines;
-  bool repeats = false;
+  const bool repeats = !said.empty() && told_.contains(without_numbers(said.front()));
   for (const std::string& line : said) {
     const std::string words = without_numbers(line);
-    if (told_.contains(words)) {
-      repeats = true;
-      continue;
-    }
+    if (told_.contains(words)) continue;
     new_lines.insert(words);
     lines += "    " + line + "\n";
   }

@@ -7,6 +7,8 @@
 namespace npdr::pipeline::h5 {
 namespace {
 
+constexpr std::size_t kMostText = 100'000'000;  // bytes
+
 Handle text_type(std::size_t size, H5T_cset_t characters) {
   Handle type(H5Tcopy(H5T_C_S1));
   H5Tset_size(type.id(), size);
@@ -28,6 +30,11 @@ std::string trimmed(const char* field, std::size_t width, H5T_str_t padding) {
 std::vector<std::string> read_fixed_texts(hid_t stored, Index count, const std::string& where,
                                           const RawRead& read) {
   const std::size_t width = H5Tget_size(stored);
+  // A small file may claim very many zeros.
+  if (static_cast<std::size_t>(count) > kMostText / std::max<std::size_t>(width, 1)) {
+    throw InputError(fmt::format("{} has {} texts of {} bytes, must be at most {} in all", where,
+                                 count, width, kMostText));
+  }
   std::vector<char> buffer(static_cast<std::size_t>(count) * width);
   if (read(stored, buffer.data()) < 0) fail_reading(where, "be read");
   std::vector<std::string> texts;

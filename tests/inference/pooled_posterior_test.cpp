@@ -109,6 +109,18 @@ TEST(PooledPosterior, TakesLessOfALikelihoodThatContradictsIt) {
   EXPECT_GE(pool.draw(500, kId).report->ess(0), 500.0);
 }
 
+TEST(PooledPosterior, WhatANetworkDoesntKnowWeighsNothing) {
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const PoolEvidence evidence{Vector{{1.0, nan, -infinity, 1.0}}, Vector{{2.0, 3.0, 3.0, nan}}};
+  for (const PoolPowers powers :
+       {PoolPowers{0.5, 0.5}, PoolPowers{1.0, 0.5}, PoolPowers{1.5, 0.2}}) {
+    const Vector weights = evidence.log_weights(powers);
+    EXPECT_DOUBLE_EQ(weights(0), powers.posterior - 1.0 + 2.0 * powers.likelihood);
+    EXPECT_TRUE(weights.allFinite());
+    EXPECT_LT(weights.tail(3).maxCoeff(), -1e90);
+  }
+}
+
 TEST(PooledPosterior, RefusesWeightsOfAnotherNetwork) {
   NetworkParts parts = some_pool({});
   parts.likelihood->parameters.conservativeResize(3);

@@ -128,7 +128,8 @@ TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
     file.group("likelihood").set_attribute("likelihood_power", 2.5);
   };
   EXPECT_TRUE(says(message_of<InputError>([&] { reread(parts, spoil); }, &folder_),
-                   {"p.h5: group 'likelihood': powers of a pool = 2.5", "must be 0 to 2"}));
+                   {"p.h5: group 'likelihood': powers of a pool = 0.5 and 2.5",
+                    "must be at least 0 and 2 together"}));
 }
 
 TEST_F(PosteriorFile, AProposalComesBackAsItWasOrIsRefused) {

@@ -45,6 +45,12 @@ TEST(MethodProblems, TrainingFitsTheNumberOfSimulations) {
            {"s.toml:19:1: method.training.validation_fraction = 0.1",
             "must be such that 2 or more of the 7 simulations of a round are left for training and "
             "for validation each"}));
+  // A twentieth chooses the powers of a pool.
+  EXPECT_TRUE(says(problems_after(kMaf,
+                                  "num_simulations = 20\nembedding.kind = 'all_steps'\n"
+                                  "training.batch_size = 2"),
+                   {"s.toml:19:1: method.training.validation_fraction = 0.1",
+                    "2 or more of the 19 simulations of a round"}));
   EXPECT_TRUE(says(problems_after(kMaf, "num_atoms = 11\ntraining = { batch_size = 10 }"),
                    {"s.toml:17:13: method.num_atoms = 11", "must be <= training.batch_size = 10"}));
   EXPECT_TRUE(says(problems_after(kMaf, "loss = 'analytic'"),

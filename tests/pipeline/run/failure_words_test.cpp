@@ -18,6 +18,9 @@ TEST(FailureWords, TellACauseOnce) {
   EXPECT_EQ(words.tell("infer", 2, {"posterior.h5: is damaged"}, "logs/3.log"),
             "npdr: infer failed (exit status 2):\n    posterior.h5: is damaged\n"
             "    log: logs/3.log\n");
+  EXPECT_EQ(words.tell("infer", 2, {"posterior_2.h5: is damaged", "  in a.log"}, "logs/4.log"),
+            "npdr: infer failed (exit status 2):\n    posterior_2.h5: is damaged\n"
+            "    log: logs/4.log\n");
 }
 
 TEST(FailureWords, AreTheEndOfTheLogWhereAJobSaysNothing) {
