@@ -85,10 +85,10 @@ TEST(AtomicFile, TakesNoNameOfADeviceOrPipe) {
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_EQ(message_of<InputError>([&] { write_text_file(pipe, "new"); }, &folder),
             "pipe: is a device, pipe or socket, must be a file or a new name");
-  std::filesystem::create_symlink(pipe, folder / "link");  // as /dev/stdout is
-  EXPECT_THROW(write_text_file(folder / "link", "new"), InputError);
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
   EXPECT_EQ(folder.size(), 1);
+  std::filesystem::create_symlink(pipe, folder / "link");  // as /dev/stdout is
+  EXPECT_THROW(write_text_file(folder / "link", "new"), InputError);
 }
 
 TEST(AtomicFile, TwoWritersOfOneFileDontMeet) {
