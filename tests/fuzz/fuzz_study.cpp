@@ -29,7 +29,7 @@ std::string setting(InputBytes& bytes, const std::vector<StudyKey>& keys) {
 
 // Files that studies name must be there.
 void make_files(const std::string& study, const std::filesystem::path& folder) {
-  static const std::regex name("\"([A-Za-z0-9_]+\\.(h5|csv|xml|so|py))\"");
+  static const std::regex name("[\" ]([A-Za-z0-9_]+\\.(h5|csv|xml|so|py|sh))(?=[\" ])");
   for (std::sregex_iterator found(study.begin(), study.end(), name), end; found != end; ++found) {
     std::ofstream(folder / (*found)[1].str(), std::ios::app);
   }
