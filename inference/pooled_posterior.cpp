@@ -45,8 +45,8 @@ std::vector<Index> systematic_resample(const Vector& weights, Index count, doubl
 }  // namespace
 
 Vector PoolEvidence::log_weights(PoolPowers powers) const {
-  const auto log_l = likelihood.array().isFinite().select(likelihood.array(), kImpossible);
-  const Vector weights = (powers.posterior - 1.0) * posterior.array() + powers.likelihood * log_l;
+  const Vector log_l = likelihood.array().isFinite().select(likelihood.array(), kImpossible);
+  const Vector weights = (powers.posterior - 1.0) * posterior + powers.likelihood * log_l;
   return posterior.array().isFinite().select(weights, kImpossible);
 }
 
