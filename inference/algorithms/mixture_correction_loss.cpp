@@ -73,10 +73,9 @@ double MixtureCorrection::log_normalizer(const GaussianMixture& q,
   return log_z;
 }
 
-// Cholesky's A = P + E = L L', E = P~ - I, then L^-1 and A^-1 = L^-T L^-1, for all lanes at once,
-// and
-//   v = mu + A^-1 g,   exponent of the mass = (mu'(e + g) + g'A^-1 g) / 2,   e = P~ m~, g = e - E
-//   mu,
+// Cholesky's A = P + E = L L', E = P~ - I, then L^-1 and A^-1 = L^-T L^-1, for all lanes at once.
+// With e = P~ m~ and g = e - E mu,
+//   v = mu + A^-1 g,   exponent of the mass = (mu'(e + g) + g'A^-1 g) / 2,
 // which is the same as v = A^-1 (P mu + e), (v'A v - mu'P mu) / 2, without the difference of two
 // large numbers where P is nearly singular: where the proposal is the prior, e, E and g are 0.
 // As A - P is positive semidefinite, no pivot of A is smaller than that of P = U'U, the square of
