@@ -50,6 +50,16 @@ void choose_signals() {
   std::signal(SIGXFSZ, SIG_IGN);  // the write that goes beyond 'ulimit -f' fails, and is reported
 }
 
+// Commands that only read would find every artefact missing below a file.
+void require_folder(const std::string& work) {
+  std::error_code error;
+  const auto status = std::filesystem::status(work, error);
+  if (!std::filesystem::exists(status) || std::filesystem::is_directory(status)) return;
+  throw InputError(fmt::format(
+      "--work = {}, which isn't a folder; must be the folder of results, or a new name for one",
+      quoted(work)));
+}
+
 }  // namespace
 
 int guarded_main(const std::string& program, const std::function<ExitStatus()>& body) {
@@ -136,6 +146,7 @@ void StudyArguments::add_selection_to(CLI::App& app, const std::string& method_o
 }
 
 Plan StudyArguments::plan(const ClusterConfig& site) const {
+  require_folder(work);
   Plan plan = make_plan(read_study(file, overrides, site), WorkFolder(work), {methods, seeds});
   std::vector<std::string> command = {"npdr", "run"};
   const auto study_words = words();

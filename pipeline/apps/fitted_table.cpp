@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/text.h"
+#include "pipeline/process/fitted_text.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -43,13 +44,12 @@ std::string fitted_table(const std::vector<std::string>& lines, std::size_t colu
 
 }  // namespace
 
-std::string fitted_tables(const std::string& markdown, std::size_t columns,
-                          const std::string& file) {
+std::string fitted_tables(const std::string& markdown, int columns, const std::string& file) {
   std::istringstream stream(markdown);
   std::string text;
   std::vector<std::string> table;
   const auto end_table = [&] {
-    if (!table.empty()) text += fitted_table(table, columns, file);
+    if (!table.empty()) text += fitted_table(table, static_cast<std::size_t>(columns), file);
     table.clear();
   };
   for (std::string line; std::getline(stream, line);) {
@@ -58,7 +58,7 @@ std::string fitted_tables(const std::string& markdown, std::size_t columns,
       continue;
     }
     end_table();
-    text += line + "\n";
+    text += (line.starts_with(" ") ? line : wrapped(line, columns)) + "\n";
   }
   end_table();
   return text;

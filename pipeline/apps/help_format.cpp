@@ -8,26 +8,15 @@
 
 #include "core/text.h"
 #include "pipeline/apps/command_line.h"
+#include "pipeline/process/fitted_text.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr std::size_t kColumns = 80;
-constexpr std::size_t kNameColumns = 34;
+constexpr int kColumns = 80;
+constexpr int kNameColumns = 34;
+constexpr int kWordColumns = kColumns - kNameColumns;
 constexpr std::size_t kMostChoices = 4;  // that stand beside an option's name
-
-std::string wrapped(const std::string& text) {
-  std::istringstream stream(text);
-  std::string lines, word;
-  std::size_t width = 0;
-  while (stream >> word) {
-    const bool fits = width + 1 + word.size() <= kColumns - kNameColumns;
-    if (width > 0) lines += fits ? ' ' : '\n';
-    width = (width > 0 && fits ? width + 1 : 0) + word.size();
-    lines += word;
-  }
-  return lines;
-}
 
 bool has_many_choices(const CLI::Option& option) {
   return choices_of(option).size() > kMostChoices;
@@ -64,13 +53,13 @@ std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
   if (has_many_choices(*option)) {
     words += (words.empty() ? "" : ": ") + join(choices_of(*option));
   }
-  return wrapped(words);
+  return wrapped(words, kWordColumns);
 }
 
 std::string HelpFormatter::make_subcommand(const CLI::App* command) const {
   std::stringstream out;
-  CLI::detail::format_help(out, command->get_name(), wrapped(command->get_description()),
-                           get_column_width());
+  CLI::detail::format_help(out, command->get_name(),
+                           wrapped(command->get_description(), kWordColumns), get_column_width());
   return out.str();
 }
 
@@ -80,8 +69,7 @@ std::string words_of_failure(const CLI::App* app, const CLI::Error& error) {
   if (is_front_door && called.empty()) {
     return fmt::format(
         "{}: {}; 'npdr new NAME' begins a study, 'npdr run STUDY' brings one up to date, 'npdr "
-        "help' "
-        "lists all commands\n",
+        "help' lists all commands\n",
         app->get_name(), app->remaining().empty() ? "no command" : cause_of(*app, error));
   }
   const CLI::App& command = called.empty() ? *app : *called.front();

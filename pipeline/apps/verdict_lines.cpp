@@ -2,8 +2,20 @@
 
 #include "pipeline/apps/command_line.h"
 #include "pipeline/plan/report_marker.h"
+#include "pipeline/process/fitted_text.h"
+#include "pipeline/process/terminal_columns.h"
 
 namespace npdr::pipeline {
+namespace {
+
+// A terminal would break the line within a word.
+void print_prose(const std::string& text) {
+  const auto columns = terminal_columns();
+  const std::string line = printable_line(text);
+  fmt::print("{}\n", columns ? wrapped(line, *columns) : line);
+}
+
+}  // namespace
 
 bool print_verdicts(const Plan& plan, VerdictDetail detail) {
   const bool has_reasons = detail == VerdictDetail::reasons;
@@ -12,10 +24,10 @@ bool print_verdicts(const Plan& plan, VerdictDetail detail) {
   fmt::print("{}", has_reasons ? "" : "\n");
   for (const CheckSummary& summary : read_check_summaries(plan.nodes.back())) {
     fmt::print("{}", gap);
-    print_line("{}", words_of(summary));
+    print_prose(words_of(summary));
     any_failed = any_failed || !summary.failed.empty();
     if (!has_reasons) continue;
-    for (const std::string& reason : summary.reasons) print_line("  {}", reason);
+    for (const std::string& reason : summary.reasons) print_prose("  " + reason);
   }
   fmt::print("{}", gap);
   print_line("report: {}", report_path(plan).string());

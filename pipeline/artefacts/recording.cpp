@@ -28,13 +28,24 @@ void require_moderate_size(const h5::Dataset& dataset) {
       dataset.where(), h5::to_string(dataset.shape()), kMostNumbers));
 }
 
-void require_short(const h5::Dataset& dataset, const char* what,
-                   const std::vector<std::string>& texts) {
-  for (const std::string& text : texts) {
-    if (text.size() <= kLongestText) continue;
-    throw InputError(fmt::format("{} has a {} of {} bytes, '{}', must be of at most {}",
-                                 dataset.where(), what, text.size(), shortened(text),
-                                 kLongestText));
+void require_short(const std::string& where, const char* what, const std::string& text) {
+  if (text.size() <= kLongestText) return;
+  throw InputError(fmt::format("{}: a {} of {} bytes, '{}', must be of at most {}", where, what,
+                               text.size(), shortened(text), kLongestText));
+}
+
+void require_short(const std::string& where, const std::vector<Channel>& channels) {
+  for (const Channel& channel : channels) {
+    require_short(where, "label", channel.label);
+    require_short(where, "unit", channel.unit);
+  }
+}
+
+void require_short_texts(const std::string& where, const Target& target) {
+  require_short(where, target.state_channels);
+  require_short(where, target.action_channels);
+  for (const Rollout& rollout : target.rollouts) {
+    require_short(where, "name of a rollout", rollout.name);
   }
 }
 
@@ -46,8 +57,6 @@ std::vector<Channel> read_channels(const h5::Dataset& dataset) {
     throw InputError(fmt::format("{} has {} channels, but {} labels and {} units", dataset.where(),
                                  count, labels.size(), units.size()));
   }
-  require_short(dataset, "label", labels);
-  require_short(dataset, "unit", units);
   std::vector<Channel> channels;
   for (std::size_t c = 0; c < count; ++c) {
     if (std::ranges::find(labels.begin(), labels.begin() + std::ptrdiff_t(c), labels[c]) !=
@@ -57,6 +66,7 @@ std::vector<Channel> read_channels(const h5::Dataset& dataset) {
     }
     channels.push_back({labels[c], units[c]});
   }
+  require_short(dataset.where(), channels);
   return channels;
 }
 
@@ -68,9 +78,7 @@ std::vector<std::string> read_names(const h5::File& file, Index num_rollouts) {
   }
   const h5::Dataset dataset = file.dataset("rollout");
   dataset.require_shape({num_rollouts});
-  std::vector<std::string> names = dataset.read_texts();
-  require_short(dataset, "name", names);
-  return names;
+  return dataset.read_texts();
 }
 
 // The columns of the `expected` channels among those that were found; all, when nothing is
@@ -137,7 +145,10 @@ Target read_rollouts(const h5::File& file, const std::optional<Channels>& expect
 
   Target target;
   target.dt = file.attribute<double>("dt");
-  if (file.has_attribute("source")) target.source = file.attribute<std::string>("source");
+  if (file.has_attribute("source")) {
+    const auto source = file.attribute<std::string>("source");
+    target.source = source.size() <= kLongestText ? source : shortened(source);
+  }
   const std::vector<Channel> found_states = read_channels(states);
   const std::vector<Channel> found_actions = read_channels(actions);
   const std::vector<Index> state_columns =
@@ -152,6 +163,7 @@ Target read_rollouts(const h5::File& file, const std::optional<Channels>& expect
         {name, read_rollout(states, h, state_columns), read_rollout(actions, h, action_columns)});
     ++h;
   }
+  require_short_texts(file.where(), target);
   target.check(file.where());
   return target;
 }
@@ -162,6 +174,7 @@ Target read_recording(const std::filesystem::path& path, const std::optional<Cha
 }
 
 void write_recording(const Target& target, const std::filesystem::path& path) {
+  require_short_texts(path.string(), target);
   target.check(path.string());
   AtomicFile atomic(path);
   h5::File file = h5::File::create(atomic.temporary(), path.string());

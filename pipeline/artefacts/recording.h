@@ -3,7 +3,7 @@
 ///   states   (H, T+1, C) floats: the state before each action, and after the last
 ///   actions  (H, T, A) floats: what was applied during the step
 ///            both with attributes `labels` and `units`, one text per channel
-///   rollout  (H) texts: the name of each recording; may be missing
+///   rollout  (H) texts: the name of each recording; may be missing; texts have <= 255 bytes
 ///   file attributes: dt [s], a number; source, a text that may be missing
 #pragma once
 

@@ -13,10 +13,6 @@ struct TerminalSize {
   int rows = 24;
 };
 
-/// `text` in at most that many columns, its end replaced by "..." where it is longer. Characters
-/// from U+3000 on count two.
-std::string fitted(const std::string& text, int columns);
-
 /// "[#####.....]" of `width` characters; share in [0, 1].
 std::string bar(double share, int width);
 

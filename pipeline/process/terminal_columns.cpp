@@ -5,7 +5,7 @@
 
 namespace npdr::pipeline {
 
-std::optional<std::size_t> terminal_columns() {
+std::optional<int> terminal_columns() {
   winsize found = {};
   if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &found) != 0 || found.ws_col < 1) return std::nullopt;
   return found.ws_col;

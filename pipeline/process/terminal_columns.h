@@ -1,12 +1,11 @@
 /// Width of the terminal that people read a program's output on.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 
 namespace npdr::pipeline {
 
 /// Columns of the terminal that stdout is, as it is now; none where it is a file or a pipe.
-std::optional<std::size_t> terminal_columns();
+std::optional<int> terminal_columns();
 
 }  // namespace npdr::pipeline

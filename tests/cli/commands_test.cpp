@@ -126,6 +126,15 @@ TEST_F(Commands, OpenSaysWhereResultsAre) {
             std::string::npos);
 }
 
+TEST_F(Commands, AFileCantBeTheWorkFolder) {
+  for (const std::string command : {"status", "tasks", "run", "open"}) {
+    const Outcome outcome = npdr({command, "small.toml", "--work", "small.toml"});
+    EXPECT_EQ(outcome.status, 2) << command;
+    EXPECT_TRUE(says(outcome.err, {"npdr " + command + ": --work = 'small.toml', which isn't a "
+                                   "folder; must be the folder of results"}));
+  }
+}
+
 TEST_F(Commands, ExplainNamesAFileThatWasRemoved) {
   const auto link = file("runs/small/npdr-maf/seed-1/round-2/evaluate.h5");
   const auto path = std::filesystem::canonical(link), aside = file("aside.h5");

@@ -35,7 +35,7 @@ const std::map<std::string, std::string> kNotRun = {
     {"seq ", "GNU parallel is a package of its own"},
     {"h5ls", "a program of HDF5, which nothing else here needs"},
     {"h5dump", "a program of HDF5, which nothing else here needs"},
-    {"npdr new mine --recording", "wants a recording; own_simulators_test writes such studies"},
+    {"npdr new mine --recording", "wants a recording; new_studies_test writes such studies"},
     {"npdr evidence ", "wants studies with refined posteriors; evidence_test makes some"},
     {"cd experiments/external/spring", "writes there; own_simulators_test compiles a copy"},
     {"cd ../../..", "goes back"},

@@ -6,47 +6,13 @@
 
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/store/h5.h"
-#include "tests/cli/program.h"
+#include "tests/cli/own_simulator.h"
 #include "tests/device_recordings.h"
 
 namespace npdr::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kExamples = fs::path(NPDR_SOURCE_DIR) / "experiments" / "external";
-
-class OwnSimulators : public ::testing::Test {
- protected:
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
-  }
-  Outcome shell(const std::string& command) const {
-    return run(folder_.path(), {"/bin/sh", "-c", command});
-  }
-  void copy_example(const std::string& name) const {
-    fs::copy(kExamples / name, folder_.path(), fs::copy_options::recursive);
-  }
-  fs::path runs(const std::string& study) const { return folder_ / "runs" / study; }
-
-  // The last evaluation's samples.
-  RowMatrix samples(const std::string& study, Index round) const {
-    const fs::path path = runs(study) / "npe/seed-1" / ("round-" + std::to_string(round));
-    return h5::File::open(path / "evaluate.h5").read_matrix<double>("theta");
-  }
-
-  // The words of a small run of an example.
-  static std::vector<std::string> small(const std::string& file) {
-    return {"run",   file,
-            "--set", "method.num_simulations=400",
-            "--set", "method.num_rounds=1",
-            "--set", "method.training.max_epochs=60",
-            "--set", "evaluate.num_samples=200"};
-  }
-
-  TempFolder folder_;
-};
 
 // Whether a shard is complete in a folder of simulations.
 bool has_shard(const fs::path& simulations) {
@@ -56,14 +22,6 @@ bool has_shard(const fs::path& simulations) {
     if (name.starts_with("rows-") && name.ends_with(".h5")) return true;
   }
   return false;
-}
-
-// The compiler line of the example's head, with the folder of the header of this build.
-void compile_spring(const fs::path& folder) {
-  const std::string command = "cd '" + folder.string() +
-                              "' && cc -O2 -shared -fPIC -I'" NPDR_BINARY_DIR
-                              "/include' spring.c -o spring.so -lm";
-  ASSERT_EQ(std::system(command.c_str()), 0) << command;
 }
 
 TEST_F(OwnSimulators, ALibraryFindsTheTruth) {
@@ -373,67 +331,6 @@ TEST_F(OwnSimulators, AGoalThatALibraryHasNoChannelForIsNamed) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("unknown state channel 'qq' (did you mean 'q'?)"), std::string::npos)
       << outcome.err;
-}
-
-TEST_F(OwnSimulators, NewStudiesFitWhatTheyAreFor) {
-  copy_example("spring");
-  compile_spring(folder_.path());
-  const Outcome library = npdr({"new", "mine", "--library", "spring.so"});
-  ASSERT_EQ(library.status, 0) << library.err;
-  EXPECT_EQ(npdr({"validate", "--quiet", "mine.toml"}).status, 0) << text_of(folder_ / "mine.toml");
-  const Outcome built_in = npdr({"new", "swing", "--simulator", "pendulum"});
-  ASSERT_EQ(built_in.status, 0) << built_in.err;
-  EXPECT_EQ(npdr({"validate", "--quiet", "swing.toml"}).status, 0)
-      << text_of(folder_ / "swing.toml");
-  for (const char* option : {"--worker", "--command"}) {
-    const Outcome outcome =
-        npdr({"new", std::string("by") + option, option, "python3 \"my sim\".py"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("EDIT"), std::string::npos) << outcome.out;
-    EXPECT_EQ(npdr({"validate", "--quiet", std::string("by") + option + ".toml"}).status, 0)
-        << text_of(folder_ / (std::string("by") + option + ".toml"));
-  }
-  EXPECT_EQ(npdr({"new", "both", "--worker", "a", "--library", "b"}).status, 2);
-  EXPECT_EQ(npdr({"new", "none", "--recording", "gone.h5"}).status, 2);
-  EXPECT_EQ(npdr({"new", "mine", "--library", "spring.so"}).status, 2) << "it is there already";
-}
-
-TEST_F(OwnSimulators, NewStudiesQuoteNamesThatNeedIt) {
-  copy_example("spring");
-  std::string text = text_of(folder_ / "spring.c");
-  const std::string name = "\"stiffness\"";
-  text.replace(text.find(name), name.size(), "\"k (all)\"");
-  folder_.file("spring.c", text);
-  compile_spring(folder_.path());
-  ASSERT_EQ(npdr({"new", "odd", "--library", "spring.so"}).status, 0);
-  const std::string study = text_of(folder_ / "odd.toml");
-  EXPECT_NE(study.find("\n\"k (all)\" = { uniform"), std::string::npos) << study;
-  const Outcome checked = npdr({"validate", "--quiet", "odd.toml"});
-  EXPECT_EQ(checked.status, 0) << checked.err;
-}
-
-TEST_F(OwnSimulators, NewStudiesTakeARecording) {
-  write_recording(furuta_recording(4), folder_ / "recorded.h5");
-  const Outcome outcome =
-      npdr({"new", "real", "--recording", "recorded.h5", "--simulator", "furuta"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const std::string text = text_of(folder_ / "real.toml");
-  for (const char* part :
-       {"recording = \"recorded.h5\"", "held_out = ", "all_steps", "principal_components"}) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
-  }
-  EXPECT_EQ(npdr({"validate", "--quiet", "real.toml"}).status, 0) << text;
-  const Outcome other =
-      npdr({"new", "other", "--recording", "recorded.h5", "--simulator", "pendulum"});
-  EXPECT_EQ(other.status, 2) << other.out;
-}
-
-TEST_F(OwnSimulators, NewStudiesTakeAModelOfMujoco) {
-  if (!fs::exists(NPDR_BINARY_DIR "/lib/npdr_mujoco.so")) GTEST_SKIP() << "no MuJoCo";
-  copy_example("cartpole");
-  const Outcome outcome = npdr({"new", "pole", "--mjcf", "cartpole.xml"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(npdr({"validate", "--quiet", "pole.toml"}).status, 0) << text_of(folder_ / "pole.toml");
 }
 
 // The cart-pole is recorded by a program of its own, and found again.

@@ -31,5 +31,11 @@ TEST(FittedTables, KeepTheFirstColumn) {
   EXPECT_NE(text.find("(2 more columns in t.md)"), std::string::npos) << text;
 }
 
+TEST(FittedTables, WrapProseButNotWhatPeopleCopy) {
+  const std::string text = "Fit of samples to\n\n    npdr run a_long_name.toml\n";
+  EXPECT_EQ(fitted_tables(text, 10, "t.md"),
+            "Fit of\nsamples to\n\n    npdr run a_long_name.toml\n");
+}
+
 }  // namespace
 }  // namespace npdr::pipeline

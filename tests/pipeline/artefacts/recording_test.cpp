@@ -96,7 +96,9 @@ class EditedRecording : public ::testing::Test {
   }
 
   std::string reading(const Target& target) {
-    write_recording(target, folder_ / "a.h5");
+    h5::File file = h5::File::create(folder_ / "a.h5");
+    write_target(file, target);
+    file.close();
     return reading_target();
   }
 
@@ -217,14 +219,29 @@ TEST_F(EditedRecording, TextsWithoutAnEndAreCutInTheMessage) {
   const std::string endless(100'000, 'a');
   Target target = twin();
   target.state_channels[1].label = endless;
-  EXPECT_EQ(reading(target), "a.h5: dataset 'states' has a label of 100000 bytes, '" +
+  EXPECT_EQ(reading(target), "a.h5: dataset 'states': a label of 100000 bytes, '" +
                                  shortened(endless) + "', must be of at most 255");
   target = twin();
   target.action_channels[0].unit = endless;
-  EXPECT_TRUE(says(reading(target), {"a.h5: dataset 'actions' has a unit of 100000 bytes"}));
+  EXPECT_TRUE(says(reading(target), {"a.h5: dataset 'actions': a unit of 100000 bytes"}));
   target = twin();
   target.rollouts[2].name = endless;
-  EXPECT_TRUE(says(reading(target), {"a.h5: dataset 'rollout' has a name of 100000 bytes"}));
+  EXPECT_TRUE(says(reading(target), {"a.h5: a name of a rollout of 100000 bytes"}));
+}
+
+TEST_F(EditedRecording, ASourceWithoutAnEndIsCut) {
+  Target target = twin();
+  target.source = std::string(100'000, 'a');
+  write_recording(target, folder_ / "a.h5");
+  EXPECT_EQ(read_recording(folder_ / "a.h5").source, shortened(target.source));
+}
+
+TEST_F(EditedRecording, TextsThatNoReaderTakesArentWritten) {
+  Target target = twin();
+  target.state_channels[1].label = std::string(256, 'a');
+  EXPECT_TRUE(says(message_of<InputError>([&] { write_recording(target, folder_ / "b.h5"); }, &folder_),
+                   {"b.h5: a label of 256 bytes", "must be of at most 255"}));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "b.h5"));
 }
 
 TEST_F(EditedRecording, ChecksTheChannelsAgainstTheSimulators) {

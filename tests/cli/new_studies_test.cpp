@@ -1,0 +1,75 @@
+/// What 'npdr new' writes.
+#include "pipeline/artefacts/recording.h"
+#include "tests/cli/own_simulator.h"
+#include "tests/device_recordings.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+class NewStudies : public OwnSimulators {};
+
+TEST_F(NewStudies, FitWhatTheyAreFor) {
+  copy_example("spring");
+  compile_spring(folder_.path());
+  const Outcome library = npdr({"new", "mine", "--library", "spring.so"});
+  ASSERT_EQ(library.status, 0) << library.err;
+  EXPECT_EQ(npdr({"validate", "--quiet", "mine.toml"}).status, 0) << text_of(folder_ / "mine.toml");
+  const Outcome built_in = npdr({"new", "swing", "--simulator", "pendulum"});
+  ASSERT_EQ(built_in.status, 0) << built_in.err;
+  EXPECT_EQ(npdr({"validate", "--quiet", "swing.toml"}).status, 0)
+      << text_of(folder_ / "swing.toml");
+  for (const char* option : {"--worker", "--command"}) {
+    const Outcome outcome =
+        npdr({"new", std::string("by") + option, option, "python3 \"my sim\".py"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("EDIT"), std::string::npos) << outcome.out;
+    EXPECT_EQ(npdr({"validate", "--quiet", std::string("by") + option + ".toml"}).status, 0)
+        << text_of(folder_ / (std::string("by") + option + ".toml"));
+  }
+  EXPECT_EQ(npdr({"new", "both", "--worker", "a", "--library", "b"}).status, 2);
+  EXPECT_EQ(npdr({"new", "none", "--recording", "gone.h5"}).status, 2);
+  EXPECT_EQ(npdr({"new", "mine", "--library", "spring.so"}).status, 2) << "it is there already";
+}
+
+TEST_F(NewStudies, QuoteNamesThatNeedIt) {
+  copy_example("spring");
+  std::string text = text_of(folder_ / "spring.c");
+  const std::string name = "\"stiffness\"";
+  text.replace(text.find(name), name.size(), "\"k (all)\"");
+  folder_.file("spring.c", text);
+  compile_spring(folder_.path());
+  ASSERT_EQ(npdr({"new", "odd", "--library", "spring.so"}).status, 0);
+  const std::string study = text_of(folder_ / "odd.toml");
+  EXPECT_NE(study.find("\n\"k (all)\" = { uniform"), std::string::npos) << study;
+  const Outcome checked = npdr({"validate", "--quiet", "odd.toml"});
+  EXPECT_EQ(checked.status, 0) << checked.err;
+}
+
+TEST_F(NewStudies, TakeARecording) {
+  write_recording(furuta_recording(4), folder_ / "recorded.h5");
+  const Outcome outcome =
+      npdr({"new", "real", "--recording", "recorded.h5", "--simulator", "furuta"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string text = text_of(folder_ / "real.toml");
+  for (const char* part :
+       {"recording = \"recorded.h5\"", "held_out = ", "all_steps", "principal_components"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
+  }
+  EXPECT_EQ(npdr({"validate", "--quiet", "real.toml"}).status, 0) << text;
+  const Outcome other =
+      npdr({"new", "other", "--recording", "recorded.h5", "--simulator", "pendulum"});
+  EXPECT_EQ(other.status, 2) << other.out;
+}
+
+TEST_F(NewStudies, TakeAModelOfMujoco) {
+  if (!fs::exists(NPDR_BINARY_DIR "/lib/npdr_mujoco.so")) GTEST_SKIP() << "no MuJoCo";
+  copy_example("cartpole");
+  const Outcome outcome = npdr({"new", "pole", "--mjcf", "cartpole.xml"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(npdr({"validate", "--quiet", "pole.toml"}).status, 0) << text_of(folder_ / "pole.toml");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
