@@ -13,7 +13,8 @@ namespace {
 
 struct Network {
   const char* name;
-  Index dimension, x_features, trained_features;
+  Index dimension, x_features;
+  TrainedEmbeddingConfig embedding;
   EstimatorConfig estimator;
 };
 
@@ -32,10 +33,10 @@ EstimatorConfig mixture(Index components) {
   return config;
 }
 
-const Network kTableA3{"table A3, MAF", 2, 20, 0, maf(2, 20)};
-const Network kTableA4{"table A4, MAF", 10, 1600, 128, maf(10, 100)};
-const Network kTableA5{"table A5, MAF", 9, 1000, 256, maf(5, 50)};
-const Network kMixture{"mixture of 10", 9, 25, 0, mixture(10)};
+const Network kTableA3{"table A3, MAF", 2, 20, {}, maf(2, 20)};
+const Network kTableA4{"table A4, MAF", 10, 1600, {128}, maf(10, 100)};
+const Network kTableA5{"table A5, MAF", 9, 1000, {256}, maf(5, 50)};
+const Network kMixture{"mixture of 10", 9, 25, {}, mixture(10)};
 
 class RandomRows : public FeatureSource {
  public:
@@ -59,7 +60,7 @@ double flops_per_step(const Network& n, double batch, double atoms) {
   const auto d = static_cast<double>(n.dimension);
   const auto h = static_cast<double>(n.estimator.hidden_features);
   const auto f = static_cast<double>(n.x_features);
-  const auto e = static_cast<double>(n.trained_features);
+  const auto e = static_cast<double>(n.embedding.features);
   const double context = e > 0 ? e : f;
   const double linear = e > 0 ? 2.0 * batch * f * e * 2.0 : 0.0;
   const double context_passes = e > 0 ? 3.0 : 2.0;
@@ -80,12 +81,12 @@ DirectPosterior untrained(const Network& n) {
   }
   NetworkParts parts{.prior = Prior(marginals),
                      .estimator = n.estimator,
-                     .trained_features = n.trained_features,
+                     .embedding = n.embedding,
                      .structure_seed = 1,
                      .transform = {VectorF::Zero(n.x_features), VectorF::Ones(n.x_features), {}},
                      .parameters = {},
                      .x_o = VectorF::Zero(n.x_features)};
-  parts.parameters = make_network(n.estimator, n.x_features, n.trained_features, n.dimension, 1)
+  parts.parameters = make_network(n.estimator, n.x_features, n.embedding, n.dimension, 1)
                          .initial_parameters({1, "initial", 0, 0, 0});
   return DirectPosterior(parts);
 }
@@ -95,7 +96,7 @@ void bm_training_step(benchmark::State& state, const Network& n, std::uint32_t r
   const Index rows = 1000, batch_size = 50;
   const RandomRows x(rows, n.x_features);
   const EmbeddedEstimator<float> network =
-      make_network(n.estimator, n.x_features, n.trained_features, n.dimension, 1);
+      make_network(n.estimator, n.x_features, n.embedding, n.dimension, 1);
   const FeatureTransform transform{VectorF::Zero(n.x_features), VectorF::Ones(n.x_features), {}};
   TrainingData data{&x,
                     RowMatrixF::Random(rows, n.dimension),

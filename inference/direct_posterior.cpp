@@ -11,19 +11,18 @@
 namespace npdr::inference {
 
 EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index num_inputs,
-                                      Index trained_features, Index dimension,
+                                      const TrainedEmbeddingConfig& embedding, Index dimension,
                                       std::uint64_t structure_seed) {
   const StreamId structure{structure_seed, "network_structure", 0, 0, 0};
-  return {num_inputs, trained_features, config, dimension, structure};
+  return {num_inputs, embedding, config, dimension, structure};
 }
 
 EmbeddedEstimator<float> make_network(const NetworkParts& parts) {
   const Index dimension = parts.prior.dimension(), features = parts.transform.num_outputs();
   if (parts.role == NetworkRole::likelihood) {
-    return make_network(parts.estimator, dimension, 0, features, parts.structure_seed);
+    return make_network(parts.estimator, dimension, {}, features, parts.structure_seed);
   }
-  return make_network(parts.estimator, features, parts.trained_features, dimension,
-                      parts.structure_seed);
+  return make_network(parts.estimator, features, parts.embedding, dimension, parts.structure_seed);
 }
 
 DirectPosterior::DirectPosterior(NetworkParts given) : NetworkPosterior(std::move(given)) {

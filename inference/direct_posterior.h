@@ -43,7 +43,7 @@ EmbeddedEstimator<float> make_network(const NetworkParts& parts);
 
 /// The network that a config and a structure seed stand for.
 EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index num_inputs,
-                                      Index trained_features, Index dimension,
+                                      const TrainedEmbeddingConfig& embedding, Index dimension,
                                       std::uint64_t structure_seed);
 
 }  // namespace npdr::inference

@@ -21,7 +21,7 @@ NetworkParts network_of(const NetworkParts& parts, Index m) {
   NetworkParts one{.prior = parts.prior,
                    .role = parts.role,
                    .estimator = parts.estimator,
-                   .trained_features = parts.trained_features,
+                   .embedding = parts.embedding,
                    .structure_seed = seed_of_network(parts.structure_seed, m),
                    .transform = parts.transform,
                    .parameters = parts.parameters.segment(m * size, size),

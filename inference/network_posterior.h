@@ -7,6 +7,7 @@
 #include "inference/estimators/estimator_config.h"
 #include "inference/estimators/gaussian_mixture.h"
 #include "inference/estimators/parameters.h"
+#include "inference/estimators/trained_embedding.h"
 #include "inference/feature_transform.h"
 #include "inference/posterior.h"
 #include "inference/sampler_config.h"
@@ -47,7 +48,7 @@ struct NetworkParts {
   Prior prior;
   NetworkRole role = NetworkRole::posterior;
   EstimatorConfig estimator;
-  Index trained_features = 0;  ///< width of the linear layer, 0: none; role posterior only
+  TrainedEmbeddingConfig embedding = {};  ///< role posterior only
   std::uint64_t structure_seed = 0;
   FeatureTransform transform;
   Parameters<float> parameters;

@@ -64,7 +64,7 @@ NetworkParts posterior_parts(NetworkParts parts) {
 
 NetworkParts likelihood_parts(NetworkParts parts) {
   parts.role = NetworkRole::likelihood;
-  parts.trained_features = 0;
+  parts.embedding = {};
   parts.transform = varying_outputs(parts.transform);
   parts.parameters = parts.likelihood ? parts.likelihood->parameters : Parameters<float>();
   parts.likelihood.reset();

@@ -73,14 +73,24 @@ def spline(v, p, inverse=False):  # of v (n, V) with numbers p (n, 3 bins - 1, V
     return np.where(is_inside, z, v), np.log(np.where(is_inside, slope, 1))
 
 class Network:
-    def __init__(self, group, config):
-        self.w, self.is_ratio = read(group), config["kind"] == "resnet"
+    def __init__(self, group, config, embedding):
+        self.w, self.is_ratio, self.embedding = read(group), config["kind"] == "resnet", embedding
         self.layers = range(1, config["num_hidden_layers"] + 1)
         self.transforms = range(1, config["num_transforms"] + 1)
     def dense(self, name, x):
         return x @ np.float64(self.w[name + ".weight"]) + self.w[name + ".bias"]
+    def embed(self, z):  # through the trained layers, where there are some
+        if "linear.weight" not in self.w:
+            return z
+        e, layer = self.embedding, 0
+        y = z.reshape(-1, e["num_steps"] or 1, e["num_channels"] or z.shape[1])  # (rollouts, steps, channels)
+        while f"convolution_{(layer := layer + 1)}.weight" in self.w:
+            patches = np.lib.stride_tricks.sliding_window_view(y[:, (y.shape[1] - 8) % 4 :], 8, axis=1)[:, ::4]
+            y = np.maximum(0, self.dense(f"convolution_{layer}", patches.swapaxes(2, 3).reshape(*patches.shape[:2], -1)))
+        y = y.reshape(len(z), -1, y.shape[1] * y.shape[2])
+        return self.dense("linear", y.mean(1) if e["average_rollouts"] else y.reshape(len(z), -1))
     def log_prob(self, u, z):  # log q(u | z) of a flow, the log ratio of a ratio network
-        c = self.dense("linear", z) if "linear.weight" in self.w else z
+        c = self.embed(z)
         if self.is_ratio:
             h = self.dense("x", c) + u @ self.w["u.weight"]
             for k in self.layers:
@@ -101,7 +111,7 @@ class Network:
         p = self.dense(name + "output", h).reshape(len(u), -1, u.shape[1])
         return positive(p[:, 0]), p[:, 1], p[:, 2:]
     def sample(self, z, n, rng):  # of a flow
-        c = self.dense("linear", z) if "linear.weight" in self.w else z
+        c = self.embed(z)
         z = rng.standard_normal((n, len(self.w["transform_1.order"])))
         for k in reversed(self.transforms):
             u = np.zeros_like(z)
@@ -114,18 +124,19 @@ class Network:
 class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l, or of both, pooled
     def __init__(self, path):
         with h5py.File(path) as f:
-            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 8] or "network_1" not in f:
-                raise ValueError(f"{path}: not a trained posterior of schema 8; npdr run makes one")
+            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 9] or "network_1" not in f:
+                raise ValueError(f"{path}: not a trained posterior of schema 9; npdr run makes one")
+            embedding = json.loads(f.attrs["trained_embedding"])
             config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]
             names = [f"network_{m + 1}" for m in range(config["num_networks"])]
-            self.networks, self.pool = [Network(f[name], config) for name in names], {}
+            self.networks, self.pool = [Network(f[name], config, embedding) for name in names], {}
             self.likelihoods = self.networks
             if self.role != "posterior":  # q is the prior
                 self.networks, self.pool = [], dict.fromkeys(("posterior_power", "likelihood_power", "posterior_power_at_x_o",
                                                          "likelihood_power_at_x_o"), 1)
             elif "likelihood" in f:
                 self.pool = dict(f["likelihood"].attrs)
-                self.likelihoods = [Network(f["likelihood"][name], config) for name in names]
+                self.likelihoods = [Network(f["likelihood"][name], config, {}) for name in names]
             self.names, self.x_o, self.transform = self.prior.names, f["x_o"][:], read(f["transform"])
             self.mixture = read(f["mixture"]) if "mixture" in f else {}
         if "head.weight" in self.likelihoods[0].w and not self.mixture:

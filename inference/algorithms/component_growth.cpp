@@ -8,7 +8,7 @@ namespace npdr::inference {
 Parameters<float> grow_components(const NetworkParts& single, const EstimatorConfig& grown,
                                   double perturbation, const StreamId& id) {
   const auto network_of = [&](const EstimatorConfig& estimator) {
-    return make_network(estimator, single.transform.num_outputs(), single.trained_features,
+    return make_network(estimator, single.transform.num_outputs(), single.embedding,
                         single.prior.dimension(), single.structure_seed);
   };
   const EmbeddedEstimator<float> from = network_of(single.estimator), to = network_of(grown);

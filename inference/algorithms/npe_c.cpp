@@ -123,7 +123,7 @@ double NpeC::analytic(const Parameters<float>& parameters, const Batch& batch,
   }
   if (gradient != nullptr) {
     network.backward_heads(parameters, context, scratch, *gradient, network_.d_context(scratch_));
-    network_.backward_embedding(x_, scratch_, *gradient);
+    network_.backward_embedding(parameters, x_, scratch_, *gradient);
   }
   return loss;
 }

@@ -30,7 +30,7 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   NetworkParts parts{.prior = *data.prior,
                      .role = traits.role,
                      .estimator = estimator_of_round(config, id.round),
-                     .trained_features = config.trained_features,
+                     .embedding = config.embedding,
                      .structure_seed = id.seed,
                      .transform = {},
                      .parameters = {},
@@ -53,7 +53,8 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
 std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& config,
                                               const RoundData& data, const StreamId& id) {
   std::vector<NetworkParts> ensembles = {untrained_parts(config, data, id)};
-  if (config.algorithm.kind != Algorithm::npe_nle || config.trained_features > 0) return ensembles;
+  if (config.algorithm.kind != Algorithm::npe_nle || config.embedding.features > 0)
+    return ensembles;
   const Index varying = num_varying_outputs(ensembles.front().transform);
   if (varying == 0 || varying > kMostPooledFeatures) return ensembles;
   ensembles.push_back(likelihood_parts(ensembles.front()));

@@ -19,6 +19,7 @@
 #include "inference/algorithms/algorithm_config.h"
 #include "inference/algorithms/npe_c.h"
 #include "inference/direct_posterior.h"
+#include "inference/estimators/trained_embedding.h"
 #include "inference/training/trainer.h"
 
 namespace npdr::inference {
@@ -30,7 +31,7 @@ struct PosteriorEstimationConfig {
   TrainingConfig training;
   SamplerConfig sampler;           ///< "nle", "nre_a", "nre_b"
   Index principal_components = 0;  ///< of x that the network sees; 0: x itself
-  Index trained_features = 0;      ///< width of the linear layer; 0: none
+  TrainedEmbeddingConfig embedding = {};
 };
 
 /// Features of x, or its principal components, that "npe_nle" learns a likelihood of: that of many

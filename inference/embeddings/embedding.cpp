@@ -67,6 +67,7 @@ std::unique_ptr<Embedding> make_embedding(const EmbeddingConfig& config, const T
       return std::make_unique<LastStep>(selection);
     case EmbeddingKind::bayessim:
       return std::make_unique<BayesSim>(selection, target, config.downsample);
+    case EmbeddingKind::convolution:
     case EmbeddingKind::linear:
     case EmbeddingKind::all_steps:
     case EmbeddingKind::identity:

@@ -30,7 +30,7 @@ struct SeriesSelection {
 };
 
 /// x = f(picked series): a fixed function of one simulation's states and the target's actions.
-/// "linear" is the fixed part of the trained embedding: all steps; its layer is in the network.
+/// Of the trained embeddings it is the fixed part, all steps: their layers are in the network.
 /// Const calls are thread-safe.
 class Embedding {
  public:

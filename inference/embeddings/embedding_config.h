@@ -10,7 +10,8 @@
 namespace npdr::inference {
 
 enum class EmbeddingKind {
-  linear,  ///< all steps, then a layer that is trained with the network
+  convolution,  ///< all steps, then convolutions over them, trained with the network
+  linear,       ///< all steps, then a layer that is trained with the network
   all_steps,
   delta_steps,  ///< differences of successive steps
   last_step,
@@ -19,7 +20,8 @@ enum class EmbeddingKind {
 };
 constexpr auto enum_table(EmbeddingKind) {
   using enum EmbeddingKind;
-  return std::to_array<EnumRow<EmbeddingKind>>({{linear, "linear"},
+  return std::to_array<EnumRow<EmbeddingKind>>({{convolution, "convolution"},
+                                                {linear, "linear"},
                                                 {all_steps, "all_steps"},
                                                 {delta_steps, "delta_steps"},
                                                 {last_step, "last_step"},
@@ -27,10 +29,16 @@ constexpr auto enum_table(EmbeddingKind) {
                                                 {identity, "identity"}});
 }
 
+/// Whether layers of it are trained with the network, which only that of a posterior can.
+constexpr bool trains_layers(EmbeddingKind kind) {
+  return kind == EmbeddingKind::convolution || kind == EmbeddingKind::linear;
+}
+
 /// Choice of how the H rollouts of one simulation become the feature vector x.
 struct EmbeddingConfig {
-  EmbeddingKind kind = EmbeddingKind::linear;
-  Index features = 16;                ///< width of the trained layer ("linear" only)
+  EmbeddingKind kind = EmbeddingKind::convolution;
+  Index features = 16;                ///< width of the trained layer, or of the last of them
+  bool average_rollouts = false;      ///< "convolution": their mean, in place of each by itself
   Index principal_components = 0;     ///< project x on so many of its own first; 0: don't
   Index downsample = 1;               ///< keep every k-th state
   std::vector<std::string> channels;  ///< state channels to keep; empty: all

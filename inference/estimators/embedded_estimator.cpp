@@ -2,7 +2,6 @@
 
 #include "core/error.h"
 #include "core/matrix_blocking.h"
-#include "inference/estimators/dense.h"
 #include "inference/estimators/maf.h"
 #include "inference/estimators/mixture_density_network.h"
 
@@ -29,18 +28,15 @@ std::unique_ptr<DensityEstimator<S>> make_estimator(const EstimatorConfig& confi
 }
 
 template <typename S>
-EmbeddedEstimator<S>::EmbeddedEstimator(Index x_features, Index trained_features,
+EmbeddedEstimator<S>::EmbeddedEstimator(Index x_features, const TrainedEmbeddingConfig& embedding,
                                         const EstimatorConfig& config, Index dimension,
                                         const StreamId& structure)
     : x_features_(x_features) {
   fix_matrix_blocking();
   Index context_features = x_features;
-  if (trained_features > 0) {
-    const Size width{trained_features, "c"};
-    weight_ = layout_.add("linear.weight", {x_features, "z"}, width,
-                          "of the trained linear layer, where there is one");
-    bias_ = layout_.add_bias("linear.bias", width, "its bias");
-    context_features = trained_features;
+  if (embedding.features > 0) {
+    embedding_.emplace(embedding, x_features, layout_);
+    context_features = embedding.features;
   }
   estimator_ = make_estimator<S>(config, dimension, context_features, structure, layout_);
 }
@@ -49,9 +45,7 @@ template <typename S>
 Parameters<S> EmbeddedEstimator<S>::initial_parameters(const StreamId& id) const {
   Parameters<S> parameters = Parameters<S>::Zero(num_parameters());
   Stream stream(id);
-  if (has_layer()) {
-    initialize_dense(view(parameters, weight_), view(parameters, bias_), stream);
-  }
+  if (embedding_) embedding_->initialize(parameters, stream);
   estimator_->initialize(parameters, stream);
   return parameters;
 }
@@ -66,21 +60,22 @@ typename EmbeddedEstimator<S>::Scratch EmbeddedEstimator<S>::make_scratch() cons
 template <typename S>
 const RowMatrixX<S>& EmbeddedEstimator<S>::embed(const Parameters<S>& parameters,
                                                  const RowMatrixX<S>& x, Scratch& scratch) const {
-  if (!has_layer()) return x;
-  dense(x, view(parameters, weight_), view(parameters, bias_), scratch.context);
+  if (!embedding_) return x;
+  embedding_->forward(parameters, x, scratch.embedding, scratch.context);
   return scratch.context;
 }
 
 template <typename S>
 RowMatrixX<S>* EmbeddedEstimator<S>::d_context(Scratch& scratch) const {
-  return has_layer() ? &scratch.d_context : nullptr;
+  return embedding_ ? &scratch.d_context : nullptr;
 }
 
 template <typename S>
-void EmbeddedEstimator<S>::backward_embedding(const RowMatrixX<S>& x, Scratch& scratch,
+void EmbeddedEstimator<S>::backward_embedding(const Parameters<S>& parameters,
+                                              const RowMatrixX<S>& x, Scratch& scratch,
                                               Parameters<S>& gradient) const {
-  if (!has_layer()) return;
-  dense_gradient(x, scratch.d_context, view(gradient, weight_), view(gradient, bias_));
+  if (!embedding_) return;
+  embedding_->backward(parameters, x, scratch.d_context, scratch.embedding, gradient);
 }
 
 template <typename S>
@@ -94,10 +89,10 @@ template <typename S>
 void EmbeddedEstimator<S>::backward(const Parameters<S>& parameters, const RowMatrixX<S>& u,
                                     const RowMatrixX<S>& x, const VectorX<S>& d_log_prob,
                                     Scratch& scratch, Parameters<S>& gradient) const {
-  const RowMatrixX<S>& context = has_layer() ? scratch.context : x;
+  const RowMatrixX<S>& context = embedding_ ? scratch.context : x;
   estimator_->backward(parameters, u, context, d_log_prob, *scratch.estimator, gradient,
                        d_context(scratch));
-  backward_embedding(x, scratch, gradient);
+  backward_embedding(parameters, x, scratch, gradient);
 }
 
 template <typename S>

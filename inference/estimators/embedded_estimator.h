@@ -1,12 +1,14 @@
-/// The whole trained network: x -> (trained linear layer) -> conditional density of u.
+/// The whole trained network: x -> (trained embedding) -> conditional density of u.
 ///
-///   c = x W + b  ("linear" embedding; c = x for the others),   q(u | x) = q_estimator(u | c).
-/// x: (n, F), standardized. One flat parameter vector holds W, b and the estimator's weights.
+///   q(u | x) = q_estimator(u | c),   c = embedding(x), or x itself where no layer is trained.
+/// x: (n, F), standardized. One flat parameter vector holds all weights.
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "inference/estimators/density_estimator.h"
+#include "inference/estimators/trained_embedding.h"
 
 namespace npdr::inference {
 
@@ -17,11 +19,11 @@ class EmbeddedEstimator {
     RowMatrixX<S> context;    ///< (n, features)
     RowMatrixX<S> d_context;  ///< (n, features)
     std::unique_ptr<EstimatorScratch> estimator;
+    typename TrainedEmbedding<S>::Scratch embedding;
   };
 
-  /// trained_features: width of the linear layer; 0: none.
-  EmbeddedEstimator(Index x_features, Index trained_features, const EstimatorConfig& config,
-                    Index dimension, const StreamId& structure);
+  EmbeddedEstimator(Index x_features, const TrainedEmbeddingConfig& embedding,
+                    const EstimatorConfig& config, Index dimension, const StreamId& structure);
 
   Index dimension() const { return estimator_->dimension(); }
   Index x_features() const { return x_features_; }
@@ -33,13 +35,14 @@ class EmbeddedEstimator {
   Parameters<S> initial_parameters(const StreamId& id) const;
   Scratch make_scratch() const;
 
-  /// The context of x: scratch.context, or x itself when no layer is trained.
+  /// The context of x: scratch.context, or x itself where no layer is trained.
   const RowMatrixX<S>& embed(const Parameters<S>& parameters, const RowMatrixX<S>& x,
                              Scratch& scratch) const;
   /// The place for the estimator to leave dL/dcontext in; null when nothing needs it.
   RowMatrixX<S>* d_context(Scratch& scratch) const;
-  /// Gradient of the linear layer from scratch.d_context.
-  void backward_embedding(const RowMatrixX<S>& x, Scratch& scratch, Parameters<S>& gradient) const;
+  /// Gradient of the embedding's weights from scratch.d_context.
+  void backward_embedding(const Parameters<S>& parameters, const RowMatrixX<S>& x, Scratch& scratch,
+                          Parameters<S>& gradient) const;
 
   /// Does what DensityEstimator's does, with x in place of the context.
   void log_prob(const Parameters<S>& parameters, const RowMatrixX<S>& u, const RowMatrixX<S>& x,
@@ -52,12 +55,9 @@ class EmbeddedEstimator {
                        const StreamId& id) const;
 
  private:
-  bool has_layer() const { return weight_.rows > 0; }
-
   Index x_features_;
   ParameterLayout layout_;
-  Block weight_;  ///< (F, features)
-  Block bias_;    ///< (1, features)
+  std::optional<TrainedEmbedding<S>> embedding_;
   std::unique_ptr<DensityEstimator<S>> estimator_;
 };
 

@@ -43,6 +43,8 @@ std::string words_of(inference::Algorithm algorithm) {
 std::string words_of(inference::EmbeddingKind embedding) {
   using enum inference::EmbeddingKind;
   switch (embedding) {
+    case convolution:
+      return "the states of all kept steps through convolutions that are trained with the network";
     case linear:
       return "the states of all kept steps through a layer that is trained with the network";
     case all_steps:

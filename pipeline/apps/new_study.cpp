@@ -17,9 +17,8 @@
 namespace npdr::pipeline {
 namespace {
 
-// States of a rollout that are enough to tell parameters apart, and what is made of them.
+// States of a rollout that are enough to tell parameters apart.
 constexpr Index kStatesLeft = 50;
-constexpr Index kMostComponents = 40;
 // More parameters than these are listed, but left out of the prior.
 constexpr std::size_t kMostUnknown = 8;
 
@@ -217,11 +216,7 @@ class Writer {
     const Index steps =
         recording_ ? recording_->num_steps() : std::max<Index>(info_.num_steps, Index{250});
     const Index downsample = std::max<Index>(1, steps / kStatesLeft);
-    const Index channels = std::max<Index>(1, std::ssize(info_.state_channels));
-    const Index components = std::min(kMostComponents, steps / downsample * channels / 2);
-    text_ += fmt::format(
-        "embedding = {{ kind = \"all_steps\", downsample = {}, principal_components = {} }}\n",
-        downsample, std::max<Index>(1, components));
+    text_ += fmt::format("embedding = {{ downsample = {} }}\n", downsample);
   }
 
   NewStudy wanted_;

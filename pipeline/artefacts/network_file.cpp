@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "core/error.h"
@@ -23,29 +24,42 @@ std::uint64_t parse_structure_seed(const std::string& where, const std::string& 
                    must_be("attribute 'structure_seed'", quoted(text), "an integer >= 0"));
 }
 
-void check_trained_features(const std::string& where, Index width) {
-  const Constraint<double> allowed = between(0, kMaxWidth);
-  if (satisfies(width, allowed)) return;
-  throw InputError(where + ": " +
-                   must_be("attribute 'trained_features'", std::to_string(width), allowed.words));
+void require_its_series(const std::string& where, const inference::NetworkParts& parts) {
+  const Index values = parts.embedding.series.num_values();
+  if (values == 0 || values == parts.transform.num_outputs()) return;
+  throw InputError(fmt::format(
+      "{}: attribute 'trained_embedding' has series of {} values, but there are {} features; rerun "
+      "stage 'infer'",
+      where, values, parts.transform.num_outputs()));
 }
 
-// A network is made before its weights can be counted exactly. The large matrices of its estimator
-// alone tell a file that asks for much more than it holds.
-void require_enough_weights(const Layout& network, const inference::NetworkParts& parts) {
+// The large matrices of the estimator alone: a network is made before its weights can be counted
+// exactly.
+Index fewest_weights(const inference::NetworkParts& parts) {
   const inference::EstimatorConfig& c = parts.estimator;
   using enum inference::EstimatorKind;
   const bool is_flow = c.kind == maf || c.kind == nsf;
   const bool is_likelihood = parts.role == inference::NetworkRole::likelihood;
   const Index width = is_likelihood ? parts.transform.num_outputs() : parts.prior.dimension();
   const Index layers = c.kind == resnet ? 2 * c.num_hidden_layers : c.num_hidden_layers - 1;
-  const Index least =
-      (is_flow ? c.num_transforms : 1) * c.hidden_features * (layers * c.hidden_features + width);
+  return (is_flow ? c.num_transforms : 1) * c.hidden_features *
+         (layers * c.hidden_features + width);
+}
+
+Index num_weights(const inference::ParameterLayout& layout) {
+  Index count = 0;
+  for (const inference::Layer& layer : layout.layers())
+    count += layer.rows.value * layer.cols.value;
+  return count;
+}
+
+// Before there is memory for them: a file may ask for much more than it holds.
+void require_weights(const Layout& network, Index least) {
   const Index found = network.num_values();
   if (found >= least) return;
   throw InputError(
-      fmt::format("{}: {} weights, but the file's density_estimator has more than {}; "
-                  "rerun stage 'infer'",
+      fmt::format("{}: {} weights, but the file's density_estimator and trained_embedding have at "
+                  "least {}; rerun stage 'infer'",
                   network.where(), found, least));
 }
 
@@ -75,8 +89,12 @@ void describe(Layout network, const inference::Layer& layer,
 }
 
 void describe_network(Layout network, inference::NetworkParts& parts) {
-  if (network.reads()) require_enough_weights(network, parts);
+  if (network.reads()) {
+    require_its_series(network.where(), parts);
+    require_weights(network, fewest_weights(parts));
+  }
   const inference::ParameterLayout layout = inference::network_layout(parts);
+  if (network.reads()) require_weights(network, num_weights(layout));
   if (network.reads()) parts.parameters.setZero(layout.size());
   const auto bind = [&](const inference::Size& size) { network.bind(size.name, size.value); };
   for (const inference::FixedNumbers& fixed : layout.fixed_numbers()) {
@@ -90,15 +108,16 @@ void describe_network(Layout network, inference::NetworkParts& parts) {
   }
 }
 
-// Those of an untrained network of one parameter and one feature.
+// Those of an untrained network of one parameter, and one feature where nothing else is said.
 void list_layers(Layout f, inference::NetworkRole role, const inference::EstimatorConfig& config,
-                 Index trained_features) {
+                 const inference::TrainedEmbeddingConfig& embedding) {
+  const Index num_features = std::max<Index>(1, embedding.series.num_values());
   inference::NetworkParts parts{
       .prior = inference::Prior({{"", "", inference::Marginal::Kind::uniform, 0, 1}}),
       .role = role,
       .estimator = config,
-      .trained_features = trained_features,
-      .transform = {VectorF::Zero(1), VectorF::Ones(1), {}},
+      .embedding = embedding,
+      .transform = {VectorF::Zero(num_features), VectorF::Ones(num_features), {}},
       .parameters = {},
       .x_o = {}};
   parts.parameters.setZero(inference::network_layout(parts).size());
@@ -125,12 +144,12 @@ void describe_architecture(Layout f, inference::NetworkParts& parts) {
               "what the network says: `posterior` q(u \\| z), `likelihood` q(z \\| u) or `ratio` "
               "p(z \\| u) / p(z)");
   describe_json(f, "density_estimator", parts.estimator, "JSON: the method's settings");
-  f.attribute("trained_features", parts.trained_features,
-              "width of the trained linear layer; 0: none");
+  describe_json(f, "trained_embedding", parts.embedding,
+                "JSON: the layers in front of the density estimator, see "
+                "[Embeddings](methods.md#embeddings)");
   f.attribute("structure_seed", seed, "an integer: seeds the order of the variables in flows");
   if (!f.reads()) return;
   parts.role = parse_enum<inference::NetworkRole>("network role", role);
-  check_trained_features(f.where(), parts.trained_features);
   parts.structure_seed = parse_structure_seed(f.where(), seed);
 }
 
@@ -146,17 +165,18 @@ void describe_layers(Layout f, inference::NetworkParts& parts) {
 
 void list_flow(Layout f) {
   list_layers(f, inference::NetworkRole::posterior,
-              {.kind = inference::EstimatorKind::maf, .num_transforms = 1}, 1);
+              {.kind = inference::EstimatorKind::maf, .num_transforms = 1},
+              {.features = 1, .series = {1, 8, 1}});
 }
 
 void list_mixture(Layout f) {
   list_layers(f, inference::NetworkRole::posterior,
-              {.kind = inference::EstimatorKind::mdn, .num_hidden_layers = 1}, 0);
+              {.kind = inference::EstimatorKind::mdn, .num_hidden_layers = 1}, {});
 }
 
 void list_ratio_network(Layout f) {
   list_layers(f, inference::NetworkRole::ratio,
-              {.kind = inference::EstimatorKind::resnet, .num_hidden_layers = 1}, 0);
+              {.kind = inference::EstimatorKind::resnet, .num_hidden_layers = 1}, {});
 }
 
 }  // namespace npdr::pipeline

@@ -197,14 +197,21 @@ Observed read_observed(const std::filesystem::path& posterior) {
 
 }  // namespace
 
-inference::PosteriorEstimationConfig estimation_config(const MethodConfig& method) {
-  const bool is_linear = method.embedding.kind == inference::EmbeddingKind::linear;
+inference::PosteriorEstimationConfig estimation_config(const MethodConfig& method,
+                                                       const inference::SeriesShape& series) {
+  const inference::EmbeddingConfig& embedding = method.embedding;
+  inference::TrainedEmbeddingConfig trained;
+  if (trains_layers(embedding.kind)) trained.features = embedding.features;
+  if (embedding.kind == inference::EmbeddingKind::convolution) {
+    trained.series = series;
+    trained.average_rollouts = embedding.average_rollouts;
+  }
   return {.algorithm = method.algorithm,
           .estimator = method.density_estimator,
           .training = method.training,
           .sampler = method.sampler,
           .principal_components = method.embedding.principal_components,
-          .trained_features = is_linear ? method.embedding.features : 0};
+          .embedding = trained};
 }
 
 void write_posterior(h5::File& file, const MethodConfig& method,

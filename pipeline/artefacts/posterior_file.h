@@ -10,8 +10,10 @@
 
 namespace npdr::pipeline {
 
-/// The settings of a method as inference takes them.
-inference::PosteriorEstimationConfig estimation_config(const MethodConfig& method);
+/// The settings of a method as inference takes them. `series`: what its embedding picks, for layers
+/// that are trained; a proposal needs none.
+inference::PosteriorEstimationConfig estimation_config(const MethodConfig& method,
+                                                       const inference::SeriesShape& series = {});
 
 /// How many rows of the simulations were used and left out.
 struct RowCounts {
@@ -63,7 +65,7 @@ struct TrainingLosses {
 struct PoolNotes {
   inference::PoolPowers powers;         ///< by held-out simulations
   inference::PoolPowers powers_at_x_o;  ///< nearer to (1, 0) where networks contradict each other
-  double log_normalizer = 0.0;  ///< at x_o [nats]
+  double log_normalizer = 0.0;          ///< at x_o [nats]
 };
 
 /// Counts and losses that stand beside the posterior.

@@ -19,7 +19,7 @@ namespace {
 Index num_learned_from(const MethodConfig& method) {
   const Index count = method.algorithm.num_simulations;
   const bool is_pooled = method.algorithm.kind == inference::Algorithm::npe_nle &&
-                         method.embedding.kind != inference::EmbeddingKind::linear;
+                         !trains_layers(method.embedding.kind);
   return is_pooled ? count - inference::num_judging_rows(count) : count;
 }
 
@@ -95,6 +95,12 @@ void MethodChecker::check_embedding(const std::string& path,
     fail(path + ".downsample", std::to_string(embedding.downsample),
          fmt::format("a multiple of simulator.store_every = {}", store_every));
   }
+  const std::string components = path + ".principal_components";
+  if (embedding.kind == inference::EmbeddingKind::convolution &&
+      embedding.principal_components > 0 && reading_.good(components)) {
+    fail(components, std::to_string(embedding.principal_components),
+         "0 with kind 'convolution', which sees steps; 'all_steps' has principal components");
+  }
   if (!info_ || !study_.source().gives_motion) return;  // features may not be known yet
   std::vector<std::string> labels;
   for (const Channel& channel : info_->state_channels) labels.push_back(channel.label);
@@ -155,9 +161,8 @@ void MethodChecker::check_estimator(const std::string& path, MethodConfig& metho
          fmt::format("one of {} with algorithm '{}'", inference::estimator_list(algorithm),
                      algorithm.name));
   }
-  const bool trains_layer = method.embedding.kind == inference::EmbeddingKind::linear;
-  if (trains_layer && algorithm.role != inference::NetworkRole::posterior) {
-    fail(path + ".embedding.kind", "'linear'",
+  if (trains_layers(method.embedding.kind) && algorithm.role != inference::NetworkRole::posterior) {
+    fail(path + ".embedding.kind", quoted(name_of(method.embedding.kind)),
          fmt::format("another with algorithm '{}', which can't train one: such as 'all_steps' with "
                      "principal_components",
                      algorithm.name));
@@ -242,8 +247,8 @@ void MethodChecker::check_rounds(const std::string& path, const MethodConfig& me
 
 void MethodChecker::check_abc(const std::string& path, const MethodConfig& method) {
   const std::string kind = path + ".embedding.kind", rounds = path + ".num_rounds";
-  if (reading_.good(kind) && method.embedding.kind == inference::EmbeddingKind::linear) {
-    fail(kind, "'linear'",
+  if (reading_.good(kind) && trains_layers(method.embedding.kind)) {
+    fail(kind, quoted(name_of(method.embedding.kind)),
          fmt::format("another with algorithm '{}', which trains no layer: such as 'all_steps'",
                      name_of(method.algorithm.kind)));
   }

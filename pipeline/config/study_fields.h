@@ -27,6 +27,8 @@ namespace npdr::pipeline {
 /// trains, and a network of a hostile file still fits in memory.
 inline constexpr double kMaxWidth = 4096;
 inline constexpr double kMaxLayers = 128;
+/// The most rollouts, steps or channels of a posterior file: their product fits into an integer.
+inline constexpr double kMaxSeries = 1e6;
 
 /// > 0 and <= 1.
 /// [median, deviation] of noise, the median above `low` and below `high`, the deviation > 0.
@@ -61,16 +63,29 @@ Constraint<std::vector<std::string>> shell_lines();
 
 template <class Fields>
 void describe(Fields& f, inference::EmbeddingConfig& c) {
-  choice(f, "kind", c.kind, "how rollouts become features");
+  choice(f, "kind", c.kind,
+         "how rollouts become features; `all_steps` when left out with principal_components");
   f("features", c.features, between(1, kMaxWidth),
-    "width of the trained layer (\"linear\" only); twice the parameters when left out, if that is "
-    "more");
+    "width of the trained layer (\"convolution\": of the last, and \"linear\"); twice the "
+    "parameters "
+    "when left out, if that is more");
+  f("average_rollouts", c.average_rollouts, anything<bool>(),
+    "\"convolution\" only: the last layer sees the mean over rollouts, not each by itself");
   f("principal_components", c.principal_components, count_from(0),
     "of the features, for the network to see; 0: the features themselves");
   f("downsample", c.downsample, count_from(1),
     "keep every k-th state; a multiple of simulator.store_every");
   f("channels", c.channels, anything<std::vector<std::string>>(),
     "state channels to keep; empty: all");
+}
+
+template <class Fields>
+void describe(Fields& f, inference::TrainedEmbeddingConfig& c) {
+  f("features", c.features, between(0, kMaxWidth), "width of the last layer; 0: none is trained");
+  f("num_rollouts", c.series.num_rollouts, between(0, kMaxSeries), "of the convolved series");
+  f("num_steps", c.series.num_steps, between(0, kMaxSeries), "of each of them");
+  f("num_channels", c.series.num_channels, between(0, kMaxSeries), "of each step");
+  f("average_rollouts", c.average_rollouts, anything<bool>(), "before the last layer");
 }
 
 template <class Fields>

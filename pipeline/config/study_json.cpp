@@ -37,6 +37,7 @@ std::vector<inference::Marginal> prior_from_json(const Json& json, const std::st
 
 template Json to_json(const sim::SimulatorConfig&);
 template Json to_json(const inference::EmbeddingConfig&);
+template Json to_json(const inference::TrainedEmbeddingConfig&);
 template Json to_json(const inference::EstimatorConfig&);
 template Json to_json(const inference::TrainingConfig&);
 template Json to_json(const inference::AlgorithmConfig&);
@@ -49,6 +50,7 @@ template Json to_json(const PolicyConfig&);
 template sim::SimulatorConfig from_json(const Json&, const std::string&);
 template SimulatorTable from_json(const Json&, const std::string&);
 template inference::EmbeddingConfig from_json(const Json&, const std::string&);
+template inference::TrainedEmbeddingConfig from_json(const Json&, const std::string&);
 template inference::EstimatorConfig from_json(const Json&, const std::string&);
 template inference::TrainingConfig from_json(const Json&, const std::string&);
 template inference::AlgorithmConfig from_json(const Json&, const std::string&);

@@ -71,9 +71,15 @@ void resolve_algorithm(MethodConfig& method, std::size_t i, const Reading& readi
   if (method.algorithm.num_rounds > 1 || has_setting) method.algorithm.kind = npe_c;
 }
 
-// As many as tell the parameters apart: a wider layer learns the simulations by heart.
-void resolve_features(Study& study, std::size_t i, const Reading& reading) {
-  if (reading.has("method[" + std::to_string(i) + "].embedding.features")) return;
+// Principal components are of all steps. Features are as many as tell the parameters apart: a wider
+// layer learns the simulations by heart.
+void resolve_embedding(Study& study, std::size_t i, const Reading& reading) {
+  const std::string path = "method[" + std::to_string(i) + "].embedding.";
+  const bool has_components = reading.has(path + "principal_components");
+  if (study.source().gives_motion && has_components && !reading.has(path + "kind")) {
+    study.methods[i].embedding.kind = inference::EmbeddingKind::all_steps;
+  }
+  if (reading.has(path + "features")) return;
   Index& features = study.methods[i].embedding.features;
   const Index twice = std::min<Index>(2 * std::ssize(study.prior), kMaxWidth);
   features = std::max(features, twice);
@@ -169,7 +175,7 @@ void resolve(Study& study, const fs::path& file, const Reading& reading) {
     resolve_algorithm(study.methods[i], i, reading);
     resolve_without_network(study, i, reading);
     resolve_networks(study.methods[i], i, reading);
-    resolve_features(study, i, reading);
+    resolve_embedding(study, i, reading);
   }
 }
 

@@ -96,7 +96,9 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
       inference::make_embedding(method.embedding, target, plan.study.simulator.store_every);
   const SimulationFeatures features(plan, node, target, *embedding);
   const inference::Prior prior(plan.study.prior);
-  const auto config = estimation_config(method);
+  const inference::SeriesSelection& series = embedding->selection();
+  const auto config =
+      estimation_config(method, {series.num_rollouts, series.num_steps(), series.num_channels()});
 
   inference::RoundData data;
   data.prior = &prior;

@@ -84,7 +84,7 @@ TEST_F(Failures, OfANetworkAreAnError) {
       .transform = {VectorF::Zero(1), VectorF::Ones(1), {}},
       .parameters = {},
       .x_o = VectorF::Ones(1)};
-  const auto network = inference::make_network(parts.estimator, 1, 0, 1, 0);
+  const auto network = inference::make_network(parts.estimator, 1, {}, 1, 0);
   parts.parameters.setConstant(network.num_parameters(), 3e38f);
   const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
   ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);

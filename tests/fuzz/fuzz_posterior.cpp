@@ -29,7 +29,7 @@ inference::NetworkParts network(NetworkRole role, EstimatorKind kind) {
   parts.parameters =
       role == NetworkRole::ratio
           ? inference::RatioEstimator<float>(parts.estimator, 2, 2).initial_parameters(id)
-          : inference::make_network(parts.estimator, 2, 0, 2, 5).initial_parameters(id);
+          : inference::make_network(parts.estimator, 2, {}, 2, 5).initial_parameters(id);
   return parts;
 }
 

@@ -13,7 +13,7 @@ DirectPosterior untrained(EstimatorKind kind) {
   NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
                                      {"b", "1", Marginal::Kind::uniform, 0.0, 0.5}}),
                      .estimator = {},
-                     .trained_features = 3,
+                     .embedding = {3},
                      .structure_seed = 5,
                      .transform = {VectorF::Zero(4), VectorF::Ones(4), {}},
                      .parameters = {},
@@ -21,7 +21,7 @@ DirectPosterior untrained(EstimatorKind kind) {
   parts.estimator.kind = kind;
   parts.estimator.num_transforms = 2;
   parts.estimator.num_components = 3;
-  const auto network = make_network(parts.estimator, 4, 3, 2, 5);
+  const auto network = make_network(parts.estimator, 4, {3}, 2, 5);
   parts.parameters = network.initial_parameters({1, "initial", 0, 0, 0});
   return DirectPosterior(parts);
 }

@@ -85,7 +85,7 @@ TEST(NpeC, GradientOfEveryLossEqualsCentralDifferences) {
       PosteriorEstimationConfig c = config(kind, loss, 2, 30);
       c.estimator.hidden_features = 8;
       c.algorithm.combined_loss = combined;
-      const auto network = make_network(c.estimator, 2, 0, 2, 1);
+      const auto network = make_network(c.estimator, 2, {}, 2, 1);
       TrainingData data = small.data;
       if (loss == Loss::atomic) data.proposals.clear();
       NpeC objective(c.algorithm, network, small.transform, data, {1, "train", 2, 0, 0});
@@ -99,7 +99,7 @@ TEST(NpeC, AnalyticLossNeedsAMixture) {
   const AlgorithmConfig algorithm{.loss = Loss::analytic};
   EXPECT_THROW(resolve_loss(algorithm, EstimatorKind::maf), InputError);
   const SmallBatch small;
-  const auto flow = make_network({}, 2, 0, 2, 1);
+  const auto flow = make_network({}, 2, {}, 2, 1);
   EXPECT_THROW(NpeC(algorithm, flow, small.transform, small.data, {1, "train"}), Error);
 }
 

@@ -25,7 +25,7 @@ TEST(LikelihoodObjective, GradientEqualsCentralDifferences) {
   for (Index i = 0; i < 60; ++i) weights(i) = 0.1f * static_cast<float>(i % 7);
   for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::nsf, EstimatorKind::mdn}) {
     for (const Of of : {Of::u_given_z, Of::z_given_u}) {
-      const auto network = make_network(small(kind), 2, 0, 2, 1);
+      const auto network = make_network(small(kind), 2, {}, 2, 1);
       LikelihoodObjective objective(of, network, small_batch.transform, small_batch.data, all,
                                     weights);
       expect_slope_is_gradient(objective, network.initial_parameters({1, "initial", 0, 0, 0}),
@@ -37,7 +37,7 @@ TEST(LikelihoodObjective, GradientEqualsCentralDifferences) {
 TEST(LikelihoodObjective, RowsCountAsOftenAsTheirWeightsSay) {
   // A row with weight 2 counts as two rows.
   const SmallBatch small_batch;
-  const auto network = make_network(small(EstimatorKind::maf), 2, 0, 2, 1);
+  const auto network = make_network(small(EstimatorKind::maf), 2, {}, 2, 1);
   const auto parameters = network.initial_parameters({1, "initial", 0, 0, 0});
   const auto loss_of = [&](std::vector<std::uint32_t> rows, const VectorF& weights) {
     const auto count = static_cast<std::uint32_t>(rows.size());

@@ -65,7 +65,7 @@ TEST(NpeNle, LearnsNoLikelihoodOfManyOrTrainedFeatures) {
   EXPECT_FALSE(has_likelihood(kMostPooledFeatures + 1));
   c.principal_components = 3;
   EXPECT_TRUE(has_likelihood(kMostPooledFeatures + 1));
-  c.trained_features = 2;
+  c.embedding.features = 2;
   EXPECT_FALSE(has_likelihood(kMostPooledFeatures + 1));
 }
 

@@ -10,14 +10,13 @@ namespace {
 
 TEST(EmbeddedEstimator, BackwardPassEqualsCentralDifferencesThroughTheLinearLayer) {
   for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
-    for (const Index trained_features : {0, 4}) {
+    for (const Index features : {0, 4}) {
       EstimatorConfig config;
       config.kind = kind;
       config.num_transforms = 2;
       config.num_components = 3;
       config.hidden_features = 5;
-      const EmbeddedEstimator<double> network(6, trained_features, config, 3,
-                                              {1, "structure", 0, 0, 0});
+      const EmbeddedEstimator<double> network(6, {features}, config, 3, {1, "structure", 0, 0, 0});
       Vector parameters = network.initial_parameters({2, "initial", 0, 0, 0});
       const RowMatrix u = random_matrix(8, 3, 1);
       const RowMatrix x = random_matrix(4, 6, 2);
@@ -41,7 +40,7 @@ TEST(EmbeddedEstimator, BackwardPassEqualsCentralDifferencesThroughTheLinearLaye
 TEST(EmbeddedEstimator, RejectsAKindWithoutADensity) {
   EstimatorConfig config;
   config.kind = EstimatorKind::resnet;
-  EXPECT_THROW(EmbeddedEstimator<float>(2, 0, config, 2, {1, "structure", 0, 0, 0}), InputError);
+  EXPECT_THROW(EmbeddedEstimator<float>(2, {}, config, 2, {1, "structure", 0, 0, 0}), InputError);
 }
 
 }  // namespace

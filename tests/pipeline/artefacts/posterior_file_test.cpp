@@ -17,12 +17,12 @@ inference::DirectPosterior small_posterior(const MethodConfig& method) {
   inference::NetworkParts parts{
       .prior = inference::Prior({{"a", "1", inference::Marginal::Kind::uniform, 0.0, 1.0}}),
       .estimator = method.density_estimator,
-      .trained_features = 0,
+      .embedding = {},
       .structure_seed = 5,
       .transform = {VectorF::Zero(1), VectorF::Ones(1), {}},
       .parameters = {},
       .x_o = VectorF::Zero(1)};
-  const auto network = inference::make_network(parts.estimator, 1, 0, 1, 5);
+  const auto network = inference::make_network(parts.estimator, 1, {}, 1, 5);
   parts.parameters = network.initial_parameters({1, "initial", 0, 0, 0});
   return inference::DirectPosterior(parts);
 }
@@ -43,9 +43,9 @@ inference::NetworkParts parts_of(inference::NetworkRole role, inference::Estimat
         inference::RatioEstimator<float>(parts.estimator, 1, 2).initial_parameters(id);
   } else {
     const bool is_likelihood = role == inference::NetworkRole::likelihood;
-    parts.parameters =
-        inference::make_network(parts.estimator, is_likelihood ? 1 : 2, 0, is_likelihood ? 2 : 1, 5)
-            .initial_parameters(id);
+    parts.parameters = inference::make_network(parts.estimator, is_likelihood ? 1 : 2, {},
+                                               is_likelihood ? 2 : 1, 5)
+                           .initial_parameters(id);
   }
   parts.sampler.num_chains = 7;
   return parts;
@@ -77,6 +77,10 @@ class PosteriorFile : public ::testing::Test {
 
   std::string message_of_estimator(const inference::EstimatorConfig& config) const {
     return message_after("density_estimator", to_json(config).dump());
+  }
+
+  std::string message_of_embedding(const inference::TrainedEmbeddingConfig& config) const {
+    return message_after("trained_embedding", to_json(config).dump());
   }
 
   // As it comes back from a file.
@@ -204,22 +208,43 @@ TEST_F(PosteriorFile, LayersOfAbsurdSizesAreRefused) {
                    {"p.h5: attribute 'density_estimator': num_hidden_layers = 1000000",
                     "must be >= 1 and <= 128"}));
   for (const Index width : {Index{-1}, Index{1} << 40}) {
-    EXPECT_TRUE(says(message_after("trained_features", width),
-                     {"p.h5: attribute 'trained_features' = " + std::to_string(width),
+    EXPECT_TRUE(says(message_of_embedding({width}),
+                     {"p.h5: attribute 'trained_embedding': features = " + std::to_string(width),
                       "must be >= 0 and <= 4096"}));
   }
+  EXPECT_TRUE(says(message_of_embedding({4096}),
+                   {"p.h5: group 'network_1': ", " weights, but the file's"}));
+}
+
+TEST_F(PosteriorFile, ConvolutionsOfOtherSeriesThanTheFeaturesAreRefused) {
+  EXPECT_TRUE(
+      says(message_of_embedding({4, {2, 10, 3}}),
+           {"p.h5: group 'network_1': attribute 'trained_embedding' has series of 60 values, "
+            "but there are 1 features"}));
+  EXPECT_TRUE(says(message_of_embedding({4, {1, Index{1} << 40, 1}}),
+                   {"p.h5: attribute 'trained_embedding': num_steps = 1099511627776"}));
+}
+
+TEST_F(PosteriorFile, ConvolutionsComeBackAsTheyWere) {
+  inference::NetworkParts parts =
+      parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::nsf);
+  const Index features = parts.transform.num_outputs();
+  parts.embedding = {3, {features, 1, 1}, true};
+  parts.parameters = inference::make_network(parts).initial_parameters({1, "initial", 0, 0, 0});
+  const auto posterior = reread(parts);
+  EXPECT_EQ(posterior->parts().embedding, parts.embedding);
+  EXPECT_EQ(posterior->parts().parameters, parts.parameters);
 }
 
 TEST_F(PosteriorFile, ANetworkWithoutItsWeightsIsRefusedBeforeItIsMade) {
+  EXPECT_TRUE(says(message_of_estimator(
+                       {.num_transforms = 128, .hidden_features = 4096, .num_hidden_layers = 128}),
+                   {"p.h5: group 'network_1': 246 weights, but the file's density_estimator and "
+                    "trained_embedding have at least 272730947584; rerun stage 'infer'"}));
   EXPECT_TRUE(
       says(message_of_estimator(
-               {.num_transforms = 128, .hidden_features = 4096, .num_hidden_layers = 128}),
-           {"p.h5: group 'network_1': 246 weights, but the file's density_estimator has more "
-            "than 272730947584; rerun stage 'infer'"}));
-  EXPECT_TRUE(says(
-      message_of_estimator(
-          {.kind = inference::EstimatorKind::mdn, .num_components = 128, .hidden_features = 8}),
-      {"p.h5: group 'network_1': has no dataset 'hidden_1.weight'"}));
+               {.kind = inference::EstimatorKind::mdn, .num_components = 1, .hidden_features = 2}),
+           {"p.h5: group 'network_1': has no dataset 'hidden_1.weight'"}));
 }
 
 }  // namespace

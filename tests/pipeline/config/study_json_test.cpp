@@ -142,10 +142,10 @@ TEST(StudyJson, SaysWhatItCantAccept) {
                    {"p.h5: learning_rate = null", "must be a finite number, > 0 and <= 1"}));
   EXPECT_TRUE(says(problem_of<EmbeddingConfig>(R"({"channels": [1]})"),
                    {"p.h5: channels = [1]", "must be a list of texts"}));
-  EXPECT_TRUE(
-      says(problem_of<EmbeddingConfig>(R"({"kind": "line"})"),
-           {"p.h5: kind = \"line\"",
-            "must be one of linear, all_steps, delta_steps, last_step, bayessim, identity"}));
+  EXPECT_TRUE(says(problem_of<EmbeddingConfig>(R"({"kind": "line"})"),
+                   {"p.h5: kind = \"line\"",
+                    "must be one of convolution, linear, all_steps, delta_steps, last_step, "
+                    "bayessim, identity"}));
   EXPECT_EQ(problem_of<EmbeddingConfig>("[]"), "p.h5: must be a JSON object");
   EXPECT_EQ(problem_of<EmbeddingConfig>("{"), "p.h5: '{' isn't JSON");
 }

@@ -223,6 +223,10 @@ TEST(StudyProblems, EmbeddingsFitTheRolloutsOfATruth) {
   EXPECT_TRUE(
       says(problems_after(kMaf, "num_simulations = 9000\nembedding.principal_components = 2001"),
            {"s.toml:18:34: method.embedding.principal_components = 2001", "must be <= 2000"}));
+  EXPECT_TRUE(
+      says(problems_after(kMaf, "embedding = { kind = 'convolution', principal_components = 5 }"),
+           {"s.toml:17:60: method.embedding.principal_components = 5",
+            "must be 0 with kind 'convolution'", "'all_steps' has principal components"}));
   EXPECT_TRUE(says(problems_after(kMaf,
                                   "num_rollouts = 1\nembedding = { kind = 'last_step', "
                                   "channels = ['theta'], principal_components = 2 }"),
