@@ -18,6 +18,7 @@ namespace {
 struct ExportArguments {
   StudyArguments study;
   std::string output;
+  bool force = false;
   Index num_predictions = 100;
   std::string format = name_of(ExportFormat::netcdf);
 };
@@ -29,6 +30,7 @@ std::vector<std::string> export_study(const ExportArguments& arguments, bool has
     if (!has_predictions) return write_chain_files(plan, arguments.output, format);
     throw InputError("--predictions: only the format netcdf holds rollouts; leave it out");
   }
+  require_new_file(arguments.output, arguments.force);
   write_inference_data(plan, arguments.output, arguments.num_predictions);
   return {arguments.output};
 }
@@ -45,6 +47,7 @@ void add_export_command(CLI::App& app, int& result) {
       ->add_option("-o,--output", arguments->output,
                    "file to write, such as out.nc; of getdist and cmdstan, its beginning")
       ->required();
+  command->add_flag("--force", arguments->force, "replace an HDF5 file that is there already");
   set_choices(
       *command
            ->add_option("--format", arguments->format,

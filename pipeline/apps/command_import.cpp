@@ -33,11 +33,12 @@ struct ImportArguments {
   bool no_rate_check = false;
   std::string source;
   bool force = false;
+  bool at_rest = false;
 
   bool has_recording_options() const {
     return !files.empty() || !simulator.empty() || !states.empty() || !actions.empty() || dt ||
            resample || !scales.empty() || !unwrap.empty() || !window.empty() || !length.empty() ||
-           no_rate_check || !source.empty();
+           no_rate_check || at_rest || !source.empty();
   }
 };
 
@@ -55,9 +56,7 @@ void check_output(const ImportArguments& arguments) {
       throw InputError(output.string() + ": is one of the inputs, must be another file");
     }
   }
-  if (std::filesystem::exists(output, error) && !arguments.force) {
-    throw InputError(output.string() + ": is there already; choose another name or add --force");
-  }
+  require_new_file(output, arguments.force);
 }
 
 std::vector<Channel> parse_channels(const std::vector<std::string>& texts) {
@@ -151,6 +150,7 @@ CsvOptions csv_options(const ImportArguments& arguments) {
   options.resample = arguments.resample;
   if (!arguments.window.empty()) options.differentiate = parse_window(arguments.window);
   if (!arguments.length.empty()) options.length = parse_length(arguments.length);
+  options.at_rest = arguments.at_rest;
   options.check_rates = !arguments.no_rate_check;
   return options;
 }
@@ -236,6 +236,8 @@ void add_correction_options(CLI::App& command, ImportArguments& arguments) {
   command.add_flag(fmt::format("--differentiate{{{}}}", kRateWindow), arguments.window,
                    "compute states X_dot that the files lack of X; --differentiate=WINDOW: over so "
                    "many samples");
+  command.add_flag("--at-rest", arguments.at_rest,
+                   "the device stands still at the first states: computed rates are 0 there");
   command.add_option("--length", arguments.length,
                      "'shortest' or a number of steps to cut all rollouts into");
   command.add_flag("--no-rate-check", arguments.no_rate_check,
@@ -264,7 +266,7 @@ void add_import_command(CLI::App& app, int& result) {
       ->allow_extra_args(false);
   add_format_options(*command, *arguments);
   add_correction_options(*command, *arguments);
-  command->add_flag("--force", arguments->force, "replace an output file that is there already");
+  command->add_flag("--force", arguments->force, "replace an HDF5 file that is there already");
   command->add_option("--source", arguments->source, "where the recordings come from, for people");
   command->footer(kExample);
   command->callback([&result, arguments] {

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -199,6 +200,22 @@ void add_seed_option(CLI::App& app, const std::string& name, std::uint64_t& seed
   app.add_option_function<std::string>(name, parse, doc)
       ->default_str(std::to_string(seed))
       ->type_name("UINT");
+}
+
+void require_new_file(const std::filesystem::path& output, bool force) {
+  std::error_code error;
+  if (!std::filesystem::exists(output, error)) return;
+  if (!force) {
+    throw InputError(output.string() + ": is there already; choose another name or add --force");
+  }
+  const std::string signature = "\x89HDF\r\n\x1a\n";
+  std::string beginning(signature.size(), '\0');
+  std::ifstream file(output, std::ios::binary);
+  file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  if (std::filesystem::is_regular_file(output, error) && beginning != signature) {
+    throw InputError(output.string() +
+                     ": isn't an HDF5 file, which alone --force replaces; choose another name");
+  }
 }
 
 std::vector<Index> parse_ranges(const std::string& text) {

@@ -13,9 +13,11 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/fitted_table.h"
 #include "pipeline/apps/verdict_lines.h"
+#include "pipeline/plan/completeness.h"
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/shell_text.h"
 #include "pipeline/process/terminal_columns.h"
+#include "pipeline/run/artefact_status.h"
 #include "pipeline/run/scheduler.h"
 
 namespace npdr::pipeline {
@@ -58,6 +60,15 @@ std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string
   return keys;
 }
 
+// Where nothing is made, nothing reads what was damaged after it was made.
+void require_sound(const Plan& plan) {
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::report || !is_complete(plan, node)) continue;
+    const ArtefactStatus status = status_of(plan, node);
+    if (!status.is_sound) throw InputError(node.label() + ": " + status.detail);
+  }
+}
+
 ExitStatus run(const RunArguments& arguments) {
   stop_with_parent();
   const Plan plan = arguments.study.plan();
@@ -69,6 +80,7 @@ ExitStatus run(const RunArguments& arguments) {
   }
   print_warnings("npdr run", plan);
   if (missing_nodes(plan, config).empty()) {
+    require_sound(plan);
     fmt::print(stderr, "{}: nothing to do, all is up to date\n", plan.study.name);
   }
   const ExitStatus status = Scheduler(plan, config).run();

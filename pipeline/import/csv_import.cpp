@@ -30,6 +30,9 @@ void check_options(const CsvOptions& options) {
   }
   if (options.channels.states.empty()) throw InputError("no states to import: name their columns");
   const std::optional<Index>& window = options.differentiate;
+  if (options.at_rest && !window) {
+    throw InputError("--at-rest is about rates that --differentiate computes; add that");
+  }
   if (window && (*window < 5 || *window % 2 == 0)) {
     throw InputError(
         fmt::format("--differentiate={}, must be an odd number of samples, 5 or more", *window));
@@ -98,9 +101,33 @@ std::string note_of_resampling(const std::vector<CsvRows>& files, double dt) {
                      all.longest);
 }
 
+// Simulations start from the first states, whose slopes are the least certain.
+std::string words_of_first(const Target& target, Index rate, bool at_rest) {
+  if (at_rest) return "0 at the first states";
+  std::vector<std::string> values;
+  for (const Rollout& rollout : target.rollouts) {
+    if (values.size() == 5) {
+      values.back() = "...";
+      break;
+    }
+    values.push_back(fmt::format("{:.3g}", rollout.states(0, rate)));
+  }
+  return fmt::format("at the first states, where simulations start, {}; --at-rest makes them 0",
+                     join(values));
+}
+
+// A rollout that counts twice makes posteriors narrower than they are.
+void require_distinct(const std::vector<std::filesystem::path>& paths) {
+  auto sorted = paths;
+  std::ranges::sort(sorted);
+  const auto twice = std::ranges::adjacent_find(sorted);
+  if (twice == sorted.end()) return;
+  throw InputError(twice->string() + ": is named twice; name each rollout once");
+}
+
 // Computes the rates that the files lack; a sentence for each.
 std::vector<std::string> differentiate(Target& target, const std::vector<CsvRows>& files,
-                                       Index window) {
+                                       Index window, bool at_rest) {
   for (std::size_t h = 0; h < files.size(); ++h) {
     const Index num_states = target.rollouts[h].states.rows();
     if (num_states >= window) continue;
@@ -112,13 +139,15 @@ std::vector<std::string> differentiate(Target& target, const std::vector<CsvRows
     for (Rollout& rollout : target.rollouts) {
       rollout.states.col(pair.rate) =
           sim::slopes(rollout.states.col(pair.position), window, target.dt);
+      if (at_rest) rollout.states(0, pair.rate) = 0.0;
     }
     const auto label = [&](Index c) {
       return target.state_channels[static_cast<std::size_t>(c)].label;
     };
     notes.push_back(fmt::format(
-        "computed {}: slope of {} over {} samples, {:.4g} s (Savitzky-Golay)", label(pair.rate),
-        label(pair.position), window, static_cast<double>(window - 1) * target.dt));
+        "computed {}: slope of {} over {} samples, {:.4g} s (Savitzky-Golay); {}", label(pair.rate),
+        label(pair.position), window, static_cast<double>(window - 1) * target.dt,
+        words_of_first(target, pair.rate, at_rest)));
   }
   return notes;
 }
@@ -188,13 +217,14 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
                              const CsvOptions& options) {
   if (paths.empty()) throw InputError("no CSV files to import");
   check_options(options);
+  require_distinct(paths);
   std::vector<CsvRows> files = read_files(paths, options);
   ImportedRecording result;
   result.notes = unwrap_turns(files, options.unwrap);
   Target& target = result.target = even_target(files, options);
   if (options.resample) result.notes.push_back(note_of_resampling(files, *options.resample));
   if (options.differentiate) {
-    append(differentiate(target, files, *options.differentiate), result.notes);
+    append(differentiate(target, files, *options.differentiate, options.at_rest), result.notes);
   }
   if (options.check_rates) append(check_rates(target, files), result.notes);
   append(cut_rollouts(target, options.length, names_of_files(files)), result.notes);

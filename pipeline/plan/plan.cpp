@@ -43,8 +43,10 @@ const Node& Plan::node_by_key(const std::string& key) const {
     found = &candidate;
   }
   if (found == nullptr) {
-    throw InputError("key '" + key +
-                     "' is not in the plan of this study; was the study or a --set changed?");
+    throw InputError(
+        "key '" + key +
+        "' is not in the plan of this study; was the study, a file that it names, or a "
+        "--set changed, maybe while it ran? Run it again");
   }
   return *found;
 }

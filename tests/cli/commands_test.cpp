@@ -130,7 +130,8 @@ TEST_F(Commands, AFileCantBeTheWorkFolder) {
   for (const std::string command : {"status", "tasks", "run", "open"}) {
     const Outcome outcome = npdr({command, "small.toml", "--work", "small.toml"});
     EXPECT_EQ(outcome.status, 2) << command;
-    EXPECT_TRUE(says(outcome.err, {"npdr " + command + ": --work = 'small.toml', which isn't a "
+    EXPECT_TRUE(says(outcome.err, {"npdr " + command +
+                                   ": --work = 'small.toml', which isn't a "
                                    "folder; must be the folder of results"}));
   }
 }
@@ -207,7 +208,11 @@ TEST_F(Commands, ADamagedArtefactDoesNotHideTheOthers) {
   const std::string whole = text_of(path);
   std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() / 2);
   const Outcome outcome = npdr({"status", "small.toml"});
+  const Outcome unseen = npdr({"run", "small.toml"});
   std::ofstream(path, std::ios::binary) << whole;
+  EXPECT_EQ(unseen.status, 2);
+  EXPECT_TRUE(
+      says(unseen.err, {"npdr run: evaluate NPDR (MAF), seed 1, round 2: damaged, remove"}));
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("damaged, remove it: "), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("up to date"), std::string::npos) << outcome.out;
@@ -337,7 +342,9 @@ TEST_F(Commands, ImportLosesNothing) {
 }
 
 TEST_F(Commands, ListsMayComeBeforeWhatTheyBelongTo) {
-  std::ofstream(file("b.csv")) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,0,0\n";
+  for (const char* name : {"b.csv", "c.csv"}) {
+    std::ofstream(file(name)) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,0,0\n";
+  }
   const auto imported = [](std::vector<std::string> words) {
     words.insert(words.begin(), {"import", "--force", "-o", "b.h5", "--dt", "0.1"});
     const Outcome outcome = npdr(words);
@@ -346,11 +353,11 @@ TEST_F(Commands, ListsMayComeBeforeWhatTheyBelongTo) {
   };
   const std::string states = "theta [rad],theta_dot [rad/s]";
   const std::string expected =
-      imported({"b.csv", "b.csv", "--actions", "torque [N m]", "--states", states});
-  EXPECT_EQ(imported({"--actions", "torque [N m]", "--states", states, "b.csv", "b.csv"}),
+      imported({"b.csv", "c.csv", "--actions", "torque [N m]", "--states", states});
+  EXPECT_EQ(imported({"--actions", "torque [N m]", "--states", states, "b.csv", "c.csv"}),
             expected);
   EXPECT_EQ(imported({"--states", "theta [rad]", "--states", "theta_dot [rad/s]", "--actions",
-                      "torque [N m]", "b.csv", "b.csv"}),
+                      "torque [N m]", "b.csv", "c.csv"}),
             expected);
   const std::string status = npdr({"status", "small.toml"}).out;
   EXPECT_EQ(npdr({"status", "--seeds", "1", "small.toml"}).out, status);

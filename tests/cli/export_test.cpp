@@ -57,6 +57,17 @@ TEST_F(Export, SeedsAreChainsAndRolloutsArePredicted) {
             (h5::Shape{2, 4, 2, 400}));
   EXPECT_EQ(file.group("observed_data").dataset("theta").shape(), (h5::Shape{2, 400}));
   EXPECT_EQ(file.group("constant_data").names(), (Names{"dt", "rollout", "time", "torque"}));
+  const std::string study = text_of(folder_ / "study.toml");
+  for (const Names& words : {Names{"out.nc"}, {"study.toml"}, {"study.toml", "--force"}}) {
+    Names all = {"export", "study.toml", "--only", "NPDR (MAF)", "-o"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome outcome = npdr(all);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_TRUE(
+        says(outcome.err, {"npdr export: " + words.front() + ":",
+                           words.size() < 2 ? "add --force" : "an HDF5 file, which alone"}));
+  }
+  EXPECT_EQ(text_of(folder_ / "study.toml"), study) << "it would be lost";
 }
 
 TEST_F(Export, ParticlesKeepTheirWeightsInAGroupOfTheirOwn) {

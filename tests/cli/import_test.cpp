@@ -127,6 +127,15 @@ TEST_F(ImportOfLabs, EncodersAlone) {
                    {"unwrapped", "\ncomputed", "\nwrote", "\nnext"}));
 }
 
+TEST_F(ImportOfLabs, NothingCountsTwiceAndNothingElseIsReplaced) {
+  write({});
+  EXPECT_TRUE(says(rejected({"a.csv"}), {"npdr import: a.csv: is named twice"}));
+  EXPECT_TRUE(says(rejected({"--at-rest"}), {"npdr import: --at-rest is about rates"}));
+  const auto program = folder_.file("r.h5", "#!/bin/sh\n");
+  EXPECT_TRUE(says(import({"--force"}).err, {"npdr import: r.h5: isn't an HDF5 file"}));
+  EXPECT_EQ(text_of(program), "#!/bin/sh\n");
+}
+
 TEST_F(ImportOfLabs, WindowsAreOddNumbers) {
   write({.has_rates = false});
   for (const char* word : {"--differentiate=4", "--differentiate=3", "--differentiate=x"}) {

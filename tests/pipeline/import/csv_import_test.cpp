@@ -258,7 +258,12 @@ TEST_F(CsvImport, ComputesRatesThatTheFileLacks) {
   }
   const std::vector<std::string> said = notes(encoder_csv(20), options);
   ASSERT_EQ(said.size(), 1u) << "what was computed needs no check";
-  EXPECT_TRUE(says(said[0], {"computed theta_dot: slope of theta", "5 samples", "0.4 s"}));
+  EXPECT_TRUE(says(said[0], {"computed theta_dot: slope of theta", "5 samples", "0.4 s",
+                             "at the first states, where simulations start, ", "--at-rest"}));
+  options.at_rest = true;
+  EXPECT_EQ(imported(encoder_csv(20), options).rollouts[0].states(0, 1), 0.0);
+  EXPECT_TRUE(says(notes(encoder_csv(20), options)[0], {"computed", "0 at the first states"}));
+  options.at_rest = false;
   options.channels = {{{"theta", ""}, {"theta_dot", ""}}, {}};
   EXPECT_EQ(imported(encoder_csv(20), options).state_channels, pendulum_options().channels.states)
       << "the unit follows from the file's";
