@@ -67,9 +67,10 @@ std::filesystem::path run(const std::string& program, const GnuplotScript& scrip
   const std::filesystem::path path = directory / (script.name + "." + format_name);
   AtomicFile file(path);  // another report may be drawing the same figure
   // -d, and no GNUTERM: without the user's settings, so that a figure looks the same for everybody.
+  // In UTC: how far another zone is from it stands in a PDF.
   const ProcessResult result = run_process(
       program, {"-d", "-c", script.name + ".gp", format_name, file.temporary().filename().string()},
-      directory, {.unset = {"GNUTERM"}});
+      directory, {.unset = {"GNUTERM"}, .set = {"TZ=UTC0"}});
   if (!result.found) {
     throw Error(program +
                 ": not found; install gnuplot (Debian package gnuplot-nox), which draws "

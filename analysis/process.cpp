@@ -25,13 +25,18 @@ using Clock = std::chrono::steady_clock;
   throw Error(program + ": can't be run: " + std::strerror(error));
 }
 
-// This process's variables but for some.
-std::vector<char*> environment_without(const std::vector<std::string>& unset) {
+std::string name_of(const std::string& variable) { return variable.substr(0, variable.find('=')); }
+
+// This process's variables but for some, and some more.
+std::vector<char*> environment_of(const ProcessOptions& options) {
+  std::vector<std::string> unset = options.unset;
   std::vector<char*> variables;
+  for (const std::string& variable : options.set) {
+    unset.push_back(name_of(variable));
+    variables.push_back(const_cast<char*>(variable.c_str()));  // as for exec()'s arguments
+  }
   for (char** v = environ; *v != nullptr; ++v) {
-    const std::string variable = *v;
-    const std::string name = variable.substr(0, variable.find('='));
-    if (std::ranges::find(unset, name) == unset.end()) variables.push_back(*v);
+    if (std::ranges::find(unset, name_of(*v)) == unset.end()) variables.push_back(*v);
   }
   variables.push_back(nullptr);
   return variables;
@@ -129,7 +134,7 @@ ProcessResult run_process(const std::string& program, const std::vector<std::str
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
-  const std::vector<char*> variables = environment_without(options.unset);
+  const std::vector<char*> variables = environment_of(options);
   Pipe errors, reason;
   const Start start = {directory.c_str(),  argv.data(),        variables.data(),
                        errors.write_end(), reason.write_end(), getpid()};

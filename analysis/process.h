@@ -17,6 +17,7 @@ struct ProcessResult {
 struct ProcessOptions {
   double time_limit = 300.0;            ///< [s]
   std::vector<std::string> unset = {};  ///< variables of this process that it doesn't get
+  std::vector<std::string> set = {};    ///< "NAME=value" that it gets besides
 };
 
 /// Runs `program` (looked up on PATH when it holds no slash) with `arguments`, which reach it

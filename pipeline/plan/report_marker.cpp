@@ -51,6 +51,7 @@ void mark_report(const Node& node, const std::vector<std::filesystem::path>& fil
 std::vector<CheckSummary> read_check_summaries(const Node& node) {
   std::ifstream file(node.path);
   std::vector<CheckSummary> summaries;
+  if (!file) return summaries;  // another run is making the report anew
   try {
     const auto json = nlohmann::json::parse(file);
     for (const auto& verdict : json.at("checks")) {

@@ -17,10 +17,13 @@ namespace {
 constexpr rlim_t kMaxSeconds = 60;  // of processor time
 constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU, SIGALRM};
 
-[[noreturn]] void act_and_exit(const std::function<void()>& action, unsigned time_limit) {
+[[noreturn]] void act_and_exit(const std::function<void()>& action, unsigned time_limit,
+                               pid_t parent) {
   const rlimit limit{kMaxSeconds, kMaxSeconds + 1};
   setrlimit(RLIMIT_CPU, &limit);
   prctl(PR_SET_DUMPABLE, 0);  // no core file
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(0);  // it died before
   for (const int signal : kCrashes) std::signal(signal, SIG_DFL);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_DFL);
   alarm(time_limit);
@@ -43,8 +46,9 @@ bool is_crash(int status) {
 }  // namespace
 
 bool survives(const std::function<void()>& action, unsigned time_limit) {
+  const pid_t parent = getpid();
   const pid_t child = fork();
-  if (child == 0) act_and_exit(action, time_limit);
+  if (child == 0) act_and_exit(action, time_limit, parent);
   if (child < 0) return true;
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {

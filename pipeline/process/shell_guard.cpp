@@ -27,6 +27,16 @@ void say(int number) {
   [[maybe_unused]] const ssize_t written = write(STDOUT_FILENO, &number, sizeof(number));
 }
 
+// What others left behind has ended, and would stay a zombie as long as this process lives.
+void reap_orphans(pid_t shell) {
+  for (;;) {
+    siginfo_t end = {};
+    if (waitid(P_ALL, 0, &end, WEXITED | WNOHANG | WNOWAIT) != 0) return;
+    if (end.si_pid == 0 || end.si_pid == shell) return;
+    waitpid(end.si_pid, nullptr, WNOHANG);
+  }
+}
+
 // Says how the shell ended; comes back when this isn't to go on.
 void wait_for_end(pid_t shell) {
   sigset_t child;
@@ -40,6 +50,7 @@ void wait_for_end(pid_t shell) {
     // The group's number is ours until the shell is reaped.
     siginfo_t end = {};
     waitid(P_PID, static_cast<id_t>(shell), &end, WEXITED | WNOHANG | WNOWAIT);
+    reap_orphans(shell);
     if (end.si_pid != 0 && !is_told) {
       say(end.si_code == CLD_EXITED ? end.si_status : 128 + end.si_status);
       is_told = true;

@@ -6,15 +6,18 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/printable.h"
+
 namespace npdr::pipeline {
 namespace {
 
-std::string tail_of(const std::filesystem::path& path) {
+std::string tail_of(const JobLog& log) {
   constexpr std::size_t num_lines = 10;
-  std::ifstream file(path);
+  std::ifstream file(log.path);
+  file.seekg(static_cast<std::streamoff>(log.begin));
   std::deque<std::string> lines;
   for (std::string line; std::getline(file, line);) {
-    lines.push_back("    " + line + "\n");
+    lines.push_back("    " + printable_line(line) + "\n");
     if (lines.size() > num_lines) lines.pop_front();
   }
   return fmt::format("{}", fmt::join(lines, ""));
@@ -34,8 +37,7 @@ std::string without_numbers(const std::string& text) {
 }  // namespace
 
 std::string FailureWords::tell(const std::string& label, int status,
-                               const std::vector<std::string>& said,
-                               const std::filesystem::path& log) {
+                               const std::vector<std::string>& said, const JobLog& log) {
   const std::string how = status > 128 ? fmt::format("killed by signal {}", status - 128)
                                        : fmt::format("exit status {}", status);
   std::string lines = said.empty() ? tail_of(log) : "";
@@ -49,7 +51,7 @@ std::string FailureWords::tell(const std::string& label, int status,
   }
   told_.merge(new_lines);
   return fmt::format("npdr: {} failed ({}){}:\n{}    log: {}\n", label, how,
-                     repeats ? ", as above" : "", lines, log.string());
+                     repeats ? ", as above" : "", lines, log.path.string());
 }
 
 }  // namespace npdr::pipeline

@@ -164,8 +164,12 @@ void Scheduler::start_ready_jobs() {
 
 void Scheduler::start(std::size_t index, int threads) {
   const Node& node = plan_.nodes[index];
+  JobLog log{log_path(node)};
+  std::error_code none;
+  const auto size = std::filesystem::file_size(log.path, none);
+  if (!none) log.begin = size;
   jobs_.push_back({index, threads,
-                   ChildProcess(stage_command(config_, node), threads, log_path(node)),
+                   ChildProcess(stage_command(config_, node), threads, log.path.string()), log,
                    Clock::now()});
   states_[index] = State::running;
   free_slots_ -= threads;
@@ -214,6 +218,10 @@ void Scheduler::end_of(const Job& job) {
   // A child that was told to stop before it could listen has done nothing yet.
   if (status == static_cast<int>(ExitStatus::checkpointed) || is_stop_signal(status - 128)) {
     stopping_ = true;
+    if (!stop_requested()) {  // somebody stopped that job alone
+      lines_.clear();
+      print(failures_.tell(node.label(), status, job.process.said(), job.log));
+    }
     return;
   }
   const bool is_known = status == 2 || status == 3;
@@ -221,7 +229,7 @@ void Scheduler::end_of(const Job& job) {
     status_ = is_known ? static_cast<ExitStatus>(status) : ExitStatus::failed;
   }
   lines_.clear();
-  print(failures_.tell(node.label(), status, job.process.said(), log_path(node)));
+  print(failures_.tell(node.label(), status, job.process.said(), job.log));
 }
 
 void Scheduler::print_warnings(const Node& node, const std::vector<std::string>& warnings) {

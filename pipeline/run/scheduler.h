@@ -50,6 +50,7 @@ class Scheduler {
     std::size_t node;
     int threads;
     ChildProcess process;
+    JobLog log;
     std::chrono::steady_clock::time_point start;
   };
 

@@ -69,8 +69,27 @@ std::string python_path() {
   return path;
 }
 
+// Values are copied and printed by recursion: what nests deeper than any reply would end this
+// process.
+bool nests_deeply(const std::string& json) {
+  constexpr int most = 16;
+  int depth = 0;
+  bool in_text = false, is_escaped = false;
+  for (const char c : json) {
+    if (is_escaped || (in_text && c == '\\')) {
+      is_escaped = !is_escaped;
+    } else if (c == '"') {
+      in_text = !in_text;
+    } else if (!in_text) {
+      depth += (c == '[' || c == '{') - (c == ']' || c == '}');
+      if (depth > most) return true;
+    }
+  }
+  return false;
+}
+
 Json parse_header(const std::string& header) {
-  Json json = Json::parse(header, nullptr, false);
+  Json json = nests_deeply(header) ? Json() : Json::parse(header, nullptr, false);
   if (!json.is_object() || !json.contains("npdr_worker")) {
     throw InputError("it printed " + quoted(shortened(header)) +
                      "; what is for people belongs on standard error");

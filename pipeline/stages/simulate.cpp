@@ -84,9 +84,22 @@ void check_block(h5::File& file, const Simulation& simulation, const GivenRows& 
   write_warnings(file, warnings);
 }
 
-// Rows are looked at once an experiment.
+// The first rows of an experiment are a block of their own, so that what is found doesn't depend on
+// shards and calls.
+constexpr Index kCheckedRows = 64;
+
 bool is_checked(const Simulation& simulation, Index row) {
   return row == 0 && simulation.node.uses.front().round == 1;
+}
+
+// A shard may be smaller than what is looked at.
+void check_first_rows(h5::File& file, const Simulation& simulation, const GivenRows& given) {
+  const Index count = std::min(kCheckedRows, num_rows(simulation.plan, simulation.node));
+  if (given.complete.rows() >= count) return check_block(file, simulation, given);
+  const RowMatrix complete =
+      simulation.plan.source->parameters().complete(read_proposal(simulation.proposal, {0, count}));
+  const sim::Trajectories result = simulation.simulator->simulate(complete, given.first);
+  check_block(file, simulation, {complete, result, given.first});
 }
 
 // Rows [begin, begin + count) of the simulation, from row `at` of the shard's file.
@@ -106,7 +119,7 @@ void write_block(h5::File& file, const Simulation& simulation, Index begin, Inde
   simulated_values(file).write_rows<float>(at, count, result.values);
   file.dataset("status").write_rows<std::uint8_t>(at, count, status);
   file.dataset("seconds").write_rows<float>(at, count, row_seconds);
-  if (is_checked(simulation, begin)) check_block(file, simulation, {complete, result, first});
+  if (is_checked(simulation, begin)) check_first_rows(file, simulation, {complete, result, first});
 }
 
 void simulate_shard(Simulation& simulation, const Shard& shard, Index done_before,
@@ -118,7 +131,9 @@ void simulate_shard(Simulation& simulation, const Shard& shard, Index done_befor
   simulation.simulator->log_to(log_of(shard.path));
   for (Index at = 0, rows = 0; at < count; at += rows) {
     stop_here_if_requested();
-    rows = std::min(simulation.simulator->block_size(count), count - at);
+    const bool is_first = is_checked(simulation, shard.rows.begin + at);
+    const Index block = is_first ? kCheckedRows : simulation.simulator->block_size(count);
+    rows = std::min(block, count - at);
     write_block(writer.file(), simulation, shard.rows.begin + at, at, rows);
     progress.update(done_before + at + rows);
   }

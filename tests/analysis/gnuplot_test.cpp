@@ -40,6 +40,19 @@ TEST(Gnuplot, MakesSvgPngAndPdfFromOneScript) {
   EXPECT_EQ(std::distance(begin(left), end(left)), 5) << "and the data";
 }
 
+TEST(Gnuplot, DrawsTheSameInEveryTimeZone) {
+  const TempFolder folder;
+  std::vector<std::string> pdfs;
+  for (const char* zone : {"UTC", "Asia/Kolkata", "EST5EDT"}) {
+    setenv("TZ", zone, 1);
+    const auto files = render_script({"plot", 320, 200, "plot x\n"}, folder.path());
+    pdfs.push_back(read_text_file(files.pdf));
+  }
+  unsetenv("TZ");
+  EXPECT_EQ(pdfs[1], pdfs[0]);
+  EXPECT_EQ(pdfs[2], pdfs[0]);
+}
+
 TEST(Gnuplot, DrawsWhateverTerminalTheUserPrefers) {
   const TempFolder folder;
   setenv("GNUTERM", "x11", 1);

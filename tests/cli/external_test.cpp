@@ -174,6 +174,20 @@ TEST_F(External, ResultsDoNotDependOnTheShards) {
   EXPECT_EQ(digests(folder_ / "parts/external-shell"), digests(folder_ / "whole/external-shell"));
 }
 
+// A simulator without noise is told of, also where shards hold fewer rows than that takes.
+TEST_F(External, WhatIsFoundDoesNotDependOnTheShards) {
+  folder_.file("still.sh", "cut -d , -f 1,2 \"$1\" | sed '1s/.*/total,difference/' > \"$2\"\n");
+  for (const std::string size : {"5", "100"}) {
+    const Outcome outcome =
+        npdr({"run", "shell.toml", "--until", "simulate", "--work", size, "--set",
+              "simulator.command=sh still.sh {theta} {x}", "--set", "method.num_simulations=100",
+              "--set", "simulate.shard_size=" + size});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("measurements are exact"), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(digests(folder_ / "5/external-shell"), digests(folder_ / "100/external-shell"));
+}
+
 TEST_F(External, ADatasetNeedsNoSimulator) {
   const Outcome imported = import_dataset();
   EXPECT_TRUE(says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b",

@@ -78,7 +78,8 @@ def _read_array(description):
 
 
 def _write(header, *arrays):
-    _replies.write(json.dumps({"npdr_worker": PROTOCOL, **header}).encode() + b"\n")
+    text = json.dumps({"npdr_worker": PROTOCOL, **header}, ensure_ascii=False)
+    _replies.write(text.encode("utf-8", "replace") + b"\n")  # messages may hold what isn't UTF-8
     for array in arrays:
         _replies.write(memoryview(np.ascontiguousarray(array)).cast("B"))
     _replies.flush()

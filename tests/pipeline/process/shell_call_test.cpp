@@ -97,6 +97,14 @@ TEST_F(ShellCalls, LeaveNothingRunning) {
   EXPECT_TRUE(is_gone("left"));
 }
 
+TEST_F(ShellCalls, LeaveNoZombiesWhileTheyRun) {
+  const CallResult result = call(
+      "for i in 1 2 3 4 5; do (sh -c 'exit 0' &); done; sleep 0.3; "
+      "cat /proc/[0-9]*/stat 2> /dev/null | grep -c \") Z $PPID \" > zombies; true");
+  EXPECT_TRUE(result.succeeded());
+  EXPECT_EQ(text_of(folder_ / "zombies"), "0\n");
+}
+
 // Out of its group and session, and without a parent.
 TEST_F(ShellCalls, LeaveNoDaemonRunning) {
   const std::string daemon =

@@ -8,17 +8,17 @@ namespace {
 TEST(FailureWords, TellACauseOnce) {
   FailureWords words;
   EXPECT_EQ(words.tell("simulate", 1, {"sim failed for each of 32 rows: KeyError", "  in a.log"},
-                       "logs/1.log"),
+                       {"logs/1.log"}),
             "npdr: simulate failed (exit status 1):\n"
             "    sim failed for each of 32 rows: KeyError\n      in a.log\n    log: logs/1.log\n");
   EXPECT_EQ(words.tell("baseline", 1, {"sim failed for each of 65 rows: KeyError", "  in b.log"},
-                       "logs/2.log"),
+                       {"logs/2.log"}),
             "npdr: baseline failed (exit status 1), as above:\n      in b.log\n"
             "    log: logs/2.log\n");
-  EXPECT_EQ(words.tell("infer", 2, {"posterior.h5: is damaged"}, "logs/3.log"),
+  EXPECT_EQ(words.tell("infer", 2, {"posterior.h5: is damaged"}, {"logs/3.log"}),
             "npdr: infer failed (exit status 2):\n    posterior.h5: is damaged\n"
             "    log: logs/3.log\n");
-  EXPECT_EQ(words.tell("infer", 2, {"posterior_2.h5: is damaged", "  in a.log"}, "logs/4.log"),
+  EXPECT_EQ(words.tell("infer", 2, {"posterior_2.h5: is damaged", "  in a.log"}, {"logs/4.log"}),
             "npdr: infer failed (exit status 2):\n    posterior_2.h5: is damaged\n"
             "    log: logs/4.log\n");
 }
@@ -26,9 +26,12 @@ TEST(FailureWords, TellACauseOnce) {
 TEST(FailureWords, AreTheEndOfTheLogWhereAJobSaysNothing) {
   const TempFolder folder;
   const auto log = folder.file("log", "1\n2\n3\n4\n5\n6\n7\n8\n9\n10\n11\n");
-  const std::string told = FailureWords().tell("infer", 137, {}, log);
+  const std::string told = FailureWords().tell("infer", 137, {}, {log});
   EXPECT_TRUE(told.starts_with("npdr: infer failed (killed by signal 9):\n    2\n    3\n")) << told;
   EXPECT_TRUE(told.ends_with("    11\n    log: " + log.string() + "\n")) << told;
+  EXPECT_EQ(FailureWords().tell("infer", 139, {}, {log, std::filesystem::file_size(log)}),
+            "npdr: infer failed (killed by signal 11):\n    log: " + log.string() + "\n")
+      << "what an earlier job left there is none of its words";
 }
 
 }  // namespace

@@ -55,6 +55,9 @@ while True:
                 replies.write(b'{"npdr_worker": 1, "reply": "error", "message": "boom"}\n')
                 break
             if what == "prints": print("hello", flush=True)
+            if what == "nests":
+                replies.write(b'{"npdr_worker": 1, "reply": ' + b"[" * 200000 + b"]" * 200000 + b"}\n")
+                break
             if what == "half":
                 replies.write(b'{"npdr_worker": 1, "reply": "states", "shape": [%d, %d, 2]}\nxyz' % (rows, steps))
                 replies.flush()
@@ -171,6 +174,7 @@ TEST_F(Workers, OnlyTheCulpritOfAHangIsLost) {
 TEST_F(Workers, OnlyTheCulpritOfABadReplyIsLost) {
   expect_only_five_is(run(12, "prints"), RolloutStatus::bad_output);
   expect_only_five_is(run(12, "shape"), RolloutStatus::bad_output);
+  expect_only_five_is(run(12, "nests"), RolloutStatus::bad_output);
 }
 
 TEST_F(Workers, AClosedOutputIsNotWaitedFor) {
