@@ -52,7 +52,7 @@ void print_feature_work(const Plan& plan) {
     if (node.stage == Stage::diagnose) ++diagnoses;
     if (node.stage != Stage::simulate) continue;
     rows += num_rows(plan, node);
-    num_shards += static_cast<Index>(shards(plan, node).size());
+    num_shards += pipeline::num_shards(plan, node);
   }
   const std::string source = study.source().simulates
                                  ? fmt::format("simulations in {}", counted(num_shards, "shard"))

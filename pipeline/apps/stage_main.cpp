@@ -49,7 +49,7 @@ bool has_inputs(const Plan& plan, const Node& node) {
 std::vector<Index> its_shards(const Plan& plan, const Node& node, const std::vector<Index>& given) {
   if (given.empty()) return {};
   std::vector<Index> numbers = given;
-  const auto count = static_cast<Index>(shards(plan, node).size());
+  const Index count = num_shards(plan, node);
   std::erase_if(numbers, [&](Index number) { return number >= count; });
   return numbers;
 }

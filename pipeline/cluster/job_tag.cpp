@@ -84,7 +84,7 @@ std::vector<std::optional<InFlight>> in_flight(const Plan& plan,
       if (std::ranges::find(its->jobs, task.job) == its->jobs.end()) its->jobs.push_back(task.job);
       const Node& made = plan.nodes[node->second];
       if (made.stage != Stage::simulate) continue;
-      add_shards(*tag, task, static_cast<Index>(shards(plan, made).size()), *its);
+      add_shards(*tag, task, num_shards(plan, made), *its);
     }
   }
   return found;

@@ -18,6 +18,11 @@ std::vector<Shard> shards(const Plan& plan, const Node& node) {
   return all;
 }
 
+Index num_shards(const Plan& plan, const Node& node) {
+  const Index size = plan.study.simulate.shard_size;
+  return (num_rows(plan, node) + size - 1) / size;
+}
+
 std::vector<Index> missing_shards(const Plan& plan, const Node& node) {
   std::vector<Index> missing;
   Index number = 0;
@@ -29,7 +34,7 @@ std::vector<Index> missing_shards(const Plan& plan, const Node& node) {
 }
 
 void require_shard(const Plan& plan, const Node& node, Index number) {
-  const auto count = static_cast<Index>(shards(plan, node).size());
+  const Index count = num_shards(plan, node);
   if (number >= 0 && number < count) return;
   throw InputError(
       fmt::format("--shard {}: {} has shards 0 to {}", number, node.label(), count - 1));

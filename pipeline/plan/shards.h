@@ -11,6 +11,9 @@ namespace npdr::pipeline {
 /// All shards of the simulation `node`, there or not.
 std::vector<Shard> shards(const Plan& plan, const Node& node);
 
+/// How many those are.
+Index num_shards(const Plan& plan, const Node& node);
+
 /// Numbers of the shards that aren't there yet.
 std::vector<Index> missing_shards(const Plan& plan, const Node& node);
 

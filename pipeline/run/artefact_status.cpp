@@ -77,8 +77,8 @@ CheckpointKind checkpoint_kind(const Plan& plan, const Node& node) {
 // Nothing: no part of it is there.
 std::optional<std::string> partial_detail(const Plan& plan, const Node& node) {
   if (node.stage == Stage::simulate) {
-    const std::size_t total = shards(plan, node).size();
-    const std::size_t missing = missing_shards(plan, node).size();
+    const Index total = num_shards(plan, node);
+    const Index missing = std::ssize(missing_shards(plan, node));
     if (missing == total) return std::nullopt;
     return fmt::format("{} of {} shards", total - missing, total);
   }

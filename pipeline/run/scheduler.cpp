@@ -286,10 +286,10 @@ std::string Scheduler::job_text(const Job& job) const {
     if (state.total > 0) text += fmt::format(" of {}", state.total);
     text += unit_of(plan_, node);
   }
-  const std::size_t num_shards = node.stage == Stage::simulate ? shards(plan_, node).size() : 0;
-  if (state.done > 0 && num_shards > 1) {
+  const Index count = node.stage == Stage::simulate ? num_shards(plan_, node) : 0;
+  if (state.done > 0 && count > 1) {
     const Index size = plan_.study.simulate.shard_size;
-    text += fmt::format(", shard {} of {}", (state.done + size - 1) / size, num_shards);
+    text += fmt::format(", shard {} of {}", (state.done + size - 1) / size, count);
   }
   return text + (state.note.empty() ? "" : ", " + state.note);
 }
