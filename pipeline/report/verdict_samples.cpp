@@ -85,9 +85,16 @@ std::optional<Yardstick> yardstick(const ReportData& data) {
 // What would let a method learn more of its observation.
 std::string advice_to_learn(const ReportData& data, const std::string& method) {
   using inference::EmbeddingKind;
-  const EmbeddingKind kind = data.plan.study.method(method).embedding.kind;
-  const bool sees_all = kind == EmbeddingKind::all_steps || kind == EmbeddingKind::identity;
-  return std::string(sees_all ? "" : "embedding.kind = \"all_steps\", ") + "more simulations";
+  const MethodConfig& config = data.plan.study.method(method);
+  const EmbeddingKind kind = config.embedding.kind;
+  const inference::AlgorithmTraits& traits = inference::traits_of(config.algorithm.kind);
+  const bool can_train = traits.family == inference::AlgorithmFamily::network &&
+                         traits.role == inference::NetworkRole::posterior;
+  const EmbeddingKind better = can_train ? EmbeddingKind::convolution : EmbeddingKind::all_steps;
+  const bool sees_all =
+      trains_layers(kind) || kind == EmbeddingKind::all_steps || kind == EmbeddingKind::identity;
+  return (sees_all ? "" : fmt::format("embedding.kind = \"{}\", ", name_of(better))) +
+         "more simulations";
 }
 
 Verdict unexplained(double rmse) {
@@ -222,7 +229,9 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
     failed += median > reached->limit ? 1 : 0;
     worst = std::max(worst, median);
   }
-  const std::string size = fmt::format("{:.2g} {}", worst / reached->unit, reached->words);
+  const double times = worst / reached->unit;
+  const std::string size = times < 10.0 ? fmt::format("{:.2g} {}", times, reached->words)
+                                        : fmt::format("{:.0f} {}", times, reached->words);
   if (failed == 0) return {Check::fit, Judgment::passes, "passes, " + size, ""};
   return {
       Check::fit, Judgment::fails,

@@ -253,7 +253,8 @@ double Scheduler::spent(const Job& job) {
 
 double Scheduler::left(const Job& job) const {
   const ChildProcess::State& state = job.process.state();
-  if (state.total > 0 && state.done > 0) {
+  // Where all is done and it goes on, it is at something that it doesn't count.
+  if (state.done > 0 && state.done < state.total) {
     return spent(job) * static_cast<double>(state.total - state.done) /
            static_cast<double>(state.done);
   }

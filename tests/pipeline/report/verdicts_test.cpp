@@ -133,11 +133,11 @@ TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
   EXPECT_EQ(verdict_of(Check::fit).text, "passes, 2.9 times the floor's");
   add_run(samples_around(1.0, 0.02), 3.0);
   EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::fails);
+  plan_.study.methods.front().embedding.kind = inference::EmbeddingKind::last_step;
   EXPECT_NE(verdict_of(Check::fit)
-                .reason.find("30 times the floor's: try embedding.kind = "
-                             "\"all_steps\""),
+                .reason.find("30 times the floor's: try embedding.kind = \"convolution\""),
             std::string::npos);
-  plan_.study.methods.front().embedding.kind = inference::EmbeddingKind::all_steps;
+  plan_.study.methods.front().embedding.kind = inference::EmbeddingKind::convolution;
   EXPECT_NE(verdict_of(Check::fit).reason.find("30 times the floor's: try more simulations"),
             std::string::npos)
       << "what it has already";
