@@ -106,8 +106,12 @@ void describe(Layout f, Ledger& ledger, Index num_failed) {
 }
 
 void describe_warnings(Layout f, std::vector<std::string> warnings) {
-  f.attribute("warnings", warnings,
-              "what is probably wrong with the rows, where a few that were asked for again say so");
+  Layout group = f.group("findings");
+  group.attribute("volatile", Index{1}, "1: not part of the digest");
+  group.attribute(
+      "warnings", warnings,
+      "what is probably wrong with the rows, where calls and a few rows that were asked "
+      "for again say so");
 }
 
 // Copies the rows of a shard; returns how many failed.
@@ -182,8 +186,8 @@ void write_warnings(h5::File& file, const std::vector<std::string>& warnings) {
 }
 
 std::vector<std::string> warnings_of(const h5::File& file) {
-  if (!file.has_attribute("warnings")) return {};
-  return file.attribute<std::vector<std::string>>("warnings");
+  if (!file.has("findings")) return {};
+  return file.group("findings").attribute<std::vector<std::string>>("warnings");
 }
 
 std::string failures(const h5::File& simulation) {
