@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "analysis/escape.h"
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
@@ -161,7 +162,7 @@ void print_samples(const PosteriorArguments& arguments, bool is_first) {
   print_sampler(samples);
   std::vector<std::string> header;
   for (const auto& m : posterior->prior().marginals()) {
-    header.push_back(fmt::format("{} [{}]", m.name, m.unit));
+    header.push_back(analysis::quote_csv(fmt::format("{} [{}]", m.name, m.unit)));
   }
   if (is_first) fmt::print("{}\n", printable_line(join(header, ",")));
   for (Index i = 0; i < theta.rows(); ++i) {

@@ -192,6 +192,15 @@ TEST_F(External, WhatIsFoundDoesNotDependOnTheShards) {
   EXPECT_EQ(digests(folder_ / "5/external-shell"), digests(folder_ / "100/external-shell"));
 }
 
+TEST_F(External, SamplesOfParametersWithCommasInTheirUnitsComeBack) {
+  run_well({"shell.toml", "--until", "infer", "--set", "method.num_simulations=200", "--set",
+            "simulator.parameter=[{name='a', unit='N,m'}, {name='b', unit='1'}]"});
+  const std::string posterior = "runs/external-shell/npe-gaussian/seed-1/round-1/infer.h5";
+  folder_.file("theta.csv", npdr({"sample", posterior, "-n", "3"}).out);
+  const Outcome densities = npdr({"log-prob", posterior, "theta.csv"});
+  EXPECT_EQ(densities.status, 0) << densities.err;
+}
+
 TEST_F(External, ADatasetNeedsNoSimulator) {
   const Outcome imported = import_dataset();
   EXPECT_TRUE(says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b",
