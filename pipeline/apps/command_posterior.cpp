@@ -140,7 +140,7 @@ std::unique_ptr<inference::Posterior> read(const PosteriorArguments& arguments) 
 
 // Anybody may have made the file, and some crash HDF5: a child goes first.
 std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) {
-  if (!survives([&] { read(arguments); })) throw damaged_file(arguments.posterior);
+  try_to_read(arguments.posterior, [&] { read(arguments); });
   return read(arguments);
 }
 

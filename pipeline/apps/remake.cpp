@@ -12,7 +12,7 @@
 namespace npdr::pipeline {
 
 Remake::Remake(const std::filesystem::path& file, Plan plan) : file_(file), plan_(std::move(plan)) {
-  if (!survives([&] { content_digest(file); })) throw damaged_file(file);
+  try_to_read(file, [&] { content_digest(file); });
   const ArtefactInfo info = read_artefact_info(file);
   // A checkpoint has the key of what it becomes.
   if (info.schema.name.ends_with("_checkpoint")) {

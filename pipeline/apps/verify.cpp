@@ -292,7 +292,7 @@ Verification verify_rows(const std::filesystem::path& path, const ArtefactInfo& 
 Verification verify(const std::filesystem::path& given, const VerifyOptions& options) {
   // A link of the readable folder leads to the cache, where the inputs lie.
   const std::filesystem::path path = std::filesystem::weakly_canonical(given);
-  if (!survives([&] { read_all(path, options); })) throw damaged_file(path);
+  try_to_read(path, [&] { read_all(path, options); });
   const ArtefactInfo info = read_artefact_info(path);
   try {
     return verify_rows(path, info, options);

@@ -16,7 +16,7 @@ namespace npdr::pipeline {
 /// doesn't come to an end, and what `read` throws.
 template <class Read>
 auto read_from_outside(const std::filesystem::path& path, const Read& read) {
-  if (!survives([&] { read(h5::File::open(path)); })) throw damaged_file(path);
+  try_to_read(path, [&] { read(h5::File::open(path)); });
   return read(h5::File::open(path));
 }
 

@@ -1,6 +1,7 @@
 #include "pipeline/process/forked_trial.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -10,23 +11,31 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
+
+#include "core/error.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr rlim_t kMaxSeconds = 60;  // of processor time
-constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU, SIGALRM};
+constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL};
+constexpr std::array kTimeouts = {SIGXCPU, SIGALRM};
 
-[[noreturn]] void act_and_exit(const std::function<void()>& action, unsigned time_limit,
+// A slow disk reads them.
+constexpr std::uintmax_t kBytesPerSecond = 20'000'000;
+constexpr std::uintmax_t kMaxMoreSeconds = 6 * 3600;
+
+[[noreturn]] void act_and_exit(const std::function<void()>& action, const TrialLimits& limits,
                                pid_t parent) {
-  const rlimit limit{kMaxSeconds, kMaxSeconds + 1};
+  const rlimit limit{limits.cpu_seconds, limits.cpu_seconds + 1};
   setrlimit(RLIMIT_CPU, &limit);
   prctl(PR_SET_DUMPABLE, 0);  // no core file
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(0);  // it died before
   for (const int signal : kCrashes) std::signal(signal, SIG_DFL);
+  for (const int signal : kTimeouts) std::signal(signal, SIG_DFL);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_DFL);
-  alarm(time_limit);
+  alarm(limits.seconds);
   const int nowhere = open("/dev/null", O_WRONLY);
   dup2(nowhere, STDOUT_FILENO);
   dup2(nowhere, STDERR_FILENO);
@@ -37,30 +46,56 @@ constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXC
   _exit(0);
 }
 
-// Others, such as SIGKILL for want of memory, say nothing of the action.
-bool is_crash(int status) {
-  if (WIFEXITED(status)) return WEXITSTATUS(status) != 0;
-  return std::ranges::find(kCrashes, WTERMSIG(status)) != kCrashes.end();
+bool is_one_of(int signal, const auto& signals) {
+  return std::ranges::find(signals, signal) != signals.end();
+}
+
+// Other signals, such as SIGKILL for want of memory, say nothing of the action.
+Ending ending_of(int status) {
+  if (WIFEXITED(status)) return WEXITSTATUS(status) == 0 ? Ending::came_back : Ending::crashed;
+  if (is_one_of(WTERMSIG(status), kTimeouts)) return Ending::ran_out_of_time;
+  return is_one_of(WTERMSIG(status), kCrashes) ? Ending::crashed : Ending::came_back;
+}
+
+TrialLimits limits_for(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  TrialLimits limits;
+  if (error) return limits;
+  const auto more = static_cast<unsigned>(std::min(size / kBytesPerSecond, kMaxMoreSeconds));
+  return {limits.cpu_seconds + more, limits.seconds + more};
 }
 
 }  // namespace
 
-bool survives(const std::function<void()>& action, unsigned time_limit) {
+Ending try_in_child(const std::function<void()>& action, const TrialLimits& limits) {
   const pid_t parent = getpid();
   const pid_t child = fork();
-  if (child == 0) act_and_exit(action, time_limit, parent);
-  if (child < 0) return true;
+  if (child == 0) act_and_exit(action, limits, parent);
+  if (child < 0) return Ending::came_back;
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return true;
+    if (errno != EINTR) return Ending::came_back;
   }
-  return !is_crash(status);
+  return ending_of(status);
 }
 
-InputError damaged_file(const std::filesystem::path& path) {
-  return InputError(path.string() +
-                    ": is damaged: the HDF5 library crashes on it or doesn't come to an end; copy "
-                    "it again from its source");
+void try_to_read(const std::filesystem::path& path, const std::function<void()>& read) {
+  const TrialLimits limits = limits_for(path);
+  switch (try_in_child(read, limits)) {
+    case Ending::came_back:
+      return;
+    case Ending::crashed:
+      throw InputError(
+          path.string() +
+          ": is damaged: the HDF5 library crashes on it; copy it again from its source");
+    case Ending::ran_out_of_time:
+      throw InputError(
+          fmt::format("{}: reading it came to no end within {} s of processor time, {} s in all: "
+                      "it is damaged, "
+                      "or made to mislead (copy it again from its source), or its disk is too slow",
+                      path.string(), limits.cpu_seconds, limits.seconds));
+  }
 }
 
 }  // namespace npdr::pipeline

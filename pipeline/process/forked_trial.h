@@ -4,17 +4,24 @@
 #include <filesystem>
 #include <functional>
 
-#include "core/error.h"
-
 namespace npdr::pipeline {
 
-/// Runs `action` in a copy of this process and throws its results away: what it returns, throws and
-/// prints. False when it doesn't come back: a library crashed (a signal such as SIGSEGV, or an exit
-/// of its own), used a minute of processor time, or took `time_limit` seconds. True, too, when it
-/// can't be found out. `action` must not use threads, and no other thread may hold what it needs.
-bool survives(const std::function<void()>& action, unsigned time_limit = 600);
+/// What became of an action in a child process.
+enum class Ending { came_back, crashed, ran_out_of_time };
 
-/// The error of an HDF5 file that can't be survived.
-InputError damaged_file(const std::filesystem::path& path);
+struct TrialLimits {
+  unsigned cpu_seconds = 60;  ///< of processor time
+  unsigned seconds = 600;     ///< of all
+};
+
+/// Runs `action` in a copy of this process and throws its results away: what it returns, throws and
+/// prints. It crashed when a library did (a signal such as SIGSEGV, or an exit of its own), and
+/// came back when it can't be found out. `action` must not use threads, and no other thread may
+/// hold what it needs.
+Ending try_in_child(const std::function<void()>& action, const TrialLimits& limits = {});
+
+/// Tries to read an HDF5 file that anybody may have made, for as long as its size may need. Throws
+/// InputError where `read` crashes or comes to no end.
+void try_to_read(const std::filesystem::path& path, const std::function<void()>& read);
 
 }  // namespace npdr::pipeline

@@ -77,7 +77,7 @@ class Damage : public Faults {
       write_bytes(damaged, flipped(kept.bytes(), at));
       const fs::path outcome = folder_->path() / "outcome";
       write_bytes(outcome, "crashed");
-      survives([&] {
+      try_in_child([&] {
         std::string said = "wrong";
         try {
           if (read() == good) said = "harmless";

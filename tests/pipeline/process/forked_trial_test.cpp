@@ -7,30 +7,45 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "core/error.h"
+#include "tests/message_of.h"
+
 namespace npdr::pipeline {
 namespace {
 
 TEST(ForkedTrial, TellsACrashFromAnEnd) {
-  EXPECT_TRUE(survives([] {}));
-  EXPECT_TRUE(survives([] { throw std::runtime_error("no crash"); }));
-  EXPECT_FALSE(survives([] { std::raise(SIGSEGV); }));
-  EXPECT_FALSE(survives([] { std::abort(); }));
-  EXPECT_FALSE(survives([] { std::raise(SIGXCPU); })) << "it never ends";
-  EXPECT_FALSE(survives([] { std::_Exit(1); })) << "a sanitizer found an error";
+  EXPECT_EQ(try_in_child([] {}), Ending::came_back);
+  EXPECT_EQ(try_in_child([] { throw std::runtime_error("no crash"); }), Ending::came_back);
+  EXPECT_EQ(try_in_child([] { std::raise(SIGSEGV); }), Ending::crashed);
+  EXPECT_EQ(try_in_child([] { std::abort(); }), Ending::crashed);
+  EXPECT_EQ(try_in_child([] { std::_Exit(1); }), Ending::crashed) << "a sanitizer's exit";
 }
 
-TEST(ForkedTrial, WhatNeverEndsIsACrash) {
-  EXPECT_FALSE(survives([] { pause(); }, 1));
+TEST(ForkedTrial, EndsWhatNeverDoes) {
+  EXPECT_EQ(try_in_child([] { pause(); }, {.seconds = 1}), Ending::ran_out_of_time);
+  EXPECT_EQ(try_in_child([] { std::raise(SIGXCPU); }), Ending::ran_out_of_time);
 }
 
 TEST(ForkedTrial, WhatComesFromOutsideIsNoCrash) {
-  EXPECT_TRUE(survives([] { std::raise(SIGKILL); }));
+  EXPECT_EQ(try_in_child([] { std::raise(SIGKILL); }), Ending::came_back);
 }
 
 TEST(ForkedTrial, LeavesThisProcessAsItWas) {
   int value = 1;
-  EXPECT_TRUE(survives([&] { value = 2; }));
+  EXPECT_EQ(try_in_child([&] { value = 2; }), Ending::came_back);
   EXPECT_EQ(value, 1);
+}
+
+TEST(ForkedTrial, TellsADamagedFileFromASlowOne) {
+  const auto read_by = [](int signal) {
+    return [signal] { try_to_read("recording.h5", [signal] { std::raise(signal); }); };
+  };
+  EXPECT_TRUE(says(message_of<InputError>(read_by(SIGSEGV)),
+                   {"recording.h5: is damaged: the HDF5 library crashes on it; copy it again"}));
+  EXPECT_TRUE(says(message_of<InputError>(read_by(SIGXCPU)),
+                   {"recording.h5: reading it came to no end within 60 s of processor time",
+                    "or its disk is too slow"}));
+  EXPECT_NO_THROW(read_by(SIGKILL)());
 }
 
 }  // namespace
