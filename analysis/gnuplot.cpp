@@ -125,9 +125,7 @@ void write_data_file(const std::filesystem::path& path, std::string_view comment
                      const RowMatrix& values) {
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
-  std::string line(comment);
-  for (char& c : line) c = c == '\n' || c == '\r' ? ' ' : c;
-  fmt::format_to(out, "# {}\n", line);
+  fmt::format_to(out, "# {}\n", printable_line(comment));
   for (Index i = 0; i < values.rows(); ++i) {
     for (Index k = 0; k < values.cols(); ++k) {
       const double v = values(i, k);

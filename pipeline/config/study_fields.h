@@ -74,7 +74,7 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
   f("principal_components", c.principal_components, count_from(0),
     "of the features, for the network to see; 0: the features themselves");
   f("downsample", c.downsample, count_from(1),
-    "keep every k-th state; a multiple of simulator.store_every");
+    "keep every k-th state; a multiple of simulator.store_every, which it is when left out");
   f("channels", c.channels, anything<std::vector<std::string>>(),
     "state channels to keep; empty: all");
 }

@@ -71,10 +71,13 @@ void resolve_algorithm(MethodConfig& method, std::size_t i, const Reading& readi
   if (method.algorithm.num_rounds > 1 || has_setting) method.algorithm.kind = npe_c;
 }
 
-// Principal components are of all steps. Features are as many as tell the parameters apart: a wider
-// layer learns the simulations by heart.
+// All states that are stored are seen. Principal components are of all steps. Features are as many
+// as tell the parameters apart: a wider layer learns the simulations by heart.
 void resolve_embedding(Study& study, std::size_t i, const Reading& reading) {
   const std::string path = "method[" + std::to_string(i) + "].embedding.";
+  if (!reading.has(path + "downsample")) {
+    study.methods[i].embedding.downsample = study.simulator.store_every;
+  }
   const bool has_components = reading.has(path + "principal_components");
   if (study.source().gives_motion && has_components && !reading.has(path + "kind")) {
     study.methods[i].embedding.kind = inference::EmbeddingKind::all_steps;
@@ -85,8 +88,7 @@ void resolve_embedding(Study& study, std::size_t i, const Reading& reading) {
   features = std::max(features, twice);
 }
 
-// Without a network there is no layer to train, and no reason to look at fewer states than are
-// there.
+// Without a network there is no layer to train.
 void resolve_without_network(Study& study, std::size_t i, const Reading& reading) {
   MethodConfig& method = study.methods[i];
   const auto family = inference::traits_of(method.algorithm.kind).family;
@@ -94,9 +96,6 @@ void resolve_without_network(Study& study, std::size_t i, const Reading& reading
   const std::string embedding = "method[" + std::to_string(i) + "].embedding.";
   if (!reading.has(embedding + "kind") && study.source().gives_motion) {
     method.embedding.kind = inference::EmbeddingKind::all_steps;
-  }
-  if (!reading.has(embedding + "downsample")) {
-    method.embedding.downsample = study.simulator.store_every;
   }
   // Each population is that share of the last one: 0.1 would leave none after a few rounds.
   constexpr double smc_quantile = 0.5;

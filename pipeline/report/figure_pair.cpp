@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
+#include <iterator>
+#include <vector>
 
 #include "analysis/figure.h"
 #include "analysis/pair_plot.h"
@@ -31,10 +32,14 @@ analysis::PairParameter axis_of(const analysis::PairPlot& plot, const inference:
   const Vector ends = drawn(m, Vector{{low, high}});
   analysis::Range range;
   for (const analysis::SampleSet& set : plot.sets) {
-    Vector sorted = set.samples.col(d);
-    std::ranges::sort(sorted);
-    const std::span<const double> all(sorted.data(), static_cast<std::size_t>(sorted.size()));
-    for (const double level : {0.005, 0.995}) range.add(analysis::quantile_of_sorted(all, level));
+    std::vector<double> finite;
+    std::ranges::copy_if(set.samples.col(d), std::back_inserter(finite),
+                         [](double value) { return std::isfinite(value); });
+    if (finite.empty()) continue;
+    std::ranges::sort(finite);
+    for (const double level : {0.005, 0.995}) {
+      range.add(analysis::quantile_of_sorted(finite, level));
+    }
   }
   range = range.widened(0.15);
   const double lower = std::clamp(range.lower, ends(0), ends(1));

@@ -107,9 +107,9 @@ TEST(Gnuplot, DataFilesHaveAllDigits) {
   const TempFolder folder;
   RowMatrix values(2, 2);
   values << 0.1, 1.0 / 3.0, std::numeric_limits<double>::infinity(), -2e-300;
-  write_data_file(folder.path() / "data.dat", "one\ntwo", values);
+  write_data_file(folder.path() / "data.dat", "one\ntwo\x1b[2J", values);
   EXPECT_EQ(read_text_file(folder.path() / "data.dat"),
-            "# one two\n0.1 0.3333333333333333\nNaN -2e-300\n");
+            "# one\uFFFDtwo\uFFFD[2J\n0.1 0.3333333333333333\nNaN -2e-300\n");
 }
 
 }  // namespace
