@@ -118,8 +118,15 @@ PoolPowers PooledPosterior::usable_powers() const {
   return part_of_way(low);
 }
 
-RowMatrix PooledPosterior::draw_group(const StreamId& id, double& effective,
-                                      Index& num_candidates) const {
+struct PooledPosterior::Group {
+  RowMatrix theta;  // (kGroup, D)
+  double effective_size = 0.0;
+  Index num_candidates = 0;
+  double log_mean_weight = 0.0;
+};
+
+PooledPosterior::Group PooledPosterior::draw_group(const StreamId& id) const {
+  Group group;
   RowMatrix candidates(0, prior().dimension());
   Vector log_weights;
   StreamId batch = within(id, "pool_candidates");
@@ -131,17 +138,19 @@ RowMatrix PooledPosterior::draw_group(const StreamId& id, double& effective,
     candidates.bottomRows(more.rows()) = more;
     log_weights.conservativeResize(candidates.rows());
     log_weights.tail(more.rows()) = evidence(more).log_weights(powers());
-    effective = effective_size(weights_of(log_weights));
-    if (effective >= 2.0 * kGroup) break;
+    group.effective_size = effective_size(weights_of(log_weights));
+    if (group.effective_size >= 2.0 * kGroup) break;
   }
-  num_candidates += candidates.rows();
+  group.num_candidates = candidates.rows();
+  group.log_mean_weight =
+      log_sum_exp(log_weights) - std::log(static_cast<double>(candidates.rows()));
   Stream stream(within(id, "pool_resampling"));
   const std::vector<Index> rows =
       systematic_resample(weights_of(log_weights), kGroup, stream.uniform());
-  RowMatrix group(kGroup, candidates.cols());
+  group.theta.resize(kGroup, candidates.cols());
   Index place = 0;
   for (const std::uint32_t i : stream.permutation(kGroup)) {
-    group.row(place++) = candidates.row(rows[i]);
+    group.theta.row(place++) = candidates.row(rows[i]);
   }
   return group;
 }
@@ -149,16 +158,19 @@ RowMatrix PooledPosterior::draw_group(const StreamId& id, double& effective,
 Samples PooledPosterior::draw(Index n, const StreamId& id) const {
   if (powers() == kPosteriorAlone) return posterior_.draw(n, id);
   RowMatrix theta(n, prior().dimension());
-  SamplerReport report{.r_hat = {}, .ess = Vector::Zero(1), .num_evaluations = 0};
+  SamplerReport report{.r_hat = {}, .ess = Vector::Zero(1)};
+  Vector log_means((n + kGroup - 1) / kGroup);
   for (Index first = 0; first < n; first += kGroup) {
     StreamId of_group = id;
     of_group.row += static_cast<std::uint64_t>(first);
-    double effective = 0.0;
-    const RowMatrix group = draw_group(of_group, effective, report.num_evaluations);
+    const Group group = draw_group(of_group);
     const Index rows = std::min(kGroup, n - first);
-    theta.middleRows(first, rows) = group.topRows(rows);
-    report.ess(0) += effective;
+    theta.middleRows(first, rows) = group.theta.topRows(rows);
+    report.ess(0) += group.effective_size;
+    report.num_evaluations += group.num_candidates;
+    log_means(first / kGroup) = group.log_mean_weight;
   }
+  report.log_normalizer = log_sum_exp(log_means) - std::log(static_cast<double>(log_means.size()));
   return {theta, report};
 }
 

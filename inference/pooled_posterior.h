@@ -54,10 +54,11 @@ class PooledPosterior : public NetworkPosterior {
 
  private:
   struct Known;
+  struct Group;
 
   PoolEvidence evidence(const RowMatrix& theta, const Vector& log_q) const;
   PoolEvidence evidence_of_draws(Index n, const StreamId& id) const;
-  RowMatrix draw_group(const StreamId& id, double& effective_size, Index& num_candidates) const;
+  Group draw_group(const StreamId& id) const;
   PoolPowers usable_powers() const;
   double estimate_log_normalizer() const;
 

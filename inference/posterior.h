@@ -1,6 +1,7 @@
 /// A posterior p(theta | x_o), whatever method made it.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -15,6 +16,8 @@ struct SamplerReport {
   Vector r_hat;  ///< (D) of Markov chains, in the space of u; empty: there were none
   Vector ess;    ///< (D) effective sample sizes of the chains; (1) that of importance weights
   Index num_evaluations = 0;  ///< of the density
+  /// log Z [nats], which relative_log_prob() lacks, by the weights of the candidates; NaN: unknown.
+  double log_normalizer = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Samples of a posterior, and how good they are where that isn't certain.

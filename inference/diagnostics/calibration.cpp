@@ -24,17 +24,20 @@ CalibrationRanks rank_truths(const AmortizedPosterior& posterior_given, const Ro
   }
   const Index n = theta.rows(), d = theta.cols();
   CalibrationRanks result{
-      num_samples, {n, d}, VectorX<std::int64_t>(n), VectorX<std::int64_t>(n), RowMatrix(n, d)};
+      num_samples,     {n, d},   VectorX<std::int64_t>(n), VectorX<std::int64_t>(n),
+      RowMatrix(n, d), Vector(n)};
   for (Index i = 0; i < n; ++i) {
     const Vector truth = theta.row(i).transpose();
     const auto given = posterior_given(x.row(i).transpose());
-    const RowMatrix samples = given->sample(num_samples, of_simulation(id, "calibration", i));
+    const Samples drawn = given->draw(num_samples, of_simulation(id, "calibration", i));
+    const RowMatrix& samples = drawn.theta;
     const std::vector<Index> of_parameters = ranks(samples, truth);
     for (Index k = 0; k < d; ++k) {
       result.parameter(i, k) = of_parameters[static_cast<std::size_t>(k)];
     }
-    result.density(i) = density_rank(given->relative_log_prob(samples),
-                                     given->relative_log_prob(truth.transpose())(0));
+    const double of_truth = given->relative_log_prob(truth.transpose())(0);
+    result.density(i) = density_rank(given->relative_log_prob(samples), of_truth);
+    result.log_prob(i) = of_truth - (drawn.report ? drawn.report->log_normalizer : 0.0);
     Stream stream(of_simulation(id, "calibration_reference", i));
     const Vector reference = Vector::NullaryExpr(d, [&](Index) { return stream.normal(); });
     const auto to_normal = [&](const RowMatrix& rows) { return given->prior().to_normal(rows); };

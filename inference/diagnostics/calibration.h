@@ -1,5 +1,7 @@
 /// Answers of an amortized posterior to many simulations with known parameters: the raw material of
-/// sbc.h, coverage.h and local_c2st.h. Each observation is sampled once for all of them.
+/// sbc.h, coverage.h and local_c2st.h, and the density of the truths, whose mean is largest for the
+/// posterior that is right (a strictly proper score; Gneiting and Raftery 2007). Each observation
+/// is sampled once for all of them.
 #pragma once
 
 #include <functional>
@@ -16,6 +18,7 @@ struct CalibrationRanks {
   VectorX<std::int64_t> density;       ///< (n) how many samples are more likely
   VectorX<std::int64_t> distance;      ///< (n) how many are nearer to a random draw of the prior
   RowMatrix theta;                     ///< (n, D) one sample of each posterior
+  Vector log_prob;  ///< (n) density of the truths [nats]; NaN where a normaliser would cost more
 };
 
 /// The posterior given x (F).

@@ -109,6 +109,9 @@ void describe(Layout f, Diagnosis& d, const std::vector<inference::Marginal>& pr
   f.attribute("num_samples", d.num_samples, "posterior samples per observation");
   f.attribute("num_simulations", d.num_simulations, "n of calibration, without the failed ones");
   f.attribute("num_failed", d.num_failed, "those");
+  f("truth_log_prob", d.truth_log_prob, {kRow},
+    "posterior density of their parameters [nats]; NaN where a normaliser would cost more",
+    {.unless_empty = true});
   if (auto group = f.group("sbc", d.sbc)) describe(*group, *d.sbc, prior);
   if (auto group = f.group("coverage", d.coverage)) describe(*group, *d.coverage);
   if (auto group = f.group("tarp", d.tarp)) describe(*group, *d.tarp);

@@ -50,6 +50,7 @@ struct Diagnosis {
   Index num_samples = 0;
   Index num_simulations = 0;  ///< of calibration, without the failed ones
   Index num_failed = 0;
+  Vector truth_log_prob;  ///< (n) posterior density of their parameters [nats]; may be NaN
   std::optional<SbcResult> sbc;
   std::optional<CoverageResult> coverage;
   std::optional<CoverageResult> tarp;

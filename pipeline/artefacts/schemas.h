@@ -16,7 +16,7 @@ inline const Schema kCheckpointSchema{"training_checkpoint", 4, "infer"};
 inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 5, "infer"};
 inline const Schema kBaselineSchema{"baseline", 4, "baseline"};
 inline const Schema kEvaluationSchema{"evaluation", 7, "evaluate"};
-inline const Schema kDiagnosisSchema{"diagnosis", 3, "diagnose"};
+inline const Schema kDiagnosisSchema{"diagnosis", 4, "diagnose"};
 inline const Schema kPolicySchema{"policy", 1, "policy"};
 inline const Schema kPolicyCheckpointSchema{"policy_checkpoint", 1, "policy"};
 inline const Schema kPolicyTestSchema{"policy_test", 1, "policy_test"};

@@ -41,6 +41,26 @@ void note_left_out(const ReportData& data, const std::string& method, Table& tab
   }
 }
 
+// The larger, the better: it tells methods, embeddings and estimators of a study apart.
+void add_score(const ReportData& data, Table& table) {
+  const auto score = [](const ResultOf<Diagnosis>* d) { return d->result.truth_log_prob.mean(); };
+  std::vector<Cell> cells(data.methods.size());
+  bool has_any = false;
+  for (std::size_t m = 0; m < data.methods.size(); ++m) {
+    const auto diagnoses = data.diagnoses_of(data.methods[m]);
+    if (diagnoses.empty() || diagnoses.front()->result.truth_log_prob.size() == 0) continue;
+    const analysis::Summary of_seeds = analysis::summarize(each(diagnoses, score));
+    if (of_seeds.n == 0) continue;
+    cells[m] = of_seeds;
+    has_any = true;
+  }
+  if (!has_any) return;
+  table.rows.push_back({"log p of fresh truths", cells});
+  table.rows.back().cells.front().notes.push_back(table.footnote(
+      "no check, but a score: mean density that the posteriors of fresh simulations give to their "
+      "parameters [nats], the larger, the better; of each seed"));
+}
+
 Table make(const ReportData& data) {
   const DiagnoseConfig& config = data.plan.study.diagnose;
   Table table = empty_table(
@@ -66,6 +86,7 @@ Table make(const ReportData& data) {
       cell.notes.push_back(table.footnote(method + ": " + verdict.reason));
     }
   }
+  add_score(data, table);
   return table;
 }
 

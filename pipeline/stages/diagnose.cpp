@@ -298,6 +298,7 @@ void run_diagnose(const Plan& plan, const Node& node) {
     c.calibration = calibrate(c);
     diagnosis.num_simulations = c.calibration.theta.rows();
     diagnosis.num_failed = c.calibration.num_failed;
+    diagnosis.truth_log_prob = c.calibration.ranks.log_prob;
   }
   for (const Check check : values_of<Check>()) {
     if (c.config.has(check)) run_check(check, c, diagnosis);

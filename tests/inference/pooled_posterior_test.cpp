@@ -67,6 +67,15 @@ TEST(PooledPosterior, DensityIsThePoolOfBothAndIntegratesToOne) {
   }
 }
 
+// Both are means of the same weights: over 20,000 candidates, and over 3 x 2000 at least.
+TEST(PooledPosterior, DrawingEstimatesItsNormalizer) {
+  const PooledPosterior pool(some_pool({0.6, 0.9}));
+  const Samples samples = pool.draw(1300, kId);
+  ASSERT_TRUE(samples.report);
+  EXPECT_NEAR(samples.report->log_normalizer, pool.log_normalizer(), 0.06);
+  EXPECT_NE(pool.log_normalizer(), 0.0);
+}
+
 TEST(PooledPosterior, SamplesHaveTheQuantilesOfTheDensity) {
   const PooledPosterior pool(some_pool({0.4, 0.9}));
   const Samples samples = pool.draw(5000, kId);

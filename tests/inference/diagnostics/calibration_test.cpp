@@ -17,6 +17,7 @@ struct Verdicts {
   Sbc sbc;
   Coverage density;
   Coverage distance;
+  double mean_log_prob = 0.0;
 };
 
 Vector spread(const VectorX<std::int64_t>& ranks, Index num_samples, std::string_view name) {
@@ -32,7 +33,7 @@ Verdicts judge(const Fault& fault) {
   of_parameters << spread(ranks.parameter.col(0), 200, "first"),
       spread(ranks.parameter.col(1), 200, "second");
   return {test_sbc(of_parameters), measure_coverage(spread(ranks.density, 200, "density")),
-          measure_coverage(spread(ranks.distance, 200, "distance"))};
+          measure_coverage(spread(ranks.distance, 200, "distance")), ranks.log_prob.mean()};
 }
 
 // Each p-value is below 1 % in 1 % of all seeds; three of them, a fixed seed.
@@ -54,6 +55,19 @@ TEST(Calibration, CoverageOfAWrongWidthIsKnown) {
       const double error = std::sqrt(expected * (1.0 - expected) / kNumSimulations);
       EXPECT_NEAR(found.coverage(i), expected, 4.0 * error + 0.005) << width << ' ' << i;
     }
+  }
+}
+
+// Of a Gaussian in D = 2 that is w times as wide as the right one, whose covariance is S: the mean
+// of log q(theta) is -log 2 pi - log|S| / 2 - 2 log w - 1 / w^2.
+TEST(Calibration, TheDensityOfTruthsIsKnown) {
+  const double half_log_det = 0.5 * std::log(LinearGaussian(2).covariance().determinant());
+  for (const double w : {0.6, 1.0, 1.6}) {
+    const double expected =
+        -std::log(2.0 * M_PI) - half_log_det - 2.0 * std::log(w) - 1.0 / (w * w);
+    // Four standard errors of an exponential variable over w^2 (false-alarm rate 6e-5 each).
+    const double error = 1.0 / (w * w) / std::sqrt(static_cast<double>(kNumSimulations));
+    EXPECT_NEAR(judge({.width = w}).mean_log_prob, expected, 4.0 * error) << w;
   }
 }
 
@@ -85,6 +99,7 @@ TEST(Calibration, ASimulationDependsOnItsOwnNumberAlone) {
   EXPECT_EQ(some.density, all.density.head(4));
   EXPECT_EQ(some.distance, all.distance.head(4));
   EXPECT_EQ(some.theta, all.theta.topRows(4));
+  EXPECT_EQ(some.log_prob, all.log_prob.head(4));
   EXPECT_NE(all.theta.row(0), all.theta.row(1));
   EXPECT_THROW(rank_truths(amortized(task), theta, x.topRows(3), 50, kId), ShapeError);
 }

@@ -33,11 +33,13 @@ class GaussianPosterior : public Posterior {
     }
     return {theta};
   }
-  /// Without its constant.
   Vector log_prob(const RowMatrix& theta) const override {
     const RowMatrix centered = theta.rowwise() - mean_.transpose();
     const auto triangle = factor_.triangularView<Eigen::Lower>();
-    return -0.5 * triangle.solve(centered.transpose()).colwise().squaredNorm().transpose();
+    const double log_peak = -factor_.diagonal().array().log().sum() -
+                            0.5 * static_cast<double>(mean_.size()) * std::log(2.0 * M_PI);
+    return log_peak -
+           0.5 * triangle.solve(centered.transpose()).colwise().squaredNorm().transpose().array();
   }
 
  private:
