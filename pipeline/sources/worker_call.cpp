@@ -6,12 +6,14 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/worker_process.h"
+#include "pipeline/sources/command_text.h"
 #include "pipeline/sources/program_call.h"
 
 namespace npdr::pipeline {
@@ -101,11 +103,38 @@ Json parse_header(const std::string& header) {
   return json;
 }
 
+// What the program has imported, by its own words, and the study's key doesn't have: an edited file
+// of these reruns nothing. "": nothing.
+std::string unnamed_imports(const Json& hello, const ExternalConfig& external) {
+  constexpr std::size_t most = 5;
+  const std::filesystem::path folder = external.folder;
+  std::error_code error;
+  const auto real = [&](const std::string& name) {
+    return std::filesystem::weakly_canonical(folder / name, error);
+  };
+  std::set<std::filesystem::path> named;
+  for (const std::string& name : external.files) named.insert(real(name));
+  for (const auto& [word, hash] : named_files(*external.worker, folder)) named.insert(real(word));
+  std::vector<std::string> unnamed;
+  for (const Json& file : hello.value("files", Json::array())) {
+    if (!file.is_string() || named.contains(real(file.get<std::string>()))) continue;
+    unnamed.push_back(quoted(shortened(file.get<std::string>())));
+  }
+  if (unnamed.empty()) return "";
+  const std::size_t more = unnamed.size() - std::min(unnamed.size(), most);
+  unnamed.resize(unnamed.size() - more);
+  return fmt::format(
+      "the worker imports {}{}, which the study doesn't name: when edited, nothing is simulated "
+      "again; add simulator.files = [{}]",
+      join(unnamed), more > 0 ? fmt::format(" and {} more", more) : "", join(unnamed));
+}
+
 class WorkerCall final : public ProgramCall {
  public:
   WorkerCall(const ExternalConfig& external, sim::SimulatorInfo info, ProgramInputs inputs,
              int threads)
-      : command_{*external.worker,
+      : external_(external),
+        command_{*external.worker,
                  external.folder,
                  {{"PYTHONPATH", python_path()}, {"OMP_NUM_THREADS", std::to_string(threads)}}},
         start_limit_(std::max(kStartSeconds, external.start_time)),
@@ -123,6 +152,7 @@ class WorkerCall final : public ProgramCall {
         [&](const std::string& header) { return read_header(header, n, message); }, body_);
     ProgramOutcome outcome;
     outcome.output = worker_->take_output();
+    outcome.warning = warning_;
     outcome.problem = reply.problem.empty() ? message : reply.problem;
     if (!reply.problem.empty()) {
       outcome.succeeded = false;
@@ -156,9 +186,11 @@ class WorkerCall final : public ProgramCall {
     const std::string line = Json({{"npdr_worker", kProtocol}, {"request", "hello"}}).dump() + "\n";
     const WorkerReply reply = worker_->exchange(
         line, start_limit_,
-        [](const std::string& header) -> std::size_t {
-          if (parse_header(header).value("reply", Json()) == "hello") return 0;
-          throw InputError("must be \"hello\"");
+        [&](const std::string& header) -> std::size_t {
+          const Json hello = parse_header(header);
+          if (hello.value("reply", Json()) != "hello") throw InputError("must be \"hello\"");
+          warning_ = unnamed_imports(hello, external_);
+          return 0;
         },
         body_);
     if (reply.problem.empty()) return std::nullopt;
@@ -246,8 +278,10 @@ class WorkerCall final : public ProgramCall {
                : RolloutStatus::crashed;
   }
 
+  ExternalConfig external_;
   ShellCommand command_;
-  double start_limit_;  // [s]
+  std::string warning_;  // about the program, since it has started
+  double start_limit_;   // [s]
   sim::SimulatorInfo info_;
   ProgramInputs inputs_;
   std::optional<WorkerProcess> worker_;

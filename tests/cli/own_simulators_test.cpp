@@ -219,6 +219,32 @@ npdr_worker.serve(simulate)
   EXPECT_NE(simulated(), before);
 }
 
+TEST_F(OwnSimulators, ImportsThatTheStudyDoesNotNameAreTold) {
+  const std::string python = python_with("numpy");
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+  copy_example("spring");
+  folder_.file("constants.py", "SLOPE = 1.0\n");
+  folder_.file("sim.py", R"py(
+import npdr_worker
+from constants import SLOPE
+def simulate(theta, first_state, actions, dt, rng):
+    return [[SLOPE * theta["stiffness"] + rng.normal(), 0.0] for _ in actions]
+npdr_worker.serve(simulate)
+)py");
+  const auto said = [&](const std::string& files) {
+    const Outcome outcome = npdr({"run", "worker.toml", "--until", "simulate", "--set",
+                                  "method.num_simulations=70", "--set", "simulator.files=" + files,
+                                  "--set", "simulator.worker='" + python + " sim.py'"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.err;
+  };
+  const std::string warning =
+      "the worker imports 'constants.py', which the study doesn't name: when edited, nothing is "
+      "simulated again; add simulator.files = ['constants.py']";
+  EXPECT_NE(said("[]").find(warning), std::string::npos) << said("[]");
+  EXPECT_EQ(said("['constants.py']").find("the worker imports"), std::string::npos);
+}
+
 // A command that writes states: x = stiffness + t in each row.
 TEST_F(OwnSimulators, ACommandGivesRollouts) {
   copy_example("spring");

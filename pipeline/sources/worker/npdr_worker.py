@@ -56,7 +56,7 @@ def serve(simulate, batch=False):
             sys.exit("npdr_worker: protocol %s, must be %d: use the npdr_worker.py of this npdr"
                      % (header["npdr_worker"], PROTOCOL))
         if header["request"] == "hello":
-            _write({"reply": "hello"})
+            _write({"reply": "hello", "files": _own_files()})
             continue
         arrays = {a["name"]: _read_array(a) for a in header["arrays"]}
         try:
@@ -64,6 +64,17 @@ def serve(simulate, batch=False):
         except Exception:  # of the whole request; rows have theirs caught one by one
             traceback.print_exc()
             _write({"reply": "error", "message": _last_line()})
+
+
+def _own_files():
+    """The program's modules in the folder that it runs in, but for those that are installed."""
+    here = os.path.realpath(os.getcwd())
+    loaded = [getattr(module, "__file__", None) for module in list(sys.modules.values())]
+    paths = {os.path.realpath(path) for path in loaded if isinstance(path, str)}
+    installed = tuple(os.path.realpath(p) + os.sep for p in (sys.prefix, sys.base_prefix))
+    return sorted(os.path.relpath(path, here) for path in paths - {os.path.realpath(__file__)}
+                  if path.startswith(here + os.sep) and not path.startswith(installed)
+                  and "site-packages" not in path)
 
 
 def _read_array(description):
