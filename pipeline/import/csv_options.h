@@ -34,7 +34,7 @@ struct CsvOptions {
   std::optional<double> resample = {};   ///< [s] between states of an even grid; none: as they are
   std::optional<Index> differentiate = {};  ///< window [samples] of the slopes that rates are,
                                             ///< which files lack; none: files must have them
-  bool at_rest = false;  ///< rates that are computed are 0 at the first states
+  bool at_rest = false;                     ///< rates that are computed are 0 at the first states
   std::optional<Index> length =
       {};                   ///< steps of pieces that rollouts are cut into; 0: those of the
                             ///< shortest; none: all, which must be as many in every file
