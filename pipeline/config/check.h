@@ -30,7 +30,7 @@ enum class CheckNeeds {
   posterior,    ///< which all have that infer
   simulations,  ///< among which an observation can lie
   network,
-  sampler,  ///< since the network gives a density up to a constant
+  sampler,  ///< since the density is only known up to a constant
 };
 
 /// Everything about a check that others than its own files need.

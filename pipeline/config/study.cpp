@@ -66,7 +66,8 @@ std::string Study::why_unchecked(Check check, const MethodConfig& method) const 
   if (traits.needs == CheckNeeds::sampler && family == AlgorithmFamily::abc) {
     return "its chains are short, and agree as a whole; their R-hat is in the table of experiments";
   }
-  if (traits.needs == CheckNeeds::sampler && (!has_network || has_density)) {
+  const bool is_weighted = family == AlgorithmFamily::likelihood;
+  if (traits.needs == CheckNeeds::sampler && !is_weighted && (!has_network || has_density)) {
     return "its samples need no chains";
   }
   if (traits.needs == CheckNeeds::simulations && !has_network && family != AlgorithmFamily::abc) {

@@ -125,10 +125,32 @@ Verdict judge_weights(const Runs& runs) {
                       smallest)};
 }
 
+// Of a refined posterior: the certificate of its draws.
+Verdict judge_certificates(const Runs& runs) {
+  const inference::ImportanceCertificate* worst = nullptr;
+  std::size_t failed = 0;
+  for (const EvaluatedRun* run : runs) {
+    const inference::ImportanceCertificate& certificate = *run->notes.certificate;
+    const bool is_bad = !faults_of(certificate).empty();
+    if (worst == nullptr || (is_bad && failed == 0)) worst = &certificate;
+    failed += is_bad ? 1 : 0;
+  }
+  const std::string text =
+      fmt::format(", effective size {:.0f}, Pareto k {:.2g}", worst->ess, worst->pareto_k);
+  if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, ""};
+  return {Check::sampling, Judgment::fails,
+          "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,
+          fmt::format("{}: raise refine.max_simulations and refine.min_ess, let another method's "
+                      "posterior be refine.start, or, where the simulator can't reproduce the "
+                      "recording, set refine.cross_validate",
+                      join(faults_of(*worst)))};
+}
+
 }  // namespace
 
 Verdict judge_sampling(const ReportData& data, const std::string& method) {
   const Runs runs = data.runs_of(method);
+  if (runs.front()->notes.certificate) return judge_certificates(runs);
   if (runs.front()->evaluation.sampler->r_hat.size() == 0) return judge_weights(runs);
   double largest = 0.0;
   std::size_t failed = 0;

@@ -2,6 +2,7 @@
 
 #include "core/normal.h"
 #include "pipeline/report/registry.h"
+#include "tests/message_of.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
@@ -91,6 +92,26 @@ TEST_F(Verdicts, FewDrawsThatCountFail) {
   };
   EXPECT_EQ(weighed(150.0).text, "passes, effective size 150");
   EXPECT_EQ(weighed(37.0).judgment, Judgment::fails);
+}
+
+TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
+  plan_.study.methods.front().algorithm.kind = inference::Algorithm::refine;
+  const inference::ImportanceCertificate good{.power = 1.0,
+                                              .wanted_power = 1.0,
+                                              .ess = 1200.0,
+                                              .wanted_ess = 1000.0,
+                                              .efficiency = 0.1,
+                                              .pareto_k = 0.5};
+  data_.runs.front().notes.certificate = good;
+  EXPECT_EQ(verdict_of(Check::sampling).text, "passes, effective size 1200, Pareto k 0.5");
+  data_.runs.push_back(data_.runs.front());
+  data_.runs.back().notes.certificate->pareto_k = 0.8;
+  data_.runs.back().notes.certificate->ess = 900.0;
+  const Verdict found = verdict_of(Check::sampling);
+  EXPECT_EQ(found.judgment, Judgment::fails);
+  EXPECT_EQ(found.text, "its draws DON'T hold in 1 of 2 seeds, effective size 900, Pareto k 0.8");
+  EXPECT_TRUE(says(found.reason, {"too few effective draws, heavy weights: raise "
+                                  "refine.max_simulations and refine.min_ess"}));
 }
 
 TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
