@@ -18,13 +18,27 @@ Index num_target_rollouts(const ReportData& data, const MethodConfig& method) {
   return (method.num_rollouts > 0 ? method.num_rollouts : all) * study.num_iterations_of(method);
 }
 
-Index num_simulations(const ReportData& data, const std::string& method) {
+Index num_simulations_of_rounds(const ReportData& data, const std::string& method) {
   Index count = 0;
   for (const Node& node : data.plan.nodes) {
     if (node.stage != Stage::simulate) continue;
     if (is_used_by(node, method, data.seeds.front())) count += num_rows(data.plan, node);
   }
   return count;
+}
+
+// A refinement simulates by itself, beside what its start took.
+Vector num_simulations(const ReportData& data, const MethodConfig& method) {
+  const Index of_rounds = num_simulations_of_rounds(data, method.name);
+  const Index of_start = num_simulations_of_rounds(data, method.refine.start);
+  Vector counts =
+      Vector::Constant(std::ssize(data.seeds), static_cast<double>(of_rounds + of_start));
+  for (const EvaluatedRun* run : data.runs_of(method.name)) {
+    if (!run->notes.certificate) continue;
+    const auto seed = std::ranges::find(data.seeds, run->use.seed) - data.seeds.begin();
+    counts(seed) += static_cast<double>(run->notes.certificate->num_draws);
+  }
+  return counts;
 }
 
 Vector num_policy_rollouts(const ReportData& data, const std::string& method) {
@@ -70,7 +84,7 @@ Row method_row(const ReportData& data, const std::string& name) {
   if (is_tested_on_grid(data)) add_grid_cells(data, name, row);
   const MethodConfig& method = data.plan.study.method(name);
   row.cells.emplace_back(num_target_rollouts(data, method));
-  row.cells.emplace_back(num_simulations(data, name));
+  row.cells.push_back(count_cell(num_simulations(data, method)));
   row.cells.push_back(count_cell(num_policy_rollouts(data, name)));
   return row;
 }

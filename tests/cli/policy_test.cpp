@@ -206,6 +206,24 @@ TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
   EXPECT_FALSE(std::filesystem::exists(file("alone/searched/tables/fit.md")));
 }
 
+TEST_F(Policies, SimulationsOfARefinementCount) {
+  StudyText study = searched_study().with("observation_noise", {"scale = 0.05"});
+  study.method("Refined",
+               {"algorithm = \"refine\"", "policy_iterations = 1",
+                "refine = { level_size = 1000, min_ess = 100, max_simulations = 1000 }"});
+  std::ofstream(file("refined.toml")) << with_search(study);
+  const Outcome outcome =
+      npdr({"run", "refined.toml", "--work", "refined", "--only", "Refined", "--seeds", "1"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string policies = text_of(file("refined/searched/tables/policy.csv"));
+  const std::string certificate = text_of(file("refined/searched/tables/refinement.csv"));
+  const std::size_t at = certificate.find(",\"FAILS: ");
+  ASSERT_NE(at, std::string::npos) << certificate;  // 1000 simulations don't reach the power 1
+  const std::size_t before = certificate.rfind(',', at - 1);
+  const std::string count = certificate.substr(before, at - before);
+  EXPECT_NE(policies.find(",1" + count + ","), std::string::npos) << policies << certificate;
+}
+
 // A search that takes long, of one method and seed; it ends when it is told to.
 class LongSearch : public Policies {
  protected:
