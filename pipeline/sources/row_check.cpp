@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/error.h"
 
@@ -62,6 +63,16 @@ std::vector<Index> good_rows(const sim::Trajectories& rows) {
   return good;
 }
 
+// Rows that no other is equal to: where they come from can be told. All, where they are too few.
+std::vector<Index> telling_rows(const sim::Trajectories& rows, const std::vector<Index>& good) {
+  std::vector<Index> telling;
+  std::ranges::copy_if(good, std::back_inserter(telling), [&](Index i) {
+    return std::ranges::none_of(
+        good, [&](Index j) { return i != j && std::ranges::equal(rows.row(i), rows.row(j)); });
+  });
+  return std::ssize(telling) < kMostRepeated ? good : telling;
+}
+
 StreamId stream_of(const GivenRows& rows, Index i) {
   StreamId id = rows.first;
   id.row += static_cast<std::uint64_t>(i);
@@ -69,8 +80,8 @@ StreamId stream_of(const GivenRows& rows, Index i) {
 }
 
 // Whether row i, simulated alone, is the same again; if not, whether it is one other row of the
-// call.
-enum class Repetition { same, other_row, different };
+// call, or several that are all the same, such as those where nothing happened.
+enum class Repetition { same, other_row, one_of_several, different };
 
 struct Repeated {
   Repetition result;
@@ -88,27 +99,31 @@ Repeated repeat(RowSimulator& simulator, const GivenRows& rows, Index i,
     found = j;
     ++num_found;
   }
-  return num_found == 1 ? Repeated{Repetition::other_row, found} : Repeated{Repetition::different};
+  if (num_found == 0) return {Repetition::different};
+  return num_found == 1 ? Repeated{Repetition::other_row, found}
+                        : Repeated{Repetition::one_of_several};
 }
 
 // Whether rows are the same again. Random numbers that aren't the row's own are no other order,
 // even where one row happens to be like another: that is one only if all that moved are other rows.
 bool are_repeatable(RowSimulator& simulator, const GivenRows& rows, const std::vector<Index>& good,
-                    const RowDistance& distance) {
-  Index row = 0, other = 0, num_moved = 0;
+                    const std::vector<Index>& telling, const RowDistance& distance) {
+  Index row = 0, other = 0, num_moved = 0, num_unclear = 0;
   bool is_certain = true;
   for (Index k = 1; k <= kMostRepeated && is_certain; ++k) {
-    if (k > kRepeated && num_moved == 0) break;
-    const Index i = good[static_cast<std::size_t>((k * std::ssize(good) - 1) / kMostRepeated)];
+    if (k > kRepeated && num_moved + num_unclear == 0) break;
+    const Index i =
+        telling[static_cast<std::size_t>((k * std::ssize(telling) - 1) / kMostRepeated)];
     const Repeated found = repeat(simulator, rows, i, good, distance);
     is_certain = found.result != Repetition::different;
+    num_unclear += found.result == Repetition::one_of_several ? 1 : 0;
     if (found.result != Repetition::other_row) continue;
     row = i;
     other = found.other;
     ++num_moved;
   }
   if (!is_certain) return false;
-  if (num_moved == 0) return true;
+  if (num_moved + num_unclear == 0) return true;
   if (num_moved < 2) return false;
   const auto number = [&](Index i) { return rows.first.row + static_cast<std::uint64_t>(i); };
   throw InputError(fmt::format(
@@ -148,15 +163,15 @@ std::vector<std::string> check_rows(RowSimulator& simulator, const GivenRows& ro
   const RowDistance distance(rows.result, good);
   if (!distance.any_varies()) return {"all rows are the same, whatever their parameters"};
   std::vector<std::string> warnings;
-  const Index middle = good[good.size() / 2];
-  const bool is_repeatable = are_repeatable(simulator, rows, good, distance);
+  const std::vector<Index> telling = telling_rows(rows.result, good);
+  const Index middle = telling[telling.size() / 2];
+  const bool is_repeatable = are_repeatable(simulator, rows, good, telling, distance);
   if (!is_repeatable) {
     warnings.push_back(
         "a row that is simulated again on its own, with the same parameters and seed, is another: "
-        "it "
-        "depends on the other rows of its call, on calls before it, or on random numbers that "
-        "aren't "
-        "made from the row's seed alone; npdr verify and runs that are repeated get other rows");
+        "it depends on the other rows of its call, on calls before it, or on random numbers that "
+        "aren't made from the row's seed alone; npdr verify and runs that are repeated get other "
+        "rows");
   }
   const Noise noise = noise_of(simulator, rows, middle, distance);
   if (noise == Noise::shared) {

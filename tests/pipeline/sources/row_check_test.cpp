@@ -70,6 +70,23 @@ TEST(RowCheck, RowsInAnotherOrderAreRefused) {
   EXPECT_NE(message.find("40 rows"), std::string::npos) << message;
 }
 
+// Half of the rows are 0: whose they are can't be told.
+TEST(RowCheck, RowsInAnotherOrderAreRefusedWhereManyAreTheSame) {
+  const auto clipped = [](const RowMatrix& theta, std::span<const std::uint32_t> seeds) {
+    std::vector<double> x = sound(theta, seeds);
+    for (double& value : x) value = std::max(value - 0.5, 0.0);
+    return x;
+  };
+  const auto reversed = [&](const RowMatrix& theta, std::span<const std::uint32_t> seeds) {
+    std::vector<double> x = clipped(theta, seeds);
+    std::ranges::reverse(x);
+    return x;
+  };
+  EXPECT_TRUE(check(clipped).empty());
+  const std::string message = message_of<InputError>([&] { check(reversed); });
+  EXPECT_NE(message.find("in another order"), std::string::npos) << message;
+}
+
 TEST(RowCheck, NoiseThatNoSeedNamesIsTold) {
   std::uint32_t count = 0;
   const auto unseeded = [&](const RowMatrix& theta, std::span<const std::uint32_t>) {
