@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <iterator>
 #include <optional>
 
 #include "core/error.h"
@@ -136,10 +138,29 @@ class ColumnFinder {
             {channel.label, channel.unit.empty() ? found.unit : channel.unit}};
   }
 
+  // A clock by its unit and name, such as 'Time [s]' or 'timestamp [s]'.
+  bool is_clock(const Channel& found) const {
+    std::string name = found.label;
+    std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+    const auto has_label = [&](const Channel& channel) { return channel.label == found.label; };
+    if (found.unit != "s" || std::ranges::any_of(options_.channels.states, has_label) ||
+        std::ranges::any_of(options_.channels.actions, has_label)) {
+      return false;
+    }
+    constexpr std::array words = {"time", "clock", "stamp", "zeit"};
+    return name == "t" || std::ranges::any_of(words, [&](const char* word) {
+             return name.find(word) != std::string::npos;
+           });
+  }
+
   std::optional<Column> time() const {
     for (const char* label : {"t", "time"}) {
       if (has(label)) return column({label, "s"});
     }
+    std::vector<Channel> clocks;
+    std::ranges::copy_if(table_.columns(), std::back_inserter(clocks),
+                         [&](const Channel& found) { return is_clock(found); });
+    if (clocks.size() == 1) return column(clocks.front());
     if (options_.resample) {
       throw InputError(table_.name() +
                        ":1: no column 't [s]' or 'time [s]', which --resample needs");

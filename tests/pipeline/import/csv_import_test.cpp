@@ -109,6 +109,20 @@ TEST_F(CsvImport, FilesMustBeAlike) {
                    {"b.csv: states are theta [deg]", "must be theta [rad]", "convert its values"}));
 }
 
+TEST_F(CsvImport, KnowsAClockByItsUnitAndName) {
+  const auto with_clock = [](const std::string& name) { return replaced(kCsv, "t [s]", name); };
+  for (const char* name : {"Time [s]", "ros_timestamp [s]", "Zeit [s]", "T [s]"}) {
+    EXPECT_EQ(imported(with_clock(name), pendulum_options()).dt, 0.1) << name;
+  }
+  CsvOptions options = pendulum_options();
+  for (const char* name : {"Zeit [ms]", "latency [s]"}) {
+    EXPECT_TRUE(says(problem(with_clock(name), options), {"a.csv:1: no column 't [s]'"})) << name;
+  }
+  options.dt = 0.2;
+  EXPECT_TRUE(says(problem(with_clock("Zeit [s]"), options),
+                   {"a.csv: its times are 0.1 s apart, but --dt says 0.2 s"}));
+}
+
 TEST_F(CsvImport, TakesTheTimeStepFromTheOptionWithoutATimeColumn) {
   CsvOptions options = pendulum_options();
   const std::string text = replaced(kCsv, "t [s]", "row [1]");
