@@ -15,12 +15,16 @@
 namespace npdr::pipeline {
 namespace {
 
-// Simulations of a round that networks learn from: others choose the powers of a pool.
-Index num_learned_from(const MethodConfig& method) {
-  const Index count = method.algorithm.num_simulations;
-  const bool is_pooled = method.algorithm.kind == inference::Algorithm::npe_nle &&
-                         !trains_layers(method.embedding.kind);
-  return is_pooled ? count - inference::num_judging_rows(count) : count;
+// "; 'refine' reads it", where that is a help.
+std::string readers_of(const std::string& setting) {
+  constexpr std::size_t most = 3;
+  std::vector<std::string> readers;
+  for (const inference::AlgorithmTraits& algorithm : enum_table(inference::Algorithm{})) {
+    if (reads_setting(algorithm.value, setting))
+      readers.push_back(quoted(std::string(algorithm.name)));
+  }
+  if (readers.empty() || readers.size() > most) return "";
+  return fmt::format("; {} read{} it", join(readers), readers.size() == 1 ? "s" : "");
 }
 
 class MethodChecker : Checker {
@@ -207,8 +211,11 @@ void MethodChecker::check_unused_settings(const std::string& path, const MethodC
   for (const auto& [setting, value] : settings.items()) {
     const std::string member = path + "." + setting;
     if (reads_setting(method.algorithm.kind, setting) || !is_in_file(member)) continue;
-    must_be_left_out(member, fmt::format("it means nothing to the algorithm '{}'",
-                                         name_of(method.algorithm.kind)));
+    const bool is_named = is_in_file(path + ".algorithm");
+    must_be_left_out(
+        member,
+        fmt::format("it means nothing to the algorithm '{}'{}{}", name_of(method.algorithm.kind),
+                    is_named ? "" : ", which a method has that names none", readers_of(setting)));
   }
 }
 

@@ -5,6 +5,8 @@
 #include <string_view>
 
 #include "core/text.h"
+#include "inference/algorithms/pool_powers.h"
+#include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -49,6 +51,13 @@ bool reads_setting(inference::Algorithm algorithm, const std::string& key) {
       break;
   }
   return is_one_of(kOfSimulations, key) || network_reads(traits, key);
+}
+
+Index num_learned_from(const MethodConfig& method) {
+  const Index count = method.algorithm.num_simulations;
+  const bool is_pooled = method.algorithm.kind == inference::Algorithm::npe_nle &&
+                         !trains_layers(method.embedding.kind);
+  return is_pooled ? count - inference::num_judging_rows(count) : count;
 }
 
 }  // namespace npdr::pipeline

@@ -108,7 +108,8 @@ void describe(Fields& f, inference::EstimatorConfig& c) {
 template <class Fields>
 void describe(Fields& f, inference::TrainingConfig& c) {
   f("learning_rate", c.learning_rate, quantile_constraint(), "step size of Adam");
-  f("batch_size", c.batch_size, count_from(1), "simulations per step of the optimizer");
+  f("batch_size", c.batch_size, count_from(1),
+    "simulations per step of the optimizer; all that train when left out and they are fewer");
   f("validation_fraction", c.validation_fraction, strictly_between(0, 1),
     "share of the simulations that early stopping is judged on");
   f("stop_after_epochs", c.stop_after_epochs, count_from(1),

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/config/method_settings.h"
 #include "pipeline/config/study_check.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/toml_document.h"
@@ -86,6 +87,15 @@ void resolve_embedding(Study& study, std::size_t i, const Reading& reading) {
   Index& features = study.methods[i].embedding.features;
   const Index twice = std::min<Index>(2 * std::ssize(study.prior), kMaxWidth);
   features = std::max(features, twice);
+}
+
+// Few simulations make smaller batches.
+void resolve_batches(MethodConfig& method, std::size_t i, const Reading& reading) {
+  if (reading.has("method[" + std::to_string(i) + "].training.batch_size")) return;
+  const double rows =
+      static_cast<double>(num_learned_from(method)) * (1.0 - method.training.validation_fraction);
+  const Index most = std::max<Index>(1, static_cast<Index>(rows));
+  method.training.batch_size = std::min(method.training.batch_size, most);
 }
 
 // Without a network there is no layer to train.
@@ -175,6 +185,7 @@ void resolve(Study& study, const fs::path& file, const Reading& reading) {
     resolve_without_network(study, i, reading);
     resolve_networks(study.methods[i], i, reading);
     resolve_embedding(study, i, reading);
+    resolve_batches(study.methods[i], i, reading);
   }
 }
 

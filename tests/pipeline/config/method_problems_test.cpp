@@ -32,9 +32,16 @@ TEST(MethodProblems, MethodsFitTheStudy) {
            {"s.toml:17:17: method.published: unknown metric 'rms'", "'rmse'", "known: dtw"}));
 }
 
+TEST(MethodProblems, SaySomethingOfTheAlgorithmThatASettingIsFor) {
+  EXPECT_TRUE(says(problems_after(kMaf, "refine = { min_ess = 200 }"),
+                   {"s.toml:17:10: method.refine must be left out: it means nothing to the "
+                    "algorithm 'npe_nle', which a method has that names none; 'refine' reads it"}));
+}
+
 TEST(MethodProblems, TrainingFitsTheNumberOfSimulations) {
-  EXPECT_TRUE(says(problems_after(kMaf, "num_simulations = 50"),
-                   {"s.toml:15:1: method.training.batch_size = 50", "must be <= 45"}));
+  EXPECT_EQ(problems_after(kMaf, "num_simulations = 50"), "") << "the default is 45 then";
+  EXPECT_TRUE(says(problems_after(kMaf, "num_simulations = 50\ntraining.batch_size = 46"),
+                   {"s.toml:18:23: method.training.batch_size = 46", "must be <= 45"}));
   EXPECT_EQ(problems_after(kMaf, "num_simulations = 56"), "");
   EXPECT_EQ(problems_after(kMaf, "num_simulations = 3\ntraining.batch_size = 2"),
             "s.toml:17:19: method.num_simulations = 3, must be >= 4, 2 each for training and for "
