@@ -27,7 +27,10 @@ constexpr std::uintmax_t kMaxMoreSeconds = 6 * 3600;
 
 [[noreturn]] void act_and_exit(const std::function<void()>& action, const TrialLimits& limits,
                                pid_t parent) {
-  const rlimit limit{limits.cpu_seconds, limits.cpu_seconds + 1};
+  rlimit limit{};
+  getrlimit(RLIMIT_CPU, &limit);
+  limit.rlim_max = std::min<rlim_t>(limit.rlim_max, limits.cpu_seconds + 1);
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, limits.cpu_seconds);
   setrlimit(RLIMIT_CPU, &limit);
   prctl(PR_SET_DUMPABLE, 0);  // no core file
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -57,11 +60,24 @@ Ending ending_of(int status) {
   return is_one_of(WTERMSIG(status), kCrashes) ? Ending::crashed : Ending::came_back;
 }
 
-TrialLimits limits_for(const std::filesystem::path& path) {
+// Of the file, and of what lies in the folder of its name: shards of a simulation.
+std::uintmax_t size_of(const std::filesystem::path& path) {
   std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) return 0;
+  const std::filesystem::path shards = std::filesystem::path(path).replace_extension();
+  for (std::filesystem::directory_iterator entry(shards, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code unknown;
+    const std::uintmax_t more = entry->file_size(unknown);
+    size += unknown ? 0 : more;
+  }
+  return size;
+}
+
+TrialLimits limits_for(const std::filesystem::path& path) {
+  const std::uintmax_t size = size_of(path);
   TrialLimits limits;
-  if (error) return limits;
   const auto more = static_cast<unsigned>(std::min(size / kBytesPerSecond, kMaxMoreSeconds));
   return {limits.cpu_seconds + more, limits.seconds + more};
 }
@@ -92,8 +108,8 @@ void try_to_read(const std::filesystem::path& path, const std::function<void()>&
     case Ending::ran_out_of_time:
       throw InputError(
           fmt::format("{}: reading it came to no end within {} s of processor time, {} s in all: "
-                      "it is damaged, "
-                      "or made to mislead (copy it again from its source), or its disk is too slow",
+                      "it is damaged, or made to mislead (copy it again from its source), or its "
+                      "disk is too slow",
                       path.string(), limits.cpu_seconds, limits.seconds));
   }
 }

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "tests/message_of.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -46,6 +47,19 @@ TEST(ForkedTrial, TellsADamagedFileFromASlowOne) {
                    {"recording.h5: reading it came to no end within 60 s of processor time",
                     "or its disk is too slow"}));
   EXPECT_NO_THROW(read_by(SIGKILL)());
+}
+
+TEST(ForkedTrial, LargeFilesAndTheirShardsHaveMoreTime) {
+  const TempFolder folder;
+  const std::filesystem::path file = folder.file("simulate.h5", "");
+  const auto said = [&] {
+    return message_of<InputError>([&] { try_to_read(file, [] { std::raise(SIGXCPU); }); });
+  };
+  std::filesystem::resize_file(file, 4'000'000'000);  // without a block on the disk
+  EXPECT_NE(said().find("within 260 s of processor time, 800 s in all"), std::string::npos);
+  std::filesystem::create_directory(folder / "simulate");
+  std::filesystem::resize_file(folder.file("simulate/0-100.h5", ""), 2'000'000'000);
+  EXPECT_NE(said().find("within 360 s of processor time, 900 s in all"), std::string::npos);
 }
 
 }  // namespace
