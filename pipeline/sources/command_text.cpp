@@ -56,9 +56,9 @@ std::string filled_command(const std::string& command, const std::filesystem::pa
   return text;
 }
 
-std::map<std::string, std::string> named_files(const std::string& command,
-                                               const std::filesystem::path& folder) {
-  std::map<std::string, std::string> files;
+std::vector<std::string> named_paths(const std::string& command,
+                                     const std::filesystem::path& folder) {
+  std::vector<std::string> named;
   for (const std::string& word : words_of(command)) {
     const std::filesystem::path path(word);
     std::error_code error;
@@ -66,9 +66,16 @@ std::map<std::string, std::string> named_files(const std::string& command,
     const std::filesystem::path inside =
         path.is_absolute() ? path.lexically_normal().lexically_relative(folder) : path;
     if (inside.empty() || *inside.begin() == "..") continue;
-    if (std::filesystem::is_regular_file(folder / inside, error)) {
-      files[word] = file_hash(folder / inside);
-    }
+    if (std::filesystem::is_regular_file(folder / inside, error)) named.push_back(word);
+  }
+  return named;
+}
+
+std::map<std::string, std::string> named_files(const std::string& command,
+                                               const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const std::string& word : named_paths(command, folder)) {
+    files[word] = file_hash(folder / word);
   }
   return files;
 }

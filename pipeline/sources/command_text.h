@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace npdr::pipeline {
 
@@ -12,8 +13,11 @@ namespace npdr::pipeline {
 std::string filled_command(const std::string& command, const std::filesystem::path& theta,
                            const std::filesystem::path& x);
 
-/// Hashes of the files in `folder` that words of the command name, such as a script, by these
-/// words. Throws InputError when one can't be read.
+/// Words of the command that are files in `folder`, such as a script.
+std::vector<std::string> named_paths(const std::string& command,
+                                     const std::filesystem::path& folder);
+
+/// Hashes of these files by these words. Throws InputError when one can't be read.
 std::map<std::string, std::string> named_files(const std::string& command,
                                                const std::filesystem::path& folder);
 

@@ -30,7 +30,7 @@ struct ProgramOutcome {
   std::string summary;  ///< "exit status 1 after 0.5 s"
   std::string problem;  ///< also where only rows failed; empty: none
   std::string output;   ///< that it printed
-  std::string warning;  ///< about the rows of a call that succeeded; empty: none
+  std::string warning;  ///< about rows, or the program; empty: none
 };
 
 class ProgramCall {

@@ -103,30 +103,38 @@ Json parse_header(const std::string& header) {
   return json;
 }
 
-// What the program has imported, by its own words, and the study's key doesn't have: an edited file
-// of these reruns nothing. "": nothing.
+// What the program has imported of its folder, by its own words, and the study doesn't name; "":
+// nothing.
 std::string unnamed_imports(const Json& hello, const ExternalConfig& external) {
-  constexpr std::size_t most = 5;
-  const std::filesystem::path folder = external.folder;
+  constexpr std::size_t most = 20;
   std::error_code error;
-  const auto real = [&](const std::string& name) {
-    return std::filesystem::weakly_canonical(folder / name, error);
+  const auto real = [&](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::path(external.folder) / path, error);
   };
   std::set<std::filesystem::path> named;
   for (const std::string& name : external.files) named.insert(real(name));
-  for (const auto& [word, hash] : named_files(*external.worker, folder)) named.insert(real(word));
+  for (const std::string& word : named_paths(*external.worker, external.folder)) {
+    named.insert(real(word));
+  }
+  const std::filesystem::path folder = real("");
   std::vector<std::string> unnamed;
   for (const Json& file : hello.value("files", Json::array())) {
-    if (!file.is_string() || named.contains(real(file.get<std::string>()))) continue;
-    unnamed.push_back(quoted(shortened(file.get<std::string>())));
+    if (!file.is_string()) continue;
+    const std::filesystem::path path = real(file.get<std::string>());
+    const std::filesystem::path inside = path.lexically_relative(folder);
+    if (inside.empty() || *inside.begin() == ".." || named.contains(path)) continue;
+    if (!std::filesystem::is_regular_file(path, error)) continue;
+    unnamed.push_back(quoted(inside.string()));
   }
   if (unnamed.empty()) return "";
-  const std::size_t more = unnamed.size() - std::min(unnamed.size(), most);
-  unnamed.resize(unnamed.size() - more);
+  if (unnamed.size() > most) {
+    unnamed.resize(most);
+    unnamed.emplace_back("...");
+  }
   return fmt::format(
-      "the worker imports {}{}, which the study doesn't name: when edited, nothing is simulated "
+      "the worker imports {}, which the study doesn't name: when edited, nothing is simulated "
       "again; add simulator.files = [{}]",
-      join(unnamed), more > 0 ? fmt::format(" and {} more", more) : "", join(unnamed));
+      join(unnamed), join(unnamed));
 }
 
 class WorkerCall final : public ProgramCall {

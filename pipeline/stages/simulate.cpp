@@ -58,7 +58,7 @@ void warn(const Node& node, const std::string& text) {
   report_error(node.label(), "warning: " + text);
 }
 
-// What floats lose of features, or of the motion that is replayed, and so of its simulations.
+// What floats lose of the motion that is replayed, and so of its simulations.
 std::string lost_precision(const Simulation& simulation) {
   const Target& target = simulation.target;
   RowMatrix states(0, target.num_states());
@@ -66,8 +66,7 @@ std::string lost_precision(const Simulation& simulation) {
     states.conservativeResize(states.rows() + rollout.states.rows(), Eigen::NoChange);
     states.bottomRows(rollout.states.rows()) = rollout.states;
   }
-  const std::string of_motion = precision_problem(states, target.state_channels);
-  return of_motion.empty() ? simulation.simulator->last_warning() : of_motion;
+  return precision_problem(states, target.state_channels);
 }
 
 // Tells people at once, and the report for good, what is probably wrong with rows.
@@ -78,8 +77,10 @@ void check_block(h5::File& file, const Simulation& simulation, const GivenRows& 
     const bool has_noise = !study.observation_noise.is_silent();
     warnings = check_rows(*simulation.simulator, rows, has_noise);
   }
-  const std::string lost = lost_precision(simulation);
-  if (!lost.empty()) warnings.push_back(lost);
+  for (const std::string& warning :
+       {lost_precision(simulation), simulation.simulator->last_warning()}) {
+    if (!warning.empty()) warnings.push_back(warning);
+  }
   for (const std::string& warning : warnings) warn(simulation.node, warning);
   write_warnings(file, warnings);
 }

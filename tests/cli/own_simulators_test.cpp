@@ -219,30 +219,48 @@ npdr_worker.serve(simulate)
   EXPECT_NE(simulated(), before);
 }
 
+// Modules that mustn't be asked for an attribute, or that have no file, are none of them.
 TEST_F(OwnSimulators, ImportsThatTheStudyDoesNotNameAreTold) {
   const std::string python = python_with("numpy");
   if (python.empty()) GTEST_SKIP() << "no Python with numpy";
   copy_example("spring");
-  folder_.file("constants.py", "SLOPE = 1.0\n");
-  folder_.file("sim.py", R"py(
+  const std::string program = R"py(
+import sys, types
 import npdr_worker
 from constants import SLOPE
+class Lazy(types.ModuleType):
+    def __getattribute__(self, name):
+        raise ImportError("an optional package")
+sys.modules["lazy"] = Lazy("lazy")
+sys.modules["compiled"] = types.ModuleType("compiled")
+sys.modules["compiled"].__file__ = "_compiled.py"
 def simulate(theta, first_state, actions, dt, rng):
     return [[SLOPE * theta["stiffness"] + rng.normal(), 0.0] for _ in actions]
 npdr_worker.serve(simulate)
-)py");
-  const auto said = [&](const std::string& files) {
-    const Outcome outcome = npdr({"run", "worker.toml", "--until", "simulate", "--set",
-                                  "method.num_simulations=70", "--set", "simulator.files=" + files,
-                                  "--set", "simulator.worker='" + python + " sim.py'"});
+)py";
+  for (const std::string folder : {"", "model/"}) {
+    std::filesystem::create_directories(folder_ / folder);
+    folder_.file(folder + "constants.py", "SLOPE = 1.0\n");
+    folder_.file(folder + "sim.py", program);
+  }
+  const auto said = [&](const std::string& worker, const std::string& files) {
+    const Outcome outcome =
+        npdr({"run", "worker.toml", "--until", "simulate", "--set", "method.num_simulations=70",
+              "--set", "simulator.files=" + files, "--set", "simulator.worker='" + worker + "'"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return outcome.err;
   };
-  const std::string warning =
-      "the worker imports 'constants.py', which the study doesn't name: when edited, nothing is "
-      "simulated again; add simulator.files = ['constants.py']";
-  EXPECT_NE(said("[]").find(warning), std::string::npos) << said("[]");
-  EXPECT_EQ(said("['constants.py']").find("the worker imports"), std::string::npos);
+  const std::string here = python + " sim.py", below = "cd model && " + python + " sim.py";
+  const std::string of_here = said(here, "[]"), of_below = said(below, "[]");
+  EXPECT_NE(of_here.find("the worker imports 'constants.py', which the study doesn't name: when "
+                         "edited, nothing is simulated again; add simulator.files = "
+                         "['constants.py']"),
+            std::string::npos)
+      << of_here;
+  EXPECT_EQ(said(here, "['constants.py']").find("the worker imports"), std::string::npos);
+  const std::string both = "['model/constants.py', 'model/sim.py']";
+  EXPECT_NE(of_below.find("simulator.files = " + both), std::string::npos) << of_below;
+  EXPECT_EQ(said(below, both).find("the worker imports"), std::string::npos);
 }
 
 // A command that writes states: x = stiffness + t in each row.

@@ -67,14 +67,17 @@ def serve(simulate, batch=False):
 
 
 def _own_files():
-    """The program's modules in the folder that it runs in, but for those that are installed."""
-    here = os.path.realpath(os.getcwd())
-    loaded = [getattr(module, "__file__", None) for module in list(sys.modules.values())]
-    paths = {os.path.realpath(path) for path in loaded if isinstance(path, str)}
+    """Where the program's modules lie, but for those that are installed."""
     installed = tuple(os.path.realpath(p) + os.sep for p in (sys.prefix, sys.base_prefix))
-    return sorted(os.path.relpath(path, here) for path in paths - {os.path.realpath(__file__)}
-                  if path.startswith(here + os.sep) and not path.startswith(installed)
-                  and "site-packages" not in path)
+    paths = set()
+    for module in list(sys.modules.values()):
+        try:  # asking a lazy module for an attribute would import it
+            path = os.path.realpath(object.__getattribute__(module, "__dict__")["__file__"])
+        except Exception:  # without a file, or none that has a path
+            continue
+        if not path.startswith(installed) and "site-packages" not in path:
+            paths.add(path)
+    return sorted(paths - {os.path.realpath(__file__)})
 
 
 def _read_array(description):
