@@ -156,7 +156,7 @@ PooledPosterior::Group PooledPosterior::draw_group(const StreamId& id) const {
 }
 
 Samples PooledPosterior::draw(Index n, const StreamId& id) const {
-  if (powers() == kPosteriorAlone) return posterior_.draw(n, id);
+  if (n == 0 || powers() == kPosteriorAlone) return posterior_.draw(n, id);
   RowMatrix theta(n, prior().dimension());
   SamplerReport report{.r_hat = {}, .ess = Vector::Zero(1)};
   Vector log_means((n + kGroup - 1) / kGroup);

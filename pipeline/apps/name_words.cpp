@@ -141,7 +141,7 @@ std::string words_of(Check check) {
     case Check::training:
       return "has training ended, and not far below the validation loss?";
     case Check::sampling:
-      return "do the chains that sample the posterior agree?";
+      return "do its chains agree, or enough of its weighted draws count?";
     case Check::bounds:
       return "does the posterior press against the prior's bounds?";
     case Check::contraction:

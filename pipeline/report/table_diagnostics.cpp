@@ -41,24 +41,31 @@ void note_left_out(const ReportData& data, const std::string& method, Table& tab
   }
 }
 
+// Empty for posteriors whose normaliser isn't known.
+Cell score_of(const ReportData& data, const std::string& method) {
+  const auto diagnoses = data.diagnoses_of(method);
+  if (diagnoses.empty()) return {};
+  const Vector& first = diagnoses.front()->result.truth_log_prob;
+  if (first.array().isNaN().all()) return {};  // also without any
+  const Vector of_seeds = each(diagnoses, [](const ResultOf<Diagnosis>* diagnosis) {
+    return diagnosis->result.truth_log_prob.mean();
+  });
+  // A truth that was held to be impossible; summaries are of finite numbers.
+  if (!of_seeds.allFinite()) return "-inf";
+  return analysis::summarize(of_seeds);
+}
+
 // The larger, the better: it tells methods, embeddings and estimators of a study apart.
 void add_score(const ReportData& data, Table& table) {
-  const auto score = [](const ResultOf<Diagnosis>* d) { return d->result.truth_log_prob.mean(); };
-  std::vector<Cell> cells(data.methods.size());
-  bool has_any = false;
-  for (std::size_t m = 0; m < data.methods.size(); ++m) {
-    const auto diagnoses = data.diagnoses_of(data.methods[m]);
-    if (diagnoses.empty() || diagnoses.front()->result.truth_log_prob.size() == 0) continue;
-    const analysis::Summary of_seeds = analysis::summarize(each(diagnoses, score));
-    if (of_seeds.n == 0) continue;
-    cells[m] = of_seeds;
-    has_any = true;
-  }
-  if (!has_any) return;
-  table.rows.push_back({"log p of fresh truths", cells});
-  table.rows.back().cells.front().notes.push_back(table.footnote(
+  std::vector<Cell> cells;
+  for (const std::string& method : data.methods) cells.push_back(score_of(data, method));
+  const auto first = std::ranges::find_if(
+      cells, [](const Cell& cell) { return cell.value.index() != 0; });  // not empty
+  if (first == cells.end()) return;
+  first->notes.push_back(table.footnote(
       "no check, but a score: mean density that the posteriors of fresh simulations give to their "
       "parameters [nats], the larger, the better; of each seed"));
+  table.rows.push_back({"log p of fresh truths", cells});
 }
 
 Table make(const ReportData& data) {

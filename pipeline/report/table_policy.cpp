@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/report/policy_parts.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
@@ -27,16 +28,19 @@ Index num_simulations_of_rounds(const ReportData& data, const std::string& metho
   return count;
 }
 
-// A refinement simulates by itself, beside what its start took.
+// A refinement simulates by itself, beside what its start took, in each iteration.
 Vector num_simulations(const ReportData& data, const MethodConfig& method) {
   const Index of_rounds = num_simulations_of_rounds(data, method.name);
   const Index of_start = num_simulations_of_rounds(data, method.refine.start);
   Vector counts =
       Vector::Constant(std::ssize(data.seeds), static_cast<double>(of_rounds + of_start));
-  for (const EvaluatedRun* run : data.runs_of(method.name)) {
-    if (!run->notes.certificate) continue;
-    const auto seed = std::ranges::find(data.seeds, run->use.seed) - data.seeds.begin();
-    counts(seed) += static_cast<double>(run->notes.certificate->num_draws);
+  for (Index s = 0; s < counts.size(); ++s) {
+    for (const Node& node : data.plan.nodes) {
+      const std::uint64_t seed = data.seeds[static_cast<std::size_t>(s)];
+      if (node.stage != Stage::infer || !is_used_by(node, method.name, seed)) continue;
+      const auto certificate = read_posterior_notes(node).certificate;
+      if (certificate) counts(s) += static_cast<double>(certificate->num_draws);
+    }
   }
   return counts;
 }
@@ -125,6 +129,10 @@ Table make(const ReportData& data) {
   if (has_target) table.footnote("before: with the policy that all searches begin with");
   if (has_grid) table.footnote("over the grid: over all of its points, too");
   table.footnote("policy rollouts: of the searches, without tests");
+  const bool chooses_power = std::ranges::any_of(data.policy_methods(), [&](const auto& method) {
+    return data.plan.study.method(method).refine.sampling.cross_validate;
+  });
+  if (chooses_power) table.footnote("simulations: without those that score powers");
   if (has_tests(data)) table.footnote("success: " + task_info(data).success);
   return table;
 }

@@ -125,25 +125,29 @@ Verdict judge_weights(const Runs& runs) {
                       smallest)};
 }
 
-// Of a refined posterior: the certificate of its draws.
+// Of refined posteriors: the certificates of their draws.
 Verdict judge_certificates(const Runs& runs) {
-  const inference::ImportanceCertificate* worst = nullptr;
+  std::vector<std::string> faults;
   std::size_t failed = 0;
+  double smallest = HUGE_VAL, heaviest = -HUGE_VAL;
   for (const EvaluatedRun* run : runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
-    const bool is_bad = !faults_of(certificate).empty();
-    if (worst == nullptr || (is_bad && failed == 0)) worst = &certificate;
-    failed += is_bad ? 1 : 0;
+    const std::vector<std::string> its = faults_of(certificate);
+    failed += its.empty() ? 0 : 1;
+    for (const std::string& fault : its) {
+      if (std::ranges::find(faults, fault) == faults.end()) faults.push_back(fault);
+    }
+    smallest = std::min(smallest, certificate.ess);
+    heaviest = std::max(heaviest, certificate.pareto_k);
   }
   const std::string text =
-      fmt::format(", effective size {:.0f}, Pareto k {:.2g}", worst->ess, worst->pareto_k);
+      fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest);
   if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, ""};
   return {Check::sampling, Judgment::fails,
           "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,
-          fmt::format("{}: raise refine.max_simulations and refine.min_ess, let another method's "
-                      "posterior be refine.start, or, where the simulator can't reproduce the "
-                      "recording, set refine.cross_validate",
-                      join(faults_of(*worst)))};
+          fmt::format("{}: raise refine.max_simulations for a power that fell short or too few "
+                      "draws, refine.level_size for heavy weights",
+                      join(faults))};
 }
 
 }  // namespace

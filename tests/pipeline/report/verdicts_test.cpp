@@ -111,7 +111,10 @@ TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
   EXPECT_EQ(found.judgment, Judgment::fails);
   EXPECT_EQ(found.text, "its draws DON'T hold in 1 of 2 seeds, effective size 900, Pareto k 0.8");
   EXPECT_TRUE(says(found.reason, {"too few effective draws, heavy weights: raise "
-                                  "refine.max_simulations and refine.min_ess"}));
+                                  "refine.max_simulations",
+                                  "refine.level_size for heavy weights"}));
+  std::swap(data_.runs.front(), data_.runs.back());
+  EXPECT_EQ(verdict_of(Check::sampling).text, found.text) << "whatever the order of seeds";
 }
 
 TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
