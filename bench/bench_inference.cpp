@@ -3,6 +3,7 @@
 // backward); bm_sgemm is the same machine's rate at n = 1024.
 #include <benchmark/benchmark.h>
 
+#include "core/flush_subnormals.h"
 #include "core/random.h"
 #include "inference/algorithms/posterior_estimation.h"
 #include "inference/direct_posterior.h"
@@ -110,6 +111,7 @@ void bm_training_step(benchmark::State& state, const Network& n, std::uint32_t r
   Adam adam(parameters.size(), 3e-4);
   const auto order = Stream({1, "bench", 0, 1, 0}).permutation(static_cast<std::uint32_t>(rows));
   std::uint64_t step = 0;
+  const FlushSubnormals flush;  // as training does
   for (auto _ : state) {
     const std::size_t begin = (step * static_cast<std::size_t>(batch_size)) % order.size();
     const Batch batch{std::span(order).subspan(begin, static_cast<std::size_t>(batch_size)), 1,

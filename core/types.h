@@ -1,4 +1,5 @@
-/// Array types that cross module borders. Batches are row-major, one sample a row.
+/// Array types that cross module borders. Batches are row-major, one sample a row; loops that are
+/// the same for every sample take them column-major.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,6 +9,8 @@ namespace npdr {
 
 template <typename Scalar>
 using RowMatrixX = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+template <typename Scalar>
+using ColumnMatrixX = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor>;
 template <typename Scalar>
 using VectorX = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 

@@ -15,7 +15,7 @@ using Mixtures = MixtureDensityNetwork<float>;
 
 // Adds weight * gradient to row n of dL/dheads.
 void add_to_heads(const Mixtures& network, const GaussianMixtureGradient& gradient, double weight,
-                  Index n, RowMatrixF& d_heads) {
+                  Index n, ColumnMatrixX<float>& d_heads) {
   for (Index k = 0; k < network.num_components(); ++k) {
     const auto i = static_cast<std::size_t>(k);
     const auto add = [&](Index column, double value) {
@@ -110,7 +110,7 @@ double NpeC::analytic(const Parameters<float>& parameters, const Batch& batch,
   network.log_prob(parameters, u_, context, scratch, log_prob_);
   double loss = -static_cast<double>(log_prob_.mean());
   d_log_prob_.setConstant(n, -1.0f / static_cast<float>(n));
-  if (gradient != nullptr) network.accumulate_heads(u_, d_log_prob_, scratch);
+  if (gradient != nullptr) network.accumulate_heads(d_log_prob_, scratch);
   GaussianMixtureGradient d_mixture;
   for (Index i = 0; i < n; ++i) {
     const std::uint32_t round = data_.round[batch.rows[static_cast<std::size_t>(i)]];

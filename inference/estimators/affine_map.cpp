@@ -14,10 +14,9 @@ const double kScaleOffset = std::log(std::expm1(1.0 - kSmallestScale));
 }  // namespace
 
 template <typename S>
-void AffineMap<S>::forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, RowMatrixX<S>& z,
-                           VectorX<S>& log_det) const {
+void AffineMap<S>::forward(const ColumnMatrixX<S>& u, ElementScratch<S>& scratch,
+                           ColumnMatrixX<S>& z, VectorX<S>& log_det) const {
   const Index d = u.cols();
-  // Eigen vectorizes functions of whole matrices; of D columns only where D is large.
   scratch.scale = scratch.raw.leftCols(d);
   scratch.scale = softplus(scratch.scale.array() + S(kScaleOffset)) + S(kSmallestScale);
   z = scratch.scale.array().log();
@@ -26,11 +25,11 @@ void AffineMap<S>::forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, R
 }
 
 template <typename S>
-void AffineMap<S>::backward(const RowMatrixX<S>& u, const VectorX<S>& d_log_det,
-                            ElementScratch<S>& scratch, RowMatrixX<S>& d) const {
+void AffineMap<S>::backward(const ColumnMatrixX<S>& u, const VectorX<S>& d_log_det,
+                            ElementScratch<S>& scratch, ColumnMatrixX<S>& d) const {
   scratch.d_raw.resize(u.rows(), scratch.raw.cols());
   // ds/da = sigmoid(a + a_0) = 1 - exp(-softplus(a + a_0)).
-  const RowMatrixX<S> sigmoid = S(1) - (S(kSmallestScale) - scratch.scale.array()).exp();
+  const ColumnMatrixX<S> sigmoid = S(1) - (S(kSmallestScale) - scratch.scale.array()).exp();
   scratch.d_raw.leftCols(u.cols()) =
       (d.array() * u.array() + scratch.scale.array().inverse().colwise() * d_log_det.array()) *
       sigmoid.array();
@@ -39,7 +38,7 @@ void AffineMap<S>::backward(const RowMatrixX<S>& u, const VectorX<S>& d_log_det,
 }
 
 template <typename S>
-VectorX<S> AffineMap<S>::inverse(const VectorX<S>& z, const RowMatrixX<S>& raw) const {
+VectorX<S> AffineMap<S>::inverse(const VectorX<S>& z, const ColumnMatrixX<S>& raw) const {
   return (z - raw.col(1)).array() /
          (softplus(raw.col(0).array() + S(kScaleOffset)) + S(kSmallestScale));
 }

@@ -14,11 +14,11 @@ template <typename S>
 class AffineMap : public ElementMap<S> {
  public:
   Index num_parameters() const override { return 2; }
-  void forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, RowMatrixX<S>& z,
+  void forward(const ColumnMatrixX<S>& u, ElementScratch<S>& scratch, ColumnMatrixX<S>& z,
                VectorX<S>& log_det) const override;
-  void backward(const RowMatrixX<S>& u, const VectorX<S>& d_log_det, ElementScratch<S>& scratch,
-                RowMatrixX<S>& d) const override;
-  VectorX<S> inverse(const VectorX<S>& z, const RowMatrixX<S>& raw) const override;
+  void backward(const ColumnMatrixX<S>& u, const VectorX<S>& d_log_det, ElementScratch<S>& scratch,
+                ColumnMatrixX<S>& d) const override;
+  VectorX<S> inverse(const VectorX<S>& z, const ColumnMatrixX<S>& raw) const override;
 };
 
 }  // namespace npdr::inference

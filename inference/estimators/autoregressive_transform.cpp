@@ -59,13 +59,13 @@ void AutoregressiveTransform<S>::initialize(Parameters<S>& parameters, Stream& s
 template <typename S>
 void AutoregressiveTransform<S>::forward(const Parameters<S>& parameters,
                                          const Eigen::Ref<const RowMatrixX<S>>& context,
-                                         AutoregressiveScratch<S>& scratch, RowMatrixX<S>& z,
+                                         AutoregressiveScratch<S>& scratch, ColumnMatrixX<S>& z,
                                          VectorX<S>& log_det) const {
-  const RowMatrixX<S>& u = scratch.input;
+  const ColumnMatrixX<S>& u = scratch.input;
   scratch.hidden.resize(hidden_weight_.size() + 1);
   RowMatrixX<S>& first = scratch.hidden.front();
-  first.noalias() = u * view(parameters, input_weight_);
-  add_to_groups(context, first);
+  repeat_groups(context, u.rows(), first);
+  first.noalias() += u * view(parameters, input_weight_);
   first = first.array().tanh();
   for (std::size_t l = 0; l < hidden_weight_.size(); ++l) {
     dense_tanh(scratch.hidden[l], view(parameters, hidden_weight_[l]),
@@ -79,12 +79,12 @@ void AutoregressiveTransform<S>::forward(const Parameters<S>& parameters,
 template <typename S>
 void AutoregressiveTransform<S>::backward(const Parameters<S>& parameters,
                                           AutoregressiveScratch<S>& scratch,
-                                          const VectorX<S>& d_log_det, RowMatrixX<S>& d_z,
+                                          const VectorX<S>& d_log_det, ColumnMatrixX<S>& d_z,
                                           Parameters<S>& gradient,
                                           Eigen::Ref<RowMatrixX<S>> d_context) const {
   map_->backward(scratch.input, d_log_det, scratch.element, d_z);
 
-  const RowMatrixX<S>& d_raw = scratch.element.d_raw;
+  const ColumnMatrixX<S>& d_raw = scratch.element.d_raw;
   dense_gradient(scratch.hidden.back(), d_raw, view(gradient, output_weight_),
                  view(gradient, output_bias_));
   view(gradient, output_weight_).array() *= output_mask_.array();
@@ -105,14 +105,14 @@ void AutoregressiveTransform<S>::backward(const Parameters<S>& parameters,
 }
 
 template <typename S>
-RowMatrixX<S> AutoregressiveTransform<S>::inverse(const Parameters<S>& parameters,
-                                                  const Eigen::Ref<const RowMatrixX<S>>& context,
-                                                  const RowMatrixX<S>& z) const {
+ColumnMatrixX<S> AutoregressiveTransform<S>::inverse(const Parameters<S>& parameters,
+                                                     const Eigen::Ref<const RowMatrixX<S>>& context,
+                                                     const ColumnMatrixX<S>& z) const {
   const auto w_in = view(parameters, input_weight_);
   const auto w_out = view(parameters, output_weight_);
   const auto b_out = view(parameters, output_bias_);
   const Index m = z.rows();
-  RowMatrixX<S> u(m, dimension_), raw(m, map_->num_parameters());
+  ColumnMatrixX<S> u(m, dimension_), raw(m, map_->num_parameters());
   std::vector<RowMatrixX<S>> hidden(hidden_weight_.size() + 1, RowMatrixX<S>(m, hidden_));
   for (Index d = 0; d < dimension_; ++d) {
     // u_1..u_d are known, so the hidden units of degree d can be computed, and they never change.

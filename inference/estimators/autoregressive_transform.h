@@ -22,7 +22,7 @@ namespace npdr::inference {
 /// Memory of a forward pass of one transform for the backward pass. m = n k rows.
 template <typename S>
 struct AutoregressiveScratch {
-  RowMatrixX<S> input;                ///< (m, D)
+  ColumnMatrixX<S> input;             ///< (m, D)
   std::vector<RowMatrixX<S>> hidden;  ///< L x (m, hidden)
   ElementScratch<S> element;
   RowMatrixX<S> d_hidden;  ///< (m, hidden)
@@ -44,19 +44,19 @@ class AutoregressiveTransform {
   /// z(u) for u = scratch.input (m, D); `context` (n, hidden) holds c W_c + b_1; adds log |det| to
   /// `log_det` (m).
   void forward(const Parameters<S>& parameters, const Eigen::Ref<const RowMatrixX<S>>& context,
-               AutoregressiveScratch<S>& scratch, RowMatrixX<S>& z, VectorX<S>& log_det) const;
+               AutoregressiveScratch<S>& scratch, ColumnMatrixX<S>& z, VectorX<S>& log_det) const;
 
   /// `d_z` holds dL/dz and becomes dL/du; d_log_det (m) is dL/dlog_det. Overwrites this transform's
   /// blocks of `gradient` and `d_context` (n, hidden).
   void backward(const Parameters<S>& parameters, AutoregressiveScratch<S>& scratch,
-                const VectorX<S>& d_log_det, RowMatrixX<S>& d_z, Parameters<S>& gradient,
+                const VectorX<S>& d_log_det, ColumnMatrixX<S>& d_z, Parameters<S>& gradient,
                 Eigen::Ref<RowMatrixX<S>> d_context) const;
 
   /// u(z), (m, D), for one context (1, hidden) of all rows: one variable after the other, each
   /// hidden unit once.
-  RowMatrixX<S> inverse(const Parameters<S>& parameters,
-                        const Eigen::Ref<const RowMatrixX<S>>& context,
-                        const RowMatrixX<S>& z) const;
+  ColumnMatrixX<S> inverse(const Parameters<S>& parameters,
+                           const Eigen::Ref<const RowMatrixX<S>>& context,
+                           const ColumnMatrixX<S>& z) const;
 
  private:
   /// First hidden unit of degree >= g; hidden_ for g = D.

@@ -8,26 +8,41 @@
 
 namespace npdr::inference {
 
-/// y = x W + b.
+/// Row i of `rows` (m, w) = row i n / m of `groups` (n, w): each as often as the others.
+template <typename G, typename R>
+void repeat_groups(const G& groups, Index m, R& rows) {
+  const Index k = m / groups.rows();
+  rows.resize(m, groups.cols());
+  for (Index g = 0; g < groups.rows(); ++g) {
+    for (Index a = 0; a < k; ++a) rows.row(g * k + a) = groups.row(g);
+  }
+}
+
+/// y = x W + b; y may be column-major.
 template <typename X, typename W, typename B, typename Y>
 void dense(const X& x, const W& weight, const B& bias, Y& y) {
-  y.noalias() = x * weight;
-  y.rowwise() += bias.row(0);
+  if constexpr (Y::IsRowMajor) {
+    repeat_groups(bias, x.rows(), y);
+  } else {
+    y.resize(x.rows(), bias.cols());
+    for (Index c = 0; c < y.cols(); ++c) y.col(c).setConstant(bias(0, c));
+  }
+  y.noalias() += x * weight;
 }
 
 /// y = tanh(x W + b).
 template <typename X, typename W, typename B, typename Y>
 void dense_tanh(const X& x, const W& weight, const B& bias, Y& y) {
-  y.noalias() = x * weight;
-  y = (y.rowwise() + bias.row(0)).array().tanh();
+  dense(x, weight, bias, y);
+  y = y.array().tanh();
 }
 
 /// y = max(0, x W + b).
 template <typename X, typename W, typename B, typename Y>
 void dense_relu(const X& x, const W& weight, const B& bias, Y& y) {
   using S = typename Y::Scalar;
-  y.noalias() = x * weight;
-  y = (y.rowwise() + bias.row(0)).cwiseMax(S(0));
+  dense(x, weight, bias, y);
+  y = y.cwiseMax(S(0));
 }
 
 /// dL/dW = x^T dL/dy and dL/db = sum over rows of dL/dy, overwritten.
@@ -53,15 +68,6 @@ void relu_backward(const RowMatrixX<S>& y, RowMatrixX<S>& d) {
   const Index count = d.size();
 #pragma omp simd
   for (Index i = 0; i < count; ++i) derivative[i] = value[i] > S(0) ? derivative[i] : S(0);
-}
-
-/// Row i of `rows` (n k, w) += row i / k of `groups` (n, w).
-template <typename G, typename R>
-void add_to_groups(const G& groups, R& rows) {
-  const Index k = rows.rows() / groups.rows();
-  for (Index g = 0; g < groups.rows(); ++g) {
-    rows.middleRows(g * k, k).rowwise() += groups.row(g);
-  }
 }
 
 /// Row g of `groups` (n, w) = sum of the rows g k, ..., g k + k - 1 of `rows` (n k, w).

@@ -13,15 +13,15 @@ namespace npdr::inference {
 namespace {
 
 template <typename S>
-void permute(const RowMatrixX<S>& from, const std::vector<std::uint32_t>& order,
-             RowMatrixX<S>& to) {
+void permute(const ColumnMatrixX<S>& from, const std::vector<std::uint32_t>& order,
+             ColumnMatrixX<S>& to) {
   to.resize(from.rows(), from.cols());
   for (Index j = 0; j < from.cols(); ++j) to.col(j) = from.col(order[static_cast<std::size_t>(j)]);
 }
 
 template <typename S>
-void permute_back(const RowMatrixX<S>& from, const std::vector<std::uint32_t>& order,
-                  RowMatrixX<S>& to) {
+void permute_back(const ColumnMatrixX<S>& from, const std::vector<std::uint32_t>& order,
+                  ColumnMatrixX<S>& to) {
   to.resize(from.rows(), from.cols());
   for (Index j = 0; j < from.cols(); ++j) to.col(order[static_cast<std::size_t>(j)]) = from.col(j);
 }
@@ -39,9 +39,9 @@ struct MaskedAutoregressiveFlow<S>::Scratch : EstimatorScratch {
   RowMatrixX<S> context;    ///< (n, K hidden): c W_c + b
   RowMatrixX<S> d_context;  ///< (n, K hidden)
   std::vector<AutoregressiveScratch<S>> transforms;
-  RowMatrixX<S> z;         ///< (n k, D)
-  RowMatrixX<S> d_z;       ///< (n k, D)
-  RowMatrixX<S> permuted;  ///< (n k, D)
+  ColumnMatrixX<S> z;         ///< (n k, D)
+  ColumnMatrixX<S> d_z;       ///< (n k, D)
+  ColumnMatrixX<S> permuted;  ///< (n k, D)
 };
 
 template <typename S>
@@ -130,7 +130,7 @@ template <typename S>
 RowMatrixX<S> MaskedAutoregressiveFlow<S>::sample(const Parameters<S>& parameters,
                                                   const RowMatrixX<S>& context, Index count,
                                                   const StreamId& id) const {
-  RowMatrixX<S> z(count, dimension_);
+  ColumnMatrixX<S> z(count, dimension_);
   for (Index i = 0; i < z.rows(); ++i) {
     StreamId row = id;
     row.row += static_cast<std::uint64_t>(i);
@@ -139,7 +139,7 @@ RowMatrixX<S> MaskedAutoregressiveFlow<S>::sample(const Parameters<S>& parameter
   }
   RowMatrixX<S> product;
   dense(context, view(parameters, context_weight_), view(parameters, context_bias_), product);
-  RowMatrixX<S> next;
+  ColumnMatrixX<S> next;
   for (Index k = num_transforms(); k-- > 0;) {
     const auto i = static_cast<std::size_t>(k);
     next = transforms_[i].inverse(parameters,

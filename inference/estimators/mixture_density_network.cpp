@@ -1,5 +1,6 @@
 #include "inference/estimators/mixture_density_network.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -14,12 +15,43 @@ namespace {
 constexpr double kSmallestDiagonal = 1e-3;
 const double kDiagonalOffset = std::log(std::expm1(1.0 - kSmallestDiagonal));
 
-// Turns K raw logits into normalized log weights.
+// log of the sum of exp(x) over each row.
+template <typename Derived>
+auto log_sum_exp_of_rows(const Eigen::MatrixBase<Derived>& x) {
+  using S = typename Derived::Scalar;
+  Eigen::Array<S, Eigen::Dynamic, 1> largest = x.col(0), sum;
+  for (Index c = 1; c < x.cols(); ++c) largest = largest.max(x.col(c).array());
+  sum.setZero(x.rows());
+  for (Index c = 0; c < x.cols(); ++c) sum += (x.col(c).array() - largest).exp();
+  return (largest + sum.log()).eval();
+}
+
+// values[i] = u[i] - mean[i]; mean stays where it is with kStride = 0, where all points share it.
+template <int kStride, typename S>
+void subtract(const S* __restrict u, const S* __restrict mean, Index count, S* __restrict values) {
+#pragma omp simd
+  for (Index i = 0; i < count; ++i) values[i] = u[i] - mean[i * kStride];
+}
+
+// sum[i] += factor[i] values[i].
+template <int kStride, typename S>
+void add_product(const S* __restrict factor, const S* __restrict values, Index count,
+                 S* __restrict sum) {
+#pragma omp simd
+  for (Index i = 0; i < count; ++i) sum[i] += factor[i * kStride] * values[i];
+}
+
+// d_factor -= d y and d_mean += d U: the derivatives of -|y|^2 / 2 given d = y dL/dlog_prob, where
+// y = U (u - mu).
 template <typename S>
-void normalize_log_weights(S* logits, Index count) {
-  Eigen::Map<Eigen::Array<S, Eigen::Dynamic, 1>> l(logits, count);
-  const S largest = l.maxCoeff();
-  l -= largest + std::log((l - largest).exp().sum());
+void add_gradient_of_entry(const S* __restrict d, const S* __restrict deviation,
+                           const S* __restrict factor, Index count, S* __restrict d_factor,
+                           S* __restrict d_mean) {
+#pragma omp simd
+  for (Index i = 0; i < count; ++i) {
+    d_factor[i] -= d[i] * deviation[i];
+    d_mean[i] += d[i] * factor[i];
+  }
 }
 
 }  // namespace
@@ -113,13 +145,35 @@ void MixtureDensityNetwork<S>::forward_heads(const Parameters<S>& parameters,
     input = &scratch.hidden[l];
   }
   dense(*input, view(parameters, weights_.back()), view(parameters, biases_.back()), scratch.heads);
-  for (Index n = 0; n < context.rows(); ++n) {
-    normalize_log_weights(&scratch.heads(n, weight_column()), components_);
-  }
+  auto logits = scratch.heads.middleCols(weight_column(), components_);
+  logits.array().colwise() -= log_sum_exp_of_rows(logits);
   for (Index i = 0; i < dimension_; ++i) {
     auto a = scratch.heads.middleCols(factor_column(i, i), components_).array();
     a += S(kDiagonalOffset);
     a = (softplus(a) + S(kSmallestDiagonal)).eval();
+  }
+}
+
+// Whitens the points first, ..., first + count - 1 and adds -|y|^2 / 2 of `component`. Point first
+// + i has the head of context i, or all have that of the only context (kStride = 0).
+template <typename S>
+template <int kStride>
+void MixtureDensityNetwork<S>::add_log_densities(Index component, Index first, Index count,
+                                                 MixtureScratch<S>& scratch) const {
+  const auto head = [&](Index column) { return scratch.heads.col(column + component).data(); };
+  S* log_density = scratch.responsibility.col(component).data() + first;
+  for (Index j = 0; j < dimension_; ++j) {
+    subtract<kStride>(scratch.points.col(j).data() + first, head(mean_column(j)), count,
+                      scratch.deviation.col(j).data());
+  }
+  for (Index i = 0; i < dimension_; ++i) {
+    S* y = scratch.whitened.col(component * dimension_ + i).data() + first;
+    std::fill(y, y + count, S(0));
+    for (Index j = i; j < dimension_; ++j) {
+      add_product<kStride>(head(factor_column(i, j)), scratch.deviation.col(j).data(), count, y);
+    }
+#pragma omp simd
+    for (Index r = 0; r < count; ++r) log_density[r] -= S(0.5) * y[r] * y[r];
   }
 }
 
@@ -129,65 +183,85 @@ void MixtureDensityNetwork<S>::log_prob(const Parameters<S>& parameters, const R
                                         VectorX<S>& log_prob) const {
   auto& scratch = static_cast<MixtureScratch<S>&>(base);
   forward_heads(parameters, context, scratch);
-  using Array = Eigen::Array<S, 1, Eigen::Dynamic>;
-  const Index m = u.rows();
-  const Index k = m / context.rows();
+  const Index m = u.rows(), n = context.rows(), k = m / n;
+  scratch.points.resize(m, dimension_);
+  for (Index a = 0; a < k; ++a) {
+    for (Index g = 0; g < n; ++g) scratch.points.row(a * n + g) = u.row(g * k + a);
+  }
+  // Loops run over contexts; over points where one context is that of all.
+  const Index count = n == 1 ? m : n;
+  scratch.deviation.resize(count, dimension_);
   scratch.whitened.resize(m, dimension_ * components_);
   scratch.responsibility.resize(m, components_);
-  log_prob.resize(m);
-  const S constant = S(-0.5 * std::log(2.0 * std::numbers::pi) * static_cast<double>(dimension_));
-  Array terms(components_), y(components_);
-  for (Index r = 0; r < m; ++r) {
-    const auto head = scratch.heads.row(r / k).array();
-    const auto part = [&](Index column) { return head.segment(column, components_); };
-    terms = part(weight_column()) + constant;
+  for (Index c = 0; c < components_; ++c) {
+    Eigen::Array<S, Eigen::Dynamic, 1> log_scale = scratch.heads.col(weight_column() + c);
+    log_scale -= S(0.5 * std::log(2.0 * std::numbers::pi) * static_cast<double>(dimension_));
     for (Index i = 0; i < dimension_; ++i) {
-      y = part(factor_column(i, i)) * (u(r, i) - part(mean_column(i)));
-      for (Index j = i + 1; j < dimension_; ++j) {
-        y += part(factor_column(i, j)) * (u(r, j) - part(mean_column(j)));
-      }
-      scratch.whitened.row(r).segment(i * components_, components_) = y;
-      terms += part(factor_column(i, i)).log() - S(0.5) * y.square();
+      log_scale += scratch.heads.col(factor_column(i, i) + c).array().log();
     }
-    const S largest = terms.maxCoeff();
-    log_prob(r) = largest + std::log((terms - largest).exp().sum());
-    scratch.responsibility.row(r) = (terms - log_prob(r)).exp();
+    scratch.responsibility.col(c) = log_scale.replicate(k, 1);
+    if (n == 1) {
+      add_log_densities<0>(c, 0, m, scratch);
+    } else {
+      for (Index a = 0; a < k; ++a) add_log_densities<1>(c, a * n, n, scratch);
+    }
   }
+  const auto total = log_sum_exp_of_rows(scratch.responsibility);
+  scratch.responsibility = (scratch.responsibility.array().colwise() - total).exp();
+  log_prob.resize(m);
+  Eigen::Map<RowMatrixX<S>>(log_prob.data(), n, k) =
+      Eigen::Map<const ColumnMatrixX<S>>(total.data(), n, k);
 }
 
 template <typename S>
-void MixtureDensityNetwork<S>::backward(const Parameters<S>& parameters, const RowMatrixX<S>& u,
+void MixtureDensityNetwork<S>::backward(const Parameters<S>& parameters, const RowMatrixX<S>&,
                                         const RowMatrixX<S>& context, const VectorX<S>& d_log_prob,
                                         EstimatorScratch& base, Parameters<S>& gradient,
                                         RowMatrixX<S>* d_context) const {
   auto& scratch = static_cast<MixtureScratch<S>&>(base);
-  accumulate_heads(u, d_log_prob, scratch);
+  accumulate_heads(d_log_prob, scratch);
   backward_heads(parameters, context, scratch, gradient, d_context);
 }
 
+// Adds what the points first, ..., first + n - 1 give to d_heads of `component`: weight (n) is
+// dL/dlog_prob times its responsibility.
 template <typename S>
-void MixtureDensityNetwork<S>::accumulate_heads(const RowMatrixX<S>& u,
-                                                const VectorX<S>& d_log_prob,
+void MixtureDensityNetwork<S>::add_gradient(Index component, Index first, const VectorX<S>& weight,
+                                            MixtureScratch<S>& scratch) const {
+  const Index n = weight.size();
+  const auto head = [&](Index column) { return scratch.heads.col(column + component).data(); };
+  const auto d_head = [&](Index column) { return scratch.d_heads.col(column + component).data(); };
+  for (Index j = 0; j < dimension_; ++j) {
+    subtract<1>(scratch.points.col(j).data() + first, head(mean_column(j)), n,
+                scratch.deviation.col(j).data());
+  }
+  VectorX<S> d(n);
+  for (Index i = 0; i < dimension_; ++i) {
+    d = scratch.whitened.col(component * dimension_ + i).segment(first, n).cwiseProduct(weight);
+    for (Index j = i; j < dimension_; ++j) {
+      add_gradient_of_entry(d.data(), scratch.deviation.col(j).data(), head(factor_column(i, j)), n,
+                            d_head(factor_column(i, j)), d_head(mean_column(j)));
+    }
+  }
+}
+
+template <typename S>
+void MixtureDensityNetwork<S>::accumulate_heads(const VectorX<S>& d_log_prob,
                                                 MixtureScratch<S>& scratch) const {
-  using Array = Eigen::Array<S, 1, Eigen::Dynamic>;
-  const Index n = scratch.heads.rows();
+  const Index n = scratch.heads.rows(), k = d_log_prob.size() / n;
+  const ColumnMatrixX<S> d = Eigen::Map<const RowMatrixX<S>>(d_log_prob.data(), n, k);
   scratch.d_heads.setZero(n, num_columns());
-  const Index k = u.rows() / n;
-  Array w(components_), y(components_);
-  for (Index r = 0; r < u.rows(); ++r) {
-    const auto head = scratch.heads.row(r / k).array();
-    auto d_head = scratch.d_heads.row(r / k).array();
-    const auto part = [&](Index column) { return head.segment(column, components_); };
-    const auto d_part = [&](Index column) { return d_head.segment(column, components_); };
-    w = d_log_prob(r) * scratch.responsibility.row(r).array();
-    d_part(weight_column()) += w;
+  VectorX<S> weight(n);
+  for (Index c = 0; c < components_; ++c) {
+    auto d_log_weight = scratch.d_heads.col(weight_column() + c);
+    for (Index a = 0; a < k; ++a) {
+      weight = d.col(a).cwiseProduct(scratch.responsibility.col(c).segment(a * n, n));
+      d_log_weight += weight;
+      add_gradient(c, a * n, weight, scratch);
+    }
     for (Index i = 0; i < dimension_; ++i) {
-      y = scratch.whitened.row(r).segment(i * components_, components_).array() * w;
-      d_part(factor_column(i, i)) += w / part(factor_column(i, i));
-      for (Index j = i; j < dimension_; ++j) {
-        d_part(factor_column(i, j)) -= y * (u(r, j) - part(mean_column(j)));
-        d_part(mean_column(j)) += y * part(factor_column(i, j));
-      }
+      const Index column = factor_column(i, i) + c;
+      scratch.d_heads.col(column) += d_log_weight.cwiseQuotient(scratch.heads.col(column));
     }
   }
 }
@@ -197,7 +271,7 @@ void MixtureDensityNetwork<S>::backward_heads(const Parameters<S>& parameters,
                                               const RowMatrixX<S>& context,
                                               MixtureScratch<S>& scratch, Parameters<S>& gradient,
                                               RowMatrixX<S>* d_context) const {
-  RowMatrixX<S>& d = scratch.d_heads;
+  ColumnMatrixX<S>& d = scratch.d_heads;
   // Through the log softmax: d logit = d log_weight - softmax * sum of d log_weight.
   auto d_weight = d.middleCols(weight_column(), components_).array();
   const auto log_weight = scratch.heads.middleCols(weight_column(), components_).array();
@@ -210,18 +284,19 @@ void MixtureDensityNetwork<S>::backward_heads(const Parameters<S>& parameters,
         S(1) - (S(kSmallestDiagonal) - scratch.heads.middleCols(column, components_).array()).exp();
   }
   const std::size_t layers = scratch.hidden.size();
-  const RowMatrixX<S>* d_above = &d;
-  for (std::size_t l = layers; l > 0; --l) {
-    dense_gradient(scratch.hidden[l - 1], *d_above, view(gradient, weights_[l]),
+  const auto below = [&](std::size_t l, const auto& d_above) {
+    dense_gradient(scratch.hidden[l - 1], d_above, view(gradient, weights_[l]),
                    view(gradient, biases_[l]));
-    scratch.d_below.noalias() = *d_above * view(parameters, weights_[l]).transpose();
+    scratch.d_below.noalias() = d_above * view(parameters, weights_[l]).transpose();
     tanh_backward(scratch.hidden[l - 1], scratch.d_below);
     scratch.d_hidden.swap(scratch.d_below);
-    d_above = &scratch.d_hidden;
-  }
-  dense_gradient(context, *d_above, view(gradient, weights_[0]), view(gradient, biases_[0]));
+  };
+  below(layers, d);
+  for (std::size_t l = layers - 1; l > 0; --l) below(l, scratch.d_hidden);
+  dense_gradient(context, scratch.d_hidden, view(gradient, weights_[0]),
+                 view(gradient, biases_[0]));
   if (d_context == nullptr) return;
-  d_context->noalias() = *d_above * view(parameters, weights_[0]).transpose();
+  d_context->noalias() = scratch.d_hidden * view(parameters, weights_[0]).transpose();
 }
 
 template <typename S>

@@ -4,8 +4,9 @@
 ///   log q(u | c) = logsumexp_k [ log softmax_k(l(c)) + log N(u; mu_k(c), (U_k(c)^T U_k(c))^-1) ],
 ///   log N = sum_i log U_ii - |U (u - mu)|^2 / 2 - D log(2 pi) / 2.
 /// U is upper triangular; its diagonal is softplus(a + a_0) + 1e-3, 1 at a = 0. The trunk has tanh
-/// layers. Head columns are grouped by quantity, K columns each, so that the loops run over
-/// components: logits; D means; D (D + 1) / 2 entries U_ij, i <= j, row by row.
+/// layers. Head columns are grouped by quantity, K columns each: logits; D means; D (D + 1) / 2
+/// entries U_ij, i <= j, row by row. The values of a column lie beside each other, so that loops
+/// run over contexts.
 #pragma once
 
 #include <vector>
@@ -15,15 +16,18 @@
 
 namespace npdr::inference {
 
-/// Memory of a pass of a mixture density network. n contexts, m = n k rows of u.
+/// Memory of a pass of a mixture density network. n contexts, m = n k rows of u: row g k + a of u,
+/// which belongs to context g, is row a n + g here.
 template <typename S>
 struct MixtureScratch : EstimatorScratch {
   std::vector<RowMatrixX<S>> hidden;  ///< L x (n, hidden)
-  RowMatrixX<S> heads;                ///< (n, Q K): log weights, means, factors with their diagonal
-  RowMatrixX<S> d_heads;              ///< (n, Q K): dL/d(those)
+  ColumnMatrixX<S> heads;             ///< (n, Q K): log weights, means, factors with their diagonal
+  ColumnMatrixX<S> d_heads;           ///< (n, Q K): dL/d(those)
   RowMatrixX<S> d_hidden, d_below;
-  RowMatrixX<S> whitened;        ///< (m, D K): U (u - mu)
-  RowMatrixX<S> responsibility;  ///< (m, K)
+  ColumnMatrixX<S> points;          ///< (m, D): u
+  ColumnMatrixX<S> deviation;       ///< (n, D): u - mu of one component and the points of one a
+  ColumnMatrixX<S> whitened;        ///< (m, K D): U (u - mu), D columns for each component
+  ColumnMatrixX<S> responsibility;  ///< (m, K)
 };
 
 template <typename S>
@@ -57,9 +61,9 @@ class MixtureDensityNetwork : public DensityEstimator<S> {
   /// Fills scratch.heads with the mixtures of all contexts.
   void forward_heads(const Parameters<S>& parameters, const RowMatrixX<S>& context,
                      MixtureScratch<S>& scratch) const;
-  /// Overwrites scratch.d_heads with dL/d(log weights, means, factors) for dL/dlog_prob (m).
-  void accumulate_heads(const RowMatrixX<S>& u, const VectorX<S>& d_log_prob,
-                        MixtureScratch<S>& scratch) const;
+  /// Overwrites scratch.d_heads with dL/d(log weights, means, factors) for dL/dlog_prob (m), after
+  /// log_prob().
+  void accumulate_heads(const VectorX<S>& d_log_prob, MixtureScratch<S>& scratch) const;
   /// Adds the gradient of the weights, given scratch.d_heads.
   void backward_heads(const Parameters<S>& parameters, const RowMatrixX<S>& context,
                       MixtureScratch<S>& scratch, Parameters<S>& gradient,
@@ -74,6 +78,11 @@ class MixtureDensityNetwork : public DensityEstimator<S> {
 
  private:
   Index num_columns() const;
+  template <int kStride>
+  void add_log_densities(Index component, Index first, Index count,
+                         MixtureScratch<S>& scratch) const;
+  void add_gradient(Index component, Index first, const VectorX<S>& weight,
+                    MixtureScratch<S>& scratch) const;
 
   Index dimension_;
   Index context_features_;

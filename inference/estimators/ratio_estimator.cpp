@@ -52,8 +52,8 @@ void RatioEstimator<S>::logits(const Parameters<S>& parameters, const RowMatrixX
   scratch.hidden.resize(blocks_.size() + 1);
   scratch.inner.resize(blocks_.size());
   dense(x, view(parameters, x_weight_), view(parameters, bias_), scratch.context);
-  scratch.hidden[0].noalias() = u * view(parameters, u_weight_);
-  add_to_groups(scratch.context, scratch.hidden[0]);
+  repeat_groups(scratch.context, u.rows(), scratch.hidden[0]);
+  scratch.hidden[0].noalias() += u * view(parameters, u_weight_);
   for (std::size_t l = 0; l < blocks_.size(); ++l) {
     const ResidualBlock& block = blocks_[l];
     scratch.active = scratch.hidden[l].cwiseMax(S(0));

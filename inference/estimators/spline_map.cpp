@@ -17,51 +17,100 @@ constexpr double kSmallestDerivative = 1e-3;
 // softplus(kDerivativeOffset) + kSmallestDerivative = 1.
 const double kDerivativeOffset = std::log(std::expm1(1.0 - kSmallestDerivative));
 
-// Column k D + d of `result` = 2 B (m + (1 - K m) softmax_k(raw)), for all rows and variables at
-// once. Eigen vectorizes functions of whole matrices; of D columns only where D is large.
+// Column k of `sizes` = 2 B (m + (1 - K m) softmax_k(raw)); `raw` holds N values for each of K
+// bins.
 template <typename S>
-void bins_of(const Eigen::Ref<const RowMatrixX<S>>& raw, Index bins, RowMatrixX<S>& result) {
-  const Index d = raw.cols() / bins;
-  RowMatrixX<S> largest = raw.leftCols(d);
-  for (Index k = 1; k < bins; ++k) largest = largest.cwiseMax(raw.middleCols(k * d, d));
-  result.resize(raw.rows(), raw.cols());
-  RowMatrixX<S> sum = RowMatrixX<S>::Zero(raw.rows(), d);
+void sizes_of(const S* raw, Index num_values, Index bins, ColumnMatrixX<S>& sizes) {
+  const Eigen::Map<const ColumnMatrixX<S>> logits(raw, num_values, bins);
+  VectorX<S> largest = logits.col(0), sum = VectorX<S>::Zero(num_values);
+  for (Index k = 1; k < bins; ++k) largest = largest.cwiseMax(logits.col(k));
+  sizes.resize(num_values, bins);
   for (Index k = 0; k < bins; ++k) {
-    result.middleCols(k * d, d) = raw.middleCols(k * d, d) - largest;
+    sizes.col(k) = (logits.col(k) - largest).array().exp();
+    sum += sizes.col(k);
   }
-  result.array() = result.array().exp();
-  for (Index k = 0; k < bins; ++k) sum += result.middleCols(k * d, d);
   const S smallest = S(2.0 * kBound * kSmallestBin);
   const S rest = S(2.0 * kBound * (1.0 - static_cast<double>(bins) * kSmallestBin));
   sum = rest * sum.array().inverse();
   for (Index k = 0; k < bins; ++k) {
-    result.middleCols(k * d, d) = smallest + result.middleCols(k * d, d).array() * sum.array();
+    sizes.col(k) = smallest + sizes.col(k).array() * sum.array();
   }
 }
 
-// Turns dL/dwidths of one variable (its K entries, `stride` apart) into dL/draw: the softmax's
-// Jacobian. `sizes` are the bins.
+// Turns dL/dsizes (N, K) into dL/draw: the softmax's Jacobian.
 template <typename S>
-void softmax_backward(const S* sizes, S* d, Index bins, Index stride) {
+void softmax_backward(const ColumnMatrixX<S>& sizes, S* d_raw) {
+  const Index bins = sizes.cols();
+  Eigen::Map<ColumnMatrixX<S>> d(d_raw, sizes.rows(), bins);
   const S smallest = S(2.0 * kBound * kSmallestBin);
   const S rest = S(2.0 * kBound * (1.0 - static_cast<double>(bins) * kSmallestBin));
-  S mean = 0;
-  for (Index k = 0; k < bins; ++k) mean += d[k * stride] * (sizes[k * stride] - smallest) / rest;
+  VectorX<S> mean = VectorX<S>::Zero(sizes.rows());
   for (Index k = 0; k < bins; ++k) {
-    d[k * stride] = (d[k * stride] - mean) * (sizes[k * stride] - smallest);
+    mean.array() += d.col(k).array() * (sizes.col(k).array() - smallest) / rest;
   }
+  for (Index k = 0; k < bins; ++k) {
+    d.col(k).array() = (d.col(k) - mean).array() * (sizes.col(k).array() - smallest);
+  }
+}
+
+enum class Axis { v, z };
+
+// The bins in which N values lie along an axis: the last one whose lower knot isn't above the
+// value.
+template <Axis kAxis, typename S>
+void find_bins(const ElementScratch<S>& scratch, const S* values, SplineBins<S>& bins) {
+  const Index n = scratch.widths.rows(), num_bins = scratch.widths.cols();
+  bins.number.setZero(n);
+  bins.v.setConstant(n, S(-kBound));
+  bins.z = bins.v;
+  bins.w = scratch.widths.col(0);
+  bins.h = scratch.heights.col(0);
+  bins.d0.setOnes(n);
+  bins.d1 = scratch.derivatives.col(0);
+  VectorX<S> knot_v = bins.v, knot_z = bins.z;
+  const VectorX<S> one = VectorX<S>::Ones(n);
+  for (Index k = 1; k < num_bins; ++k) {
+    knot_v += scratch.widths.col(k - 1);
+    knot_z += scratch.heights.col(k - 1);
+    const S* knot = kAxis == Axis::v ? knot_v.data() : knot_z.data();
+    const auto take = [&](const S* candidates, S* kept) {
+#pragma omp simd
+      for (Index i = 0; i < n; ++i) kept[i] = values[i] >= knot[i] ? candidates[i] : kept[i];
+    };
+    take(knot_v.data(), bins.v.data());
+    take(knot_z.data(), bins.z.data());
+    take(scratch.widths.col(k).data(), bins.w.data());
+    take(scratch.heights.col(k).data(), bins.h.data());
+    take(scratch.derivatives.col(k - 1).data(), bins.d0.data());
+    take(k + 1 < num_bins ? scratch.derivatives.col(k).data() : one.data(), bins.d1.data());
+    int* number = bins.number.data();
+#pragma omp simd
+    for (Index i = 0; i < n; ++i) number[i] += values[i] >= knot[i] ? 1 : 0;
+  }
+}
+
+// A value in its bin: N = h (s xi^2 + d_0 q), A = d_1 xi^2 + 2 s q + d_0 (1 - xi)^2 and the
+// denominator D, so that z = z_k + N / D and dz/dv = s^2 A / D^2.
+template <typename S>
+struct Fraction {
+  S xi, q, s, numerator, slope_numerator, denominator;
+
+  Fraction(S v, S knot, S w, S h, S d0, S d1) {
+    xi = (v - knot) / w;
+    q = xi * (1 - xi);
+    s = h / w;
+    numerator = h * (s * xi * xi + d0 * q);
+    slope_numerator = d1 * xi * xi + 2 * s * q + d0 * (1 - xi) * (1 - xi);
+    denominator = s + (d1 + d0 - 2 * s) * q;
+  }
+};
+
+template <typename S>
+bool is_inside(S v) {
+  return std::abs(v) < S(kBound);
 }
 
 }  // namespace
-
-// One bin and its knots.
-template <typename S>
-struct SplineMap<S>::Bin {
-  Index k = 0;
-  S v, z;    // lower knot
-  S w, h;    // width, height
-  S d0, d1;  // derivatives at both knots
-};
 
 template <typename S>
 SplineMap<S>::SplineMap(Index num_bins) : bins_(num_bins) {
@@ -74,135 +123,122 @@ SplineMap<S>::SplineMap(Index num_bins) : bins_(num_bins) {
 
 template <typename S>
 void SplineMap<S>::shape(ElementScratch<S>& scratch, Index d) const {
-  bins_of<S>(scratch.raw.middleCols(2 * d, bins_ * d), bins_, scratch.widths);
-  bins_of<S>(scratch.raw.middleCols((2 + bins_) * d, bins_ * d), bins_, scratch.heights);
-  scratch.derivatives = scratch.raw.rightCols((bins_ - 1) * d);
+  const Index n = scratch.raw.rows() * d;
+  const S* raw = scratch.raw.data();
+  sizes_of(raw + 2 * n, n, bins_, scratch.widths);
+  sizes_of(raw + (2 + bins_) * n, n, bins_, scratch.heights);
+  scratch.derivatives = Eigen::Map<const ColumnMatrixX<S>>(raw + (2 + 2 * bins_) * n, n, bins_ - 1);
   scratch.derivatives =
       softplus(scratch.derivatives.array() + S(kDerivativeOffset)) + S(kSmallestDerivative);
 }
 
-// The bin in which `value` lies along `knots_of`: the widths for v, the heights for z.
 template <typename S>
-typename SplineMap<S>::Bin SplineMap<S>::find(const ElementScratch<S>& scratch,
-                                              const RowMatrixX<S>& knots_of, Index row, Index d,
-                                              Index num_variables, S value) const {
-  Bin bin;
-  bin.v = bin.z = S(-kBound);
-  S knot = S(-kBound);
-  while (bin.k + 1 < bins_ && value >= knot + knots_of(row, bin.k * num_variables + d)) {
-    knot += knots_of(row, bin.k * num_variables + d);
-    bin.v += scratch.widths(row, bin.k * num_variables + d);
-    bin.z += scratch.heights(row, bin.k * num_variables + d);
-    ++bin.k;
-  }
-  const auto derivative = [&](Index knot_number) {
-    const bool is_end = knot_number == 0 || knot_number == bins_;
-    return is_end ? S(1) : scratch.derivatives(row, (knot_number - 1) * num_variables + d);
-  };
-  bin.w = scratch.widths(row, bin.k * num_variables + d);
-  bin.h = scratch.heights(row, bin.k * num_variables + d);
-  bin.d0 = derivative(bin.k);
-  bin.d1 = derivative(bin.k + 1);
-  return bin;
-}
-
-template <typename S>
-void SplineMap<S>::forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, RowMatrixX<S>& z,
-                           VectorX<S>& log_det) const {
-  const Index num_variables = u.cols();
+void SplineMap<S>::forward(const ColumnMatrixX<S>& u, ElementScratch<S>& scratch,
+                           ColumnMatrixX<S>& z, VectorX<S>& log_det) const {
   affine_.forward(u, scratch, scratch.moved, log_det);
-  shape(scratch, num_variables);
-  z = scratch.moved;
-  // Parts of dz/dv = slope^2 numerator / denominator^2; 1 outside of [-B, B].
-  scratch.slope.setOnes(u.rows(), num_variables);
-  scratch.numerator.setOnes(u.rows(), num_variables);
-  scratch.denominator.setOnes(u.rows(), num_variables);
-  for (Index i = 0; i < u.rows(); ++i) {
-    for (Index d = 0; d < num_variables; ++d) {
-      const S v = scratch.moved(i, d);
-      if (!(std::abs(v) < S(kBound))) continue;
-      const Bin b = find(scratch, scratch.widths, i, d, num_variables, v);
-      const S xi = (v - b.v) / b.w, q = xi * (1 - xi), s = b.h / b.w;
-      const S denominator = s + (b.d1 + b.d0 - 2 * s) * q;
-      z(i, d) = b.z + b.h * (s * xi * xi + b.d0 * q) / denominator;
-      scratch.slope(i, d) = s;
-      scratch.numerator(i, d) = b.d1 * xi * xi + 2 * s * q + b.d0 * (1 - xi) * (1 - xi);
-      scratch.denominator(i, d) = denominator;
-    }
+  shape(scratch, u.cols());
+  find_bins<Axis::v>(scratch, scratch.moved.data(), scratch.bins);
+  z.resize(u.rows(), u.cols());
+  scratch.log_slope.resize(u.rows(), u.cols());
+  const SplineBins<S>& b = scratch.bins;
+  const S* v = scratch.moved.data();
+  const S *knot_v = b.v.data(), *knot_z = b.z.data(), *w = b.w.data(), *h = b.h.data(),
+          *d0 = b.d0.data(), *d1 = b.d1.data();
+  S *value = z.data(), *slope = scratch.log_slope.data();
+#pragma omp simd
+  for (Index i = 0; i < u.size(); ++i) {
+    const bool inside = is_inside(v[i]);
+    const Fraction<S> f(inside ? v[i] : knot_v[i], knot_v[i], w[i], h[i], d0[i], d1[i]);
+    const S root = f.s / f.denominator;
+    value[i] = inside ? knot_z[i] + f.numerator / f.denominator : v[i];
+    slope[i] = inside ? root * root * f.slope_numerator : S(1);
   }
-  scratch.slope =
-      ((scratch.slope.array() / scratch.denominator.array()).square() * scratch.numerator.array())
-          .log();
-  log_det += scratch.slope.rowwise().sum();
+  scratch.log_slope = scratch.log_slope.array().log();
+  log_det += scratch.log_slope.rowwise().sum();
 }
 
-// With N = h (s xi^2 + d_0 q), A = d_1 xi^2 + 2 s q + d_0 (1 - xi)^2 and D the denominator,
-// z = z_k + N / D and log dz/dv = 2 log s + log A - 2 log D: partial derivatives by xi, s, h, d_0,
-// d_1 and the lower knot, then the chain rule to v, widths and heights. The knots are sums of the
-// bins below.
+// Partial derivatives of z and of log dz/dv = 2 log s + log A - 2 log D by xi, s, h, d_0, d_1 and
+// the lower knot, then the chain rule to v, widths and heights. The knots are sums of the bins
+// below.
 template <typename S>
-void SplineMap<S>::backward(const RowMatrixX<S>& u, const VectorX<S>& d_log_det,
-                            ElementScratch<S>& scratch, RowMatrixX<S>& d_z) const {
-  const Index n = u.cols();
-  scratch.d_raw.setZero(u.rows(), scratch.raw.cols());
-  for (Index i = 0; i < u.rows(); ++i) {
-    for (Index d = 0; d < n; ++d) {
-      const S v = scratch.moved(i, d);
-      if (!(std::abs(v) < S(kBound))) continue;
-      const Bin b = find(scratch, scratch.widths, i, d, n, v);
-      const S xi = (v - b.v) / b.w, q = xi * (1 - xi), s = b.h / b.w;
-      const S den = scratch.denominator(i, d), a = scratch.numerator(i, d);
-      const S num = b.h * (s * xi * xi + b.d0 * q);
-      const S g = d_z(i, d), l = d_log_det(i);
-      const auto total = [&](S by_num, S by_den, S by_a) {
-        return g * (by_num - num * by_den / den) / den + l * (by_a / a - 2 * by_den / den);
-      };
-      const S bend = b.d1 + b.d0 - 2 * s;
-      const S by_xi = total(b.h * (2 * s * xi + b.d0 * (1 - 2 * xi)), bend * (1 - 2 * xi),
-                            2 * (b.d1 * xi + s * (1 - 2 * xi) - b.d0 * (1 - xi)));
-      const S by_s = total(b.h * xi * xi, 1 - 2 * q, 2 * q) + 2 * l / s;
-      const S by_h = g * num / b.h / den + by_s / b.w;
-      const S by_w = -(by_xi * xi + by_s * s) / b.w;
-      S* d_widths = &scratch.d_raw(i, 2 * n + d);
-      S* d_heights = &scratch.d_raw(i, (2 + bins_) * n + d);
-      for (Index k = 0; k < b.k; ++k) {
-        d_widths[k * n] = -by_xi / b.w;
-        d_heights[k * n] = g;
-      }
-      d_widths[b.k * n] = by_w;
-      d_heights[b.k * n] = by_h;
-      softmax_backward(&scratch.widths(i, d), d_widths, bins_, n);
-      softmax_backward(&scratch.heights(i, d), d_heights, bins_, n);
-      S* d_derivatives = &scratch.d_raw(i, (2 + 2 * bins_) * n + d);
-      if (b.k > 0) {
-        d_derivatives[(b.k - 1) * n] = total(b.h * q, q, (1 - xi) * (1 - xi));
-      }
-      if (b.k + 1 < bins_) d_derivatives[b.k * n] = total(0, q, xi * xi);
-      d_z(i, d) = by_xi / b.w;
+void SplineMap<S>::backward(const ColumnMatrixX<S>& u, const VectorX<S>& d_log_det,
+                            ElementScratch<S>& scratch, ColumnMatrixX<S>& d_z) const {
+  const Index n = u.size();
+  const SplineBins<S>& bins = scratch.bins;
+  scratch.d_element.resize(n, 5);
+  S *by_v = scratch.d_element.col(0).data(), *by_w = scratch.d_element.col(1).data(),
+    *by_h = scratch.d_element.col(2).data(), *by_d0 = scratch.d_element.col(3).data(),
+    *by_d1 = scratch.d_element.col(4).data();
+  const VectorX<S> by_log_det = d_log_det.replicate(u.cols(), 1);
+  const S *v = scratch.moved.data(), *knot_v = bins.v.data(), *w = bins.w.data(),
+          *h = bins.h.data(), *d0 = bins.d0.data(), *d1 = bins.d1.data(), *det = by_log_det.data();
+  const int* number = bins.number.data();
+  S* by_z = d_z.data();
+#pragma omp simd
+  for (Index i = 0; i < n; ++i) {
+    const bool inside = is_inside(v[i]);
+    const Fraction<S> f(inside ? v[i] : knot_v[i], knot_v[i], w[i], h[i], d0[i], d1[i]);
+    const S g = inside ? by_z[i] : S(0), l = inside ? det[i] : S(0);
+    const S z_by_num = g / f.denominator;
+    const S by_den = -(z_by_num * f.numerator + 2 * l) / f.denominator;
+    const S by_a = l / f.slope_numerator;
+    const S by_xi = z_by_num * h[i] * (2 * f.s * f.xi + d0[i] * (1 - 2 * f.xi)) +
+                    by_den * (d1[i] + d0[i] - 2 * f.s) * (1 - 2 * f.xi) +
+                    by_a * 2 * (d1[i] * f.xi + f.s * (1 - 2 * f.xi) - d0[i] * (1 - f.xi));
+    const S by_s =
+        z_by_num * h[i] * f.xi * f.xi + by_den * (1 - 2 * f.q) + by_a * 2 * f.q + 2 * l / f.s;
+    by_v[i] = by_xi / w[i];
+    by_h[i] = z_by_num * f.numerator / h[i] + by_s / w[i];
+    by_w[i] = -(by_xi * f.xi + by_s * f.s) / w[i];
+    by_d0[i] = z_by_num * h[i] * f.q + by_den * f.q + by_a * (1 - f.xi) * (1 - f.xi);
+    by_d1[i] = by_den * f.q + by_a * f.xi * f.xi;
+  }
+
+  scratch.d_raw.resize(u.rows(), scratch.raw.cols());
+  S* d_widths = scratch.d_raw.data() + 2 * n;
+  S* d_heights = d_widths + bins_ * n;
+  S* d_derivatives = d_heights + bins_ * n;
+  for (int k = 0; k < static_cast<int>(bins_); ++k, d_widths += n, d_heights += n) {
+#pragma omp simd
+    for (Index i = 0; i < n; ++i) {
+      const S below = is_inside(v[i]) ? S(1) : S(0);
+      d_widths[i] = k < number[i] ? -by_v[i] : (k == number[i] ? by_w[i] : S(0));
+      d_heights[i] = k < number[i] ? below * by_z[i] : (k == number[i] ? by_h[i] : S(0));
     }
   }
+  for (int k = 0; k + 1 < static_cast<int>(bins_); ++k, d_derivatives += n) {
+#pragma omp simd
+    for (Index i = 0; i < n; ++i) {
+      d_derivatives[i] = number[i] == k + 1 ? by_d0[i] : (number[i] == k ? by_d1[i] : S(0));
+    }
+  }
+  softmax_backward(scratch.widths, scratch.d_raw.data() + 2 * n);
+  softmax_backward(scratch.heights, scratch.d_raw.data() + (2 + bins_) * n);
   // softplus'(x) = 1 - exp(-softplus(x)).
-  scratch.d_raw.rightCols((bins_ - 1) * n).array() *=
+  Eigen::Map<ColumnMatrixX<S>>(scratch.d_raw.data() + (2 + 2 * bins_) * n, n, bins_ - 1).array() *=
       S(1) - (S(kSmallestDerivative) - scratch.derivatives.array()).exp();
+#pragma omp simd
+  for (Index i = 0; i < n; ++i) by_z[i] = is_inside(v[i]) ? by_v[i] : by_z[i];
   affine_.backward(u, d_log_det, scratch, d_z);
 }
 
 // The root of a xi^2 + b xi + c = 0 that lies in [0, 1] (eqs. 6-8), written without cancellation.
 template <typename S>
-VectorX<S> SplineMap<S>::inverse(const VectorX<S>& z, const RowMatrixX<S>& raw) const {
+VectorX<S> SplineMap<S>::inverse(const VectorX<S>& z, const ColumnMatrixX<S>& raw) const {
   ElementScratch<S> scratch;
   scratch.raw = raw;
   shape(scratch, 1);
+  SplineBins<S>& bin = scratch.bins;
+  find_bins<Axis::z>(scratch, z.data(), bin);
   VectorX<S> v = z;
   for (Index i = 0; i < z.size(); ++i) {
-    if (!(std::abs(z(i)) < S(kBound))) continue;
-    const Bin bin = find(scratch, scratch.heights, i, 0, 1, z(i));
-    const S s = bin.h / bin.w, y = z(i) - bin.z, bend = bin.d1 + bin.d0 - 2 * s;
-    const S a = bin.h * (s - bin.d0) + y * bend;
-    const S b = bin.h * bin.d0 - y * bend;
+    if (!is_inside(z(i))) continue;
+    const S s = bin.h(i) / bin.w(i), y = z(i) - bin.z(i), bend = bin.d1(i) + bin.d0(i) - 2 * s;
+    const S a = bin.h(i) * (s - bin.d0(i)) + y * bend;
+    const S b = bin.h(i) * bin.d0(i) - y * bend;
     const S c = -s * y;
     const S root = std::sqrt(std::max(S(0), b * b - 4 * a * c));
-    v(i) = bin.v + bin.w * 2 * c / (-b - root);
+    v(i) = bin.v(i) + bin.w(i) * 2 * c / (-b - root);
   }
   return affine_.inverse(v, raw.leftCols(2));
 }

@@ -23,18 +23,14 @@ class SplineMap : public ElementMap<S> {
   explicit SplineMap(Index num_bins);
 
   Index num_parameters() const override { return 2 + 3 * bins_ - 1; }
-  void forward(const RowMatrixX<S>& u, ElementScratch<S>& scratch, RowMatrixX<S>& z,
+  void forward(const ColumnMatrixX<S>& u, ElementScratch<S>& scratch, ColumnMatrixX<S>& z,
                VectorX<S>& log_det) const override;
-  void backward(const RowMatrixX<S>& u, const VectorX<S>& d_log_det, ElementScratch<S>& scratch,
-                RowMatrixX<S>& d) const override;
-  VectorX<S> inverse(const VectorX<S>& z, const RowMatrixX<S>& raw) const override;
+  void backward(const ColumnMatrixX<S>& u, const VectorX<S>& d_log_det, ElementScratch<S>& scratch,
+                ColumnMatrixX<S>& d) const override;
+  VectorX<S> inverse(const VectorX<S>& z, const ColumnMatrixX<S>& raw) const override;
 
  private:
-  struct Bin;
-
   void shape(ElementScratch<S>& scratch, Index num_variables) const;
-  Bin find(const ElementScratch<S>& scratch, const RowMatrixX<S>& knots_of, Index row, Index d,
-           Index num_variables, S value) const;
 
   AffineMap<S> affine_;
   Index bins_;

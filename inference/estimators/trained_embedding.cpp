@@ -151,12 +151,12 @@ void TrainedEmbedding<S>::last_input_gradient(const Parameters<S>& parameters,
         d_context * weight.transpose();
     return;
   }
-  d_y.setZero(y.rows(), y.cols());
+  d_y.resize(y.rows(), y.cols());
   scratch.d_mean.noalias() = d_context * weight.transpose();
   scratch.d_mean /= static_cast<S>(series_.num_rollouts);
   Eigen::Map<RowMatrixX<S>> rollouts(d_y.data(), d_context.rows() * series_.num_rollouts,
                                      weight.rows());
-  add_to_groups(scratch.d_mean, rollouts);
+  repeat_groups(scratch.d_mean, rollouts.rows(), rollouts);
 }
 
 template <typename S>

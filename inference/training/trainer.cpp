@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/flush_subnormals.h"
 
 namespace npdr::inference {
 namespace {
@@ -61,6 +62,7 @@ void update_average(const TrainingConfig& config, std::size_t steps_per_epoch, T
 double train_epoch(Objective& objective, const TrainingConfig& config, const Split& split,
                    const StreamId& id, Adam& optimizer, Parameters<float>& gradient,
                    TrainingState& state) {
+  const FlushSubnormals flush;
   const auto epoch = static_cast<std::uint64_t>(state.epoch + 1);
   std::vector<std::uint32_t> rows = split.training;
   const std::size_t batch_size = rows_per_batch(config, rows);
@@ -82,6 +84,7 @@ double train_epoch(Objective& objective, const TrainingConfig& config, const Spl
 // Mean loss over the validation rows; the last batch reaches back so that every batch is full.
 double validate(Objective& objective, const TrainingConfig& config, const Split& split,
                 const Parameters<float>& parameters) {
+  const FlushSubnormals flush;
   const std::size_t batch_size = rows_per_batch(config, split.validation);
   const std::size_t count = split.validation.size();
   double sum = 0.0;

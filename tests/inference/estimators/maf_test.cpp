@@ -84,7 +84,7 @@ TEST_P(Flow, InverseOfATransformUndoesForward) {
     const RowMatrix context = random_matrix(1, 7, 6);
     AutoregressiveScratch<double> scratch;
     scratch.input = random_matrix(20, dimension, 2);
-    RowMatrix z;
+    ColumnMatrixX<double> z;
     Vector log_det = Vector::Zero(20);
     transform.forward(parameters, context, scratch, z, log_det);
     EXPECT_FALSE(z.isApprox(scratch.input, 1e-2));

@@ -10,6 +10,8 @@
 namespace npdr::inference {
 namespace {
 
+using Columns = ColumnMatrixX<double>;
+
 constexpr Index kRows = 40, kVariables = 3, kBins = 6;
 
 ElementScratch<double> scratch_of(const SplineMap<double>& map, double size) {
@@ -18,9 +20,9 @@ ElementScratch<double> scratch_of(const SplineMap<double>& map, double size) {
   return scratch;
 }
 
-RowMatrix map_of(const SplineMap<double>& map, const RowMatrix& u, double size, Vector& log_det) {
+Columns map_of(const SplineMap<double>& map, const Columns& u, double size, Vector& log_det) {
   ElementScratch<double> scratch = scratch_of(map, size);
-  RowMatrix z;
+  Columns z;
   log_det = Vector::Zero(kRows);
   map.forward(u, scratch, z, log_det);
   return z;
@@ -28,7 +30,7 @@ RowMatrix map_of(const SplineMap<double>& map, const RowMatrix& u, double size, 
 
 TEST(SplineMap, IsTheIdentityWhereTheNetworkSaysNothing) {
   const SplineMap<double> map(kBins);
-  const RowMatrix u = 3.0 * random_matrix(kRows, kVariables, 2);
+  const Columns u = 3.0 * random_matrix(kRows, kVariables, 2);
   Vector log_det;
   EXPECT_TRUE(map_of(map, u, 0.0, log_det).isApprox(u, 1e-12));
   EXPECT_LT(log_det.cwiseAbs().maxCoeff(), 1e-12);
@@ -37,11 +39,11 @@ TEST(SplineMap, IsTheIdentityWhereTheNetworkSaysNothing) {
 // Central differences of z by u, inside, outside and at the ends of the spline.
 TEST(SplineMap, LogDeterminantIsThatOfItsDerivative) {
   const SplineMap<double> map(kBins);
-  const RowMatrix u = 3.0 * random_matrix(kRows, kVariables, 3);
+  const Columns u = 3.0 * random_matrix(kRows, kVariables, 3);
   Vector log_det, unused;
   map_of(map, u, 1.0, log_det);
   const double step = 1e-6;
-  const RowMatrix slope =
+  const Columns slope =
       (map_of(map, u.array() + step, 1.0, unused) - map_of(map, u.array() - step, 1.0, unused)) /
       (2.0 * step);
   EXPECT_GT(slope.minCoeff(), 0.0);
@@ -50,13 +52,13 @@ TEST(SplineMap, LogDeterminantIsThatOfItsDerivative) {
 
 TEST(SplineMap, InverseUndoesForward) {
   const SplineMap<double> map(kBins);
-  const RowMatrix u = 4.0 * random_matrix(kRows, kVariables, 4);
+  const Columns u = 4.0 * random_matrix(kRows, kVariables, 4);
   for (const double size : {0.1, 1.0, 4.0}) {
     Vector log_det;
-    const RowMatrix z = map_of(map, u, size, log_det);
-    const RowMatrix raw = scratch_of(map, size).raw;
+    const Columns z = map_of(map, u, size, log_det);
+    const Columns raw = scratch_of(map, size).raw;
     for (Index d = 0; d < kVariables; ++d) {
-      RowMatrix own(kRows, map.num_parameters());
+      Columns own(kRows, map.num_parameters());
       for (Index p = 0; p < own.cols(); ++p) own.col(p) = raw.col(p * kVariables + d);
       EXPECT_LT((map.inverse(z.col(d), own) - u.col(d)).cwiseAbs().maxCoeff(), 1e-7) << size;
     }
@@ -66,35 +68,35 @@ TEST(SplineMap, InverseUndoesForward) {
 // d/draw and d/du of sum w z + sum v log_det.
 TEST(SplineMap, BackwardPassEqualsCentralDifferences) {
   const SplineMap<double> map(kBins);
-  const RowMatrix u = 3.0 * random_matrix(kRows, kVariables, 5);
-  const RowMatrix weights = random_matrix(kRows, kVariables, 6);
+  const Columns u = 3.0 * random_matrix(kRows, kVariables, 5);
+  const Columns weights = random_matrix(kRows, kVariables, 6);
   const Vector det_weights = random_matrix(kRows, 1, 7).col(0);
-  const auto objective = [&](const RowMatrix& input, const RowMatrix& raw) {
+  const auto objective = [&](const Columns& input, const Columns& raw) {
     ElementScratch<double> scratch;
     scratch.raw = raw;
-    RowMatrix z;
+    Columns z;
     Vector log_det = Vector::Zero(kRows);
     map.forward(input, scratch, z, log_det);
     return weights.cwiseProduct(z).sum() + det_weights.dot(log_det);
   };
   ElementScratch<double> scratch = scratch_of(map, 1.0);
-  const RowMatrix raw = scratch.raw;
-  RowMatrix z;
+  const Columns raw = scratch.raw;
+  Columns z;
   Vector log_det = Vector::Zero(kRows);
   map.forward(u, scratch, z, log_det);
-  RowMatrix d = weights;
+  Columns d = weights;
   map.backward(u, det_weights, scratch, d);
-  const auto flat = [](const RowMatrix& m) -> Vector {
+  const auto flat = [](const Columns& m) -> Vector {
     return Eigen::Map<const Vector>(m.data(), m.size());
   };
   expect_gradient(
       [&](const Vector& r) {
-        return objective(u, Eigen::Map<const RowMatrix>(r.data(), raw.rows(), raw.cols()));
+        return objective(u, Eigen::Map<const Columns>(r.data(), raw.rows(), raw.cols()));
       },
       flat(raw), flat(scratch.d_raw));
   expect_gradient(
       [&](const Vector& x) {
-        return objective(Eigen::Map<const RowMatrix>(x.data(), u.rows(), u.cols()), raw);
+        return objective(Eigen::Map<const Columns>(x.data(), u.rows(), u.cols()), raw);
       },
       flat(u), flat(d));
 }
