@@ -10,10 +10,20 @@ namespace npdr::inference {
 namespace {
 
 constexpr double kLargestParetoK = 0.7;
-constexpr double kGoodEfficiency = 0.5;     // above, few weights are large, whatever their tail
+constexpr double kGoodEfficiency = 0.5;
+constexpr double kMostOfExpected = 3.0;
 constexpr double kLargestDifference = 4.0;  // of the halves: passed by chance with p = 6e-5
 
 }  // namespace
+
+bool has_heavy_weights(const ImportanceCertificate& certificate) {
+  // Few weights are large where most draws count, whatever their tail.
+  return !(certificate.pareto_k <= kLargestParetoK || certificate.efficiency >= kGoodEfficiency);
+}
+
+bool misses_known_points(const ImportanceCertificate& certificate) {
+  return !(certificate.efficiency <= kMostOfExpected * certificate.expected_efficiency);
+}
 
 std::vector<std::string> faults_of(const ImportanceCertificate& certificate) {
   std::vector<std::string> faults;
@@ -22,9 +32,8 @@ std::vector<std::string> faults_of(const ImportanceCertificate& certificate) {
         fmt::format("power {:.3g}, not {:.3g}", certificate.power, certificate.wanted_power));
   }
   if (!(certificate.ess >= certificate.wanted_ess)) faults.emplace_back("too few effective draws");
-  if (!(certificate.pareto_k <= kLargestParetoK || certificate.efficiency >= kGoodEfficiency)) {
-    faults.emplace_back("heavy weights");
-  }
+  if (has_heavy_weights(certificate)) faults.emplace_back("heavy weights");
+  if (misses_known_points(certificate)) faults.emplace_back("a mode may be missed");
   if (!(std::abs(certificate.half_difference) <= kLargestDifference)) {
     faults.emplace_back("halves differ");
   }

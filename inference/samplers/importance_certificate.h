@@ -10,21 +10,30 @@ namespace npdr::inference {
 
 /// Of the draws that a posterior is reported by.
 struct ImportanceCertificate {
-  double power = 0.0;               ///< of the likelihood: less than wanted where draws ran out
-  double wanted_power = 0.0;        ///< given, or chosen
-  Index num_draws = 0;              ///< simulated in all
-  double ess = 0.0;                 ///< effective size of the weights (weighted_moments.h)
-  double wanted_ess = 0.0;          ///< at least
-  double efficiency = 0.0;          ///< ess over the draws that are reported
-  double pareto_k = 0.0;            ///< of the weights (pareto_tail.h)
-  double log_evidence = 0.0;        ///< log Z [nats]
-  double log_evidence_error = 0.0;  ///< its standard error
-  double half_difference = 0.0;     ///< of both halves' log Z, over its standard error
+  double power = 0.0;                ///< of the likelihood: less than wanted where draws ran out
+  double wanted_power = 0.0;         ///< given, or chosen
+  Index num_draws = 0;               ///< simulated in all
+  double ess = 0.0;                  ///< effective size of the weights (weighted_moments.h)
+  double wanted_ess = 0.0;           ///< at least
+  double efficiency = 0.0;           ///< ess over the draws that are reported
+  double expected_efficiency = 0.0;  ///< before they were drawn, by all points that were known
+  double pareto_k = 0.0;             ///< of the weights (pareto_tail.h)
+  double log_evidence = 0.0;         ///< log Z [nats]
+  double log_evidence_error = 0.0;   ///< its standard error
+  double half_difference = 0.0;      ///< of both halves' log Z, over its standard error
 };
 
+/// A Pareto k above 0.7 (Vehtari et al. 2024) where the efficiency is below 0.5: means may hang on
+/// draws that are yet to come. NaN is heavy.
+bool has_heavy_weights(const ImportanceCertificate& certificate);
+
+/// An efficiency above three times the expected one: the draws miss points that were known, such as
+/// a mode. NaN misses them.
+bool misses_known_points(const ImportanceCertificate& certificate);
+
 /// Reasons not to trust the draws, in words; none: they hold. Faults are a power or effective size
-/// that is less than wanted, a Pareto k above 0.7 (Vehtari et al. 2024) where the efficiency is
-/// below 0.5, and halves whose log Z are more than 4 standard errors apart. NaN is a fault.
+/// that is less than wanted, heavy weights, known points that are missed, and halves whose log Z
+/// are more than 4 standard errors apart. NaN is a fault.
 std::vector<std::string> faults_of(const ImportanceCertificate& certificate);
 
 /// "holds", or "FAILS: " and the faults.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 #include <span>
 #include <string>
 
@@ -197,14 +198,25 @@ void ImportanceSampler::begin_level(Proposal proposal, double power, bool is_las
   note_densities();
 }
 
-// Densities that haven't been computed yet: of a new proposal at all points, and of all at new
-// ones.
+// Densities that haven't been computed yet: of all proposals at the points of all levels that
+// teach, and of last levels' own, which they have in common.
 void ImportanceSampler::note_densities() {
+  const auto teaches = [&](std::size_t level) { return !state_.levels[level].is_last; };
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
-    for (std::size_t k = densities_[l].size(); k < proposals_.size(); ++k) {
-      densities_[l].push_back(proposals_[k].log_density(state_.levels[l].u));
+    densities_[l].resize(state_.levels.size());
+    for (std::size_t k = 0; k < state_.levels.size(); ++k) {
+      if (densities_[l][k].size() > 0 || !(l == k || (teaches(l) && teaches(k)))) continue;
+      const bool is_known = k > 0 && has_proposal_of(k, k - 1) && densities_[l][k - 1].size() > 0;
+      densities_[l][k] =
+          is_known ? densities_[l][k - 1] : proposals_[k].log_density(state_.levels[l].u);
     }
   }
+}
+
+bool ImportanceSampler::has_proposal_of(std::size_t level, std::size_t other) const {
+  return std::ranges::equal(
+      state_.levels[level].proposal.flows, state_.levels[other].proposal.flows,
+      [](const FlowParts& a, const FlowParts& b) { return a.mean == b.mean && a.flow == b.flow; });
 }
 
 void ImportanceSampler::drop(std::size_t level) {
@@ -217,9 +229,10 @@ void ImportanceSampler::drop(std::size_t level) {
 
 bool ImportanceSampler::is_done() const {
   const ImportanceLevel& last = state_.levels.back();
-  return last.is_last && last.is_complete() &&
-         (state_.num_draws >= config_.max_simulations ||
-          sample().certificate.ess >= config_.min_ess);
+  if (!last.is_last || !last.is_complete()) return false;
+  if (state_.num_draws >= config_.max_simulations) return true;
+  const ImportanceCertificate certificate = sample().certificate;
+  return certificate.ess >= config_.min_ess && !has_more_to_learn(certificate);
 }
 
 RowMatrix ImportanceSampler::next(Index most) const {
@@ -298,9 +311,33 @@ void ImportanceSampler::settle(double power) {
   plan_next_level();
 }
 
+Index ImportanceSampler::num_last_levels() const {
+  return std::ranges::count_if(state_.levels, &ImportanceLevel::is_last);
+}
+
+// The last levels have found points that the flows didn't know, or have missed some that were
+// known: weights are heavy, or even where those points said that they can't be, or twice as many
+// draws as taught the flows aren't enough. Only where draws are left for others.
+bool ImportanceSampler::has_more_to_learn(const ImportanceCertificate& certificate) const {
+  const Index last = num_last_levels() * config_.level_size;
+  if (config_.max_simulations - state_.num_draws < 2 * last) return false;
+  const Index lessons = state_.num_draws - last - state_.num_draws_before;
+  if (certificate.ess < config_.min_ess) return last >= 2 * lessons;
+  return has_heavy_weights(certificate) || misses_known_points(certificate);
+}
+
+void ImportanceSampler::learn_from_last_levels() {
+  for (ImportanceLevel& level : state_.levels) level.is_last = false;
+  state_.num_draws_before = state_.num_draws;
+  note_densities();
+}
+
 void ImportanceSampler::plan_next_level() {
   if (state_.levels.back().is_last) {
-    return begin_level(proposals_.back(), state_.levels.back().power, true);
+    if (!has_more_to_learn(sample().certificate)) {
+      return begin_level(proposals_.back(), state_.levels.back().power, true);
+    }
+    learn_from_last_levels();
   }
   const Pool pool = this->pool(state_.levels.size());
   if (!(exponentials(pool.log_weights(state_.wanted_power)).sum() > 0.0)) {
@@ -318,65 +355,92 @@ void ImportanceSampler::plan_next_level() {
   Proposal proposal{{}, kPriorShare, dimension_};
   proposal.flows.emplace_back(points(lesson.rows), lesson.weights, start, level_id("refine_flow"));
   const double most = std::sqrt(kMostDensities / static_cast<double>(config_.level_size));
-  if (std::ssize(state_.levels) > std::min(kOldLevels, 2 + static_cast<Index>(most))) drop(1);
+  const Index kept = std::min(kOldLevels, 2 + static_cast<Index>(most));
+  while (std::ssize(state_.levels) > kept) drop(1);
   begin_level(std::move(proposal), power, false);
 }
 
-// Effective share of a level's draws, for the power that its proposal was fitted to.
-double ImportanceSampler::efficiency(std::size_t l) const {
-  const ImportanceLevel& level = state_.levels[l];
-  const Vector logs =
-      log_standard_normal<double>(level.u) + level.power * level.log_likelihood - densities_[l][l];
-  return effective_size(exponentials(logs)) / static_cast<double>(logs.size());
+// The highest power that a flow was fitted to.
+double ImportanceSampler::learned_power() const {
+  double power = 0.0;
+  for (std::size_t l = 1; l < state_.levels.size(); ++l) {
+    power = std::max(power, state_.levels[l].power);
+  }
+  return std::min(power, state_.wanted_power);
+}
+
+// The latest levels whose flow was fitted to about the wanted power, or else to the highest.
+std::vector<std::size_t> ImportanceSampler::best_levels() const {
+  const double power = learned_power();
+  std::vector<std::size_t> best;
+  for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(best) < kFlowsAtEnd;) {
+    const double own = state_.levels[l].power;
+    const bool is_as_high = std::min(own, power) >= kAboutAsHigh * std::max(own, power);
+    if (is_as_high && proposals_[l].flows.size() == 1) best.push_back(l);
+  }
+  return best;
+}
+
+// Effective share of draws of the mixture q of these levels' proposals, as all points foretell it:
+// one in a mode that q misses has a large weight. For w = pi / q it is Z / E_pi[w], with pi and Z
+// by the pool's weights. 0 without levels.
+double ImportanceSampler::expected_efficiency(const std::vector<std::size_t>& levels) const {
+  if (levels.empty()) return 0.0;
+  const double power = learned_power(), share = 1.0 / static_cast<double>(levels.size());
+  const Pool all = pool(state_.levels.size());
+  const Vector logs = all.log_weights(power);
+  const double largest = largest_number(logs);
+  const Vector weights = truncated(logs);
+  double sum = 0.0;
+  for (std::size_t l = 0; l < state_.levels.size(); ++l) {
+    std::vector<Vector> terms;
+    for (const std::size_t k : levels) terms.push_back(densities_[l][k].array() + std::log(share));
+    const Vector log_prior = log_standard_normal<double>(state_.levels[l].u),
+                 log_q = log_sum(terms);
+    const Index first = static_cast<Index>(l) * config_.level_size;
+    for (Index i = 0; i < log_q.size(); ++i) {
+      const double weight = weights(first + i);
+      if (weight == 0.0) continue;
+      const double log_pi = log_prior(i) + power * all.log_likelihood(first + i);
+      sum += weight * std::exp(log_pi - log_q(i) - largest);
+    }
+  }
+  return weights.mean() * weights.sum() / sum;
 }
 
 // Draws ran out; or those since the wanted power was reached are as many as the last levels are
 // going to be, or as are left for them.
 bool ImportanceSampler::has_learned() const {
   if (state_.num_draws >= config_.max_simulations) return std::ssize(state_.levels) > 1;
-  if (state_.num_draws_before == 0) return false;
-  double sum = 0.0;
-  Index count = 0;
-  for (std::size_t l = state_.levels.size(); l-- > 1 && count < kFlowsAtEnd;) {
-    if (state_.levels[l].power != state_.wanted_power) continue;
-    sum += efficiency(l);
-    ++count;
-  }
-  if (count == 0) return false;
-  const double needed = config_.min_ess * static_cast<double>(count) / sum;
+  if (state_.num_draws_before == 0 || learned_power() != state_.wanted_power) return false;
+  const double needed = config_.min_ess / expected_efficiency(best_levels());
   const auto left = static_cast<double>(config_.max_simulations - state_.num_draws);
   return static_cast<double>(state_.num_draws - state_.num_draws_before) >= std::min(needed, left);
 }
 
-// They are drawn from the latest flows that were fitted to about the wanted power, or else to the
-// highest.
 void ImportanceSampler::begin_last_levels() {
-  double power = 0.0;
-  for (std::size_t l = 1; l < state_.levels.size(); ++l) {
-    power = std::max(power, state_.levels[l].power);
-  }
-  power = std::min(power, state_.wanted_power);
-  Proposal proposal{{}, kPriorShare, dimension_};
-  for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(proposal.flows) < kFlowsAtEnd;) {
-    const double own = state_.levels[l].power;
-    if (std::min(own, power) < kAboutAsHigh * std::max(own, power)) continue;
-    proposal.flows.push_back(proposals_[l].flows.front());
-  }
-  if (proposal.flows.empty()) proposal.prior_share = 1.0;
-  state_.levels.clear();
-  proposals_.clear();
-  densities_.clear();
+  const double power = learned_power();
+  const std::vector<std::size_t> best = best_levels();
+  state_.expected_efficiency = expected_efficiency(best);
+  Proposal proposal{{}, best.empty() ? 1.0 : kPriorShare, dimension_};
+  for (const std::size_t l : best) proposal.flows.push_back(proposals_[l].flows.front());
   begin_level(std::move(proposal), power, true);
 }
 
 ImportanceSample ImportanceSampler::sample() const {
   const double power = state_.levels.back().power;
-  const Vector logs = pool(state_.levels.size()).log_weights(power);
-  ImportanceSample sample{RowMatrix(logs.size(), dimension_), exponentials(logs)};
-  for (std::size_t l = 0; l < state_.levels.size(); ++l) {
-    sample.u.middleRows(static_cast<Index>(l) * config_.level_size, config_.level_size) =
-        state_.levels[l].u;
+  const std::size_t first = state_.levels.size() - static_cast<std::size_t>(num_last_levels());
+  const Index each = config_.level_size;
+  ImportanceSample sample{RowMatrix(num_last_levels() * each, dimension_), {}};
+  Vector logs(sample.u.rows());
+  for (std::size_t l = first; l < state_.levels.size(); ++l) {
+    const ImportanceLevel& level = state_.levels[l];
+    const Index row = static_cast<Index>(l - first) * each;
+    sample.u.middleRows(row, each) = level.u;
+    logs.segment(row, each) =
+        log_standard_normal<double>(level.u) + power * level.log_likelihood - densities_[l][l];
   }
+  sample.weights = exponentials(logs);
   const Evidence all = evidence(logs), even = evidence(logs(Eigen::seq(0, Eigen::last, 2))),
                  odd = evidence(logs(Eigen::seq(1, Eigen::last, 2)));
   if (!(sample.weights.sum() > 0.0)) {
@@ -390,6 +454,7 @@ ImportanceSample ImportanceSampler::sample() const {
       .ess = ess,
       .wanted_ess = config_.min_ess,
       .efficiency = ess / static_cast<double>(logs.size()),
+      .expected_efficiency = state_.expected_efficiency,
       .pareto_k = pareto_k(sample.weights),
       .log_evidence = all.log_value,
       .log_evidence_error = all.error,

@@ -14,7 +14,8 @@
 ///
 /// The result comes from last levels alone, which are drawn from a fixed mixture of the last
 /// flows, made before any of them was drawn. So they are independent draws of a known density, and
-/// Z, its standard error and the effective size mean what they say.
+/// Z, its standard error and the effective size mean what they say. Where they have found what the
+/// flows didn't know, such as another mode, they teach further flows, and other last levels follow.
 #pragma once
 
 #include <optional>
@@ -51,6 +52,7 @@ struct ImportanceState {
   Index num_draws = 0;                  ///< told
   double wanted_power = 0.0;            ///< a
   Index num_draws_before = 0;           ///< told before a was reached; 0: it wasn't
+  double expected_efficiency = 0.0;     ///< of the last levels, before they were drawn
 };
 
 /// Independent weighted draws.
@@ -108,7 +110,11 @@ class ImportanceSampler {
   void begin_last_levels();
   void plan_next_level();
   bool has_learned() const;
+  bool has_more_to_learn(const ImportanceCertificate& certificate) const;
+  void learn_from_last_levels();
+  Index num_last_levels() const;
   void note_densities();
+  bool has_proposal_of(std::size_t level, std::size_t other) const;
   void drop(std::size_t level);
   // The points of the first levels, by their number: level after level.
   struct Pool {
@@ -120,7 +126,9 @@ class ImportanceSampler {
   Pool pool(std::size_t num_levels) const;
   double choose_power(const Pool& pool) const;
   RowMatrix points(const std::vector<Index>& rows) const;
-  double efficiency(std::size_t level) const;
+  double learned_power() const;
+  std::vector<std::size_t> best_levels() const;
+  double expected_efficiency(const std::vector<std::size_t>& levels) const;
   StreamId level_id(const char* name) const;
 
   ImportanceConfig config_;
@@ -128,7 +136,7 @@ class ImportanceSampler {
   StreamId id_;
   ImportanceState state_;
   std::vector<Proposal> proposals_;             // of the state's levels
-  std::vector<std::vector<Vector>> densities_;  // by level, by proposal: (n)
+  std::vector<std::vector<Vector>> densities_;  // by level, by proposal: (n), or empty
 };
 
 }  // namespace npdr::inference

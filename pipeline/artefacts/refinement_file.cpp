@@ -23,6 +23,8 @@ void describe(Layout f, std::optional<inference::ImportanceCertificate>& certifi
   group->attribute("ess", c.ess, "effective size of the weights of the last levels");
   group->attribute("wanted_ess", c.wanted_ess, "the least that was wanted");
   group->attribute("efficiency", c.efficiency, "`ess` over the draws of the last levels");
+  group->attribute("expected_efficiency", c.expected_efficiency,
+                   "before they were drawn, by all points that were known");
   group->attribute("pareto_k", c.pareto_k, "shape of the weights' tail");
   group->attribute("log_evidence", c.log_evidence, "log Z [nats]");
   group->attribute("log_evidence_error", c.log_evidence_error, "its standard error");
@@ -88,6 +90,8 @@ void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {
   f.attribute("wanted_power", state.wanted_power, "of the likelihood");
   f.attribute("num_draws_before", state.num_draws_before,
               "simulated before it was reached; 0: it wasn't");
+  f.attribute("expected_efficiency", state.expected_efficiency,
+              "of the last levels, before they were drawn");
   describe_members(f, "level", state.levels);
 }
 

@@ -145,8 +145,8 @@ Verdict judge_certificates(const Runs& runs) {
   if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, ""};
   return {Check::sampling, Judgment::fails,
           "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,
-          fmt::format("{}: raise refine.max_simulations for a power that fell short or too few "
-                      "draws, refine.level_size for heavy weights",
+          fmt::format("{}: raise refine.max_simulations for a power that fell short, too few "
+                      "draws or a missed mode, refine.level_size for heavy weights",
                       join(faults))};
 }
 

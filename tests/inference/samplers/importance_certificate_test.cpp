@@ -13,6 +13,7 @@ const ImportanceCertificate kGood = {.power = 1.0,
                                      .ess = 1200.0,
                                      .wanted_ess = 1000.0,
                                      .efficiency = 0.1,
+                                     .expected_efficiency = 0.04,
                                      .pareto_k = 0.6,
                                      .log_evidence = -3.0,
                                      .log_evidence_error = 0.03,
@@ -38,14 +39,22 @@ TEST(ImportanceCertificate, ATailOfWeightsThatAreAlmostEvenIsNoFault) {
   ImportanceCertificate even = kGood;
   even.pareto_k = 1.2;
   EXPECT_EQ(verdict(even), "FAILS: heavy weights");
-  even.efficiency = 0.8;
+  even.efficiency = even.expected_efficiency = 0.8;
   EXPECT_EQ(verdict(even), "holds");
+}
+
+TEST(ImportanceCertificate, MissesPointsThatShouldHaveCost) {
+  ImportanceCertificate missing = kGood;
+  missing.expected_efficiency = 0.03;
+  EXPECT_EQ(verdict(missing), "FAILS: a mode may be missed");
 }
 
 TEST(ImportanceCertificate, NumbersThatAreNoneAreFaults) {
   ImportanceCertificate bad = kGood;
   bad.ess = bad.pareto_k = bad.half_difference = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(verdict(bad), "FAILS: too few effective draws, heavy weights, halves differ");
+  bad.expected_efficiency = bad.ess;
+  EXPECT_EQ(verdict(bad),
+            "FAILS: too few effective draws, heavy weights, a mode may be missed, halves differ");
 }
 
 }  // namespace
