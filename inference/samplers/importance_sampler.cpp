@@ -408,12 +408,23 @@ double ImportanceSampler::expected_efficiency(const std::vector<std::size_t>& le
   return weights.mean() * weights.sum() / sum;
 }
 
+// Effective share of a level's draws, for the power that its proposal was fitted to.
+double ImportanceSampler::efficiency(std::size_t l) const {
+  const ImportanceLevel& level = state_.levels[l];
+  const Vector logs =
+      log_standard_normal<double>(level.u) + level.power * level.log_likelihood - densities_[l][l];
+  return effective_size(exponentials(logs)) / static_cast<double>(logs.size());
+}
+
 // Draws ran out; or those since the wanted power was reached are as many as the last levels are
 // going to be, or as are left for them.
 bool ImportanceSampler::has_learned() const {
   if (state_.num_draws >= config_.max_simulations) return std::ssize(state_.levels) > 1;
   if (state_.num_draws_before == 0 || learned_power() != state_.wanted_power) return false;
-  const double needed = config_.min_ess / expected_efficiency(best_levels());
+  double sum = 0.0;
+  const std::vector<std::size_t> best = best_levels();
+  for (const std::size_t level : best) sum += efficiency(level);
+  const double needed = config_.min_ess * static_cast<double>(best.size()) / sum;
   const auto left = static_cast<double>(config_.max_simulations - state_.num_draws);
   return static_cast<double>(state_.num_draws - state_.num_draws_before) >= std::min(needed, left);
 }

@@ -128,6 +128,7 @@ class ImportanceSampler {
   RowMatrix points(const std::vector<Index>& rows) const;
   double learned_power() const;
   std::vector<std::size_t> best_levels() const;
+  double efficiency(std::size_t level) const;
   double expected_efficiency(const std::vector<std::size_t>& levels) const;
   StreamId level_id(const char* name) const;
 

@@ -46,6 +46,9 @@ TEST(ImportanceCertificate, ATailOfWeightsThatAreAlmostEvenIsNoFault) {
 TEST(ImportanceCertificate, MissesPointsThatShouldHaveCost) {
   ImportanceCertificate missing = kGood;
   missing.expected_efficiency = 0.03;
+  missing.efficiency = 0.09;
+  EXPECT_EQ(verdict(missing), "holds") << "nothing is expected of uneven weights";
+  missing.efficiency = 0.1;
   EXPECT_EQ(verdict(missing), "FAILS: a mode may be missed");
 }
 
