@@ -202,7 +202,7 @@ TEST(ImportanceSampler, LearnsAModeOfWhichAPointIsKnown) {
   const RowMatrix zero = RowMatrix::Zero(1, kDimension);
   const double log_z =
       log_sum(log_gaussian(zero, -1.0, 1.25), log_gaussian(zero, 1.2, 1.01)).value();
-  for (const std::uint64_t seed : {1, 7, 11}) {
+  for (const std::uint64_t seed : {4, 16}) {
     const ImportanceSample sample =
         run(
             ImportanceSampler({.level_size = 1000, .min_ess = 200, .max_simulations = 100'000},
