@@ -27,6 +27,12 @@ EstimatorConfig maf(Index transforms, Index hidden) {
   return config;
 }
 
+EstimatorConfig splines() {
+  EstimatorConfig config;
+  config.kind = EstimatorKind::nsf;
+  return config;
+}
+
 EstimatorConfig mixture(Index components) {
   EstimatorConfig config;
   config.kind = EstimatorKind::mdn;
@@ -37,6 +43,7 @@ EstimatorConfig mixture(Index components) {
 const Network kTableA3{"table A3, MAF", 2, 20, {}, maf(2, 20)};
 const Network kTableA4{"table A4, MAF", 10, 1600, {128}, maf(10, 100)};
 const Network kTableA5{"table A5, MAF", 9, 1000, {256}, maf(5, 50)};
+const Network kSplines{"five transforms of splines", 5, 8, {}, splines()};
 const Network kMixture{"mixture of 10", 9, 25, {}, mixture(10)};
 
 class RandomRows : public FeatureSource {
@@ -71,8 +78,10 @@ double flops_per_step(const Network& n, double batch, double atoms) {
     return linear + 2.0 * batch * (context * h * context_passes + (h * h + h * heads) * 3.0);
   }
   const auto k = static_cast<double>(n.estimator.num_transforms);
+  const bool is_spline = n.estimator.kind == EstimatorKind::nsf;
+  const double outputs = is_spline ? 3.0 * static_cast<double>(n.estimator.num_bins) + 1.0 : 2.0;
   return linear + 2.0 * batch * context * k * h * context_passes +
-         2.0 * batch * atoms * k * (d * h + h * h + h * 2.0 * d) * 3.0;
+         2.0 * batch * atoms * k * (d * h + h * h + h * outputs * d) * 3.0;
 }
 
 DirectPosterior untrained(const Network& n) {
@@ -132,6 +141,8 @@ BENCHMARK_CAPTURE(bm_training_step, table_a4_maf_likelihood, kTableA4, 1u);
 BENCHMARK_CAPTURE(bm_training_step, table_a4_maf_atomic, kTableA4, 2u);
 BENCHMARK_CAPTURE(bm_training_step, table_a5_maf_likelihood, kTableA5, 1u);
 BENCHMARK_CAPTURE(bm_training_step, table_a5_maf_atomic, kTableA5, 2u);
+BENCHMARK_CAPTURE(bm_training_step, splines_likelihood, kSplines, 1u);
+BENCHMARK_CAPTURE(bm_training_step, splines_atomic, kSplines, 2u);
 BENCHMARK_CAPTURE(bm_training_step, mixture_likelihood, kMixture, 1u);
 BENCHMARK_CAPTURE(bm_training_step, mixture_atomic, kMixture, 2u);
 BENCHMARK_CAPTURE(bm_training_step, mixture_analytic, kMixture, 2u, Loss::analytic);
