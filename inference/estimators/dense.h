@@ -1,4 +1,4 @@
-/// Dense layers on row-major batches: y = x W + b, with x (m, in), W (in, out), b (1, out).
+/// Dense layers on batches: y = x W + b, with x (m, in), W (in, out), b (1, out).
 #pragma once
 
 #include <cmath>

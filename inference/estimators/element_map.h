@@ -19,7 +19,7 @@ struct SplineBins {
   VectorX<S> d0, d1;       ///< (N): derivatives at both knots
 };
 
-/// Memory of forward() for backward(). m rows, D variables, N = m D; the last four lines are the
+/// Memory of forward() for backward(). m rows, D variables, N = m D; the last five lines are the
 /// spline's alone, with K bins.
 template <typename S>
 struct ElementScratch {

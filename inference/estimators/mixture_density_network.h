@@ -25,7 +25,8 @@ struct MixtureScratch : EstimatorScratch {
   ColumnMatrixX<S> d_heads;           ///< (n, Q K): dL/d(those)
   RowMatrixX<S> d_hidden, d_below;
   ColumnMatrixX<S> points;          ///< (m, D): u
-  ColumnMatrixX<S> deviation;       ///< (n, D): u - mu of one component and the points of one a
+  ColumnMatrixX<S> deviation;       ///< (n, D): u - mu of one component, the points of one a;
+                                    ///< (m, D) where n is 1
   ColumnMatrixX<S> whitened;        ///< (m, K D): U (u - mu), D columns for each component
   ColumnMatrixX<S> responsibility;  ///< (m, K)
 };

@@ -29,7 +29,7 @@ bool has_heavy_weights(const ImportanceCertificate& certificate);
 
 /// An efficiency of 0.1 or more that is above three times the expected one: the draws miss points
 /// that were known, such as a mode. Below, weights are so uneven that nothing can be expected of
-/// them. NaN misses them.
+/// them. NaN misses them where the efficiency is that large.
 bool misses_known_points(const ImportanceCertificate& certificate);
 
 /// Reasons not to trust the draws, in words; none: they hold. Faults are a power or effective size

@@ -1,8 +1,12 @@
 #include "inference/samplers/importance_sampler.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <ranges>
 #include <span>
 #include <string>
@@ -23,6 +27,14 @@ constexpr Index kOldLevels = 40;         // levels that count at most, besides t
 constexpr double kMostDensities = 5e7;   // of all their points by all their proposals
 constexpr Index kFlowsAtEnd = 3;         // of the last proposal
 constexpr double kAboutAsHigh = 0.8;     // ratio of powers that those were fitted to
+constexpr Index kFormerLevels = 10;      // last levels that teach
+constexpr Index kStuckLevels = 10;       // that have raised the power
+constexpr double kStuckRise = 1.2;       // by less than to this multiple
+constexpr Index kWalkers = 5;            // a level has that many times as many draws
+constexpr Index kSweeps = 25;            // at one power
+constexpr Index kSweepsAtEnd = 50;       // of which every tenth is kept, so that they fill a level
+constexpr Index kLevelsOfClimb = 15;     // as many draws as those of one power and the end
+constexpr double kClimbShare = 0.75;     // of the simulations, until the end of the climb
 
 // log sum_k exp of each row's terms.
 Vector log_sum(std::span<const Vector> terms) {
@@ -43,6 +55,11 @@ double largest_number(const Vector& logs) {
     if (is_number(value)) largest = std::max(largest, value);
   }
   return largest;
+}
+
+// Logarithms, -infinity where they aren't numbers.
+Vector numbers(const Vector& logs) {
+  return logs.unaryExpr([](double log) { return is_number(log) ? log : kMinusInfinity; });
 }
 
 // exp of logarithms, the largest 1; those that aren't numbers are 0.
@@ -152,15 +169,12 @@ ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimen
                                      ImportanceState state)
     : config_(config), dimension_(dimension), id_(id), state_(std::move(state)) {
   if (!state_.levels.empty()) {
+    require_shapes();
     for (const ImportanceLevel& level : state_.levels) {
-      if (level.u.cols() != dimension || level.log_likelihood.size() > level.u.rows()) {
-        throw ShapeError("importance sampling: levels of " + std::to_string(level.u.cols()) +
-                         " parameters, must be of " + std::to_string(dimension));
-      }
       proposals_.push_back(restore(level.proposal));
+      densities_.emplace_back(state_.levels.size());
     }
-    densities_.resize(state_.levels.size());
-    note_densities();
+    if (!state_.walkers) note_densities();
     return;
   }
   Proposal proposal{{}, 1.0, dimension};
@@ -170,7 +184,29 @@ ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimen
     proposal.prior_share = 0.5;
   }
   state_.wanted_power = config_.likelihood_power;
-  begin_level(std::move(proposal), 0.0, false);
+  begin_level(std::move(proposal), 0.0, LevelKind::lesson);
+}
+
+void ImportanceSampler::require_shapes() const {
+  const auto require = [&](const RowMatrix& u, Index told, Index rows) {
+    if (u.cols() == dimension_ && u.rows() == rows && told <= rows) return;
+    throw ShapeError(fmt::format(
+        "importance sampling: {} of {} points of {} parameters, must be {} points of {}", told,
+        u.rows(), u.cols(), rows, dimension_));
+  };
+  for (const ImportanceLevel& level : state_.levels) {
+    const bool is_whole = level.kind != LevelKind::walkers || !state_.walkers;
+    require(level.u, level.log_likelihood.size(),
+            level.kind == LevelKind::sweep ? num_walkers()
+            : is_whole                     ? config_.level_size
+                                           : level.log_likelihood.size());
+  }
+  if (!state_.walkers) return;
+  require(state_.walkers->u, state_.walkers->log_likelihood.size(), num_walkers());
+  if (state_.walkers->log_likelihood.size() != num_walkers() ||
+      state_.levels.back().kind != LevelKind::sweep) {
+    throw ShapeError("importance sampling: walkers without a sweep");
+  }
 }
 
 ImportanceSampler::Proposal ImportanceSampler::restore(const ImportanceProposal& parts) const {
@@ -185,26 +221,31 @@ StreamId ImportanceSampler::level_id(const char* name) const {
   return id;
 }
 
-void ImportanceSampler::begin_level(Proposal proposal, double power, bool is_last) {
-  ImportanceLevel level;
+void ImportanceSampler::push(ImportanceLevel level, Proposal proposal) {
   level.proposal = parts_of(proposal.flows, proposal.prior_share);
-  level.power = power;
-  level.is_last = is_last;
-  level.u = proposal.sample(config_.level_size, level_id("refine_draws"));
   state_.levels.push_back(std::move(level));
   ++state_.num_levels;
   proposals_.push_back(std::move(proposal));
   densities_.emplace_back();
+  for (std::vector<Vector>& row : densities_) row.resize(state_.levels.size());
+}
+
+void ImportanceSampler::begin_level(Proposal proposal, double power, LevelKind kind) {
+  RowMatrix u = proposal.sample(config_.level_size, level_id("refine_draws"));
+  push({.kind = kind, .proposal = {}, .power = power, .u = std::move(u), .log_likelihood = {}},
+       std::move(proposal));
   note_densities();
 }
 
 // Densities that haven't been computed yet: of all proposals at the points of all levels that
-// teach, and of last levels' own, which they have in common.
+// teach, and of last levels' own, which they have in common. Walkers have none.
 void ImportanceSampler::note_densities() {
-  const auto teaches = [&](std::size_t level) { return !state_.levels[level].is_last; };
+  const auto teaches = [&](std::size_t level) {
+    return state_.levels[level].kind != LevelKind::last;
+  };
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
-    densities_[l].resize(state_.levels.size());
     for (std::size_t k = 0; k < state_.levels.size(); ++k) {
+      if (state_.levels[k].kind == LevelKind::walkers) continue;
       if (densities_[l][k].size() > 0 || !(l == k || (teaches(l) && teaches(k)))) continue;
       const bool is_known = k > 0 && has_proposal_of(k, k - 1) && densities_[l][k - 1].size() > 0;
       densities_[l][k] =
@@ -213,10 +254,29 @@ void ImportanceSampler::note_densities() {
   }
 }
 
+// log of the mixture of the first levels' densities, in equal shares, at the points of one.
+Vector ImportanceSampler::log_mixture(std::size_t l, std::size_t num_levels) const {
+  const ImportanceLevel& points = state_.levels[l];
+  std::vector<Vector> terms;
+  for (std::size_t k = 0; k < num_levels; ++k) {
+    const ImportanceLevel& level = state_.levels[k];
+    if (level.kind != LevelKind::walkers) {
+      terms.push_back(densities_[l][k]);
+      continue;
+    }
+    const Vector log_prior = log_standard_normal<double>(points.u);
+    terms.push_back(log_prior + level.power * numbers(points.log_likelihood) -
+                    Vector::Constant(log_prior.size(), level.log_evidence));
+  }
+  return log_sum(terms).array() - std::log(static_cast<double>(num_levels));
+}
+
 bool ImportanceSampler::has_proposal_of(std::size_t level, std::size_t other) const {
-  return std::ranges::equal(
-      state_.levels[level].proposal.flows, state_.levels[other].proposal.flows,
-      [](const FlowParts& a, const FlowParts& b) { return a.mean == b.mean && a.flow == b.flow; });
+  const ImportanceProposal &a = state_.levels[level].proposal, &b = state_.levels[other].proposal;
+  const auto is_same = [](const FlowParts& one, const FlowParts& two) {
+    return one.mean == two.mean && one.factor == two.factor && one.flow == two.flow;
+  };
+  return a.prior_share == b.prior_share && std::ranges::equal(a.flows, b.flows, is_same);
 }
 
 void ImportanceSampler::drop(std::size_t level) {
@@ -229,7 +289,7 @@ void ImportanceSampler::drop(std::size_t level) {
 
 bool ImportanceSampler::is_done() const {
   const ImportanceLevel& last = state_.levels.back();
-  if (!last.is_last || !last.is_complete()) return false;
+  if (last.kind != LevelKind::last || !last.is_complete()) return false;
   if (state_.num_draws >= config_.max_simulations) return true;
   const ImportanceCertificate certificate = sample().certificate;
   return certificate.ess >= config_.min_ess && !has_more_to_learn(certificate);
@@ -256,16 +316,14 @@ void ImportanceSampler::tell(const Vector& log_likelihood) {
 // Every proposal has drawn equally many, so the mixture's weights are equal.
 ImportanceSampler::Pool ImportanceSampler::pool(std::size_t num_levels) const {
   const Index each = config_.level_size, n = static_cast<Index>(num_levels) * each;
-  const double log_share = -std::log(static_cast<double>(num_levels));
   Pool pool{Vector(n), Vector(n)};
   for (std::size_t l = 0; l < num_levels; ++l) {
     const ImportanceLevel& level = state_.levels[l];
     const Index first = static_cast<Index>(l) * each;
     pool.log_ratio.segment(first, each) =
-        log_standard_normal<double>(level.u) - log_sum(std::span(densities_[l]).first(num_levels));
+        log_standard_normal<double>(level.u) - log_mixture(l, num_levels);
     pool.log_likelihood.segment(first, each) = level.log_likelihood;
   }
-  pool.log_ratio.array() -= log_share;
   return pool;
 }
 
@@ -311,35 +369,52 @@ void ImportanceSampler::settle(double power) {
   plan_next_level();
 }
 
-Index ImportanceSampler::num_last_levels() const {
-  return std::ranges::count_if(state_.levels, &ImportanceLevel::is_last);
+Index ImportanceSampler::num_levels_of(LevelKind kind) const {
+  return std::ranges::count(state_.levels, kind, &ImportanceLevel::kind);
 }
 
 // The last levels have found points that the flows didn't know, or have missed some that were
-// known: weights are heavy, or even where those points said that they can't be, or twice as many
-// draws as taught the flows aren't enough. Only where draws are left for others.
+// known: weights are heavy, or even where those points said that they can't be; or as many draws
+// as taught the flows aren't enough, and as many more won't be. Only where draws are left.
 bool ImportanceSampler::has_more_to_learn(const ImportanceCertificate& certificate) const {
-  const Index last = num_last_levels() * config_.level_size;
+  const Index last = num_levels_of(LevelKind::last) * config_.level_size;
   if (config_.max_simulations - state_.num_draws < 2 * last) return false;
   const Index lessons = state_.num_draws - last - state_.num_draws_before;
-  if (certificate.ess < config_.min_ess) return last >= 2 * lessons;
+  if (certificate.ess < config_.min_ess) {
+    const double missing = static_cast<double>(last) * (config_.min_ess / certificate.ess - 1.0);
+    return last >= lessons && missing > static_cast<double>(lessons);
+  }
   return has_heavy_weights(certificate) || misses_known_points(certificate);
 }
 
+// The last levels teach, at most some of them: those with the heaviest points.
 void ImportanceSampler::learn_from_last_levels() {
-  for (ImportanceLevel& level : state_.levels) level.is_last = false;
-  state_.num_draws_before = state_.num_draws;
-  note_densities();
+  std::vector<double> heaviest(state_.levels.size());
+  std::vector<std::size_t> last;
+  for (std::size_t l = 0; l < state_.levels.size(); ++l) {
+    if (state_.levels[l].kind != LevelKind::last) continue;
+    heaviest[l] = largest_number(log_weights(l));
+    last.push_back(l);
+    state_.levels[l].kind = LevelKind::former;
+  }
+  std::ranges::stable_sort(last, std::greater(), [&](std::size_t l) { return heaviest[l]; });
+  last.erase(last.begin(), last.begin() + std::min(kFormerLevels, std::ssize(last)));
+  std::ranges::sort(last, std::greater());
+  for (const std::size_t level : last) drop(level);
+  state_.num_draws_before = 0;
 }
 
 void ImportanceSampler::plan_next_level() {
-  if (state_.levels.back().is_last) {
+  if (state_.walkers && go_on_climbing()) return;
+  if (state_.levels.back().kind == LevelKind::last) {
     if (!has_more_to_learn(sample().certificate)) {
-      return begin_level(proposals_.back(), state_.levels.back().power, true);
+      return begin_level(proposals_.back(), state_.levels.back().power, LevelKind::last);
     }
     learn_from_last_levels();
   }
+  note_densities();
   const Pool pool = this->pool(state_.levels.size());
+  note_evidence(pool);
   if (!(exponentials(pool.log_weights(state_.wanted_power)).sum() > 0.0)) {
     throw InputError("no simulation has a likelihood above 0");
   }
@@ -348,23 +423,120 @@ void ImportanceSampler::plan_next_level() {
   if (power == state_.wanted_power && state_.num_draws_before == 0) {
     state_.num_draws_before = state_.num_draws;
   }
+  if (is_worth_climbing(power)) return begin_climb(pool, power);
   const Choice lesson =
       choose_rows(truncated(pool.log_weights(power)), kTrainingRows, level_id("refine_lesson"));
-  const std::vector<FlowReference>& last = proposals_.back().flows;
-  const Parameters<float> start = last.empty() ? Parameters<float>() : last.back().parts().flow;
   Proposal proposal{{}, kPriorShare, dimension_};
-  proposal.flows.emplace_back(points(lesson.rows), lesson.weights, start, level_id("refine_flow"));
+  proposal.flows.emplace_back(points(lesson.rows), lesson.weights, latest_flow(),
+                              level_id("refine_flow"));
   const double most = std::sqrt(kMostDensities / static_cast<double>(config_.level_size));
   const Index kept = std::min(kOldLevels, 2 + static_cast<Index>(most));
   while (std::ssize(state_.levels) > kept) drop(1);
-  begin_level(std::move(proposal), power, false);
+  begin_level(std::move(proposal), power, LevelKind::lesson);
+}
+
+// Where the training of the next flow starts; empty: from anew.
+Parameters<float> ImportanceSampler::latest_flow() const {
+  for (const Proposal& proposal : proposals_ | std::views::reverse) {
+    if (!proposal.flows.empty()) return proposal.flows.front().parts().flow;
+  }
+  return {};
+}
+
+// What walkers stand for has a known density but for Z, which all points tell better than the
+// climb did, from one plan to the next.
+void ImportanceSampler::note_evidence(const Pool& pool) {
+  for (ImportanceLevel& level : state_.levels) {
+    if (level.kind != LevelKind::walkers) continue;
+    level.log_evidence = evidence(pool.log_weights(level.power)).log_value;
+  }
+}
+
+// Whether flows are stuck: ten levels have hardly raised the power. Once, and only where draws are
+// left for the climb and for what follows.
+bool ImportanceSampler::is_worth_climbing(double power) const {
+  const Index n = std::ssize(state_.levels);
+  if (config_.cross_validate || state_.num_draws_before > 0 || n < kStuckLevels + 2) return false;
+  if (num_levels_of(LevelKind::walkers) > 0 || num_levels_of(LevelKind::former) > 0) return false;
+  const double before = state_.levels[static_cast<std::size_t>(n - kStuckLevels)].power;
+  return has_draws_to_climb() && power < kStuckRise * before;
+}
+
+bool ImportanceSampler::has_draws_to_climb() const {
+  const Index draws = state_.num_draws + kLevelsOfClimb * config_.level_size;
+  return static_cast<double>(draws) <= kClimbShare * static_cast<double>(config_.max_simulations);
+}
+
+Index ImportanceSampler::num_walkers() const {
+  return (config_.level_size + kWalkers - 1) / kWalkers;
+}
+
+void ImportanceSampler::begin_climb(const Pool& pool, double power) {
+  const Vector logs = pool.log_weights(power);
+  std::vector<Index> all(static_cast<std::size_t>(logs.size()));
+  std::iota(all.begin(), all.end(), Index{0});
+  state_.walkers = TemperedWalkers{.u = points(all),
+                                   .log_likelihood = pool.log_likelihood,
+                                   .log_evidence = evidence(logs).log_value};
+  draw_walkers(*state_.walkers, truncated(logs), num_walkers(), power, level_id("refine_walkers"));
+  begin_sweep();
+}
+
+void ImportanceSampler::begin_sweep() {
+  push({.kind = LevelKind::sweep,
+        .proposal = {},
+        .power = state_.walkers->power,
+        .u = propose_steps(*state_.walkers, level_id("refine_steps")),
+        .log_likelihood = {}},
+       {{}, 1.0, dimension_});
+}
+
+// After a sweep: another one, or false when the walkers have become a level.
+bool ImportanceSampler::go_on_climbing() {
+  TemperedWalkers& walkers = *state_.walkers;
+  const ImportanceLevel sweep = state_.levels.back();
+  drop(state_.levels.size() - 1);
+  take_steps(walkers, sweep.u, sweep.log_likelihood, level_id("refine_choice"));
+  if (state_.levels.back().kind == LevelKind::walkers) {
+    if (walkers.num_sweeps % (kSweepsAtEnd / kWalkers) == 0) keep_walkers();
+    if (state_.levels.back().u.rows() == config_.level_size) {
+      state_.walkers.reset();
+      return false;
+    }
+  } else if (walkers.num_sweeps == kSweeps) {
+    if (walkers.power < state_.wanted_power && has_draws_to_climb()) {
+      raise_power(walkers, next_power(walkers, state_.wanted_power), level_id("refine_walkers"));
+    } else {
+      walkers.num_sweeps = 0;
+      push({.kind = LevelKind::walkers,
+            .proposal = {},
+            .power = walkers.power,
+            .log_evidence = walkers.log_evidence,
+            .u = RowMatrix(0, dimension_),
+            .log_likelihood = {}},
+           {{}, 1.0, dimension_});
+    }
+  }
+  begin_sweep();
+  return true;
+}
+
+// Puts where the walkers are into their level, which they fill in the end.
+void ImportanceSampler::keep_walkers() {
+  ImportanceLevel& level = state_.levels.back();
+  const Index before = level.u.rows(),
+              added = std::min(state_.walkers->u.rows(), config_.level_size - before);
+  level.u.conservativeResize(before + added, Eigen::NoChange);
+  level.u.bottomRows(added) = state_.walkers->u.topRows(added);
+  level.log_likelihood.conservativeResize(before + added);
+  level.log_likelihood.tail(added) = state_.walkers->log_likelihood.head(added);
 }
 
 // The highest power that a flow was fitted to.
 double ImportanceSampler::learned_power() const {
   double power = 0.0;
-  for (std::size_t l = 1; l < state_.levels.size(); ++l) {
-    power = std::max(power, state_.levels[l].power);
+  for (const ImportanceLevel& level : state_.levels) {
+    if (level.kind == LevelKind::lesson) power = std::max(power, level.power);
   }
   return std::min(power, state_.wanted_power);
 }
@@ -376,7 +548,7 @@ std::vector<std::size_t> ImportanceSampler::best_levels() const {
   for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(best) < kFlowsAtEnd;) {
     const double own = state_.levels[l].power;
     const bool is_as_high = std::min(own, power) >= kAboutAsHigh * std::max(own, power);
-    if (is_as_high && proposals_[l].flows.size() == 1) best.push_back(l);
+    if (is_as_high && state_.levels[l].kind == LevelKind::lesson) best.push_back(l);
   }
   return best;
 }
@@ -408,11 +580,16 @@ double ImportanceSampler::expected_efficiency(const std::vector<std::size_t>& le
   return weights.mean() * weights.sum() / sum;
 }
 
-// Effective share of a level's draws, for the power that its proposal was fitted to.
-double ImportanceSampler::efficiency(std::size_t l) const {
+// log of a level's weights by its own proposal, for the power that this was fitted to.
+Vector ImportanceSampler::log_weights(std::size_t l) const {
   const ImportanceLevel& level = state_.levels[l];
-  const Vector logs =
-      log_standard_normal<double>(level.u) + level.power * level.log_likelihood - densities_[l][l];
+  return log_standard_normal<double>(level.u) + level.power * level.log_likelihood -
+         densities_[l][l];
+}
+
+// Effective share of a level's draws.
+double ImportanceSampler::efficiency(std::size_t l) const {
+  const Vector logs = log_weights(l);
   return effective_size(exponentials(logs)) / static_cast<double>(logs.size());
 }
 
@@ -435,21 +612,21 @@ void ImportanceSampler::begin_last_levels() {
   state_.expected_efficiency = expected_efficiency(best);
   Proposal proposal{{}, best.empty() ? 1.0 : kPriorShare, dimension_};
   for (const std::size_t l : best) proposal.flows.push_back(proposals_[l].flows.front());
-  begin_level(std::move(proposal), power, true);
+  begin_level(std::move(proposal), power, LevelKind::last);
 }
 
 ImportanceSample ImportanceSampler::sample() const {
   const double power = state_.levels.back().power;
-  const std::size_t first = state_.levels.size() - static_cast<std::size_t>(num_last_levels());
+  const std::size_t first =
+      state_.levels.size() - static_cast<std::size_t>(num_levels_of(LevelKind::last));
   const Index each = config_.level_size;
-  ImportanceSample sample{RowMatrix(num_last_levels() * each, dimension_), {}};
+  ImportanceSample sample{RowMatrix(num_levels_of(LevelKind::last) * each, dimension_), {}};
   Vector logs(sample.u.rows());
   for (std::size_t l = first; l < state_.levels.size(); ++l) {
     const ImportanceLevel& level = state_.levels[l];
     const Index row = static_cast<Index>(l - first) * each;
     sample.u.middleRows(row, each) = level.u;
-    logs.segment(row, each) =
-        log_standard_normal<double>(level.u) + power * level.log_likelihood - densities_[l][l];
+    logs.segment(row, each) = log_weights(l);
   }
   sample.weights = exponentials(logs);
   const Evidence all = evidence(logs), even = evidence(logs(Eigen::seq(0, Eigen::last, 2))),

@@ -10,12 +10,15 @@
 /// sampling"; with flows: Williams, Veitch and Messenger 2023, "Importance nested sampling with
 /// normalising flows"), and b is the largest power at which they are worth enough draws, by weights
 /// that are cut off as Ionides 2008 does; it ends at a. Level 0 comes from the prior or, half of
-/// it, from a flow that was fitted to the draws of another estimate of the posterior.
+/// it, from a flow that was fitted to the draws of another estimate of the posterior. Where flows
+/// hardly raise b any more, walkers climb the rest (tempered_walkers.h); in the end they are one
+/// more level, of draws of the posterior itself, as good as they are.
 ///
 /// The result comes from last levels alone, which are drawn from a fixed mixture of the last
 /// flows, made before any of them was drawn. So they are independent draws of a known density, and
 /// Z, its standard error and the effective size mean what they say. Where they have found what the
-/// flows didn't know, such as another mode, they teach further flows, and other last levels follow.
+/// flows didn't know, such as another mode, they teach further flows, and other last levels follow;
+/// so those that stay are ones that look well, and the standard error is a little too small.
 #pragma once
 
 #include <optional>
@@ -26,6 +29,7 @@
 #include "inference/samplers/flow_reference.h"
 #include "inference/samplers/importance_certificate.h"
 #include "inference/samplers/importance_config.h"
+#include "inference/samplers/tempered_walkers.h"
 
 namespace npdr::inference {
 
@@ -35,24 +39,34 @@ struct ImportanceProposal {
   double prior_share = 1.0;  ///< 1 without flows
 };
 
-/// Draws of one proposal.
+enum class LevelKind {
+  lesson,   ///< draws that teach
+  last,     ///< those that are reported
+  former,   ///< those that would have been, but were found to have something to teach
+  sweep,    ///< where walkers may go
+  walkers,  ///< where they were, as draws of pi_b
+};
+
+/// Draws of one proposal, or of walkers.
 struct ImportanceLevel {
-  ImportanceProposal proposal;
-  double power = 0.0;     ///< b that the proposal was fitted to
-  bool is_last = false;   ///< one of those that are reported
-  RowMatrix u;            ///< (n, D)
-  Vector log_likelihood;  ///< (m), of the first m <= n that have been told
+  LevelKind kind = LevelKind::lesson;
+  ImportanceProposal proposal;  ///< without flows where it is walkers'
+  double power = 0.0;           ///< b that the proposal was fitted to, or of the walkers
+  double log_evidence = 0.0;    ///< log Z_b of walkers, as far as it is known [nats]
+  RowMatrix u;                  ///< (n, D)
+  Vector log_likelihood;        ///< (m), of the first m <= n that have been told
   bool is_complete() const { return log_likelihood.size() == u.rows(); }
 };
 
 /// State of the sampler: a checkpoint.
 struct ImportanceState {
-  std::vector<ImportanceLevel> levels;  ///< the first, and those that still count
-  Index num_levels = 0;                 ///< that there have been
-  Index num_draws = 0;                  ///< told
-  double wanted_power = 0.0;            ///< a
-  Index num_draws_before = 0;           ///< told before a was reached; 0: it wasn't
-  double expected_efficiency = 0.0;     ///< of the last levels, before they were drawn
+  std::vector<ImportanceLevel> levels;     ///< the first, and those that still count
+  std::optional<TemperedWalkers> walkers;  ///< while they climb
+  Index num_levels = 0;                    ///< that there have been
+  Index num_draws = 0;                     ///< told
+  double wanted_power = 0.0;               ///< a
+  Index num_draws_before = 0;              ///< told before a was reached; 0: it wasn't
+  double expected_efficiency = 0.0;        ///< of the last levels, before they were drawn
 };
 
 /// Independent weighted draws.
@@ -105,15 +119,18 @@ class ImportanceSampler {
     RowMatrix sample(Index n, const StreamId& id) const;
   };
 
+  void require_shapes() const;
   Proposal restore(const ImportanceProposal& parts) const;
-  void begin_level(Proposal proposal, double power, bool is_last);
+  void push(ImportanceLevel level, Proposal proposal);
+  void begin_level(Proposal proposal, double power, LevelKind kind);
   void begin_last_levels();
   void plan_next_level();
   bool has_learned() const;
   bool has_more_to_learn(const ImportanceCertificate& certificate) const;
   void learn_from_last_levels();
-  Index num_last_levels() const;
+  Index num_levels_of(LevelKind kind) const;
   void note_densities();
+  Vector log_mixture(std::size_t level, std::size_t num_levels) const;
   bool has_proposal_of(std::size_t level, std::size_t other) const;
   void drop(std::size_t level);
   // The points of the first levels, by their number: level after level.
@@ -124,10 +141,20 @@ class ImportanceSampler {
   };
 
   Pool pool(std::size_t num_levels) const;
+  void note_evidence(const Pool& pool);
+  Parameters<float> latest_flow() const;
+  bool is_worth_climbing(double power) const;
+  void begin_climb(const Pool& pool, double power);
+  void begin_sweep();
+  bool go_on_climbing();
+  void keep_walkers();
+  bool has_draws_to_climb() const;
+  Index num_walkers() const;
   double choose_power(const Pool& pool) const;
   RowMatrix points(const std::vector<Index>& rows) const;
   double learned_power() const;
   std::vector<std::size_t> best_levels() const;
+  Vector log_weights(std::size_t level) const;
   double efficiency(std::size_t level) const;
   double expected_efficiency(const std::vector<std::size_t>& levels) const;
   StreamId level_id(const char* name) const;
@@ -137,7 +164,7 @@ class ImportanceSampler {
   StreamId id_;
   ImportanceState state_;
   std::vector<Proposal> proposals_;             // of the state's levels
-  std::vector<std::vector<Vector>> densities_;  // by level, by proposal: (n), or empty
+  std::vector<std::vector<Vector>> densities_;  // by level, by proposal of flows: (n), or empty
 };
 
 }  // namespace npdr::inference

@@ -5,12 +5,15 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 namespace {
 
+// By LevelKind.
+const std::vector<std::string> kKinds = {"lesson", "last", "former", "sweep", "walkers"};
 constexpr Index kMostMembers = 10'000;  // levels of a checkpoint, flows of a proposal
 
 void describe(Layout f, std::optional<inference::ImportanceCertificate>& certificate) {
@@ -56,11 +59,32 @@ void describe_members(Layout f, const std::string& name, std::vector<T>& members
   }
 }
 
+inference::LevelKind kind_of(const Layout& f, const std::string& name) {
+  const auto found = std::ranges::find(kKinds, name);
+  if (found != kKinds.end()) return static_cast<inference::LevelKind>(found - kKinds.begin());
+  throw InputError(fmt::format("{}: the kind '{}' of a level, must be one of {}; remove this file",
+                               f.where(), name, join(kKinds)));
+}
+
 void describe(Layout f, inference::ImportanceLevel& level) {
-  f.attribute("likelihood_power", level.power, "that the proposal was fitted to");
-  f.attribute("is_last", level.is_last, "1: one of those that are reported");
+  std::string kind = kKinds[static_cast<std::size_t>(level.kind)];
+  f.attribute("kind", kind,
+              "`lesson`: draws that teach; `last`: those that are reported; `former`: those that "
+              "would have been; `sweep`: where walkers may "
+              "go; `walkers`: where they were");
+  if (f.reads()) level.kind = kind_of(f, kind);
+  f.attribute("likelihood_power", level.power,
+              "that the proposal was fitted to, or of the walkers");
+  f.attribute("log_evidence", level.log_evidence, "log Z of walkers, as far as it is known [nats]");
   f.attribute("prior_share", level.proposal.prior_share, "of the proposal");
-  f("u", level.u, {{"N"}, {"D"}}, "points, where the prior is N(0, I)",
+  const bool is_sweep = level.kind == inference::LevelKind::sweep,
+             is_filled = level.kind == inference::LevelKind::walkers;
+  f("u", level.u,
+    {{is_sweep    ? "W"
+      : is_filled ? "K"
+                  : "N"},
+     {"D"}},
+    "points, where the prior is N(0, I); W of a sweep, K of walkers",
     {.allowed = h5::Values::finite, .storage = kFastest});
   Index num_told = level.log_likelihood.size();
   f.attribute("num_told", num_told, "n, of its points have been simulated");
@@ -83,15 +107,30 @@ void describe(Layout f, std::optional<PowerScores>& scores) {
   if (auto group = f.group("power_scores", scores)) describe_scores(*group, *scores);
 }
 
+void describe(Layout f, std::optional<inference::TemperedWalkers>& walkers) {
+  auto group = f.group("walkers", walkers);
+  if (!group) return;
+  inference::TemperedWalkers& w = *walkers;
+  (*group)("u", w.u, {{"W"}, {"D"}}, "where walkers are that climb",
+           {.allowed = h5::Values::finite});
+  (*group)("log_likelihood", w.log_likelihood, {{"W"}}, "there [nats]",
+           {.allowed = h5::Values::finite});
+  group->attribute("likelihood_power", w.power, "b");
+  group->attribute("log_evidence", w.log_evidence, "log Z by the climb [nats]");
+  group->attribute("step_length", w.step_length, "in units of the length for a Gaussian");
+  group->attribute("num_sweeps", w.num_sweeps, "at this power");
+}
+
 void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {
   f.attribute("num_failed", num_failed, "simulations that failed so far");
   f.attribute("num_levels_so_far", state.num_levels, "those that were dropped included");
   f.attribute("num_draws", state.num_draws, "simulated so far");
   f.attribute("wanted_power", state.wanted_power, "of the likelihood");
   f.attribute("num_draws_before", state.num_draws_before,
-              "simulated before it was reached; 0: it wasn't");
+              "simulated before it was reached, the last time; 0: it isn't");
   f.attribute("expected_efficiency", state.expected_efficiency,
               "of the last levels, before they were drawn");
+  describe(f, state.walkers);
   describe_members(f, "level", state.levels);
 }
 
@@ -153,6 +192,7 @@ void list_certificate(Layout f) {
 
 void list_refinement_checkpoint(Layout f) {
   inference::ImportanceState state;
+  state.walkers.emplace();
   state.levels.emplace_back().proposal.flows.emplace_back();
   Index num_failed = 0;
   describe(f, state, num_failed);

@@ -133,8 +133,8 @@ class Refinement {
  private:
   // When a level has been planned: scores its power, and settles on the best one at the end.
   void cross_validate(const SimulatedLikelihood& likelihood) {
-    if (!config_.cross_validate || is_settled() || sampler_.state().levels.back().is_last) return;
-    if (sampler_.power() == 0.0) return;
+    if (!config_.cross_validate || is_settled() || sampler_.power() == 0.0) return;
+    if (sampler_.state().levels.back().kind == inference::LevelKind::last) return;
     const inference::ImportanceSample draws = sampler_.preliminary(kLeftOutDraws);
     search_.add(sampler_.power(),
                 likelihood.left_out(prior_.to_theta(draws.u), draws.weights, sampler_.power()));

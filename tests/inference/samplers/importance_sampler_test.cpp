@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -216,6 +217,55 @@ TEST(ImportanceSampler, LearnsAModeOfWhichAPointIsKnown) {
     EXPECT_NEAR(sample.certificate.log_evidence, log_z,
                 4.0 * sample.certificate.log_evidence_error);
   }
+}
+
+// A thin curve that flows can't follow, of which they are stuck at a power below 0.2:
+// L(u) = exp(-(u_2 - sin 30 u_1)^2 / (2 s^2)), and as 30 u_1 is as good as uniform around the
+// circle, Z = s E[exp(-sin^2(phi) / 2)] = s exp(-1/4) I_0(1/4).
+TEST(ImportanceSampler, ClimbsWhereFlowsAreStuck) {
+  constexpr double s = 1e-3;
+  ImportanceSampler sampler({.level_size = 500, .min_ess = 100.0, .max_simulations = 60'000}, 2, {},
+                            {3, "refinement", 1, 0, 0});
+  double climbs_from = 0.0;
+  while (!sampler.is_done()) {
+    if (sampler.state().walkers && climbs_from == 0.0) climbs_from = sampler.power();
+    const RowMatrix u = sampler.next(500);
+    sampler.tell(-0.5 / (s * s) * (u.col(1).array() - (30.0 * u.col(0).array()).sin()).square());
+  }
+  const ImportanceCertificate certificate = sampler.sample().certificate;
+  EXPECT_GT(climbs_from, 0.0);
+  EXPECT_LT(climbs_from, 0.2);
+  EXPECT_EQ(certificate.power, 1.0);
+  EXPECT_NEAR(certificate.log_evidence, std::log(s * std::exp(-0.25) * std::cyl_bessel_i(0, 0.25)),
+              4.0 * certificate.log_evidence_error);
+}
+
+// What was reported at first isn't any more, and its proposal isn't among the next one's.
+TEST(ImportanceSampler, LearnsFurtherFlowsAfterLastLevels) {
+  const LinearGaussian problem;
+  bool was_reported = false, learns = false;
+  ImportanceSampler sampler({.level_size = 1000, .min_ess = 900.0, .max_simulations = 100'000},
+                            kDimension, {}, {1, "refinement", 1, 0, 0});
+  std::vector<Parameters<float>> reported;
+  while (!sampler.is_done()) {
+    const ImportanceLevel& level = sampler.state().levels.back();
+    RowMatrix u = sampler.next(1000);
+    Vector log_likelihood = problem.log_likelihood(u);
+    if (level.kind == LevelKind::last && !was_reported) {
+      for (const FlowParts& flow : level.proposal.flows) reported.push_back(flow.flow);
+      was_reported = true;
+      log_likelihood(500) += 12.0;  // a heavy point, as of a narrow mode
+    }
+    if (level.kind == LevelKind::last && !learns) {
+      learns =
+          std::ranges::count(sampler.state().levels, LevelKind::former, &ImportanceLevel::kind) > 0;
+      if (learns) {
+        EXPECT_NE(level.proposal.flows.front().flow, reported.front());
+      }
+    }
+    sampler.tell(log_likelihood);
+  }
+  EXPECT_TRUE(learns);
 }
 
 TEST(ImportanceSampler, SettlesOnALowerPower) {

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "core/error.h"
 #include "pipeline/artefacts/schemas.h"
 #include "tests/temp_folder.h"
@@ -48,6 +51,43 @@ TEST_F(RefinementFile, CheckpointsGoOnToTheSameBits) {
     advance(resumed);
     EXPECT_EQ(resumed.sample().u, whole.sample().u) << blocks;
     EXPECT_EQ(resumed.sample().weights, whole.sample().weights) << blocks;
+  }
+}
+
+// As in ImportanceSampler.ClimbsWhereFlowsAreStuck.
+TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
+  const inference::ImportanceConfig config = {
+      .level_size = 500, .min_ess = 100.0, .max_simulations = 60'000};
+  const StreamId id = {3, "refinement", 1, 0, 0};
+  const auto step = [](ImportanceSampler& sampler) {
+    const RowMatrix u = sampler.next(70);
+    sampler.tell(-5e5 * (u.col(1).array() - (30.0 * u.col(0).array()).sin()).square());
+  };
+  Identity identity;
+  identity.key_document = {{"what", "test"}};
+  const std::filesystem::path path = folder_.path() / "climb.h5";
+  ImportanceSampler whole(config, 2, {}, id);
+  // While walkers climb, in the middle of a sweep, and while they fill their level.
+  bool climbs = false, fills = false;
+  std::vector<ImportanceSampler> resumed;
+  while (!whole.is_done()) {
+    step(whole);
+    const inference::ImportanceState& state = whole.state();
+    if (!state.walkers) continue;
+    const bool is_filling =
+        state.levels[state.levels.size() - 2].kind == inference::LevelKind::walkers;
+    if (std::exchange(is_filling ? fills : climbs, true)) continue;
+    write_refinement(path, identity, {state, 0, {}, {}});
+    resumed.emplace_back(config, 2, RowMatrix(), id, read_refinement({path, identity.key()}).state);
+  }
+  EXPECT_EQ(resumed.size(), 2u);
+  for (ImportanceSampler& sampler : resumed) {
+    while (!sampler.is_done()) step(sampler);
+    EXPECT_EQ(sampler.sample().u, whole.sample().u);
+    EXPECT_EQ(sampler.sample().weights, whole.sample().weights);
+    EXPECT_EQ(sampler.sample().certificate.num_draws, whole.sample().certificate.num_draws);
+    EXPECT_EQ(sampler.sample().certificate.expected_efficiency,
+              whole.sample().certificate.expected_efficiency);
   }
 }
 

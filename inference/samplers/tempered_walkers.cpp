@@ -1,0 +1,115 @@
+#include "inference/samplers/tempered_walkers.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "inference/samplers/resampler.h"
+#include "inference/weighted_moments.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr double kEffectiveShare = 0.5;  // of walkers that are worth something at the next power
+constexpr double kWantedRate = 0.2;      // of steps that are taken
+constexpr double kSpread = 0.5;          // of a step's length, in nats
+constexpr double kShortest = 0.01, kLongest = 1.0;  // step lengths
+
+// The weights of another power, the largest 1.
+Vector weights_at(const TemperedWalkers& walkers, double power) {
+  const Vector logs = (power - walkers.power) * walkers.log_likelihood;
+  return (logs.array() - logs.maxCoeff()).exp();
+}
+
+// The factor L of the covariance L L^T; of a little more where walkers are all in one place.
+Eigen::MatrixXd step_factor(const RowMatrix& u) {
+  Eigen::MatrixXd covariance = weighted_covariance(u, Vector::Ones(u.rows()));
+  covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().array();
+  return Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL();
+}
+
+Stream stream_of(StreamId id, Index walker) {
+  id.row = static_cast<std::uint64_t>(walker);
+  return Stream(id);
+}
+
+}  // namespace
+
+void draw_walkers(TemperedWalkers& walkers, const Vector& weights, Index count, double power,
+                  const StreamId& id) {
+  const Resampler resampler(weights);
+  const double offset = Stream(id).uniform();
+  std::vector<Index> rows;
+  for (Index i = 0; i < count; ++i) {
+    rows.push_back(resampler.draw((static_cast<double>(i) + offset) / static_cast<double>(count)));
+  }
+  walkers.u = RowMatrix(walkers.u(rows, Eigen::all));
+  walkers.log_likelihood = Vector(walkers.log_likelihood(rows));
+  walkers.power = power;
+  walkers.num_sweeps = 0;
+}
+
+double next_power(const TemperedWalkers& walkers, double most) {
+  const double wanted = kEffectiveShare * static_cast<double>(walkers.u.rows());
+  const auto is_enough = [&](double power) {
+    return effective_size(weights_at(walkers, power)) >= wanted;
+  };
+  if (is_enough(most)) return most;
+  double low = walkers.power, high = most;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_enough(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+void raise_power(TemperedWalkers& walkers, double power, const StreamId& id) {
+  const Vector weights = weights_at(walkers, power);
+  walkers.log_evidence +=
+      (power - walkers.power) * walkers.log_likelihood.maxCoeff() + std::log(weights.mean());
+  draw_walkers(walkers, weights, walkers.u.rows(), power, id);
+}
+
+RowMatrix propose_steps(const TemperedWalkers& walkers, const StreamId& id) {
+  const Index n = walkers.u.rows(), dimension = walkers.u.cols();
+  const Eigen::MatrixXd factor = step_factor(walkers.u);
+  const double scale = 2.38 / std::sqrt(static_cast<double>(dimension)) * walkers.step_length;
+  RowMatrix proposed = walkers.u;
+  for (Index i = 0; i < n; ++i) {
+    Stream stream = stream_of(id, i);
+    const double g = scale * std::exp(kSpread * stream.normal());
+    if (stream.uniform() < 0.5) {
+      const Index j = stream.below(static_cast<std::uint32_t>(n)),
+                  k = stream.below(static_cast<std::uint32_t>(n));
+      proposed.row(i) += g / std::sqrt(2.0) * (walkers.u.row(j) - walkers.u.row(k));
+    } else {
+      Vector normal(dimension);
+      for (double& value : normal) value = stream.normal();
+      proposed.row(i) += (g * (factor * normal)).transpose();
+    }
+  }
+  return proposed;
+}
+
+void take_steps(TemperedWalkers& walkers, const RowMatrix& proposed, const Vector& log_likelihood,
+                const StreamId& id) {
+  Index taken = 0;
+  for (Index i = 0; i < proposed.rows(); ++i) {
+    if (!std::isfinite(log_likelihood(i))) continue;
+    const double log_prior_ratio =
+        0.5 * (walkers.u.row(i).squaredNorm() - proposed.row(i).squaredNorm());
+    const double log_ratio =
+        walkers.power * (log_likelihood(i) - walkers.log_likelihood(i)) + log_prior_ratio;
+    if (!(std::log(stream_of(id, i).uniform()) < log_ratio)) continue;
+    walkers.u.row(i) = proposed.row(i);
+    walkers.log_likelihood(i) = log_likelihood(i);
+    ++taken;
+  }
+  const double rate = static_cast<double>(taken) / static_cast<double>(proposed.rows());
+  walkers.step_length =
+      std::clamp(walkers.step_length * std::exp(rate - kWantedRate), kShortest, kLongest);
+  ++walkers.num_sweeps;
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,47 @@
+/// Walkers that climb from a low power of the likelihood to a higher one.
+///
+/// A population of walkers stands for
+///   pi_b(u) = N(u; 0, I) L(u)^b / Z_b
+/// and climbs by sequential Monte Carlo (Neal 2001; Del Moral, Doucet and Jasra 2006). A raise goes
+/// to the largest b' at which half of the walkers are effective by their weights L(u)^(b' - b), and
+/// draws them anew by those. Between raises they walk: in a sweep each makes one Metropolis step,
+/// to
+///   u + g (u_j - u_k)  with two walkers j and k (ter Braak 2006), or  N(u, g^2 C),
+/// half of the time each. C is the walkers' covariance; g is 2.38 / sqrt(2 D) or 2.38 / sqrt(D),
+/// times a step length that is adapted until a fifth of the steps is taken, times exp(N(0, 1/4)).
+/// All walk at once, and C and the step length follow them, so they have the law of pi_b only in
+/// the limit of many walkers and sweeps. They are there to teach, not to be reported.
+#pragma once
+
+#include "core/random.h"
+#include "core/types.h"
+
+namespace npdr::inference {
+
+struct TemperedWalkers {
+  RowMatrix u;                ///< (W, D)
+  Vector log_likelihood;      ///< (W) [nats], finite
+  double power = 0.0;         ///< b
+  double log_evidence = 0.0;  ///< log Z_b [nats]
+  double step_length = 1.0;
+  Index num_sweeps = 0;  ///< at this power
+};
+
+/// Moves `count` of the walkers to the power, drawn (systematically) by weights (W) >= 0, at least
+/// one of them above 0. Throws Error for other weights.
+void draw_walkers(TemperedWalkers& walkers, const Vector& weights, Index count, double power,
+                  const StreamId& id);
+
+/// The largest power up to `most` at which half of the walkers are effective.
+double next_power(const TemperedWalkers& walkers, double most);
+/// Moves all walkers to that power, and log Z with it.
+void raise_power(TemperedWalkers& walkers, double power, const StreamId& id);
+
+/// Where the walkers may go, (W, D).
+RowMatrix propose_steps(const TemperedWalkers& walkers, const StreamId& id);
+/// Goes there or stays, by the log likelihoods (W) there; those that aren't numbers are
+/// -infinity.
+void take_steps(TemperedWalkers& walkers, const RowMatrix& proposed, const Vector& log_likelihood,
+                const StreamId& id);
+
+}  // namespace npdr::inference

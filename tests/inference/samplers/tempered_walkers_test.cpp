@@ -1,0 +1,113 @@
+#include "inference/samplers/tempered_walkers.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/error.h"
+#include "inference/weighted_moments.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr Index kWalkers = 2000;
+constexpr Index kDimension = 3;
+
+StreamId id(const char* name, std::uint64_t epoch) { return {1, name, 1, 0, epoch}; }
+
+// L(u) = N(u; 1.5, 0.05^2 I): a product of D equal posteriors.
+constexpr double kCentre = 1.5, kVariance = 0.0025;
+
+Vector log_likelihood(const RowMatrix& u) {
+  return -0.5 / kVariance * (u.array() - kCentre).square().rowwise().sum() -
+         0.5 * static_cast<double>(kDimension) * std::log(2.0 * std::numbers::pi * kVariance);
+}
+double log_evidence() {
+  const double variance = 1.0 + kVariance;
+  return -0.5 * static_cast<double>(kDimension) *
+         (kCentre * kCentre / variance + std::log(2.0 * std::numbers::pi * variance));
+}
+
+TemperedWalkers from_the_prior() {
+  TemperedWalkers walkers{.u = RowMatrix(kWalkers, kDimension), .log_likelihood = {}};
+  Stream stream(id("start", 0));
+  for (double& value : walkers.u.reshaped()) value = stream.normal();
+  walkers.log_likelihood = log_likelihood(walkers.u);
+  return walkers;
+}
+
+void sweep(TemperedWalkers& walkers, std::uint64_t number) {
+  const RowMatrix proposed = propose_steps(walkers, id("steps", number));
+  take_steps(walkers, proposed, log_likelihood(proposed), id("choice", number));
+}
+
+TEST(TemperedWalkers, ClimbToThePosteriorAndItsEvidence) {
+  TemperedWalkers walkers = from_the_prior();
+  std::uint64_t sweeps = 0, raises = 0;
+  while (walkers.power < 1.0) {
+    raise_power(walkers, next_power(walkers, 1.0), id("raise", ++raises));
+    for (int i = 0; i < 20; ++i) sweep(walkers, ++sweeps);
+  }
+  // A raise at half of the walkers' worth has the standard error 1 / sqrt(W): four of all of them.
+  EXPECT_GT(raises, 5u);
+  EXPECT_NEAR(walkers.log_evidence, log_evidence(),
+              4.0 * std::sqrt(static_cast<double>(raises) / kWalkers));
+  // As good as a quarter as many independent draws, at least; five of their standard errors.
+  const double variance = kVariance / (1.0 + kVariance), worth = 0.25 * kWalkers;
+  const Vector mean = walkers.u.colwise().mean();
+  const Eigen::MatrixXd covariance = weighted_covariance(walkers.u, Vector::Ones(kWalkers));
+  for (Index d = 0; d < kDimension; ++d) {
+    EXPECT_NEAR(mean(d), kCentre / (1.0 + kVariance), 5.0 * std::sqrt(variance / worth));
+    EXPECT_NEAR(covariance(d, d) / variance, 1.0, 5.0 * std::sqrt(2.0 / worth));
+  }
+}
+
+TEST(TemperedWalkers, KeepTheLawTheyHave) {
+  // Draws of the posterior at power 1 stay that, whatever the step length has become.
+  TemperedWalkers walkers = from_the_prior();
+  const double variance = kVariance / (1.0 + kVariance);
+  walkers.u = (walkers.u.array() * std::sqrt(variance) + kCentre / (1.0 + kVariance)).matrix();
+  walkers.log_likelihood = log_likelihood(walkers.u);
+  walkers.power = 1.0;
+  const RowMatrix before = walkers.u;
+  for (std::uint64_t i = 1; i <= 50; ++i) sweep(walkers, i);
+  const Eigen::MatrixXd covariance = weighted_covariance(walkers.u, Vector::Ones(kWalkers));
+  for (Index d = 0; d < kDimension; ++d) {
+    EXPECT_NEAR(covariance(d, d) / variance, 1.0, 5.0 * std::sqrt(2.0 / kWalkers));
+    // And they have forgotten where they were: correlations of independent draws, at 4 of their
+    // standard errors, 1 / sqrt(W), and 0.2^2 to 0.05 that 50 sweeps may leave.
+    const Vector a = before.col(d).array() - before.col(d).mean(),
+                 b = walkers.u.col(d).array() - walkers.u.col(d).mean();
+    EXPECT_LT(a.dot(b) / a.norm() / b.norm(), 0.05 + 4.0 / std::sqrt(kWalkers));
+  }
+}
+
+TEST(TemperedWalkers, StayWhereALikelihoodIsNoNumber) {
+  TemperedWalkers walkers = from_the_prior();
+  const RowMatrix before = walkers.u;
+  for (const double none :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+        -std::numeric_limits<double>::infinity()}) {
+    take_steps(walkers, propose_steps(walkers, id("steps", 1)), Vector::Constant(kWalkers, none),
+               id("choice", 1));
+    EXPECT_EQ(walkers.u, before);
+  }
+  EXPECT_LT(walkers.step_length, 1.0);
+}
+
+TEST(TemperedWalkers, AreDrawnByTheirWeights) {
+  TemperedWalkers walkers = from_the_prior();
+  const Vector weights = (walkers.u.col(0).array() > 0.0).cast<double>();
+  const Vector log_likelihood_before = walkers.log_likelihood;
+  draw_walkers(walkers, weights, 100, 0.5, id("draw", 1));
+  EXPECT_EQ(walkers.u.rows(), 100);
+  EXPECT_GT(walkers.u.col(0).minCoeff(), 0.0);
+  EXPECT_EQ(walkers.log_likelihood, log_likelihood(walkers.u));
+  EXPECT_EQ(walkers.power, 0.5);
+  EXPECT_THROW(draw_walkers(walkers, Vector::Zero(100), 100, 0.5, id("draw", 1)), Error);
+}
+
+}  // namespace
+}  // namespace npdr::inference
