@@ -287,6 +287,15 @@ void ImportanceSampler::drop(std::size_t level) {
   for (std::vector<Vector>& row : densities_) row.erase(row.begin() + at);
 }
 
+// All but the first, the walkers and the latest.
+void ImportanceSampler::drop_old_levels() {
+  const double most = std::sqrt(kMostDensities / static_cast<double>(config_.level_size));
+  const Index kept = std::min(kOldLevels, 2 + static_cast<Index>(most));
+  while (std::ssize(state_.levels) > kept) {
+    drop(state_.levels[1].kind == LevelKind::walkers ? 2 : 1);
+  }
+}
+
 bool ImportanceSampler::is_done() const {
   const ImportanceLevel& last = state_.levels.back();
   if (last.kind != LevelKind::last || !last.is_complete()) return false;
@@ -429,9 +438,7 @@ void ImportanceSampler::plan_next_level() {
   Proposal proposal{{}, kPriorShare, dimension_};
   proposal.flows.emplace_back(points(lesson.rows), lesson.weights, latest_flow(),
                               level_id("refine_flow"));
-  const double most = std::sqrt(kMostDensities / static_cast<double>(config_.level_size));
-  const Index kept = std::min(kOldLevels, 2 + static_cast<Index>(most));
-  while (std::ssize(state_.levels) > kept) drop(1);
+  drop_old_levels();
   begin_level(std::move(proposal), power, LevelKind::lesson);
 }
 

@@ -133,6 +133,7 @@ class ImportanceSampler {
   Vector log_mixture(std::size_t level, std::size_t num_levels) const;
   bool has_proposal_of(std::size_t level, std::size_t other) const;
   void drop(std::size_t level);
+  void drop_old_levels();
   // The points of the first levels, by their number: level after level.
   struct Pool {
     Vector log_ratio;  // log of N(u; 0, I) over the mixture of all proposals

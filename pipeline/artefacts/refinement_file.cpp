@@ -5,15 +5,12 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/text.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 namespace {
 
-// By LevelKind.
-const std::vector<std::string> kKinds = {"lesson", "last", "former", "sweep", "walkers"};
 constexpr Index kMostMembers = 10'000;  // levels of a checkpoint, flows of a proposal
 
 void describe(Layout f, std::optional<inference::ImportanceCertificate>& certificate) {
@@ -59,31 +56,24 @@ void describe_members(Layout f, const std::string& name, std::vector<T>& members
   }
 }
 
-inference::LevelKind kind_of(const Layout& f, const std::string& name) {
-  const auto found = std::ranges::find(kKinds, name);
-  if (found != kKinds.end()) return static_cast<inference::LevelKind>(found - kKinds.begin());
-  throw InputError(fmt::format("{}: the kind '{}' of a level, must be one of {}; remove this file",
-                               f.where(), name, join(kKinds)));
-}
-
 void describe(Layout f, inference::ImportanceLevel& level) {
-  std::string kind = kKinds[static_cast<std::size_t>(level.kind)];
-  f.attribute("kind", kind,
-              "`lesson`: draws that teach; `last`: those that are reported; `former`: those that "
-              "would have been; `sweep`: where walkers may "
-              "go; `walkers`: where they were");
-  if (f.reads()) level.kind = kind_of(f, kind);
+  Index kind = static_cast<Index>(level.kind);
+  f.attribute(
+      "kind", kind,
+      "0: draws that teach; 1: those that are reported; 2: those that would have been; 3: where "
+      "walkers may go; 4: where they were");
+  if (f.reads() && (kind < 0 || kind > static_cast<Index>(inference::LevelKind::walkers))) {
+    throw InputError(fmt::format("{}: level of kind {}; remove this file", f.where(), kind));
+  }
+  level.kind = static_cast<inference::LevelKind>(kind);
   f.attribute("likelihood_power", level.power,
               "that the proposal was fitted to, or of the walkers");
   f.attribute("log_evidence", level.log_evidence, "log Z of walkers, as far as it is known [nats]");
   f.attribute("prior_share", level.proposal.prior_share, "of the proposal");
   const bool is_sweep = level.kind == inference::LevelKind::sweep,
              is_filled = level.kind == inference::LevelKind::walkers;
-  f("u", level.u,
-    {{is_sweep    ? "W"
-      : is_filled ? "K"
-                  : "N"},
-     {"D"}},
+  const char* num_points = is_sweep ? "W" : is_filled ? "K" : "N";
+  f("u", level.u, {{num_points}, {"D"}},
     "points, where the prior is N(0, I); W of a sweep, K of walkers",
     {.allowed = h5::Values::finite, .storage = kFastest});
   Index num_told = level.log_likelihood.size();

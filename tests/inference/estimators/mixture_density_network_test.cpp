@@ -46,6 +46,24 @@ TEST(MixtureDensityNetwork, AgreesWithItsOwnMixture) {
   EXPECT_TRUE(mixture.log_prob(u).isApprox(log_prob, 1e-10));
 }
 
+TEST(MixtureDensityNetwork, RowsBelongToTheirContext) {
+  ParameterLayout layout;
+  const MixtureDensityNetwork<double> mdn(small_config(4), 3, 3, layout);
+  const Vector parameters = random_parameters(mdn, layout.size(), 2);
+  const RowMatrix context = random_matrix(3, 3, 1);
+  const RowMatrix u = random_matrix(6, 3, 2);
+  const auto scratch = mdn.make_scratch();
+  Vector log_prob;
+  mdn.log_prob(parameters, u, context, *scratch, log_prob);
+  for (Index i = 0; i < 3; ++i) {
+    const GaussianMixture mixture =
+        mdn.mixture(static_cast<const MixtureScratch<double>&>(*scratch), i);
+    EXPECT_TRUE(
+        mixture.log_prob(u.middleRows(2 * i, 2)).isApprox(log_prob.segment(2 * i, 2), 1e-10))
+        << i;
+  }
+}
+
 TEST(MixtureDensityNetwork, RejectsSizesBelowOne) {
   ParameterLayout layout;
   EXPECT_THROW(MixtureDensityNetwork<float>(small_config(0), 2, 2, layout), InputError);
