@@ -30,10 +30,10 @@ constexpr double kAboutAsHigh = 0.8;     // ratio of powers that those were fitt
 constexpr Index kFormerLevels = 10;      // last levels that teach
 constexpr Index kStuckLevels = 10;       // that have raised the power
 constexpr double kStuckRise = 1.2;       // by less than to this multiple
-constexpr Index kWalkers = 5;            // a level has that many times as many draws
+constexpr Index kSweepsOfLevel = 5;      // of walkers, that have as many draws as a level
 constexpr Index kSweeps = 25;            // at one power
 constexpr Index kSweepsAtEnd = 50;       // of which every tenth is kept, so that they fill a level
-constexpr Index kLevelsOfClimb = 15;     // as many draws as those of one power and the end
+constexpr Index kFewestRaises = 3;       // that a climb must have draws for
 constexpr double kClimbShare = 0.75;     // of the simulations, until the end of the climb
 
 // log sum_k exp of each row's terms.
@@ -187,26 +187,34 @@ ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimen
   begin_level(std::move(proposal), 0.0, LevelKind::lesson);
 }
 
+// Only the last level may be incomplete; while walkers climb, it is a sweep, and the one before it
+// may be theirs and not yet full.
 void ImportanceSampler::require_shapes() const {
-  const auto require = [&](const RowMatrix& u, Index told, Index rows) {
-    if (u.cols() == dimension_ && u.rows() == rows && told <= rows) return;
-    throw ShapeError(fmt::format(
-        "importance sampling: {} of {} points of {} parameters, must be {} points of {}", told,
-        u.rows(), u.cols(), rows, dimension_));
+  const auto require = [&](bool is_right, const std::string& what) {
+    if (!is_right) throw ShapeError("importance sampling: " + what);
   };
-  for (const ImportanceLevel& level : state_.levels) {
-    const bool is_whole = level.kind != LevelKind::walkers || !state_.walkers;
-    require(level.u, level.log_likelihood.size(),
-            level.kind == LevelKind::sweep ? num_walkers()
-            : is_whole                     ? config_.level_size
-                                           : level.log_likelihood.size());
+  for (std::size_t l = 0; l < state_.levels.size(); ++l) {
+    const ImportanceLevel& level = state_.levels[l];
+    const bool is_back = l + 1 == state_.levels.size(), is_sweep = level.kind == LevelKind::sweep;
+    const bool is_filling = level.kind == LevelKind::walkers && state_.walkers &&
+                            l + 2 == state_.levels.size() && level.u.rows() < config_.level_size;
+    const Index rows = is_sweep ? num_walkers() : is_filling ? level.u.rows() : config_.level_size;
+    require(level.u.cols() == dimension_ && level.u.rows() == rows,
+            fmt::format("a level of {} points of {} parameters, must be {} of {}", level.u.rows(),
+                        level.u.cols(), rows, dimension_));
+    require(
+        level.log_likelihood.size() <= rows && (is_back || level.is_complete()),
+        fmt::format("a level of {} likelihoods, must be {}", level.log_likelihood.size(), rows));
+    require(is_sweep == (is_back && state_.walkers), "a sweep without walkers, or the other way");
+    require(l == 0 || level.kind != LevelKind::lesson || level.proposal.flows.size() == 1,
+            "a level that teaches without a flow");
   }
+  require(state_.levels.front().kind == LevelKind::lesson, "a first level that doesn't teach");
   if (!state_.walkers) return;
-  require(state_.walkers->u, state_.walkers->log_likelihood.size(), num_walkers());
-  if (state_.walkers->log_likelihood.size() != num_walkers() ||
-      state_.levels.back().kind != LevelKind::sweep) {
-    throw ShapeError("importance sampling: walkers without a sweep");
-  }
+  const TemperedWalkers& walkers = *state_.walkers;
+  require(walkers.u.rows() == num_walkers() && walkers.u.cols() == dimension_ &&
+              walkers.log_likelihood.size() == num_walkers(),
+          fmt::format("{} walkers, must be {}", walkers.u.rows(), num_walkers()));
 }
 
 ImportanceSampler::Proposal ImportanceSampler::restore(const ImportanceProposal& parts) const {
@@ -287,11 +295,14 @@ void ImportanceSampler::drop(std::size_t level) {
   for (std::vector<Vector>& row : densities_) row.erase(row.begin() + at);
 }
 
+Index ImportanceSampler::num_kept_levels() const {
+  const double most = std::sqrt(kMostDensities / static_cast<double>(config_.level_size));
+  return std::min(kOldLevels, 2 + static_cast<Index>(most));
+}
+
 // All but the first, the walkers and the latest.
 void ImportanceSampler::drop_old_levels() {
-  const double most = std::sqrt(kMostDensities / static_cast<double>(config_.level_size));
-  const Index kept = std::min(kOldLevels, 2 + static_cast<Index>(most));
-  while (std::ssize(state_.levels) > kept) {
+  while (std::ssize(state_.levels) > num_kept_levels()) {
     drop(state_.levels[1].kind == LevelKind::walkers ? 2 : 1);
   }
 }
@@ -365,6 +376,7 @@ RowMatrix ImportanceSampler::points(const std::vector<Index>& rows) const {
 }
 
 ImportanceSample ImportanceSampler::preliminary(Index most) const {
+  if (state_.walkers) throw Error("importance sampling: no draws while walkers climb");
   const Pool before = pool(state_.levels.size() - 1);
   const Choice choice =
       choose_rows(truncated(before.log_weights(power())), most, level_id("refine_thinning"));
@@ -372,6 +384,7 @@ ImportanceSample ImportanceSampler::preliminary(Index most) const {
 }
 
 void ImportanceSampler::settle(double power) {
+  if (state_.walkers) throw Error("importance sampling: no other power while walkers climb");
   state_.wanted_power = power;
   state_.num_draws_before = 0;
   drop(state_.levels.size() - 1);
@@ -407,7 +420,8 @@ void ImportanceSampler::learn_from_last_levels() {
     state_.levels[l].kind = LevelKind::former;
   }
   std::ranges::stable_sort(last, std::greater(), [&](std::size_t l) { return heaviest[l]; });
-  last.erase(last.begin(), last.begin() + std::min(kFormerLevels, std::ssize(last)));
+  const Index most = std::min(kFormerLevels, num_kept_levels() / 3);
+  last.erase(last.begin(), last.begin() + std::min(most, std::ssize(last)));
   std::ranges::sort(last, std::greater());
   for (const std::size_t level : last) drop(level);
   state_.num_draws_before = 0;
@@ -466,16 +480,17 @@ bool ImportanceSampler::is_worth_climbing(double power) const {
   if (config_.cross_validate || state_.num_draws_before > 0 || n < kStuckLevels + 2) return false;
   if (num_levels_of(LevelKind::walkers) > 0 || num_levels_of(LevelKind::former) > 0) return false;
   const double before = state_.levels[static_cast<std::size_t>(n - kStuckLevels)].power;
-  return has_draws_to_climb() && power < kStuckRise * before;
+  return has_draws_to_climb(1 + kFewestRaises) && power < kStuckRise * before;
 }
 
-bool ImportanceSampler::has_draws_to_climb() const {
-  const Index draws = state_.num_draws + kLevelsOfClimb * config_.level_size;
+// For walkers to walk at so many powers and at the end.
+bool ImportanceSampler::has_draws_to_climb(Index num_powers) const {
+  const Index draws = state_.num_draws + (num_powers * kSweeps + kSweepsAtEnd) * num_walkers();
   return static_cast<double>(draws) <= kClimbShare * static_cast<double>(config_.max_simulations);
 }
 
 Index ImportanceSampler::num_walkers() const {
-  return (config_.level_size + kWalkers - 1) / kWalkers;
+  return (config_.level_size + kSweepsOfLevel - 1) / kSweepsOfLevel;
 }
 
 void ImportanceSampler::begin_climb(const Pool& pool, double power) {
@@ -505,13 +520,13 @@ bool ImportanceSampler::go_on_climbing() {
   drop(state_.levels.size() - 1);
   take_steps(walkers, sweep.u, sweep.log_likelihood, level_id("refine_choice"));
   if (state_.levels.back().kind == LevelKind::walkers) {
-    if (walkers.num_sweeps % (kSweepsAtEnd / kWalkers) == 0) keep_walkers();
+    if (walkers.num_sweeps % (kSweepsAtEnd / kSweepsOfLevel) == 0) keep_walkers();
     if (state_.levels.back().u.rows() == config_.level_size) {
       state_.walkers.reset();
       return false;
     }
-  } else if (walkers.num_sweeps == kSweeps) {
-    if (walkers.power < state_.wanted_power && has_draws_to_climb()) {
+  } else if (walkers.num_sweeps >= kSweeps) {
+    if (walkers.power < state_.wanted_power && has_draws_to_climb(1)) {
       raise_power(walkers, next_power(walkers, state_.wanted_power), level_id("refine_walkers"));
     } else {
       walkers.num_sweeps = 0;

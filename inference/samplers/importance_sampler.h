@@ -12,7 +12,7 @@
 /// that are cut off as Ionides 2008 does; it ends at a. Level 0 comes from the prior or, half of
 /// it, from a flow that was fitted to the draws of another estimate of the posterior. Where flows
 /// hardly raise b any more, walkers climb the rest (tempered_walkers.h); in the end they are one
-/// more level, of draws of the posterior itself, as good as they are.
+/// more level, of draws of pi_b itself, as good as they are.
 ///
 /// The result comes from last levels alone, which are drawn from a fixed mixture of the last
 /// flows, made before any of them was drawn. So they are independent draws of a known density, and
@@ -93,10 +93,10 @@ class ImportanceSampler {
   void tell(const Vector& log_likelihood);
 
   /// Draws of the posterior at power() from the points of all levels so far, at most about `most`
-  /// of them. Only where a level has just been planned.
+  /// of them. Only where a level has just been planned; throws Error while walkers climb.
   ImportanceSample preliminary(Index most) const;
   /// Makes `power` the one that is wanted, in place of a higher one. Only where a level has just
-  /// been planned.
+  /// been planned; throws Error while walkers climb.
   void settle(double power);
   /// b of the level that is drawn next.
   double power() const { return state_.levels.back().power; }
@@ -133,6 +133,7 @@ class ImportanceSampler {
   Vector log_mixture(std::size_t level, std::size_t num_levels) const;
   bool has_proposal_of(std::size_t level, std::size_t other) const;
   void drop(std::size_t level);
+  Index num_kept_levels() const;
   void drop_old_levels();
   // The points of the first levels, by their number: level after level.
   struct Pool {
@@ -149,7 +150,7 @@ class ImportanceSampler {
   void begin_sweep();
   bool go_on_climbing();
   void keep_walkers();
-  bool has_draws_to_climb() const;
+  bool has_draws_to_climb(Index num_powers) const;
   Index num_walkers() const;
   double choose_power(const Pool& pool) const;
   RowMatrix points(const std::vector<Index>& rows) const;
@@ -164,8 +165,9 @@ class ImportanceSampler {
   Index dimension_;
   StreamId id_;
   ImportanceState state_;
-  std::vector<Proposal> proposals_;             // of the state's levels
-  std::vector<std::vector<Vector>> densities_;  // by level, by proposal of flows: (n), or empty
+  std::vector<Proposal> proposals_;  // of the state's levels
+  std::vector<std::vector<Vector>>
+      densities_;  // by level, by proposal that isn't walkers': (n), or empty
 };
 
 }  // namespace npdr::inference

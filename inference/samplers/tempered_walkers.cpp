@@ -34,6 +34,13 @@ Stream stream_of(StreamId id, Index walker) {
   return Stream(id);
 }
 
+// A number below n that is neither i nor j.
+Index other_than(Index i, Index j, Index n, Stream& stream) {
+  Index number = i;
+  while (number == i || number == j) number = stream.below(static_cast<std::uint32_t>(n));
+  return number;
+}
+
 }  // namespace
 
 void draw_walkers(TemperedWalkers& walkers, const Vector& weights, Index count, double power,
@@ -80,8 +87,7 @@ RowMatrix propose_steps(const TemperedWalkers& walkers, const StreamId& id) {
     Stream stream = stream_of(id, i);
     const double g = scale * std::exp(kSpread * stream.normal());
     if (stream.uniform() < 0.5) {
-      const Index j = stream.below(static_cast<std::uint32_t>(n)),
-                  k = stream.below(static_cast<std::uint32_t>(n));
+      const Index j = other_than(i, i, n, stream), k = other_than(i, j, n, stream);
       proposed.row(i) += g / std::sqrt(2.0) * (walkers.u.row(j) - walkers.u.row(k));
     } else {
       Vector normal(dimension);

@@ -6,7 +6,7 @@
 /// to the largest b' at which half of the walkers are effective by their weights L(u)^(b' - b), and
 /// draws them anew by those. Between raises they walk: in a sweep each makes one Metropolis step,
 /// to
-///   u + g (u_j - u_k)  with two walkers j and k (ter Braak 2006), or  N(u, g^2 C),
+///   u + g (u_j - u_k)  with two others (ter Braak 2006), or  N(u, g^2 C),
 /// half of the time each. C is the walkers' covariance; g is 2.38 / sqrt(2 D) or 2.38 / sqrt(D),
 /// times a step length that is adapted until a fifth of the steps is taken, times exp(N(0, 1/4)).
 /// All walk at once, and C and the step length follow them, so they have the law of pi_b only in
@@ -37,7 +37,7 @@ double next_power(const TemperedWalkers& walkers, double most);
 /// Moves all walkers to that power, and log Z with it.
 void raise_power(TemperedWalkers& walkers, double power, const StreamId& id);
 
-/// Where the walkers may go, (W, D).
+/// Where the walkers (three or more) may go, (W, D).
 RowMatrix propose_steps(const TemperedWalkers& walkers, const StreamId& id);
 /// Goes there or stays, by the log likelihoods (W) there; those that aren't numbers are
 /// -infinity.

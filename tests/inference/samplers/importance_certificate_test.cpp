@@ -49,17 +49,15 @@ TEST(ImportanceCertificate, MissesPointsThatShouldHaveCost) {
   missing.efficiency = 0.09;
   EXPECT_EQ(verdict(missing), "holds") << "nothing is expected of uneven weights";
   missing.efficiency = 0.1;
-  EXPECT_EQ(verdict(missing), "FAILS: a mode may be missed (an efficiency of 0.03 was foretold)");
+  EXPECT_EQ(verdict(missing), "FAILS: a mode may be missed");
 }
 
 TEST(ImportanceCertificate, NumbersThatAreNoneAreFaults) {
   ImportanceCertificate bad = kGood;
   bad.ess = bad.pareto_k = bad.half_difference = std::numeric_limits<double>::quiet_NaN();
   bad.expected_efficiency = bad.ess;
-  EXPECT_EQ(
-      verdict(bad),
-      "FAILS: too few effective draws, heavy weights, a mode may be missed (an efficiency of nan "
-      "was foretold), halves differ");
+  EXPECT_EQ(verdict(bad),
+            "FAILS: too few effective draws, heavy weights, a mode may be missed, halves differ");
 }
 
 }  // namespace

@@ -146,6 +146,30 @@ TEST(ImportanceSampler, GoesOnFromAnyState) {
   }
 }
 
+TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
+  const LinearGaussian problem;
+  const StreamId id = {1, "refinement", 1, 0, 0};
+  ImportanceSampler sampler(kSmall, kDimension, {}, id);
+  for (int level = 0; level < 2; ++level) sampler.tell(problem.log_likelihood(sampler.next(2000)));
+  const auto refuses = [&](const ImportanceState& state) {
+    EXPECT_THROW(ImportanceSampler(kSmall, kDimension, {}, id, state), ShapeError);
+  };
+  EXPECT_THROW(ImportanceSampler(kSmall, kDimension + 1, {}, id, sampler.state()), ShapeError);
+  ImportanceState state = sampler.state();
+  state.levels[1].u.conservativeResize(1999, Eigen::NoChange);
+  refuses(state);
+  state = sampler.state();
+  state.levels[1].log_likelihood.conservativeResize(1999);
+  refuses(state);
+  state = sampler.state();
+  state.levels[1].kind = LevelKind::sweep;
+  refuses(state);
+  state = sampler.state();
+  state.walkers =
+      TemperedWalkers{.u = RowMatrix::Zero(400, kDimension), .log_likelihood = Vector::Zero(400)};
+  refuses(state);
+}
+
 TEST(ImportanceSampler, GoesOnAfterItHasSettled) {
   const LinearGaussian problem;
   const StreamId id = {1, "refinement", 1, 0, 0};

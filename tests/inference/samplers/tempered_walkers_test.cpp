@@ -100,7 +100,6 @@ TEST(TemperedWalkers, StayWhereALikelihoodIsNoNumber) {
 TEST(TemperedWalkers, AreDrawnByTheirWeights) {
   TemperedWalkers walkers = from_the_prior();
   const Vector weights = (walkers.u.col(0).array() > 0.0).cast<double>();
-  const Vector log_likelihood_before = walkers.log_likelihood;
   draw_walkers(walkers, weights, 100, 0.5, id("draw", 1));
   EXPECT_EQ(walkers.u.rows(), 100);
   EXPECT_GT(walkers.u.col(0).minCoeff(), 0.0);

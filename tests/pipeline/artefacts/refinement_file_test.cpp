@@ -57,7 +57,7 @@ TEST_F(RefinementFile, CheckpointsGoOnToTheSameBits) {
 // As in ImportanceSampler.ClimbsWhereFlowsAreStuck.
 TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
   const inference::ImportanceConfig config = {
-      .level_size = 500, .min_ess = 100.0, .max_simulations = 60'000};
+      .level_size = 503, .min_ess = 100.0, .max_simulations = 60'000};
   const StreamId id = {3, "refinement", 1, 0, 0};
   const auto step = [](ImportanceSampler& sampler) {
     const RowMatrix u = sampler.next(70);
@@ -67,15 +67,16 @@ TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
   identity.key_document = {{"what", "test"}};
   const std::filesystem::path path = folder_.path() / "climb.h5";
   ImportanceSampler whole(config, 2, {}, id);
-  // While walkers climb, in the middle of a sweep, and while they fill their level.
+  // In the middle of a sweep: while walkers climb, and while they fill their level.
   bool climbs = false, fills = false;
   std::vector<ImportanceSampler> resumed;
   while (!whole.is_done()) {
     step(whole);
     const inference::ImportanceState& state = whole.state();
-    if (!state.walkers) continue;
-    const bool is_filling =
-        state.levels[state.levels.size() - 2].kind == inference::LevelKind::walkers;
+    if (!state.walkers || state.levels.back().log_likelihood.size() == 0) continue;
+    const inference::ImportanceLevel& before = state.levels[state.levels.size() - 2];
+    const bool is_filling = before.kind == inference::LevelKind::walkers;
+    if (is_filling ? before.u.rows() == 0 : state.walkers->num_sweeps < 3) continue;
     if (std::exchange(is_filling ? fills : climbs, true)) continue;
     write_refinement(path, identity, {state, 0, {}, {}});
     resumed.emplace_back(config, 2, RowMatrix(), id, read_refinement({path, identity.key()}).state);
