@@ -6,12 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
 #include <ranges>
-#include <span>
 #include <string>
 
 #include "core/error.h"
+#include "inference/samplers/importance_weights.h"
 #include "inference/samplers/pareto_tail.h"
 #include "inference/standard_normal.h"
 #include "inference/weighted_moments.h"
@@ -19,7 +18,6 @@
 namespace npdr::inference {
 namespace {
 
-constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
 constexpr double kPriorShare = 0.05;     // of every proposal
 constexpr double kWantedShare = 0.2;     // effective draws that a flow is fitted to, of a level
 constexpr Index kTrainingRows = 20'000;  // at most about so many points teach a flow
@@ -28,104 +26,11 @@ constexpr double kMostDensities = 5e7;   // of all their points by all their pro
 constexpr Index kFlowsAtEnd = 3;         // of the last proposal
 constexpr double kAboutAsHigh = 0.8;     // ratio of powers that those were fitted to
 constexpr Index kFormerLevels = 10;      // last levels that teach
-constexpr Index kStuckLevels = 10;       // that have raised the power
-constexpr double kStuckRise = 1.2;       // by less than to this multiple
-constexpr Index kSweepsOfLevel = 5;      // of walkers, that have as many draws as a level
-constexpr Index kSweeps = 25;            // at one power
-constexpr Index kSweepsAtEnd = 50;       // of which every tenth is kept, so that they fill a level
-constexpr Index kFewestRaises = 3;       // that a climb must have draws for
-constexpr double kClimbShare = 0.75;     // of the simulations, until the end of the climb
-
-// log sum_k exp of each row's terms.
-Vector log_sum(std::span<const Vector> terms) {
-  Vector largest = terms.front();
-  for (const Vector& term : terms) largest = largest.cwiseMax(term);
-  Vector sum = Vector::Zero(largest.size());
-  for (const Vector& term : terms) {
-    sum.array() += (largest.array() > kMinusInfinity).select((term - largest).array().exp(), 0.0);
-  }
-  return largest.array() + sum.array().log();
-}
-
-bool is_number(double log) { return log < std::numeric_limits<double>::infinity(); }
-
-double largest_number(const Vector& logs) {
-  double largest = kMinusInfinity;
-  for (const double value : logs) {
-    if (is_number(value)) largest = std::max(largest, value);
-  }
-  return largest;
-}
-
-// Logarithms, -infinity where they aren't numbers.
-Vector numbers(const Vector& logs) {
-  return logs.unaryExpr([](double log) { return is_number(log) ? log : kMinusInfinity; });
-}
-
-// exp of logarithms, the largest 1; those that aren't numbers are 0.
-Vector exponentials(const Vector& logs) {
-  const double largest = largest_number(logs);
-  Vector result = Vector::Zero(logs.size());
-  for (Index i = 0; i < logs.size() && largest > kMinusInfinity; ++i) {
-    if (is_number(logs(i))) result(i) = std::exp(logs(i) - largest);
-  }
-  return result;
-}
-
-// Weights cut off at their mean times sqrt(n).
-Vector truncated(const Vector& logs) {
-  const Vector weights = exponentials(logs);
-  return weights.cwiseMin(weights.sum() / std::sqrt(static_cast<double>(logs.size())));
-}
-
-// Some of weighted points: each at most once, with weights of at least 1.
-struct Choice {
-  std::vector<Index> rows;
-  Vector weights;
-};
-
-// Row i is kept with probability min(1, w_i / c) and then weighs max(1, w_i / c) (rejection
-// control; Liu, Chen and Wong 1998), with c so that about `most` are.
-Choice choose_rows(const Vector& weights, Index most, const StreamId& id) {
-  const double surplus = static_cast<double>(weights.size()) / static_cast<double>(most);
-  double low = 0.0, high = weights.maxCoeff() * std::max(1.0, surplus);
-  for (int i = 0; i < 60; ++i) {
-    const double c = 0.5 * (low + high);
-    const double kept = (weights.array() / c).min(1.0).sum();
-    (kept > static_cast<double>(most) ? low : high) = c;
-  }
-  Choice choice;
-  std::vector<double> kept;
-  for (Index i = 0; i < weights.size(); ++i) {
-    StreamId row = id;
-    row.row = static_cast<std::uint64_t>(i);
-    const double share = weights(i) / high;
-    if (share == 0.0 || (share < 1.0 && Stream(row).uniform() >= share)) continue;
-    choice.rows.push_back(i);
-    kept.push_back(std::max(1.0, share));
-  }
-  choice.weights = Eigen::Map<const Vector>(kept.data(), std::ssize(kept));
-  return choice;
-}
 
 ImportanceProposal parts_of(const std::vector<FlowReference>& flows, double prior_share) {
   ImportanceProposal parts{{}, prior_share};
   for (const FlowReference& flow : flows) parts.flows.push_back(flow.parts());
   return parts;
-}
-
-// log Z of the weights' logarithms, and its standard error.
-struct Evidence {
-  double log_value;
-  double error;
-};
-
-Evidence evidence(const Vector& logs) {
-  const auto n = static_cast<double>(logs.size());
-  const Vector weights = exponentials(logs);
-  const double mean = weights.mean();
-  const double variance = (weights.array() - mean).square().sum() / (n - 1.0) / n;
-  return {largest_number(logs) + std::log(mean), std::sqrt(variance) / mean};
 }
 
 }  // namespace
@@ -349,7 +254,8 @@ ImportanceSampler::Pool ImportanceSampler::pool(std::size_t num_levels) const {
 
 // The largest power at which the points are worth enough.
 double ImportanceSampler::choose_power(const Pool& pool) const {
-  const auto possible = (pool.log_likelihood.array() > kMinusInfinity).count();
+  const auto possible =
+      (pool.log_likelihood.array() > -std::numeric_limits<double>::infinity()).count();
   const double wanted =
       kWantedShare * static_cast<double>(std::min<Index>(config_.level_size, possible));
   const auto is_enough = [&](double power) {
@@ -471,87 +377,6 @@ void ImportanceSampler::note_evidence(const Pool& pool) {
     if (level.kind != LevelKind::walkers) continue;
     level.log_evidence = evidence(pool.log_weights(level.power)).log_value;
   }
-}
-
-// Whether flows are stuck: ten levels have hardly raised the power. Once, and only where draws are
-// left for the climb and for what follows.
-bool ImportanceSampler::is_worth_climbing(double power) const {
-  const Index n = std::ssize(state_.levels);
-  if (config_.cross_validate || state_.num_draws_before > 0 || n < kStuckLevels + 2) return false;
-  if (num_levels_of(LevelKind::walkers) > 0 || num_levels_of(LevelKind::former) > 0) return false;
-  const double before = state_.levels[static_cast<std::size_t>(n - kStuckLevels)].power;
-  return has_draws_to_climb(1 + kFewestRaises) && power < kStuckRise * before;
-}
-
-// For walkers to walk at so many powers and at the end.
-bool ImportanceSampler::has_draws_to_climb(Index num_powers) const {
-  const Index draws = state_.num_draws + (num_powers * kSweeps + kSweepsAtEnd) * num_walkers();
-  return static_cast<double>(draws) <= kClimbShare * static_cast<double>(config_.max_simulations);
-}
-
-Index ImportanceSampler::num_walkers() const {
-  return (config_.level_size + kSweepsOfLevel - 1) / kSweepsOfLevel;
-}
-
-void ImportanceSampler::begin_climb(const Pool& pool, double power) {
-  const Vector logs = pool.log_weights(power);
-  std::vector<Index> all(static_cast<std::size_t>(logs.size()));
-  std::iota(all.begin(), all.end(), Index{0});
-  state_.walkers = TemperedWalkers{.u = points(all),
-                                   .log_likelihood = pool.log_likelihood,
-                                   .log_evidence = evidence(logs).log_value};
-  draw_walkers(*state_.walkers, truncated(logs), num_walkers(), power, level_id("refine_walkers"));
-  begin_sweep();
-}
-
-void ImportanceSampler::begin_sweep() {
-  push({.kind = LevelKind::sweep,
-        .proposal = {},
-        .power = state_.walkers->power,
-        .u = propose_steps(*state_.walkers, level_id("refine_steps")),
-        .log_likelihood = {}},
-       {{}, 1.0, dimension_});
-}
-
-// After a sweep: another one, or false when the walkers have become a level.
-bool ImportanceSampler::go_on_climbing() {
-  TemperedWalkers& walkers = *state_.walkers;
-  const ImportanceLevel sweep = state_.levels.back();
-  drop(state_.levels.size() - 1);
-  take_steps(walkers, sweep.u, sweep.log_likelihood, level_id("refine_choice"));
-  if (state_.levels.back().kind == LevelKind::walkers) {
-    if (walkers.num_sweeps % (kSweepsAtEnd / kSweepsOfLevel) == 0) keep_walkers();
-    if (state_.levels.back().u.rows() == config_.level_size) {
-      state_.walkers.reset();
-      return false;
-    }
-  } else if (walkers.num_sweeps >= kSweeps) {
-    if (walkers.power < state_.wanted_power && has_draws_to_climb(1)) {
-      raise_power(walkers, next_power(walkers, state_.wanted_power), level_id("refine_walkers"));
-    } else {
-      walkers.num_sweeps = 0;
-      push({.kind = LevelKind::walkers,
-            .proposal = {},
-            .power = walkers.power,
-            .log_evidence = walkers.log_evidence,
-            .u = RowMatrix(0, dimension_),
-            .log_likelihood = {}},
-           {{}, 1.0, dimension_});
-    }
-  }
-  begin_sweep();
-  return true;
-}
-
-// Puts where the walkers are into their level, which they fill in the end.
-void ImportanceSampler::keep_walkers() {
-  ImportanceLevel& level = state_.levels.back();
-  const Index before = level.u.rows(),
-              added = std::min(state_.walkers->u.rows(), config_.level_size - before);
-  level.u.conservativeResize(before + added, Eigen::NoChange);
-  level.u.bottomRows(added) = state_.walkers->u.topRows(added);
-  level.log_likelihood.conservativeResize(before + added);
-  level.log_likelihood.tail(added) = state_.walkers->log_likelihood.head(added);
 }
 
 // The highest power that a flow was fitted to.

@@ -1,0 +1,40 @@
+/// Weights by their logarithms, of draws of an unnormalised density.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/random.h"
+#include "core/types.h"
+
+namespace npdr::inference {
+
+/// log sum_k exp(t_k) of each row of the terms t_k, all of one size, at least one.
+Vector log_sum(std::span<const Vector> terms);
+
+/// Logarithms, -infinity where they are NaN or infinite.
+Vector numbers(const Vector& logs);
+/// The largest that is a number; -infinity: none is.
+double largest_number(const Vector& logs);
+/// exp of logarithms, the largest 1; those that aren't numbers are 0.
+Vector exponentials(const Vector& logs);
+/// The same, cut off at their mean times sqrt(n) (Ionides 2008).
+Vector truncated(const Vector& logs);
+
+/// Some of weighted points: each at most once, with weights of at least 1.
+struct Choice {
+  std::vector<Index> rows;
+  Vector weights;
+};
+/// About `most` of them. Row i is kept with probability min(1, w_i / c) and then weighs
+/// max(1, w_i / c) (rejection control; Liu, Chen and Wong 1998).
+Choice choose_rows(const Vector& weights, Index most, const StreamId& id);
+
+/// log Z = log mean w of the weights' logarithms, and its standard error [nats].
+struct Evidence {
+  double log_value;
+  double error;
+};
+Evidence evidence(const Vector& logs);
+
+}  // namespace npdr::inference
