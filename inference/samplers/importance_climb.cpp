@@ -1,9 +1,10 @@
 // Of ImportanceSampler: walkers that go on where flows are stuck.
 #include <algorithm>
-#include <numeric>
+#include <vector>
 
 #include "inference/samplers/importance_sampler.h"
 #include "inference/samplers/importance_weights.h"
+#include "inference/samplers/resampler.h"
 
 namespace npdr::inference {
 namespace {
@@ -40,12 +41,12 @@ Index ImportanceSampler::num_walkers() const {
 
 void ImportanceSampler::begin_climb(const Pool& pool, double power) {
   const Vector logs = pool.log_weights(power);
-  std::vector<Index> all(static_cast<std::size_t>(logs.size()));
-  std::iota(all.begin(), all.end(), Index{0});
-  state_.walkers = TemperedWalkers{.u = points(all),
-                                   .log_likelihood = pool.log_likelihood,
+  const double uniform = Stream(level_id("refine_walkers")).uniform();
+  const std::vector<Index> rows = Resampler(truncated(logs)).systematic(num_walkers(), uniform);
+  state_.walkers = TemperedWalkers{.u = points(rows),
+                                   .log_likelihood = pool.log_likelihood(rows),
+                                   .power = power,
                                    .log_evidence = evidence(logs).log_value};
-  draw_walkers(*state_.walkers, truncated(logs), num_walkers(), power, level_id("refine_walkers"));
   begin_sweep();
 }
 

@@ -49,6 +49,15 @@ Vector truncated(const Vector& logs) {
   return weights.cwiseMin(weights.sum() / std::sqrt(static_cast<double>(logs.size())));
 }
 
+double largest_power(double low, double high, const std::function<bool(double)>& is_enough) {
+  if (is_enough(high)) return high;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_enough(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
 Choice choose_rows(const Vector& weights, Index most, const StreamId& id) {
   const double surplus = static_cast<double>(weights.size()) / static_cast<double>(most);
   double low = 0.0, high = weights.maxCoeff() * std::max(1.0, surplus);

@@ -1,6 +1,7 @@
 /// Weights by their logarithms, of draws of an unnormalised density.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,10 @@ double largest_number(const Vector& logs);
 Vector exponentials(const Vector& logs);
 /// The same, cut off at their mean times sqrt(n) (Ionides 2008).
 Vector truncated(const Vector& logs);
+
+/// The largest power from `low` to `high` that is enough, where all below one that is are, too: by
+/// bisection; `low` when none is.
+double largest_power(double low, double high, const std::function<bool(double)>& is_enough);
 
 /// Some of weighted points: each at most once, with weights of at least 1.
 struct Choice {

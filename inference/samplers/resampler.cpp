@@ -22,4 +22,12 @@ Index Resampler::draw(double uniform) const {
   return std::min<Index>(found - cumulative_.begin(), cumulative_.size() - 1);
 }
 
+std::vector<Index> Resampler::systematic(Index count, double uniform) const {
+  std::vector<Index> rows;
+  for (Index i = 0; i < count; ++i) {
+    rows.push_back(draw((static_cast<double>(i) + uniform) / static_cast<double>(count)));
+  }
+  return rows;
+}
+
 }  // namespace npdr::inference

@@ -1,6 +1,8 @@
 /// Draws from weighted candidates by inversion of their distribution function.
 #pragma once
 
+#include <vector>
+
 #include "core/types.h"
 
 namespace npdr::inference {
@@ -13,6 +15,8 @@ class Resampler {
 
   /// The candidate at `uniform` in (0, 1).
   Index draw(double uniform) const;
+  /// `count` candidates at (i + uniform) / count, ascending (systematic resampling).
+  std::vector<Index> systematic(Index count, double uniform) const;
   double effective_size() const { return effective_size_; }
 
  private:

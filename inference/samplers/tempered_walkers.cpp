@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "inference/samplers/importance_weights.h"
 #include "inference/samplers/resampler.h"
 #include "inference/weighted_moments.h"
 
@@ -43,39 +44,23 @@ Index other_than(Index i, Index j, Index n, Stream& stream) {
 
 }  // namespace
 
-void draw_walkers(TemperedWalkers& walkers, const Vector& weights, Index count, double power,
-                  const StreamId& id) {
-  const Resampler resampler(weights);
-  const double offset = Stream(id).uniform();
-  std::vector<Index> rows;
-  for (Index i = 0; i < count; ++i) {
-    rows.push_back(resampler.draw((static_cast<double>(i) + offset) / static_cast<double>(count)));
-  }
-  walkers.u = RowMatrix(walkers.u(rows, Eigen::all));
-  walkers.log_likelihood = Vector(walkers.log_likelihood(rows));
-  walkers.power = power;
-  walkers.num_sweeps = 0;
-}
-
 double next_power(const TemperedWalkers& walkers, double most) {
   const double wanted = kEffectiveShare * static_cast<double>(walkers.u.rows());
-  const auto is_enough = [&](double power) {
+  return largest_power(walkers.power, most, [&](double power) {
     return effective_size(weights_at(walkers, power)) >= wanted;
-  };
-  if (is_enough(most)) return most;
-  double low = walkers.power, high = most;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (is_enough(middle) ? low : high) = middle;
-  }
-  return low;
+  });
 }
 
 void raise_power(TemperedWalkers& walkers, double power, const StreamId& id) {
   const Vector weights = weights_at(walkers, power);
   walkers.log_evidence +=
       (power - walkers.power) * walkers.log_likelihood.maxCoeff() + std::log(weights.mean());
-  draw_walkers(walkers, weights, walkers.u.rows(), power, id);
+  const std::vector<Index> rows =
+      Resampler(weights).systematic(walkers.u.rows(), Stream(id).uniform());
+  walkers.u = RowMatrix(walkers.u(rows, Eigen::all));
+  walkers.log_likelihood = Vector(walkers.log_likelihood(rows));
+  walkers.power = power;
+  walkers.num_sweeps = 0;
 }
 
 RowMatrix propose_steps(const TemperedWalkers& walkers, const StreamId& id) {

@@ -27,11 +27,6 @@ struct TemperedWalkers {
   Index num_sweeps = 0;  ///< at this power
 };
 
-/// Moves `count` of the walkers to the power, drawn (systematically) by weights (W) >= 0, at least
-/// one of them above 0. Throws Error for other weights.
-void draw_walkers(TemperedWalkers& walkers, const Vector& weights, Index count, double power,
-                  const StreamId& id);
-
 /// The largest power up to `most` at which half of the walkers are effective.
 double next_power(const TemperedWalkers& walkers, double most);
 /// Moves all walkers to that power, and log Z with it.

@@ -4,9 +4,7 @@
 
 #include <cmath>
 
-#include "core/error.h"
 #include "inference/estimators/ratio_estimator.h"
-#include "inference/samplers/resampler.h"
 
 namespace npdr::inference {
 namespace {
@@ -87,16 +85,6 @@ TEST(SurrogatePosterior, ASampleDependsOnItsNumberAlone) {
     const StreamId other{1, "proposal", 0, 0, 0};
     EXPECT_NE(posterior->sample(150, id), posterior->sample(150, other)) << name_of(sampler);
   }
-}
-
-TEST(Resampler, RejectsWeightsThatAreNone) {
-  Vector weights(3);
-  for (const double bad :
-       {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    weights << 0.2, bad, 0.3;
-    EXPECT_THROW(Resampler{weights}, Error);
-  }
-  EXPECT_THROW(Resampler{Vector::Zero(3)}, Error);
 }
 
 }  // namespace

@@ -32,35 +32,23 @@ TEST(MixtureDensityNetwork, DensityIntegratesToOne) {
   EXPECT_NEAR(mass_on_a_grid(mdn, random_parameters(mdn, layout.size(), 2)), 1.0, 1e-6);
 }
 
-TEST(MixtureDensityNetwork, AgreesWithItsOwnMixture) {
+TEST(MixtureDensityNetwork, AgreesWithTheMixtureOfEachContext) {
   ParameterLayout layout;
   const MixtureDensityNetwork<double> mdn(small_config(4), 3, 3, layout);
   const Vector parameters = random_parameters(mdn, layout.size(), 2);
-  const RowMatrix context = random_matrix(1, 3, 1);
-  const RowMatrix u = random_matrix(10, 3, 2);
-  const auto scratch = mdn.make_scratch();
-  Vector log_prob;
-  mdn.log_prob(parameters, u, context, *scratch, log_prob);
-  const GaussianMixture mixture =
-      mdn.mixture(static_cast<const MixtureScratch<double>&>(*scratch), 0);
-  EXPECT_TRUE(mixture.log_prob(u).isApprox(log_prob, 1e-10));
-}
-
-TEST(MixtureDensityNetwork, RowsBelongToTheirContext) {
-  ParameterLayout layout;
-  const MixtureDensityNetwork<double> mdn(small_config(4), 3, 3, layout);
-  const Vector parameters = random_parameters(mdn, layout.size(), 2);
-  const RowMatrix context = random_matrix(3, 3, 1);
-  const RowMatrix u = random_matrix(6, 3, 2);
-  const auto scratch = mdn.make_scratch();
-  Vector log_prob;
-  mdn.log_prob(parameters, u, context, *scratch, log_prob);
-  for (Index i = 0; i < 3; ++i) {
-    const GaussianMixture mixture =
-        mdn.mixture(static_cast<const MixtureScratch<double>&>(*scratch), i);
-    EXPECT_TRUE(
-        mixture.log_prob(u.middleRows(2 * i, 2)).isApprox(log_prob.segment(2 * i, 2), 1e-10))
-        << i;
+  const RowMatrix u = random_matrix(12, 3, 2);
+  for (const Index contexts : {1, 3}) {
+    const auto scratch = mdn.make_scratch();
+    Vector log_prob;
+    mdn.log_prob(parameters, u, random_matrix(contexts, 3, 1), *scratch, log_prob);
+    const Index each = u.rows() / contexts;
+    for (Index i = 0; i < contexts; ++i) {
+      const GaussianMixture mixture =
+          mdn.mixture(static_cast<const MixtureScratch<double>&>(*scratch), i);
+      EXPECT_TRUE(mixture.log_prob(u.middleRows(i * each, each))
+                      .isApprox(log_prob.segment(i * each, each), 1e-10))
+          << i << " of " << contexts;
+    }
   }
 }
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/error.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {
@@ -97,15 +96,11 @@ TEST(TemperedWalkers, StayWhereALikelihoodIsNoNumber) {
   EXPECT_LT(walkers.step_length, 1.0);
 }
 
-TEST(TemperedWalkers, AreDrawnByTheirWeights) {
+TEST(TemperedWalkers, TakeTheirLikelihoodsAlong) {
   TemperedWalkers walkers = from_the_prior();
-  const Vector weights = (walkers.u.col(0).array() > 0.0).cast<double>();
-  draw_walkers(walkers, weights, 100, 0.5, id("draw", 1));
-  EXPECT_EQ(walkers.u.rows(), 100);
-  EXPECT_GT(walkers.u.col(0).minCoeff(), 0.0);
+  raise_power(walkers, 0.1, id("raise", 1));
   EXPECT_EQ(walkers.log_likelihood, log_likelihood(walkers.u));
-  EXPECT_EQ(walkers.power, 0.5);
-  EXPECT_THROW(draw_walkers(walkers, Vector::Zero(100), 100, 0.5, id("draw", 1)), Error);
+  EXPECT_EQ(walkers.power, 0.1);
 }
 
 }  // namespace
