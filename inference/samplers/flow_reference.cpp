@@ -17,12 +17,12 @@ namespace npdr::inference {
 namespace {
 
 constexpr EstimatorConfig kFlow = {
-    .kind = EstimatorKind::maf, .num_transforms = 5, .hidden_features = 48};
-constexpr TrainingConfig kTraining = {.learning_rate = 1e-3,
+    .kind = EstimatorKind::nsf, .num_transforms = 5, .hidden_features = 48};
+constexpr TrainingConfig kTraining = {.learning_rate = 2e-3,
                                       .batch_size = 256,
                                       .validation_fraction = 0.2,
-                                      .stop_after_epochs = 5,
-                                      .max_epochs = 50};
+                                      .stop_after_epochs = 10,
+                                      .max_epochs = 100};
 constexpr Index kBlock = 64;  // rows that are computed together
 constexpr double kTailShare = 0.1;
 constexpr int kTailDegrees = 5;

@@ -1,11 +1,11 @@
 /// A normalizing flow that is fitted to weighted points: a density to draw from.
 ///
 /// u = m + L v, with the mean m and the Cholesky factor L of the points' covariance. A share of 0.9
-/// of g(u) is a masked autoregressive flow z = f(v) (maf.h),
+/// of g(u) is a neural spline flow z = f(v) (maf.h),
 ///   log N(f(v); 0, I) + log |det df/dv| - log |L|,
-/// trained by maximum likelihood, with a validation split and early stopping, in about a second for
-/// ten thousand points. The rest is Student's t with 5 degrees of freedom around m, with L as its
-/// scale: a flow has learned nothing of where no points are, and falls too fast.
+/// trained by maximum likelihood, with a validation split and early stopping, in some seconds for
+/// twenty thousand points. The rest is Student's t with 5 degrees of freedom around m, with L as
+/// its scale: a flow has learned nothing of where no points are, and falls too fast.
 #pragma once
 
 #include <memory>

@@ -8,7 +8,7 @@
 
 namespace npdr::inference {
 
-/// Of the draws that a posterior is reported by.
+/// Of independent draws of the last levels.
 struct ImportanceCertificate {
   double power = 0.0;                ///< of the likelihood: less than wanted where draws ran out
   double wanted_power = 0.0;         ///< given, or chosen
@@ -21,6 +21,7 @@ struct ImportanceCertificate {
   double log_evidence = 0.0;         ///< log Z [nats]
   double log_evidence_error = 0.0;   ///< its standard error
   double half_difference = 0.0;      ///< of both halves' log Z, over its standard error
+  double pool_ess = 0.0;  ///< of the points before them, where it is those that are reported; or 0
 };
 
 /// A Pareto k above 0.7 (Vehtari et al. 2024) where the efficiency is below 0.5: means may hang on

@@ -196,10 +196,13 @@ void ImportanceSampler::tell(const Vector& log_likelihood) {
 
 ImportanceSample ImportanceSampler::preliminary(Index most) const {
   if (state_.walkers) throw Error("importance sampling: no draws while walkers climb");
-  const Pool before = pool(state_.levels.size() - 1);
-  const Choice choice =
-      choose_rows(truncated(before.log_weights(power())), most, level_id("refine_thinning"));
-  return {points(choice.rows), choice.weights};
+  return draws_of_pool(state_.levels.size() - 1, most);
+}
+
+ImportanceSample ImportanceSampler::draws_of_pool(std::size_t num_levels, Index most) const {
+  const Vector weights = truncated(pool(num_levels).log_weights(power()));
+  const Choice choice = choose_rows(weights, most, level_id("refine_thinning"));
+  return {points(choice.rows), choice.weights, {.pool_ess = effective_size(weights)}};
 }
 
 void ImportanceSampler::settle(double power) {
@@ -212,6 +215,11 @@ void ImportanceSampler::settle(double power) {
 
 Index ImportanceSampler::num_levels_of(LevelKind kind) const {
   return std::ranges::count(state_.levels, kind, &ImportanceLevel::kind);
+}
+
+// How many levels there are before the last ones.
+std::size_t ImportanceSampler::num_before_last() const {
+  return state_.levels.size() - static_cast<std::size_t>(num_levels_of(LevelKind::last));
 }
 
 // The last levels have found points that the flows didn't know, or have missed some that were
@@ -341,8 +349,7 @@ void ImportanceSampler::begin_last_levels() {
 
 ImportanceSample ImportanceSampler::sample() const {
   const double power = state_.levels.back().power;
-  const std::size_t first =
-      state_.levels.size() - static_cast<std::size_t>(num_levels_of(LevelKind::last));
+  const std::size_t first = num_before_last();
   const Index each = config_.level_size;
   ImportanceSample sample{RowMatrix(num_levels_of(LevelKind::last) * each, dimension_), {}};
   Vector logs(sample.u.rows());
@@ -374,8 +381,16 @@ ImportanceSample ImportanceSampler::sample() const {
   return sample;
 }
 
-ImportanceSample ImportanceSampler::thinned(Index most) const {
+ImportanceSample ImportanceSampler::particles(Index most) const {
   ImportanceSample sample = this->sample();
+  if (sample.certificate.ess < config_.min_ess) {
+    ImportanceSample known = draws_of_pool(num_before_last(), most);
+    if (known.certificate.pool_ess > sample.certificate.ess) {
+      sample.certificate.pool_ess = known.certificate.pool_ess;
+      known.certificate = sample.certificate;
+      return known;
+    }
+  }
   const Choice choice = choose_rows(sample.weights, most, level_id("refine_thinning"));
   sample.u = RowMatrix(sample.u(choice.rows, Eigen::all));
   sample.weights = choice.weights;

@@ -106,8 +106,10 @@ class ImportanceSampler {
   /// The draws of the last levels. Only when it is done.
   ImportanceSample sample() const;
   /// At most about `most` of them, which are as good to take means of: those that weigh less than
-  /// others are left out at random, and weigh as much as the others where they stay.
-  ImportanceSample thinned(Index most) const;
+  /// others are left out at random, and weigh as much as the others where they stay. Where the last
+  /// levels have fewer effective draws than are wanted and the points before them have more, it is
+  /// those, so that a posterior that fails isn't that of a few draws by chance.
+  ImportanceSample particles(Index most) const;
 
  private:
   // A proposal as it is used.
@@ -129,6 +131,7 @@ class ImportanceSampler {
   bool has_more_to_learn(const ImportanceCertificate& certificate) const;
   void learn_from_last_levels();
   Index num_levels_of(LevelKind kind) const;
+  std::size_t num_before_last() const;
   void note_densities();
   Vector log_mixture(std::size_t level, std::size_t num_levels) const;
   bool has_proposal_of(std::size_t level, std::size_t other) const;
@@ -143,6 +146,7 @@ class ImportanceSampler {
   };
 
   Pool pool(std::size_t num_levels) const;
+  ImportanceSample draws_of_pool(std::size_t num_levels, Index most) const;
   void note_evidence(const Pool& pool);
   Parameters<float> latest_flow() const;
   bool is_worth_climbing(double power) const;

@@ -30,6 +30,9 @@ void describe(Layout f, std::optional<inference::ImportanceCertificate>& certifi
   group->attribute("log_evidence_error", c.log_evidence_error, "its standard error");
   group->attribute("half_difference", c.half_difference,
                    "of log Z by either half of the draws, over its standard error");
+  group->attribute("pool_ess", c.pool_ess,
+                   "of the points that taught, where the particles are of those: the last levels "
+                   "have too few; or 0");
 }
 
 void describe(Layout f, inference::FlowParts& flow) {

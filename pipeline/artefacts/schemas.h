@@ -13,7 +13,7 @@ inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
 inline const Schema kPosteriorSchema{"posterior", 10, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 4, "infer"};
-inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 7, "infer"};
+inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 8, "infer"};
 inline const Schema kBaselineSchema{"baseline", 4, "baseline"};
 inline const Schema kEvaluationSchema{"evaluation", 7, "evaluate"};
 inline const Schema kDiagnosisSchema{"diagnosis", 4, "diagnose"};

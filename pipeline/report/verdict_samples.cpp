@@ -130,6 +130,7 @@ Verdict judge_certificates(const Runs& runs) {
   std::vector<std::string> faults;
   std::size_t failed = 0;
   double smallest = HUGE_VAL, heaviest = -HUGE_VAL;
+  bool has_pool = false;
   for (const EvaluatedRun* run : runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
     const std::vector<std::string> its = faults_of(certificate);
@@ -139,6 +140,7 @@ Verdict judge_certificates(const Runs& runs) {
     }
     smallest = std::min(smallest, certificate.ess);
     heaviest = std::max(heaviest, certificate.pareto_k);
+    has_pool |= certificate.pool_ess > 0.0;
   }
   const std::string text =
       fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest);
@@ -146,8 +148,11 @@ Verdict judge_certificates(const Runs& runs) {
   return {Check::sampling, Judgment::fails,
           "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,
           fmt::format("{}: raise refine.max_simulations for a power that fell short, too few "
-                      "draws or a missed mode, refine.level_size for heavy weights",
-                      join(faults))};
+                      "draws or a missed mode, refine.level_size for heavy weights{}",
+                      join(faults),
+                      has_pool ? "; until then its samples are the points that taught its flows, "
+                                 "which independent draws don't confirm"
+                               : "")};
 }
 
 }  // namespace

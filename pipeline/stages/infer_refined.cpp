@@ -125,7 +125,7 @@ class Refinement {
     return failed;
   }
 
-  inference::ImportanceSample sample() const { return sampler_.thinned(kMostParticles); }
+  inference::ImportanceSample sample() const { return sampler_.particles(kMostParticles); }
   const inference::Prior& prior() const { return prior_; }
   const PowerScores& powers() const { return search_.scores(); }
   bool is_search_cut() const { return search_.ends_at_least(config_.likelihood_power); }
