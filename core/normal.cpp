@@ -79,9 +79,20 @@ double normal_quantile(double p) {
   return q < 0.0 ? -value : value;
 }
 
+namespace {
+
+// log Gamma(x + 1/2) - log Gamma(x), by its asymptotic series where the two cancel.
+double log_gamma_step(double x) {
+  if (x < 100.0) return std::lgamma(x + 0.5) - std::lgamma(x);
+  const double y = 1.0 / x;
+  return 0.5 * std::log(x) - y / 8.0 + y * y * y / 192.0 - y * y * y * y * y / 640.0;
+}
+
+}  // namespace
+
 double log_student_t_density(double t, double nu) {
-  return std::lgamma(0.5 * (nu + 1.0)) - std::lgamma(0.5 * nu) -
-         0.5 * std::log(nu * std::numbers::pi) - 0.5 * (nu + 1.0) * std::log1p(t * t / nu);
+  return log_gamma_step(0.5 * nu) - 0.5 * std::log(nu * std::numbers::pi) -
+         0.5 * (nu + 1.0) * std::log1p(t * t / nu);
 }
 
 }  // namespace npdr

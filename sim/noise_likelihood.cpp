@@ -1,6 +1,7 @@
 #include "sim/noise_likelihood.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -14,6 +15,9 @@ namespace npdr::sim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Degrees of freedom beyond which Student's t is taken for one with these: as good as Gaussian,
+// while 1 + e^2 / nu still tells e.
+constexpr double kMostDegrees = 1e7;
 const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 
 // Errors of one channel over a(h, c): those of all states, each beside the one before it.
@@ -26,6 +30,16 @@ struct Errors {
   double log_measure = 0.0;  // log |d y / d error|
 };
 
+// Sum of the logarithms of x >= 1: of products of eight, unless one overflows.
+double log_product(const Eigen::ArrayXd& x) {
+  constexpr Index factors = 8;
+  const Index n = x.size() / factors;
+  Eigen::ArrayXd product = x.head(n);
+  for (Index k = 1; k < factors; ++k) product *= x.segment(k * n, n);
+  const double sum = product.log().sum() + x.tail(x.size() - factors * n).log().sum();
+  return std::isfinite(sum) ? sum : x.log().sum();
+}
+
 double log_density(const ChannelNoise& noise, const Errors& errors, const NoiseValues& at) {
   const auto n = static_cast<double>(errors.now.size());
   const double rho = at.correlation;
@@ -34,9 +48,9 @@ double log_density(const ChannelNoise& noise, const Errors& errors, const NoiseV
         errors.now_squared - 2.0 * rho * errors.product + rho * rho * errors.before_squared;
     return -n * (std::log(at.scale) + 0.5 * kLogTwoPi) - 0.5 * sum / (at.scale * at.scale);
   }
-  const double nu = at.degrees_of_freedom;
+  const double nu = std::min(at.degrees_of_freedom, kMostDegrees);
   const double sum =
-      (1.0 + (errors.now - rho * errors.before).square() / (nu * at.scale * at.scale)).log().sum();
+      log_product(1.0 + (errors.now - rho * errors.before).square() / (nu * at.scale * at.scale));
   return n * (log_student_t_density(0.0, nu) - std::log(at.scale)) - 0.5 * (nu + 1.0) * sum;
 }
 

@@ -93,6 +93,17 @@ TEST(NoiseLikelihood, OfKnownNoiseIsItsDensity) {
   }
 }
 
+// Tails that heavy don't exist: 1 + e^2 / nu is 1 in double precision.
+TEST(NoiseLikelihood, OfManyDegreesOfFreedomIsGaussian) {
+  ChannelNoise noise = noise_of(true, true, 0.0);
+  noise.degrees_of_freedom.median = 1e18;
+  const NoiseModel model = model_of(noise);
+  const std::vector<float> errors = errors_of(model, 1);
+  EXPECT_NEAR(
+      NoiseLikelihood(model, errors).log_likelihood(std::vector<float>(errors.size(), 0.0f)),
+      log_density(model, errors, 0.2, 0.5, 0.0), 1e-4);
+}
+
 TEST(NoiseLikelihood, IntegratesUnknownParameters) {
   for (const bool is_correlated : {false, true}) {
     for (const bool is_heavy_tailed : {false, true}) {
