@@ -30,14 +30,18 @@ struct Errors {
   double log_measure = 0.0;  // log |d y / d error|
 };
 
-// Sum of the logarithms of x >= 1: of products of eight, unless one overflows.
-double log_product(const Eigen::ArrayXd& x) {
+// Sum of log(1 + (now - rho before)^2 / spread): of products of eight, unless one overflows.
+double log_of_squares(const Errors& errors, double rho, double spread) {
+  const auto factors_of = [&](Index first, Index count) {
+    const auto now = errors.now.segment(first, count), before = errors.before.segment(first, count);
+    return 1.0 + (now - rho * before).square() * (1.0 / spread);
+  };
   constexpr Index factors = 8;
-  const Index n = x.size() / factors;
-  Eigen::ArrayXd product = x.head(n);
-  for (Index k = 1; k < factors; ++k) product *= x.segment(k * n, n);
-  const double sum = product.log().sum() + x.tail(x.size() - factors * n).log().sum();
-  return std::isfinite(sum) ? sum : x.log().sum();
+  const Index n = errors.now.size() / factors, rest = factors * n;
+  Eigen::ArrayXd product = factors_of(0, n);
+  for (Index k = 1; k < factors; ++k) product *= factors_of(k * n, n);
+  const double sum = product.log().sum() + factors_of(rest, errors.now.size() - rest).log().sum();
+  return std::isfinite(sum) ? sum : factors_of(0, errors.now.size()).log().sum();
 }
 
 double log_density(const ChannelNoise& noise, const Errors& errors, const NoiseValues& at) {
@@ -49,8 +53,7 @@ double log_density(const ChannelNoise& noise, const Errors& errors, const NoiseV
     return -n * (std::log(at.scale) + 0.5 * kLogTwoPi) - 0.5 * sum / (at.scale * at.scale);
   }
   const double nu = std::min(at.degrees_of_freedom, kMostDegrees);
-  const double sum =
-      log_product(1.0 + (errors.now - rho * errors.before).square() / (nu * at.scale * at.scale));
+  const double sum = log_of_squares(errors, rho, nu * at.scale * at.scale);
   return n * (log_student_t_density(0.0, nu) - std::log(at.scale)) - 0.5 * (nu + 1.0) * sum;
 }
 
