@@ -114,6 +114,10 @@ TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
   EXPECT_TRUE(says(found.reason, {"too few effective draws, heavy weights: raise "
                                   "refine.max_simulations",
                                   "refine.level_size for heavy weights"}));
+  data_.runs.back().notes.certificate->pool_ess = 2000.0;
+  EXPECT_TRUE(
+      says(verdict_of(Check::sampling).reason,
+           {found.reason, "; until then its samples are the points that taught its flows"}));
   std::swap(data_.runs.front(), data_.runs.back());
   EXPECT_EQ(verdict_of(Check::sampling).text, found.text) << "whatever the order of seeds";
 }
