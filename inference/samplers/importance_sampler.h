@@ -18,7 +18,8 @@
 /// flows, made before any of them was drawn. So they are independent draws of a known density, and
 /// Z, its standard error and the effective size mean what they say. Where they have found what the
 /// flows didn't know, such as another mode, they teach further flows, and other last levels follow;
-/// so those that stay are ones that look well, and the standard error is a little too small.
+/// so those that stay are ones that look well, and the standard error is a little too small. Where
+/// even they are worth too few draws, the certificate says so, and particles() are of all points.
 #pragma once
 
 #include <optional>
