@@ -11,8 +11,7 @@ namespace {
 
 constexpr double kLargestParetoK = 0.7;
 constexpr double kGoodEfficiency = 0.5;
-constexpr double kMostOfExpected = 3.0;
-constexpr double kForetellable = 0.1;
+constexpr double kMostMissed = 0.05;
 constexpr double kLargestDifference = 4.0;  // of the halves: passed by chance with p = 6e-5
 
 }  // namespace
@@ -23,8 +22,7 @@ bool has_heavy_weights(const ImportanceCertificate& certificate) {
 }
 
 bool misses_known_points(const ImportanceCertificate& certificate) {
-  return !(certificate.efficiency <= kMostOfExpected * certificate.expected_efficiency ||
-           certificate.efficiency < kForetellable);
+  return !(certificate.missed_share <= kMostMissed);
 }
 
 std::vector<std::string> faults_of(const ImportanceCertificate& certificate) {

@@ -10,17 +10,17 @@ namespace npdr::inference {
 
 /// Of independent draws of the last levels.
 struct ImportanceCertificate {
-  double power = 0.0;                ///< of the likelihood: less than wanted where draws ran out
-  double wanted_power = 0.0;         ///< given, or chosen
-  Index num_draws = 0;               ///< simulated in all
-  double ess = 0.0;                  ///< effective size of the weights (weighted_moments.h)
-  double wanted_ess = 0.0;           ///< at least
-  double efficiency = 0.0;           ///< ess over the draws that are reported
-  double expected_efficiency = 0.0;  ///< before they were drawn, by all points that were known
-  double pareto_k = 0.0;             ///< of the weights (pareto_tail.h)
-  double log_evidence = 0.0;         ///< log Z [nats]
-  double log_evidence_error = 0.0;   ///< its standard error
-  double half_difference = 0.0;      ///< of both halves' log Z, over its standard error
+  double power = 0.0;               ///< of the likelihood: less than wanted where draws ran out
+  double wanted_power = 0.0;        ///< given, or chosen
+  Index num_draws = 0;              ///< simulated in all
+  double ess = 0.0;                 ///< effective size of the weights (weighted_moments.h)
+  double wanted_ess = 0.0;          ///< at least
+  double efficiency = 0.0;          ///< ess over the draws that are reported
+  double missed_share = 0.0;        ///< of pi, by points that were known before (heavy_share())
+  double pareto_k = 0.0;            ///< of the weights (pareto_tail.h)
+  double log_evidence = 0.0;        ///< log Z [nats]
+  double log_evidence_error = 0.0;  ///< its standard error
+  double half_difference = 0.0;     ///< of both halves' log Z, over its standard error
   double pool_ess = 0.0;  ///< of the points before them, where it is those that are reported; or 0
 };
 
@@ -28,9 +28,8 @@ struct ImportanceCertificate {
 /// draws that are yet to come. NaN is heavy.
 bool has_heavy_weights(const ImportanceCertificate& certificate);
 
-/// An efficiency of 0.1 or more that is above three times the expected one: the draws miss points
-/// that were known, such as a mode. Below, weights are so uneven that nothing can be expected of
-/// them. NaN misses them where the efficiency is that large.
+/// More than 5 % of pi, as points that were known before tell, is where the draws' density is too
+/// low for them to find it, and they haven't: such as a mode. NaN misses them.
 bool misses_known_points(const ImportanceCertificate& certificate);
 
 /// Reasons not to trust the draws, in words; none: they hold. Faults are a power or effective size

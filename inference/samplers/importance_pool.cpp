@@ -104,31 +104,28 @@ void ImportanceSampler::note_evidence(const Pool& pool) {
   }
 }
 
-// Effective share of draws of the mixture q of these levels' proposals, as all points foretell it:
-// one in a mode that q misses has a large weight. For w = pi / q it is Z / E_pi[w], with pi and Z
-// by the pool's weights. 0 without levels.
-double ImportanceSampler::expected_efficiency(const std::vector<std::size_t>& levels) const {
-  if (levels.empty()) return 0.0;
-  const double power = learned_power(), share = 1.0 / static_cast<double>(levels.size());
+// How much of pi, as all points tell, is where draws of the mixture q of these levels' proposals
+// hardly come: at weights w = pi / q above sqrt(n) times their mean Z, n a level's draws. A mode
+// that q misses is; a point that q happens to give too little is worth no more than it weighs.
+void ImportanceSampler::note_heavy_share(const std::vector<std::size_t>& levels) {
+  state_.heavy_share = 0.0;
+  if (levels.empty()) return;
+  const double power = learned_power();
   const Pool all = pool(state_.levels.size());
   const Vector logs = all.log_weights(power);
-  const double largest = largest_number(logs);
-  const Vector weights = truncated(logs);
-  double sum = 0.0;
+  Vector log_ratios(logs.size());
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
     std::vector<Vector> terms;
-    for (const std::size_t k : levels) terms.push_back(densities_[l][k].array() + std::log(share));
-    const Vector log_prior = log_standard_normal<double>(state_.levels[l].u),
-                 log_q = log_sum(terms);
-    const Index first = static_cast<Index>(l) * config_.level_size;
-    for (Index i = 0; i < log_q.size(); ++i) {
-      const double weight = weights(first + i);
-      if (weight == 0.0) continue;
-      const double log_pi = log_prior(i) + power * all.log_likelihood(first + i);
-      sum += weight * std::exp(log_pi - log_q(i) - largest);
-    }
+    for (const std::size_t k : levels) terms.push_back(densities_[l][k]);
+    const Vector log_prior = log_standard_normal<double>(state_.levels[l].u);
+    const Index first = static_cast<Index>(l) * config_.level_size, n = log_prior.size();
+    log_ratios.segment(first, n) =
+        log_prior + power * all.log_likelihood.segment(first, n) - log_sum(terms);
   }
-  return weights.mean() * weights.sum() / sum;
+  log_ratios.array() += std::log(static_cast<double>(levels.size()));
+  state_.heavy_log_weight =
+      evidence(logs).log_value + 0.5 * std::log(static_cast<double>(config_.level_size));
+  state_.heavy_share = heavy_share(exponentials(logs), log_ratios, state_.heavy_log_weight);
 }
 
 }  // namespace npdr::inference

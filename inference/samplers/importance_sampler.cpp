@@ -341,7 +341,7 @@ bool ImportanceSampler::has_learned() const {
 void ImportanceSampler::begin_last_levels() {
   const double power = learned_power();
   const std::vector<std::size_t> best = best_levels();
-  state_.expected_efficiency = expected_efficiency(best);
+  note_heavy_share(best);
   Proposal proposal{{}, best.empty() ? 1.0 : kPriorShare, dimension_};
   for (const std::size_t l : best) proposal.flows.push_back(proposals_[l].flows.front());
   begin_level(std::move(proposal), power, LevelKind::last);
@@ -366,6 +366,8 @@ ImportanceSample ImportanceSampler::sample() const {
     throw InputError("no simulation of the last levels has a likelihood above 0");
   }
   const double ess = effective_size(sample.weights);
+  const double missed =
+      state_.heavy_share - heavy_share(sample.weights, logs, state_.heavy_log_weight);
   sample.certificate = {
       .power = power,
       .wanted_power = state_.wanted_power,
@@ -373,7 +375,7 @@ ImportanceSample ImportanceSampler::sample() const {
       .ess = ess,
       .wanted_ess = config_.min_ess,
       .efficiency = ess / static_cast<double>(logs.size()),
-      .expected_efficiency = state_.expected_efficiency,
+      .missed_share = missed < 0.0 ? 0.0 : missed,
       .pareto_k = pareto_k(sample.weights),
       .log_evidence = all.log_value,
       .log_evidence_error = all.error,

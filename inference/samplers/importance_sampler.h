@@ -67,7 +67,8 @@ struct ImportanceState {
   Index num_draws = 0;                     ///< told
   double wanted_power = 0.0;               ///< a
   Index num_draws_before = 0;              ///< told before a was reached; 0: it wasn't
-  double expected_efficiency = 0.0;        ///< of the last levels, before they were drawn
+  double heavy_log_weight = 0.0;  ///< of last draws: Z times sqrt(level_size), as all points tell
+  double heavy_share = 0.0;       ///< of pi, at weights above that (importance_weights.h)
 };
 
 /// Independent weighted draws.
@@ -163,7 +164,7 @@ class ImportanceSampler {
   std::vector<std::size_t> best_levels() const;
   Vector log_weights(std::size_t level) const;
   double efficiency(std::size_t level) const;
-  double expected_efficiency(const std::vector<std::size_t>& levels) const;
+  void note_heavy_share(const std::vector<std::size_t>& levels);
   StreamId level_id(const char* name) const;
 
   ImportanceConfig config_;

@@ -80,6 +80,14 @@ Choice choose_rows(const Vector& weights, Index most, const StreamId& id) {
   return choice;
 }
 
+double heavy_share(const Vector& weights, const Vector& log_ratios, double most) {
+  double sum = 0.0;
+  for (Index i = 0; i < weights.size(); ++i) {
+    if (weights(i) > 0.0) sum += weights(i) * std::max(0.0, -std::expm1(most - log_ratios(i)));
+  }
+  return sum / weights.sum();
+}
+
 Evidence evidence(const Vector& logs) {
   const auto n = static_cast<double>(logs.size());
   const Vector weights = exponentials(logs);

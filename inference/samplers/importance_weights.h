@@ -35,6 +35,10 @@ struct Choice {
 /// max(1, w_i / c) (rejection control; Liu, Chen and Wong 1998).
 Choice choose_rows(const Vector& weights, Index most, const StreamId& id);
 
+/// Share of weighted points' mass that is above a density's reach: of a point whose log ratio r to
+/// the density passes `most`, what is above it, 1 - exp(most - r).
+double heavy_share(const Vector& weights, const Vector& log_ratios, double most);
+
 /// log Z = log mean w of the weights' logarithms, and its standard error [nats].
 struct Evidence {
   double log_value;

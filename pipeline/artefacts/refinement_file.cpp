@@ -23,8 +23,8 @@ void describe(Layout f, std::optional<inference::ImportanceCertificate>& certifi
   group->attribute("ess", c.ess, "effective size of the weights of the last levels");
   group->attribute("wanted_ess", c.wanted_ess, "the least that was wanted");
   group->attribute("efficiency", c.efficiency, "`ess` over the draws of the last levels");
-  group->attribute("expected_efficiency", c.expected_efficiency,
-                   "before they were drawn, by all points that were known");
+  group->attribute("missed_share", c.missed_share,
+                   "of the posterior, by points known before, where the draws' density is too low");
   group->attribute("pareto_k", c.pareto_k, "shape of the weights' tail");
   group->attribute("log_evidence", c.log_evidence, "log Z [nats]");
   group->attribute("log_evidence_error", c.log_evidence_error, "its standard error");
@@ -121,8 +121,9 @@ void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {
   f.attribute("wanted_power", state.wanted_power, "of the likelihood");
   f.attribute("num_draws_before", state.num_draws_before,
               "simulated before it was reached, the last time; 0: it isn't");
-  f.attribute("expected_efficiency", state.expected_efficiency,
-              "of the last levels, before they were drawn");
+  f.attribute("heavy_log_weight", state.heavy_log_weight,
+              "of last levels' draws: sqrt(N) times their mean, as all points tell [nats]");
+  f.attribute("heavy_share", state.heavy_share, "of the posterior, at weights above that");
   describe(f, state.walkers);
   describe_members(f, "level", state.levels);
 }

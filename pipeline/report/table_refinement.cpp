@@ -15,7 +15,7 @@ Row row_of(const EvaluatedRun& run) {
   const inference::ImportanceCertificate& certificate = *run.notes.certificate;
   return {experiment_label(run.use.method, run.use.seed),
           {analysis::MeanStd{certificate.log_evidence, certificate.log_evidence_error, 0},
-           certificate.ess, certificate.efficiency, certificate.expected_efficiency,
+           certificate.ess, certificate.efficiency, certificate.missed_share,
            certificate.pareto_k, certificate.power, certificate.num_draws,
            inference::verdict(certificate)}};
 }
@@ -26,7 +26,7 @@ Table make(const ReportData& data) {
       "recording, in nats, and its standard error; of two priors or noise models the one whose log "
       "Z is larger by 3 explains it 20 times better.",
       "Method, seed",
-      {"log Z", "ESS", "efficiency", "foretold", "Pareto k", "power", "simulations", "verdict"});
+      {"log Z", "ESS", "efficiency", "missed", "Pareto k", "power", "simulations", "verdict"});
   for (const std::string& method : data.methods) {
     for (const EvaluatedRun* run : data.runs_of(method)) {
       if (run->notes.certificate) table.rows.push_back(row_of(*run));

@@ -101,7 +101,6 @@ TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
                                               .ess = 1200.0,
                                               .wanted_ess = 1000.0,
                                               .efficiency = 0.1,
-                                              .expected_efficiency = 0.1,
                                               .pareto_k = 0.5};
   data_.runs.front().notes.certificate = good;
   EXPECT_EQ(verdict_of(Check::sampling).text, "passes, effective size 1200, Pareto k 0.5");

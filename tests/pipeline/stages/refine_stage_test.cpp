@@ -192,7 +192,7 @@ TEST_F(RefineStage, IsShownWithItsCertificate) {
     const std::vector<analysis::Cell>& cells = table.rows[i].cells;
     EXPECT_EQ(std::get<analysis::MeanStd>(cells[0].value).mean, certificate->log_evidence);
     EXPECT_EQ(std::get<double>(cells[1].value), certificate->ess);
-    EXPECT_EQ(std::get<double>(cells[3].value), certificate->expected_efficiency);
+    EXPECT_EQ(std::get<double>(cells[3].value), certificate->missed_share);
     EXPECT_EQ(std::get<double>(cells[5].value), 1.0) << "power";
     EXPECT_EQ(std::get<std::string>(cells[7].value), inference::verdict(*certificate));
   }
