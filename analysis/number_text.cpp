@@ -31,7 +31,8 @@ std::string mean_std_text(double mean, double std, NumberStyle style) {
   if (has_std && std < kRounding * std::abs(mean)) std = 0.0;
   const double size = std::max(std::abs(mean), has_std ? std : 0.0);
   const int exponent = exponent_of(size, kMeanDigits);
-  const bool scaled = exponent >= 3 || exponent < -3;
+  const bool is_precise = exponent < 6 && has_std && std > 0.0 && std < 1.0;
+  const bool scaled = (exponent >= 3 && !is_precise) || exponent < -3;
   const double scale = scaled ? std::pow(10.0, -exponent) : 1.0;
   int decimals = std::max(0, kMeanDigits - 1 - (scaled ? 0 : exponent));
   if (has_std && std > 0.0) decimals = std::max(decimals, -exponent_of(std * scale, 1));

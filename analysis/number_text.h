@@ -12,9 +12,10 @@ enum class NumberStyle {
 };
 
 /// "0.263 ± 0.004", or for magnitudes >= 1000 or < 0.001, in the style of Table A2,
-/// "[1.07 ± 0.03]e+3". The larger of |mean| and std gets three significant digits, and the smaller
-/// as many decimals, but at least as many as show one digit of std (at most eight). A std that
-/// isn't finite is left out ("0.263"); a mean that isn't is "n/a".
+/// "[1.07 ± 0.03]e+3"; "2464.54 ± 0.02" where std is below 1 and |mean| below a million. The larger
+/// of |mean| and std gets three significant digits, and the smaller as many decimals, but at least
+/// as many as show one digit of std (at most eight). A std that isn't finite is left out ("0.263");
+/// a mean that isn't is "n/a".
 std::string mean_std_text(double mean, double std, NumberStyle style);
 
 /// A whole number below a million as it is ("5000"), any other at up to four significant digits

@@ -24,7 +24,7 @@ struct ExportArguments {
 };
 
 std::vector<std::string> export_study(const ExportArguments& arguments, bool has_predictions) {
-  const Plan plan = arguments.study.plan();
+  const Plan plan = arguments.study.plan_here("npdr export");
   const auto format = parse_enum<ExportFormat>("format", arguments.format);
   if (format != ExportFormat::netcdf) {
     if (!has_predictions) return write_chain_files(plan, arguments.output, format);

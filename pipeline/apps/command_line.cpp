@@ -156,6 +156,22 @@ Plan StudyArguments::plan(const ClusterConfig& site) const {
   return plan;
 }
 
+Plan StudyArguments::plan_here(const std::string& program) const {
+  Plan plan = this->plan();
+  const std::filesystem::path there = std::filesystem::path(file).parent_path() / work;
+  std::error_code error;
+  const auto exists = [&](const WorkFolder& folder) {
+    return std::filesystem::exists(folder.study(plan.study.name), error);
+  };
+  if (!exists(plan.work) && exists(WorkFolder(there))) {
+    const std::vector<std::string> option = {"--work", there};
+    report_error(program,
+                 fmt::format("warning: no results of this study in {}, but in {}; to use those: {}",
+                             work, there.string(), shell_text(option)));
+  }
+  return plan;
+}
+
 std::vector<std::string> StudyArguments::words() const {
   std::vector<std::string> words = {file};
   for (const std::string& value : overrides) words.insert(words.end(), {"--set", value});

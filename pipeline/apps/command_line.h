@@ -51,6 +51,8 @@ struct StudyArguments {
   void add_selection_to(CLI::App& app, const std::string& method_option = "--only");
   /// `site`: see read_study().
   Plan plan(const ClusterConfig& site = {}) const;
+  /// The same; prints a warning where the study's results are beside its file and not here.
+  Plan plan_here(const std::string& program) const;
   /// The words that name the same study to another executable.
   std::vector<std::string> words() const;
 };

@@ -34,7 +34,7 @@ void print_posteriors(const Plan& plan) {
 }
 
 ExitStatus open_study(const StudyArguments& arguments, bool in_browser) {
-  const Plan plan = arguments.plan();
+  const Plan plan = arguments.plan_here("npdr open");
   const bool is_there = is_complete(plan, plan.nodes.back());
   const std::filesystem::path folder = plan.work.study(plan.study.name);
   if (in_browser && is_there) {

@@ -71,7 +71,7 @@ void require_sound(const Plan& plan) {
 
 ExitStatus run(const RunArguments& arguments) {
   stop_with_parent();
-  const Plan plan = arguments.study.plan();
+  const Plan plan = arguments.study.plan_here("npdr run");
   const SchedulerConfig config{arguments.num_jobs, arguments.until.stage(), arguments.study.words(),
                                keys_of(plan, arguments.artefacts)};
   if (arguments.dry_run) {

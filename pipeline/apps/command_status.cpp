@@ -245,7 +245,7 @@ void add_status_command(CLI::App& app, int& result) {
   command->footer("Examples:\n  npdr status study.toml\n  npdr status study.toml --cost");
   command->callback([&result, study, json, cost, check] {
     result = guarded_main("npdr status", [&] {
-      const Plan plan = study->plan();
+      const Plan plan = study->plan_here("npdr status");
       if (*cost) {
         print_cost_tables(plan);
         return ExitStatus::done;
@@ -269,7 +269,7 @@ void add_explain_command(CLI::App& app, int& result) {
   command->footer("Example:\n  npdr explain study.toml evaluate");
   command->callback([&result, study, word] {
     result = guarded_main("npdr explain", [&] {
-      const Plan plan = study->plan();
+      const Plan plan = study->plan_here("npdr explain");
       const auto nodes = named_nodes(plan, *word);
       if (nodes.empty()) fmt::print("all {} artefacts are up to date\n", plan.nodes.size());
       for (const Node* node : nodes) {

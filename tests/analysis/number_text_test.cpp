@@ -25,6 +25,8 @@ TEST(NumberText, ScalesTheSmallAndTheLarge) {
   EXPECT_EQ(plain(1e-6, 2e-7), "[1.00 ± 0.20]e-6");
   EXPECT_EQ(plain(-2.5e4, 400.0), "[-2.50 ± 0.04]e+4");
   EXPECT_EQ(plain(490.3, 11.9), "490 ± 12");
+  EXPECT_EQ(plain(-2464.538, 0.021), "-2464.54 ± 0.02");
+  EXPECT_EQ(plain(2464.0, 1.0), "[2.464 ± 0.001]e+3");
   EXPECT_EQ(plain(0.00123, 0.0004), "0.00123 ± 0.00040");
   EXPECT_EQ(mean_std_text(1e-6, 2e-7, NumberStyle::latex), "$[1.00 \\pm 0.20]\\mathrm{e}{-}6$");
 }
@@ -33,7 +35,7 @@ TEST(NumberText, DigitsFollowTheLargerAndStillShowTheSpread) {
   EXPECT_EQ(plain(0.263, 1e-5), "0.26300 ± 0.00001");
   EXPECT_EQ(plain(0.001, 2.5), "0.00 ± 2.50");
   EXPECT_EQ(plain(12.3, 1400.0), "[0.01 ± 1.40]e+3");
-  EXPECT_EQ(plain(1e5, 1e-9), "[1.00000000 ± 0.00000000]e+5");
+  EXPECT_EQ(plain(1e6, 1e-8), "[1.00000000 ± 0.00000000]e+6");
   EXPECT_EQ(plain(0.0, 0.0), "0.00 ± 0.00");
 }
 

@@ -49,6 +49,25 @@ TEST_F(Surroundings, CommandsThatSaveNothingEndAtOnce) {
   }
 }
 
+TEST_F(Surroundings, ResultsBesideTheStudyAreNamedFromElsewhere) {
+  ASSERT_EQ(npdr({"run", "small.toml", "--only", "NPDR (MAF)", "--until", "propose"}).status, 0);
+  fs::create_directory(folder_ / "elsewhere");
+  const auto warning = [&](const std::vector<std::string>& words) {
+    return run(folder_ / "elsewhere", words).err;
+  };
+  for (const std::string command : {"status", "explain", "open", "run"}) {
+    std::vector<std::string> words = {"npdr", command, "../small.toml"};
+    if (command == "run") words.insert(words.end(), {"--until", "target"});
+    EXPECT_TRUE(warning(words).starts_with(
+        "npdr " + command +
+        ": warning: no results of this study in runs, but in ../runs; to use those: --work "
+        "../runs\n"))
+        << command;
+  }
+  EXPECT_EQ(warning({"npdr", "open", "../small.toml"}), "") << "it has its own by now";
+  EXPECT_EQ(warning({"npdr", "open", "../small.toml", "--work", "../runs"}), "");
+}
+
 // In place of gnuplot's, a program that never ends.
 class HangingGnuplot : public Surroundings {
  protected:

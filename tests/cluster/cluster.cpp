@@ -116,7 +116,7 @@ std::string Cluster::node_of(const std::string& task) const {
 
 void Cluster::wait_until(const std::string& what, const std::function<bool()>& done) const {
   // Rarely, as each question is a program or two.
-  if (comes_true(done, std::chrono::minutes(1), std::chrono::milliseconds(50))) return;
+  if (comes_true(done, std::chrono::minutes(4), std::chrono::milliseconds(50))) return;
   FAIL() << "waited in vain " << what << "\n"
          << call({"squeue", "-r", "-t", "all"}).out << call({"sinfo", "-N"}).out;
 }

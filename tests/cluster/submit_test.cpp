@@ -204,7 +204,7 @@ TEST_F(Submit, ATaskNearItsTimeLimitIsQueuedAgain) {
 // Training goes on from its checkpoint.
 TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
   const std::string text = edited(text_of(cluster_->folder() / "slow.toml"), "max_epochs = 30",
-                                  "max_epochs = 150000, stop_after_epochs = 150000");
+                                  "max_epochs = 15000, stop_after_epochs = 15000");
   write_text_file(cluster_->folder() / "slow.toml",
                   edited(text, "num_rounds = 2", "algorithm = \"npe_c\"\nnum_rounds = 1"));
   const Outcome submitted = npdr({"submit", "slow.toml"});
