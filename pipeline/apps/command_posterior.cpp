@@ -203,7 +203,8 @@ std::vector<std::string> posteriors_of(const Plan& plan, const SampleArguments& 
 
 // The samples are shared out among a study's seeds, whose posteriors count the same.
 void print_samples_of_study(const SampleArguments& arguments) {
-  const std::vector<std::string> posteriors = posteriors_of(arguments.study.plan_here("npdr sample"), arguments);
+  const std::vector<std::string> posteriors =
+      posteriors_of(arguments.study.plan_here("npdr sample"), arguments);
   const auto count = static_cast<Index>(posteriors.size());
   PosteriorArguments one = arguments.posterior;
   for (Index i = 0; i < count; ++i) {

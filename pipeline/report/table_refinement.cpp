@@ -15,9 +15,8 @@ Row row_of(const EvaluatedRun& run) {
   const inference::ImportanceCertificate& certificate = *run.notes.certificate;
   return {experiment_label(run.use.method, run.use.seed),
           {analysis::MeanStd{certificate.log_evidence, certificate.log_evidence_error, 0},
-           certificate.ess, certificate.efficiency, certificate.missed_share,
-           certificate.pareto_k, certificate.power, certificate.num_draws,
-           inference::verdict(certificate)}};
+           certificate.ess, certificate.efficiency, certificate.missed_share, certificate.pareto_k,
+           certificate.power, certificate.num_draws, inference::verdict(certificate)}};
 }
 
 Table make(const ReportData& data) {

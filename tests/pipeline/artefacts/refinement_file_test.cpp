@@ -87,8 +87,7 @@ TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
     EXPECT_EQ(sampler.sample().u, whole.sample().u);
     EXPECT_EQ(sampler.sample().weights, whole.sample().weights);
     EXPECT_EQ(sampler.sample().certificate.num_draws, whole.sample().certificate.num_draws);
-    EXPECT_EQ(sampler.sample().certificate.missed_share,
-              whole.sample().certificate.missed_share);
+    EXPECT_EQ(sampler.sample().certificate.missed_share, whole.sample().certificate.missed_share);
   }
 }
 
