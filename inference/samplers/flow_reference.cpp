@@ -23,7 +23,8 @@ constexpr TrainingConfig kTraining = {.learning_rate = 2e-3,
                                       .validation_fraction = 0.2,
                                       .stop_after_epochs = 10,
                                       .max_epochs = 100};
-constexpr Index kBlock = 64;  // rows that are computed together
+constexpr Index kBlock = 64;       // rows that are computed together
+constexpr Index kFewestRows = 10;  // of which two validate
 constexpr double kTailShare = 0.1;
 constexpr int kTailDegrees = 5;
 
@@ -102,15 +103,22 @@ void for_each_block(Index n, const Work& work) {
 
 FlowReference::FlowReference(const RowMatrix& u, const Vector& weights,
                              const Parameters<float>& start, const StreamId& id) {
+  if (u.rows() < kFewestRows) {
+    throw InputError("flow: " + std::to_string(u.rows()) + " points, must be " +
+                     std::to_string(kFewestRows) + " or more");
+  }
   fix_matrix_blocking();
-  parts_.mean = weighted_mean(u, weights);
+  FlowParts parts;
+  parts.mean = weighted_mean(u, weights);
   Eigen::MatrixXd covariance = weighted_covariance(u, weights);
   // A parameter may hardly move, and there may be few points.
   covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().array();
   const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
-  if (llt.info() != Eigen::Success) throw InputError("flow: the points have no covariance");
-  parts_.factor = Eigen::MatrixXd(llt.matrixL());
-  build();
+  if (!covariance.allFinite() || llt.info() != Eigen::Success) {
+    throw InputError("flow: the points have no covariance");
+  }
+  parts.factor = Eigen::MatrixXd(llt.matrixL());
+  build(u.cols());
   TrainingState state;
   state.parameters = start;
   if (start.size() == 0) {
@@ -118,43 +126,45 @@ FlowReference::FlowReference(const RowMatrix& u, const Vector& weights,
     Stream stream(within(id, "flow_weights"));
     flow_->initialize(state.parameters, stream);
   }
-  const RowMatrixF points = standardize(parts_, u).cast<float>();
+  const RowMatrixF points = standardize(parts, u).cast<float>();
   const VectorF shares = (weights / weights.mean()).cast<float>();
   FlowObjective objective(*flow_, points, shares);
   train(objective, kTraining, within(id, "flow_training"), state,
         [](const TrainingState&) { return true; });
-  parts_.flow = state.best_parameters;
+  parts.flow = state.best_parameters;
+  parts_ = std::make_shared<const FlowParts>(std::move(parts));
 }
 
-FlowReference::FlowReference(FlowParts parts) : parts_(std::move(parts)) {
+FlowReference::FlowReference(FlowParts parts)
+    : parts_(std::make_shared<const FlowParts>(std::move(parts))) {
   fix_matrix_blocking();
-  build();
   const Index d = dimension();
-  if (parts_.flow.size() != num_parameters_ || parts_.factor.rows() != d ||
-      parts_.factor.cols() != d) {
-    throw ShapeError("flow: " + std::to_string(parts_.flow.size()) + " weights for " +
+  build(d);
+  if (parts_->flow.size() != num_parameters_ || parts_->factor.rows() != d ||
+      parts_->factor.cols() != d) {
+    throw ShapeError("flow: " + std::to_string(parts_->flow.size()) + " weights for " +
                      std::to_string(d) + " parameters, must be " + std::to_string(num_parameters_));
   }
 }
 
-void FlowReference::build() {
+void FlowReference::build(Index dimension) {
   ParameterLayout layout;
   flow_ = std::make_shared<MaskedAutoregressiveFlow<float>>(
-      kFlow, dimension(), 1, StreamId{0, "flow_structure", 0, 0, 0}, layout);
+      kFlow, dimension, 1, StreamId{0, "flow_structure", 0, 0, 0}, layout);
   num_parameters_ = layout.size();
 }
 
 Vector FlowReference::log_density(const RowMatrix& u) const {
   Vector result(u.rows());
-  const double log_det = parts_.factor.diagonal().array().log().sum();
+  const double log_det = parts_->factor.diagonal().array().log().sum();
   for_each_block(u.rows(), [&](Index first, Index count) {
     // Always whole blocks, so that a row's bits don't depend on how many there are.
     RowMatrix rows = RowMatrix::Zero(kBlock, u.cols());
     rows.topRows(count) = u.middleRows(first, count);
-    const RowMatrix v = standardize(parts_, rows);
+    const RowMatrix v = standardize(*parts_, rows);
     const auto scratch = flow_->make_scratch();
     VectorF log_prob;
-    flow_->log_prob(parts_.flow, v.cast<float>(), RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
+    flow_->log_prob(parts_->flow, v.cast<float>(), RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
     const Vector tail = log_tail(v);
     for (Index i = 0; i < count; ++i) {
       const auto value = static_cast<double>(log_prob(i));
@@ -171,15 +181,15 @@ RowMatrix FlowReference::sample(Index n, const StreamId& id) const {
   for_each_block(n, [&](Index first, Index count) {
     StreamId row = id;
     row.row += static_cast<std::uint64_t>(first);
-    RowMatrix v = flow_->sample(parts_.flow, RowMatrixF::Zero(1, 1), kBlock, row).cast<double>();
+    RowMatrix v = flow_->sample(parts_->flow, RowMatrixF::Zero(1, 1), kBlock, row).cast<double>();
     for (Index i = 0; i < kBlock; ++i) {
       StreamId own = within(id, "flow_tail");
       own.row += static_cast<std::uint64_t>(first + i);
       Stream stream(own);
       if (stream.uniform() < kTailShare) v.row(i) = draw_tail(dimension(), stream);
     }
-    v = (v * parts_.factor.transpose()).eval();
-    u.middleRows(first, count) = v.topRows(count).rowwise() + parts_.mean.transpose();
+    v = (v * parts_->factor.transpose()).eval();
+    u.middleRows(first, count) = v.topRows(count).rowwise() + parts_->mean.transpose();
   });
   return u;
 }

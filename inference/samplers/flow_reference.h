@@ -26,15 +26,15 @@ struct FlowParts {
 /// Const calls are thread-safe.
 class FlowReference {
  public:
-  /// Fits the rows of u (n, D), n >= 4, with weights (n) > 0, from the network `start` (empty: a
+  /// Fits the rows of u (n, D), n >= 10, with weights (n) > 0, from the network `start` (empty: a
   /// fresh one). The fit depends on the arguments alone. Throws InputError for too few rows.
   FlowReference(const RowMatrix& u, const Vector& weights, const Parameters<float>& start,
                 const StreamId& id);
   /// Throws ShapeError when the parts don't go together.
   explicit FlowReference(FlowParts parts);
 
-  const FlowParts& parts() const { return parts_; }
-  Index dimension() const { return parts_.mean.size(); }
+  const FlowParts& parts() const { return *parts_; }
+  Index dimension() const { return parts_->mean.size(); }
 
   /// log g of each row of u (n, D), (n) [nats]; of Student's t alone where the network overflows.
   Vector log_density(const RowMatrix& u) const;
@@ -42,9 +42,9 @@ class FlowReference {
   RowMatrix sample(Index n, const StreamId& id) const;
 
  private:
-  void build();
+  void build(Index dimension);
 
-  FlowParts parts_;
+  std::shared_ptr<const FlowParts> parts_;  // which copies have in common
   Index num_parameters_ = 0;
   std::shared_ptr<const MaskedAutoregressiveFlow<float>> flow_;
 };

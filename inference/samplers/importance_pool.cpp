@@ -14,6 +14,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr double kWantedShare = 0.2;  // effective draws that a flow is fitted to, of a level
+constexpr Index kFewestPoints = 100;  // that a flow is fitted to
 
 }  // namespace
 
@@ -71,6 +72,12 @@ ImportanceSampler::Pool ImportanceSampler::pool(std::size_t num_levels) const {
     pool.log_likelihood.segment(first, each) = level.log_likelihood;
   }
   return pool;
+}
+
+// Enough simulations have a likelihood for a flow to be fitted to them.
+bool ImportanceSampler::has_enough_points(const Pool& pool) const {
+  return (pool.log_likelihood.array() > -std::numeric_limits<double>::infinity()).count() >=
+         kFewestPoints;
 }
 
 // The largest power at which the points are worth enough.

@@ -24,6 +24,7 @@ constexpr double kMostDensities = 5e7;   // of all their points by all their pro
 constexpr Index kFlowsAtEnd = 3;         // of the last proposal
 constexpr double kAboutAsHigh = 0.8;     // ratio of powers that those were fitted to
 constexpr Index kFormerLevels = 10;      // last levels that teach
+constexpr double kFewOfWanted = 0.1;     // effective draws, that are too few for particles
 
 ImportanceProposal parts_of(const std::vector<FlowReference>& flows, double prior_share) {
   ImportanceProposal parts{{}, prior_share};
@@ -73,8 +74,9 @@ ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimen
     : config_(config), dimension_(dimension), id_(id), state_(std::move(state)) {
   if (!state_.levels.empty()) {
     require_shapes();
-    for (const ImportanceLevel& level : state_.levels) {
-      proposals_.push_back(restore(level.proposal));
+    for (std::size_t l = 0; l < state_.levels.size(); ++l) {
+      proposals_.push_back(repeats_last(l) ? proposals_.back()
+                                           : restore(state_.levels[l].proposal));
       densities_.emplace_back(state_.levels.size());
     }
     if (!state_.walkers) note_densities();
@@ -90,14 +92,32 @@ ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimen
   begin_level(std::move(proposal), 0.0, LevelKind::lesson);
 }
 
+void ImportanceSampler::require_proposal(const ImportanceLevel& level) const {
+  const ImportanceProposal& proposal = level.proposal;
+  const bool has_flows = !proposal.flows.empty();
+  const auto is_of_dimension = [&](const FlowParts& flow) {
+    return flow.mean.size() == dimension_;
+  };
+  if (!std::isfinite(level.power) || !(proposal.prior_share > 0.0 && proposal.prior_share <= 1.0) ||
+      (!has_flows && proposal.prior_share < 1.0) ||
+      !std::ranges::all_of(proposal.flows, is_of_dimension)) {
+    throw ShapeError("importance sampling: a level whose proposal can't be");
+  }
+}
+
 // Only the last level may be incomplete; while walkers climb, it is a sweep, and the one before it
 // may be theirs and not yet full.
 void ImportanceSampler::require_shapes() const {
   const auto require = [&](bool is_right, const std::string& what) {
     if (!is_right) throw ShapeError("importance sampling: " + what);
   };
+  require(state_.num_draws >= 0 && state_.num_draws_before >= 0 && state_.num_levels >= 0,
+          "a number of draws or levels below 0");
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
     const ImportanceLevel& level = state_.levels[l];
+    require_proposal(level);
+    require(l == 0 || level.kind == LevelKind::last || !is_last(l - 1),
+            "a level after the last ones");
     const bool is_back = l + 1 == state_.levels.size(), is_sweep = level.kind == LevelKind::sweep;
     const bool is_filling = level.kind == LevelKind::walkers && state_.walkers &&
                             l + 2 == state_.levels.size() && level.u.rows() < config_.level_size;
@@ -109,8 +129,6 @@ void ImportanceSampler::require_shapes() const {
         level.log_likelihood.size() <= rows && (is_back || level.is_complete()),
         fmt::format("a level of {} likelihoods, must be {}", level.log_likelihood.size(), rows));
     require(is_sweep == (is_back && state_.walkers), "a sweep without walkers, or the other way");
-    require(l == 0 || level.kind != LevelKind::lesson || level.proposal.flows.size() == 1,
-            "a level that teaches without a flow");
   }
   require(state_.levels.front().kind == LevelKind::lesson, "a first level that doesn't teach");
   if (!state_.walkers) return;
@@ -133,8 +151,10 @@ StreamId ImportanceSampler::level_id(const char* name) const {
 }
 
 void ImportanceSampler::push(ImportanceLevel level, Proposal proposal) {
-  level.proposal = parts_of(proposal.flows, proposal.prior_share);
   state_.levels.push_back(std::move(level));
+  if (!repeats_last(state_.levels.size() - 1)) {
+    state_.levels.back().proposal = parts_of(proposal.flows, proposal.prior_share);
+  }
   ++state_.num_levels;
   proposals_.push_back(std::move(proposal));
   densities_.emplace_back();
@@ -222,9 +242,9 @@ std::size_t ImportanceSampler::num_before_last() const {
   return state_.levels.size() - static_cast<std::size_t>(num_levels_of(LevelKind::last));
 }
 
-// The last levels have found points that the flows didn't know, or have missed some that were
-// known: weights are heavy, or even where those points said that they can't be; or as many draws
-// as taught the flows aren't enough, and as many more won't be. Only where draws are left.
+// Last levels that are worth enough have found points that the flows didn't know, or have missed
+// some that were known: weights are heavy, or a share is missed. Or as many draws as taught the
+// flows aren't enough, and as many more won't be. Only where draws are left.
 bool ImportanceSampler::has_more_to_learn(const ImportanceCertificate& certificate) const {
   const Index last = num_levels_of(LevelKind::last) * config_.level_size;
   if (config_.max_simulations - state_.num_draws < 2 * last) return false;
@@ -245,6 +265,7 @@ void ImportanceSampler::learn_from_last_levels() {
     heaviest[l] = largest_number(log_weights(l));
     last.push_back(l);
     state_.levels[l].kind = LevelKind::former;
+    state_.levels[l].proposal = parts_of(proposals_[l].flows, proposals_[l].prior_share);
   }
   std::ranges::stable_sort(last, std::greater(), [&](std::size_t l) { return heaviest[l]; });
   const Index most = std::min(kFormerLevels, num_kept_levels() / 3);
@@ -269,6 +290,9 @@ void ImportanceSampler::plan_next_level() {
     throw InputError("no simulation has a likelihood above 0");
   }
   if (has_learned()) return begin_last_levels();
+  if (!has_enough_points(pool)) {
+    return begin_level({{}, 1.0, dimension_}, 0.0, LevelKind::lesson);
+  }
   const double power = choose_power(pool);
   if (power == state_.wanted_power && state_.num_draws_before == 0) {
     state_.num_draws_before = state_.num_draws;
@@ -307,7 +331,8 @@ std::vector<std::size_t> ImportanceSampler::best_levels() const {
   for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(best) < kFlowsAtEnd;) {
     const double own = state_.levels[l].power;
     const bool is_as_high = std::min(own, power) >= kAboutAsHigh * std::max(own, power);
-    if (is_as_high && state_.levels[l].kind == LevelKind::lesson) best.push_back(l);
+    const bool is_lesson = state_.levels[l].kind == LevelKind::lesson;
+    if (is_as_high && is_lesson && !proposals_[l].flows.empty()) best.push_back(l);
   }
   return best;
 }
@@ -321,8 +346,9 @@ Vector ImportanceSampler::log_weights(std::size_t l) const {
 
 // Effective share of a level's draws.
 double ImportanceSampler::efficiency(std::size_t l) const {
-  const Vector logs = log_weights(l);
-  return effective_size(exponentials(logs)) / static_cast<double>(logs.size());
+  const Vector weights = exponentials(log_weights(l));
+  if (weights.isZero(0.0)) return 0.0;
+  return effective_size(weights) / static_cast<double>(weights.size());
 }
 
 // Draws ran out; or those since the wanted power was reached are as many as the last levels are
@@ -385,9 +411,10 @@ ImportanceSample ImportanceSampler::sample() const {
 
 ImportanceSample ImportanceSampler::particles(Index most) const {
   ImportanceSample sample = this->sample();
-  if (sample.certificate.ess < config_.min_ess) {
+  if (sample.certificate.ess < kFewOfWanted * config_.min_ess) {
     ImportanceSample known = draws_of_pool(num_before_last(), most);
-    if (known.certificate.pool_ess > sample.certificate.ess) {
+    const double ess = effective_size(truncated(sample.weights.array().log()));
+    if (known.certificate.pool_ess > ess) {
       sample.certificate.pool_ess = known.certificate.pool_ess;
       known.certificate = sample.certificate;
       return known;

@@ -51,7 +51,7 @@ enum class LevelKind {
 /// Draws of one proposal, or of walkers.
 struct ImportanceLevel {
   LevelKind kind = LevelKind::lesson;
-  ImportanceProposal proposal;  ///< without flows where it is walkers'
+  ImportanceProposal proposal;  ///< without flows where it is walkers', or that of the first last
   double power = 0.0;           ///< b that the proposal was fitted to, or of the walkers
   double log_evidence = 0.0;    ///< log Z_b of walkers, as far as it is known [nats]
   RowMatrix u;                  ///< (n, D)
@@ -71,7 +71,7 @@ struct ImportanceState {
   double heavy_share = 0.0;       ///< of pi, at weights above that (importance_weights.h)
 };
 
-/// Independent weighted draws.
+/// Weighted draws: independent ones, but for those of all points.
 struct ImportanceSample {
   RowMatrix u;     ///< (n, D)
   Vector weights;  ///< (n)
@@ -90,8 +90,8 @@ class ImportanceSampler {
 
   /// Up to `most` points (m, D) whose likelihood is wanted next; none when it is done.
   RowMatrix next(Index most) const;
-  /// Their log L(u) [nats], (m); -infinity or NaN where it is 0. Throws InputError when a whole
-  /// level has none above 0.
+  /// Their log L(u) [nats], (m); -infinity or NaN where it is 0. Throws InputError when a level is
+  /// complete and none of all points, or of those of the last levels, has one above 0.
   void tell(const Vector& log_likelihood);
 
   /// Draws of the posterior at power() from the points of all levels so far, at most about `most`
@@ -109,8 +109,9 @@ class ImportanceSampler {
   ImportanceSample sample() const;
   /// At most about `most` of them, which are as good to take means of: those that weigh less than
   /// others are left out at random, and weigh as much as the others where they stay. Where the last
-  /// levels have fewer effective draws than are wanted and the points before them have more, it is
-  /// those, so that a posterior that fails isn't that of a few draws by chance.
+  /// levels have less than a tenth of the effective draws that are wanted and the points before
+  /// them have more, both by weights that are cut off, it is those, so that a posterior that fails
+  /// isn't that of a few draws by chance.
   ImportanceSample particles(Index most) const;
 
  private:
@@ -124,6 +125,11 @@ class ImportanceSampler {
   };
 
   void require_shapes() const;
+  void require_proposal(const ImportanceLevel& level) const;
+  bool is_last(std::size_t level) const { return state_.levels[level].kind == LevelKind::last; }
+  bool repeats_last(std::size_t level) const {
+    return level > 0 && is_last(level) && is_last(level - 1);
+  }
   Proposal restore(const ImportanceProposal& parts) const;
   void push(ImportanceLevel level, Proposal proposal);
   void begin_level(Proposal proposal, double power, LevelKind kind);
@@ -149,6 +155,7 @@ class ImportanceSampler {
 
   Pool pool(std::size_t num_levels) const;
   ImportanceSample draws_of_pool(std::size_t num_levels, Index most) const;
+  bool has_enough_points(const Pool& pool) const;
   void note_evidence(const Pool& pool);
   Parameters<float> latest_flow() const;
   bool is_worth_climbing(double power) const;

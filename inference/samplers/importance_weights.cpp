@@ -72,7 +72,7 @@ Choice choose_rows(const Vector& weights, Index most, const StreamId& id) {
     StreamId row = id;
     row.row = static_cast<std::uint64_t>(i);
     const double share = weights(i) / high;
-    if (share == 0.0 || (share < 1.0 && Stream(row).uniform() >= share)) continue;
+    if (!(share > 0.0) || (share < 1.0 && Stream(row).uniform() >= share)) continue;
     choice.rows.push_back(i);
     kept.push_back(std::max(1.0, share));
   }

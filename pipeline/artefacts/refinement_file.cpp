@@ -94,6 +94,11 @@ void describe_scores(Layout group, PowerScores& scores) {
         "of the noise's unknown scales, that predicts best", {.unless_empty = true});
   group("crps", scores.crps, {{"k"}, {"H"}}, "CRPS with noise of each rollout, left out",
         {.unless_empty = true});
+  const Index k = scores.power.size();
+  if (group.reads() && (scores.noise_factor.size() != k || scores.crps.rows() != k)) {
+    throw InputError(fmt::format("{}: scores of {} powers, {} factors and {} rows of CRPS",
+                                 group.where(), k, scores.noise_factor.size(), scores.crps.rows()));
+  }
 }
 
 void describe(Layout f, std::optional<PowerScores>& scores) {

@@ -37,6 +37,16 @@ void list_refined(Layout f) {
   list_certificate(f);
 }
 
+void read_refined(const Path& path) {
+  const inference::ImportanceState state = read_refinement(path).state;
+  if (state.levels.empty()) return;
+  const RowMatrix& u = state.levels.front().u;
+  try {
+    inference::ImportanceSampler({.level_size = u.rows()}, u.cols(), {}, {}, state);
+  } catch (const ShapeError&) {  // the state of no refinement
+  }
+}
+
 void list_search(Layout f) {
   list_policy(f);
   list_policy_checkpoint(f);
@@ -65,7 +75,7 @@ const std::vector<Artefact> kArtefacts = {
     {kProposalSchema, list_proposal, read_theta},
     {kSimulationSchema, list_simulation, read_simulation},
     {kCheckpointSchema, list_training_checkpoint, [](const Path& p) { read_checkpoint(p); }},
-    {kRefinementCheckpointSchema, list_refined, [](const Path& p) { read_refinement(p); }}};
+    {kRefinementCheckpointSchema, list_refined, read_refined}};
 
 // "(n, 101)": a number is itself, a name 1.
 h5::Shape shape_of(const std::string& text) {

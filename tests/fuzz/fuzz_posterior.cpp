@@ -56,6 +56,9 @@ void write_abc(h5::File& file, bool is_smooth) {
                           .kernel = Eigen::MatrixXd::Identity(2, 2),
                           .num_chains = parts.num_chains});
   write_certificate(file, {});
+  write_power_scores(file, {.power = Vector::LinSpaced(2, 0.1, 0.2),
+                            .noise_factor = Vector::Ones(2),
+                            .crps = RowMatrix::Ones(2, 3)});
 }
 
 const std::vector<H5Model>& models() {
@@ -111,6 +114,7 @@ void fuzz_posterior(std::string_view input, const std::filesystem::path& folder)
   const h5::File file = open_artefact(path, kPosteriorSchema);
   if (holds_particles(file)) {
     read_population(file);
+    read_power_scores(file).noise_factor_at(0.15);
   } else {
     require_like_observation("a", {}, path);
   }

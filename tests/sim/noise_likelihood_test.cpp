@@ -93,6 +93,17 @@ TEST(NoiseLikelihood, OfKnownNoiseIsItsDensity) {
   }
 }
 
+// Products of eight squares overflow.
+TEST(NoiseLikelihood, OfHugeErrorsIsItsDensity) {
+  const NoiseModel model = model_of(noise_of(true, true, 0.0));
+  std::vector<float> errors = errors_of(model, 1);
+  for (float& error : errors) error *= 1e30f;
+  const double wanted = log_density(model, errors, 0.2, 0.5, 1.0 + std::numbers::e);
+  EXPECT_NEAR(
+      NoiseLikelihood(model, errors).log_likelihood(std::vector<float>(errors.size(), 0.0f)),
+      wanted, 1e-9 * std::abs(wanted));
+}
+
 // Tails that heavy don't exist: 1 + e^2 / nu is 1 in double precision.
 TEST(NoiseLikelihood, OfManyDegreesOfFreedomIsGaussian) {
   ChannelNoise noise = noise_of(true, true, 0.0);

@@ -168,6 +168,40 @@ TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
   state.walkers =
       TemperedWalkers{.u = RowMatrix::Zero(400, kDimension), .log_likelihood = Vector::Zero(400)};
   refuses(state);
+  for (const double share : {0.0, 0.5, 1000.0, std::nan("")}) {
+    state = sampler.state();
+    state.levels[0].proposal.prior_share = share;  // which has no flows
+    refuses(state);
+  }
+  state = sampler.state();
+  state.levels[1].proposal.flows.front().mean = Vector::Zero(kDimension + 1);
+  refuses(state);
+  state = sampler.state();
+  state.levels[1].power = std::nan("");
+  refuses(state);
+  state = sampler.state();
+  state.levels[1].kind = LevelKind::last;
+  refuses(state);
+  state = sampler.state();
+  state.num_draws = -1;
+  refuses(state);
+}
+
+// The likelihood is 0 but for a corner that one draw of the prior in 740 finds, P(u_d > 1.2)^3: a
+// first level of 500 finds none or few.
+TEST(ImportanceSampler, DrawsThePriorAgainWhereFewPointsArePossible) {
+  const auto log_likelihood = [](const RowMatrix& u) -> Vector {
+    return (u.rowwise().minCoeff().array() > 1.2)
+        .select(Vector::Zero(u.rows()), -std::numeric_limits<double>::infinity());
+  };
+  const ImportanceSampler sampler =
+      run(ImportanceSampler({.level_size = 500, .min_ess = 300.0, .max_simulations = 200'000},
+                            kDimension, {}, {3, "refinement", 1, 0, 0}),
+          log_likelihood, 500);
+  const ImportanceCertificate certificate = sampler.sample().certificate;
+  const double log_z = 3.0 * std::log(0.5 * std::erfc(1.2 / std::sqrt(2.0)));
+  EXPECT_EQ(verdict(certificate), "holds");
+  EXPECT_NEAR(certificate.log_evidence, log_z, 4.0 * certificate.log_evidence_error);
 }
 
 TEST(ImportanceSampler, GoesOnAfterItHasSettled) {
@@ -252,7 +286,11 @@ TEST(ImportanceSampler, ClimbsWhereFlowsAreStuck) {
                             {3, "refinement", 1, 0, 0});
   double climbs_from = 0.0;
   while (!sampler.is_done()) {
-    if (sampler.state().walkers && climbs_from == 0.0) climbs_from = sampler.power();
+    if (sampler.state().walkers && climbs_from == 0.0) {
+      climbs_from = sampler.power();
+      EXPECT_THROW(sampler.preliminary(100), Error);
+      EXPECT_THROW(sampler.settle(0.5), Error);
+    }
     const RowMatrix u = sampler.next(500);
     sampler.tell(-0.5 / (s * s) * (u.col(1).array() - (30.0 * u.col(0).array()).sin()).square());
   }
@@ -328,7 +366,7 @@ TEST(ImportanceSampler, ThinsItsDraws) {
 TEST(ImportanceSampler, GivesWhatTaughtWhereTheLastLevelsHaveTooFewDraws) {
   const LinearGaussian problem;
   ImportanceConfig config = kSmall;
-  config.min_ess = 20'000.0;
+  config.min_ess = 1e6;
   config.max_simulations = 30'000;
   const ImportanceSampler sampler = run(
       ImportanceSampler(config, kDimension, {}, {1, "refinement", 1, 0, 0}),
@@ -339,6 +377,20 @@ TEST(ImportanceSampler, GivesWhatTaughtWhereTheLastLevelsHaveTooFewDraws) {
   EXPECT_NEAR(static_cast<double>(known.u.rows()), 2000.0, 5.0 * std::sqrt(2000.0));
   known.certificate.ess = effective_size(known.weights);
   expect_posterior(known, 1.0);
+}
+
+// More draws than there are, but not ten times as many.
+TEST(ImportanceSampler, KeepsIndependentDrawsThatAreNotSoFew) {
+  ImportanceConfig config = kSmall;
+  config.min_ess = 20'000.0;
+  config.max_simulations = 30'000;
+  const LinearGaussian problem;
+  const ImportanceSampler sampler = run(
+      ImportanceSampler(config, kDimension, {}, {1, "refinement", 1, 0, 0}),
+      [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000);
+  const ImportanceSample sample = sampler.particles(2000);
+  ASSERT_LT(sample.certificate.ess, config.min_ess);
+  EXPECT_EQ(sample.certificate.pool_ess, 0.0);
 }
 
 TEST(ImportanceSampler, RefusesALikelihoodThatIsZeroEverywhere) {

@@ -91,6 +91,21 @@ TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
   }
 }
 
+TEST_F(RefinementFile, CertificatesAreReadAsTheyAreWritten) {
+  h5::File file = h5::File::create(folder_.path() / "certificate.h5");
+  EXPECT_FALSE(read_certificate(file).has_value());
+  write_certificate(file, {.ess = 12.0, .missed_share = 0.25, .pool_ess = 34.0});
+  EXPECT_EQ(read_certificate(file)->ess, 12.0);
+  EXPECT_EQ(read_certificate(file)->missed_share, 0.25);
+  EXPECT_EQ(read_certificate(file)->pool_ess, 34.0);
+}
+
+TEST_F(RefinementFile, RefusesPowersWithoutTheirScores) {
+  h5::File file = h5::File::create(folder_.path() / "scores.h5");
+  write_power_scores(file, {.power = Vector::Constant(1, 0.1), .noise_factor = {}, .crps = {}});
+  EXPECT_THROW(read_power_scores(file), InputError);
+}
+
 TEST_F(RefinementFile, NoCheckpointIsAnEmptyOne) {
   EXPECT_TRUE(read_refinement({folder_.path() / "none.h5", "key"}).state.levels.empty());
 }
