@@ -44,9 +44,9 @@ struct Marginal {
 constexpr auto enum_table(Marginal::Kind) {
   using enum Marginal::Kind;
   return std::to_array<EnumRow<Marginal::Kind>>({{uniform, "uniform"},
-                                                 {log_uniform, "log_uniform"},
-                                                 {normal, "normal"},
-                                                 {log_normal, "log_normal"}});
+                                                 {log_uniform, "log_uniform", "loguniform"},
+                                                 {normal, "normal", "gaussian"},
+                                                 {log_normal, "log_normal", "lognormal"}});
 }
 
 /// Product of independent marginals. Const calls are thread-safe.

@@ -5,6 +5,9 @@
 
 namespace npdr::inference {
 
+/// At most so many levels, each of its own file group and densities.
+inline constexpr Index kMostLevels = 10'000;
+
 struct ImportanceConfig {
   double likelihood_power = 1.0;      ///< a in (0, 1]
   bool cross_validate = false;        ///< a is the best power up to that, by leaving rollouts out

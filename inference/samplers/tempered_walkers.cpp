@@ -19,8 +19,7 @@ constexpr double kShortest = 0.01, kLongest = 1.0;  // step lengths
 
 // The weights of another power, the largest 1.
 Vector weights_at(const TemperedWalkers& walkers, double power) {
-  const Vector logs = (power - walkers.power) * walkers.log_likelihood;
-  return (logs.array() - logs.maxCoeff()).exp();
+  return exponentials((power - walkers.power) * walkers.log_likelihood);
 }
 
 // The factor L of the covariance L L^T; of a little more where walkers are all in one place.

@@ -11,8 +11,6 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Index kMostMembers = 10'000;  // levels of a checkpoint, flows of a proposal
-
 void describe(Layout f, std::optional<inference::ImportanceCertificate>& certificate) {
   auto group = f.group("certificate", certificate);
   if (!group) return;
@@ -49,7 +47,7 @@ void describe_members(Layout f, const std::string& name, std::vector<T>& members
   Index count = std::ssize(members);
   f.attribute("num_" + name + "s", count, "how many there are");
   if (f.reads()) {
-    if (count < 0 || count > kMostMembers) {
+    if (count < 0 || count > 2 * inference::kMostLevels) {  // none has more flows
       throw InputError(fmt::format("{}: {} {}s; remove this file", f.where(), count, name));
     }
     members.resize(static_cast<std::size_t>(count));

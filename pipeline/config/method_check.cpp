@@ -280,6 +280,12 @@ void MethodChecker::check_refine(const std::string& path, const MethodConfig& me
     fail(most, std::to_string(sampling.max_simulations),
          fmt::format(">= refine.level_size = {}", sampling.level_size));
   }
+  if (sampling.max_simulations / inference::kMostLevels > sampling.level_size &&
+      reading_.good(most)) {
+    fail(most, std::to_string(sampling.max_simulations),
+         fmt::format("at most {} times refine.level_size = {}", inference::kMostLevels,
+                     sampling.level_size));
+  }
   const Index rollouts = method.num_rollouts > 0 ? method.num_rollouts : study_.target.num_rollouts;
   if (sampling.cross_validate && (rollouts == 1 || !study_.source().gives_motion)) {
     fail(path + ".refine.cross_validate", "true",

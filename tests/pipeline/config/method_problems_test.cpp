@@ -78,6 +78,9 @@ TEST(MethodProblems, RefinementNeedsADensityOfTheNoise) {
   EXPECT_TRUE(
       says(problems("max_simulations = 5000"),
            {"s.toml:20:30: method.refine.max_simulations = 5000", "must be >= refine.level_size"}));
+  EXPECT_TRUE(says(problems("level_size = 1000, max_simulations = 1000000000"),
+                   {"s.toml:20:49: method.refine.max_simulations = 1000000000",
+                    "must be at most 10000 times refine.level_size = 1000"}));
   EXPECT_TRUE(says(problems("likelihood_power = 1.5"),
                    {"s.toml:20:31: method.refine.likelihood_power = 1.5", "must be > 0 and <= 1"}));
   EXPECT_TRUE(
