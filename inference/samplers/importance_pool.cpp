@@ -14,7 +14,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr double kWantedShare = 0.2;  // effective draws that a flow is fitted to, of a level
-constexpr Index kFewestPoints = 100;  // that a flow is fitted to
+constexpr Index kFewestPoints = 100, kFewestOfAll = 20;  // that a flow is fitted to
 
 }  // namespace
 
@@ -74,10 +74,12 @@ ImportanceSampler::Pool ImportanceSampler::pool(std::size_t num_levels) const {
   return pool;
 }
 
-// Enough simulations have a likelihood for a flow to be fitted to them.
+// Enough simulations have a likelihood for a flow to be fitted to them; fewer are enough where more
+// levels wouldn't be kept.
 bool ImportanceSampler::has_enough_points(const Pool& pool) const {
+  const bool is_full = std::ssize(state_.levels) >= num_kept_levels();
   return (pool.log_likelihood.array() > -std::numeric_limits<double>::infinity()).count() >=
-         kFewestPoints;
+         (is_full ? kFewestOfAll : kFewestPoints);
 }
 
 // The largest power at which the points are worth enough.

@@ -291,6 +291,7 @@ void ImportanceSampler::plan_next_level() {
   }
   if (has_learned()) return begin_last_levels();
   if (!has_enough_points(pool)) {
+    drop_old_levels();
     return begin_level({{}, 1.0, dimension_}, 0.0, LevelKind::lesson);
   }
   const double power = choose_power(pool);
