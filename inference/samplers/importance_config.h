@@ -5,7 +5,7 @@
 
 namespace npdr::inference {
 
-/// At most so many levels, each of its own file group and densities.
+/// Levels that there are at most: a checkpoint holds what counts of them.
 inline constexpr Index kMostLevels = 10'000;
 
 struct ImportanceConfig {

@@ -188,7 +188,7 @@ TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
 }
 
 // The likelihood is 0 but for a corner that one draw of the prior in 740 finds, P(u_d > 1.2)^3: a
-// first level of 500 finds none or few.
+// first level of 500 finds too few to fit a flow to.
 TEST(ImportanceSampler, DrawsThePriorAgainWhereFewPointsArePossible) {
   const auto log_likelihood = [](const RowMatrix& u) -> Vector {
     return (u.rowwise().minCoeff().array() > 1.2)
