@@ -277,6 +277,32 @@ TEST(ImportanceSampler, LearnsAModeOfWhichAPointIsKnown) {
   }
 }
 
+// The last point that is drawn before the last levels has nearly all of the mass, and comes too
+// late to be learned.
+TEST(ImportanceSampler, SaysThatAModeIsMissed) {
+  const ImportanceConfig config{.level_size = 1000, .min_ess = 1e6, .max_simulations = 20'000};
+  const auto run_with = [&](std::size_t level_of_mode) {
+    std::size_t level = 0;
+    return run(
+        ImportanceSampler(config, kDimension, {}, {1, "refinement", 1, 0, 0}),
+        [&](const RowMatrix& u) {
+          Vector log_likelihood = LinearGaussian().log_likelihood(u);
+          if (level++ == level_of_mode) log_likelihood(u.rows() - 1) += 20.0;
+          return log_likelihood;
+        },
+        config.level_size);
+  };
+  const ImportanceSampler without = run_with(1000);
+  EXPECT_LT(without.sample().certificate.missed_share, 0.01);
+  const std::size_t last_lesson =
+      std::ranges::count_if(without.state().levels,
+                            [](const auto& level) { return level.kind != LevelKind::last; }) -
+      1;
+  const ImportanceCertificate certificate = run_with(last_lesson).sample().certificate;
+  EXPECT_GT(certificate.missed_share, 0.9);
+  EXPECT_NE(verdict(certificate).find("missed"), std::string::npos) << verdict(certificate);
+}
+
 // A thin curve that flows can't follow, of which they are stuck far below power 1:
 // L(u) = exp(-(u_2 - sin 30 u_1)^2 / (2 s^2)), and as 30 u_1 is as good as uniform around the
 // circle, Z = s E[exp(-sin^2(phi) / 2)] = s exp(-1/4) I_0(1/4).
