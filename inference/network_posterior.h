@@ -37,9 +37,10 @@ struct PoolPowers {
 };
 
 /// Likelihood networks that are pooled with a posterior's (pooled_posterior.h): as many, of the
-/// same estimator, of the features that vary.
+/// same estimator, of what `transform` makes of x.
 struct PooledLikelihood {
-  Parameters<float> parameters;
+  FeatureTransform transform;
+  Parameters<float> parameters = {};
   PoolPowers powers = {};
 };
 

@@ -65,8 +65,8 @@ NetworkParts posterior_parts(NetworkParts parts) {
 NetworkParts likelihood_parts(NetworkParts parts) {
   parts.role = NetworkRole::likelihood;
   parts.embedding = {};
-  parts.transform = varying_outputs(parts.transform);
-  parts.parameters = parts.likelihood ? parts.likelihood->parameters : Parameters<float>();
+  parts.transform = std::move(parts.likelihood->transform);
+  parts.parameters = std::move(parts.likelihood->parameters);
   parts.likelihood.reset();
   return parts;
 }

@@ -69,8 +69,7 @@ class PooledPosterior : public NetworkPosterior {
 
 /// The parts of NPE's networks alone.
 NetworkParts posterior_parts(NetworkParts parts);
-/// The parts of NLE's networks, without weights where `parts` has none: the features that vary, the
-/// same estimator and seed.
+/// The parts of NLE's networks, of the same estimator and seed; `parts` has a likelihood.
 NetworkParts likelihood_parts(NetworkParts parts);
 
 }  // namespace npdr::inference

@@ -25,6 +25,10 @@ def log_normal(u):
 def log_mean(networks, u, z):  # of their densities
     return np.logaddexp.reduce([network.log_prob(u, z) for network in networks]) - math.log(len(networks))
 
+def transformed(x, t):  # (1, F or k)
+    z = np.clip((x - t["mean"]) * t["inverse_deviation"], -t["farthest"], t["farthest"])[None]
+    return z @ t["basis"] if "basis" in t else z
+
 def positive(a):  # 1 at 0, at least 1e-3
     return np.logaddexp(0, a + math.log(math.expm1(1 - 1e-3))) + 1e-3
 
@@ -124,8 +128,8 @@ class Network:
 class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l, or of both, pooled
     def __init__(self, path):
         with h5py.File(path) as f:
-            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 12] or "network_1" not in f:
-                raise ValueError(f"{path}: not a trained posterior of schema 12; npdr run makes one")
+            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 13] or "network_1" not in f:
+                raise ValueError(f"{path}: not a trained posterior of schema 13; npdr run makes one")
             embedding = json.loads(f.attrs["trained_embedding"])
             config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]
             names = [f"network_{m + 1}" for m in range(config["num_networks"])]
@@ -137,28 +141,25 @@ class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l
             elif "likelihood" in f:
                 self.pool = dict(f["likelihood"].attrs)
                 self.likelihoods = [Network(f["likelihood"][name], config, {}) for name in names]
-            self.names, self.x_o, self.transform = self.prior.names, f["x_o"][:], read(f["transform"])
+            self.names, self.x_o = self.prior.names, f["x_o"][:]
+            self.transforms = [read(f["transform"]), read(f["likelihood/transform" if "likelihood" in f else "transform"])]
             self.mixture = read(f["mixture"]) if "mixture" in f else {}
         if "head.weight" in self.likelihoods[0].w and not self.mixture:
             raise ValueError(f"{path}: a mixture as likelihood can't be read here; use npdr log-prob")
-    def features(self, x):  # (1, F or k)
+    def features(self, x):  # that q sees and that l does, (1, F or k)
         if self.mixture and x is not None:
             raise ValueError("the file has its mixture at x_o alone; use npdr log-prob --x")
-        t, x = self.transform, self.x_o if x is None else x
-        z = np.clip((x - t["mean"]) * t["inverse_deviation"], -t["farthest"], t["farthest"])[None]
-        return z @ t["basis"] if "basis" in t else z
+        return [transformed(self.x_o if x is None else x, t) for t in self.transforms]
     def log_q(self, u, z):
         if self.mixture:
             y = np.einsum("kij,nkj->nki", self.mixture["factor"], u[:, None] - self.mixture["mean"])
             log_det = np.log(np.einsum("kii->ki", self.mixture["factor"])).sum(1)
             return np.logaddexp.reduce(self.mixture["log_weight"] + log_det + log_normal(y), axis=1)
-        return log_mean(self.networks, u, z) if self.networks else log_normal(u)
+        return log_mean(self.networks, u, z[0]) if self.networks else log_normal(u)
     def log_weight(self, u, z, at_x_o):  # of draws of q: (q / N)^(a - 1) l^b
         if not self.pool:
             return 0
-        basis = self.transform.get("basis", np.diag(self.transform["inverse_deviation"]))
-        varying = np.repeat(z[:, np.any(basis, axis=0)], len(u), 0)
-        log_l = log_mean(self.likelihoods, *((u, z) if self.role == "ratio" else (varying, u)))
+        log_l = log_mean(self.likelihoods, *((u, z[1]) if self.role == "ratio" else (np.repeat(z[1], len(u), 0), u)))
         a, b = (self.pool[power + ("_at_x_o" if at_x_o else "")] for power in ("posterior_power", "likelihood_power"))
         return (a - 1) * (self.log_q(u, z) - log_normal(u)) + b * log_l
     def log_prob(self, theta, x=None):  # up to a constant: roles likelihood and ratio, a pool at another x
@@ -173,7 +174,7 @@ class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l
         if not self.networks:
             return rng.standard_normal((n, len(self.names)))
         counts = rng.multinomial(n, np.full(len(self.networks), 1 / len(self.networks)))
-        return rng.permutation(np.concatenate([net.sample(z, k, rng) for net, k in zip(self.networks, counts)]))
+        return rng.permutation(np.concatenate([net.sample(z[0], k, rng) for net, k in zip(self.networks, counts)]))
     def sample(self, n, rng, x=None, num_candidates=100_000):
         z = self.features(x)
         u = self.draw_q(z, num_candidates if self.pool else n, rng)

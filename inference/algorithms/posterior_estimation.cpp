@@ -1,5 +1,6 @@
 #include "inference/algorithms/posterior_estimation.h"
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
 #include <string>
@@ -49,15 +50,27 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   return parts;
 }
 
+// Of x, what the likelihood of "npe_nle" is learned of: what the posterior sees, or principal
+// components where that is much, or goes through trained layers.
+FeatureTransform likelihood_transform(const PosteriorEstimationConfig& config,
+                                      const FeatureSource& x, const FeatureTransform& transform) {
+  const bool is_small =
+      config.embedding.features == 0 && num_varying_outputs(transform) <= kMostPooledFeatures;
+  if (is_small) return varying_outputs(transform);
+  const Index components = std::min({kPooledComponents, x.num_features(), x.num_rows()});
+  return varying_outputs(fit_feature_transform(x, components));
+}
+
 // What is trained: the networks of the algorithm's role, and for "npe_nle" those of the likelihood.
 std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& config,
                                               const RoundData& data, const StreamId& id) {
   std::vector<NetworkParts> ensembles = {untrained_parts(config, data, id)};
-  if (config.algorithm.kind != Algorithm::npe_nle || config.embedding.features > 0)
+  NetworkParts& parts = ensembles.front();
+  if (config.algorithm.kind != Algorithm::npe_nle || num_varying_outputs(parts.transform) == 0) {
     return ensembles;
-  const Index varying = num_varying_outputs(ensembles.front().transform);
-  if (varying == 0 || varying > kMostPooledFeatures) return ensembles;
-  ensembles.push_back(likelihood_parts(ensembles.front()));
+  }
+  parts.likelihood = {.transform = likelihood_transform(config, *data.x, parts.transform)};
+  ensembles.push_back(likelihood_parts(parts));
   return ensembles;
 }
 
@@ -154,7 +167,7 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
   }
   NetworkParts& parts = ensembles.front();
   if (ensembles.size() > 1) {
-    parts.likelihood = {.parameters = std::move(ensembles.back().parameters)};
+    parts.likelihood->parameters = std::move(ensembles.back().parameters);
     parts.likelihood->powers = pool_powers(parts, data, id);
   }
   return make_posterior(std::move(parts));

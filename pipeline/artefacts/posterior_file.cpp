@@ -93,6 +93,7 @@ void describe(Layout f, PoolNotes& pool) {
 void describe_likelihood(Layout f, PoolNotes& pool, inference::NetworkParts& parts) {
   describe(f, pool);
   parts.likelihood->powers = pool.powers;
+  describe(f, parts.likelihood->transform);
   inference::NetworkParts likelihood = inference::likelihood_parts(parts);
   describe_layers(f, likelihood);
   parts.likelihood->parameters = std::move(likelihood.parameters);
@@ -262,6 +263,7 @@ void describe(Layout f, RowCounts& rows) {
 }
 
 void describe(Layout f, inference::FeatureTransform& transform) {
+  f.bind("k", -1);  // that of a likelihood has components of its own number
   Layout group = f.group("transform");
   group("mean", transform.mean, {kFeature}, "that is subtracted from features", kFinite);
   group("inverse_deviation", transform.inverse_deviation, {kFeature},
@@ -337,6 +339,7 @@ void list_posterior(Layout f) {
   describe_mixture(f, {Vector::Zero(1), {Vector::Zero(1)}, {Eigen::MatrixXd::Ones(1, 1)}});
   PoolNotes pool;
   describe(f.group("likelihood"), pool);
+  describe(f.group("likelihood"), parts.transform);
   describe_embedding(f, {});
   describe(f, rows);
   describe(f.group("training").group(group_of_network(0)), losses);

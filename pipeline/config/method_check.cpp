@@ -130,7 +130,7 @@ void MethodChecker::check_training(const std::string& path, const MethodConfig& 
   if (readable && static_cast<double>(method.training.batch_size) > rows + 0.5) {
     fail(batch, std::to_string(method.training.batch_size),
          fmt::format("<= {:.0f}, the simulations of a round that training sees "
-                     "(num_simulations * (1 - validation_fraction))",
+                     "(without validation_fraction and, of 'npe_nle', a twentieth that judges)",
                      rows));
   }
   check_split(path, method);

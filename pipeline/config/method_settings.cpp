@@ -55,8 +55,7 @@ bool reads_setting(inference::Algorithm algorithm, const std::string& key) {
 
 Index num_learned_from(const MethodConfig& method) {
   const Index count = method.algorithm.num_simulations;
-  const bool is_pooled = method.algorithm.kind == inference::Algorithm::npe_nle &&
-                         !trains_layers(method.embedding.kind);
+  const bool is_pooled = method.algorithm.kind == inference::Algorithm::npe_nle;
   return is_pooled ? count - inference::num_judging_rows(count) : count;
 }
 

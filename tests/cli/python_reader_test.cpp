@@ -35,6 +35,8 @@ StudyText study_of_all_kinds() {
                       "principal_components = 12 }"})
       .method("nsf", {"algorithm = \"npe_c\"", some, few_epochs, estimator("nsf"),
                       "embedding = { kind = \"convolution\", downsample = 20 }"})
+      .method("series pool",
+              {some, few_epochs, estimator("nsf"), "embedding = { downsample = 20 }"})
       .method("mean", {"algorithm = \"npe_c\"", some, few_epochs, estimator("nsf"),
                        "embedding = { downsample = 10, average_rollouts = true }"})
       .method("pool", {"algorithm = \"npe_nle\"", some, training, estimator("nsf"), components})
@@ -83,7 +85,8 @@ class PythonReader : public ::testing::Test {
 
 TEST_F(PythonReader, SaysWhatTheProgramSaysOfEveryKind) {
   run_study(study_of_all_kinds());
-  for (const std::string method : {"maf", "nsf", "pool", "mdn", "npe-a", "nle", "nre", "abc"}) {
+  for (const std::string method :
+       {"maf", "nsf", "series-pool", "pool", "mdn", "npe-a", "nle", "nre", "abc"}) {
     const std::string round = method == "npe-a" ? "2" : "1";
     expect_reads("runs/all/" + method + "/seed-1/round-" + round + "/infer.h5");
   }
@@ -122,7 +125,7 @@ TEST_F(PythonReader, RefusesWhatItCantRead) {
     EXPECT_NE(found.find(message), std::string::npos) << found;
   };
   expect_says("npdr_posterior", "Posterior", "runs/one/target.h5",
-              "target.h5: not a trained posterior of schema 12; npdr run makes one");
+              "target.h5: not a trained posterior of schema 13; npdr run makes one");
   expect_says("npdr_particles", "Particles", "runs/one/maf/seed-1/round-1/infer.h5",
               "infer.h5: holds no particles; read it by npdr_posterior.py");
 }

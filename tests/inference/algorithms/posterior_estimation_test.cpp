@@ -53,20 +53,21 @@ SimulatorFunction shifted(Index num_features) {
   };
 }
 
-TEST(NpeNle, LearnsNoLikelihoodOfManyOrTrainedFeatures) {
+TEST(NpeNle, LearnsTheLikelihoodOfComponentsWhereFeaturesAreManyOrTrained) {
   const Prior prior({{"a", "1", Marginal::Kind::normal, 0.0, 1.0}});
   PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 100);
   c.training.max_epochs = 2;
-  const auto has_likelihood = [&](Index num_features) {
+  const auto transform_of = [&](Index num_features) {
     const VectorF x_o = VectorF::Zero(num_features);
-    return infer(c, prior, shifted(num_features), x_o, 1)->parts().likelihood.has_value();
+    return infer(c, prior, shifted(num_features), x_o, 1)->parts().likelihood->transform;
   };
-  EXPECT_TRUE(has_likelihood(kMostPooledFeatures));
-  EXPECT_FALSE(has_likelihood(kMostPooledFeatures + 1));
+  EXPECT_EQ(transform_of(kMostPooledFeatures).basis.cols(), 0);
+  EXPECT_EQ(transform_of(kMostPooledFeatures + 1).num_outputs(), kPooledComponents);
   c.principal_components = 3;
-  EXPECT_TRUE(has_likelihood(kMostPooledFeatures + 1));
+  EXPECT_EQ(transform_of(kMostPooledFeatures + 1).num_outputs(), 3);
   c.embedding.features = 2;
-  EXPECT_FALSE(has_likelihood(kMostPooledFeatures + 1));
+  EXPECT_EQ(transform_of(kMostPooledFeatures + 1).num_outputs(), kPooledComponents);
+  EXPECT_EQ(transform_of(10).num_outputs(), 10);
 }
 
 TEST(NpeNle, HasOneRound) {

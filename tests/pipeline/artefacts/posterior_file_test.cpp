@@ -119,9 +119,10 @@ TEST_F(PosteriorFile, EveryRoleComesBackAsItWas) {
 TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
   inference::NetworkParts parts =
       parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::nsf);
+  const inference::NetworkParts likelihood =
+      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::nsf);
   parts.likelihood = {
-      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::nsf).parameters,
-      {.posterior = 0.5, .likelihood = 0.75}};
+      likelihood.transform, likelihood.parameters, {.posterior = 0.5, .likelihood = 0.75}};
   RowMatrix theta(2, 1);
   theta << 0.2, 0.9;
   const auto posterior = reread(parts);

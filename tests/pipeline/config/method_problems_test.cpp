@@ -39,9 +39,9 @@ TEST(MethodProblems, SaySomethingOfTheAlgorithmThatASettingIsFor) {
 }
 
 TEST(MethodProblems, TrainingFitsTheNumberOfSimulations) {
-  EXPECT_EQ(problems_after(kMaf, "num_simulations = 50"), "") << "the default is 45 then";
+  EXPECT_EQ(problems_after(kMaf, "num_simulations = 50"), "") << "the default is 43 then";
   EXPECT_TRUE(says(problems_after(kMaf, "num_simulations = 50\ntraining.batch_size = 46"),
-                   {"s.toml:18:23: method.training.batch_size = 46", "must be <= 45"}));
+                   {"s.toml:18:23: method.training.batch_size = 46", "must be <= 43"}));
   EXPECT_EQ(problems_after(kMaf, "num_simulations = 56"), "");
   EXPECT_EQ(problems_after(kMaf, "num_simulations = 3\ntraining.batch_size = 2"),
             "s.toml:17:19: method.num_simulations = 3, must be >= 4, 2 each for training and for "

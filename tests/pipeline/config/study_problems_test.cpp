@@ -266,9 +266,9 @@ TEST(StudyProblems, OfTheCommandLineNameTheOverride) {
                     "must be an existing HDF5 file; 'npdr import' makes one of CSV files"}));
   EXPECT_TRUE(says(
       problems_of(kStudyText, {"method.training.batch_size=1000"}),
-      {"--set method.training.batch_size=1000: method.training.batch_size = 1000", "must be <= 180",
+      {"--set method.training.batch_size=1000: method.training.batch_size = 1000", "must be <= 171",
        "\n--set method.training.batch_size=1000: method.training.batch_size = 1000",
-       "must be <= 900"}));
+       "must be <= 855"}));
 }
 
 TEST(StudyProblems, OverridesThatCantBeReadSaySo) {
