@@ -20,6 +20,7 @@ void describe(Layout f, inference::TrainingState& state) {
     f.bind("epochs", state.epoch);
   }
   const DatasetOptions fastest{.storage = kFastest};
+  f.forget("P");  // networks of a likelihood aren't as large as those of a posterior
   const Dims weights = {{"P"}}, epochs = {{"epochs"}};
   f("parameters", state.parameters, weights, "current weights", fastest);
   f("average", state.average, weights, "their moving average", fastest);

@@ -19,7 +19,7 @@ namespace npdr::pipeline {
 
 /// A dimension of a dataset.
 struct Dim {
-  const char* size;  ///< its name in tables; the same name is the same number in all of a file
+  const char* size;        ///< its name in tables; the same number wherever it isn't forgotten
   const char* label = "";  ///< HDF5's label: what it counts; all or none of a dataset's have one
 };
 using Dims = std::vector<Dim>;
@@ -137,6 +137,8 @@ class Layout {
   std::vector<std::string> those_there(std::vector<std::string> names) const;
   /// Makes a size known that a file that is read says elsewhere.
   void bind(const char* size, Index value) { state_->sizes[size] = value; }
+  /// The next dataset says anew how large a size is: it counts something else in each group.
+  void forget(const char* size) { state_->sizes.erase(size); }
 
  private:
   struct State {

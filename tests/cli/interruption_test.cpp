@@ -58,6 +58,31 @@ TEST_F(Interruption, KilledMinigolfGoesOnWithTheSameBits) {
 
 TEST_F(Interruption, StoppedRunsGoOnWithTheSameBits) { interrupt_and_finish(SIGTERM, "stopped"); }
 
+// Each run ends after an epoch or two, so all kinds of networks that are pooled go on from a
+// checkpoint.
+TEST_F(Interruption, StoppedPoolsGoOnWithTheSameBits) {
+  std::filesystem::remove_all(folder_.path() / "whole");
+  prepare(pendulum_study("small")
+              .with("study", {"seeds = [1]"})
+              .method("Pool", {"num_simulations = 200", "embedding = { downsample = 20 }",
+                               "density_estimator = { num_networks = 2, hidden_features = 8 }",
+                               "training = { max_epochs = 6 }"}));
+  const std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", "pool"};
+  int num_interrupted = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Program program(folder_.path(), words);
+    begins_to_make(program, folder_.path() / "pool/.cache/infer");
+    program.send(SIGTERM);
+    const Outcome outcome = program.wait();
+    EXPECT_TRUE(outcome.status == 0 || outcome.status == 75) << outcome.err;
+    if (outcome.status != 75) break;
+    ++num_interrupted;
+  }
+  EXPECT_GE(num_interrupted, 3);
+  EXPECT_EQ(run(folder_.path(), words).status, 0);
+  EXPECT_EQ(digests(folder_.path() / "pool" / "small"), reference_);
+}
+
 TEST_F(Interruption, CtrlCStopsAtAnyInstant) {
   const std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", "ctrl-c"};
   std::mt19937 random(1);
