@@ -36,9 +36,10 @@ struct PoolPowers {
   bool operator==(const PoolPowers&) const = default;
 };
 
-/// Likelihood networks that are pooled with a posterior's (pooled_posterior.h): as many, of the
-/// same estimator, of what `transform` makes of x.
+/// Likelihood networks that are pooled with a posterior's (pooled_posterior.h): as many, of what
+/// `transform` makes of x.
 struct PooledLikelihood {
+  EstimatorConfig estimator;
   FeatureTransform transform;
   Parameters<float> parameters = {};
   PoolPowers powers = {};

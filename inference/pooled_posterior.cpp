@@ -65,6 +65,7 @@ NetworkParts posterior_parts(NetworkParts parts) {
 NetworkParts likelihood_parts(NetworkParts parts) {
   parts.role = NetworkRole::likelihood;
   parts.embedding = {};
+  parts.estimator = parts.likelihood->estimator;
   parts.transform = std::move(parts.likelihood->transform);
   parts.parameters = std::move(parts.likelihood->parameters);
   parts.likelihood.reset();

@@ -50,15 +50,23 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   return parts;
 }
 
-// Of x, what the likelihood of "npe_nle" is learned of: what the posterior sees, or principal
-// components where that is much, or goes through trained layers.
-FeatureTransform likelihood_transform(const PosteriorEstimationConfig& config,
-                                      const FeatureSource& x, const FeatureTransform& transform) {
-  const bool is_small =
-      config.embedding.features == 0 && num_varying_outputs(transform) <= kMostPooledFeatures;
-  if (is_small) return varying_outputs(transform);
-  const Index components = std::min({kPooledComponents, x.num_features(), x.num_rows()});
-  return varying_outputs(fit_feature_transform(x, components));
+// The likelihood of "npe_nle" is learned of what the posterior sees, or of principal components
+// where that is much, or goes through trained layers. Given theta, components are sums of noise and
+// nearly normal: affine maps say as much of fresh simulations as splines, sooner, and are better
+// where no simulation is like the observation.
+PooledLikelihood untrained_likelihood(const PosteriorEstimationConfig& config,
+                                      const FeatureSource& x, const NetworkParts& parts) {
+  PooledLikelihood likelihood{.estimator = parts.estimator,
+                              .transform = varying_outputs(parts.transform)};
+  const bool is_much = likelihood.transform.num_outputs() > kMostPooledFeatures;
+  if (is_much || config.embedding.features > 0) {
+    const Index components = std::min({kPooledComponents, x.num_features(), x.num_rows()});
+    likelihood.transform = varying_outputs(fit_feature_transform(x, components));
+  }
+  EstimatorKind& kind = likelihood.estimator.kind;
+  const bool has_components = likelihood.transform.basis.size() > 0;
+  if (has_components && kind == EstimatorKind::nsf) kind = EstimatorKind::maf;
+  return likelihood;
 }
 
 // What is trained: the networks of the algorithm's role, and for "npe_nle" those of the likelihood.
@@ -69,7 +77,7 @@ std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& c
   if (config.algorithm.kind != Algorithm::npe_nle || num_varying_outputs(parts.transform) == 0) {
     return ensembles;
   }
-  parts.likelihood = {.transform = likelihood_transform(config, *data.x, parts.transform)};
+  parts.likelihood = untrained_likelihood(config, *data.x, parts);
   ensembles.push_back(likelihood_parts(parts));
   return ensembles;
 }

@@ -2,7 +2,8 @@
 ///
 ///  - npe_nle: q(u | z) and l(z | u), both by maximum likelihood, pooled (pooled_posterior.h) by
 ///    how they predict held-out parameters (pool_powers.h); l of principal components where a layer
-///    is trained, or x has more than kMostPooledFeatures; one round;
+///    is trained, or x has more than kMostPooledFeatures; of components by "maf" where q is "nsf";
+///    one round;
 ///  - npe_a: q(u | z), a mixture, by maximum likelihood on the last round's simulations; divided by
 ///    their proposal (likelihood_objective.h, gaussian_mixture.h);
 ///  - npe_b: q(u | z) by maximum likelihood weighted by p / p~ (likelihood_objective.h);

@@ -90,10 +90,16 @@ void describe(Layout f, PoolNotes& pool) {
               fmt::format("at least 0 and {} together; rerun stage 'infer'", largest)));
 }
 
-void describe_likelihood(Layout f, PoolNotes& pool, inference::NetworkParts& parts) {
+void describe(Layout f, PoolNotes& pool, inference::PooledLikelihood& likelihood) {
   describe(f, pool);
-  parts.likelihood->powers = pool.powers;
-  describe(f, parts.likelihood->transform);
+  likelihood.powers = pool.powers;
+  describe_json(f, "density_estimator", likelihood.estimator,
+                "JSON: settings of the networks here");
+  describe(f, likelihood.transform);
+}
+
+void describe_likelihood(Layout f, PoolNotes& pool, inference::NetworkParts& parts) {
+  describe(f, pool, *parts.likelihood);
   inference::NetworkParts likelihood = inference::likelihood_parts(parts);
   describe_layers(f, likelihood);
   parts.likelihood->parameters = std::move(likelihood.parameters);
@@ -134,7 +140,7 @@ void describe_embedding(Layout f, const inference::EmbeddingConfig& embedding) {
 
 // Networks have epochs of their own number.
 void describe(Layout f, TrainingLosses& losses) {
-  f.bind("epochs", -1);
+  f.forget("epochs");
   const Dims epochs = {{"epochs", "epoch"}};
   f("training_loss", losses.training, epochs, "mean of each epoch of this round's training [nats]");
   f("validation_loss", losses.validation, epochs, "the same of the validation rows");
@@ -263,7 +269,7 @@ void describe(Layout f, RowCounts& rows) {
 }
 
 void describe(Layout f, inference::FeatureTransform& transform) {
-  f.bind("k", -1);  // that of a likelihood has components of its own number
+  f.forget("k");  // that of a likelihood has components of its own number
   Layout group = f.group("transform");
   group("mean", transform.mean, {kFeature}, "that is subtracted from features", kFinite);
   group("inverse_deviation", transform.inverse_deviation, {kFeature},
@@ -338,8 +344,8 @@ void list_posterior(Layout f) {
   describe(f, parts, observed);
   describe_mixture(f, {Vector::Zero(1), {Vector::Zero(1)}, {Eigen::MatrixXd::Ones(1, 1)}});
   PoolNotes pool;
-  describe(f.group("likelihood"), pool);
-  describe(f.group("likelihood"), parts.transform);
+  inference::PooledLikelihood likelihood;
+  describe(f.group("likelihood"), pool, likelihood);
   describe_embedding(f, {});
   describe(f, rows);
   describe(f.group("training").group(group_of_network(0)), losses);

@@ -36,7 +36,7 @@ NetworkParts some_pool(PoolPowers powers, double likelihood_strength = 0.2) {
       .parameters = {},
       .x_o = VectorF::Ones(2)};
   parts.parameters = some_weights(parts, 0.2);
-  parts.likelihood = {.transform = parts.transform, .powers = powers};
+  parts.likelihood = {.estimator = parts.estimator, .transform = parts.transform, .powers = powers};
   parts.likelihood->parameters = some_weights(likelihood_parts(parts), likelihood_strength);
   return parts;
 }

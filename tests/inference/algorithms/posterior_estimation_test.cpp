@@ -70,6 +70,23 @@ TEST(NpeNle, LearnsTheLikelihoodOfComponentsWhereFeaturesAreManyOrTrained) {
   EXPECT_EQ(transform_of(10).num_outputs(), 10);
 }
 
+TEST(NpeNle, LearnsALikelihoodOfComponentsByAffineFlows) {
+  const Prior prior({{"a", "1", Marginal::Kind::normal, 0.0, 1.0}});
+  PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::nsf, 1, 100);
+  c.training.max_epochs = 2;
+  const auto kind_of = [&](Index num_features) {
+    const auto posterior = infer(c, prior, shifted(num_features), VectorF::Zero(num_features), 1);
+    EXPECT_EQ(posterior->parts().estimator.kind, c.estimator.kind);
+    return posterior->parts().likelihood->estimator.kind;
+  };
+  EXPECT_EQ(kind_of(4), EstimatorKind::nsf);
+  EXPECT_EQ(kind_of(kMostPooledFeatures + 1), EstimatorKind::maf);
+  c.principal_components = 2;
+  EXPECT_EQ(kind_of(4), EstimatorKind::maf);
+  c.estimator.kind = EstimatorKind::mdn;
+  EXPECT_EQ(kind_of(4), EstimatorKind::mdn);
+}
+
 TEST(NpeNle, HasOneRound) {
   const LinearGaussian task(1);
   PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 2, 100);

@@ -120,13 +120,16 @@ TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
   inference::NetworkParts parts =
       parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::nsf);
   const inference::NetworkParts likelihood =
-      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::nsf);
-  parts.likelihood = {
-      likelihood.transform, likelihood.parameters, {.posterior = 0.5, .likelihood = 0.75}};
+      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::maf);
+  parts.likelihood = {likelihood.estimator,
+                      likelihood.transform,
+                      likelihood.parameters,
+                      {.posterior = 0.5, .likelihood = 0.75}};
   RowMatrix theta(2, 1);
   theta << 0.2, 0.9;
   const auto posterior = reread(parts);
   EXPECT_EQ(posterior->parts().likelihood->powers, parts.likelihood->powers);
+  EXPECT_EQ(posterior->parts().likelihood->estimator.kind, inference::EstimatorKind::maf);
   EXPECT_EQ(posterior->parts().likelihood->parameters, parts.likelihood->parameters);
   EXPECT_EQ(posterior->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
   const auto spoil = [&](h5::File& file) {
