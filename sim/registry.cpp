@@ -28,6 +28,7 @@ struct Entry {
   const char* name;
   SimulatorPtr (*make)(const SimulatorConfig&);
   std::span<const char* const> unused_settings;
+  int rollout_version = 1;
 };
 
 constexpr std::array kNotOfOdes = {"minigolf"};
@@ -36,7 +37,7 @@ constexpr std::array kOfOdes = {"segment_length", "integrator", "substeps"};
 // Every simulator: to add one, write its file pair and a line here.
 constexpr std::array kSimulators = {
     Entry{"furuta", make_ode_simulator<Furuta>, kNotOfOdes},
-    Entry{"minigolf", make_minigolf, kOfOdes},
+    Entry{"minigolf", make_minigolf, kOfOdes, 2},
     Entry{"pendulum", make_ode_simulator<Pendulum>, kNotOfOdes},
 };
 
@@ -64,6 +65,8 @@ std::vector<std::string> unused_settings(const std::string& name) {
   const Entry& entry = find_entry(name);
   return {entry.unused_settings.begin(), entry.unused_settings.end()};
 }
+
+int rollout_version(const std::string& name) { return find_entry(name).rollout_version; }
 
 std::vector<Outline> Simulator::outlines(const Vector& /*theta*/) const { return {}; }
 

@@ -84,6 +84,9 @@ class Simulator {
 std::vector<std::string> simulator_names();
 /// Fields of SimulatorConfig that mean nothing to the simulator `name`, one of simulator_names().
 std::vector<std::string> unused_settings(const std::string& name);
+/// A number that is raised when the simulator's rollouts change their bits: part of their keys
+/// from 2 on.
+int rollout_version(const std::string& name);
 /// Names of the simulators that have a regression_form().
 std::vector<std::string> simulators_with_regression();
 

@@ -41,6 +41,8 @@ SourceKeys BuiltInSource::keys() const {
   for (const std::string& setting : sim::unused_settings(study().simulator.name)) {
     keys.rows.erase(setting);
   }
+  const int version = sim::rollout_version(study().simulator.name);
+  if (version > 1) keys.rows["version"] = version;
   keys.states = without(keys.rows, "store_every");
   keys.truth = without(keys.states, "segment_length");
   keys.theta = Json::object();

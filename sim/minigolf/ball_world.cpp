@@ -29,6 +29,11 @@ RollingLaw rolling_law(const MinigolfConfig& config, const Course& course) {
           (5.0 * rate(config.linear_damping) + 2.0 * rate(config.angular_damping)) / 7.0};
 }
 
+// Distance of a place from the hole's edge.
+double gap_of_hole(const Eigen::Vector3d& p) {
+  return std::abs(std::hypot(p.x() - kHoleX, p.y() - kHoleY) - kHoleRadius);
+}
+
 std::array<Footprint, 5> footprints(const Course& course) {
   const auto& [outer, inner, end] = bounds();
   const auto& [left, right] = course.obstacles;
@@ -79,11 +84,24 @@ Eigen::Vector3d BallWorld::ball_spin() const {
 // Distance of the ball's surface from the next box or the hole's edge, seen from above.
 double BallWorld::gap() const {
   const Eigen::Vector3d p = ball_position();
-  double nearest = std::abs(std::hypot(p.x() - kHoleX, p.y() - kHoleY) - kHoleRadius);
+  double nearest = gap_of_hole(p);
   for (const Footprint& footprint : footprints_) {
     nearest = std::min(nearest, footprint.distance(p.x(), p.y()) - course_.ball_radius);
   }
   return nearest;
+}
+
+// Whether no box comes nearer while the ball rolls straight on: one that is left behind at first,
+// being convex, stays behind.
+bool BallWorld::rolls_away(double reach) const {
+  const Eigen::Vector3d p = ball_position();
+  const Eigen::Vector2d v = ball_velocity().head<2>();
+  if (gap_of_hole(p) < kNear + reach) return false;
+  return std::ranges::all_of(footprints_, [&](const Footprint& footprint) {
+    const Eigen::Vector2d outward = footprint.outward(p.x(), p.y());
+    const double gap = outward.norm() - course_.ball_radius;
+    return gap > kNear + reach || (gap > -kRolling && outward.dot(v) >= 0.0);
+  });
 }
 
 void BallWorld::step(Index t) {
@@ -92,7 +110,7 @@ void BallWorld::step(Index t) {
   const double club_gap = motion_.clearance(t, position) - course_.ball_radius - reach;
   const bool with_club = club_gap < kClubMargin;
   const bool is_near = gap() < kNear + reach;
-  if (!with_club && !is_near && rolls()) {
+  if (!with_club && (!is_near || rolls_away(reach)) && rolls()) {
     roll_on();
     ++counts_.rolled;
   } else {

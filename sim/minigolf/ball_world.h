@@ -4,8 +4,9 @@
 /// reaches the ball. A world simulates one rollout; none shares anything with another, so the bits
 /// of a rollout depend on nothing but its own course and club.
 ///
-/// While the ball rolls without slipping and nothing is within its reach, a step follows the closed
-/// form (rolling.h) unless the config wants the engine for that, too: same motion, less time.
+/// While the ball rolls without slipping, away from what is within its reach, a step follows the
+/// closed form (rolling.h) unless the config wants the engine for that, too: same motion, less
+/// time.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -55,6 +56,7 @@ class BallWorld {
  private:
   double gap() const;
   bool rolls() const;
+  bool rolls_away(double reach) const;
   void roll_on();
   void simulate(Index t, bool with_club, bool is_fine);
   void set_club_present(bool with_club, Index t, bool is_fine);

@@ -1,6 +1,7 @@
 #include "sim/minigolf/club_motion.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "sim/minigolf/arm.h"
 #include "sim/minigolf/head.h"
@@ -27,7 +28,21 @@ std::vector<Eigen::Isometry3d> poses(const RowMatrix& actions, Index substeps) {
   return result;
 }
 
+// How far any point of the head moves from one pose to another, at most.
+double largest_motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+  const Eigen::AngleAxisd turn(from.linear().transpose() * to.linear());
+  return (to.translation() - from.translation()).norm() +
+         std::abs(turn.angle()) * kHeadBoundingRadius;
+}
+
 }  // namespace
+
+double head_gap(const Eigen::Isometry3d& head, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d local = head.inverse() * point;
+  const Eigen::Vector3d nearest(std::clamp(local.x(), -kHeadHalfX, kHeadHalfX),
+                                std::clamp(local.y(), -kHeadHalfY, kHeadHalfY), 0.0);
+  return (local - nearest).norm() - kHeadRadius;
+}
 
 ClubMotion::ClubMotion(const RowMatrix& actions, Index coarse, Index fine)
     : coarse_(coarse),
@@ -35,9 +50,14 @@ ClubMotion::ClubMotion(const RowMatrix& actions, Index coarse, Index fine)
       coarse_poses_(poses(actions, coarse)),
       fine_poses_(poses(actions, fine)) {
   for (Index t = 0; t < actions.rows(); ++t) {
-    Eigen::AlignedBox3d box;
-    for (Index k = -1; k < fine_; ++k) box.extend(pose(t, k, true).translation());
+    Eigen::AlignedBox3d box(pose(t, -1, true).translation());
+    double motion = 0.0;
+    for (Index k = 0; k < fine_; ++k) {
+      box.extend(pose(t, k, true).translation());
+      motion = std::max(motion, largest_motion(pose(t, k - 1, true), pose(t, k, true)));
+    }
     during_.push_back(box);
+    motion_.push_back(motion);
   }
   from_ = during_;
   for (std::size_t t = from_.size() - 1; t-- > 0;) from_[t].extend(from_[t + 1]);
@@ -48,19 +68,18 @@ const Eigen::Isometry3d& ClubMotion::pose(Index t, Index k, bool is_fine) const 
   return (is_fine ? fine_poses_ : coarse_poses_)[static_cast<std::size_t>(i)];
 }
 
+// Between two poses the head is no farther from the next one than half of what it moves.
 double ClubMotion::clearance(Index t, const Eigen::Vector3d& point) const {
-  return during_[static_cast<std::size_t>(t)].exteriorDistance(point) - kHeadBoundingRadius;
+  const auto step = static_cast<std::size_t>(t);
+  const double bound = during_[step].exteriorDistance(point) - kHeadBoundingRadius;
+  if (bound > kHeadBoundingRadius) return bound;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Index k = -1; k < fine_; ++k) nearest = std::min(nearest, head_gap(pose(t, k, true), point));
+  return std::max(bound, nearest - 0.5 * motion_[step]);
 }
 
 double ClubMotion::clearance_from(Index t, const Eigen::Vector3d& point) const {
   return from_[static_cast<std::size_t>(t)].exteriorDistance(point) - kHeadBoundingRadius;
-}
-
-double ClubMotion::gap_at_start(const Eigen::Vector3d& point) const {
-  const Eigen::Vector3d local = fine_poses_.front().inverse() * point;
-  const Eigen::Vector3d nearest(std::clamp(local.x(), -kHeadHalfX, kHeadHalfX),
-                                std::clamp(local.y(), -kHeadHalfY, kHeadHalfY), 0.0);
-  return (local - nearest).norm() - kHeadRadius;
 }
 
 }  // namespace npdr::sim

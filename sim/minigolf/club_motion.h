@@ -8,6 +8,9 @@
 
 namespace npdr::sim {
 
+/// Distance [m] of `point` from the surface of a head with that pose; negative inside.
+double head_gap(const Eigen::Isometry3d& head, const Eigen::Vector3d& point);
+
 /// The joints move on straight lines between the actions of a rollout: during step t from those of
 /// action t to those of action t + 1, and rest at the last action.
 class ClubMotion {
@@ -27,13 +30,11 @@ class ClubMotion {
   double clearance(Index t, const Eigen::Vector3d& point) const;
   double clearance_from(Index t, const Eigen::Vector3d& point) const;
 
-  /// Distance of `point` from the head's surface before the first step; negative inside.
-  double gap_at_start(const Eigen::Vector3d& point) const;
-
  private:
   Index coarse_, fine_;
   std::vector<Eigen::Isometry3d> coarse_poses_, fine_poses_;  // (T n + 1)
   std::vector<Eigen::AlignedBox3d> during_, from_;            // of the head's center
+  std::vector<double> motion_;  // [m] of any point of the head between two fine poses, at most
 };
 
 }  // namespace npdr::sim

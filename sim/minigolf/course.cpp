@@ -113,11 +113,12 @@ Footprint::Footprint(const CourseBox& box)
       half_x_(box.half_x),
       half_y_(box.half_y) {}
 
-double Footprint::distance(double x, double y) const {
+Eigen::Vector2d Footprint::outward(double x, double y) const {
   const double dx = x - x_, dy = y - y_;
-  const double along = std::max(std::abs(cos_ * dx + sin_ * dy) - half_x_, 0.0);
-  const double across = std::max(std::abs(-sin_ * dx + cos_ * dy) - half_y_, 0.0);
-  return std::sqrt(along * along + across * across);
+  const double u = cos_ * dx + sin_ * dy, v = cos_ * dy - sin_ * dx;
+  const double along = u - std::clamp(u, -half_x_, half_x_);
+  const double across = v - std::clamp(v, -half_y_, half_y_);
+  return {cos_ * along - sin_ * across, sin_ * along + cos_ * across};
 }
 
 bool begins_inside(const Course& course, double x, double y) {

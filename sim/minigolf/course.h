@@ -67,8 +67,9 @@ class Footprint {
  public:
   explicit Footprint(const CourseBox& box);
 
-  /// Distance of the point (x, y); 0 inside.
-  double distance(double x, double y) const;
+  /// From the nearest point of the box to (x, y); 0 inside.
+  Eigen::Vector2d outward(double x, double y) const;
+  double distance(double x, double y) const { return outward(x, y).norm(); }
 
  private:
   double x_, y_, cos_, sin_, half_x_, half_y_;

@@ -113,7 +113,7 @@ RolloutStatus status_of(const Eigen::Vector3d& ball, const Course& course) {
 RolloutStatus simulate(const MinigolfConfig& config, const Course& course, const Task& task,
                        double dt, const Sink& sink) {
   const Eigen::Vector3d start(task.start.x(), task.start.y(), course.ball_radius);
-  const bool is_free = task.motion.gap_at_start(start) > course.ball_radius;
+  const bool is_free = head_gap(task.motion.pose(0, -1, true), start) > course.ball_radius;
   if (!is_free || begins_inside(course, start.x(), start.y())) return RolloutStatus::out_of_limits;
   BallWorld world(config, course, task.motion, dt, task.start);
   const Index steps = task.motion.num_steps();

@@ -104,6 +104,60 @@ TEST(BallWorld, RollsInClosedFormAsByTheEngine) {
   EXPECT_EQ(engine.step_counts().rolled, 0);
 }
 
+// From where it touches the outer bound (y = 1.68) a ball that leaves it is in closed form at once,
+// along it, too; one that comes nearer bounces, and then rolls away, as by the engine alone.
+TEST(BallWorld, RollsAwayFromABoundInClosedForm) {
+  const Course course = course_with(0.02, {0.6, 1e-4, 0.6}, {0.4, 1e-5, 0.0});
+  const ClubMotion club = resting_club(100);
+  for (const auto& [gap, v] : {std::pair{0.0, Eigen::Vector2d(0.2, -0.1)},
+                               {1e-3, Eigen::Vector2d(0.2, 0.0)},
+                               {0.03, Eigen::Vector2d(0.1, 0.2)}}) {
+    BallWorld exact(with(0.1, Rolling::exact), course, club, kStep, kFarAway);
+    BallWorld engine(with(0.1, Rolling::engine), course, club, kStep, kFarAway);
+    for (BallWorld* world : {&exact, &engine}) {
+      world->set_ball({0.8, 1.66 - gap, 0.02}, {v.x(), v.y(), 0.0},
+                      {-v.y() / 0.02, v.x() / 0.02, 0.0});
+    }
+    for (Index t = 0; t < 60; ++t) {
+      exact.step(t);
+      engine.step(t);
+      ASSERT_LT((exact.ball_position() - engine.ball_position()).norm(), 3e-3) << gap << ", " << t;
+      ASSERT_LT((exact.ball_velocity() - engine.ball_velocity()).norm(), 1e-2) << gap << ", " << t;
+    }
+    const Index touching = v.y() > 0.0 ? 20 : 0;  // at most: what it takes to roll again
+    EXPECT_GE(exact.step_counts().rolled, 60 - touching) << gap;
+    if (v.y() > 0.0) {
+      EXPECT_LT(exact.ball_velocity().y(), 0.0) << "it has bounced";
+      EXPECT_GT(exact.step_counts().fine, 0);
+    }
+  }
+}
+
+// At 100 instants of a step no point is nearer to the head than its clearance says, nor by more
+// than what the head moves between two of the poses that it is found from.
+TEST(ClubMotion, ClearanceIsALowerBound) {
+  const ClubMotion club = striking_club(30);
+  for (Index t = 0; t < 29; ++t) {
+    const Eigen::Vector3d center = head_pose(strike((double(t) + 0.5) * kStep)).translation();
+    for (const Eigen::Vector3d& offset :
+         {Eigen::Vector3d(0.03, 0.0, 0.0), Eigen::Vector3d(-0.02, 0.03, 0.0),
+          Eigen::Vector3d(0.01, -0.04, 0.02), Eigen::Vector3d(0.0, 0.2, 0.0)}) {
+      const Eigen::Vector3d point = center + offset;
+      double nearest = 1.0;
+      for (Index k = 0; k <= 100; ++k) {
+        const Eigen::Isometry3d head = head_pose(
+            between(strike(double(t) * kStep), strike(double(t + 1) * kStep), 0.01 * double(k)));
+        nearest = std::min(nearest, head_gap(head, point));
+      }
+      const double clearance = club.clearance(t, point);
+      EXPECT_LE(clearance, nearest + 1e-9) << t;
+      if (offset.norm() < 0.1) {
+        EXPECT_GT(clearance, nearest - 2e-3) << t;
+      }
+    }
+  }
+}
+
 // Ground that is too smooth for the ball's rolling friction can't make it roll: it slides.
 TEST(BallWorld, SlidesWhereTheGroundCantHoldIt) {
   const Course course = course_with(0.02, {1.0, 0.01, 0.5}, {0.01, 0.01, 0.0});
