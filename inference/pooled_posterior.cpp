@@ -16,6 +16,8 @@ constexpr Index kGroup = 500;
 constexpr Index kCandidates = 4 * kGroup;       // drawn at once
 constexpr Index kMostCandidates = 64 * kGroup;  // of a group
 
+constexpr double kNormalizerError = 0.02;  // [nats], where the most candidates allow it
+
 constexpr double kImpossible = -1e100;
 
 constexpr PoolPowers kPosteriorAlone = {};
@@ -23,6 +25,10 @@ constexpr PoolPowers kPosteriorAlone = {};
 // The largest 1.
 Vector weights_of(const Vector& log_weights) {
   return (log_weights.array() - log_weights.maxCoeff()).exp();
+}
+
+double log_mean_exp(const Vector& values) {
+  return log_sum_exp(values) - std::log(static_cast<double>(values.size()));
 }
 
 // Rows at `count` evenly spaced places along the cumulative weights; `uniform` in (0, 1) says where
@@ -119,6 +125,33 @@ PoolPowers PooledPosterior::usable_powers() const {
   return part_of_way(low);
 }
 
+// Draws of q with their weights.
+struct PooledPosterior::Candidates {
+  RowMatrix theta;  // (n, D)
+  Vector log_weights;
+
+  Index size() const { return log_weights.size(); }
+  double effective_size() const { return inference::effective_size(weights_of(log_weights)); }
+  double log_mean_weight() const { return log_mean_exp(log_weights); }
+};
+
+// kCandidates at a time, until `is_enough` of them or `most`.
+template <typename Test>
+PooledPosterior::Candidates PooledPosterior::candidates(StreamId batch, Index most,
+                                                        const Test& is_enough) const {
+  Candidates all{.theta = RowMatrix(0, prior().dimension()), .log_weights = {}};
+  while (all.size() < most) {
+    const RowMatrix more = posterior_.sample(kCandidates, batch);
+    batch.row += kCandidates;
+    all.theta.conservativeResize(all.size() + more.rows(), Eigen::NoChange);
+    all.theta.bottomRows(more.rows()) = more;
+    all.log_weights.conservativeResize(all.theta.rows());
+    all.log_weights.tail(more.rows()) = evidence(more).log_weights(powers());
+    if (is_enough(all)) break;
+  }
+  return all;
+}
+
 struct PooledPosterior::Group {
   RowMatrix theta;  // (kGroup, D)
   double effective_size = 0.0;
@@ -127,31 +160,21 @@ struct PooledPosterior::Group {
 };
 
 PooledPosterior::Group PooledPosterior::draw_group(const StreamId& id) const {
-  Group group;
-  RowMatrix candidates(0, prior().dimension());
-  Vector log_weights;
-  StreamId batch = within(id, "pool_candidates");
-  batch.row = id.row * (kMostCandidates / kGroup);
-  while (candidates.rows() < kMostCandidates) {
-    const RowMatrix more = posterior_.sample(kCandidates, batch);
-    batch.row += kCandidates;
-    candidates.conservativeResize(candidates.rows() + more.rows(), Eigen::NoChange);
-    candidates.bottomRows(more.rows()) = more;
-    log_weights.conservativeResize(candidates.rows());
-    log_weights.tail(more.rows()) = evidence(more).log_weights(powers());
-    group.effective_size = effective_size(weights_of(log_weights));
-    if (group.effective_size >= 2.0 * kGroup) break;
-  }
-  group.num_candidates = candidates.rows();
-  group.log_mean_weight =
-      log_sum_exp(log_weights) - std::log(static_cast<double>(candidates.rows()));
+  StreamId first = within(id, "pool_candidates");
+  first.row = id.row * (kMostCandidates / kGroup);
+  const Candidates drawn = candidates(first, kMostCandidates, [](const Candidates& all) {
+    return all.effective_size() >= 2.0 * kGroup;
+  });
+  Group group{.theta = RowMatrix(kGroup, prior().dimension()),
+              .effective_size = drawn.effective_size(),
+              .num_candidates = drawn.size(),
+              .log_mean_weight = drawn.log_mean_weight()};
   Stream stream(within(id, "pool_resampling"));
   const std::vector<Index> rows =
-      systematic_resample(weights_of(log_weights), kGroup, stream.uniform());
-  group.theta.resize(kGroup, candidates.cols());
+      systematic_resample(weights_of(drawn.log_weights), kGroup, stream.uniform());
   Index place = 0;
   for (const std::uint32_t i : stream.permutation(kGroup)) {
-    group.theta.row(place++) = candidates.row(rows[i]);
+    group.theta.row(place++) = drawn.theta.row(rows[i]);
   }
   return group;
 }
@@ -171,7 +194,7 @@ Samples PooledPosterior::draw(Index n, const StreamId& id) const {
     report.num_evaluations += group.num_candidates;
     log_means(first / kGroup) = group.log_mean_weight;
   }
-  report.log_normalizer = log_sum_exp(log_means) - std::log(static_cast<double>(log_means.size()));
+  report.log_normalizer = log_mean_exp(log_means);
   return {theta, report};
 }
 
@@ -182,10 +205,13 @@ double PooledPosterior::log_normalizer() const {
 
 double PooledPosterior::estimate_log_normalizer() const {
   if (powers() == kPosteriorAlone) return 0.0;
-  constexpr Index num_draws = 20'000;
   const StreamId id{parts().structure_seed, "pool_normaliser", 0, 0, 0};
-  return log_sum_exp(evidence_of_draws(num_draws, id).log_weights(powers())) -
-         std::log(static_cast<double>(num_draws));
+  // The squared relative error of a mean of n weights is (n / effective size - 1) / n.
+  const auto is_known = [](const Candidates& all) {
+    const auto n = static_cast<double>(all.size());
+    return n / all.effective_size() - 1.0 <= n * kNormalizerError * kNormalizerError;
+  };
+  return candidates(id, kMostCandidates, is_known).log_mean_weight();
 }
 
 Vector PooledPosterior::relative_log_prob(const RowMatrix& theta) const {
