@@ -110,6 +110,68 @@ bool is_inside(S v) {
   return std::abs(v) < S(kBound);
 }
 
+// Partial derivatives of z and of log dz/dv = 2 log s + log A - 2 log D by xi, s, h, d_0, d_1 and
+// the lower knot, then the chain rule to v, w and h: columns v, w, h, d_0, d_1 of d_element.
+template <typename S>
+void differentiate_elements(const S* by_z, const VectorX<S>& by_log_det,
+                            ElementScratch<S>& scratch) {
+  const Index n = by_log_det.size();
+  const SplineBins<S>& bins = scratch.bins;
+  scratch.d_element.resize(n, 5);
+  S *by_v = scratch.d_element.col(0).data(), *by_w = scratch.d_element.col(1).data(),
+    *by_h = scratch.d_element.col(2).data(), *by_d0 = scratch.d_element.col(3).data(),
+    *by_d1 = scratch.d_element.col(4).data();
+  const S *v = scratch.moved.data(), *knot_v = bins.v.data(), *w = bins.w.data(),
+          *h = bins.h.data(), *d0 = bins.d0.data(), *d1 = bins.d1.data(), *det = by_log_det.data();
+#pragma omp simd
+  for (Index i = 0; i < n; ++i) {
+    const bool inside = is_inside(v[i]);
+    const Fraction<S> f(inside ? v[i] : knot_v[i], knot_v[i], w[i], h[i], d0[i], d1[i]);
+    const S g = inside ? by_z[i] : S(0), l = inside ? det[i] : S(0);
+    const S z_by_num = g / f.denominator;
+    const S by_den = -(z_by_num * f.numerator + 2 * l) / f.denominator;
+    const S by_a = l / f.slope_numerator;
+    const S by_xi = z_by_num * h[i] * (2 * f.s * f.xi + d0[i] * (1 - 2 * f.xi)) +
+                    by_den * (d1[i] + d0[i] - 2 * f.s) * (1 - 2 * f.xi) +
+                    by_a * 2 * (d1[i] * f.xi + f.s * (1 - 2 * f.xi) - d0[i] * (1 - f.xi));
+    const S by_s =
+        z_by_num * h[i] * f.xi * f.xi + by_den * (1 - 2 * f.q) + by_a * 2 * f.q + 2 * l / f.s;
+    by_v[i] = by_xi / w[i];
+    by_h[i] = z_by_num * f.numerator / h[i] + by_s / w[i];
+    by_w[i] = -(by_xi * f.xi + by_s * f.s) / w[i];
+    by_d0[i] = z_by_num * h[i] * f.q + by_den * f.q + by_a * (1 - f.xi) * (1 - f.xi);
+    by_d1[i] = by_den * f.q + by_a * f.xi * f.xi;
+  }
+}
+
+// What the element says of its own bin goes to all widths, heights and derivatives (d_widths, n
+// numbers a bin, and what follows it): the knots are sums of the bins below.
+template <typename S>
+void spread_over_bins(const S* by_z, const ElementScratch<S>& scratch, S* d_widths) {
+  const Index n = scratch.d_element.rows();
+  const int num_bins = static_cast<int>(scratch.widths.cols());
+  const S *by_v = scratch.d_element.col(0).data(), *by_w = scratch.d_element.col(1).data(),
+          *by_h = scratch.d_element.col(2).data(), *by_d0 = scratch.d_element.col(3).data(),
+          *by_d1 = scratch.d_element.col(4).data(), *v = scratch.moved.data();
+  const int* number = scratch.bins.number.data();
+  S* d_heights = d_widths + num_bins * n;
+  S* d_derivatives = d_heights + num_bins * n;
+  for (int k = 0; k < num_bins; ++k, d_widths += n, d_heights += n) {
+#pragma omp simd
+    for (Index i = 0; i < n; ++i) {
+      const S below = is_inside(v[i]) ? S(1) : S(0);
+      d_widths[i] = k < number[i] ? -by_v[i] : (k == number[i] ? by_w[i] : S(0));
+      d_heights[i] = k < number[i] ? below * by_z[i] : (k == number[i] ? by_h[i] : S(0));
+    }
+  }
+  for (int k = 0; k + 1 < num_bins; ++k, d_derivatives += n) {
+#pragma omp simd
+    for (Index i = 0; i < n; ++i) {
+      d_derivatives[i] = number[i] == k + 1 ? by_d0[i] : (number[i] == k ? by_d1[i] : S(0));
+    }
+  }
+}
+
 }  // namespace
 
 template <typename S>
@@ -157,66 +219,23 @@ void SplineMap<S>::forward(const ColumnMatrixX<S>& u, ElementScratch<S>& scratch
   log_det += scratch.log_slope.rowwise().sum();
 }
 
-// Partial derivatives of z and of log dz/dv = 2 log s + log A - 2 log D by xi, s, h, d_0, d_1 and
-// the lower knot, then the chain rule to v, widths and heights. The knots are sums of the bins
-// below.
 template <typename S>
 void SplineMap<S>::backward(const ColumnMatrixX<S>& u, const VectorX<S>& d_log_det,
                             ElementScratch<S>& scratch, ColumnMatrixX<S>& d_z) const {
   const Index n = u.size();
-  const SplineBins<S>& bins = scratch.bins;
-  scratch.d_element.resize(n, 5);
-  S *by_v = scratch.d_element.col(0).data(), *by_w = scratch.d_element.col(1).data(),
-    *by_h = scratch.d_element.col(2).data(), *by_d0 = scratch.d_element.col(3).data(),
-    *by_d1 = scratch.d_element.col(4).data();
-  const VectorX<S> by_log_det = d_log_det.replicate(u.cols(), 1);
-  const S *v = scratch.moved.data(), *knot_v = bins.v.data(), *w = bins.w.data(),
-          *h = bins.h.data(), *d0 = bins.d0.data(), *d1 = bins.d1.data(), *det = by_log_det.data();
-  const int* number = bins.number.data();
-  S* by_z = d_z.data();
-#pragma omp simd
-  for (Index i = 0; i < n; ++i) {
-    const bool inside = is_inside(v[i]);
-    const Fraction<S> f(inside ? v[i] : knot_v[i], knot_v[i], w[i], h[i], d0[i], d1[i]);
-    const S g = inside ? by_z[i] : S(0), l = inside ? det[i] : S(0);
-    const S z_by_num = g / f.denominator;
-    const S by_den = -(z_by_num * f.numerator + 2 * l) / f.denominator;
-    const S by_a = l / f.slope_numerator;
-    const S by_xi = z_by_num * h[i] * (2 * f.s * f.xi + d0[i] * (1 - 2 * f.xi)) +
-                    by_den * (d1[i] + d0[i] - 2 * f.s) * (1 - 2 * f.xi) +
-                    by_a * 2 * (d1[i] * f.xi + f.s * (1 - 2 * f.xi) - d0[i] * (1 - f.xi));
-    const S by_s =
-        z_by_num * h[i] * f.xi * f.xi + by_den * (1 - 2 * f.q) + by_a * 2 * f.q + 2 * l / f.s;
-    by_v[i] = by_xi / w[i];
-    by_h[i] = z_by_num * f.numerator / h[i] + by_s / w[i];
-    by_w[i] = -(by_xi * f.xi + by_s * f.s) / w[i];
-    by_d0[i] = z_by_num * h[i] * f.q + by_den * f.q + by_a * (1 - f.xi) * (1 - f.xi);
-    by_d1[i] = by_den * f.q + by_a * f.xi * f.xi;
-  }
-
   scratch.d_raw.resize(u.rows(), scratch.raw.cols());
   S* d_widths = scratch.d_raw.data() + 2 * n;
   S* d_heights = d_widths + bins_ * n;
   S* d_derivatives = d_heights + bins_ * n;
-  for (int k = 0; k < static_cast<int>(bins_); ++k, d_widths += n, d_heights += n) {
-#pragma omp simd
-    for (Index i = 0; i < n; ++i) {
-      const S below = is_inside(v[i]) ? S(1) : S(0);
-      d_widths[i] = k < number[i] ? -by_v[i] : (k == number[i] ? by_w[i] : S(0));
-      d_heights[i] = k < number[i] ? below * by_z[i] : (k == number[i] ? by_h[i] : S(0));
-    }
-  }
-  for (int k = 0; k + 1 < static_cast<int>(bins_); ++k, d_derivatives += n) {
-#pragma omp simd
-    for (Index i = 0; i < n; ++i) {
-      d_derivatives[i] = number[i] == k + 1 ? by_d0[i] : (number[i] == k ? by_d1[i] : S(0));
-    }
-  }
-  softmax_backward(scratch.widths, scratch.d_raw.data() + 2 * n);
-  softmax_backward(scratch.heights, scratch.d_raw.data() + (2 + bins_) * n);
+  S* by_z = d_z.data();
+  differentiate_elements<S>(by_z, d_log_det.replicate(u.cols(), 1), scratch);
+  spread_over_bins(by_z, scratch, d_widths);
+  softmax_backward(scratch.widths, d_widths);
+  softmax_backward(scratch.heights, d_heights);
   // softplus'(x) = 1 - exp(-softplus(x)).
-  Eigen::Map<ColumnMatrixX<S>>(scratch.d_raw.data() + (2 + 2 * bins_) * n, n, bins_ - 1).array() *=
+  Eigen::Map<ColumnMatrixX<S>>(d_derivatives, n, bins_ - 1).array() *=
       S(1) - (S(kSmallestDerivative) - scratch.derivatives.array()).exp();
+  const S *v = scratch.moved.data(), *by_v = scratch.d_element.col(0).data();
 #pragma omp simd
   for (Index i = 0; i < n; ++i) by_z[i] = is_inside(v[i]) ? by_v[i] : by_z[i];
   affine_.backward(u, d_log_det, scratch, d_z);
