@@ -26,19 +26,14 @@ void RunCosts::learn(const Node& node, double core_seconds) {
     mean->sum += core_seconds;
     mean->count += size_of(node);
   }
-  all_.sum += core_seconds;
-  all_.count += 1.0;
 }
 
 std::optional<double> RunCosts::expected(const Node& node) const {
   const auto same = by_method_.find({node.stage, node.uses.front().method});
   if (same != by_method_.end()) return size_of(node) * same->second.sum / same->second.count;
   const auto similar = by_stage_.find(node.stage);
-  if (similar != by_stage_.end()) {
-    return size_of(node) * similar->second.sum / similar->second.count;
-  }
-  if (all_.count == 0.0) return std::nullopt;
-  return all_.sum / all_.count;
+  if (similar == by_stage_.end()) return std::nullopt;
+  return size_of(node) * similar->second.sum / similar->second.count;
 }
 
 }  // namespace npdr::pipeline

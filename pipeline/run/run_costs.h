@@ -18,8 +18,8 @@ class RunCosts {
 
   void learn(const Node& node, double core_seconds);
 
-  /// Core-seconds that `node` will probably cost: as others of its stage and method, of its stage,
-  /// or of any; none where nothing is known.
+  /// Core-seconds that `node` will probably cost: as others of its stage and method, or of its
+  /// stage; none where there are none.
   std::optional<double> expected(const Node& node) const;
 
  private:
@@ -33,7 +33,6 @@ class RunCosts {
   const Plan& plan_;
   std::map<Kind, Mean> by_method_;
   std::map<Stage, Mean> by_stage_;
-  Mean all_;  // an artefact each
 };
 
 }  // namespace npdr::pipeline

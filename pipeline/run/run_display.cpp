@@ -16,14 +16,15 @@ std::string counts(const RunProgress& run) {
 
 std::string time_text(const RunProgress& run) {
   const std::string passed = clock_text(run.seconds);
-  if (run.share <= 0.0 || run.share >= 1.0) return passed;
-  return passed + ", " + clock_text(run.seconds * (1.0 - run.share) / run.share) + " left";
+  if (run.seconds_left.value_or(0.0) <= 0.0) return passed;
+  return passed + ", " + clock_text(*run.seconds_left) + " left";
 }
 
 std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& size) {
   const int bar_width = size.columns < 60 ? 12 : 24;
-  std::vector<std::string> lines = {fmt::format("{} {} {:3.0f} % {}, {}", run.study,
-                                                bar(run.share, bar_width), 100.0 * run.share,
+  const std::string percent = run.share ? fmt::format("{:3.0f} % ", 100.0 * *run.share) : "";
+  std::vector<std::string> lines = {fmt::format("{} {} {}{}, {}", run.study,
+                                                bar(run.share.value_or(0.0), bar_width), percent,
                                                 time_text(run), counts(run))};
   constexpr std::size_t rows_of_others = 3;
   const auto rows = static_cast<std::size_t>(size.rows);
@@ -36,8 +37,8 @@ std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& 
 }
 
 std::string log_line(const RunProgress& run) {
-  std::string text = fmt::format("{}: {:.0f} %, {} [{}]", run.study, 100.0 * run.share, counts(run),
-                                 time_text(run));
+  const std::string percent = run.share ? fmt::format("{:.0f} %, ", 100.0 * *run.share) : "";
+  std::string text = fmt::format("{}: {}{} [{}]", run.study, percent, counts(run), time_text(run));
   for (const std::string& job : run.jobs) text += " | " + job;
   return text;
 }

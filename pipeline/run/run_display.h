@@ -1,6 +1,7 @@
 /// What `npdr run` shows of its progress.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,14 +13,14 @@ namespace npdr::pipeline {
 struct RunProgress {
   std::string study;
   std::size_t num_made = 0;
-  std::size_t num_missing = 0;    ///< when it began
-  double seconds = 0.0;           ///< since then
-  double share = 0.0;             ///< of the work that is done, by what it costs
-  std::vector<std::string> jobs;  ///< that run: "infer NPE, seed 1, round 1: 120 epochs, loss 1.2"
+  std::size_t num_missing = 0;       ///< when it began
+  double seconds = 0.0;              ///< since then
+  std::optional<double> share = {};  ///< of the work that is done, by its cost; none: unknown
+  std::optional<double> seconds_left = {};  ///< as long as what is done took, by its cost
+  std::vector<std::string> jobs = {};  ///< "infer NPE, seed 1, round 1: 120 epochs, loss 1.2", ...
 };
 
-/// "01:24, 00:31 left": the rest takes as long as what is done, by its cost; "01:24" before and
-/// after that is known.
+/// "01:24, 00:31 left"; "01:24" where what is left isn't known, or nothing.
 std::string time_text(const RunProgress& run);
 
 /// Lines for a terminal: a bar, and below it a line for each job where there is room.

@@ -251,30 +251,35 @@ double Scheduler::spent(const Job& job) {
   return seconds_since(job.start) * static_cast<double>(job.threads);
 }
 
-double Scheduler::left(const Job& job) const {
+std::optional<double> Scheduler::left(const Job& job) const {
   const ChildProcess::State& state = job.process.state();
   // Where all is done and it goes on, it is at something that it doesn't count.
   if (state.done > 0 && state.done < state.total) {
     return spent(job) * static_cast<double>(state.total - state.done) /
            static_cast<double>(state.done);
   }
+  const std::optional<double> expected = costs_.expected(plan_.nodes[job.node]);
   // Once it has taken longer than others, as long again is as good a guess as any.
-  const double expected = costs_.expected(plan_.nodes[job.node]).value_or(0.0);
-  return spent(job) < expected ? expected - spent(job) : spent(job);
+  if (expected && *expected <= spent(job)) return spent(job);
+  return expected ? std::optional(*expected - spent(job)) : std::nullopt;
 }
 
-double Scheduler::share_done() const {
+std::optional<double> Scheduler::share_done() const {
   double done = spent_, rest = 0.0;
+  double num_known = 0.0, num_unknown = 0.0;
+  const auto add = [&](std::optional<double> cost) {
+    ++(cost ? num_known : num_unknown);
+    rest += cost.value_or(0.0);
+  };
   for (const Job& job : jobs_) {
     done += spent(job);
-    rest += left(job);
+    add(left(job));
   }
   for (std::size_t i = 0; i < states_.size(); ++i) {
-    if (states_[i] != State::waiting) continue;
-    const std::optional<double> expected = costs_.expected(plan_.nodes[i]);
-    if (!expected) return 0.0;
-    rest += *expected;
+    if (states_[i] == State::waiting) add(costs_.expected(plan_.nodes[i]));
   }
+  if (num_unknown > num_known) return std::nullopt;
+  if (num_unknown > 0.0) rest *= 1.0 + num_unknown / num_known;
   return done + rest > 0.0 ? done / (done + rest) : 0.0;
 }
 
@@ -299,8 +304,15 @@ void Scheduler::show_progress(bool force) {
   const double wait = lines_.is_terminal() ? 0.2 : 60.0;
   if (!force && seconds_since(shown_) < wait) return;
   shown_ = Clock::now();
-  RunProgress run{plan_.study.name,      num_made_,    num_missing_,
-                  seconds_since(start_), share_done(), {}};
+  RunProgress run{.study = plan_.study.name,
+                  .num_made = num_made_,
+                  .num_missing = num_missing_,
+                  .seconds = seconds_since(start_)};
+  if (const std::optional<double> share = share_done()) {
+    shown_share_ = std::max(shown_share_, *share);
+    run.share = shown_share_;
+    if (*share > 0.0) run.seconds_left = run.seconds * (1.0 - *share) / *share;
+  }
   for (const Job& job : jobs_) run.jobs.push_back(job_text(job));
   if (lines_.is_terminal() && !force) {
     lines_.show(live_lines(run, lines_.size()));

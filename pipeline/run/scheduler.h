@@ -62,11 +62,11 @@ class Scheduler {
   void end_of(const Job& job);
   void print_warnings(const Node& node, const std::vector<std::string>& warnings);
   void pass_on_stop_request();
-  /// Core-seconds of a job so far, and of what is left of it.
+  /// Core-seconds of a job so far, and of what is left of it; none where nothing tells.
   static double spent(const Job& job);
-  double left(const Job& job) const;
-  /// Share of the run's work that is done.
-  double share_done() const;
+  std::optional<double> left(const Job& job) const;
+  /// Share of the run's work that is done; none while most of what is left is of unknown cost.
+  std::optional<double> share_done() const;
   std::string job_text(const Job& job) const;
   void show_progress(bool force);
   std::string log_path(const Node& node) const;
@@ -83,6 +83,7 @@ class Scheduler {
   bool passed_on_ = false;  ///< the children were told to stop
   RunCosts costs_;
   double spent_ = 0.0;  ///< core-seconds of the jobs that have ended
+  double shown_share_ = 0.0;
   LiveLines lines_;
   FailureWords failures_;
   std::chrono::steady_clock::time_point start_;

@@ -5,7 +5,8 @@
 namespace npdr::pipeline {
 namespace {
 
-const RunProgress kRun = {"pendulum", 163, 263, 60.0, 0.75, {"infer A: 12 epochs", "evaluate B"}};
+const RunProgress kRun = {
+    "pendulum", 163, 263, 60.0, 0.75, 20.0, {"infer A: 12 epochs", "evaluate B"}};
 
 TEST(RunDisplay, HasABarAndALineForEachJob) {
   EXPECT_EQ(live_lines(kRun, {80, 24}),
@@ -21,10 +22,11 @@ TEST(RunDisplay, NamesOneJobWhereThereIsNoRoom) {
 
 TEST(RunDisplay, SaysNothingOfTheRestBeforeAnythingIsKnown) {
   RunProgress run = kRun;
-  run.share = 0.0;
-  EXPECT_EQ(time_text(run), "01:00");
+  run.share = run.seconds_left = std::nullopt;
   EXPECT_EQ(log_line(run),
-            "pendulum: 0 %, 163 of 263 artefacts [01:00] | infer A: 12 epochs | evaluate B");
+            "pendulum: 163 of 263 artefacts [01:00] | infer A: 12 epochs | evaluate B");
+  EXPECT_EQ(live_lines(run, {80, 24}).front(),
+            "pendulum [......................] 01:00, 163 of 263 artefacts");
 }
 
 }  // namespace
