@@ -1,5 +1,7 @@
 #include "pipeline/run/run_costs.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "pipeline/plan/completeness.h"
 
@@ -34,6 +36,26 @@ std::optional<double> RunCosts::expected(const Node& node) const {
   const auto similar = by_stage_.find(node.stage);
   if (similar == by_stage_.end()) return std::nullopt;
   return size_of(node) * similar->second.sum / similar->second.count;
+}
+
+void WorkLeft::add(Stage stage, std::optional<double> core_seconds) {
+  if (core_seconds) {
+    known_ += *core_seconds;
+    ++num_known_;
+  } else {
+    ++num_unknown_[stage];
+  }
+}
+
+std::optional<double> WorkLeft::share_done(double done) const {
+  const auto num_unknown = std::ssize(num_unknown_);
+  const bool has_several =
+      std::ranges::any_of(num_unknown_, [](const auto& s) { return s.second > 1; });
+  if (has_several || num_unknown > num_known_) return std::nullopt;
+  double rest = known_;
+  if (num_known_ > 0)
+    rest *= 1.0 + static_cast<double>(num_unknown) / static_cast<double>(num_known_);
+  return done + rest > 0.0 ? done / (done + rest) : 0.0;
 }
 
 }  // namespace npdr::pipeline

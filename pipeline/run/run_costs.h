@@ -35,4 +35,21 @@ class RunCosts {
   std::map<Stage, Mean> by_stage_;
 };
 
+/// What is left of a run, artefact by artefact.
+class WorkLeft {
+ public:
+  /// `core_seconds`: what it still costs; none: unknown.
+  void add(Stage stage, std::optional<double> core_seconds);
+
+  /// Share of the run's work that is done, `done` core-seconds of it; none where nothing tells what
+  /// most artefacts cost, or several of one stage. A single one, as the report, is taken to cost as
+  /// much as others do on average.
+  std::optional<double> share_done(double done) const;
+
+ private:
+  double known_ = 0.0;  // core-seconds
+  Index num_known_ = 0;
+  std::map<Stage, Index> num_unknown_;
+};
+
 }  // namespace npdr::pipeline

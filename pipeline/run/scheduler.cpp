@@ -265,22 +265,17 @@ std::optional<double> Scheduler::left(const Job& job) const {
 }
 
 std::optional<double> Scheduler::share_done() const {
-  double done = spent_, rest = 0.0;
-  double num_known = 0.0, num_unknown = 0.0;
-  const auto add = [&](std::optional<double> cost) {
-    ++(cost ? num_known : num_unknown);
-    rest += cost.value_or(0.0);
-  };
+  double done = spent_;
+  WorkLeft rest;
   for (const Job& job : jobs_) {
     done += spent(job);
-    add(left(job));
+    rest.add(plan_.nodes[job.node].stage, left(job));
   }
   for (std::size_t i = 0; i < states_.size(); ++i) {
-    if (states_[i] == State::waiting) add(costs_.expected(plan_.nodes[i]));
+    const Node& node = plan_.nodes[i];
+    if (states_[i] == State::waiting) rest.add(node.stage, costs_.expected(node));
   }
-  if (num_unknown > num_known) return std::nullopt;
-  if (num_unknown > 0.0) rest *= 1.0 + num_unknown / num_known;
-  return done + rest > 0.0 ? done / (done + rest) : 0.0;
+  return rest.share_done(done);
 }
 
 std::string Scheduler::job_text(const Job& job) const {
@@ -310,9 +305,9 @@ void Scheduler::show_progress(bool force) {
                   .seconds = seconds_since(start_)};
   if (const std::optional<double> share = share_done()) {
     shown_share_ = std::max(shown_share_, *share);
-    run.share = shown_share_;
     if (*share > 0.0) run.seconds_left = run.seconds * (1.0 - *share) / *share;
   }
+  if (shown_share_ > 0.0) run.share = shown_share_;
   for (const Job& job : jobs_) run.jobs.push_back(job_text(job));
   if (lines_.is_terminal() && !force) {
     lines_.show(live_lines(run, lines_.size()));

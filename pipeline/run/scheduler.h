@@ -65,7 +65,7 @@ class Scheduler {
   /// Core-seconds of a job so far, and of what is left of it; none where nothing tells.
   static double spent(const Job& job);
   std::optional<double> left(const Job& job) const;
-  /// Share of the run's work that is done; none while most of what is left is of unknown cost.
+  /// Share of the run's work that is done, as WorkLeft has it.
   std::optional<double> share_done() const;
   std::string job_text(const Job& job) const;
   void show_progress(bool force);
