@@ -112,6 +112,7 @@ void BallWorld::step(Index t) {
   const bool is_near = gap() < kNear + reach;
   if (!with_club && (!is_near || rolls_away(reach)) && rolls()) {
     roll_on();
+    club_moves_ = false;
     ++counts_.rolled;
   } else {
     simulate(t, with_club, is_near || club_gap < kNear);
@@ -162,20 +163,24 @@ void BallWorld::watch_rest(Index t) {
                   motion_.clearance_from(t, ball_position()) - course_.ball_radius > kClubMargin;
 }
 
-// A club that joins at the beginning of step t has the velocity that it has from there on.
+// A club that joins at the beginning of step t, or waited while the ball rolled in closed form, has
+// the velocity that it has from there on.
 void BallWorld::set_club_present(bool with_club, Index t, bool is_fine) {
+  btRigidBody& club = scene_->club();
+  if (with_club && !club_moves_) {
+    const btTransform pose = to_bullet(motion_.pose(t, -1, is_fine));
+    club.setWorldTransform(pose);
+    club.setInterpolationWorldTransform(pose);
+  }
+  club_moves_ = with_club;
   if (with_club == club_is_here_) return;
   club_is_here_ = with_club;
-  btRigidBody& club = scene_->club();
-  if (!with_club) {
+  if (with_club) {
+    scene_->world().addRigidBody(&club, btBroadphaseProxy::KinematicFilter,
+                                 btBroadphaseProxy::DefaultFilter);
+  } else {
     scene_->world().removeRigidBody(&club);
-    return;
   }
-  const btTransform pose = to_bullet(motion_.pose(t, -1, is_fine));
-  club.setWorldTransform(pose);
-  club.setInterpolationWorldTransform(pose);
-  scene_->world().addRigidBody(&club, btBroadphaseProxy::KinematicFilter,
-                               btBroadphaseProxy::DefaultFilter);
 }
 
 void BallWorld::step_once(double duration) {

@@ -74,7 +74,8 @@ class BallWorld {
   const double linear_rate_;  // [1/s] at which damping takes velocity
   std::unique_ptr<BulletScene> scene_;
   StepCounts counts_;
-  bool club_is_here_ = false;
+  bool club_is_here_ = false;  // in the engine's world
+  bool club_moves_ = false;    // and was there in the last step
   bool club_is_done_ = false;
   int steps_at_rest_ = 0;
 };

@@ -331,5 +331,34 @@ TEST(BallWorld, TheClubComesBackWithItsVelocity) {
   EXPECT_NEAR(world.ball_velocity().x(), 0.645, 0.05);
 }
 
+// So does one that was in the world, waited while the ball rested in closed form elsewhere, and
+// touches the ball in the first substep of its return.
+TEST(BallWorld, AClubThatWaitedHasTheVelocityOfOneThatJoins) {
+  const Course course = course_with(0.02, {0.6, 0.0, 0.0}, {0.4, 0.0, 0.0});
+  const ClubMotion club = striking_club(30);
+  // On the ground before the club, with a gap of 0.1 mm when step t begins.
+  const auto place_before_the_club = [&](BallWorld& world, Index t) {
+    Eigen::Vector3d place = club.pose(t, -1, true).translation();
+    place.z() = 0.02;
+    while (head_gap(club.pose(t, -1, true), place) < 0.0201) place.x() += 1e-4;
+    world.set_ball(place, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  };
+  BallWorld joined(with(0.0), course, club, kStep, kFarAway);
+  BallWorld waited(with(0.0), course, club, kStep, kFarAway);
+  place_before_the_club(waited, 0);
+  for (Index t = 0; t < 10; ++t) {
+    if (t == 1) waited.set_ball(joined.ball_position(), Eigen::Vector3d::Zero(), {0.0, 0.0, 0.0});
+    if (t == 7) {
+      place_before_the_club(waited, t);
+      place_before_the_club(joined, t);
+    }
+    joined.step(t);
+    waited.step(t);
+  }
+  EXPECT_GT(waited.step_counts().rolled, 4);
+  EXPECT_GT(joined.ball_velocity().x(), 0.4);
+  EXPECT_LT((waited.ball_velocity() - joined.ball_velocity()).norm(), 1e-6);
+}
+
 }  // namespace
 }  // namespace npdr::sim
