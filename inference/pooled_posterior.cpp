@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <string>
 
 #include "core/error.h"
 #include "inference/estimators/gaussian_mixture.h"
@@ -25,6 +26,21 @@ constexpr PoolPowers kPosteriorAlone = {};
 // The largest 1.
 Vector weights_of(const Vector& log_weights) {
   return (log_weights.array() - log_weights.maxCoeff()).exp();
+}
+
+// Those of a file may be anything.
+NetworkParts checked(NetworkParts parts) {
+  if (parts.role != NetworkRole::posterior) {
+    throw ShapeError("pool: its networks' role is '" + std::string(name_of(parts.role)) +
+                     "', must be 'posterior'");
+  }
+  const Index networks = parts.estimator.num_networks;
+  const Index likelihoods = parts.likelihood->estimator.num_networks;
+  if (likelihoods != networks) {
+    throw ShapeError("pool: " + std::to_string(likelihoods) + " networks of the likelihood, must " +
+                     "be " + std::to_string(networks) + ", as many as the posterior's");
+  }
+  return parts;
 }
 
 double log_mean_exp(const Vector& values) {
@@ -79,7 +95,7 @@ NetworkParts likelihood_parts(NetworkParts parts) {
 }
 
 PooledPosterior::PooledPosterior(NetworkParts given)
-    : NetworkPosterior(std::move(given)),
+    : NetworkPosterior(checked(std::move(given))),
       posterior_(posterior_parts(parts())),
       likelihood_(likelihood_parts(parts())),
       known_(std::make_unique<Known>()) {}

@@ -73,7 +73,7 @@ class PooledPosterior : public NetworkPosterior {
 
 /// The parts of NPE's networks alone.
 NetworkParts posterior_parts(NetworkParts parts);
-/// The parts of NLE's networks, of the same estimator and seed; `parts` has a likelihood.
+/// The parts of NLE's networks, of the same seed; `parts` has a likelihood.
 NetworkParts likelihood_parts(NetworkParts parts);
 
 }  // namespace npdr::inference

@@ -33,6 +33,19 @@ inference::NetworkParts network(NetworkRole role, EstimatorKind kind) {
   return parts;
 }
 
+// Of components of which the likelihood has fewer.
+inference::NetworkParts pool() {
+  inference::NetworkParts parts = network(NetworkRole::posterior, EstimatorKind::nsf);
+  inference::NetworkParts likelihood = network(NetworkRole::likelihood, EstimatorKind::maf);
+  parts.transform.basis = RowMatrixF::Identity(2, 2);
+  likelihood.transform.basis = RowMatrixF::Constant(2, 1, 0.7F);
+  likelihood.parameters = inference::make_network(likelihood.estimator, 2, {}, 1, 5)
+                              .initial_parameters({1, "initial", 0, 0, 0});
+  parts.likelihood = {
+      likelihood.estimator, likelihood.transform, likelihood.parameters, {0.5, 0.75}};
+  return parts;
+}
+
 void write_network(h5::File& file, const inference::NetworkParts& parts) {
   MethodConfig method;
   method.density_estimator = parts.estimator;
@@ -68,7 +81,7 @@ const std::vector<H5Model>& models() {
     std::vector<H5Model> made;
     for (const inference::NetworkParts& parts :
          {network(NetworkRole::posterior, EstimatorKind::maf),
-          network(NetworkRole::posterior, EstimatorKind::nsf), corrected,
+          network(NetworkRole::posterior, EstimatorKind::nsf), corrected, pool(),
           network(NetworkRole::likelihood, EstimatorKind::maf),
           network(NetworkRole::ratio, EstimatorKind::resnet)}) {
       made.push_back(model_of(kPosteriorSchema, [&](h5::File& f) { write_network(f, parts); }));
@@ -84,7 +97,8 @@ const std::vector<H5Model>& models() {
 // Others are drawn by chains and need an integral, which take their time.
 bool is_direct(const inference::Posterior& posterior) {
   const auto* const network = dynamic_cast<const inference::NetworkPosterior*>(&posterior);
-  return network == nullptr || network->parts().role == NetworkRole::posterior;
+  return network == nullptr ||
+         (network->parts().role == NetworkRole::posterior && !network->parts().likelihood);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "inference/direct_posterior.h"
+#include "inference/ensemble.h"
 #include "inference/estimators/ratio_estimator.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_json.h"
@@ -119,8 +120,12 @@ TEST_F(PosteriorFile, EveryRoleComesBackAsItWas) {
 TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
   inference::NetworkParts parts =
       parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::nsf);
-  const inference::NetworkParts likelihood =
+  parts.transform.basis = RowMatrixF::Identity(2, 2);
+  inference::NetworkParts likelihood =
       parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::maf);
+  likelihood.transform.basis = RowMatrixF::Constant(2, 1, 0.7F);
+  likelihood.parameters = inference::make_network(likelihood.estimator, 1, {}, 1, 5)
+                              .initial_parameters({1, "initial", 0, 0, 0});
   parts.likelihood = {likelihood.estimator,
                       likelihood.transform,
                       likelihood.parameters,
@@ -131,6 +136,8 @@ TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
   EXPECT_EQ(posterior->parts().likelihood->powers, parts.likelihood->powers);
   EXPECT_EQ(posterior->parts().likelihood->estimator.kind, inference::EstimatorKind::maf);
   EXPECT_EQ(posterior->parts().likelihood->parameters, parts.likelihood->parameters);
+  EXPECT_EQ(posterior->parts().transform.basis, parts.transform.basis);
+  EXPECT_EQ(posterior->parts().likelihood->transform.basis, parts.likelihood->transform.basis);
   EXPECT_EQ(posterior->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
   const auto spoil = [&](h5::File& file) {
     file.group("likelihood").set_attribute("likelihood_power", 2.5);
@@ -138,6 +145,24 @@ TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
   EXPECT_TRUE(says(message_of<InputError>([&] { reread(parts, spoil); }, &folder_),
                    {"p.h5: group 'likelihood': powers of a pool = 0.5 and 2.5",
                     "must be at least 0 and 2 together"}));
+}
+
+// An NLE's file with a likelihood beside it has the shapes of a pool, but for the role.
+TEST_F(PosteriorFile, APoolsNetworksAreOfAPosteriorAndAsManyAsTheLikelihoods) {
+  inference::NetworkParts parts =
+      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::maf);
+  parts.likelihood = {parts.estimator, parts.transform, parts.parameters, {0.5, 0.5}};
+  EXPECT_TRUE(says(message_of<ShapeError>([&] { inference::make_posterior(parts); }),
+                   {"pool: its networks' role is 'likelihood', must be 'posterior'"}));
+  const inference::NetworkParts posterior =
+      parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::maf);
+  parts.role = posterior.role;
+  parts.parameters = posterior.parameters;
+  parts.likelihood->estimator.num_networks = 2;
+  parts.likelihood->parameters =
+      inference::joined({parts.likelihood->parameters, parts.likelihood->parameters});
+  EXPECT_TRUE(says(message_of<ShapeError>([&] { inference::make_posterior(parts); }),
+                   {"pool: 2 networks of the likelihood, must be 1, as many as the posterior's"}));
 }
 
 TEST_F(PosteriorFile, AProposalComesBackAsItWasOrIsRefused) {
