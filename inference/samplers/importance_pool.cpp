@@ -18,20 +18,29 @@ constexpr Index kFewestPoints = 100, kFewestOfAll = 20;  // that a flow is fitte
 
 }  // namespace
 
-// Densities that haven't been computed yet: of all proposals at the points of all levels that
-// teach, and of last levels' own, which they have in common. Walkers have none.
+// The density of one level's proposal at another's points, unless it is known. Levels that used to
+// be last ones have their proposal in common.
+void ImportanceSampler::note_density(std::size_t l, std::size_t k) {
+  if (state_.levels[k].kind == LevelKind::walkers) return;  // they have none
+  const std::pair place{numbers_[l], numbers_[k]};
+  if (densities_.contains(place)) return;
+  const bool is_known =
+      k > 0 && has_proposal_of(k, k - 1) && densities_.contains({numbers_[l], numbers_[k - 1]});
+  densities_[place] = is_known ? density(l, k - 1) : proposals_[k].log_density(state_.levels[l].u);
+}
+
+// Of all proposals at the points of all levels that teach, and of last levels' own.
 void ImportanceSampler::note_densities() {
-  const auto teaches = [&](std::size_t level) {
-    return state_.levels[level].kind != LevelKind::last;
-  };
+  std::vector<std::size_t> teaching;
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
-    for (std::size_t k = 0; k < state_.levels.size(); ++k) {
-      if (state_.levels[k].kind == LevelKind::walkers) continue;
-      if (densities_[l][k].size() > 0 || !(l == k || (teaches(l) && teaches(k)))) continue;
-      const bool is_known = k > 0 && has_proposal_of(k, k - 1) && densities_[l][k - 1].size() > 0;
-      densities_[l][k] =
-          is_known ? densities_[l][k - 1] : proposals_[k].log_density(state_.levels[l].u);
+    if (is_last(l)) {
+      note_density(l, l);
+    } else {
+      teaching.push_back(l);
     }
+  }
+  for (const std::size_t l : teaching) {
+    for (const std::size_t k : teaching) note_density(l, k);
   }
 }
 
@@ -42,7 +51,7 @@ Vector ImportanceSampler::log_mixture(std::size_t l, std::size_t num_levels) con
   for (std::size_t k = 0; k < num_levels; ++k) {
     const ImportanceLevel& level = state_.levels[k];
     if (level.kind != LevelKind::walkers) {
-      terms.push_back(densities_[l][k]);
+      terms.push_back(density(l, k));
       continue;
     }
     const Vector log_prior = log_standard_normal<double>(points.u);
@@ -125,7 +134,7 @@ void ImportanceSampler::note_heavy_share(const std::vector<std::size_t>& levels)
   Vector log_ratios(logs.size());
   for (std::size_t l = 0; l < state_.levels.size(); ++l) {
     std::vector<Vector> terms;
-    for (const std::size_t k : levels) terms.push_back(densities_[l][k]);
+    for (const std::size_t k : levels) terms.push_back(density(l, k));
     const Vector log_prior = log_standard_normal<double>(state_.levels[l].u);
     const Index first = static_cast<Index>(l) * config_.level_size, n = log_prior.size();
     log_ratios.segment(first, n) =

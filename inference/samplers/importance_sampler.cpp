@@ -77,7 +77,7 @@ ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimen
     for (std::size_t l = 0; l < state_.levels.size(); ++l) {
       proposals_.push_back(repeats_last(l) ? proposals_.back()
                                            : restore(state_.levels[l].proposal));
-      densities_.emplace_back(state_.levels.size());
+      numbers_.push_back(next_number_++);
     }
     if (!state_.walkers) note_densities();
     return;
@@ -157,8 +157,7 @@ void ImportanceSampler::push(ImportanceLevel level, Proposal proposal) {
   }
   ++state_.num_levels;
   proposals_.push_back(std::move(proposal));
-  densities_.emplace_back();
-  for (std::vector<Vector>& row : densities_) row.resize(state_.levels.size());
+  numbers_.push_back(next_number_++);
 }
 
 void ImportanceSampler::begin_level(Proposal proposal, double power, LevelKind kind) {
@@ -172,8 +171,11 @@ void ImportanceSampler::drop(std::size_t level) {
   const auto at = static_cast<std::ptrdiff_t>(level);
   state_.levels.erase(state_.levels.begin() + at);
   proposals_.erase(proposals_.begin() + at);
-  densities_.erase(densities_.begin() + at);
-  for (std::vector<Vector>& row : densities_) row.erase(row.begin() + at);
+  const Index number = numbers_[level];
+  numbers_.erase(numbers_.begin() + at);
+  std::erase_if(densities_, [&](const auto& entry) {
+    return entry.first.first == number || entry.first.second == number;
+  });
 }
 
 Index ImportanceSampler::num_kept_levels() const {
@@ -341,8 +343,7 @@ std::vector<std::size_t> ImportanceSampler::best_levels() const {
 // log of a level's weights by its own proposal, for the power that this was fitted to.
 Vector ImportanceSampler::log_weights(std::size_t l) const {
   const ImportanceLevel& level = state_.levels[l];
-  return log_standard_normal<double>(level.u) + level.power * level.log_likelihood -
-         densities_[l][l];
+  return log_standard_normal<double>(level.u) + level.power * level.log_likelihood - density(l, l);
 }
 
 // Effective share of a level's draws.

@@ -22,7 +22,9 @@
 /// even they are worth too few draws, the certificate says so, and particles() are of all points.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/random.h"
@@ -140,7 +142,11 @@ class ImportanceSampler {
   void learn_from_last_levels();
   Index num_levels_of(LevelKind kind) const;
   std::size_t num_before_last() const;
+  void note_density(std::size_t points, std::size_t proposal);
   void note_densities();
+  const Vector& density(std::size_t points, std::size_t proposal) const {
+    return densities_.at({numbers_[points], numbers_[proposal]});
+  }
   Vector log_mixture(std::size_t level, std::size_t num_levels) const;
   bool has_proposal_of(std::size_t level, std::size_t other) const;
   void drop(std::size_t level);
@@ -179,8 +185,10 @@ class ImportanceSampler {
   StreamId id_;
   ImportanceState state_;
   std::vector<Proposal> proposals_;  // of the state's levels
-  std::vector<std::vector<Vector>>
-      densities_;  // by level, by proposal that isn't walkers': (n), or empty
+  std::vector<Index> numbers_;       // of those levels: each has its own
+  Index next_number_ = 0;
+  // log densities (n), by the numbers of the points' level and of the proposal's.
+  std::map<std::pair<Index, Index>, Vector> densities_;
 };
 
 }  // namespace npdr::inference
