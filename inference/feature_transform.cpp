@@ -138,20 +138,24 @@ Index num_varying_outputs(const FeatureTransform& transform) {
   return std::ssize(varying_columns(transform));
 }
 
-FeatureTransform varying_outputs(const FeatureTransform& transform) {
-  const bool projects = transform.basis.cols() > 0;
-  const std::vector<Index> varying = varying_columns(transform);
-  if (varying.empty()) throw InputError("no feature of x varies among the simulations");
-  const auto count = static_cast<Index>(varying.size());
+FeatureTransform selected_outputs(const FeatureTransform& transform,
+                                  const std::vector<Index>& outputs) {
+  const Index count = std::ssize(outputs);
   FeatureTransform result = transform;
-  if (count == transform.num_outputs()) return result;
-  if (projects) {
-    result.basis = transform.basis(Eigen::all, varying);
+  if (transform.basis.cols() > 0) {
+    result.basis = transform.basis(Eigen::all, outputs);
     return result;
   }
   result.basis = RowMatrixF::Zero(transform.num_inputs(), count);
-  for (Index k = 0; k < count; ++k) result.basis(varying[static_cast<std::size_t>(k)], k) = 1.0f;
+  for (Index k = 0; k < count; ++k) result.basis(outputs[static_cast<std::size_t>(k)], k) = 1.0f;
   return result;
+}
+
+FeatureTransform varying_outputs(const FeatureTransform& transform) {
+  const std::vector<Index> varying = varying_columns(transform);
+  if (varying.empty()) throw InputError("no feature of x varies among the simulations");
+  if (std::ssize(varying) == transform.num_outputs()) return transform;
+  return selected_outputs(transform, varying);
 }
 
 FeatureTransform fit_feature_transform(const FeatureSource& x, Index components) {

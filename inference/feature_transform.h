@@ -15,6 +15,8 @@
 /// +-100. Where nothing is that far out, as in every well-posed study, neither changes a bit.
 #pragma once
 
+#include <vector>
+
 #include "core/types.h"
 #include "inference/feature_source.h"
 
@@ -41,6 +43,10 @@ inline constexpr Index kRowsForCorrelation = 2000;
 /// the correlation of the first 2000 of them. Reads x in blocks: memory doesn't grow with its rows.
 /// Throws InputError when there are more components than rows or features.
 FeatureTransform fit_feature_transform(const FeatureSource& x, Index components);
+
+/// `transform` with those of its outputs alone, in that order.
+FeatureTransform selected_outputs(const FeatureTransform& transform,
+                                  const std::vector<Index>& outputs);
 
 /// `transform` without the outputs that are 0 for all simulations: where the density of z itself is
 /// learned, it would be infinite there. Throws InputError when none is left.

@@ -1,6 +1,5 @@
 #include "inference/algorithms/posterior_estimation.h"
 
-#include <algorithm>
 #include <atomic>
 #include <mutex>
 #include <string>
@@ -9,6 +8,7 @@
 #include "core/parallel.h"
 #include "inference/algorithms/component_growth.h"
 #include "inference/algorithms/pool_powers.h"
+#include "inference/algorithms/pooled_likelihood.h"
 #include "inference/algorithms/round_task.h"
 #include "inference/ensemble.h"
 #include "inference/pooled_posterior.h"
@@ -50,23 +50,12 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   return parts;
 }
 
-// The likelihood of "npe_nle" is learned of what the posterior sees, or of principal components
-// where that is much, or goes through trained layers. Given theta, components are sums of noise and
-// nearly normal: affine maps say as much of fresh simulations as splines, sooner, and are better
-// where no simulation is like the observation.
-PooledLikelihood untrained_likelihood(const PosteriorEstimationConfig& config,
-                                      const FeatureSource& x, const NetworkParts& parts) {
-  PooledLikelihood likelihood{.estimator = parts.estimator,
-                              .transform = varying_outputs(parts.transform)};
-  const bool is_much = likelihood.transform.num_outputs() > kMostPooledFeatures;
-  if (is_much || config.embedding.features > 0) {
-    const Index components = std::min({kPooledComponents, x.num_features(), x.num_rows()});
-    likelihood.transform = varying_outputs(fit_feature_transform(x, components));
-  }
-  EstimatorKind& kind = likelihood.estimator.kind;
-  const bool has_components = likelihood.transform.basis.size() > 0;
-  if (has_components && kind == EstimatorKind::nsf) kind = EstimatorKind::maf;
-  return likelihood;
+// The simulations that train networks which are pooled.
+RoundData without_judging_rows(RoundData data) {
+  const Index rows = data.theta.rows() - num_judging_rows(data.theta.rows());
+  data.theta.conservativeResize(rows, Eigen::NoChange);
+  data.round.resize(static_cast<std::size_t>(rows));
+  return data;
 }
 
 // What is trained: the networks of the algorithm's role, and for "npe_nle" those of the likelihood.
@@ -77,17 +66,9 @@ std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& c
   if (config.algorithm.kind != Algorithm::npe_nle || num_varying_outputs(parts.transform) == 0) {
     return ensembles;
   }
-  parts.likelihood = untrained_likelihood(config, *data.x, parts);
+  parts.likelihood = untrained_likelihood(config, without_judging_rows(data), parts);
   ensembles.push_back(likelihood_parts(parts));
   return ensembles;
-}
-
-// The simulations that train networks which are pooled.
-RoundData without_judging_rows(RoundData data) {
-  const Index rows = data.theta.rows() - num_judging_rows(data.theta.rows());
-  data.theta.conservativeResize(rows, Eigen::NoChange);
-  data.round.resize(static_cast<std::size_t>(rows));
-  return data;
 }
 
 Parameters<float> first_weights(const PosteriorEstimationConfig& config, const RoundTask& task,

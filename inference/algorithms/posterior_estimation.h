@@ -1,9 +1,8 @@
 /// One round of neural inference: simulations of all rounds so far -> posterior.
 ///
 ///  - npe_nle: q(u | z) and l(z | u), both by maximum likelihood, pooled (pooled_posterior.h) by
-///    how they predict held-out parameters (pool_powers.h); l of principal components where a layer
-///    is trained, or x has more than kMostPooledFeatures; of components by "maf" where q is "nsf";
-///    one round;
+///    how they predict held-out parameters (pool_powers.h), l as pooled_likelihood.h says; one
+///    round;
 ///  - npe_a: q(u | z), a mixture, by maximum likelihood on the last round's simulations; divided by
 ///    their proposal (likelihood_objective.h, gaussian_mixture.h);
 ///  - npe_b: q(u | z) by maximum likelihood weighted by p / p~ (likelihood_objective.h);
@@ -34,11 +33,6 @@ struct PosteriorEstimationConfig {
   Index principal_components = 0;  ///< of x that the network sees; 0: x itself
   TrainedEmbeddingConfig embedding = {};
 };
-
-/// Features that "npe_nle" learns a likelihood of: that of many costs much and says little. Of
-/// more, or before trained layers, it learns that of so many principal components.
-inline constexpr Index kMostPooledFeatures = 50;
-inline constexpr Index kPooledComponents = 20;
 
 /// The simulations of all rounds so far, the failed ones left out, and what was observed.
 struct RoundData {

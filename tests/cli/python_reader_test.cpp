@@ -40,6 +40,8 @@ StudyText study_of_all_kinds() {
       .method("mean", {"algorithm = \"npe_c\"", some, few_epochs, estimator("nsf"),
                        "embedding = { downsample = 10, average_rollouts = true }"})
       .method("pool", {"algorithm = \"npe_nle\"", some, training, estimator("nsf"), components})
+      .method("features", {"algorithm = \"npe_nle\"", some, few_epochs, estimator("nsf"),
+                           "embedding = { kind = \"all_steps\", downsample = 200 }"})
       .method("mdn", {"algorithm = \"npe_c\"", some, training, estimator("mdn"),
                       "embedding = { kind = \"bayessim\" }"})
       .method("npe_a", {"algorithm = \"npe_a\"", "num_rounds = 2", some, training,
@@ -86,7 +88,7 @@ class PythonReader : public ::testing::Test {
 TEST_F(PythonReader, SaysWhatTheProgramSaysOfEveryKind) {
   run_study(study_of_all_kinds());
   for (const std::string method :
-       {"maf", "nsf", "series-pool", "pool", "mdn", "npe-a", "nle", "nre", "abc"}) {
+       {"maf", "nsf", "series-pool", "pool", "features", "mdn", "npe-a", "nle", "nre", "abc"}) {
     const std::string round = method == "npe-a" ? "2" : "1";
     expect_reads("runs/all/" + method + "/seed-1/round-" + round + "/infer.h5");
   }

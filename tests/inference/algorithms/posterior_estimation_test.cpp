@@ -43,50 +43,6 @@ TEST(NpeNle, FindsTheLinearGaussianPosterior) {
   expect_linear_gaussian(small_config(Algorithm::npe_nle, EstimatorKind::nsf, 1, 4000));
 }
 
-// x = theta + noise, and features that say nothing.
-SimulatorFunction shifted(Index num_features) {
-  return [num_features](const Vector& theta, Stream& stream) {
-    VectorF x = VectorF::Zero(num_features);
-    x(0) = static_cast<float>(theta(0) + 0.3 * stream.normal());
-    for (float& value : x.tail(num_features - 1)) value = static_cast<float>(stream.normal());
-    return x;
-  };
-}
-
-TEST(NpeNle, LearnsTheLikelihoodOfComponentsWhereFeaturesAreManyOrTrained) {
-  const Prior prior({{"a", "1", Marginal::Kind::normal, 0.0, 1.0}});
-  PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 100);
-  c.training.max_epochs = 2;
-  const auto transform_of = [&](Index num_features) {
-    const VectorF x_o = VectorF::Zero(num_features);
-    return infer(c, prior, shifted(num_features), x_o, 1)->parts().likelihood->transform;
-  };
-  EXPECT_EQ(transform_of(kMostPooledFeatures).basis.cols(), 0);
-  EXPECT_EQ(transform_of(kMostPooledFeatures + 1).num_outputs(), kPooledComponents);
-  c.principal_components = 3;
-  EXPECT_EQ(transform_of(kMostPooledFeatures + 1).num_outputs(), 3);
-  c.embedding.features = 2;
-  EXPECT_EQ(transform_of(kMostPooledFeatures + 1).num_outputs(), kPooledComponents);
-  EXPECT_EQ(transform_of(10).num_outputs(), 10);
-}
-
-TEST(NpeNle, LearnsALikelihoodOfComponentsByAffineFlows) {
-  const Prior prior({{"a", "1", Marginal::Kind::normal, 0.0, 1.0}});
-  PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::nsf, 1, 100);
-  c.training.max_epochs = 2;
-  const auto kind_of = [&](Index num_features) {
-    const auto posterior = infer(c, prior, shifted(num_features), VectorF::Zero(num_features), 1);
-    EXPECT_EQ(posterior->parts().estimator.kind, c.estimator.kind);
-    return posterior->parts().likelihood->estimator.kind;
-  };
-  EXPECT_EQ(kind_of(4), EstimatorKind::nsf);
-  EXPECT_EQ(kind_of(kMostPooledFeatures + 1), EstimatorKind::maf);
-  c.principal_components = 2;
-  EXPECT_EQ(kind_of(4), EstimatorKind::maf);
-  c.estimator.kind = EstimatorKind::mdn;
-  EXPECT_EQ(kind_of(4), EstimatorKind::mdn);
-}
-
 TEST(NpeNle, HasOneRound) {
   const LinearGaussian task(1);
   PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 2, 100);

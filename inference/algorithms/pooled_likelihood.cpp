@@ -1,0 +1,42 @@
+#include "inference/algorithms/pooled_likelihood.h"
+
+#include <algorithm>
+
+#include "inference/informative_features.h"
+
+namespace npdr::inference {
+namespace {
+
+FeatureTransform components_of(const FeatureSource& x) {
+  const Index count = std::min({kPooledComponents, x.num_features(), x.num_rows()});
+  return varying_outputs(fit_feature_transform(x, count));
+}
+
+FeatureTransform transform_of(const PosteriorEstimationConfig& config, const RoundData& training,
+                              const FeatureTransform& seen) {
+  if (config.embedding.features > 0) return components_of(*training.x);
+  if (num_varying_outputs(seen) <= kMostPooledFeatures) return varying_outputs(seen);
+  if (config.principal_components > 0) return components_of(*training.x);
+  const std::vector<Index> informative =
+      informative_features(*training.x, seen, training.prior->to_normal(training.theta));
+  const bool are_few = !informative.empty() && std::ssize(informative) <= kMostPooledFeatures;
+  return are_few ? selected_outputs(seen, informative) : components_of(*training.x);
+}
+
+// Whether an output is a sum over features, not one of them.
+bool has_components(const FeatureTransform& transform) {
+  return ((transform.basis.array() != 0.0f).colwise().count() > 1).any();
+}
+
+}  // namespace
+
+PooledLikelihood untrained_likelihood(const PosteriorEstimationConfig& config,
+                                      const RoundData& training, const NetworkParts& posterior) {
+  PooledLikelihood likelihood{.estimator = posterior.estimator,
+                              .transform = transform_of(config, training, posterior.transform)};
+  EstimatorKind& kind = likelihood.estimator.kind;
+  if (has_components(likelihood.transform) && kind == EstimatorKind::nsf) kind = EstimatorKind::maf;
+  return likelihood;
+}
+
+}  // namespace npdr::inference

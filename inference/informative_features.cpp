@@ -1,0 +1,69 @@
+#include "inference/informative_features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/matrix_blocking.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr Index kMostRows = 10'000;
+constexpr Index kBlock = 500;
+constexpr double kFarthest = 3.0;
+constexpr double kStandardErrors = 5.0;
+
+// The columns of z and their squares.
+RowMatrix with_squares(const RowMatrix& z) {
+  RowMatrix both(z.rows(), 2 * z.cols());
+  both << z, z.array().square().matrix();
+  return both;
+}
+
+// Columns of mean 0 and variance 1; of 0 where they don't vary.
+RowMatrix standardized_columns(RowMatrix values) {
+  values.rowwise() -= values.colwise().mean().eval();
+  const auto n = static_cast<double>(values.rows());
+  const Eigen::ArrayXd variance = values.colwise().squaredNorm().transpose().array() / n;
+  const Eigen::ArrayXd scale = (variance > 0.0).select(1.0 / variance.sqrt(), 0.0);
+  return values.array().rowwise() * scale.transpose();
+}
+
+}  // namespace
+
+std::vector<Index> informative_features(const FeatureSource& x, const FeatureTransform& transform,
+                                        const RowMatrix& u) {
+  fix_matrix_blocking();
+  const Index n = std::min(u.rows(), kMostRows), features = x.num_features();
+  const FeatureTransform standardization{transform.mean, transform.inverse_deviation, {}};
+  const RowMatrix targets = standardized_columns(with_squares(u.topRows(n)));
+  RowMatrix products = RowMatrix::Zero(2 * features, targets.cols());
+  Vector sums = Vector::Zero(2 * features), squares = Vector::Zero(2 * features);
+  RowMatrixF rows, z;
+  for (Index begin = 0; begin < n; begin += kBlock) {
+    std::vector<std::uint32_t> indices(static_cast<std::size_t>(std::min(kBlock, n - begin)));
+    std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(begin));
+    x.gather(indices, 0, rows);
+    standardization.apply(rows, z);
+    const RowMatrix block =
+        with_squares(z.cast<double>().cwiseMax(-kFarthest).cwiseMin(kFarthest));
+    products.noalias() += block.transpose() * targets.middleRows(begin, block.rows());
+    sums += block.colwise().sum().transpose();
+    squares += block.colwise().squaredNorm().transpose();
+  }
+  const auto count = static_cast<double>(n);
+  const Eigen::ArrayXd variance = (squares - sums.cwiseProduct(sums) / count).array() / count;
+  // |products / n| / deviation > 5 / sqrt(n), as targets have mean 0 and variance 1.
+  const Eigen::ArrayXd largest = products.cwiseAbs().rowwise().maxCoeff().array();
+  const auto tells = [&](Index k) {
+    return largest(k) > kStandardErrors * std::sqrt(count * std::max(variance(k), 1e-12));
+  };
+  std::vector<Index> informative;
+  for (Index j = 0; j < features; ++j) {
+    if (tells(j) || tells(features + j)) informative.push_back(j);
+  }
+  return informative;
+}
+
+}  // namespace npdr::inference
