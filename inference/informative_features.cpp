@@ -46,8 +46,7 @@ std::vector<Index> informative_features(const FeatureSource& x, const FeatureTra
     std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(begin));
     x.gather(indices, 0, rows);
     standardization.apply(rows, z);
-    const RowMatrix block =
-        with_squares(z.cast<double>().cwiseMax(-kFarthest).cwiseMin(kFarthest));
+    const RowMatrix block = with_squares(z.cast<double>().cwiseMax(-kFarthest).cwiseMin(kFarthest));
     products.noalias() += block.transpose() * targets.middleRows(begin, block.rows());
     sums += block.colwise().sum().transpose();
     squares += block.colwise().squaredNorm().transpose();

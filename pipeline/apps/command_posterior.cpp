@@ -114,6 +114,22 @@ void warn_of_later_round(const std::string& posterior) {
              posterior, round->get<Index>());
 }
 
+// Nor has it learned anything of what is far from all simulations.
+void warn_of_far_features(const std::string& recording, const VectorF& x,
+                          const inference::FeatureTransform& transform) {
+  constexpr float far = 10.0f;
+  Index feature = 0;
+  const float largest =
+      ((x - transform.mean).array() * transform.inverse_deviation.array()).abs().maxCoeff(&feature);
+  if (!(largest > far)) return;
+  fmt::print(
+      stderr,
+      "warning: feature {} of {} lies {:.3g} deviations from the mean of the simulations that "
+      "the posterior was learned from; what it says there is a guess: check the units, or "
+      "widen the prior\n",
+      feature + 1, recording, largest);
+}
+
 std::string verdict_on_chains(double r_hat) {
   constexpr double too_large = 1.1;
   if (std::isnan(r_hat)) return "; too few samples of each chain to say more";
@@ -134,8 +150,10 @@ std::unique_ptr<inference::Posterior> read(const PosteriorArguments& arguments) 
   if (arguments.recording.empty()) return read_posterior({arguments.posterior});
   const auto posterior = read_network_posterior({arguments.posterior});
   const VectorF x = embed_recording(arguments.posterior, arguments.recording);
+  auto other = posterior->given(x);
   warn_of_later_round(arguments.posterior);
-  return posterior->given(x);
+  warn_of_far_features(arguments.recording, x, posterior->parts().transform);
+  return other;
 }
 
 // Anybody may have made the file, and some crash HDF5: a child goes first.
