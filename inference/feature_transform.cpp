@@ -3,43 +3,30 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <numeric>
 
 #include "core/error.h"
 #include "core/matrix_blocking.h"
+#include "inference/feature_blocks.h"
 
 namespace npdr::inference {
 namespace {
 
-constexpr Index kBlock = 500;
+constexpr Index kRowsForBounds = 500;
 constexpr float kUsualRanges = 20.0f;
-
-void for_each_block(const FeatureSource& x, Index num_rows,
-                    const std::function<void(const RowMatrixF&)>& body) {
-  RowMatrixF rows;
-  for (Index begin = 0; begin < num_rows; begin += kBlock) {
-    std::vector<std::uint32_t> indices(
-        static_cast<std::size_t>(std::min(kBlock, num_rows - begin)));
-    std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(begin));
-    x.gather(indices, 0, rows);
-    body(rows);
-  }
-}
 
 /// Bounds of what is usual, feature by feature, (F).
 struct Bounds {
   Eigen::ArrayXf lower, upper;
 };
 
-// Bounds from the quantiles of the first block of rows. A feature that hardly varies there has no
+// Bounds from the quantiles of the first rows. A feature that hardly varies there has no
 // bounds.
 Bounds usual_bounds(const FeatureSource& x) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   Bounds bounds{Eigen::ArrayXf::Constant(x.num_features(), -infinity),
                 Eigen::ArrayXf::Constant(x.num_features(), infinity)};
-  for_each_block(x, std::min(kBlock, x.num_rows()), [&](const RowMatrixF& rows) {
+  for_each_block(x, std::min(kRowsForBounds, x.num_rows()), [&](Index, const RowMatrixF& rows) {
     for (Index f = 0; f < rows.cols(); ++f) {
       std::vector<float> values(rows.col(f).begin(), rows.col(f).end());
       std::sort(values.begin(), values.end());
@@ -61,7 +48,7 @@ FeatureTransform standardization(const FeatureSource& x) {
   Vector mean = Vector::Zero(x.num_features());
   Vector squares = Vector::Zero(x.num_features());
   double count = 0.0;
-  for_each_block(x, x.num_rows(), [&](const RowMatrixF& rows) {
+  for_each_block(x, x.num_rows(), [&](Index, const RowMatrixF& rows) {
     for (Index i = 0; i < rows.rows(); ++i) {
       count += 1.0;
       const Vector value =
@@ -100,12 +87,10 @@ RowMatrixF whitening_directions(const RowMatrix& z, Index components) {
 RowMatrix first_standardized_rows(const FeatureSource& x, const FeatureTransform& transform) {
   const Index count = std::min(x.num_rows(), kRowsForCorrelation);
   RowMatrix all(count, x.num_features());
-  Index next = 0;
   RowMatrixF z;
-  for_each_block(x, count, [&](const RowMatrixF& rows) {
+  for_each_block(x, count, [&](Index begin, const RowMatrixF& rows) {
     transform.apply(rows, z);
-    all.middleRows(next, z.rows()) = z.cast<double>();
-    next += z.rows();
+    all.middleRows(begin, z.rows()) = z.cast<double>();
   });
   return all;
 }

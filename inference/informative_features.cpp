@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/matrix_blocking.h"
+#include "inference/feature_blocks.h"
 
 namespace npdr::inference {
 namespace {
 
 constexpr Index kMostRows = 10'000;
-constexpr Index kBlock = 500;
 constexpr double kFarthest = 3.0;
 constexpr double kStandardErrors = 5.0;
 
@@ -40,17 +39,14 @@ std::vector<Index> informative_features(const FeatureSource& x, const FeatureTra
   const RowMatrix targets = standardized_columns(with_squares(u.topRows(n)));
   RowMatrix products = RowMatrix::Zero(2 * features, targets.cols());
   Vector sums = Vector::Zero(2 * features), squares = Vector::Zero(2 * features);
-  RowMatrixF rows, z;
-  for (Index begin = 0; begin < n; begin += kBlock) {
-    std::vector<std::uint32_t> indices(static_cast<std::size_t>(std::min(kBlock, n - begin)));
-    std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(begin));
-    x.gather(indices, 0, rows);
+  RowMatrixF z;
+  for_each_block(x, n, [&](Index begin, const RowMatrixF& rows) {
     standardization.apply(rows, z);
     const RowMatrix block = with_squares(z.cast<double>().cwiseMax(-kFarthest).cwiseMin(kFarthest));
     products.noalias() += block.transpose() * targets.middleRows(begin, block.rows());
     sums += block.colwise().sum().transpose();
     squares += block.colwise().squaredNorm().transpose();
-  }
+  });
   const auto count = static_cast<double>(n);
   const Eigen::ArrayXd variance = (squares - sums.cwiseProduct(sums) / count).array() / count;
   // |products / n| / deviation > 5 / sqrt(n), as targets have mean 0 and variance 1.

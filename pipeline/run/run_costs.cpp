@@ -52,9 +52,8 @@ std::optional<double> WorkLeft::share_done(double done) const {
   const bool has_several =
       std::ranges::any_of(num_unknown_, [](const auto& s) { return s.second > 1; });
   if (has_several || num_unknown > num_known_) return std::nullopt;
-  double rest = known_;
-  if (num_known_ > 0)
-    rest *= 1.0 + static_cast<double>(num_unknown) / static_cast<double>(num_known_);
+  const double each = num_known_ > 0 ? known_ / static_cast<double>(num_known_) : 0.0;
+  const double rest = known_ + static_cast<double>(num_unknown) * each;
   return done + rest > 0.0 ? done / (done + rest) : 0.0;
 }
 

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "inference/matrix_features.h"
 #include "tests/inference/gradient_check.h"
 
