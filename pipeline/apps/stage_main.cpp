@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
@@ -22,6 +23,7 @@ struct StageArguments {
   std::optional<Index> round;
   std::string shards;
   std::string key;
+  std::string helper;
 };
 
 // Takes a node that belongs to no round as one of each.
@@ -92,6 +94,29 @@ void run_missing(const Plan& plan, const std::string& program, const StageArgume
   fmt::print("{}: nothing to do, all is up to date\n", program);
 }
 
+// "2/8": the second of eight.
+Helper parse_helper(const std::string& text) {
+  const std::vector<std::string> parts = split(text, '/');
+  const auto number = parts.size() == 2 ? parse_count(parts[0]) : std::nullopt,
+             count = parts.size() == 2 ? parse_count(parts[1]) : std::nullopt;
+  if (number && count && *number >= 1 && *number <= *count && *count <= kMostHelpers) {
+    return {.number = *number, .count = *count};
+  }
+  throw InputError(fmt::format("--helper {}: must be I/N with 1 <= I <= N <= {}, such as 1/4",
+                               quoted(text), kMostHelpers));
+}
+
+void help(const Plan& plan, const StageArguments& arguments) {
+  const Helper helper = parse_helper(arguments.helper);
+  if (arguments.key.empty() || !arguments.shards.empty() || arguments.round) {
+    throw InputError(
+        "--helper: must come with --artefact KEY of a posterior of the algorithm 'refine', and "
+        "without --shard and --round; 'npdr run STUDY --dry-run' lists all keys");
+  }
+  const Node& node = plan.node_by_key(arguments.key);
+  fmt::print("{}: helped with {} rows\n", node.label(), run_helper(plan, node, helper));
+}
+
 std::string description_of(const std::string& program) {
   static const std::map<std::string, std::string> all = {
       {"npdr-propose",
@@ -121,6 +146,9 @@ int stage_main(const std::string& program, int argc, char** argv) {
   const bool has_shards = program == traits_of(Stage::simulate).program;
   if (has_shards) {
     app.add_option("--shard", arguments.shards, "only these shards, such as 0-3,7");
+    app.add_option("--helper", arguments.helper,
+                   "simulate rows for the refinement --artefact while it runs elsewhere, as the "
+                   "I-th of N helpers: I/N, such as 1/4");
   }
   int status = 0;
   if (!parse_command_line(app, argc, argv, status)) return status;
@@ -128,6 +156,10 @@ int stage_main(const std::string& program, int argc, char** argv) {
   return guarded_main(program, [&] {
     const Plan plan = arguments.study.plan();
     check_round(plan, arguments.round);
+    if (!arguments.helper.empty()) {
+      help(plan, arguments);
+      return ExitStatus::done;
+    }
     const std::vector<Index> shard_numbers =
         arguments.shards.empty() ? std::vector<Index>{} : parse_ranges(arguments.shards);
     if (arguments.key.empty()) {

@@ -11,6 +11,7 @@ namespace npdr::pipeline {
 namespace {
 
 const std::map<std::string, void (*)(Layout)> kLayouts = {
+    {"asked_rows", list_asked_rows},
     {"baseline", list_baseline},
     {"diagnosis", list_diagnosis},
     {"evaluation", list_evaluation},
@@ -27,7 +28,8 @@ const std::map<std::string, void (*)(Layout)> kLayouts = {
     {"proposal", list_proposal},
     {"simulation", list_simulation},
     {"training_checkpoint", list_training_checkpoint},
-    {"refinement_checkpoint", list_refinement_checkpoint}};
+    {"refinement_checkpoint", list_refinement_checkpoint},
+    {"row_likelihoods", list_row_likelihoods}};
 
 }  // namespace
 

@@ -17,6 +17,10 @@ fs::path WorkFolder::checkpoint(const std::string& stage, const std::string& key
   return root_ / ".cache" / stage / (key + ".checkpoint.h5");
 }
 
+fs::path WorkFolder::asked_rows(const std::string& key) const {
+  return root_ / ".cache" / "infer" / (key + ".rows");
+}
+
 fs::path WorkFolder::shard(const std::string& key, RowRange rows) const {
   const std::string name =
       "rows-" + std::to_string(rows.begin) + "-" + std::to_string(rows.end) + ".h5";

@@ -2,6 +2,7 @@
 ///
 ///   <work>/.cache/<stage>/<key>.h5             artefacts
 ///   <work>/.cache/simulate/<key>/              shards of a simulation
+///   <work>/.cache/infer/<key>.rows/            rows that a refinement shares with its helpers
 ///   <work>/<study>/<method>/seed-1/round-1/    links to the artefacts, by what they are
 ///   <work>/<study>/                            tables, figures, logs, report.html
 /// The file tree is the only state: there is no database or controller.
@@ -31,6 +32,8 @@ class WorkFolder {
   std::filesystem::path artefact(const std::string& stage, const std::string& key) const;
   /// File that an interrupted stage goes on from.
   std::filesystem::path checkpoint(const std::string& stage, const std::string& key) const;
+  /// Folder of the rows that a refinement asks its helpers for (asked_rows_file.h).
+  std::filesystem::path asked_rows(const std::string& key) const;
   /// These rows of the simulation `key`.
   std::filesystem::path shard(const std::string& key, RowRange rows) const;
   std::filesystem::path study(const std::string& name) const { return root_ / name; }

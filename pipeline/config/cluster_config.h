@@ -9,6 +9,9 @@
 
 namespace npdr::pipeline {
 
+/// Tasks that may help one refinement: an array of a cluster with usual settings.
+inline constexpr Index kMostHelpers = 1000;
+
 /// Resources that a job of one stage asks for. Empty, or 0: as the whole [cluster] says.
 struct StageResources {
   Index cpus = 0;                   ///< cores of a task
@@ -26,6 +29,7 @@ struct ClusterConfig {
   Index array_limit = 0;            ///< tasks of an array at the same time; 0: no limit
   Index max_array_size = 0;         ///< a larger array is split; 0: the cluster is asked
   double task_minutes = 5.0;        ///< shards are packed into tasks of about this length
+  Index refine_tasks = 0;           ///< beside a refinement's own job, to simulate its rows with it
   Index signal_seconds = 120;       ///< before the time limit: save the work and queue again
   std::string scratch;              ///< folder of the node for shards in the making
   std::string mail;                 ///< address that is told when the study ends or a job fails

@@ -365,6 +365,8 @@ void describe(Fields& f, ClusterConfig& c) {
     "larger arrays are split; 0: the cluster is asked");
   f("task_minutes", c.task_minutes, positive(),
     "short shards are packed into tasks of about this length");
+  f("refine_tasks", c.refine_tasks, between(0, kMostHelpers),
+    "tasks beside a refinement's own job that simulate its rows with it, for slow simulators");
   f("signal_seconds", c.signal_seconds, between(1, 65'535),
     "before its time limit a task saves its work and is queued again");
   f("scratch", c.scratch, option_value(),

@@ -26,6 +26,9 @@ void settle(const Plan& plan, const Node& node) {
   if (node.stage == Stage::infer || node.stage == Stage::policy) {
     std::filesystem::remove(plan.work.checkpoint(name_of(node.stage), node.key), ignored);
   }
+  if (is_refinement(plan, node)) {
+    std::filesystem::remove_all(plan.work.asked_rows(node.key), ignored);
+  }
 }
 
 namespace {

@@ -9,8 +9,8 @@ namespace npdr::pipeline {
 /// file has its name.
 bool is_complete(const Plan& plan, const Node& node);
 
-/// Links the uses of a complete artefact, and removes the checkpoint that it may have left behind:
-/// the process that made it can have been killed in between. Throws Error.
+/// Links the uses of a complete artefact, and removes the checkpoint and the rows asked for that it
+/// may have left behind: the process that made it can have been killed in between. Throws Error.
 void settle(const Plan& plan, const Node& node);
 
 /// Throws InputError unless `input`, which `node` needs, is complete: names the command to run. In

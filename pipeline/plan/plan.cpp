@@ -115,11 +115,15 @@ bool is_calibration(const Node& node) {
   return has_rows && node.uses.front().round == 0;
 }
 
-bool uses_threads(const Plan& plan, const Node& node) {
-  if (node.stage != Stage::infer) return traits_of(node.stage).uses_threads;
+bool is_refinement(const Plan& plan, const Node& node) {
+  if (node.stage != Stage::infer) return false;
   const MethodConfig& method = plan.study.method(node.uses.front().method);
   return inference::traits_of(method.algorithm.kind).family ==
          inference::AlgorithmFamily::likelihood;
+}
+
+bool uses_threads(const Plan& plan, const Node& node) {
+  return traits_of(node.stage).uses_threads || is_refinement(plan, node);
 }
 
 Index num_rollouts_seen(const MethodConfig& method, const Use& use) {

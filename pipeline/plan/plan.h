@@ -92,6 +92,9 @@ Target without_fold(const Study& study, const Target& seen, Index fold);
 /// Whether a node proposes or simulates what posteriors are calibrated with.
 bool is_calibration(const Node& node);
 
+/// Whether a node is a posterior that simulates by itself: a refinement.
+bool is_refinement(const Plan& plan, const Node& node);
+
 /// Whether more than one thread is worth while for a node.
 bool uses_threads(const Plan& plan, const Node& node);
 

@@ -1,5 +1,6 @@
 #include "pipeline/run/run_stage.h"
 
+#include "core/error.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/report/report.h"
@@ -69,6 +70,22 @@ void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& sha
       break;
   }
   if (is_complete(plan, node)) settle(plan, node);
+}
+
+Index run_helper(const Plan& plan, const Node& node, const Helper& helper) {
+  if (!is_refinement(plan, node)) {
+    throw InputError(node.label() +
+                     ": has no rows to help with, must be a posterior of the algorithm 'refine'; "
+                     "'npdr run STUDY --dry-run' lists all artefacts with their keys");
+  }
+  Index num_rows = 0;
+  if (!is_complete(plan, node)) {
+    watch_for_stop_requests();
+    require_inputs(plan, node);
+    num_rows = help_refinement(plan, node, helper);
+  }
+  if (is_complete(plan, node)) settle(plan, node);
+  return num_rows;
 }
 
 }  // namespace npdr::pipeline

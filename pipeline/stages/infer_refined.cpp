@@ -1,22 +1,18 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
+#include <limits>
+#include <optional>
 
 #include "core/error.h"
-#include "core/parallel.h"
 #include "inference/samplers/importance_sampler.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
-#include "pipeline/features/noise.h"
-#include "pipeline/features/simulation_features.h"
-#include "pipeline/features/targets.h"
-#include "pipeline/predictions/left_out.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/infer_methods.h"
 #include "pipeline/stages/power_search.h"
-#include "sim/noise_likelihood.h"
+#include "pipeline/stages/refined_rows.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -30,54 +26,13 @@ constexpr double kSecondsBetweenCheckpoints = 60.0;
 using Clock = std::chrono::steady_clock;
 using Sampler = inference::ImportanceSampler;
 
-// log p(recording | theta) of rows of theta, by simulation.
-class SimulatedLikelihood {
- public:
-  SimulatedLikelihood(const Plan& plan, const Node& node)
-      : plan_(plan),
-        target_(read_seen_target(plan, node)),
-        recorded_(stored_observation(plan, target_)),
-        noise_(noise_model(plan.study, target_), recorded_),
-        simulator_(plan.source->open(
-            {.simulator = plan.study.simulator, .target = target_, .log = log_of(node.path)})),
-        id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {
-    noise_.require_density();
-  }
+// Walkers that a refinement assumes where the study doesn't say how many helpers there are.
+constexpr Index kUsualWalkers = 8;
 
-  Index num_rollouts() const { return target_.num_rollouts(); }
-  Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
-
-  // log p at rows of theta (n, D), number `first` and those after it, (n). Adds to `failed` how
-  // many couldn't be simulated.
-  Vector operator()(const RowMatrix& theta, Index first, Index& failed) const {
-    const sim::Trajectories rows = simulate(theta, first);
-    Vector result(theta.rows());
-    parallel_for(theta.rows(), [&](Index i) { result(i) = noise_.log_likelihood(rows.row(i)); });
-    failed += std::ranges::count_if(
-        rows.status, [](sim::RolloutStatus status) { return status != sim::RolloutStatus::ok; });
-    return result;
-  }
-
-  // Of the posterior at that power, by its draws; with the same random numbers for each power.
-  LeftOutScore left_out(const RowMatrix& theta, const Vector& weights, double power) const {
-    return left_out_score(noise_, recorded_, simulate(theta, 0), weights, power,
-                          within(id_, "left_out"));
-  }
-
- private:
-  sim::Trajectories simulate(const RowMatrix& theta, Index first) const {
-    StreamId id = id_;
-    id.row = static_cast<std::uint64_t>(first);
-    return simulator_->simulate(plan_.source->parameters().complete(theta), id);
-  }
-
-  const Plan& plan_;
-  Target target_;
-  std::vector<float> recorded_;
-  sim::NoiseLikelihood noise_;
-  std::unique_ptr<RowSimulator> simulator_;
-  StreamId id_;
-};
+Walker its_walker(const Plan& plan) {
+  const Index helpers = plan.study.cluster.refine_tasks;
+  return {.number = 0, .count = helpers > 0 ? helpers + 1 : kUsualWalkers};
+}
 
 // Draws of the posterior that is refined, over u; none: the prior's.
 RowMatrix start_of(const Plan& plan, const Node& node, const inference::Prior& prior,
@@ -99,45 +54,62 @@ class Refinement {
         checkpoint_(plan.work.checkpoint("infer", node.key)),
         earlier_(read_refinement({checkpoint_, node.key})),
         search_(earlier_.powers),
-        sampler_(make_sampler()) {
+        sampler_(make_sampler()),
+        likelihood_(plan, node, log_of(node.path)),
+        rows_(plan, node, likelihood_, its_walker(plan)),
+        progress_(node.label() + ", simulations", 0) {
     writer.add_cost(earlier_.cost);
+    if (config_.cross_validate && likelihood_.num_rollouts() < 2) {
+      throw InputError(node_.label() +
+                       ": refine.cross_validate needs two rollouts or more; the target has one");
+    }
   }
 
   // Returns the number of rows that failed.
   Index run() {
-    const SimulatedLikelihood likelihood(plan_, node_);
-    if (config_.cross_validate && likelihood.num_rollouts() < 2) {
-      throw InputError(node_.label() +
-                       ": refine.cross_validate needs two rollouts or more; the target has one");
-    }
-    Progress progress(node_.label() + ", simulations", 0);
-    const Index block = likelihood.block_size(config_.level_size);
     Index failed = earlier_.num_failed;
     while (!sampler_.is_done()) {
-      const Index first = sampler_.state().num_draws;
-      const RowMatrix theta = prior_.to_theta(sampler_.next(block));
-      const Index level = sampler_.state().num_levels;
-      sampler_.tell(likelihood(theta, first, failed));
-      if (sampler_.state().num_levels != level) cross_validate(likelihood);
-      progress.update(sampler_.state().num_draws, fmt::format("power {:.3g}", sampler_.power()));
+      if (const std::optional<Vector> log_likelihood = simulate_next(failed)) {
+        const Index level = sampler_.state().num_levels;
+        sampler_.tell(*log_likelihood);
+        if (sampler_.state().num_levels != level) cross_validate();
+        show(sampler_.state().num_draws);
+      }
       keep(failed);
     }
     return failed;
   }
 
+  const Cost& cost_of_helpers() const { return rows_.cost_of_others(); }
   inference::ImportanceSample sample() const { return sampler_.particles(kMostParticles); }
   const inference::Prior& prior() const { return prior_; }
   const PowerScores& powers() const { return search_.scores(); }
   bool is_search_cut() const { return search_.ends_at_least(config_.likelihood_power); }
 
  private:
+  // Log likelihoods of the points that the sampler wants next: those of a block or, where there are
+  // helpers, of all that it knows by now. None: a stop was requested.
+  std::optional<Vector> simulate_next(Index& failed) {
+    const Index first = sampler_.state().num_draws;
+    if (!rows_.has_helpers()) {
+      return likelihood_(prior_.to_theta(sampler_.next(block_)), first, failed);
+    }
+    const RowMatrix u = sampler_.next(std::numeric_limits<Index>::max());
+    return rows_.ask(prior_.to_theta(u), first, failed,
+                     [&](Index num_rows) { show(first + num_rows); });
+  }
+
+  void show(Index num_draws) {
+    progress_.update(num_draws, fmt::format("power {:.3g}", sampler_.power()));
+  }
+
   // When a level has been planned: scores its power, and settles on the best one at the end.
-  void cross_validate(const SimulatedLikelihood& likelihood) {
+  void cross_validate() {
     if (!config_.cross_validate || is_settled() || sampler_.power() == 0.0) return;
     if (sampler_.state().levels.back().kind == inference::LevelKind::last) return;
     const inference::ImportanceSample draws = sampler_.preliminary(kLeftOutDraws);
     search_.add(sampler_.power(),
-                likelihood.left_out(prior_.to_theta(draws.u), draws.weights, sampler_.power()));
+                likelihood_.left_out(prior_.to_theta(draws.u), draws.weights, sampler_.power()));
     const Index draws_so_far = sampler_.state().num_draws, most = config_.max_simulations;
     const bool is_late =
         draws_so_far + config_.level_size >= most ||
@@ -166,7 +138,9 @@ class Refinement {
     if (!is_due && !is_stopping) return;
     RefinementCheckpoint checkpoint{sampler_.state(), failed, search_.scores(), earlier_.cost};
     checkpoint.cost += cost_of_seconds(std::chrono::duration<double>(now - start_).count());
+    checkpoint.cost += rows_.cost_of_others();
     write_refinement(checkpoint_, node_.identity, std::move(checkpoint));
+    rows_.forget(sampler_.state().num_draws);
     saved_ = now;
     if (is_stopping) throw Checkpointed(node_.label() + ": stopped on request, checkpoint written");
   }
@@ -179,6 +153,10 @@ class Refinement {
   RefinementCheckpoint earlier_;
   PowerSearch search_;
   Sampler sampler_;
+  SimulatedLikelihood likelihood_;
+  Index block_ = likelihood_.block_size(config_.level_size);
+  RefinedRows rows_;
+  Progress progress_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point saved_ = start_;
 };
@@ -204,6 +182,7 @@ void warn(const Node& node, const inference::ImportanceCertificate& certificate,
 void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   Refinement refinement(plan, node, writer);
   const Index failed = refinement.run();
+  writer.add_cost(refinement.cost_of_helpers());
   const inference::ImportanceSample sample = refinement.sample();
   const MethodConfig& method = plan.study.method(node.uses.front().method);
   warn(node, sample.certificate, refinement.is_search_cut());

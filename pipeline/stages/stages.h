@@ -21,6 +21,21 @@ void run_propose(const Plan& plan, const Node& node);
 /// them. Throws InputError for a number that no shard has.
 void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers = {});
 void run_infer(const Plan& plan, const Node& node);
+
+/// A helper of a refinement: number 1, 2, ... of so many.
+struct Helper {
+  Index number = 1;
+  Index count = 1;
+};
+/// Seconds that a helper waits for rows to simulate before it gives up: the refinement may be
+/// thinking, but it may also have been killed, or be waiting in a queue.
+inline constexpr double kHelperPatience = 600.0;
+/// Simulates the rows that the refinement `node` asks for, together with it, until its artefact is
+/// complete or nothing was asked for in `patience` seconds. Returns the number of rows. Throws as
+/// run_infer().
+Index help_refinement(const Plan& plan, const Node& node, const Helper& helper,
+                      double patience = kHelperPatience);
+
 void run_baseline(const Plan& plan, const Node& node);
 void run_evaluate(const Plan& plan, const Node& node);
 /// Checks a method's posteriors of one seed.

@@ -1,0 +1,187 @@
+#include "pipeline/stages/refined_rows.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/process/stop_request.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr useconds_t kPause = 100'000;  // [us]
+
+// Asks the server of a network file system, where looking for one name may tell what was there a
+// while ago.
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  std::error_code gone;
+  fs::directory_iterator entry(folder, gone);
+  for (; !gone && entry != fs::directory_iterator(); entry.increment(gone)) {
+    names.insert(entry->path().filename());
+  }
+  return names;
+}
+
+Index num_rows_there(const std::vector<AskedShard>& shards, const std::set<std::string>& names) {
+  Index count = 0;
+  for (const AskedShard& shard : shards) {
+    if (names.contains(shard.file_name)) count += shard.rows.size();
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<std::size_t> walking_order(std::size_t num_shards, const Walker& walker) {
+  const auto number = static_cast<std::size_t>(walker.number),
+             count = static_cast<std::size_t>(walker.count);
+  const std::size_t begin = num_shards * number / count, end = num_shards * (number + 1) / count;
+  std::vector<std::size_t> order, others;
+  for (std::size_t i = 0; i < num_shards; ++i) {
+    (begin <= i && i < end ? order : others).push_back(i);
+  }
+  const std::uint64_t seed = static_cast<std::uint64_t>(walker.number);
+  Stream stream({seed, "refine_shards", 0, 0, 0});
+  for (const std::uint32_t i : stream.permutation(static_cast<std::uint32_t>(others.size()))) {
+    order.push_back(others[i]);
+  }
+  return order;
+}
+
+RefinedRows::RefinedRows(const Plan& plan, const Node& node, const SimulatedLikelihood& likelihood,
+                         const Walker& walker)
+    : plan_(plan),
+      node_(node),
+      likelihood_(likelihood),
+      walker_(walker),
+      most_rows_(plan.study.simulate.shard_size),
+      dimension_(std::ssize(plan.study.prior)),
+      folder_(plan.work.asked_rows(node.key)) {}
+
+bool RefinedRows::has_helpers() const { return fs::is_directory(folder_); }
+
+std::optional<Vector> RefinedRows::ask(const RowMatrix& theta, Index first, Index& failed,
+                                       const OnRows& on_rows) {
+  const Index each = (theta.rows() + walker_.count - 1) / walker_.count;
+  const AskedRows asked{first, std::clamp<Index>(each, 1, most_rows_), theta};
+  const std::vector<AskedShard> shards = shards_of(asked, node_.key);
+  while_it_lasts([&] { write_asked_rows(folder_, node_.identity, asked); });
+  std::optional<Vector> result;
+  for (;;) {
+    walk(asked, shards, false, on_rows);
+    if (stop_requested()) return std::nullopt;
+    result = read(shards, theta.rows(), failed);
+    if (result) break;
+    usleep(
+        kPause);  // another run of this refinement has removed some, or a network shows them late
+  }
+  // Before any likelihood: helpers take those of rows that aren't asked for as done.
+  std::error_code ignored;
+  fs::remove(folder_ / asked.file_name(), ignored);
+  return result;
+}
+
+void RefinedRows::forget(Index end) {
+  std::error_code ignored;
+  for (const std::string& name : names_in(folder_)) {
+    const std::optional<Index> its_end = end_of_rows(name);
+    if (!its_end || *its_end > end) continue;
+    fs::remove(folder_ / name, ignored);
+    own_.erase(name);
+  }
+}
+
+Index RefinedRows::help(const OnRows& on_rows) {
+  Index num_made = 0;
+  for (const std::string& name : names_of_asked_rows(names_in(folder_))) {
+    const std::optional<AskedRows> asked = read_asked_rows({folder_ / name, node_.key});
+    if (!asked) continue;
+    if (asked->theta.cols() != dimension_ || asked->file_name() != name) {
+      throw InputError(fmt::format(
+          "{}: asks for {} of {} parameters, must be for those of its name, of {}; remove this "
+          "file",
+          (folder_ / name).string(), asked->file_name(), asked->theta.cols(), dimension_));
+    }
+    num_made += walk(*asked, shards_of(*asked, node_.key), true, on_rows);
+    if (num_made > 0) break;  // rows that come first may be asked for by now
+  }
+  return num_made;
+}
+
+// Makes the shards that are missing; `must_be_asked`: as long as they are asked for. Returns the
+// number of rows.
+Index RefinedRows::walk(const AskedRows& asked, const std::vector<AskedShard>& shards,
+                        bool must_be_asked, const OnRows& on_rows) {
+  Index num_made = 0;
+  std::set<std::string> there = names_in(folder_);
+  for (const std::size_t i : walking_order(shards.size(), walker_)) {
+    if (there.contains(shards[i].file_name)) continue;
+    there = names_in(folder_);  // others may have made it meanwhile
+    on_rows(num_rows_there(shards, there));
+    if (there.contains(shards[i].file_name)) continue;
+    if (stop_requested() || (must_be_asked && !there.contains(asked.file_name()))) break;
+    num_made += make(asked, shards[i]);
+  }
+  return num_made;
+}
+
+// Gives up when somebody else is first, or a stop is requested: returns 0.
+Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
+  const Index count = shard.rows.size();
+  Index num_made = 0;
+  while_it_lasts([&] {
+    ArtefactWriter writer(folder_ / shard.file_name, kRowLikelihoodsSchema,
+                          identity_of(asked, shard, node_.identity));
+    RowLikelihoods made{.log_likelihood = Vector(count), .num_failed = 0, .cost = {}};
+    for (Index at = 0, rows = 0; at < count; at += rows) {
+      if (at > 0 && (stop_requested() || fs::exists(folder_ / shard.file_name))) return;
+      rows = std::min(likelihood_.block_size(count), count - at);
+      const Index begin = shard.rows.begin + at;
+      made.log_likelihood.segment(at, rows) =
+          likelihood_(asked.theta.middleRows(begin, rows), asked.first + begin, made.num_failed);
+    }
+    write_row_likelihoods(writer.file(), std::move(made));
+    writer.finish();
+    own_.insert(shard.file_name);
+    num_made = count;
+  });
+  return num_made;
+}
+
+// Writes into the folder; what fails because it has gone, with the refinement that is complete by
+// now, is of no use any more.
+void RefinedRows::while_it_lasts(const std::function<void()>& write) const {
+  try {
+    write();
+  } catch (const Error&) {
+    if (fs::is_directory(folder_) && !is_complete(plan_, node_)) throw;
+  }
+}
+
+// None: some aren't there.
+std::optional<Vector> RefinedRows::read(const std::vector<AskedShard>& shards, Index num_rows,
+                                        Index& failed) {
+  Vector all(num_rows);
+  Index num_failed = 0;
+  Cost cost_of_others;
+  for (const AskedShard& shard : shards) {
+    const std::optional<RowLikelihoods> part = read_row_likelihoods(folder_, shard);
+    if (!part) return std::nullopt;
+    all.segment(shard.rows.begin, shard.rows.size()) = part->log_likelihood;
+    num_failed += part->num_failed;
+    // This process has worked or waited meanwhile.
+    if (!own_.contains(shard.file_name)) cost_of_others.core_seconds += part->cost.core_seconds;
+  }
+  failed += num_failed;
+  cost_of_others_ += cost_of_others;
+  return all;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,77 @@
+/// Rows of a refinement that several processes simulate: its own, and helpers beside it. Private to
+/// pipeline/stages.
+///
+/// The file tree is the only state: there are no claims, locks, clocks or messages. The refinement
+/// writes which rows it wants next (asked_rows_file.h), and everybody makes the shards of them
+/// whose likelihoods aren't there: first a segment of its own, then all others. Whoever comes by a
+/// missing shard makes it; at worst it is made twice, with the same bits. When the refinement has
+/// come by all of them, all are there. So a helper that dies costs nothing, and a refinement that
+/// goes on from its checkpoint finds the likelihoods that were made for it.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pipeline/artefacts/asked_rows_file.h"
+#include "pipeline/stages/simulated_likelihood.h"
+
+namespace npdr::pipeline {
+
+/// One of those that simulate the rows of a refinement: 0 is the refinement itself.
+struct Walker {
+  Index number = 0;
+  Index count = 1;  ///< of all
+};
+
+/// The order in which a walker comes by shards: those of its own segment forwards, then the others
+/// in an order of its own, so that walkers that have nothing left don't follow each other.
+std::vector<std::size_t> walking_order(std::size_t num_shards, const Walker& walker);
+
+class RefinedRows {
+ public:
+  using OnRows = std::function<void(Index)>;
+
+  RefinedRows(const Plan& plan, const Node& node, const SimulatedLikelihood& likelihood,
+              const Walker& walker);
+
+  /// Whether helpers were there: they make the folder in which rows are asked for.
+  bool has_helpers() const;
+
+  /// The refinement's part. log p at rows of theta (n, D), number `first` and those after it, (n),
+  /// simulated together with the helpers; adds to `failed`, and calls `on_rows` with how many of
+  /// them are there. None: a stop was requested; what is made of them stays. Throws InputError for
+  /// damaged likelihoods, Error when writing fails, and as the likelihood.
+  std::optional<Vector> ask(const RowMatrix& theta, Index first, Index& failed,
+                            const OnRows& on_rows);
+  /// Removes the likelihoods of rows before number `end`, which a checkpoint holds.
+  void forget(Index end);
+  /// What others did for the likelihoods that were asked for.
+  const Cost& cost_of_others() const { return cost_of_others_; }
+
+  /// A helper's part: simulates shards of what is asked for now, and calls `on_rows` likewise.
+  /// Returns how many rows it simulated; 0: none is missing. Throws as ask().
+  Index help(const OnRows& on_rows);
+
+ private:
+  Index walk(const AskedRows& asked, const std::vector<AskedShard>& shards, bool must_be_asked,
+             const OnRows& on_rows);
+  Index make(const AskedRows& asked, const AskedShard& shard);
+  std::optional<Vector> read(const std::vector<AskedShard>& shards, Index num_rows, Index& failed);
+
+  void while_it_lasts(const std::function<void()>& write) const;
+
+  const Plan& plan_;
+  const Node& node_;
+  const SimulatedLikelihood& likelihood_;
+  Walker walker_;
+  Index most_rows_;  // of a shard
+  Index dimension_;
+  std::filesystem::path folder_;
+  std::set<std::string> own_;  // files that this process has made
+  Cost cost_of_others_;
+};
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,44 @@
+#include "pipeline/stages/simulated_likelihood.h"
+
+#include <algorithm>
+
+#include "core/parallel.h"
+#include "pipeline/features/noise.h"
+#include "pipeline/features/simulation_features.h"
+
+namespace npdr::pipeline {
+
+SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
+                                         const std::filesystem::path& log)
+    : plan_(plan),
+      target_(read_seen_target(plan, node)),
+      recorded_(stored_observation(plan, target_)),
+      noise_(noise_model(plan.study, target_), recorded_),
+      simulator_(
+          plan.source->open({.simulator = plan.study.simulator, .target = target_, .log = log})),
+      id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {
+  noise_.require_density();
+}
+
+Vector SimulatedLikelihood::operator()(const RowMatrix& theta, Index first, Index& failed) const {
+  const sim::Trajectories rows = simulate(theta, first);
+  Vector result(theta.rows());
+  parallel_for(theta.rows(), [&](Index i) { result(i) = noise_.log_likelihood(rows.row(i)); });
+  failed += std::ranges::count_if(
+      rows.status, [](sim::RolloutStatus status) { return status != sim::RolloutStatus::ok; });
+  return result;
+}
+
+LeftOutScore SimulatedLikelihood::left_out(const RowMatrix& theta, const Vector& weights,
+                                           double power) const {
+  return left_out_score(noise_, recorded_, simulate(theta, 0), weights, power,
+                        within(id_, "left_out"));
+}
+
+sim::Trajectories SimulatedLikelihood::simulate(const RowMatrix& theta, Index first) const {
+  StreamId id = id_;
+  id.row = static_cast<std::uint64_t>(first);
+  return simulator_->simulate(plan_.source->parameters().complete(theta), id);
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,46 @@
+/// The likelihood of a recording, by simulation. Private to pipeline/stages.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "pipeline/features/targets.h"
+#include "pipeline/predictions/left_out.h"
+#include "sim/noise_likelihood.h"
+
+namespace npdr::pipeline {
+
+/// log p(recording | theta) of rows of theta, under the observation noise. A row's value is a
+/// function of theta and of its number alone: it has the same bits whoever simulates it, and with
+/// which others.
+class SimulatedLikelihood {
+ public:
+  /// Of the refinement `node`. `log`: of what programs print. Throws InputError for noise without a
+  /// density, and what opening the study's source throws.
+  SimulatedLikelihood(const Plan& plan, const Node& node, const std::filesystem::path& log);
+
+  Index num_rollouts() const { return target_.num_rollouts(); }
+  /// Rows that are worth simulating at once, of `num_rows`.
+  Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
+
+  /// log p at rows of theta (n, D), number `first` and those after it, (n) [nats]. Adds to `failed`
+  /// how many couldn't be simulated. Throws as RowSimulator::simulate().
+  Vector operator()(const RowMatrix& theta, Index first, Index& failed) const;
+
+  /// Score of the posterior at that power, by its weighted draws; with the same random numbers for
+  /// each power.
+  LeftOutScore left_out(const RowMatrix& theta, const Vector& weights, double power) const;
+
+ private:
+  sim::Trajectories simulate(const RowMatrix& theta, Index first) const;
+
+  const Plan& plan_;
+  Target target_;
+  std::vector<float> recorded_;
+  sim::NoiseLikelihood noise_;
+  std::unique_ptr<RowSimulator> simulator_;
+  StreamId id_;
+};
+
+}  // namespace npdr::pipeline

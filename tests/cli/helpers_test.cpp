@@ -1,0 +1,148 @@
+// Refinements with helpers beside them: processes that come, go, and are killed.
+#include "tests/cli/program.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Helpers : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(folder_ / "small.toml")
+        << furuta_study("small")
+               .with("target", {"num_rollouts = 10"})
+               .with("simulator", {"store_every = 20"})
+               .with("observation_noise", {"scale = 0.05"})
+               .with("simulate", {"shard_size = 50"})
+               .method("Refined", {"algorithm = \"refine\"",
+                                   "refine = { level_size = 1000, min_ess = 5000, "
+                                   "max_simulations = 6000 }"})
+               .with("cluster", {"refine_tasks = 2"});
+    const Outcome alone = run(folder_.path(), inference("alone"));
+    ASSERT_EQ(alone.status, 0) << alone.err;
+    reference_ = digests(folder_ / "alone/small");
+    for (const std::string& name : files_ending(folder_ / "alone/.cache/infer", ".h5")) {
+      key_ = fs::path(name).stem();
+    }
+  }
+
+  static std::vector<std::string> inference(const std::string& work) {
+    return {"npdr", "run", "small.toml", "--until", "infer", "--work", work};
+  }
+  std::vector<std::string> help(const std::string& helper, const std::string& work) const {
+    return {"npdr-simulate", "small.toml", "--artefact", key_.substr(0, 12),
+            "--helper",      helper,       "--work",     work};
+  }
+
+  // A helper of a refinement that hasn't begun.
+  Program begin_helper(const std::string& helper, const std::string& work) const {
+    run(folder_.path(), {"npdr", "run", "small.toml", "--until", "target", "--work", work});
+    const std::string name = helper.substr(0, 1);
+    Program program(folder_.path(), help(helper, work), {"out" + name, "err" + name});
+    EXPECT_TRUE(comes_true([&] { return fs::exists(rows_folder(work)) || program.has_ended(); }));
+    return program;
+  }
+
+  fs::path rows_folder(const std::string& work) const {
+    return folder_ / work / ".cache/infer" / (key_ + ".rows");
+  }
+  bool has_rows(const std::string& work) const {
+    const std::set<std::string> names = files_ending(rows_folder(work), ".h5");
+    return std::ranges::any_of(names, [](const auto& name) { return name.starts_with("rows-"); });
+  }
+
+  void expect_same_bits(const std::string& work) const {
+    EXPECT_EQ(digests(folder_ / work / "small"), reference_);
+    EXPECT_FALSE(fs::exists(rows_folder(work)));
+  }
+  static void expect_help(const Outcome& helper) {
+    EXPECT_EQ(helper.status, 0) << helper.err;
+    EXPECT_NE(helper.out.find("helped with "), std::string::npos) << helper.out;
+    EXPECT_EQ(helper.out.find("helped with 0 rows"), std::string::npos) << helper.out;
+  }
+
+  TempFolder folder_;
+  std::string key_;
+  std::map<std::string, std::string> reference_;
+};
+
+TEST_F(Helpers, GiveTheSameBits) {
+  const Program only = begin_helper("1/1", "one");
+  EXPECT_EQ(run(folder_.path(), inference("one")).status, 0);
+  expect_help(only.wait());
+  expect_same_bits("one");
+
+  const Program first = begin_helper("1/2", "two"), second = begin_helper("2/2", "two");
+  EXPECT_EQ(run(folder_.path(), inference("two")).status, 0);
+  expect_help(first.wait());
+  expect_help(second.wait());
+  expect_same_bits("two");
+  const Outcome late = run(folder_.path(), help("1/1", "two"));
+  EXPECT_EQ(late.status, 0);
+  EXPECT_NE(late.out.find("helped with 0 rows"), std::string::npos) << late.out;
+}
+
+TEST_F(Helpers, MayBeKilledOrComeLate) {
+  const Program first = begin_helper("1/2", "killed");
+  const Program refinement(folder_.path(), inference("killed"), {"out", "err"});
+  EXPECT_TRUE(comes_true([&] { return has_rows("killed") || refinement.has_ended(); }));
+  first.send(SIGKILL);
+  first.wait();
+  const Program second(folder_.path(), help("2/2", "killed"), {"out2", "err2"});
+  EXPECT_EQ(refinement.wait().status, 0);
+  EXPECT_EQ(second.wait().status, 0);
+  expect_same_bits("killed");
+}
+
+TEST_F(Helpers, StopOnRequest) {
+  const Program helper = begin_helper("1/1", "stopped");
+  helper.send(SIGTERM);
+  EXPECT_EQ(helper.wait().status, 75);
+}
+
+// The refinement's likelihoods are kept for it, whatever ends it.
+TEST_F(Helpers, OutliveTheRefinement) {
+  for (const int signal : {SIGKILL, SIGTERM}) {
+    const std::string work = "ended-" + std::to_string(signal);
+    const Program helper = begin_helper("1/1", work);
+    for (int i = 0; i < 4; ++i) {
+      const Program refinement(folder_.path(), inference(work), {"out", "err"});
+      EXPECT_TRUE(comes_true([&] { return has_rows(work) || refinement.has_ended(); }));
+      refinement.ends_within(0.1 * i);
+      refinement.send(signal);
+      refinement.wait();
+    }
+    const Outcome last = run(folder_.path(), inference(work));
+    EXPECT_EQ(last.status, 0) << last.err;
+    expect_help(helper.wait());
+    expect_same_bits(work);
+  }
+}
+
+TEST_F(Helpers, SayWhatIsWrong) {
+  const auto expect = [&](std::vector<std::string> words, const char* message) {
+    words.insert(words.begin(), {"npdr-simulate", "small.toml", "--work", "alone"});
+    const Outcome outcome = run(folder_.path(), words);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << outcome.err;
+  };
+  for (const char* helper : {"1", "0/2", "3/2", "1/2/3", "x/2", "1/1001"}) {
+    expect({"--artefact", key_, "--helper", helper}, "must be I/N with 1 <= I <= N <= 1000");
+  }
+  expect({"--helper", "1/2"}, "must come with --artefact KEY");
+  expect({"--helper", "1/2", "--artefact", key_, "--shard", "1"}, "without --shard");
+  std::string target;
+  for (const std::string& name : files_ending(folder_ / "alone/.cache/target", ".h5")) {
+    target = fs::path(name).stem();
+  }
+  expect({"--helper", "1/2", "--artefact", target}, "has no rows to help with");
+  EXPECT_NE(run(folder_.path(), {"npdr-simulate", "--help"}).out.find("--helper"),
+            std::string::npos);
+  run(folder_.path(), {"npdr", "run", "small.toml", "--until", "target", "--work", "new"});
+  const Outcome tasks = run(folder_.path(), {"npdr", "tasks", "small.toml", "--work", "new"});
+  EXPECT_NE(tasks.out.find("--helper 2/2"), std::string::npos) << tasks.out;
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

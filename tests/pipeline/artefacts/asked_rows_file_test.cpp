@@ -1,0 +1,118 @@
+#include "pipeline/artefacts/asked_rows_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "pipeline/artefacts/schemas.h"
+#include "tests/message_of.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+Identity posterior_of(const std::string& what) {
+  Identity identity;
+  identity.key_document = {{"what", what}};
+  return identity;
+}
+
+class AskedRowsFile : public ::testing::Test {
+ protected:
+  AskedRowsFile() { write_asked_rows(folder_.path(), posterior_, asked_); }
+
+  ArtefactFile file() const { return {folder_ / asked_.file_name(), posterior_.key()}; }
+
+  void write(const AskedShard& shard, const RowLikelihoods& likelihoods) const {
+    ArtefactWriter writer(folder_ / shard.file_name, kRowLikelihoodsSchema,
+                          identity_of(asked_, shard, posterior_));
+    write_row_likelihoods(writer.file(), likelihoods);
+    writer.finish();
+  }
+
+  TempFolder folder_;
+  Identity posterior_ = posterior_of("a posterior");
+  AskedRows asked_{.first = 40, .shard_size = 4, .theta = RowMatrix::Random(10, 3)};
+};
+
+TEST_F(AskedRowsFile, IsReadAsItIsWritten) {
+  const std::optional<AskedRows> read = read_asked_rows(file());
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->first, 40);
+  EXPECT_EQ(read->shard_size, 4);
+  EXPECT_EQ(read->theta, asked_.theta);
+  EXPECT_EQ(read->file_name(), "asked-40-50.h5");
+  EXPECT_FALSE(read_asked_rows({folder_ / "asked-0-1.h5", posterior_.key()}));
+}
+
+TEST_F(AskedRowsFile, OfAnotherRefinementOrDamagedIsAnError) {
+  const auto message = [](const ArtefactFile& artefact) {
+    return message_of<InputError>([&] { read_asked_rows(artefact); });
+  };
+  EXPECT_NE(message({file().path, posterior_of("another").key()}).find("key"), std::string::npos);
+  AskedRows odd = asked_;
+  odd.shard_size = 0;
+  write_asked_rows(folder_.path(), posterior_, odd);
+  EXPECT_TRUE(says(message(file()),
+                   {file().path, "in shards of 0", "must be >= 0 and >= 1", "remove this file"}));
+  write_text_file(file().path, "not HDF5");
+  EXPECT_NE(message(file()).find(file().path), std::string::npos);
+}
+
+TEST_F(AskedRowsFile, ThoseThatBeginFirstComeFirst) {
+  const std::set<std::string> names = {"asked-100-200.h5", "asked-20-30.h5", "asked-x-2.h5",
+                                       "asked-1.h5",       "rows-1-2-3.h5",  "other"};
+  EXPECT_EQ(names_of_asked_rows(names),
+            (std::vector<std::string>{"asked-20-30.h5", "asked-100-200.h5"}));
+}
+
+TEST_F(AskedRowsFile, ShardsCoverAllRowsAndKnowTheirTheta) {
+  const std::vector<AskedShard> shards = shards_of(asked_, posterior_.key());
+  ASSERT_EQ(shards.size(), 3u);
+  EXPECT_EQ(shards[0].rows.begin, 0);
+  EXPECT_EQ(shards[2].rows.begin, 8);
+  EXPECT_EQ(shards[2].rows.end, 10);
+  EXPECT_TRUE(shards[2].file_name.starts_with("rows-48-50-")) << shards[2].file_name;
+  EXPECT_EQ(end_of_rows(shards[2].file_name), 50);
+  EXPECT_FALSE(end_of_rows(asked_.file_name()));
+  EXPECT_EQ(identity_of(asked_, shards[1], posterior_).key(), shards[1].key);
+
+  AskedRows other = asked_;
+  other.theta(5, 0) = std::nextafter(other.theta(5, 0), 2.0);
+  const std::vector<AskedShard> others = shards_of(other, posterior_.key());
+  EXPECT_EQ(others[0].file_name, shards[0].file_name);
+  EXPECT_NE(others[1].file_name, shards[1].file_name);
+  EXPECT_EQ(others[2].file_name, shards[2].file_name);
+  EXPECT_NE(shards_of(asked_, "another")[0].file_name, shards[0].file_name);
+}
+
+TEST_F(AskedRowsFile, LikelihoodsAreReadAsTheyAreWritten) {
+  const std::vector<AskedShard> shards = shards_of(asked_, posterior_.key());
+  EXPECT_FALSE(read_row_likelihoods(folder_.path(), shards[2]));
+  write(shards[2], {.log_likelihood = Vector{{-1.5, -HUGE_VAL}}, .num_failed = 1, .cost = {}});
+  const std::optional<RowLikelihoods> read = read_row_likelihoods(folder_.path(), shards[2]);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->log_likelihood(0), -1.5);
+  EXPECT_EQ(read->log_likelihood(1), -HUGE_VAL);
+  EXPECT_EQ(read->num_failed, 1);
+}
+
+TEST_F(AskedRowsFile, LikelihoodsThatAreNotOfTheShardAreAnError) {
+  const std::vector<AskedShard> shards = shards_of(asked_, posterior_.key());
+  const auto message = [&](const AskedShard& shard) {
+    return message_of<InputError>([&] { read_row_likelihoods(folder_.path(), shard); });
+  };
+  write(shards[2], {.log_likelihood = Vector::Zero(3), .num_failed = 0, .cost = {}});
+  EXPECT_TRUE(says(message(shards[2]), {folder_ / shards[2].file_name, "3 likelihoods",
+                                        "must be of 2 rows", "remove this file"}));
+  write(shards[2], {.log_likelihood = Vector::Zero(2), .num_failed = 3, .cost = {}});
+  EXPECT_NE(message(shards[2]).find("3 failed rows"), std::string::npos);
+  write(shards[0], {.log_likelihood = Vector::Zero(4), .num_failed = 0, .cost = {}});
+  std::filesystem::copy(folder_ / shards[0].file_name, folder_ / shards[1].file_name);
+  EXPECT_NE(message(shards[1]).find(shards[1].file_name), std::string::npos);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

@@ -1,0 +1,171 @@
+// Refinements that share their rows with helpers. tests/cli/helpers_test.cpp has several processes.
+#include "pipeline/stages/refined_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <thread>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "pipeline/config/study_reader.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/run/run_stage.h"
+#include "pipeline/stages/stages.h"
+#include "tests/message_of.h"
+#include "tests/study_text.h"
+#include "tests/temp_folder.h"
+#include "tests/wait_for.h"
+
+namespace npdr::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(WalkingOrder, ComesByAllShardsItsOwnFirst) {
+  for (const std::size_t num_shards : {1u, 2u, 7u, 100u}) {
+    std::vector<int> first(num_shards, 0);
+    for (Index number = 0; number < 4; ++number) {
+      std::vector<std::size_t> order = walking_order(num_shards, {number, 4});
+      const std::size_t own = num_shards * static_cast<std::size_t>(number + 1) / 4 -
+                              num_shards * static_cast<std::size_t>(number) / 4;
+      for (std::size_t i = 0; i < own; ++i) ++first[order[i]];
+      EXPECT_TRUE(std::is_sorted(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(own)));
+      std::ranges::sort(order);
+      std::vector<std::size_t> all(num_shards);
+      std::iota(all.begin(), all.end(), std::size_t{0});
+      EXPECT_EQ(order, all);
+    }
+    EXPECT_EQ(first, std::vector<int>(num_shards, 1)) << "each is in one segment";
+  }
+}
+
+TEST(WalkingOrder, WalkersThatAreDoneDontFollowEachOther) {
+  const std::vector<std::size_t> a = walking_order(100, {1, 5}), b = walking_order(100, {2, 5});
+  int num_same = 0;
+  for (std::size_t i = 20; i < 100; ++i) num_same += a[i] == b[i] ? 1 : 0;
+  EXPECT_LE(num_same, 10);
+}
+
+std::string study_text() {
+  return pendulum_study("help")
+      .with("simulator", {"store_every = 40"})
+      .with("simulate", {"shard_size = 130"})
+      .with("observation_noise", {"scale = 0.1"})
+      .method("ABC", {"algorithm = \"abc\"", "num_simulations = 100"})
+      .method("Refined", {"algorithm = \"refine\"",
+                          "refine = { level_size = 1000, min_ess = 100, max_simulations = 4000 }"})
+      .with("cluster", {"refine_tasks = 2"});
+}
+
+class RefinedRowsOfAStudy : public ::testing::Test {
+ protected:
+  RefinedRowsOfAStudy()
+      : plan_(plan_of("runs")),
+        node_(plan_.node(Stage::infer, {"Refined", 1, 1})),
+        rows_(plan_.work.asked_rows(node_.key)) {
+    make_target(plan_);
+  }
+
+  Plan plan_of(const std::string& work) const {
+    return make_plan(parse_study(study_text(), "s.toml"), WorkFolder(folder_ / work));
+  }
+  static void make_target(const Plan& plan) {
+    for (const Node& node : plan.nodes) {
+      if (node.stage == Stage::target) run_stage(plan, node);
+    }
+  }
+  std::string digest_alone() const {
+    const Plan plan = plan_of("alone");
+    make_target(plan);
+    run_stage(plan, plan.node(Stage::infer, {"Refined", 1, 1}));
+    return content_digest(plan.node(Stage::infer, {"Refined", 1, 1}).path);
+  }
+  std::string error_of_helper() const {
+    return message_of<InputError>([&] { help_refinement(plan_, node_, {1, 1}, 0.0); });
+  }
+
+  TempFolder folder_;
+  Plan plan_;
+  const Node& node_;
+  fs::path rows_;
+};
+
+TEST_F(RefinedRowsOfAStudy, AHelperThatNobodyAsksEnds) {
+  EXPECT_EQ(help_refinement(plan_, node_, {1, 2}, 0.0), 0);
+  EXPECT_TRUE(fs::is_directory(rows_));
+}
+
+TEST_F(RefinedRowsOfAStudy, HaveTheSameBitsInShards) {
+  fs::create_directories(rows_);
+  write_text_file(rows_ / "rows-0-130-0123456789abcdef.h5",
+                  "of other rows, such as an older try's");
+  write_text_file(rows_ / "asked-0-", "what isn't asked for");
+  run_stage(plan_, node_);
+  EXPECT_FALSE(fs::exists(rows_)) << "a complete refinement leaves nothing behind";
+  EXPECT_EQ(content_digest(node_.path), digest_alone());
+}
+
+TEST_F(RefinedRowsOfAStudy, HaveTheSameBitsWithAHelper) {
+  Index num_rows = 0;
+  fs::create_directories(rows_);
+  std::thread helper([&] { num_rows = help_refinement(plan_, node_, {1, 1}, 600.0); });
+  run_stage(plan_, node_);
+  helper.join();
+  settle(plan_, node_);
+  EXPECT_FALSE(fs::exists(rows_));
+  EXPECT_EQ(content_digest(node_.path), digest_alone());
+}
+
+TEST_F(RefinedRowsOfAStudy, WhatIsAskedForIsSimulatedOnce) {
+  const SimulatedLikelihood likelihood(plan_, node_, {});
+  const AskedRows asked{.first = 0, .shard_size = 20, .theta = RowMatrix::Constant(50, 2, 1.0)};
+  write_asked_rows(rows_, node_.identity, asked);
+  RefinedRows helper(plan_, node_, likelihood, {1, 2});
+  EXPECT_EQ(helper.help([](Index) {}), 50);
+  EXPECT_EQ(helper.help([](Index) {}), 0);
+  // The refinement takes what is there, though it is another process's.
+  RefinedRows refinement(plan_, node_, likelihood, {0, 3});
+  Index failed = 0;
+  const std::optional<Vector> together = refinement.ask(asked.theta, 0, failed, [](Index) {});
+  EXPECT_EQ(*together, likelihood(asked.theta, 0, failed));
+  EXPECT_EQ(failed, 0);
+  EXPECT_FALSE(fs::exists(rows_ / asked.file_name()));
+  EXPECT_EQ(helper.help([](Index) {}), 0) << "nothing is asked for any more";
+  refinement.forget(49);
+  EXPECT_FALSE(fs::is_empty(rows_)) << "the last rows aren't in a checkpoint";
+  refinement.forget(50);
+  EXPECT_TRUE(fs::is_empty(rows_));
+}
+
+TEST_F(RefinedRowsOfAStudy, SayWhatIsWrongWithThem) {
+  AskedRows asked{.first = 0, .shard_size = 20, .theta = RowMatrix::Constant(50, 3, 1.0)};
+  write_asked_rows(rows_, node_.identity, asked);
+  EXPECT_TRUE(says(error_of_helper(),
+                   {rows_ / "asked-0-50.h5", "of 3 parameters", "of 2", "remove this file"}));
+  fs::rename(rows_ / "asked-0-50.h5", rows_ / "asked-0-40.h5");
+  EXPECT_TRUE(says(error_of_helper(),
+                   {rows_ / "asked-0-40.h5", "asks for asked-0-50.h5", "remove this file"}));
+  write_text_file(rows_ / "asked-0-40.h5", "damaged");
+  EXPECT_NE(error_of_helper().find(rows_ / "asked-0-40.h5"), std::string::npos);
+  fs::remove(rows_ / "asked-0-40.h5");
+  asked.theta = RowMatrix::Constant(50, 2, 1.0);
+  write_asked_rows(rows_, plan_.nodes.front().identity, asked);
+  EXPECT_NE(error_of_helper().find(node_.key), std::string::npos) << "of another artefact";
+}
+
+TEST_F(RefinedRowsOfAStudy, OnlyRefinementsAreHelped) {
+  const Node& other = plan_.node(Stage::infer, {"ABC", 1, 1});
+  EXPECT_TRUE(says(message_of<InputError>([&] {
+                     run_helper(plan_, other, {1, 1});
+                   }),
+                   {other.label(), "no rows to help with", "algorithm 'refine'", "--dry-run"}));
+  run_stage(plan_, node_);
+  fs::create_directories(rows_);
+  EXPECT_EQ(run_helper(plan_, node_, {1, 1}), 0) << "it is complete";
+  EXPECT_FALSE(fs::exists(rows_));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
