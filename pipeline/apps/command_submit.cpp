@@ -83,10 +83,12 @@ void print_job(const Plan& plan, const Job& job, const std::string& id) {
   std::fflush(stdout);
 }
 
-// Whether Slurm has anything of the study. It may be away for a while: its controller restarts.
+// Whether Slurm has anything that makes something of the study: helpers alone don't. It may be away
+// for a while: its controller restarts.
 bool is_busy(const Plan& plan) {
   try {
-    return !tasks_of(plan, queued_tasks()).empty();
+    const auto flights = in_flight(plan, queued_tasks());
+    return std::ranges::any_of(flights, [](const auto& jobs) { return jobs.has_value(); });
   } catch (const Error& error) {
     report_error("npdr submit", fmt::format("going on to wait: {}", error.what()));
     return true;

@@ -35,7 +35,8 @@ class Ledger {
 
  private:
   static bool makes(const LedgerEntry& entry, const std::string& key) {
-    return std::ranges::any_of(entry.tag.keys,
+    return !entry.tag.is_helper &&
+           std::ranges::any_of(entry.tag.keys,
                                [&](const std::string& digits) { return key.starts_with(digits); });
   }
 
@@ -105,6 +106,7 @@ std::string NodeJobs::text() const {
     text += fmt::format("{}{} queued ({}: {})", text.empty() ? "" : ", ", waiting.size(),
                         examples(waiting, false), waiting.front().reason);
   }
+  if (num_helpers > 0 && !text.empty()) text += fmt::format(", {} helpers", num_helpers);
   return text;
 }
 
@@ -115,11 +117,13 @@ std::vector<std::optional<NodeJobs>> jobs_of_nodes(
   const Ledger ledger(plan);
   const std::vector<QueuedTask> ours = tasks_of(plan, *tasks);
   const std::vector<std::optional<InFlight>> flying = in_flight(plan, ours);
+  auto helpers = helpers_in_flight(plan, ours);
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
     const Node& node = plan.nodes[i];
     if (is_complete(plan, node)) continue;
     NodeJobs jobs;
     for (const QueuedTask& task : ours) {
+      if (task.is_running() && helpers[i].contains(task.job)) ++jobs.num_helpers;
       if (!flying[i] || std::ranges::find(flying[i]->jobs, task.job) == flying[i]->jobs.end()) {
         continue;
       }

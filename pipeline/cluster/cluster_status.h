@@ -13,8 +13,10 @@ struct NodeJobs {
   std::vector<QueuedTask> waiting;
   std::vector<QueuedTask> running;
   std::vector<std::string> failed;  ///< "job 17_3: exit status 1; log: ...", one a task
+  Index num_helpers = 0;            ///< that run beside them
 
-  /// "2 running (17_3 on n1, ...), 5 queued (18, ...: Resources)"; failures are not in it.
+  /// "2 running (17_3 on n1, ...), 5 queued (18, ...: Resources), 4 helpers"; failures are not in
+  /// it.
   std::string text() const;
 };
 

@@ -28,14 +28,17 @@ std::set<std::string> doomed_now(const Plan& plan, const std::vector<QueuedTask>
     if (task.is_running()) begun.insert(task.job);
   }
   const Flights flights = in_flight(plan, tasks);
+  auto helpers = helpers_in_flight(plan, tasks);
   std::set<std::string> doomed;
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
-    if (!flights[i] || is_complete(plan, plan.nodes[i])) continue;
+    std::set<std::string> jobs = helpers[i];
+    if (flights[i]) jobs.insert(flights[i]->jobs.begin(), flights[i]->jobs.end());
+    if (jobs.empty() || is_complete(plan, plan.nodes[i])) continue;
     const auto& needs = plan.nodes[i].needs;
     if (std::ranges::all_of(needs, [&](std::size_t n) { return will_come(plan, n, flights); })) {
       continue;
     }
-    for (const std::string& job : flights[i]->jobs) {
+    for (const std::string& job : jobs) {
       if (!begun.contains(job)) doomed.insert(job);
     }
   }

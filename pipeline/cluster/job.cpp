@@ -46,11 +46,12 @@ class JobMaker {
     if (node(i).stage == Stage::simulate) {
       add_simulation(i);
     } else if (input_.in_flight[i]) {
-      return;  // others wait for it
+      add_helpers(i);  // others wait for it
     } else if (is_preparation(node(i))) {
       add_preparation(i);
     } else {
       add_job(i);
+      add_helpers(i);
     }
   }
 
@@ -154,6 +155,20 @@ class JobMaker {
     jobs_of_[i] = {append(std::move(job))};
   }
 
+  // What the refinement waits for is there when it has begun. Should it never begin, because that
+  // has failed, helpers have to go, too.
+  void add_helpers(std::size_t i) {
+    const Index wanted = std::min(input_.plan.study.cluster.refine_tasks, input_.max_array_size);
+    if (wanted == 0 || !is_refinement(input_.plan, node(i)) || input_.helped.contains(i)) return;
+    Job helpers;
+    helpers.nodes = {i};
+    wait_for_needs(i, helpers);
+    helpers.helps = jobs_of_[i];
+    if (input_.in_flight[i]) helpers.helps_queued = input_.in_flight[i]->jobs;
+    for (Index task = 0; task < wanted; ++task) helpers.tasks.push_back(task);
+    append(std::move(helpers));
+  }
+
   const JobsInput& input_;
   std::vector<Job> jobs_;
   std::vector<std::vector<std::size_t>> jobs_of_;  ///< of each node, those that make it
@@ -167,6 +182,7 @@ class JobMaker {
 std::vector<Job> make_jobs(const JobsInput& input) { return JobMaker(input).make(); }
 
 Stage stage_of(const Plan& plan, const Job& job) {
+  if (job.is_helper()) return Stage::simulate;
   Stage stage = plan.nodes[job.nodes.front()].stage;
   for (const std::size_t i : job.nodes) {
     if (!is_preparation(plan.nodes[i])) stage = plan.nodes[i].stage;
@@ -175,6 +191,7 @@ Stage stage_of(const Plan& plan, const Job& job) {
 }
 
 std::string label_of(const Plan& plan, const Job& job) {
+  if (job.is_helper()) return "help " + plan.nodes[job.nodes.front()].label();
   const Stage stage = stage_of(plan, job);
   for (const std::size_t i : job.nodes) {
     const Node& node = plan.nodes[i];

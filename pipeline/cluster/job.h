@@ -11,18 +11,23 @@
 namespace npdr::pipeline {
 
 /// One batch job. Either it makes whole artefacts, one after the other, or it is an array whose
-/// tasks simulate shards.
+/// tasks simulate shards, or one whose tasks help a refinement.
 struct Job {
   std::vector<std::size_t> nodes;      ///< positions in the plan, each after those it needs
   std::vector<std::size_t> needs;      ///< positions in the list of jobs, all before this one
   std::vector<std::string> after_ok;   ///< ids of jobs that the cluster has already
   std::vector<std::string> after_any;  ///< the same of arrays, of which some tasks may have failed
+  /// Helpers' alone: the refinement's job, a position in the list or an id. They begin when it has
+  /// begun: earlier there is nothing to help with.
+  std::vector<std::size_t> helps;
+  std::vector<std::string> helps_queued;
   /// Tasks of an array: t simulates shards t * shards_per_task, ..., as far as there are any.
   std::vector<Index> tasks;
   Index shards_per_task = 0;
   Index first_task = 0;  ///< added to the index that the batch system gives a task
 
-  bool is_array() const { return shards_per_task > 0; }
+  bool is_helper() const { return !helps.empty() || !helps_queued.empty(); }
+  bool is_array() const { return shards_per_task > 0 || is_helper(); }
 };
 
 /// Jobs that a batch system has for a node already: waiting or running.
@@ -39,6 +44,7 @@ struct JobsInput {
   std::vector<std::optional<InFlight>> in_flight;  ///< for each node of the plan
   std::vector<Index> shards_per_task;              ///< for each node; of simulations >= 1
   Index max_array_size = 1001;                     ///< one more than the largest index of an array
+  std::set<std::size_t> helped = {};               ///< nodes whose helpers wait or run already
 };
 
 /// The jobs for what is missing and not in flight, in an order in which they can be submitted:
@@ -46,13 +52,15 @@ struct JobsInput {
 ///   array     the missing shards of one simulation
 ///   job       one artefact of another stage; a posterior's with the simulation it joins, and the
 ///             proposal that is drawn from it
+///   helpers   cluster.refine_tasks tasks beside the job of a refinement; nothing waits for them
 /// A chain of rounds is a chain of jobs; methods and seeds go on side by side.
 std::vector<Job> make_jobs(const JobsInput& input);
 
 /// Label of a job of several targets and proposals.
 inline constexpr const char* kPrepareLabel = "prepare";
 
-/// Name of a job for people: the label of its main artefact, or kPrepareLabel.
+/// Name of a job for people: the label of its main artefact, or kPrepareLabel; "help ..." of
+/// helpers.
 std::string label_of(const Plan& plan, const Job& job);
 
 /// The stage whose resources a job asks for.

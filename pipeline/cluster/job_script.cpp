@@ -44,7 +44,11 @@ class ScriptWriter {
     write_options();
     write_description();
     write_setup();
-    job_.is_array() ? write_array() : write_job();
+    if (job_.is_helper()) {
+      write_helper();
+    } else {
+      job_.is_array() ? write_array() : write_job();
+    }
     return text_;
   }
 
@@ -65,6 +69,7 @@ class ScriptWriter {
 
   std::string kind() const {
     const std::string label = label_of(context_.plan, job_);
+    if (job_.is_helper()) return "help";
     return label == kPrepareLabel ? label : name_of(stage_of(context_.plan, job_));
   }
 
@@ -132,6 +137,13 @@ class ScriptWriter {
     text_ += fmt::format("exec {} task -- {} {} --artefact {} --shard \"$first-$last\"\n",
                          program("npdr"), program("npdr-simulate"),
                          shell_text(context_.study_words), node.key);
+  }
+
+  void write_helper() {
+    text_ += fmt::format(
+        "exec {} task -- {} {} --artefact {} --helper \"$((SLURM_ARRAY_TASK_ID + 1))/{}\"\n",
+        program("npdr"), program("npdr-simulate"), shell_text(context_.study_words),
+        context_.plan.nodes[job_.nodes.front()].key, job_.tasks.size());
   }
 
   void write_job() {

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kKeyDigits = 16;  // enough for all artefacts of all studies
 constexpr std::size_t kWorkDigits = 12;
+constexpr std::string_view kMaker = "npdr", kHelper = "npdr-help";
 
 std::map<std::string, std::size_t> nodes_by_key(const Plan& plan) {
   std::map<std::string, std::size_t> nodes;
@@ -39,11 +40,12 @@ void add_shards(const JobTag& tag, const QueuedTask& task, Index num_shards, InF
 }  // namespace
 
 std::string JobTag::text() const {
-  return fmt::format("npdr:{}:{}:{}:{}", work, fmt::join(keys, ","), shards_per_task, first_task);
+  return fmt::format("{}:{}:{}:{}:{}", is_helper ? kHelper : kMaker, work, fmt::join(keys, ","),
+                     shards_per_task, first_task);
 }
 
 JobTag tag_of(const Plan& plan, const Job& job) {
-  JobTag tag{work_digits(plan.work), {}, job.shards_per_task, job.first_task};
+  JobTag tag{work_digits(plan.work), {}, job.shards_per_task, job.first_task, job.is_helper()};
   for (const std::size_t i : job.nodes) {
     // A job that makes something of a simulation only joins its shards.
     const bool is_joined = plan.nodes[i].stage == Stage::simulate && !job.is_array();
@@ -56,10 +58,12 @@ JobTag tag_of(const Plan& plan, const Job& job) {
 std::optional<JobTag> parse_tag(const std::string& comment) {
   const std::vector<std::string> parts = split(comment, ':');
   constexpr std::size_t num_parts = 5;
-  if (parts.size() != num_parts || parts[0] != "npdr") return std::nullopt;
+  if (parts.size() != num_parts || (parts[0] != kMaker && parts[0] != kHelper)) {
+    return std::nullopt;
+  }
   const auto shards_per_task = parse_count(parts[3]), first_task = parse_count(parts[4]);
   if (!shards_per_task || !first_task) return std::nullopt;
-  return JobTag{parts[1], split(parts[2], ','), *shards_per_task, *first_task};
+  return JobTag{parts[1], split(parts[2], ','), *shards_per_task, *first_task, parts[0] == kHelper};
 }
 
 std::string work_digits(const WorkFolder& work) {
@@ -75,7 +79,7 @@ std::vector<std::optional<InFlight>> in_flight(const Plan& plan,
   const std::string work = work_digits(plan.work);
   for (const QueuedTask& task : tasks) {
     const std::optional<JobTag> tag = parse_tag(task.comment);
-    if (!tag || tag->work != work) continue;
+    if (!tag || tag->work != work || tag->is_helper) continue;
     for (const std::string& key : tag->keys) {
       const auto node = nodes.find(key);
       if (node == nodes.end()) continue;
@@ -85,6 +89,22 @@ std::vector<std::optional<InFlight>> in_flight(const Plan& plan,
       const Node& made = plan.nodes[node->second];
       if (made.stage != Stage::simulate) continue;
       add_shards(*tag, task, num_shards(plan, made), *its);
+    }
+  }
+  return found;
+}
+
+std::map<std::size_t, std::set<std::string>> helpers_in_flight(
+    const Plan& plan, const std::vector<QueuedTask>& tasks) {
+  std::map<std::size_t, std::set<std::string>> found;
+  const std::map<std::string, std::size_t> nodes = nodes_by_key(plan);
+  const std::string work = work_digits(plan.work);
+  for (const QueuedTask& task : tasks) {
+    const std::optional<JobTag> tag = parse_tag(task.comment);
+    if (!tag || tag->work != work || !tag->is_helper) continue;
+    for (const std::string& key : tag->keys) {
+      const auto node = nodes.find(key);
+      if (node != nodes.end()) found[node->second].insert(task.job);
     }
   }
   return found;

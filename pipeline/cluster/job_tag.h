@@ -1,7 +1,9 @@
 /// Tag of a job: its comment, by which Slurm's queue tells what is being made.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,12 +12,14 @@
 
 namespace npdr::pipeline {
 
-/// "npdr:<work folder>:<keys>:<shards per task>:<first task>".
+/// "npdr:<work folder>:<keys>:<shards per task>:<first task>"; of helpers it begins with
+/// "npdr-help".
 struct JobTag {
   std::string work;               ///< digits that tell work folders apart
   std::vector<std::string> keys;  ///< first digits of what the job makes
   Index shards_per_task = 0;
   Index first_task = 0;
+  bool is_helper = false;  ///< makes nothing of the keys, but helps those that do
 
   std::string text() const;
 };
@@ -33,7 +37,11 @@ std::string work_digits(const WorkFolder& work);
 std::vector<std::optional<InFlight>> in_flight(const Plan& plan,
                                                const std::vector<QueuedTask>& tasks);
 
-/// The tasks among `tasks` that make anything of this plan.
+/// The helpers among `tasks`: for each node of the plan that has any, the ids of their jobs.
+std::map<std::size_t, std::set<std::string>> helpers_in_flight(
+    const Plan& plan, const std::vector<QueuedTask>& tasks);
+
+/// The tasks among `tasks` that make anything of this plan, or help to.
 std::vector<QueuedTask> tasks_of(const Plan& plan, const std::vector<QueuedTask>& tasks);
 
 }  // namespace npdr::pipeline

@@ -97,6 +97,9 @@ std::string dependency_of(const Submission& submission) {
   if (!submission.after_any.empty()) {
     parts.push_back(fmt::format("afterany:{}", fmt::join(submission.after_any, ":")));
   }
+  if (!submission.after.empty()) {
+    parts.push_back(fmt::format("after:{}", fmt::join(submission.after, ":")));
+  }
   return fmt::format("{}", fmt::join(parts, ","));
 }
 

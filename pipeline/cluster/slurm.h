@@ -35,6 +35,7 @@ struct Submission {
   std::vector<std::string> after_ok;   ///< ids of jobs that must have succeeded
   std::vector<std::string> after_any;  ///< ids of jobs that must have ended
   std::vector<std::string> options;    ///< further words for sbatch
+  std::vector<std::string> after;      ///< ids of jobs that must have begun
 };
 
 /// The words of the command that submits it.

@@ -62,8 +62,10 @@ std::string array_of(const Plan& plan, const Job& job) {
 
 Submission submission_of(const Plan& plan, const SubmitConfig& config, const Job& job,
                          const fs::path& script, const std::vector<std::string>& ids) {
-  Submission submission{script, array_of(plan, job), job.after_ok, job.after_any, config.options};
+  Submission submission{script,        array_of(plan, job), job.after_ok,
+                        job.after_any, config.options,      job.helps_queued};
   for (const std::size_t need : job.needs) submission.after_ok.push_back(ids[need]);
+  for (const std::size_t helped : job.helps) submission.after.push_back(ids[helped]);
   return submission;
 }
 
@@ -86,7 +88,9 @@ fs::path new_folder(const Plan& plan) {
 
 std::vector<Job> missing_jobs(const Plan& plan, const SubmitConfig& config,
                               const std::vector<QueuedTask>& queued, Index max_array_size) {
-  return make_jobs({plan, config.until, in_flight(plan, queued), packing(plan), max_array_size});
+  JobsInput input{plan, config.until, in_flight(plan, queued), packing(plan), max_array_size};
+  for (const auto& [node, jobs] : helpers_in_flight(plan, queued)) input.helped.insert(node);
+  return make_jobs(input);
 }
 
 std::string dry_run_text(const Plan& plan, const SubmitConfig& config,

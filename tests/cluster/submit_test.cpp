@@ -81,6 +81,29 @@ class Submit : public ClusterTest {
     return task;
   }
 
+  // A task that helps, once all do and there is something that they have made.
+  std::string wait_for_helper(const std::string& study) const {
+    std::string tasks;
+    cluster_->wait_until("for helpers", [&] {
+      const std::string name = "npdr-" + study + "-help";
+      tasks =
+          cluster_->call({"squeue", "-h", "-r", "-t", "running", "-n", name, "-o", "%F_%K"}).out;
+      const auto made = files_ending(cluster_->folder() / "runs/.cache/infer", ".h5");
+      return std::ranges::count(tasks, '\n') == 2 &&
+             std::ranges::any_of(made, [](const auto& file) { return has(file, ".rows/rows-"); });
+    });
+    return tasks.substr(0, tasks.find('\n'));
+  }
+
+  std::string helper_logs(const std::string& study) const {
+    std::string text;
+    const std::filesystem::path logs = cluster_->folder() / "runs" / study / "jobs/001/logs";
+    for (const std::string& name : files_ending(logs, ".log")) {
+      if (name.starts_with("help-")) text += text_of(logs / name);
+    }
+    return text;
+  }
+
   bool has_checkpoint() const {
     const std::filesystem::path folder = cluster_->folder() / "runs/.cache/infer";
     std::error_code missing;
@@ -153,6 +176,50 @@ TEST_F(Submit, ARefinementSurvivesTheCrashOfItsNode) {
   cluster_->start_now(task);
   cluster_->wait_until_idle();
   expect_bits_of_a_local_run("refined");
+}
+
+// One helper is killed while it works: what it would have made others make.
+TEST_F(Submit, ARefinementWithHelpersHasTheBitsOfALocalRun) {
+  const std::string study = furuta_study("refined")
+                                .with("target", {"num_rollouts = 20"})
+                                .with("observation_noise", {"scale = 0.05"})
+                                .with("simulate", {"shard_size = 50"})
+                                .method("Refined", {"algorithm = \"refine\"",
+                                                    "refine = { level_size = 1000, min_ess = "
+                                                    "50000, max_simulations = 12000 }"})
+                                .with("evaluate", {"num_samples = 50"})
+                                .with("cluster", {"refine_tasks = 2"});
+  write_text_file(cluster_->folder() / "refined.toml", study);
+  const Outcome submitted = npdr({"submit", "refined.toml"});
+  ASSERT_EQ(submitted.status, 0) << submitted.err;
+  EXPECT_TRUE(has(submitted.out, "help infer Refined, seed 1, round 1, 2 tasks")) << submitted.out;
+  const Outcome again = npdr({"submit", "refined.toml"});
+  EXPECT_TRUE(has(again.out, "nothing to submit")) << again.out << again.err;
+
+  const std::string helper = wait_for_helper("refined");
+  cluster_->kill_shell_of(helper, SIGKILL);
+  cluster_->wait_until_idle();
+  const std::string status = npdr({"status", "refined.toml"}).out;
+  EXPECT_FALSE(has(status, "failed")) << status;
+  EXPECT_TRUE(npdr({"submit", "refined.toml"})
+                  .out.starts_with("refined: nothing to submit, all is up to date\n"));
+  EXPECT_TRUE(has(helper_logs("refined"), "helped with ")) << helper_logs("refined");
+  expect_bits_of_a_local_run("refined");
+}
+
+TEST_F(Submit, HelpersAreCanceledWithTheirRefinement) {
+  const std::string study =
+      furuta_study("refined")
+          .with("observation_noise", {"scale = 0.05"})
+          .method("Refined",
+                  {"algorithm = \"refine\"", "refine = { level_size = 1000, min_ess = 50000 }"})
+          .with("cluster", {"refine_tasks = 2"});
+  write_text_file(cluster_->folder() / "refined.toml", study);
+  ASSERT_EQ(npdr({"submit", "refined.toml"}).status, 0);
+  wait_for_helper("refined");
+  EXPECT_TRUE(has(npdr({"status", "refined.toml"}).out, ", 2 helpers"));
+  EXPECT_TRUE(has(npdr({"cancel", "refined.toml"}).out, "tasks canceled"));
+  cluster_->wait_until_idle();
 }
 
 TEST_F(Submit, ATaskThatIsKilledIsAllThatIsSubmittedAgain) {

@@ -238,6 +238,122 @@ TEST(PolicyJobs, TheNextIterationWaitsForTheRolloutsThatAPolicyCollects) {
   EXPECT_EQ(resources_of(plan.study.cluster, Stage::report).cpus, 1);
 }
 
+// A refinement that starts from another posterior, with three helpers.
+class HelperJobs : public testing::Test {
+ protected:
+  HelperJobs() : plan_(plan_of(3)), refinement_(index_in(plan_)) {}
+
+  Plan plan_of(Index refine_tasks) const {
+    const std::string study =
+        pendulum_study("small")
+            .with("observation_noise", {"scale = 0.1"})
+            .method("NPE", {"num_simulations = 200"})
+            .method("Refined", {"algorithm = \"refine\"", "refine = { start = \"NPE\" }"})
+            .with("cluster.simulate", {"cpus = 5"})
+            .with("cluster", {"refine_tasks = " + std::to_string(refine_tasks)});
+    return make_plan(parse_study(study, "s.toml"), WorkFolder(folder_ / "runs"));
+  }
+  static std::size_t index_in(const Plan& plan) {
+    const Node& node = plan.node(Stage::infer, {"Refined", 1, 1});
+    return static_cast<std::size_t>(&node - plan.nodes.data());
+  }
+  static JobsInput input(const Plan& plan) {
+    return {plan, std::nullopt, std::vector<std::optional<InFlight>>(plan.nodes.size()),
+            std::vector<Index>(plan.nodes.size(), 2), 1001};
+  }
+  static std::vector<Job> helpers_of(const std::vector<Job>& jobs) {
+    std::vector<Job> helpers;
+    std::ranges::copy_if(jobs, std::back_inserter(helpers), &Job::is_helper);
+    return helpers;
+  }
+  QueuedTask task_of(const Job& job, const std::string& begin) const {
+    return parse_queued_tasks(begin + tag_of(plan_, job).text()).front();
+  }
+
+  TempFolder folder_;
+  Plan plan_;
+  std::size_t refinement_;
+};
+
+TEST_F(HelperJobs, AreAnArrayBesideARefinementThatNothingWaitsFor) {
+  const auto jobs = make_jobs(input(plan_));
+  const auto is_its = [&](const Job& job) {
+    return !job.is_helper() && std::ranges::count(job.nodes, refinement_) == 1;
+  };
+  const auto its = std::ranges::find_if(jobs, is_its);
+  const auto helpers = std::ranges::find_if(jobs, &Job::is_helper);
+  ASSERT_NE(its, jobs.end());
+  ASSERT_NE(helpers, jobs.end());
+  EXPECT_EQ(helpers_of(jobs).size(), 1u);
+  EXPECT_TRUE(helpers->is_array());
+  EXPECT_EQ(helpers->tasks, (std::vector<Index>{0, 1, 2}));
+  EXPECT_EQ(helpers->nodes, std::vector<std::size_t>{refinement_});
+  EXPECT_EQ(helpers->needs, its->needs);
+  EXPECT_EQ(helpers->helps,
+            (std::vector<std::size_t>{static_cast<std::size_t>(its - jobs.begin())}));
+  const auto position = static_cast<std::size_t>(helpers - jobs.begin());
+  for (const Job& job : jobs) EXPECT_EQ(std::ranges::count(job.needs, position), 0);
+  EXPECT_EQ(stage_of(plan_, *helpers), Stage::simulate);
+  EXPECT_EQ(label_of(plan_, *helpers), "help infer Refined, seed 1, round 1");
+  EXPECT_TRUE(helpers_of(make_jobs(input(plan_of(0)))).empty()) << "none are wanted";
+}
+
+TEST_F(HelperJobs, RunTheirPartOfTheRefinement) {
+  const auto helpers = helpers_of(make_jobs(input(plan_)));
+  ASSERT_EQ(helpers.size(), 1u);
+  const std::string script =
+      job_script({plan_, {"s.toml"}, "/here", "/programs", "/logs"}, helpers.front());
+  for (const std::string& part :
+       {"--job-name=npdr-small-help\n", "--cpus-per-task=5\n", "/help-infer-refined", "%A_%a.log",
+        "npdr-simulate", plan_.nodes[refinement_].key.c_str(),
+        "--helper \"$((SLURM_ARRAY_TASK_ID + 1))/3\"\n"}) {
+    EXPECT_NE(script.find(part), std::string::npos) << part << " in\n" << script;
+  }
+  EXPECT_EQ(script.find(" run "), std::string::npos);
+}
+
+TEST_F(HelperJobs, MakeNothingThatIsInFlight) {
+  const auto jobs = make_jobs(input(plan_));
+  const QueuedTask helper = task_of(helpers_of(jobs).front(), "40|1|RUNNING|None|n2|");
+  EXPECT_EQ(tasks_of(plan_, {helper}).size(), 1u) << "npdr cancel ends it";
+  for (const auto& flight : in_flight(plan_, {helper})) EXPECT_FALSE(flight);
+  const auto helped = helpers_in_flight(plan_, {helper});
+  ASSERT_EQ(helped.size(), 1u);
+  EXPECT_EQ(helped.at(refinement_), std::set<std::string>{"40"});
+  EXPECT_TRUE(parse_tag(helper.comment)->is_helper);
+}
+
+TEST_F(HelperJobs, ThatAreQueuedArentSubmittedAgain) {
+  JobsInput in = input(plan_);
+  in.helped = {refinement_};
+  EXPECT_TRUE(helpers_of(make_jobs(in)).empty());
+  // Helpers have gone, the refinement hasn't.
+  in.helped = {};
+  in.in_flight[refinement_] = InFlight{{"23"}, 0, {}};
+  const auto helpers = helpers_of(make_jobs(in));
+  ASSERT_EQ(helpers.size(), 1u);
+  EXPECT_EQ(helpers.front().helps_queued, std::vector<std::string>{"23"});
+  EXPECT_EQ(sbatch_command({"s.sh", "0-2", {"7"}, {}, {}, {"23"}}),
+            (std::vector<std::string>{"sbatch", "--parsable", "--array=0-2",
+                                      "--dependency=afterok:7,after:23", "s.sh"}));
+}
+
+TEST_F(HelperJobs, OfARefinementThatWillNeverBeginAreDoomed) {
+  const auto jobs = make_jobs(input(plan_));
+  std::vector<QueuedTask> tasks;
+  for (std::size_t j = 0; j < jobs.size(); ++j) {
+    const std::string line = std::to_string(j + 10) + (jobs[j].is_array() ? "|0-2" : "|N/A") +
+                             "|PENDING|Dependency||" + tag_of(plan_, jobs[j]).text();
+    for (const QueuedTask& task : parse_queued_tasks(line)) tasks.push_back(task);
+  }
+  EXPECT_TRUE(doomed_jobs(plan_, tasks).empty());
+  const auto position = std::ranges::find_if(jobs, &Job::is_helper) - jobs.begin();
+  const std::string start =
+      std::to_string(jobs[static_cast<std::size_t>(position)].needs.front() + 10);
+  std::erase_if(tasks, [&](const QueuedTask& task) { return task.job == start; });
+  EXPECT_EQ(std::ranges::count(doomed_jobs(plan_, tasks), std::to_string(position + 10)), 1);
+}
+
 TEST(QueuedTasks, OfAnArrayThatWaitsStandInOneLine) {
   const auto tasks = parse_queued_tasks("40|1,5-6,10-20:5%4|PENDING|Priority||c");
   ASSERT_EQ(tasks.size(), 6u);
