@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/cluster/job_tag.h"
@@ -151,6 +153,14 @@ class ScriptWriter {
                          shell_text(context_.study_words));
     for (const std::size_t i : job_.nodes) {
       text_ += fmt::format(" \\\n  --artefact {}", context_.plan.nodes[i].key);
+    }
+    // The site's file, which may say it, is known here alone.
+    const bool has_helpers =
+        cluster_.refine_tasks > 0 && std::ranges::any_of(job_.nodes, [&](std::size_t i) {
+          return is_refinement(context_.plan, context_.plan.nodes[i]);
+        });
+    if (has_helpers) {
+      text_ += fmt::format(" \\\n  --set cluster.refine_tasks={}", cluster_.refine_tasks);
     }
     text_ += " \\\n  --jobs \"$OMP_NUM_THREADS\"\n";
   }

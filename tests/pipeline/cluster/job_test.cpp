@@ -299,10 +299,11 @@ TEST_F(HelperJobs, AreAnArrayBesideARefinementThatNothingWaitsFor) {
 }
 
 TEST_F(HelperJobs, RunTheirPartOfTheRefinement) {
-  const auto helpers = helpers_of(make_jobs(input(plan_)));
+  const auto jobs = make_jobs(input(plan_));
+  const auto helpers = helpers_of(jobs);
   ASSERT_EQ(helpers.size(), 1u);
-  const std::string script =
-      job_script({plan_, {"s.toml"}, "/here", "/programs", "/logs"}, helpers.front());
+  const ScriptContext context{plan_, {"s.toml"}, "/here", "/programs", "/logs"};
+  const std::string script = job_script(context, helpers.front());
   for (const std::string& part :
        {"--job-name=npdr-small-help\n", "--cpus-per-task=5\n", "/help-infer-refined", "%A_%a.log",
         "npdr-simulate", plan_.nodes[refinement_].key.c_str(),
@@ -310,6 +311,9 @@ TEST_F(HelperJobs, RunTheirPartOfTheRefinement) {
     EXPECT_NE(script.find(part), std::string::npos) << part << " in\n" << script;
   }
   EXPECT_EQ(script.find(" run "), std::string::npos);
+  // The refinement's job knows how many there are, also where the site's file says it.
+  const std::string refinement = job_script(context, jobs[helpers.front().helps.front()]);
+  EXPECT_NE(refinement.find("--set cluster.refine_tasks=3"), std::string::npos) << refinement;
 }
 
 TEST_F(HelperJobs, MakeNothingThatIsInFlight) {
