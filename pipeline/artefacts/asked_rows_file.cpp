@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/store/content_key.h"
 #include "pipeline/store/hash.h"
 
@@ -15,17 +16,37 @@ namespace npdr::pipeline {
 namespace {
 
 constexpr std::size_t kKeyDigits = 16;
+constexpr Index kMostRows = 1'000'000'000'000;
 constexpr std::string_view kAsked = "asked-", kRows = "rows-", kExtension = ".h5";
 
 void describe(Layout f, AskedRows& asked) {
   f.attribute("first", asked.first, "number of the first row, counted over the refinement");
   f.attribute("shard_size", asked.shard_size, "rows that are simulated together");
-  f("theta", asked.theta, {{"n"}, {"D"}}, "rows whose likelihood is wanted", kFinite);
+  f.attribute("rollouts", asked.rollouts, "1: wanted as well; 0: likelihoods alone");
+  f("theta", asked.theta, {{"n"}, {"D"}}, "rows that are wanted", kFinite);
 }
 
-void describe(Layout f, RowLikelihoods& likelihoods) {
-  f.attribute("num_failed", likelihoods.num_failed, "of these rows couldn't be simulated");
-  f("log_likelihood", likelihoods.log_likelihood, {{"m"}}, "of each row [nats]");
+void describe(Layout f, SimulatedRows& rows) {
+  f.attribute("num_failed", rows.num_failed, "of these rows couldn't be simulated");
+  f("log_likelihood", rows.log_likelihood, {{"m"}}, "of each row [nats]");
+  sim::Trajectories& t = rows.rollouts;
+  f.attribute("num_rollouts", t.num_rollouts, "H of each row; 0: they weren't asked for");
+  f.attribute("num_steps", t.num_steps, "K, stored states of a rollout");
+  f.attribute("num_states", t.num_states, "C, state channels");
+  if (f.reads()) {
+    f.bind("H", t.num_rollouts);
+    f.bind("K", t.num_steps);
+    f.bind("C", t.num_states);
+  }
+  f("rollouts", t.values, {{"m"}, {"H"}, {"K"}, {"C"}}, "NaN where a row failed",
+    {.unless_empty = true,
+     .storage = kFastest,
+     .shape = {t.num_rows, t.num_rollouts, t.num_steps, t.num_states}});
+  std::vector<std::uint8_t> status = as_bytes(t.status);
+  f("status", status, {{"m"}}, "0: ok, else how the row failed", {.unless_empty = true});
+  if (!f.reads()) return;
+  t.num_rows = std::ssize(status);
+  for (const std::uint8_t s : status) t.status.push_back(static_cast<sim::RolloutStatus>(s));
 }
 
 // The numbers of "PREFIX1-2-...EXTENSION"; none: it isn't such a name.
@@ -44,11 +65,12 @@ nlohmann::ordered_json document_of(const AskedRows& asked, RowRange rows,
   Hasher theta;
   theta.add_bytes(asked.theta.row(rows.begin).data(),
                   sizeof(double) * static_cast<std::size_t>(rows.size() * asked.theta.cols()));
-  nlohmann::ordered_json document = key_document(kRowLikelihoodsSchema);
+  nlohmann::ordered_json document = key_document(kSimulatedRowsSchema);
   document["posterior"] = posterior;
   document["begin"] = asked.first + rows.begin;
   document["end"] = asked.first + rows.end;
   document["theta"] = theta.hex();
+  document["rollouts"] = asked.rollouts;
   return document;
 }
 
@@ -70,10 +92,11 @@ std::optional<AskedRows> read_asked_rows(const ArtefactFile& artefact) {
   if (!file) return std::nullopt;
   AskedRows asked;
   describe(Layout::reader(*file), asked);
-  if (asked.first < 0 || asked.shard_size < 1) {
-    throw InputError(fmt::format(
-        "{}: asks for rows from {} on in shards of {}, must be >= 0 and >= 1; remove this file",
-        artefact.path.string(), asked.first, asked.shard_size));
+  if (asked.first < 0 || asked.first > kMostRows || asked.shard_size < 1) {
+    throw InputError(
+        fmt::format("{}: asks for rows from {} on in shards of {}, must be from 0 to {} "
+                    "and >= 1; remove this file",
+                    artefact.path.string(), asked.first, asked.shard_size, kMostRows));
   }
   return asked;
 }
@@ -105,27 +128,29 @@ Identity identity_of(const AskedRows& asked, const AskedShard& shard, const Iden
   return identity;
 }
 
-void write_row_likelihoods(h5::File& file, RowLikelihoods likelihoods) {
-  describe(Layout::writer(file), likelihoods);
+void write_simulated_rows(h5::File& file, SimulatedRows rows) {
+  describe(Layout::writer(file), rows);
 }
 
-std::optional<RowLikelihoods> read_row_likelihoods(const std::filesystem::path& folder,
-                                                   const AskedShard& shard) {
+std::optional<SimulatedRows> read_simulated_rows(const std::filesystem::path& folder,
+                                                 const AskedShard& shard) {
   const ArtefactFile artefact(folder / shard.file_name, shard.key);
-  const std::optional<h5::File> file = open_artefact_if_there(artefact, kRowLikelihoodsSchema);
+  const std::optional<h5::File> file = open_artefact_if_there(artefact, kSimulatedRowsSchema);
   if (!file) return std::nullopt;
-  RowLikelihoods likelihoods;
-  describe(Layout::reader(*file), likelihoods);
+  SimulatedRows rows;
+  describe(Layout::reader(*file), rows);
   const Index count = shard.rows.size();
-  if (likelihoods.log_likelihood.size() != count || likelihoods.num_failed < 0 ||
-      likelihoods.num_failed > count) {
+  const sim::Trajectories& t = rows.rollouts;
+  const bool has_rollouts = t.num_rollouts > 0 && !t.values.empty();
+  if (rows.log_likelihood.size() != count || rows.num_failed < 0 || rows.num_failed > count ||
+      t.num_rows != (has_rollouts ? count : 0)) {
     throw InputError(fmt::format(
-        "{}: {} likelihoods and {} failed rows, must be of {} rows; "
-        "remove this file",
-        artefact.path.string(), likelihoods.log_likelihood.size(), likelihoods.num_failed, count));
+        "{}: {} likelihoods, {} failed rows and rollouts of {}, must be of "
+        "{} rows; remove this file",
+        artefact.path.string(), rows.log_likelihood.size(), rows.num_failed, t.num_rows, count));
   }
-  likelihoods.cost = provenance_of(*file).cost;
-  return likelihoods;
+  rows.cost = provenance_of(*file).cost;
+  return rows;
 }
 
 std::optional<Index> end_of_rows(const std::string& file_name) {
@@ -138,9 +163,9 @@ void list_asked_rows(Layout f) {
   describe(f, asked);
 }
 
-void list_row_likelihoods(Layout f) {
-  RowLikelihoods likelihoods;
-  describe(f, likelihoods);
+void list_simulated_rows(Layout f) {
+  SimulatedRows rows;
+  describe(f, rows);
 }
 
 }  // namespace npdr::pipeline

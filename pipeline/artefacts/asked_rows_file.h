@@ -1,5 +1,5 @@
-/// Rows of theta that a refinement wants to be simulated next, and their likelihoods, by which it
-/// shares its simulations with helpers. All of them lie in one folder (WorkFolder::asked_rows):
+/// Rows of theta that a refinement wants to be simulated next, and what becomes of them, by which
+/// it shares its simulations with helpers. All of them lie in one folder (WorkFolder::asked_rows):
 ///
 ///   asked-<first>-<end>.h5                the rows, while the refinement waits for them
 ///   rows-<begin>-<end>-<digits>.h5        likelihoods of some of them; the digits are of their
@@ -15,13 +15,15 @@
 
 #include "pipeline/artefacts/work_folder.h"
 #include "pipeline/store/artefact.h"
+#include "sim/trajectories.h"
 
 namespace npdr::pipeline {
 
 struct AskedRows {
-  Index first = 0;       ///< number of the first row
-  Index shard_size = 1;  ///< rows that are simulated together
-  RowMatrix theta;       ///< (n, D)
+  Index first = 0;        ///< number of the first row
+  Index shard_size = 1;   ///< rows that are simulated together
+  bool rollouts = false;  ///< wanted as well
+  RowMatrix theta;        ///< (n, D)
 
   Index end() const { return first + theta.rows(); }
   std::string file_name() const;
@@ -37,14 +39,15 @@ std::optional<AskedRows> read_asked_rows(const ArtefactFile& artefact);
 /// The asked-for rows among the names of a folder, those that begin first come first.
 std::vector<std::string> names_of_asked_rows(const std::set<std::string>& names);
 
-/// Likelihoods of a shard of rows.
-struct RowLikelihoods {
-  Vector log_likelihood;  ///< (m) [nats]; -infinity or NaN where it is 0
-  Index num_failed = 0;   ///< of these rows
-  Cost cost;              ///< of whoever simulated them; set by reading
+/// Rows that have been simulated.
+struct SimulatedRows {
+  Vector log_likelihood;       ///< (m) [nats]; -infinity or NaN where it is 0
+  Index num_failed = 0;        ///< of these rows
+  sim::Trajectories rollouts;  ///< empty unless they were asked for
+  Cost cost;                   ///< of whoever simulated them; set by reading
 };
 
-/// A shard of rows that are asked for, and the file of its likelihoods.
+/// A shard of rows that are asked for, and the file of what becomes of it.
 struct AskedShard {
   RowRange rows;  ///< counted from the first row that is asked for
   std::string key;
@@ -53,16 +56,16 @@ struct AskedShard {
 
 /// The shards of rows that the refinement with the key `posterior` asks for, in their order.
 std::vector<AskedShard> shards_of(const AskedRows& asked, const std::string& posterior);
-/// What the likelihoods of a shard are made from.
+/// What that is made from.
 Identity identity_of(const AskedRows& asked, const AskedShard& shard, const Identity& posterior);
 
 /// Fills a file whose identity is that of the shard. Throws Error.
-void write_row_likelihoods(h5::File& file, RowLikelihoods likelihoods);
+void write_simulated_rows(h5::File& file, SimulatedRows rows);
 /// None: it isn't there any more. Throws InputError for a damaged file, or one of another shard.
-std::optional<RowLikelihoods> read_row_likelihoods(const std::filesystem::path& folder,
-                                                   const AskedShard& shard);
+std::optional<SimulatedRows> read_simulated_rows(const std::filesystem::path& folder,
+                                                 const AskedShard& shard);
 
-/// The end of the rows whose likelihoods have this name; none: it is another file's.
+/// The end of the simulated rows whose file has this name; none: it is another file's.
 std::optional<Index> end_of_rows(const std::string& file_name);
 
 }  // namespace npdr::pipeline

@@ -29,7 +29,7 @@ const std::map<std::string, void (*)(Layout)> kLayouts = {
     {"simulation", list_simulation},
     {"training_checkpoint", list_training_checkpoint},
     {"refinement_checkpoint", list_refinement_checkpoint},
-    {"row_likelihoods", list_row_likelihoods}};
+    {"simulated_rows", list_simulated_rows}};
 
 }  // namespace
 

@@ -22,7 +22,7 @@ void list_certificate(Layout f);
 void list_training_checkpoint(Layout f);
 void list_refinement_checkpoint(Layout f);
 void list_asked_rows(Layout f);
-void list_row_likelihoods(Layout f);
+void list_simulated_rows(Layout f);
 void list_evaluation(Layout f);
 void list_diagnosis(Layout f);
 void list_policy(Layout f);

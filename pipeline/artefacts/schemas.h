@@ -15,7 +15,7 @@ inline const Schema kPosteriorSchema{"posterior", 14, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 4, "infer"};
 inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 9, "infer"};
 inline const Schema kAskedRowsSchema{"asked_rows", 1, "infer"};
-inline const Schema kRowLikelihoodsSchema{"row_likelihoods", 1, "infer"};
+inline const Schema kSimulatedRowsSchema{"simulated_rows", 1, "infer"};
 inline const Schema kBaselineSchema{"baseline", 4, "baseline"};
 inline const Schema kEvaluationSchema{"evaluation", 7, "evaluate"};
 inline const Schema kDiagnosisSchema{"diagnosis", 4, "diagnose"};

@@ -92,11 +92,25 @@ class Refinement {
   std::optional<Vector> simulate_next(Index& failed) {
     const Index first = sampler_.state().num_draws;
     if (!rows_.has_helpers()) {
-      return likelihood_(prior_.to_theta(sampler_.next(block_)), first, failed);
+      const RowMatrix theta = prior_.to_theta(sampler_.next(block_));
+      return likelihood_.of(likelihood_.simulate(theta, first), failed);
     }
     const RowMatrix u = sampler_.next(std::numeric_limits<Index>::max());
-    return rows_.ask(prior_.to_theta(u), first, failed,
-                     [&](Index num_rows) { show(first + num_rows); });
+    std::optional<SimulatedRows> rows = rows_.ask({.first = first, .theta = prior_.to_theta(u)},
+                                                  [&](Index num_rows) { show(first + num_rows); });
+    if (!rows) return std::nullopt;
+    failed += rows->num_failed;
+    return std::move(rows->log_likelihood);
+  }
+
+  // Rollouts of draws of the posterior. In the middle of planning a level there is no state to
+  // save: who goes on from the last checkpoint finds what has been simulated since.
+  sim::Trajectories simulate_draws(const RowMatrix& theta) {
+    if (!rows_.has_helpers()) return likelihood_.simulate(theta, 0);
+    std::optional<SimulatedRows> rows =
+        rows_.ask({.first = 0, .rollouts = true, .theta = theta}, [](Index) {});
+    if (!rows) throw Checkpointed(node_.label() + ": stopped on request, simulations are kept");
+    return std::move(rows->rollouts);
   }
 
   void show(Index num_draws) {
@@ -108,8 +122,8 @@ class Refinement {
     if (!config_.cross_validate || is_settled() || sampler_.power() == 0.0) return;
     if (sampler_.state().levels.back().kind == inference::LevelKind::last) return;
     const inference::ImportanceSample draws = sampler_.preliminary(kLeftOutDraws);
-    search_.add(sampler_.power(),
-                likelihood_.left_out(prior_.to_theta(draws.u), draws.weights, sampler_.power()));
+    const sim::Trajectories rollouts = simulate_draws(prior_.to_theta(draws.u));
+    search_.add(sampler_.power(), likelihood_.left_out(rollouts, draws.weights, sampler_.power()));
     const Index draws_so_far = sampler_.state().num_draws, most = config_.max_simulations;
     const bool is_late =
         draws_so_far + config_.level_size >= most ||

@@ -37,6 +37,23 @@ Index num_rows_there(const std::vector<AskedShard>& shards, const std::set<std::
   return count;
 }
 
+void append(sim::Trajectories& all, const sim::Trajectories& rows) {
+  all.num_rows += rows.num_rows;
+  all.num_rollouts = rows.num_rollouts;
+  all.num_steps = rows.num_steps;
+  all.num_states = rows.num_states;
+  all.values.insert(all.values.end(), rows.values.begin(), rows.values.end());
+  all.status.insert(all.status.end(), rows.status.begin(), rows.status.end());
+}
+
+void append(SimulatedRows& all, const SimulatedRows& rows) {
+  const Index num_before = all.log_likelihood.size();
+  all.log_likelihood.conservativeResize(num_before + rows.log_likelihood.size());
+  all.log_likelihood.tail(rows.log_likelihood.size()) = rows.log_likelihood;
+  all.num_failed += rows.num_failed;
+  if (rows.rollouts.num_rows > 0) append(all.rollouts, rows.rollouts);
+}
+
 }  // namespace
 
 std::vector<std::size_t> walking_order(std::size_t num_shards, const Walker& walker) {
@@ -67,22 +84,21 @@ RefinedRows::RefinedRows(const Plan& plan, const Node& node, const SimulatedLike
 
 bool RefinedRows::has_helpers() const { return fs::is_directory(folder_); }
 
-std::optional<Vector> RefinedRows::ask(const RowMatrix& theta, Index first, Index& failed,
-                                       const OnRows& on_rows) {
-  const Index each = (theta.rows() + walker_.count - 1) / walker_.count;
-  const AskedRows asked{first, std::clamp<Index>(each, 1, most_rows_), theta};
+std::optional<SimulatedRows> RefinedRows::ask(AskedRows asked, const OnRows& on_rows) {
+  const Index each = (asked.theta.rows() + walker_.count - 1) / walker_.count;
+  asked.shard_size = std::clamp<Index>(each, 1, most_rows_);
   const std::vector<AskedShard> shards = shards_of(asked, node_.key);
   while_it_lasts([&] { write_asked_rows(folder_, node_.identity, asked); });
-  std::optional<Vector> result;
+  std::optional<SimulatedRows> result;
   for (;;) {
     walk(asked, shards, false, on_rows);
     if (stop_requested()) return std::nullopt;
-    result = read(shards, theta.rows(), failed);
+    result = read(shards);
     if (result) break;
     usleep(
         kPause);  // another run of this refinement has removed some, or a network shows them late
   }
-  // Before any likelihood: helpers take those of rows that aren't asked for as done.
+  // Before any of the rows: helpers take those that aren't asked for as done.
   std::error_code ignored;
   fs::remove(folder_ / asked.file_name(), ignored);
   return result;
@@ -137,17 +153,21 @@ Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
   const Index count = shard.rows.size();
   Index num_made = 0;
   while_it_lasts([&] {
-    ArtefactWriter writer(folder_ / shard.file_name, kRowLikelihoodsSchema,
+    ArtefactWriter writer(folder_ / shard.file_name, kSimulatedRowsSchema,
                           identity_of(asked, shard, node_.identity));
-    RowLikelihoods made{.log_likelihood = Vector(count), .num_failed = 0, .cost = {}};
+    SimulatedRows made;
     for (Index at = 0, rows = 0; at < count; at += rows) {
       if (at > 0 && (stop_requested() || fs::exists(folder_ / shard.file_name))) return;
       rows = std::min(likelihood_.block_size(count), count - at);
       const Index begin = shard.rows.begin + at;
-      made.log_likelihood.segment(at, rows) =
-          likelihood_(asked.theta.middleRows(begin, rows), asked.first + begin, made.num_failed);
+      SimulatedRows block;
+      block.rollouts =
+          likelihood_.simulate(asked.theta.middleRows(begin, rows), asked.first + begin);
+      block.log_likelihood = likelihood_.of(block.rollouts, block.num_failed);
+      if (!asked.rollouts) block.rollouts = {};
+      append(made, block);
     }
-    write_row_likelihoods(writer.file(), std::move(made));
+    write_simulated_rows(writer.file(), std::move(made));
     writer.finish();
     own_.insert(shard.file_name);
     num_made = count;
@@ -166,20 +186,16 @@ void RefinedRows::while_it_lasts(const std::function<void()>& write) const {
 }
 
 // None: some aren't there.
-std::optional<Vector> RefinedRows::read(const std::vector<AskedShard>& shards, Index num_rows,
-                                        Index& failed) {
-  Vector all(num_rows);
-  Index num_failed = 0;
+std::optional<SimulatedRows> RefinedRows::read(const std::vector<AskedShard>& shards) {
+  SimulatedRows all;
   Cost cost_of_others;
   for (const AskedShard& shard : shards) {
-    const std::optional<RowLikelihoods> part = read_row_likelihoods(folder_, shard);
+    const std::optional<SimulatedRows> part = read_simulated_rows(folder_, shard);
     if (!part) return std::nullopt;
-    all.segment(shard.rows.begin, shard.rows.size()) = part->log_likelihood;
-    num_failed += part->num_failed;
+    append(all, *part);
     // This process has worked or waited meanwhile.
     if (!own_.contains(shard.file_name)) cost_of_others.core_seconds += part->cost.core_seconds;
   }
-  failed += num_failed;
   cost_of_others_ += cost_of_others;
   return all;
 }

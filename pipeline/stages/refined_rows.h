@@ -40,15 +40,14 @@ class RefinedRows {
   /// Whether helpers were there: they make the folder in which rows are asked for.
   bool has_helpers() const;
 
-  /// The refinement's part. log p at rows of theta (n, D), number `first` and those after it, (n),
-  /// simulated together with the helpers; adds to `failed`, and calls `on_rows` with how many of
-  /// them are there. None: a stop was requested; what is made of them stays. Throws InputError for
-  /// damaged likelihoods, Error when writing fails, and as the likelihood.
-  std::optional<Vector> ask(const RowMatrix& theta, Index first, Index& failed,
-                            const OnRows& on_rows);
-  /// Removes the likelihoods of rows before number `end`, which a checkpoint holds.
+  /// The refinement's part. What is asked for, simulated together with the helpers, all rows in
+  /// one; calls `on_rows` with how many of them are there. None: a stop was requested; what is made
+  /// of them stays. Throws InputError for damaged files, Error when writing fails, and as the
+  /// likelihood.
+  std::optional<SimulatedRows> ask(AskedRows asked, const OnRows& on_rows);
+  /// Removes what is simulated of rows before number `end`, which a checkpoint holds.
   void forget(Index end);
-  /// What others did for the likelihoods that were asked for.
+  /// What others did for the rows that were asked for.
   const Cost& cost_of_others() const { return cost_of_others_; }
 
   /// A helper's part: simulates shards of what is asked for now, and calls `on_rows` likewise.
@@ -59,7 +58,7 @@ class RefinedRows {
   Index walk(const AskedRows& asked, const std::vector<AskedShard>& shards, bool must_be_asked,
              const OnRows& on_rows);
   Index make(const AskedRows& asked, const AskedShard& shard);
-  std::optional<Vector> read(const std::vector<AskedShard>& shards, Index num_rows, Index& failed);
+  std::optional<SimulatedRows> read(const std::vector<AskedShard>& shards);
 
   void while_it_lasts(const std::function<void()>& write) const;
 

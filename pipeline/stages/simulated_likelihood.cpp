@@ -20,19 +20,17 @@ SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
   noise_.require_density();
 }
 
-Vector SimulatedLikelihood::operator()(const RowMatrix& theta, Index first, Index& failed) const {
-  const sim::Trajectories rows = simulate(theta, first);
-  Vector result(theta.rows());
-  parallel_for(theta.rows(), [&](Index i) { result(i) = noise_.log_likelihood(rows.row(i)); });
+Vector SimulatedLikelihood::of(const sim::Trajectories& rows, Index& failed) const {
+  Vector result(rows.num_rows);
+  parallel_for(rows.num_rows, [&](Index i) { result(i) = noise_.log_likelihood(rows.row(i)); });
   failed += std::ranges::count_if(
       rows.status, [](sim::RolloutStatus status) { return status != sim::RolloutStatus::ok; });
   return result;
 }
 
-LeftOutScore SimulatedLikelihood::left_out(const RowMatrix& theta, const Vector& weights,
+LeftOutScore SimulatedLikelihood::left_out(const sim::Trajectories& rows, const Vector& weights,
                                            double power) const {
-  return left_out_score(noise_, recorded_, simulate(theta, 0), weights, power,
-                        within(id_, "left_out"));
+  return left_out_score(noise_, recorded_, rows, weights, power, within(id_, "left_out"));
 }
 
 sim::Trajectories SimulatedLikelihood::simulate(const RowMatrix& theta, Index first) const {

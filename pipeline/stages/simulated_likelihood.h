@@ -24,17 +24,17 @@ class SimulatedLikelihood {
   /// Rows that are worth simulating at once, of `num_rows`.
   Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
 
-  /// log p at rows of theta (n, D), number `first` and those after it, (n) [nats]. Adds to `failed`
-  /// how many couldn't be simulated. Throws as RowSimulator::simulate().
-  Vector operator()(const RowMatrix& theta, Index first, Index& failed) const;
+  /// Rollouts of rows of theta (n, D), number `first` and those after it. Throws as
+  /// RowSimulator::simulate().
+  sim::Trajectories simulate(const RowMatrix& theta, Index first) const;
+  /// log p of each row (n) [nats]. Adds to `failed` how many couldn't be simulated.
+  Vector of(const sim::Trajectories& rows, Index& failed) const;
 
-  /// Score of the posterior at that power, by its weighted draws; with the same random numbers for
-  /// each power.
-  LeftOutScore left_out(const RowMatrix& theta, const Vector& weights, double power) const;
+  /// Score of the posterior at that power, by rollouts of its weighted draws; with the same random
+  /// numbers for each power.
+  LeftOutScore left_out(const sim::Trajectories& rows, const Vector& weights, double power) const;
 
  private:
-  sim::Trajectories simulate(const RowMatrix& theta, Index first) const;
-
   const Plan& plan_;
   Target target_;
   std::vector<float> recorded_;

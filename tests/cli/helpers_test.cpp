@@ -11,7 +11,7 @@ class Helpers : public ::testing::Test {
   void SetUp() override {
     std::ofstream(folder_ / "small.toml")
         << furuta_study("small")
-               .with("target", {"num_rollouts = 10"})
+               .with("target", {"num_rollouts = 6"})
                .with("simulator", {"store_every = 20"})
                .with("observation_noise", {"scale = 0.05"})
                .with("simulate", {"shard_size = 50"})
@@ -93,6 +93,31 @@ TEST_F(Helpers, MayBeKilledOrComeLate) {
   EXPECT_EQ(refinement.wait().status, 0);
   EXPECT_EQ(second.wait().status, 0);
   expect_same_bits("killed");
+}
+
+TEST_F(Helpers, AlsoSimulateWhatPredictsLeftOutRollouts) {
+  const auto with_power = [](std::vector<std::string> words) {
+    words.insert(words.end(), {"--set", "method.refine.cross_validate=true"});
+    return words;
+  };
+  ASSERT_EQ(run(folder_.path(), with_power(inference("power-alone"))).status, 0);
+  run(folder_.path(), {"npdr", "run", "small.toml", "--until", "target", "--work", "power"});
+  for (const std::string& name : files_ending(folder_ / "power-alone/.cache/infer", ".h5")) {
+    key_ = fs::path(name).stem();
+  }
+  const Program helper(folder_.path(), with_power(help("1/1", "power")), {"out1", "err1"});
+  EXPECT_TRUE(comes_true([&] { return fs::exists(rows_folder("power")) || helper.has_ended(); }));
+  // Ended in between, the refinement finds what has been simulated for it.
+  for (const int signal : {SIGTERM, SIGKILL, SIGTERM}) {
+    const Program refinement(folder_.path(), with_power(inference("power")), {"out", "err"});
+    EXPECT_TRUE(comes_true([&] { return has_rows("power") || refinement.has_ended(); }));
+    refinement.ends_within(0.3);
+    refinement.send(signal);
+    refinement.wait();
+  }
+  EXPECT_EQ(run(folder_.path(), with_power(inference("power"))).status, 0);
+  expect_help(helper.wait());
+  EXPECT_EQ(digests(folder_ / "power/small"), digests(folder_ / "power-alone/small"));
 }
 
 TEST_F(Helpers, StopOnRequest) {

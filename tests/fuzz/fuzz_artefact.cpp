@@ -1,6 +1,7 @@
 // Artefacts of the other stages, as the descriptions of their layouts say that they are.
 #include <charconv>
 
+#include "pipeline/artefacts/asked_rows_file.h"
 #include "pipeline/artefacts/baseline_file.h"
 #include "pipeline/artefacts/checkpoint_file.h"
 #include "pipeline/artefacts/diagnosis_file.h"
@@ -64,7 +65,16 @@ void read_simulation(const Path& path) {
   warnings_of(file);
 }
 
+void read_asked(const Path& path) {
+  if (const auto asked = read_asked_rows(path)) shards_of(*asked, "a posterior's");
+}
+
+void read_rows(const Path& path) {
+  read_simulated_rows(path.parent_path(), {{0, 1}, "", path.filename()});
+}
+
 const std::vector<Artefact> kArtefacts = {
+    {kAskedRowsSchema, list_asked_rows, read_asked},
     {kBaselineSchema, list_baseline, [](const Path& p) { read_baseline(p); }},
     {kDiagnosisSchema, list_diagnosis, [](const Path& p) { read_diagnosis(p).p_values(); }},
     {kEvaluationSchema, list_evaluation, [](const Path& p) { read_evaluation(p); }},
@@ -74,6 +84,7 @@ const std::vector<Artefact> kArtefacts = {
     {kPolicyTestSchema, list_policy_test, [](const Path& p) { read_policy_test(p); }},
     {kProposalSchema, list_proposal, read_theta},
     {kSimulationSchema, list_simulation, read_simulation},
+    {kSimulatedRowsSchema, list_simulated_rows, read_rows},
     {kCheckpointSchema, list_training_checkpoint, [](const Path& p) { read_checkpoint(p); }},
     {kRefinementCheckpointSchema, list_refined, read_refined}};
 

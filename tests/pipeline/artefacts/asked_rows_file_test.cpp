@@ -25,10 +25,10 @@ class AskedRowsFile : public ::testing::Test {
 
   ArtefactFile file() const { return {folder_ / asked_.file_name(), posterior_.key()}; }
 
-  void write(const AskedShard& shard, const RowLikelihoods& likelihoods) const {
-    ArtefactWriter writer(folder_ / shard.file_name, kRowLikelihoodsSchema,
+  void write(const AskedShard& shard, const SimulatedRows& rows) const {
+    ArtefactWriter writer(folder_ / shard.file_name, kSimulatedRowsSchema,
                           identity_of(asked_, shard, posterior_));
-    write_row_likelihoods(writer.file(), likelihoods);
+    write_simulated_rows(writer.file(), rows);
     writer.finish();
   }
 
@@ -56,7 +56,7 @@ TEST_F(AskedRowsFile, OfAnotherRefinementOrDamagedIsAnError) {
   odd.shard_size = 0;
   write_asked_rows(folder_.path(), posterior_, odd);
   EXPECT_TRUE(says(message(file()),
-                   {file().path, "in shards of 0", "must be >= 0 and >= 1", "remove this file"}));
+                   {file().path, "in shards of 0", "must be from 0 to", "remove this file"}));
   write_text_file(file().path, "not HDF5");
   EXPECT_NE(message(file()).find(file().path), std::string::npos);
 }
@@ -90,26 +90,47 @@ TEST_F(AskedRowsFile, ShardsCoverAllRowsAndKnowTheirTheta) {
 
 TEST_F(AskedRowsFile, LikelihoodsAreReadAsTheyAreWritten) {
   const std::vector<AskedShard> shards = shards_of(asked_, posterior_.key());
-  EXPECT_FALSE(read_row_likelihoods(folder_.path(), shards[2]));
-  write(shards[2], {.log_likelihood = Vector{{-1.5, -HUGE_VAL}}, .num_failed = 1, .cost = {}});
-  const std::optional<RowLikelihoods> read = read_row_likelihoods(folder_.path(), shards[2]);
+  EXPECT_FALSE(read_simulated_rows(folder_.path(), shards[2]));
+  write(shards[2], {.log_likelihood = Vector{{-1.5, -HUGE_VAL}}, .num_failed = 1});
+  const std::optional<SimulatedRows> read = read_simulated_rows(folder_.path(), shards[2]);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->log_likelihood(0), -1.5);
   EXPECT_EQ(read->log_likelihood(1), -HUGE_VAL);
   EXPECT_EQ(read->num_failed, 1);
+  EXPECT_EQ(read->rollouts.num_rows, 0);
+}
+
+TEST_F(AskedRowsFile, RolloutsAreThereWhereTheyAreAskedFor) {
+  AskedRows wanted = asked_;
+  wanted.rollouts = true;
+  EXPECT_NE(shards_of(wanted, posterior_.key())[2].key, shards_of(asked_, posterior_.key())[2].key);
+  const AskedShard shard = shards_of(asked_, posterior_.key())[2];
+  SimulatedRows rows{.log_likelihood = Vector::Zero(2)};
+  rows.rollouts.resize(2, 3, 4, 5);
+  for (std::size_t i = 0; i < rows.rollouts.values.size(); ++i) {
+    rows.rollouts.values[i] = static_cast<float>(i);
+  }
+  rows.rollouts.status[1] = sim::RolloutStatus::timed_out;
+  write(shard, rows);
+  const std::optional<SimulatedRows> read = read_simulated_rows(folder_.path(), shard);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->rollouts.values, rows.rollouts.values);
+  EXPECT_EQ(read->rollouts.status, rows.rollouts.status);
+  EXPECT_EQ(read->rollouts.num_rows, 2);
+  EXPECT_EQ(read->rollouts.row_size(), 60);
 }
 
 TEST_F(AskedRowsFile, LikelihoodsThatAreNotOfTheShardAreAnError) {
   const std::vector<AskedShard> shards = shards_of(asked_, posterior_.key());
   const auto message = [&](const AskedShard& shard) {
-    return message_of<InputError>([&] { read_row_likelihoods(folder_.path(), shard); });
+    return message_of<InputError>([&] { read_simulated_rows(folder_.path(), shard); });
   };
-  write(shards[2], {.log_likelihood = Vector::Zero(3), .num_failed = 0, .cost = {}});
+  write(shards[2], {.log_likelihood = Vector::Zero(3), .num_failed = 0});
   EXPECT_TRUE(says(message(shards[2]), {folder_ / shards[2].file_name, "3 likelihoods",
                                         "must be of 2 rows", "remove this file"}));
-  write(shards[2], {.log_likelihood = Vector::Zero(2), .num_failed = 3, .cost = {}});
+  write(shards[2], {.log_likelihood = Vector::Zero(2), .num_failed = 3});
   EXPECT_NE(message(shards[2]).find("3 failed rows"), std::string::npos);
-  write(shards[0], {.log_likelihood = Vector::Zero(4), .num_failed = 0, .cost = {}});
+  write(shards[0], {.log_likelihood = Vector::Zero(4), .num_failed = 0});
   std::filesystem::copy(folder_ / shards[0].file_name, folder_ / shards[1].file_name);
   EXPECT_NE(message(shards[1]).find(shards[1].file_name), std::string::npos);
 }

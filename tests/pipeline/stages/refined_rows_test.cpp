@@ -120,27 +120,32 @@ TEST_F(RefinedRowsOfAStudy, HaveTheSameBitsWithAHelper) {
 
 TEST_F(RefinedRowsOfAStudy, WhatIsAskedForIsSimulatedOnce) {
   const SimulatedLikelihood likelihood(plan_, node_, {});
-  const AskedRows asked{.first = 0, .shard_size = 20, .theta = RowMatrix::Constant(50, 2, 1.0)};
+  const AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 2, 1.0)};
   write_asked_rows(rows_, node_.identity, asked);
   RefinedRows helper(plan_, node_, likelihood, {1, 2});
   EXPECT_EQ(helper.help([](Index) {}), 50);
   EXPECT_EQ(helper.help([](Index) {}), 0);
   // The refinement takes what is there, though it is another process's.
   RefinedRows refinement(plan_, node_, likelihood, {0, 3});
+  const std::optional<SimulatedRows> together = refinement.ask(asked, [](Index) {});
   Index failed = 0;
-  const std::optional<Vector> together = refinement.ask(asked.theta, 0, failed, [](Index) {});
-  EXPECT_EQ(*together, likelihood(asked.theta, 0, failed));
-  EXPECT_EQ(failed, 0);
+  const sim::Trajectories alone = likelihood.simulate(asked.theta, 0);
+  EXPECT_EQ(together->log_likelihood, likelihood.of(alone, failed));
+  EXPECT_EQ(together->num_failed, failed);
+  EXPECT_EQ(together->rollouts.num_rows, 0);
   EXPECT_FALSE(fs::exists(rows_ / asked.file_name()));
   EXPECT_EQ(helper.help([](Index) {}), 0) << "nothing is asked for any more";
   refinement.forget(49);
   EXPECT_FALSE(fs::is_empty(rows_)) << "the last rows aren't in a checkpoint";
   refinement.forget(50);
   EXPECT_TRUE(fs::is_empty(rows_));
+  AskedRows wanted = asked;
+  wanted.rollouts = true;
+  EXPECT_EQ(refinement.ask(wanted, [](Index) {})->rollouts.values, alone.values);
 }
 
 TEST_F(RefinedRowsOfAStudy, SayWhatIsWrongWithThem) {
-  AskedRows asked{.first = 0, .shard_size = 20, .theta = RowMatrix::Constant(50, 3, 1.0)};
+  AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 3, 1.0)};
   write_asked_rows(rows_, node_.identity, asked);
   EXPECT_TRUE(says(error_of_helper(),
                    {rows_ / "asked-0-50.h5", "of 3 parameters", "of 2", "remove this file"}));
