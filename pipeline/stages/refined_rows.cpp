@@ -88,6 +88,10 @@ std::optional<SimulatedRows> RefinedRows::ask(AskedRows asked, const OnRows& on_
   const Index each = (asked.theta.rows() + walker_.count - 1) / walker_.count;
   asked.shard_size = std::clamp<Index>(each, 1, most_rows_);
   const std::vector<AskedShard> shards = shards_of(asked, node_.key);
+  std::error_code ignored;
+  for (const std::string& name : names_of_asked_rows(names_in(folder_))) {
+    fs::remove(folder_ / name, ignored);  // a process that was killed waits for them no more
+  }
   while_it_lasts([&] { write_asked_rows(folder_, node_.identity, asked); });
   std::optional<SimulatedRows> result;
   for (;;) {
@@ -95,11 +99,10 @@ std::optional<SimulatedRows> RefinedRows::ask(AskedRows asked, const OnRows& on_
     if (stop_requested()) return std::nullopt;
     result = read(shards);
     if (result) break;
-    usleep(
-        kPause);  // another run of this refinement has removed some, or a network shows them late
+    // Another run of this refinement has removed some, or a network shows them late.
+    usleep(kPause);
   }
   // Before any of the rows: helpers take those that aren't asked for as done.
-  std::error_code ignored;
   fs::remove(folder_ / asked.file_name(), ignored);
   return result;
 }

@@ -304,7 +304,7 @@ TEST_F(HelperJobs, RunTheirPartOfTheRefinement) {
   ASSERT_EQ(helpers.size(), 1u);
   const ScriptContext context{plan_, {"s.toml"}, "/here", "/programs", "/logs"};
   const std::string script = job_script(context, helpers.front());
-  for (const std::string& part :
+  for (const std::string part :
        {"--job-name=npdr-small-help\n", "--cpus-per-task=5\n", "/help-infer-refined", "%A_%a.log",
         "npdr-simulate", plan_.nodes[refinement_].key.c_str(),
         "--helper \"$((SLURM_ARRAY_TASK_ID + 1))/3\"\n"}) {

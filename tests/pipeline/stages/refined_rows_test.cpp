@@ -82,6 +82,11 @@ class RefinedRowsOfAStudy : public ::testing::Test {
     run_stage(plan, plan.node(Stage::infer, {"Refined", 1, 1}));
     return content_digest(plan.node(Stage::infer, {"Refined", 1, 1}).path);
   }
+  std::set<std::string> names() const {
+    std::set<std::string> found;
+    for (const auto& entry : fs::directory_iterator(rows_)) found.insert(entry.path().filename());
+    return found;
+  }
   std::string error_of_helper() const {
     return message_of<InputError>([&] { help_refinement(plan_, node_, {1, 1}, 0.0); });
   }
@@ -141,7 +146,9 @@ TEST_F(RefinedRowsOfAStudy, WhatIsAskedForIsSimulatedOnce) {
   EXPECT_TRUE(fs::is_empty(rows_));
   AskedRows wanted = asked;
   wanted.rollouts = true;
+  write_asked_rows(rows_, node_.identity, {.first = 7, .theta = asked.theta});  // one was killed
   EXPECT_EQ(refinement.ask(wanted, [](Index) {})->rollouts.values, alone.values);
+  EXPECT_TRUE(names_of_asked_rows(names()).empty()) << "nobody waits for anything";
 }
 
 TEST_F(RefinedRowsOfAStudy, SayWhatIsWrongWithThem) {
