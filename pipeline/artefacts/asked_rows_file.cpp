@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/error.h"
 #include "core/text.h"
@@ -160,12 +161,12 @@ std::optional<Index> end_of_rows(const std::string& file_name) {
 
 void list_asked_rows(Layout f) {
   AskedRows asked;
-  describe(f, asked);
+  describe(std::move(f), asked);
 }
 
 void list_simulated_rows(Layout f) {
   SimulatedRows rows;
-  describe(f, rows);
+  describe(std::move(f), rows);
 }
 
 }  // namespace npdr::pipeline
