@@ -72,7 +72,8 @@ class EpochReport {
     }
     Index epochs = 0;
     for (const inference::TrainingState& each : states_) epochs += each.epoch;
-    progress_.update(epochs, fmt::format("loss {:.4g}", state.validation_loss.back()));
+    const std::string which = states_.size() > 1 ? fmt::format("network {}, ", network + 1) : "";
+    progress_.update(epochs, fmt::format("{}loss {:.4g}", which, state.validation_loss.back()));
     return !is_stopping;
   }
 
