@@ -17,11 +17,11 @@ constexpr auto enum_table(SamplerKind) {
 
 struct SamplerConfig {
   SamplerKind kind = SamplerKind::slice;
-  Index num_chains = 200;  ///< "slice": chains side by side
-  Index num_warmup = 100;  ///< "slice": sweeps that each chain makes first
-  Index thin = 5;          ///< "slice": sweeps between two samples of a chain
+  Index num_chains = 1000;  ///< "slice": chains side by side
+  Index num_warmup = 10;    ///< "slice": sweeps that each chain makes first
+  Index thin = 5;           ///< "slice": sweeps between two samples of a chain
   Index num_candidates =
-      100'000;  ///< draws of the prior that chains begin from, or that are resampled
+      100'000;  ///< draws of the prior that chains climb from, or that are resampled
 };
 
 }  // namespace npdr::inference

@@ -10,9 +10,8 @@
 #include "inference/direct_posterior.h"
 #include "inference/ensemble.h"
 #include "inference/row_blocks.h"
-#include "inference/samplers/chain_diagnostics.h"
 #include "inference/samplers/resampler.h"
-#include "inference/samplers/slice_sampler.h"
+#include "inference/samplers/tempered_chains.h"
 #include "inference/standard_normal.h"
 
 namespace npdr::inference {
@@ -105,35 +104,23 @@ Vector SurrogatePosterior::log_density(const RowMatrix& u) const {
   return surrogate(u) + log_standard_normal(u);
 }
 
-RowMatrix SurrogatePosterior::draw_prior(const StreamId& id) const {
-  RowMatrix u(parts().sampler.num_candidates, prior().dimension());
-  for (Index i = 0; i < u.rows(); ++i) {
-    StreamId row = within(id, "candidates");
-    row.row += static_cast<std::uint64_t>(i);
-    Stream stream(row);
-    for (double& value : u.row(i)) value = stream.normal();
-  }
-  return u;
-}
-
 Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
   const SamplerConfig& sampler = parts().sampler;
-  const RowMatrix candidates = draw_prior(id);
+  if (sampler.kind == SamplerKind::importance) return draw_by_importance(n, id);
+  TemperedDraws draws =
+      sample_tempered([&](const RowMatrix& u, Vector& log_l) { log_l = surrogate(u); },
+                      prior().dimension(), n, sampler, id);
+  return {prior().to_theta(draws.u), std::move(draws.report)};
+}
+
+Samples SurrogatePosterior::draw_by_importance(Index n, const StreamId& id) const {
+  const RowMatrix candidates = draw_standard_normal(parts().sampler.num_candidates,
+                                                    prior().dimension(), within(id, "candidates"));
   const Resampler resampler(weights_of(surrogate(candidates)));
   SamplerReport report;
-  if (sampler.kind == SamplerKind::importance) {
-    report.ess = Vector::Constant(1, resampler.effective_size());
-    report.num_evaluations = candidates.rows();
-    return {prior().to_theta(resample(candidates, resampler, n, id)), report};
-  }
-  const Index chains = sampler.num_chains;
-  const RowMatrix start = resample(candidates, resampler, chains, within(id, "starts"));
-  const ChainDraws draws =
-      slice_sample([&](const RowMatrix& u, Vector& log_p) { log_p = log_density(u); }, start,
-                   (n + chains - 1) / chains, {sampler.num_warmup, sampler.thin}, id);
-  const ChainDiagnostics diagnostics = diagnose(draws);
-  report = {diagnostics.r_hat, diagnostics.ess, candidates.rows() + draws.num_points};
-  return {prior().to_theta(draws.u.topRows(n)), report};
+  report.ess = Vector::Constant(1, resampler.effective_size());
+  report.num_evaluations = candidates.rows();
+  return {prior().to_theta(resample(candidates, resampler, n, id)), report};
 }
 
 double SurrogatePosterior::log_normalizer() const {

@@ -3,8 +3,8 @@
 ///   l(u) = log q(z_o | u)   (NLE; Papamakarios, Sterratt and Murray 2019),
 ///   l(u) = f(u, z_o)        (NRE; ratio_loss.h),
 /// or log 1/M sum_m exp l_m(u) of an ensemble of likelihoods (ensemble.h). It is sampled by Markov
-/// chains (slice_sampler.h) that begin at draws of the prior, resampled by their weight exp l; or,
-/// with sampler "importance", those draws are the samples.
+/// chains that climb from draws of the prior (tempered_chains.h); or, with sampler "importance", by
+/// draws of the prior, resampled by their weight exp l.
 ///
 /// log Z, which only log_prob() needs, is estimated once by importance sampling: from a Gaussian
 /// around 1000 samples, 1.5 times as wide, mixed with the prior.
@@ -33,7 +33,7 @@ class SurrogatePosterior : public NetworkPosterior {
   struct Normalizer;
 
   Vector surrogate(const RowMatrix& u) const;
-  RowMatrix draw_prior(const StreamId& id) const;
+  Samples draw_by_importance(Index n, const StreamId& id) const;
   double log_normalizer() const;
   double estimate_log_normalizer() const;
 

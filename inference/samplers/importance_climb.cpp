@@ -9,13 +9,14 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kStuckLevels = 10;    // that have raised the power
-constexpr double kStuckRise = 1.2;    // by less than to this multiple
-constexpr Index kSweepsOfLevel = 5;   // of walkers, that have as many draws as a level
-constexpr Index kSweeps = 25;         // at one power
-constexpr Index kSweepsAtEnd = 50;    // of which every tenth is kept, so that they fill a level
-constexpr Index kFewestRaises = 3;    // that a climb must have draws for
-constexpr double kClimbShare = 0.75;  // of the simulations, until the end of the climb
+constexpr Index kStuckLevels = 10;       // that have raised the power
+constexpr double kStuckRise = 1.2;       // by less than to this multiple
+constexpr Index kSweepsOfLevel = 5;      // of walkers, that have as many draws as a level
+constexpr double kEffectiveShare = 0.5;  // of walkers, at the next power
+constexpr Index kSweeps = 25;            // at one power
+constexpr Index kSweepsAtEnd = 50;       // of which every tenth is kept, so that they fill a level
+constexpr Index kFewestRaises = 3;       // that a climb must have draws for
+constexpr double kClimbShare = 0.75;     // of the simulations, until the end of the climb
 
 }  // namespace
 
@@ -73,7 +74,10 @@ bool ImportanceSampler::go_on_climbing() {
     }
   } else if (walkers.num_sweeps >= kSweeps) {
     if (walkers.power < state_.wanted_power && has_draws_to_climb(1)) {
-      raise_power(walkers, next_power(walkers, state_.wanted_power), level_id("refine_walkers"));
+      const Index count = walkers.u.rows();
+      const double enough = kEffectiveShare * static_cast<double>(count);
+      raise_power(walkers, next_power(walkers, state_.wanted_power, enough), count,
+                  level_id("refine_walkers"));
     } else {
       walkers.num_sweeps = 0;
       push({.kind = LevelKind::walkers,

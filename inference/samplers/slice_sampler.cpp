@@ -26,20 +26,15 @@ class Chain {
   const Vector& u() const { return u_; }
   Index sweeps() const { return sweeps_; }
 
-  // Begins a new stage: from here on `adapts` says whether the widths are being learned.
-  void begin(bool adapts) {
-    adapts_ = adapts;
+  // Begins a new stage.
+  void begin() {
     interval_sum_.setZero(u_.size());
-    num_intervals_.setZero(u_.size());
     start_update();
   }
 
-  // Ends a stage in which widths were learned.
-  void keep_widths() {
-    width_ = (num_intervals_.array() > 0)
-                 .select(interval_sum_.array() / num_intervals_.array().max(1.0), width_.array());
-  }
-  void forget_widths() { width_.setConstant(kFirstWidth); }
+  void set_widths(const Vector& width) { width_ = width; }
+  // Along each direction, of the intervals of this stage.
+  const Vector& interval_sum() const { return interval_sum_; }
 
   // The point that it wants evaluated, along `directions` (D, D), a direction a column.
   void write_point(const Eigen::MatrixXd& directions, Eigen::Ref<Eigen::RowVectorXd> point) const {
@@ -105,10 +100,7 @@ class Chain {
   void finish_update(double log_p, double offset, const Eigen::MatrixXd& directions) {
     u_ += offset * directions.col(direction_);
     log_p_ = log_p;
-    if (adapts_) {
-      interval_sum_(direction_) += right_ - left_;
-      num_intervals_(direction_) += 1.0;
-    }
+    interval_sum_(direction_) += right_ - left_;
     direction_ = (direction_ + 1) % u_.size();
     if (direction_ == 0) ++sweeps_;
     start_update();
@@ -117,8 +109,7 @@ class Chain {
   Stream stream_;
   Vector u_;
   double log_p_;
-  Vector width_, interval_sum_, num_intervals_;  // (D) along each direction
-  bool adapts_ = false;
+  Vector width_, interval_sum_;  // (D) along each direction
   Index sweeps_ = 0, direction_ = 0;
   Phase phase_ = Phase::left;
   int steps_left_ = 0, steps_right_ = 0, shrinks_ = 0;
@@ -146,20 +137,19 @@ class Population {
 
   void warm_up(Index num_sweeps) {
     const Index half = num_sweeps / 2;
-    run(half, true);
+    run(half);
     turn();
-    run(num_sweeps - half, true);
-    for (Chain& chain : chains_) chain.keep_widths();
+    run(num_sweeps - half);
+    if (num_sweeps > half) set_mean_widths(num_sweeps - half);
   }
 
   // `visit(c, sweep, u)` after each of the next sweeps of each chain, counted from 1.
-  void run(Index num_sweeps, bool adapts,
-           const std::function<void(Index, Index, const Vector&)>& visit = {}) {
+  void run(Index num_sweeps, const std::function<void(Index, Index, const Vector&)>& visit = {}) {
     std::vector<Index> active(chains_.size()), first;
     for (std::size_t c = 0; c < chains_.size(); ++c) {
       active[c] = static_cast<Index>(c);
       first.push_back(chains_[c].sweeps());
-      chains_[c].begin(adapts);
+      chains_[c].begin();
     }
     if (num_sweeps == 0) return;
     RowMatrix points;
@@ -189,6 +179,13 @@ class Population {
  private:
   Chain& chain(Index c) { return chains_[static_cast<std::size_t>(c)]; }
 
+  void set_mean_widths(Index num_sweeps) {
+    Vector mean = Vector::Zero(directions_.cols());
+    for (const Chain& c : chains_) mean += c.interval_sum();
+    mean /= static_cast<double>(num_sweeps) * static_cast<double>(chains_.size());
+    for (Chain& c : chains_) c.set_widths(mean);
+  }
+
   // Directions along the principal axes of where the chains are, as long as their deviations.
   void turn() {
     const auto count = static_cast<double>(chains_.size());
@@ -205,7 +202,7 @@ class Population {
     if (axes.info() != Eigen::Success || !(largest > 0.0)) return;
     const Vector deviations = axes.eigenvalues().cwiseMax(1e-12 * largest).cwiseSqrt();
     directions_ = axes.eigenvectors() * deviations.asDiagonal();
-    for (Chain& c : chains_) c.forget_widths();
+    for (Chain& c : chains_) c.set_widths(Vector::Constant(d, kFirstWidth));
   }
 
   const LogDensity& log_density_;
@@ -225,7 +222,7 @@ ChainDraws slice_sample(const LogDensity& log_density, const RowMatrix& start, I
   Population population(log_density, start, id);
   population.warm_up(config.num_warmup);
   ChainDraws draws{RowMatrix(num_draws * start.rows(), start.cols()), start.rows(), 0};
-  population.run(num_draws * config.thin, false, [&](Index c, Index sweep, const Vector& u) {
+  population.run(num_draws * config.thin, [&](Index c, Index sweep, const Vector& u) {
     if (sweep % config.thin != 0) return;
     draws.u.row((sweep / config.thin - 1) * start.rows() + c) = u.transpose();
   });

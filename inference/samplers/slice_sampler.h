@@ -8,7 +8,9 @@
 /// Every chain has one point at a time that it wants evaluated; those of all chains go to the
 /// density in one batch, whatever each of them is doing. Half way through the warm-up the
 /// directions turn from the axes to the principal axes of all chains' points, so that correlated
-/// parameters mix; widths are the mean interval, after shrinking, of the warm-up's second half.
+/// parameters mix; widths are the mean interval, after shrinking, of all chains in the warm-up's
+/// second half. They are the same for all chains: with its own, long where it lies in a wide mode,
+/// a chain would leave such a mode more easily than one with a short width comes back.
 #pragma once
 
 #include <functional>

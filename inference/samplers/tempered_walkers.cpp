@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "inference/samplers/importance_weights.h"
 #include "inference/samplers/resampler.h"
@@ -12,9 +11,8 @@
 namespace npdr::inference {
 namespace {
 
-constexpr double kEffectiveShare = 0.5;  // of walkers that are worth something at the next power
-constexpr double kWantedRate = 0.2;      // of steps that are taken
-constexpr double kSpread = 0.5;          // of a step's length, in nats
+constexpr double kWantedRate = 0.2;                 // of steps that are taken
+constexpr double kSpread = 0.5;                     // of a step's length, in nats
 constexpr double kShortest = 0.01, kLongest = 1.0;  // step lengths
 
 // The weights of another power, the largest 1.
@@ -43,23 +41,23 @@ Index other_than(Index i, Index j, Index n, Stream& stream) {
 
 }  // namespace
 
-double next_power(const TemperedWalkers& walkers, double most) {
-  const double wanted = kEffectiveShare * static_cast<double>(walkers.u.rows());
+double next_power(const TemperedWalkers& walkers, double most, double num_effective) {
   return largest_power(walkers.power, most, [&](double power) {
-    return effective_size(weights_at(walkers, power)) >= wanted;
+    return effective_size(weights_at(walkers, power)) >= num_effective;
   });
 }
 
-void raise_power(TemperedWalkers& walkers, double power, const StreamId& id) {
+std::vector<Index> raise_power(TemperedWalkers& walkers, double power, Index count,
+                               const StreamId& id) {
   const Vector weights = weights_at(walkers, power);
   walkers.log_evidence +=
       (power - walkers.power) * walkers.log_likelihood.maxCoeff() + std::log(weights.mean());
-  const std::vector<Index> rows =
-      Resampler(weights).systematic(walkers.u.rows(), Stream(id).uniform());
+  std::vector<Index> rows = Resampler(weights).systematic(count, Stream(id).uniform());
   walkers.u = RowMatrix(walkers.u(rows, Eigen::all));
   walkers.log_likelihood = Vector(walkers.log_likelihood(rows));
   walkers.power = power;
   walkers.num_sweeps = 0;
+  return rows;
 }
 
 RowMatrix propose_steps(const TemperedWalkers& walkers, const StreamId& id) {

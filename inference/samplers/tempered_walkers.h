@@ -3,7 +3,7 @@
 /// A population of walkers stands for
 ///   pi_b(u) = N(u; 0, I) L(u)^b / Z_b
 /// and climbs by sequential Monte Carlo (Neal 2001; Del Moral, Doucet and Jasra 2006). A raise goes
-/// to the largest b' at which half of the walkers are effective by their weights L(u)^(b' - b), and
+/// to the largest b' at which enough walkers are effective by their weights L(u)^(b' - b), and
 /// draws them anew by those. Between raises they walk: in a sweep each makes one Metropolis step,
 /// to
 ///   u + g (u_j - u_k)  with two others (ter Braak 2006), or  N(u, g^2 C),
@@ -12,6 +12,8 @@
 /// All walk at once, and C and the step length follow them, so they have the law of pi_b only in
 /// the limit of many walkers and sweeps. They are there to teach, not to be reported.
 #pragma once
+
+#include <vector>
 
 #include "core/random.h"
 #include "core/types.h"
@@ -27,10 +29,12 @@ struct TemperedWalkers {
   Index num_sweeps = 0;  ///< at this power
 };
 
-/// The largest power up to `most` at which half of the walkers are effective.
-double next_power(const TemperedWalkers& walkers, double most);
-/// Moves all walkers to that power, and log Z with it.
-void raise_power(TemperedWalkers& walkers, double power, const StreamId& id);
+/// The largest power up to `most` at which as many walkers are effective; theirs: none is.
+double next_power(const TemperedWalkers& walkers, double most, double num_effective);
+/// Moves to that power, and log Z with it. Afterwards there are `count` walkers; returns which of
+/// the former ones each of them was.
+std::vector<Index> raise_power(TemperedWalkers& walkers, double power, Index count,
+                               const StreamId& id);
 
 /// Where the walkers (three or more) may go, (W, D).
 RowMatrix propose_steps(const TemperedWalkers& walkers, const StreamId& id);

@@ -129,7 +129,7 @@ void describe(Fields& f, inference::SamplerConfig& c) {
     "sweeps that each chain makes first (\"slice\" only)");
   f("thin", c.thin, between(1, 100'000), "sweeps between two samples of a chain (\"slice\" only)");
   f("num_candidates", c.num_candidates, between(1, 10'000'000),
-    "draws of the prior that chains begin from, or that are resampled");
+    "draws of the prior that chains climb from, or that are resampled");
 }
 
 template <class Fields>

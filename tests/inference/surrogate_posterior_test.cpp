@@ -1,6 +1,7 @@
 #include "inference/surrogate_posterior.h"
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include <cmath>
 
@@ -84,6 +85,18 @@ TEST(SurrogatePosterior, ASampleDependsOnItsNumberAlone) {
         << name_of(sampler);
     const StreamId other{1, "proposal", 0, 0, 0};
     EXPECT_NE(posterior->sample(150, id), posterior->sample(150, other)) << name_of(sampler);
+  }
+}
+
+TEST(SurrogatePosterior, SameBitsForAnyThreadCount) {
+  for (const SamplerKind sampler : {SamplerKind::slice, SamplerKind::importance}) {
+    const auto posterior = make_posterior(some_ratio(sampler));
+    const int threads = omp_get_max_threads();
+    omp_set_num_threads(1);
+    const RowMatrix one = posterior->sample(300, {1, "posterior", 0, 0, 0});
+    omp_set_num_threads(3);
+    EXPECT_EQ(one, posterior->sample(300, {1, "posterior", 0, 0, 0})) << name_of(sampler);
+    omp_set_num_threads(threads);
   }
 }
 

@@ -68,6 +68,25 @@ TEST(SliceSampler, VisitsTwoModesInProportion) {
   EXPECT_NEAR(upper, 0.7, 4.0 * std::sqrt(0.21 / diagnose(draws).ess(0)));
 }
 
+// 0.5 N(0, 0.05^2) + 0.5 N(0.6, 0.1^2) in two dimensions. Chains that begin there in proportion
+// stay so, whichever width each of them learns where it is: four standard errors of their number.
+TEST(SliceSampler, KeepsTheSharesOfModesOfUnequalWidth) {
+  constexpr Index chains = 4000;
+  const LogDensity two = [](const RowMatrix& u, Vector& log_p) {
+    const auto mode = [&](double mean, double width) -> Eigen::ArrayXd {
+      return -0.5 * (u.array() - mean).square().rowwise().sum() / (width * width) -
+             2.0 * std::log(width);
+    };
+    log_p = (mode(0.0, 0.05).exp() + mode(0.6, 0.1).exp()).log();
+  };
+  RowMatrix start = random_matrix(chains, 2, 3);
+  start.topRows(chains / 2) *= 0.05;
+  start.bottomRows(chains / 2) = (0.1 * start.bottomRows(chains / 2)).array() + 0.6;
+  const ChainDraws draws = slice_sample(two, start, 10, {}, kId);
+  const double wide = (draws.u.rowwise().sum().array() > 0.4).cast<double>().mean();
+  EXPECT_NEAR(wide, 0.5, 4.0 * std::sqrt(0.25 / chains));
+}
+
 // A density with an edge: uniform on (0, 1), 0 elsewhere, and NaN beyond 2.
 TEST(SliceSampler, StaysWhereTheDensityIs) {
   const LogDensity uniform = [](const RowMatrix& u, Vector& log_p) {

@@ -46,7 +46,7 @@ TEST(TemperedWalkers, ClimbToThePosteriorAndItsEvidence) {
   TemperedWalkers walkers = from_the_prior();
   std::uint64_t sweeps = 0, raises = 0;
   while (walkers.power < 1.0) {
-    raise_power(walkers, next_power(walkers, 1.0), id("raise", ++raises));
+    raise_power(walkers, next_power(walkers, 1.0, 0.5 * kWalkers), kWalkers, id("raise", ++raises));
     for (int i = 0; i < 20; ++i) sweep(walkers, ++sweeps);
   }
   // A raise at half of the walkers' worth has the standard error 1 / sqrt(W): four of all of them.
@@ -98,7 +98,10 @@ TEST(TemperedWalkers, StayWhereALikelihoodIsNoNumber) {
 
 TEST(TemperedWalkers, TakeTheirLikelihoodsAlong) {
   TemperedWalkers walkers = from_the_prior();
-  raise_power(walkers, 0.1, id("raise", 1));
+  const RowMatrix before = walkers.u;
+  const std::vector<Index> rows = raise_power(walkers, 0.1, 100, id("raise", 1));
+  ASSERT_EQ(walkers.u.rows(), 100);
+  EXPECT_EQ(walkers.u, RowMatrix(before(rows, Eigen::all)));
   EXPECT_EQ(walkers.log_likelihood, log_likelihood(walkers.u));
   EXPECT_EQ(walkers.power, 0.1);
 }
