@@ -17,8 +17,7 @@ void for_each_block(const FeatureSource& x, Index num_rows, const Body& body) {
   constexpr Index block = 500;
   RowMatrixF rows;
   for (Index begin = 0; begin < num_rows; begin += block) {
-    std::vector<std::uint32_t> indices(
-        static_cast<std::size_t>(std::min(block, num_rows - begin)));
+    std::vector<std::uint32_t> indices(static_cast<std::size_t>(std::min(block, num_rows - begin)));
     std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(begin));
     x.gather(indices, 0, rows);
     body(begin, rows);

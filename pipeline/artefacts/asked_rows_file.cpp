@@ -10,6 +10,7 @@
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
+#include "pipeline/process/build_info.h"
 #include "pipeline/store/content_key.h"
 #include "pipeline/store/hash.h"
 
@@ -58,7 +59,7 @@ std::vector<std::string> parts_of(const std::string& name, std::string_view pref
 
 std::optional<Index> first_of_asked(const std::string& name) {
   const std::vector<std::string> parts = parts_of(name, kAsked);
-  return parts.size() == 2 ? parse_count(parts.front()) : std::nullopt;
+  return parts.size() == 3 ? parse_count(parts.front()) : std::nullopt;
 }
 
 nlohmann::ordered_json document_of(const AskedRows& asked, RowRange rows,
@@ -72,13 +73,19 @@ nlohmann::ordered_json document_of(const AskedRows& asked, RowRange rows,
   document["end"] = asked.first + rows.end;
   document["theta"] = theta.hex();
   document["rollouts"] = asked.rollouts;
+  document["instruction_set"] = instruction_set();  // another one rounds differently
   return document;
 }
 
 }  // namespace
 
 std::string AskedRows::file_name() const {
-  return fmt::format("{}{}-{}{}", kAsked, first, end(), kExtension);
+  Hasher what;
+  what.add_bytes(theta.data(), sizeof(double) * static_cast<std::size_t>(theta.size()));
+  what.add_bytes(&shard_size, sizeof(shard_size));
+  what.add_bytes(&rollouts, sizeof(rollouts));
+  return fmt::format("{}{}-{}-{}{}", kAsked, first, end(), what.hex().substr(0, kKeyDigits),
+                     kExtension);
 }
 
 void write_asked_rows(const std::filesystem::path& folder, const Identity& posterior,
@@ -88,7 +95,7 @@ void write_asked_rows(const std::filesystem::path& folder, const Identity& poste
   writer.finish();
 }
 
-std::optional<AskedRows> read_asked_rows(const ArtefactFile& artefact) {
+std::optional<AskedRows> read_asked_rows(const ArtefactFile& artefact) try {
   const std::optional<h5::File> file = open_artefact_if_there(artefact, kAskedRowsSchema);
   if (!file) return std::nullopt;
   AskedRows asked;
@@ -100,6 +107,9 @@ std::optional<AskedRows> read_asked_rows(const ArtefactFile& artefact) {
                     artefact.path.string(), asked.first, asked.shard_size, kMostRows));
   }
   return asked;
+} catch (const Error&) {
+  if (std::filesystem::exists(artefact.path)) throw;
+  return std::nullopt;  // removed while it was read
 }
 
 std::vector<std::string> names_of_asked_rows(const std::set<std::string>& names) {

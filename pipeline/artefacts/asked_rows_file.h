@@ -1,11 +1,11 @@
 /// Rows of theta that a refinement wants to be simulated next, and what becomes of them, by which
 /// it shares its simulations with helpers. All of them lie in one folder (WorkFolder::asked_rows):
 ///
-///   asked-<first>-<end>.h5                the rows, while the refinement waits for them
-///   rows-<begin>-<end>-<digits>.h5        likelihoods of some of them; the digits are of their
-///   key,
-///                                         which holds theta: those of other rows are never taken
-/// Rows are counted over the whole refinement.
+///   asked-<first>-<end>-<digits>.h5  the rows, while the refinement waits for them
+///   rows-<begin>-<end>-<digits>.h5   likelihoods of some of them
+///
+/// Rows are counted over the whole refinement. Digits are of what is asked for, and of a key that
+/// holds theta and the instruction set: what isn't of just these rows is never taken for them.
 #pragma once
 
 #include <optional>
@@ -41,10 +41,10 @@ std::vector<std::string> names_of_asked_rows(const std::set<std::string>& names)
 
 /// Rows that have been simulated.
 struct SimulatedRows {
-  Vector log_likelihood;       ///< (m) [nats]; -infinity or NaN where it is 0
-  Index num_failed = 0;        ///< of these rows
-  sim::Trajectories rollouts;  ///< empty unless they were asked for
-  Cost cost;                   ///< of whoever simulated them; set by reading
+  Vector log_likelihood;            ///< (m) [nats]; -infinity or NaN where it is 0
+  Index num_failed = 0;             ///< of these rows
+  sim::Trajectories rollouts = {};  ///< empty unless they were asked for
+  Cost cost = {};                   ///< of whoever simulated them; set by reading
 };
 
 /// A shard of rows that are asked for, and the file of what becomes of it.

@@ -153,6 +153,7 @@ class Refinement {
     RefinementCheckpoint checkpoint{sampler_.state(), failed, search_.scores(), earlier_.cost};
     checkpoint.cost += cost_of_seconds(std::chrono::duration<double>(now - start_).count());
     checkpoint.cost += rows_.cost_of_others();
+    checkpoint.cost.core_seconds -= rows_.unread_core_seconds();
     write_refinement(checkpoint_, node_.identity, std::move(checkpoint));
     rows_.forget(sampler_.state().num_draws);
     saved_ = now;

@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "core/error.h"
+#include "core/file_error.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/stop_request.h"
@@ -16,9 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr useconds_t kPause = 100'000;  // [us]
+constexpr Index kMostPauses = 600;      // without any row, until names that can't be read are told
 
 // Asks the server of a network file system, where looking for one name may tell what was there a
-// while ago.
+// while ago. None where the folder isn't there.
 std::set<std::string> names_in(const fs::path& folder) {
   std::set<std::string> names;
   std::error_code gone;
@@ -26,6 +29,7 @@ std::set<std::string> names_in(const fs::path& folder) {
   for (; !gone && entry != fs::directory_iterator(); entry.increment(gone)) {
     names.insert(entry->path().filename());
   }
+  if (gone && gone != std::errc::no_such_file_or_directory) throw_read_error(folder, gone.value());
   return names;
 }
 
@@ -80,6 +84,7 @@ RefinedRows::RefinedRows(const Plan& plan, const Node& node, const SimulatedLike
       walker_(walker),
       most_rows_(plan.study.simulate.shard_size),
       dimension_(std::ssize(plan.study.prior)),
+      num_values_(likelihood.num_values()),
       folder_(plan.work.asked_rows(node.key)) {}
 
 bool RefinedRows::has_helpers() const { return fs::is_directory(folder_); }
@@ -88,23 +93,37 @@ std::optional<SimulatedRows> RefinedRows::ask(AskedRows asked, const OnRows& on_
   const Index each = (asked.theta.rows() + walker_.count - 1) / walker_.count;
   asked.shard_size = std::clamp<Index>(each, 1, most_rows_);
   const std::vector<AskedShard> shards = shards_of(asked, node_.key);
+  const std::string asked_name = asked.file_name();
   std::error_code ignored;
   for (const std::string& name : names_of_asked_rows(names_in(folder_))) {
-    fs::remove(folder_ / name, ignored);  // a process that was killed waits for them no more
+    // A process that was killed waits for them no more.
+    if (name != asked_name) fs::remove(folder_ / name, ignored);
   }
   while_it_lasts([&] { write_asked_rows(folder_, node_.identity, asked); });
   std::optional<SimulatedRows> result;
-  for (;;) {
-    walk(asked, shards, false, on_rows);
+  for (Index num_pauses = 0; !result; ++num_pauses) {
+    make_folder(folder_);  // another run of this refinement may have ended, and removed it
+    if (walk(asked, shards, false, on_rows) > 0) num_pauses = 0;
     if (stop_requested()) return std::nullopt;
-    result = read(shards);
+    result = read(asked, shards);
     if (result) break;
     // Another run of this refinement has removed some, or a network shows them late.
+    if (num_pauses == kMostPauses) {
+      throw Error(folder_.string() +
+                  ": names of simulated rows are in it whose files aren't there; remove this "
+                  "folder and run again");
+    }
     usleep(kPause);
   }
   // Before any of the rows: helpers take those that aren't asked for as done.
-  fs::remove(folder_ / asked.file_name(), ignored);
+  fs::remove(folder_ / asked_name, ignored);
   return result;
+}
+
+double RefinedRows::unread_core_seconds() const {
+  double sum = 0.0;
+  for (const auto& [name, core_seconds] : own_) sum += core_seconds;
+  return sum;
 }
 
 void RefinedRows::forget(Index end) {
@@ -113,7 +132,6 @@ void RefinedRows::forget(Index end) {
     const std::optional<Index> its_end = end_of_rows(name);
     if (!its_end || *its_end > end) continue;
     fs::remove(folder_ / name, ignored);
-    own_.erase(name);
   }
 }
 
@@ -135,32 +153,35 @@ Index RefinedRows::help(const OnRows& on_rows) {
 }
 
 // Makes the shards that are missing; `must_be_asked`: as long as they are asked for. Returns the
-// number of rows.
+// number of rows that were simulated.
 Index RefinedRows::walk(const AskedRows& asked, const std::vector<AskedShard>& shards,
                         bool must_be_asked, const OnRows& on_rows) {
   Index num_made = 0;
+  const std::string asked_name = asked.file_name();
   std::set<std::string> there = names_in(folder_);
   for (const std::size_t i : walking_order(shards.size(), walker_)) {
-    if (there.contains(shards[i].file_name)) continue;
+    if (there.contains(shards[i].file_name) || failed_.contains(shards[i].file_name)) continue;
     there = names_in(folder_);  // others may have made it meanwhile
     on_rows(num_rows_there(shards, there));
     if (there.contains(shards[i].file_name)) continue;
-    if (stop_requested() || (must_be_asked && !there.contains(asked.file_name()))) break;
+    if (stop_requested() || (must_be_asked && !there.contains(asked_name))) break;
     num_made += make(asked, shards[i]);
   }
   return num_made;
 }
 
-// Gives up when somebody else is first, or a stop is requested: returns 0.
+// Gives up when somebody else is first, or a stop is requested. Returns the number of rows that
+// were simulated.
 Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
   const Index count = shard.rows.size();
-  Index num_made = 0;
+  const fs::path path = folder_ / shard.file_name;
+  const auto start = std::chrono::steady_clock::now();
+  Index at = 0;
   while_it_lasts([&] {
-    ArtefactWriter writer(folder_ / shard.file_name, kSimulatedRowsSchema,
-                          identity_of(asked, shard, node_.identity));
+    ArtefactWriter writer(path, kSimulatedRowsSchema, identity_of(asked, shard, node_.identity));
     SimulatedRows made;
-    for (Index at = 0, rows = 0; at < count; at += rows) {
-      if (at > 0 && (stop_requested() || fs::exists(folder_ / shard.file_name))) return;
+    for (Index rows = 0; at < count; at += rows) {
+      if (stop_requested() || fs::exists(path)) return;
       rows = std::min(likelihood_.block_size(count), count - at);
       const Index begin = shard.rows.begin + at;
       SimulatedRows block;
@@ -170,36 +191,51 @@ Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
       if (!asked.rollouts) block.rollouts = {};
       append(made, block);
     }
+    if (is_helper() && made.num_failed == count) {
+      failed_.insert(shard.file_name);  // perhaps this node's fault: the refinement makes it itself
+      return;
+    }
+    if (fs::exists(path)) return;  // which the refinement may be reading
     write_simulated_rows(writer.file(), std::move(made));
     writer.finish();
-    own_.insert(shard.file_name);
-    num_made = count;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    own_[shard.file_name] = cost_of_seconds(elapsed.count()).core_seconds;
   });
-  return num_made;
+  return at;
 }
 
-// Writes into the folder; what fails because it has gone, with the refinement that is complete by
-// now, is of no use any more.
+// Writes into the folder. What fails because it has gone can be made again, and is of no use to a
+// helper whose refinement is complete by now.
 void RefinedRows::while_it_lasts(const std::function<void()>& write) const {
   try {
     write();
   } catch (const Error&) {
-    if (fs::is_directory(folder_) && !is_complete(plan_, node_)) throw;
+    if (fs::is_directory(folder_) && !(is_helper() && is_complete(plan_, node_))) throw;
   }
 }
 
 // None: some aren't there.
-std::optional<SimulatedRows> RefinedRows::read(const std::vector<AskedShard>& shards) {
+std::optional<SimulatedRows> RefinedRows::read(const AskedRows& asked,
+                                               const std::vector<AskedShard>& shards) {
   SimulatedRows all;
   Cost cost_of_others;
   for (const AskedShard& shard : shards) {
     const std::optional<SimulatedRows> part = read_simulated_rows(folder_, shard);
     if (!part) return std::nullopt;
+    const sim::Trajectories& t = part->rollouts;
+    if (asked.rollouts && (t.num_rows != shard.rows.size() ||
+                           t.num_rollouts * t.num_steps * t.num_states != num_values_)) {
+      throw InputError(
+          fmt::format("{}: {} rollouts of {} numbers, must be {} of {}; remove this file",
+                      (folder_ / shard.file_name).string(), t.num_rows,
+                      t.num_rollouts * t.num_steps * t.num_states, shard.rows.size(), num_values_));
+    }
     append(all, *part);
     // This process has worked or waited meanwhile.
     if (!own_.contains(shard.file_name)) cost_of_others.core_seconds += part->cost.core_seconds;
   }
   cost_of_others_ += cost_of_others;
+  for (const AskedShard& shard : shards) own_.erase(shard.file_name);
   return all;
 }
 

@@ -4,12 +4,13 @@
 /// The file tree is the only state: there are no claims, locks, clocks or messages. The refinement
 /// writes which rows it wants next (asked_rows_file.h), and everybody makes the shards of them
 /// whose likelihoods aren't there: first a segment of its own, then all others. Whoever comes by a
-/// missing shard makes it; at worst it is made twice, with the same bits. When the refinement has
-/// come by all of them, all are there. So a helper that dies costs nothing, and a refinement that
-/// goes on from its checkpoint finds the likelihoods that were made for it.
+/// missing shard makes it; one may be made several times, with the same bits. When the refinement
+/// has come by all of them, all are there. So a helper that dies costs nothing, and a refinement
+/// that goes on from its checkpoint finds the likelihoods that were made for it.
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -47,6 +48,9 @@ class RefinedRows {
   std::optional<SimulatedRows> ask(AskedRows asked, const OnRows& on_rows);
   /// Removes what is simulated of rows before number `end`, which a checkpoint holds.
   void forget(Index end);
+  /// What this process has simulated, but not read: the refinement that goes on from here will take
+  /// it for the work of others.
+  double unread_core_seconds() const;
   /// What others did for the rows that were asked for.
   const Cost& cost_of_others() const { return cost_of_others_; }
 
@@ -55,10 +59,11 @@ class RefinedRows {
   Index help(const OnRows& on_rows);
 
  private:
+  bool is_helper() const { return walker_.number > 0; }
   Index walk(const AskedRows& asked, const std::vector<AskedShard>& shards, bool must_be_asked,
              const OnRows& on_rows);
   Index make(const AskedRows& asked, const AskedShard& shard);
-  std::optional<SimulatedRows> read(const std::vector<AskedShard>& shards);
+  std::optional<SimulatedRows> read(const AskedRows& asked, const std::vector<AskedShard>& shards);
 
   void while_it_lasts(const std::function<void()>& write) const;
 
@@ -68,8 +73,10 @@ class RefinedRows {
   Walker walker_;
   Index most_rows_;  // of a shard
   Index dimension_;
+  Index num_values_;  // of a row's rollouts
   std::filesystem::path folder_;
-  std::set<std::string> own_;  // files that this process has made
+  std::map<std::string, double> own_;  // files that this process has made, their core-seconds
+  std::set<std::string> failed_;       // those of which all rows failed here
   Cost cost_of_others_;
 };
 

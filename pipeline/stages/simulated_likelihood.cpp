@@ -14,8 +14,11 @@ SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
       target_(read_seen_target(plan, node)),
       recorded_(stored_observation(plan, target_)),
       noise_(noise_model(plan.study, target_), recorded_),
-      simulator_(
-          plan.source->open({.simulator = plan.study.simulator, .target = target_, .log = log})),
+      simulator_(plan.source->open(
+          {.simulator = plan.study.simulator,
+           .target = target_,
+           .log = log,
+           .num_rows = plan.study.method(node.uses.front().method).refine.sampling.level_size})),
       id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {
   noise_.require_density();
 }

@@ -21,6 +21,8 @@ class SimulatedLikelihood {
   SimulatedLikelihood(const Plan& plan, const Node& node, const std::filesystem::path& log);
 
   Index num_rollouts() const { return target_.num_rollouts(); }
+  /// Numbers of a row's rollouts, H K C.
+  Index num_values() const { return std::ssize(recorded_); }
   /// Rows that are worth simulating at once, of `num_rows`.
   Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
 

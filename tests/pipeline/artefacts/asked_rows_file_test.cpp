@@ -43,8 +43,9 @@ TEST_F(AskedRowsFile, IsReadAsItIsWritten) {
   EXPECT_EQ(read->first, 40);
   EXPECT_EQ(read->shard_size, 4);
   EXPECT_EQ(read->theta, asked_.theta);
-  EXPECT_EQ(read->file_name(), "asked-40-50.h5");
-  EXPECT_FALSE(read_asked_rows({folder_ / "asked-0-1.h5", posterior_.key()}));
+  EXPECT_EQ(read->file_name(), asked_.file_name());
+  EXPECT_TRUE(read->file_name().starts_with("asked-40-50-")) << read->file_name();
+  EXPECT_FALSE(read_asked_rows({folder_ / "asked-0-1-2.h5", posterior_.key()}));
 }
 
 TEST_F(AskedRowsFile, OfAnotherRefinementOrDamagedIsAnError) {
@@ -55,17 +56,19 @@ TEST_F(AskedRowsFile, OfAnotherRefinementOrDamagedIsAnError) {
   AskedRows odd = asked_;
   odd.shard_size = 0;
   write_asked_rows(folder_.path(), posterior_, odd);
-  EXPECT_TRUE(says(message(file()),
-                   {file().path, "in shards of 0", "must be from 0 to", "remove this file"}));
+  const ArtefactFile odd_file{folder_ / odd.file_name(), posterior_.key()};
+  EXPECT_NE(odd_file.path, file().path);
+  EXPECT_TRUE(says(message(odd_file),
+                   {odd_file.path, "in shards of 0", "must be from 0 to", "remove this file"}));
   write_text_file(file().path, "not HDF5");
   EXPECT_NE(message(file()).find(file().path), std::string::npos);
 }
 
 TEST_F(AskedRowsFile, ThoseThatBeginFirstComeFirst) {
-  const std::set<std::string> names = {"asked-100-200.h5", "asked-20-30.h5", "asked-x-2.h5",
-                                       "asked-1.h5",       "rows-1-2-3.h5",  "other"};
+  const std::set<std::string> names = {"asked-100-200-a.h5", "asked-20-30-b.h5", "asked-x-2-c.h5",
+                                       "asked-1-2.h5",       "rows-1-2-3.h5",    "other"};
   EXPECT_EQ(names_of_asked_rows(names),
-            (std::vector<std::string>{"asked-20-30.h5", "asked-100-200.h5"}));
+            (std::vector<std::string>{"asked-20-30-b.h5", "asked-100-200-a.h5"}));
 }
 
 TEST_F(AskedRowsFile, ShardsCoverAllRowsAndKnowTheirTheta) {

@@ -119,6 +119,7 @@ TEST_F(RefinedRowsOfAStudy, HaveTheSameBitsWithAHelper) {
   run_stage(plan_, node_);
   helper.join();
   settle(plan_, node_);
+  EXPECT_GT(num_rows, 0);
   EXPECT_FALSE(fs::exists(rows_));
   EXPECT_EQ(content_digest(node_.path), digest_alone());
 }
@@ -151,17 +152,50 @@ TEST_F(RefinedRowsOfAStudy, WhatIsAskedForIsSimulatedOnce) {
   EXPECT_TRUE(names_of_asked_rows(names()).empty()) << "nobody waits for anything";
 }
 
+// As on a node without the simulator's license: what it says of all rows isn't taken for true.
+TEST_F(RefinedRowsOfAStudy, RowsThatAllFailAreLeftToTheRefinement) {
+  const SimulatedLikelihood likelihood(plan_, node_, {});
+  RowMatrix theta = RowMatrix::Constant(40, 2, 1.0);
+  theta.topRows(21).setConstant(-1.0);  // no pendulum
+  const AskedRows asked{.first = 0, .shard_size = 20, .theta = theta};
+  write_asked_rows(rows_, node_.identity, asked);
+  RefinedRows helper(plan_, node_, likelihood, {1, 2});
+  EXPECT_EQ(helper.help([](Index) {}), 40);
+  EXPECT_EQ(names().size(), 2u) << "the request, and the shard with rows that are possible";
+  EXPECT_EQ(helper.help([](Index) {}), 0) << "once is enough";
+  RefinedRows refinement(plan_, node_, likelihood, {0, 2});
+  EXPECT_EQ(refinement.ask(asked, [](Index) {})->num_failed, 21);
+}
+
+TEST_F(RefinedRowsOfAStudy, CountTheirOwnWorkOnce) {
+  const SimulatedLikelihood likelihood(plan_, node_, {});
+  const AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 2, 1.0)};
+  fs::create_directories(rows_);
+  RefinedRows alone(plan_, node_, likelihood, {0, 1});
+  alone.ask(asked, [](Index) {});
+  EXPECT_EQ(alone.cost_of_others().core_seconds, 0.0);
+  EXPECT_EQ(alone.unread_core_seconds(), 0.0);
+  // Who goes on from there takes it for the work of others, and who stops doesn't count it.
+  RefinedRows next(plan_, node_, likelihood, {0, 1});
+  next.ask(asked, [](Index) {});
+  EXPECT_GT(next.cost_of_others().core_seconds, 0.0);
+  RefinedRows helper(plan_, node_, likelihood, {1, 2});
+  next.forget(50);
+  write_asked_rows(rows_, node_.identity, asked);
+  helper.help([](Index) {});
+  EXPECT_GT(helper.unread_core_seconds(), 0.0);
+}
+
 TEST_F(RefinedRowsOfAStudy, SayWhatIsWrongWithThem) {
   AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 3, 1.0)};
   write_asked_rows(rows_, node_.identity, asked);
-  EXPECT_TRUE(says(error_of_helper(),
-                   {rows_ / "asked-0-50.h5", "of 3 parameters", "of 2", "remove this file"}));
-  fs::rename(rows_ / "asked-0-50.h5", rows_ / "asked-0-40.h5");
-  EXPECT_TRUE(says(error_of_helper(),
-                   {rows_ / "asked-0-40.h5", "asks for asked-0-50.h5", "remove this file"}));
-  write_text_file(rows_ / "asked-0-40.h5", "damaged");
-  EXPECT_NE(error_of_helper().find(rows_ / "asked-0-40.h5"), std::string::npos);
-  fs::remove(rows_ / "asked-0-40.h5");
+  const fs::path right = rows_ / asked.file_name(), wrong = rows_ / "asked-0-40-a.h5";
+  EXPECT_TRUE(says(error_of_helper(), {right, "of 3 parameters", "of 2", "remove this file"}));
+  fs::rename(right, wrong);
+  EXPECT_TRUE(says(error_of_helper(), {wrong, "asks for asked-0-50-", "remove this file"}));
+  write_text_file(wrong, "damaged");
+  EXPECT_NE(error_of_helper().find(wrong), std::string::npos);
+  fs::remove(wrong);
   asked.theta = RowMatrix::Constant(50, 2, 1.0);
   write_asked_rows(rows_, plan_.nodes.front().identity, asked);
   EXPECT_NE(error_of_helper().find(node_.key), std::string::npos) << "of another artefact";
