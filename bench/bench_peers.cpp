@@ -46,6 +46,8 @@ inference::PosteriorEstimationConfig config_of(const Method& method, const Optio
   config.algorithm.num_simulations = options.num_simulations;
   config.estimator.kind = method.estimator;
   config.estimator.num_bins = 10;
+  // Those of against_sbi.py.
+  config.sampler = {.num_chains = 200, .num_warmup = 100};
   config.training.batch_size = options.batch_size;
   config.training.max_epochs = options.epochs;
   config.training.stop_after_epochs = options.epochs + 1;
