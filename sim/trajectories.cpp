@@ -31,6 +31,16 @@ void Trajectories::resize(Index rows, Index rollouts, Index steps, Index states)
   status.assign(static_cast<std::size_t>(rows), RolloutStatus::ok);
 }
 
+void Trajectories::append(const Trajectories& rows) {
+  if (num_rows == 0) {
+    *this = rows;
+    return;
+  }
+  num_rows += rows.num_rows;
+  values.insert(values.end(), rows.values.begin(), rows.values.end());
+  status.insert(status.end(), rows.status.begin(), rows.status.end());
+}
+
 std::span<float> Trajectories::row(Index i) {
   return std::span(values).subspan(static_cast<std::size_t>(i * row_size()),
                                    static_cast<std::size_t>(row_size()));

@@ -35,6 +35,8 @@ struct Trajectories {
   std::vector<RolloutStatus> status;  ///< (n)
 
   void resize(Index rows, Index rollouts, Index steps, Index states);
+  /// Adds rows of rollouts of the same size, or of any size where there are none yet.
+  void append(const Trajectories& rows);
   Index row_size() const { return num_rollouts * num_steps * num_states; }
   std::span<float> row(Index i);
   std::span<const float> row(Index i) const;

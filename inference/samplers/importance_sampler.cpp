@@ -51,12 +51,7 @@ RowMatrix ImportanceSampler::Proposal::sample(Index n, const StreamId& id) const
   RowMatrix u(n, dimension);
   Index done =
       flows.empty() ? n : static_cast<Index>(std::lround(prior_share * static_cast<double>(n)));
-  for (Index i = 0; i < done; ++i) {
-    StreamId row = id;
-    row.row += static_cast<std::uint64_t>(i);
-    Stream stream(row);
-    for (Index d = 0; d < dimension; ++d) u(i, d) = stream.normal();
-  }
+  u.topRows(done) = draw_standard_normal(done, dimension, id);
   for (std::size_t k = 0; k < flows.size(); ++k) {
     const Index end =
         k + 1 == flows.size() ? n : done + (n - done) / static_cast<Index>(flows.size() - k);

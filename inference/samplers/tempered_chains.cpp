@@ -141,15 +141,6 @@ Vector effective_sizes(const ChainDraws& draws, std::vector<Index> families) {
 
 }  // namespace
 
-RowMatrix draw_standard_normal(Index n, Index dimension, StreamId id) {
-  RowMatrix u(n, dimension);
-  for (Index i = 0; i < n; ++i, ++id.row) {
-    Stream stream(id);
-    for (double& value : u.row(i)) value = stream.normal();
-  }
-  return u;
-}
-
 TemperedDraws sample_tempered(const LogDensity& log_likelihood, Index dimension, Index n,
                               const SamplerConfig& config, const StreamId& id) {
   const Starts starts = make_starts(log_likelihood, dimension, config, within(id, "candidates"));

@@ -26,9 +26,6 @@ struct TemperedDraws {
   SamplerReport report;
 };
 
-/// (n, D) draws of N(0, I); row i is of the stream `id` with that row further.
-RowMatrix draw_standard_normal(Index n, Index dimension, StreamId id);
-
 /// n draws; draw i depends on `id` and i alone. `log_likelihood` is log L up to a constant; what
 /// isn't a number counts as -infinity. config.num_chains is rounded up to a multiple of four.
 /// Throws Error where no candidate's likelihood is a number.

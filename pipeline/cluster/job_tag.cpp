@@ -25,6 +25,21 @@ std::map<std::string, std::size_t> nodes_by_key(const Plan& plan) {
   return nodes;
 }
 
+// visit(task, tag, node) for each node of the plan that a task makes, or helps to.
+template <class Visit>
+void for_each_node(const Plan& plan, const std::vector<QueuedTask>& tasks, const Visit& visit) {
+  const std::map<std::string, std::size_t> nodes = nodes_by_key(plan);
+  const std::string work = work_digits(plan.work);
+  for (const QueuedTask& task : tasks) {
+    const std::optional<JobTag> tag = parse_tag(task.comment);
+    if (!tag || tag->work != work) continue;
+    for (const std::string& key : tag->keys) {
+      const auto node = nodes.find(key);
+      if (node != nodes.end()) visit(task, *tag, node->second);
+    }
+  }
+}
+
 // A job that isn't an array makes all that is missing.
 void add_shards(const JobTag& tag, const QueuedTask& task, Index num_shards, InFlight& found) {
   if (tag.shards_per_task == 0 || !task.index) {
@@ -75,38 +90,23 @@ std::string work_digits(const WorkFolder& work) {
 std::vector<std::optional<InFlight>> in_flight(const Plan& plan,
                                                const std::vector<QueuedTask>& tasks) {
   std::vector<std::optional<InFlight>> found(plan.nodes.size());
-  const std::map<std::string, std::size_t> nodes = nodes_by_key(plan);
-  const std::string work = work_digits(plan.work);
-  for (const QueuedTask& task : tasks) {
-    const std::optional<JobTag> tag = parse_tag(task.comment);
-    if (!tag || tag->work != work || tag->is_helper) continue;
-    for (const std::string& key : tag->keys) {
-      const auto node = nodes.find(key);
-      if (node == nodes.end()) continue;
-      auto& its = found[node->second];
-      if (!its) its.emplace();
-      if (std::ranges::find(its->jobs, task.job) == its->jobs.end()) its->jobs.push_back(task.job);
-      const Node& made = plan.nodes[node->second];
-      if (made.stage != Stage::simulate) continue;
-      add_shards(*tag, task, num_shards(plan, made), *its);
-    }
-  }
+  for_each_node(plan, tasks, [&](const QueuedTask& task, const JobTag& tag, std::size_t node) {
+    if (tag.is_helper) return;
+    auto& its = found[node];
+    if (!its) its.emplace();
+    if (std::ranges::find(its->jobs, task.job) == its->jobs.end()) its->jobs.push_back(task.job);
+    const Node& made = plan.nodes[node];
+    if (made.stage == Stage::simulate) add_shards(tag, task, num_shards(plan, made), *its);
+  });
   return found;
 }
 
 std::map<std::size_t, std::set<std::string>> helpers_in_flight(
     const Plan& plan, const std::vector<QueuedTask>& tasks) {
   std::map<std::size_t, std::set<std::string>> found;
-  const std::map<std::string, std::size_t> nodes = nodes_by_key(plan);
-  const std::string work = work_digits(plan.work);
-  for (const QueuedTask& task : tasks) {
-    const std::optional<JobTag> tag = parse_tag(task.comment);
-    if (!tag || tag->work != work || !tag->is_helper) continue;
-    for (const std::string& key : tag->keys) {
-      const auto node = nodes.find(key);
-      if (node != nodes.end()) found[node->second].insert(task.job);
-    }
-  }
+  for_each_node(plan, tasks, [&](const QueuedTask& task, const JobTag& tag, std::size_t node) {
+    if (tag.is_helper) found[node].insert(task.job);
+  });
   return found;
 }
 

@@ -67,7 +67,7 @@ class ProgramRowSimulator final : public RowSimulator {
     for (Index begin = 0; begin < complete.rows(); begin += rows_per_block_) {
       const Index count = std::min(rows_per_block_, complete.rows() - begin);
       for (const sim::Trajectories& part : simulate_block(complete, begin, count, first)) {
-        append(part, all);
+        all.append(part);
       }
     }
     adapt(all, std::chrono::duration<double>(Clock::now() - start).count());
@@ -122,16 +122,6 @@ class ProgramRowSimulator final : public RowSimulator {
       parts[i] = simulators_[i]->simulate(complete.middleRows(from, to - from), id, limited);
     });
     return parts;
-  }
-
-  static void append(const sim::Trajectories& part, sim::Trajectories& all) {
-    if (all.num_rows == 0) {
-      all = part;
-      return;
-    }
-    all.num_rows += part.num_rows;
-    all.values.insert(all.values.end(), part.values.begin(), part.values.end());
-    all.status.insert(all.status.end(), part.status.begin(), part.status.end());
   }
 
   bool stays_;

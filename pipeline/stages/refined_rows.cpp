@@ -41,21 +41,12 @@ Index num_rows_there(const std::vector<AskedShard>& shards, const std::set<std::
   return count;
 }
 
-void append(sim::Trajectories& all, const sim::Trajectories& rows) {
-  all.num_rows += rows.num_rows;
-  all.num_rollouts = rows.num_rollouts;
-  all.num_steps = rows.num_steps;
-  all.num_states = rows.num_states;
-  all.values.insert(all.values.end(), rows.values.begin(), rows.values.end());
-  all.status.insert(all.status.end(), rows.status.begin(), rows.status.end());
-}
-
 void append(SimulatedRows& all, const SimulatedRows& rows) {
   const Index num_before = all.log_likelihood.size();
   all.log_likelihood.conservativeResize(num_before + rows.log_likelihood.size());
   all.log_likelihood.tail(rows.log_likelihood.size()) = rows.log_likelihood;
   all.num_failed += rows.num_failed;
-  if (rows.rollouts.num_rows > 0) append(all.rollouts, rows.rollouts);
+  all.rollouts.append(rows.rollouts);
 }
 
 }  // namespace
@@ -198,6 +189,7 @@ Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
     if (fs::exists(path)) return;  // which the refinement may be reading
     write_simulated_rows(writer.file(), std::move(made));
     writer.finish();
+    if (is_helper()) return;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     own_[shard.file_name] = cost_of_seconds(elapsed.count()).core_seconds;
   });

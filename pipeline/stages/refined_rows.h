@@ -55,7 +55,8 @@ class RefinedRows {
   const Cost& cost_of_others() const { return cost_of_others_; }
 
   /// A helper's part: simulates shards of what is asked for now, and calls `on_rows` likewise.
-  /// Returns how many rows it simulated; 0: none is missing. Throws as ask().
+  /// Returns how many rows it simulated; 0: none is missing, but those that all fail here. Throws
+  /// as ask().
   Index help(const OnRows& on_rows);
 
  private:
@@ -75,7 +76,7 @@ class RefinedRows {
   Index dimension_;
   Index num_values_;  // of a row's rollouts
   std::filesystem::path folder_;
-  std::map<std::string, double> own_;  // files that this process has made, their core-seconds
+  std::map<std::string, double> own_;  // core-seconds of what the refinement made and hasn't read
   std::set<std::string> failed_;       // those of which all rows failed here
   Cost cost_of_others_;
 };

@@ -87,6 +87,7 @@ TEST_F(Helpers, MayBeKilledOrComeLate) {
   const Program first = begin_helper("1/2", "killed");
   const Program refinement(folder_.path(), inference("killed"), {"out", "err"});
   EXPECT_TRUE(comes_true([&] { return has_rows("killed") || refinement.has_ended(); }));
+  EXPECT_FALSE(refinement.has_ended() || first.has_ended()) << "a kill must meet both at work";
   first.send(SIGKILL);
   first.wait();
   const Program second(folder_.path(), help("2/2", "killed"), {"out2", "err2"});
@@ -111,7 +112,7 @@ TEST_F(Helpers, AlsoSimulateWhatPredictsLeftOutRollouts) {
   for (const int signal : {SIGTERM, SIGKILL, SIGTERM}) {
     const Program refinement(folder_.path(), with_power(inference("power")), {"out", "err"});
     EXPECT_TRUE(comes_true([&] { return has_rows("power") || refinement.has_ended(); }));
-    refinement.ends_within(0.3);
+    EXPECT_FALSE(refinement.ends_within(0.3)) << "a signal must meet it at work";
     refinement.send(signal);
     refinement.wait();
   }
@@ -134,7 +135,7 @@ TEST_F(Helpers, OutliveTheRefinement) {
     for (int i = 0; i < 4; ++i) {
       const Program refinement(folder_.path(), inference(work), {"out", "err"});
       EXPECT_TRUE(comes_true([&] { return has_rows(work) || refinement.has_ended(); }));
-      refinement.ends_within(0.1 * i);
+      EXPECT_FALSE(refinement.ends_within(0.1 * i)) << "a signal must meet it at work";
       refinement.send(signal);
       refinement.wait();
     }

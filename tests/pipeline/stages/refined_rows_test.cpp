@@ -179,11 +179,14 @@ TEST_F(RefinedRowsOfAStudy, CountTheirOwnWorkOnce) {
   RefinedRows next(plan_, node_, likelihood, {0, 1});
   next.ask(asked, [](Index) {});
   EXPECT_GT(next.cost_of_others().core_seconds, 0.0);
-  RefinedRows helper(plan_, node_, likelihood, {1, 2});
   next.forget(50);
   write_asked_rows(rows_, node_.identity, asked);
-  helper.help([](Index) {});
-  EXPECT_GT(helper.unread_core_seconds(), 0.0);
+  RefinedRows stopped(plan_, node_, likelihood, {0, 2}), helper(plan_, node_, likelihood, {1, 2});
+  EXPECT_EQ(stopped.help([](Index) {}), 50);
+  EXPECT_GT(stopped.unread_core_seconds(), 0.0);
+  next.forget(50);
+  EXPECT_EQ(helper.help([](Index) {}), 50);
+  EXPECT_EQ(helper.unread_core_seconds(), 0.0) << "nobody goes on from a helper";
 }
 
 TEST_F(RefinedRowsOfAStudy, SayWhatIsWrongWithThem) {
