@@ -188,7 +188,7 @@ void ImportanceSampler::drop_old_levels() {
 bool ImportanceSampler::is_done() const {
   const ImportanceLevel& last = state_.levels.back();
   if (last.kind != LevelKind::last || !last.is_complete()) return false;
-  if (state_.num_draws >= config_.max_simulations) return true;
+  if (!has_draws_for(1)) return true;
   const ImportanceCertificate certificate = sample().certificate;
   return certificate.ess >= config_.min_ess && !has_more_to_learn(certificate);
 }
@@ -348,10 +348,14 @@ double ImportanceSampler::efficiency(std::size_t l) const {
   return effective_size(weights) / static_cast<double>(weights.size());
 }
 
-// Draws ran out; or those since the wanted power was reached are as many as the last levels are
-// going to be, or as are left for them.
+bool ImportanceSampler::has_draws_for(Index num_levels) const {
+  return state_.num_draws + num_levels * config_.level_size <= config_.max_simulations;
+}
+
+// Draws are left for one level alone; or those since the wanted power was reached are as many as
+// the last levels are going to be, or as are left for them.
 bool ImportanceSampler::has_learned() const {
-  if (state_.num_draws >= config_.max_simulations) return std::ssize(state_.levels) > 1;
+  if (!has_draws_for(2)) return true;
   if (state_.num_draws_before == 0 || learned_power() != state_.wanted_power) return false;
   double sum = 0.0;
   const std::vector<std::size_t> best = best_levels();

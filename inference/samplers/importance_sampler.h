@@ -88,6 +88,8 @@ class ImportanceSampler {
                     const StreamId& id, ImportanceState state = {});
 
   bool is_done() const;
+  /// Whether `max_simulations` leaves draws for so many levels.
+  bool has_draws_for(Index num_levels) const;
   const ImportanceState& state() const { return state_; }
 
   /// Up to `most` points (m, D) whose likelihood is wanted next; none when it is done.

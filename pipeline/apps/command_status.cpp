@@ -43,6 +43,8 @@ struct Standing {
     add(jobs->text());
     if (!jobs->failed.empty()) add(jobs->failed.front());
     if (jobs->failed.size() > 1) add(fmt::format("{} more failed", jobs->failed.size() - 1));
+    const auto helpers = std::ssize(jobs->failed_helpers);
+    if (helpers > 0) add(counted(helpers, "helper") + " failed, " + jobs->failed_helpers.front());
     return text;
   }
 };
@@ -204,6 +206,7 @@ void print_as_json(const std::vector<Standing>& standings) {
     rows.back()["running"] = ids_of(row.jobs->running);
     rows.back()["queued"] = ids_of(row.jobs->waiting);
     rows.back()["failed"] = row.jobs->failed;
+    rows.back()["failed_helpers"] = row.jobs->failed_helpers;
   }
   print_json(rows);
 }

@@ -25,6 +25,18 @@ void print_diagnoses(Index count, const Study& study) {
              count == 1 ? "i" : "e", study.diagnose.num_samples);
 }
 
+void print_refinements(const Plan& plan) {
+  Index count = 0, simulations = 0;
+  for (const Node& node : plan.nodes) {
+    if (!is_refinement(plan, node)) continue;
+    ++count;
+    simulations += plan.study.method(node.uses.front().method).refine.sampling.max_simulations;
+  }
+  if (count == 0) return;
+  fmt::print("{}: at most {} more simulations, until they are worth refine.min_ess draws\n",
+             counted(count, "refinement"), simulations);
+}
+
 void print_policy_searches(const Plan& plan) {
   const PolicyConfig& policy = plan.study.policy;
   if (!policy.is_used()) return;
@@ -60,6 +72,7 @@ void print_feature_work(const Plan& plan) {
   fmt::print("{} artefacts: {} {}, {} features each, {} to train, at most {} of x\n",
              plan.nodes.size(), rows, source, num_features, counted(posteriors, "posterior"),
              size_text(static_cast<std::uintmax_t>(rows * num_features) * sizeof(float)));
+  print_refinements(plan);
   fmt::print("to judge them: {} of {} samples{}\n", counted(evaluations, "evaluation"),
              study.evaluate.num_samples,
              study.source().simulates ? "" : ", none of them simulated");
@@ -105,6 +118,7 @@ void print_work(const Plan& plan) {
       "at most {} of trajectories\n",
       plan.nodes.size(), rows, rollouts, num_steps, counted(posteriors, "posterior"),
       size_text(static_cast<std::uintmax_t>(bytes)));
+  print_refinements(plan);
   fmt::print("to judge them: {} of {} samples{}\n", counted(evaluations, "evaluation"),
              study.evaluate.num_samples,
              is_recorded && study.evaluate.floor ? ", and a search for the floor" : "");

@@ -51,15 +51,10 @@ void print_shards(const Plan& plan, const Node& node, const std::vector<std::str
 
 // After the refinement's own command: where there is no room for all, helpers that come too late
 // find it complete.
-void print_helpers(const Plan& plan, const TasksArguments& arguments, const Node& node) {
+void print_helpers(const Plan& plan, const SchedulerConfig& config, const Node& node) {
   const Index count = is_refinement(plan, node) ? plan.study.cluster.refine_tasks : 0;
   for (Index number = 1; number <= count; ++number) {
-    std::vector<std::string> command = {executable_folder() / "npdr-simulate"};
-    const std::vector<std::string> words = arguments.study.words();
-    command.insert(command.end(), words.begin(), words.end());
-    command.insert(command.end(),
-                   {"--artefact", node.key, "--helper", fmt::format("{}/{}", number, count)});
-    print_task(command, "");
+    print_task(helper_command(config, node, {number, count}), "");
   }
 }
 
@@ -67,15 +62,13 @@ ExitStatus list_tasks(const TasksArguments& arguments) {
   const Plan plan = arguments.study.plan();
   const SchedulerConfig config{1, arguments.until.stage(), arguments.study.words(), {}};
   for (const Node* node : missing_nodes(plan, config)) {
-    const bool is_ready = std::ranges::all_of(
-        node->needs, [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
-    if (!is_ready) continue;
+    if (!has_inputs(plan, *node)) continue;
     const std::vector<std::string> command = stage_command(config, *node);
     if (node->stage == Stage::simulate) {
       print_shards(plan, *node, command, arguments.shards_per_task);
     } else {
       print_task(command, "");
-      print_helpers(plan, arguments, *node);
+      print_helpers(plan, config, *node);
     }
   }
   return ExitStatus::done;

@@ -42,11 +42,6 @@ void check_round(const Plan& plan, std::optional<Index> round) {
   throw InputError(fmt::format("--round {}: the methods have rounds 1 to {}", *round, last));
 }
 
-bool has_inputs(const Plan& plan, const Node& node) {
-  return std::all_of(node.needs.begin(), node.needs.end(),
-                     [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
-}
-
 // Those of the given numbers that the simulation has.
 std::vector<Index> its_shards(const Plan& plan, const Node& node, const std::vector<Index>& given) {
   if (given.empty()) return {};
@@ -114,7 +109,11 @@ void help(const Plan& plan, const StageArguments& arguments) {
         "without --shard and --round; 'npdr run STUDY --dry-run' lists all keys");
   }
   const Node& node = plan.node_by_key(arguments.key);
-  fmt::print("{}: helped with {} rows\n", node.label(), run_helper(plan, node, helper));
+  const bool was_complete = is_refinement(plan, node) && is_complete(plan, node);
+  const Index num_rows = run_helper(plan, node, helper);
+  fmt::print("{}: {}\n", node.label(),
+             was_complete ? "is there already, no rows to help with"
+                          : fmt::format("helped with {} rows", num_rows));
 }
 
 std::string description_of(const std::string& program) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/text.h"
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/task_log.h"
 #include "pipeline/plan/completeness.h"
@@ -22,6 +23,11 @@ class Ledger {
     return newest([&](const LedgerEntry& entry) { return makes(entry, key); });
   }
 
+  const LedgerEntry* of_helpers(const std::string& key) const {
+    return newest(
+        [&](const LedgerEntry& entry) { return entry.tag.is_helper && is_about(entry, key); });
+  }
+
   // The task, with its index in the array.
   std::pair<const LedgerEntry*, Index> of_shard(const std::string& key, Index shard) const {
     Index index = 0;
@@ -35,8 +41,11 @@ class Ledger {
 
  private:
   static bool makes(const LedgerEntry& entry, const std::string& key) {
-    return !entry.tag.is_helper &&
-           std::ranges::any_of(entry.tag.keys,
+    return !entry.tag.is_helper && is_about(entry, key);
+  }
+
+  static bool is_about(const LedgerEntry& entry, const std::string& key) {
+    return std::ranges::any_of(entry.tag.keys,
                                [&](const std::string& digits) { return key.starts_with(digits); });
   }
 
@@ -85,6 +94,19 @@ void add_failures(const Plan& plan, const Node& node, const Ledger& ledger,
   }
 }
 
+// Of the helpers that were submitted last.
+void add_failed_helpers(const Ledger& ledger, const Node& node,
+                        const std::vector<QueuedTask>& queued, NodeJobs& jobs) {
+  const LedgerEntry* entry = ledger.of_helpers(node.key);
+  if (entry == nullptr) return;
+  for (const Index index : entry->tasks) {
+    const std::string id = entry->job + "_" + std::to_string(index);
+    if (std::ranges::find(queued, id, &QueuedTask::id) != queued.end()) continue;
+    const std::string text = failure_text(*entry, id);
+    if (!text.empty()) jobs.failed_helpers.push_back(text);
+  }
+}
+
 std::string examples(const std::vector<QueuedTask>& tasks, bool with_node) {
   constexpr std::size_t most = 3;
   std::string text;
@@ -106,7 +128,7 @@ std::string NodeJobs::text() const {
     text += fmt::format("{}{} queued ({}: {})", text.empty() ? "" : ", ", waiting.size(),
                         examples(waiting, false), waiting.front().reason);
   }
-  if (num_helpers > 0 && !text.empty()) text += fmt::format(", {} helpers", num_helpers);
+  if (num_helpers > 0 && !text.empty()) text += ", " + counted(num_helpers, "helper");
   return text;
 }
 
@@ -130,7 +152,11 @@ std::vector<std::optional<NodeJobs>> jobs_of_nodes(
       (task.is_running() ? jobs.running : jobs.waiting).push_back(task);
     }
     add_failures(plan, node, ledger, flying[i] ? flying[i]->shards : std::set<Index>{}, jobs);
-    if (!jobs.running.empty() || !jobs.waiting.empty() || !jobs.failed.empty()) found[i] = jobs;
+    add_failed_helpers(ledger, node, ours, jobs);
+    if (!jobs.running.empty() || !jobs.waiting.empty() || !jobs.failed.empty() ||
+        !jobs.failed_helpers.empty()) {
+      found[i] = jobs;
+    }
   }
   return found;
 }

@@ -14,6 +14,8 @@ struct NodeJobs {
   std::vector<QueuedTask> running;
   std::vector<std::string> failed;  ///< "job 17_3: exit status 1; log: ...", one a task
   Index num_helpers = 0;            ///< that run beside them
+  /// The same of helpers, without which an artefact is made all the same.
+  std::vector<std::string> failed_helpers;
 
   /// "2 running (17_3 on n1, ...), 5 queued (18, ...: Resources), 4 helpers"; failures are not in
   /// it.

@@ -276,12 +276,14 @@ void MethodChecker::check_refine(const std::string& path, const MethodConfig& me
   }
   const inference::ImportanceConfig& sampling = method.refine.sampling;
   const std::string most = path + ".refine.max_simulations";
-  if (sampling.max_simulations < sampling.level_size && reading_.good(most)) {
+  const bool are_good = reading_.good(most) && reading_.good(path + ".refine.level_size");
+  if (are_good && sampling.max_simulations < inference::kFewestLevels * sampling.level_size) {
     fail(most, std::to_string(sampling.max_simulations),
-         fmt::format(">= refine.level_size = {}", sampling.level_size));
+         fmt::format(">= {} times refine.level_size = {}: draws of the start, of what they teach, "
+                     "and those that are reported",
+                     inference::kFewestLevels, sampling.level_size));
   }
-  if (sampling.max_simulations / inference::kMostLevels > sampling.level_size &&
-      reading_.good(most)) {
+  if (are_good && sampling.max_simulations / inference::kMostLevels > sampling.level_size) {
     fail(most, std::to_string(sampling.max_simulations),
          fmt::format("at most {} times refine.level_size = {}", inference::kMostLevels,
                      sampling.level_size));

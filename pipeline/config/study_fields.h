@@ -165,7 +165,8 @@ void describe(Fields& f, RefineConfig& c) {
     "simulations from one proposal");
   f("min_ess", c.sampling.min_ess, between(100, 1'000'000),
     "effective sample size of the weighted draws");
-  f("max_simulations", c.sampling.max_simulations, count_from(1000), "about so many at most");
+  f("max_simulations", c.sampling.max_simulations, count_from(3000),
+    "in all, at most; at least three levels");
 }
 
 template <class Fields>

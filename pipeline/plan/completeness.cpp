@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/process/batch_job.h"
@@ -20,6 +22,25 @@ bool is_complete(const Plan& plan, const Node& node) {
   return std::filesystem::exists(there);
 }
 
+bool has_inputs(const Plan& plan, const Node& node) {
+  return std::ranges::all_of(node.needs,
+                             [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
+}
+
+namespace {
+
+// A helper that settles at the same time takes files away that are about to be removed, which ends
+// an attempt.
+void remove_with_others(const std::filesystem::path& folder) {
+  constexpr int most_attempts = 100;
+  std::error_code ignored;
+  for (int i = 0; i < most_attempts && std::filesystem::exists(folder, ignored); ++i) {
+    std::filesystem::remove_all(folder, ignored);
+  }
+}
+
+}  // namespace
+
 void settle(const Plan& plan, const Node& node) {
   link_uses(plan, node);
   std::error_code ignored;
@@ -27,7 +48,7 @@ void settle(const Plan& plan, const Node& node) {
     std::filesystem::remove(plan.work.checkpoint(name_of(node.stage), node.key), ignored);
   }
   if (is_refinement(plan, node)) {
-    std::filesystem::remove_all(plan.work.asked_rows(node.key), ignored);
+    remove_with_others(plan.work.asked_rows(node.key));
   }
 }
 

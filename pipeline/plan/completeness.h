@@ -9,6 +9,9 @@ namespace npdr::pipeline {
 /// file has its name.
 bool is_complete(const Plan& plan, const Node& node);
 
+/// Whether everything that `node` needs is complete. Throws as is_complete().
+bool has_inputs(const Plan& plan, const Node& node);
+
 /// Links the uses of a complete artefact, and removes the checkpoint and the rows asked for that it
 /// may have left behind: the process that made it can have been killed in between. Throws Error.
 void settle(const Plan& plan, const Node& node);

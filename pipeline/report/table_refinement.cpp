@@ -22,8 +22,9 @@ Row row_of(const EvaluatedRun& run) {
 Table make(const ReportData& data) {
   Table table = empty_table(
       "Refined posteriors: how much their weighted draws are worth. log Z: evidence of the "
-      "recording, in nats, and its standard error; of two priors or noise models the one whose log "
-      "Z is larger by 3 explains it 20 times better.",
+      "recording, in nats, and its standard error, where the power of the likelihood is 1; of two "
+      "priors or noise models the one whose log Z is larger by 3 explains it 20 times better. At "
+      "another power it compares with nothing.",
       "Method, seed",
       {"log Z", "ESS", "efficiency", "missed", "Pareto k", "power", "simulations", "verdict"});
   for (const std::string& method : data.methods) {

@@ -125,9 +125,29 @@ Verdict judge_weights(const Runs& runs) {
                       smallest)};
 }
 
+// What mends the faults of a refined posterior.
+std::vector<std::string> remedies_of(const inference::ImportanceCertificate& certificate) {
+  const bool is_heavy = has_heavy_weights(certificate);
+  std::vector<std::string> remedies;
+  if (std::ssize(faults_of(certificate)) > (is_heavy ? 1 : 0)) {
+    remedies.emplace_back("raise refine.max_simulations");
+  }
+  if (certificate.power < certificate.wanted_power) {
+    remedies.emplace_back("let refine.cross_validate choose a smaller power");
+  }
+  if (is_heavy) remedies.emplace_back("raise refine.level_size for heavy weights");
+  return remedies;
+}
+
+void add_new(std::vector<std::string>& all, const std::vector<std::string>& more) {
+  std::ranges::copy_if(more, std::back_inserter(all), [&](const std::string& text) {
+    return std::ranges::find(all, text) == all.end();
+  });
+}
+
 // Of refined posteriors: the certificates of their draws.
 Verdict judge_certificates(const Runs& runs) {
-  std::vector<std::string> faults;
+  std::vector<std::string> faults, remedies;
   std::size_t failed = 0;
   double smallest = HUGE_VAL, heaviest = -HUGE_VAL;
   bool has_pool = false;
@@ -135,9 +155,8 @@ Verdict judge_certificates(const Runs& runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
     const std::vector<std::string> its = faults_of(certificate);
     failed += its.empty() ? 0 : 1;
-    for (const std::string& fault : its) {
-      if (std::ranges::find(faults, fault) == faults.end()) faults.push_back(fault);
-    }
+    add_new(faults, its);
+    add_new(remedies, remedies_of(certificate));
     smallest = std::min(smallest, certificate.ess);
     heaviest = std::max(heaviest, certificate.pareto_k);
     has_pool |= certificate.pool_ess > 0.0;
@@ -147,9 +166,7 @@ Verdict judge_certificates(const Runs& runs) {
   if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, ""};
   return {Check::sampling, Judgment::fails,
           "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,
-          fmt::format("{}: raise refine.max_simulations for a power that fell short, too few "
-                      "draws or a missed mode, refine.level_size for heavy weights{}",
-                      join(faults),
+          fmt::format("{}: {}{}", join(faults), join(remedies, ", or "),
                       has_pool ? "; until then its samples are the points that taught its flows, "
                                  "which independent draws don't confirm"
                                : "")};
@@ -172,7 +189,7 @@ Verdict judge_sampling(const ReportData& data, const std::string& method) {
     failed += r_hat.maxCoeff() > kLargestRHat ? 1 : 0;
     largest = std::max(largest, r_hat.maxCoeff());
   }
-  const std::string text = fmt::format(", R-hat {:.3g}", largest);
+  const std::string text = fmt::format(", R-hat {:.3f}", largest);
   if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, ""};
   return {Check::sampling, Judgment::fails,
           std::string(traits_of(Check::sampling).failure) + seeds_text(failed, runs.size()) + text,

@@ -81,7 +81,6 @@ Index run_helper(const Plan& plan, const Node& node, const Helper& helper) {
   Index num_rows = 0;
   if (!is_complete(plan, node)) {
     watch_for_stop_requests();
-    require_inputs(plan, node);
     num_rows = help_refinement(plan, node, helper);
   }
   if (is_complete(plan, node)) settle(plan, node);

@@ -45,10 +45,27 @@ void remove_stale_temporaries_of(const Plan& plan) {
 
 }  // namespace
 
-std::vector<std::string> stage_command(const SchedulerConfig& config, const Node& node) {
-  std::vector<std::string> command = {executable_folder() / traits_of(node.stage).program};
+namespace {
+
+// With the program of a stage.
+std::vector<std::string> command_about(const SchedulerConfig& config, Stage program,
+                                       const Node& node) {
+  std::vector<std::string> command = {executable_folder() / traits_of(program).program};
   command.insert(command.end(), config.study_words.begin(), config.study_words.end());
   command.insert(command.end(), {"--artefact", node.key});
+  return command;
+}
+
+}  // namespace
+
+std::vector<std::string> stage_command(const SchedulerConfig& config, const Node& node) {
+  return command_about(config, node.stage, node);
+}
+
+std::vector<std::string> helper_command(const SchedulerConfig& config, const Node& node,
+                                        const Helper& helper) {
+  std::vector<std::string> command = command_about(config, Stage::simulate, node);
+  command.insert(command.end(), {"--helper", fmt::format("{}/{}", helper.number, helper.count)});
   return command;
 }
 
@@ -259,9 +276,8 @@ std::optional<double> Scheduler::left(const Job& job) const {
            static_cast<double>(state.done);
   }
   const std::optional<double> expected = costs_.expected(plan_.nodes[job.node]);
-  // Once it has taken longer than others, as long again is as good a guess as any.
-  if (expected && *expected <= spent(job)) return spent(job);
-  return expected ? std::optional(*expected - spent(job)) : std::nullopt;
+  // What has taken longer than others tells no more than it itself does.
+  return expected && *expected > spent(job) ? std::optional(*expected - spent(job)) : std::nullopt;
 }
 
 std::optional<double> Scheduler::share_done() const {

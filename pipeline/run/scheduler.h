@@ -14,6 +14,7 @@
 #include "pipeline/process/live_lines.h"
 #include "pipeline/run/failure_words.h"
 #include "pipeline/run/run_costs.h"
+#include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 
@@ -26,6 +27,10 @@ struct SchedulerConfig {
 
 /// The command that makes one artefact.
 std::vector<std::string> stage_command(const SchedulerConfig& config, const Node& node);
+
+/// That of a helper of the refinement `node`.
+std::vector<std::string> helper_command(const SchedulerConfig& config, const Node& node,
+                                        const Helper& helper);
 
 /// The nodes that aren't complete and are needed for what is selected, in an order that works.
 std::vector<const Node*> missing_nodes(const Plan& plan, std::optional<Stage> until);

@@ -33,11 +33,25 @@ std::filesystem::path helper_log(const Node& node, const Helper& helper) {
       fmt::format("helper-{}.log", helper.number));
 }
 
+// It may begin together with the run that makes them.
+void wait_for_inputs(const Plan& plan, const Node& node, double patience) {
+  const auto start = Clock::now();
+  double waited = 0.0;
+  while (!has_inputs(plan, node) && waited < patience) {
+    if (waited == 0.0) report_error("help " + node.label(), "waits for what it starts from");
+    pause(waited);
+    stop_here_if_requested();
+    waited = std::chrono::duration<double>(Clock::now() - start).count();
+  }
+  require_inputs(plan, node);
+}
+
 }  // namespace
 
 Index help_refinement(const Plan& plan, const Node& node, const Helper& helper, double patience) {
+  wait_for_inputs(plan, node, patience);
   const SimulatedLikelihood likelihood(plan, node, helper_log(node, helper));
-  RefinedRows rows(plan, node, likelihood, {helper.number, helper.count + 1});
+  RefinedRows rows(plan, node, likelihood, helper);
   Progress progress(fmt::format("help {}, simulations", node.label()), 0);
   make_folder(plan.work.asked_rows(node.key));
   Index num_rows = 0;

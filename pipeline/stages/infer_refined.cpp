@@ -26,12 +26,13 @@ constexpr double kSecondsBetweenCheckpoints = 60.0;
 using Clock = std::chrono::steady_clock;
 using Sampler = inference::ImportanceSampler;
 
-// Walkers that a refinement assumes where the study doesn't say how many helpers there are.
-constexpr Index kUsualWalkers = 8;
+// Helpers that a refinement assumes where the study doesn't say how many there are.
+constexpr Index kUsualHelpers = 7;
 
-Walker its_walker(const Plan& plan) {
+// Itself, beside so many.
+Helper none_of_helpers(const Plan& plan) {
   const Index helpers = plan.study.cluster.refine_tasks;
-  return {.number = 0, .count = helpers > 0 ? helpers + 1 : kUsualWalkers};
+  return {.number = 0, .count = helpers > 0 ? helpers : kUsualHelpers};
 }
 
 // Draws of the posterior that is refined, over u; none: the prior's.
@@ -56,7 +57,7 @@ class Refinement {
         search_(earlier_.powers),
         sampler_(make_sampler()),
         likelihood_(plan, node, log_of(node.path)),
-        rows_(plan, node, likelihood_, its_walker(plan)),
+        rows_(plan, node, likelihood_, none_of_helpers(plan)),
         progress_(node.label() + ", simulations", 0) {
     writer.add_cost(earlier_.cost);
     if (config_.cross_validate && likelihood_.num_rollouts() < 2) {
@@ -124,10 +125,9 @@ class Refinement {
     const inference::ImportanceSample draws = sampler_.preliminary(kLeftOutDraws);
     const sim::Trajectories rollouts = simulate_draws(prior_.to_theta(draws.u));
     search_.add(sampler_.power(), likelihood_.left_out(rollouts, draws.weights, sampler_.power()));
-    const Index draws_so_far = sampler_.state().num_draws, most = config_.max_simulations;
-    const bool is_late =
-        draws_so_far + config_.level_size >= most ||
-        static_cast<double>(draws_so_far) >= kSearchShare * static_cast<double>(most);
+    const bool is_late = !sampler_.has_draws_for(3) ||
+                         static_cast<double>(sampler_.state().num_draws) >=
+                             kSearchShare * static_cast<double>(config_.max_simulations);
     if (is_late || search_.is_over(config_.likelihood_power)) sampler_.settle(search_.best());
   }
 

@@ -51,9 +51,9 @@ void append(SimulatedRows& all, const SimulatedRows& rows) {
 
 }  // namespace
 
-std::vector<std::size_t> walking_order(std::size_t num_shards, const Walker& walker) {
+std::vector<std::size_t> walking_order(std::size_t num_shards, const Helper& walker) {
   const auto number = static_cast<std::size_t>(walker.number),
-             count = static_cast<std::size_t>(walker.count);
+             count = static_cast<std::size_t>(walker.count) + 1;
   const std::size_t begin = num_shards * number / count, end = num_shards * (number + 1) / count;
   std::vector<std::size_t> order, others;
   for (std::size_t i = 0; i < num_shards; ++i) {
@@ -68,7 +68,7 @@ std::vector<std::size_t> walking_order(std::size_t num_shards, const Walker& wal
 }
 
 RefinedRows::RefinedRows(const Plan& plan, const Node& node, const SimulatedLikelihood& likelihood,
-                         const Walker& walker)
+                         const Helper& walker)
     : plan_(plan),
       node_(node),
       likelihood_(likelihood),
@@ -81,7 +81,7 @@ RefinedRows::RefinedRows(const Plan& plan, const Node& node, const SimulatedLike
 bool RefinedRows::has_helpers() const { return fs::is_directory(folder_); }
 
 std::optional<SimulatedRows> RefinedRows::ask(AskedRows asked, const OnRows& on_rows) {
-  const Index each = (asked.theta.rows() + walker_.count - 1) / walker_.count;
+  const Index each = (asked.theta.rows() + walker_.count) / (walker_.count + 1);
   asked.shard_size = std::clamp<Index>(each, 1, most_rows_);
   const std::vector<AskedShard> shards = shards_of(asked, node_.key);
   const std::string asked_name = asked.file_name();
@@ -128,7 +128,9 @@ void RefinedRows::forget(Index end) {
 
 Index RefinedRows::help(const OnRows& on_rows) {
   Index num_made = 0;
-  for (const std::string& name : names_of_asked_rows(names_in(folder_))) {
+  const std::vector<std::string> names = names_of_asked_rows(names_in(folder_));
+  if (names.empty()) failed_.clear();
+  for (const std::string& name : names) {
     const std::optional<AskedRows> asked = read_asked_rows({folder_ / name, node_.key});
     if (!asked) continue;
     if (asked->theta.cols() != dimension_ || asked->file_name() != name) {

@@ -18,25 +18,21 @@
 
 #include "pipeline/artefacts/asked_rows_file.h"
 #include "pipeline/stages/simulated_likelihood.h"
+#include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 
-/// One of those that simulate the rows of a refinement: 0 is the refinement itself.
-struct Walker {
-  Index number = 0;
-  Index count = 1;  ///< of all
-};
-
-/// The order in which a walker comes by shards: those of its own segment forwards, then the others
-/// in an order of its own, so that walkers that have nothing left don't follow each other.
-std::vector<std::size_t> walking_order(std::size_t num_shards, const Walker& walker);
+/// The order in which a helper, or the refinement, comes by shards: those of its own segment
+/// forwards, then the others in an order of its own, so that two that have nothing left don't
+/// follow each other.
+std::vector<std::size_t> walking_order(std::size_t num_shards, const Helper& walker);
 
 class RefinedRows {
  public:
   using OnRows = std::function<void(Index)>;
 
   RefinedRows(const Plan& plan, const Node& node, const SimulatedLikelihood& likelihood,
-              const Walker& walker);
+              const Helper& walker);
 
   /// Whether helpers were there: they make the folder in which rows are asked for.
   bool has_helpers() const;
@@ -71,7 +67,7 @@ class RefinedRows {
   const Plan& plan_;
   const Node& node_;
   const SimulatedLikelihood& likelihood_;
-  Walker walker_;
+  Helper walker_;    // of the rows: the refinement, or a helper
   Index most_rows_;  // of a shard
   Index dimension_;
   Index num_values_;  // of a row's rollouts

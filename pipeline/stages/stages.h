@@ -22,7 +22,7 @@ void run_propose(const Plan& plan, const Node& node);
 void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers = {});
 void run_infer(const Plan& plan, const Node& node);
 
-/// A helper of a refinement: number 1, 2, ... of so many.
+/// A helper of a refinement: number 1, 2, ... of so many; 0: the refinement itself.
 struct Helper {
   Index number = 1;
   Index count = 1;
@@ -31,8 +31,9 @@ struct Helper {
 /// thinking, but it may also have been killed, or be waiting in a queue.
 inline constexpr double kHelperPatience = 600.0;
 /// Simulates the rows that the refinement `node` asks for, together with it, until its artefact is
-/// complete or nothing was asked for in `patience` seconds. Returns the number of rows. Throws as
-/// run_infer().
+/// complete or nothing was asked for in `patience` seconds. Waits as long for what `node` needs,
+/// too. Returns the number of rows. Throws as run_infer(), and InputError when its inputs don't
+/// come.
 Index help_refinement(const Plan& plan, const Node& node, const Helper& helper,
                       double patience = kHelperPatience);
 

@@ -80,7 +80,18 @@ TEST_F(Helpers, GiveTheSameBits) {
   expect_same_bits("two");
   const Outcome late = run(folder_.path(), help("1/1", "two"));
   EXPECT_EQ(late.status, 0);
-  EXPECT_NE(late.out.find("helped with 0 rows"), std::string::npos) << late.out;
+  EXPECT_NE(late.out.find("is there already, no rows to help with"), std::string::npos) << late.out;
+}
+
+TEST_F(Helpers, WaitForWhatTheRefinementNeeds) {
+  const Program helper(folder_.path(), help("1/1", "early"), {"out1", "err1"});
+  EXPECT_TRUE(comes_true([&] {
+    return text_of(folder_ / "err1").find("waits for what it starts from") != std::string::npos;
+  }));
+  EXPECT_EQ(run(folder_.path(), inference("early")).status, 0);
+  const Outcome outcome = helper.wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_same_bits("early");
 }
 
 TEST_F(Helpers, MayBeKilledOrComeLate) {

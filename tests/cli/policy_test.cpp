@@ -210,7 +210,7 @@ TEST_F(Policies, SimulationsOfARefinementCount) {
   StudyText study = searched_study().with("observation_noise", {"scale = 0.05"});
   study.method("Refined",
                {"algorithm = \"refine\"", "policy_iterations = 1",
-                "refine = { level_size = 1000, min_ess = 100, max_simulations = 1000 }"});
+                "refine = { level_size = 1000, min_ess = 100, max_simulations = 3000 }"});
   std::ofstream(file("refined.toml")) << with_search(study);
   const Outcome outcome =
       npdr({"run", "refined.toml", "--work", "refined", "--only", "Refined", "--seeds", "1"});

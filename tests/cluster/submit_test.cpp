@@ -207,7 +207,7 @@ TEST_F(Submit, ARefinementWithHelpersHasTheBitsOfALocalRun) {
   expect_bits_of_a_local_run("refined");
 }
 
-TEST_F(Submit, HelpersAreCanceledWithTheirRefinement) {
+TEST_F(Submit, HelpersThatFailAreToldAndTheOthersCanceledWithTheirRefinement) {
   const std::string study =
       furuta_study("refined")
           .with("observation_noise", {"scale = 0.05"})
@@ -216,8 +216,14 @@ TEST_F(Submit, HelpersAreCanceledWithTheirRefinement) {
           .with("cluster", {"refine_tasks = 2"});
   write_text_file(cluster_->folder() / "refined.toml", study);
   ASSERT_EQ(npdr({"submit", "refined.toml"}).status, 0);
-  wait_for_helper("refined");
+  const std::string helper = wait_for_helper("refined");
   EXPECT_TRUE(has(npdr({"status", "refined.toml"}).out, ", 2 helpers"));
+  cluster_->kill_shell_of(helper, SIGKILL);
+  cluster_->wait_until("for a helper's end", [&] {
+    return has(npdr({"status", "refined.toml"}).out, ", 1 helper; 1 helper failed, job " + helper);
+  });
+  const std::string status = npdr({"status", "refined.toml"}).out;
+  EXPECT_TRUE(has(status, "1 running")) << status;
   EXPECT_TRUE(has(npdr({"cancel", "refined.toml"}).out, "tasks canceled"));
   cluster_->wait_until_idle();
 }

@@ -135,7 +135,7 @@ ImportanceSample run_in_pieces(const ImportanceConfig& config, const RowMatrix& 
 
 TEST(ImportanceSampler, GoesOnFromAnyState) {
   ImportanceConfig impatient = kSmall;
-  impatient.max_simulations = 4000;
+  impatient.max_simulations = 6000;
   for (const ImportanceConfig& config : {kSmall, impatient}) {
     for (const RowMatrix& start : {RowMatrix(), RowMatrix(RowMatrix::Random(300, kDimension))}) {
       const ImportanceSample whole = run_linear(config, start, 2000);
@@ -236,6 +236,7 @@ TEST(ImportanceSampler, SaysHowFarItCameWhenDrawsRunOut) {
           2000)
           .sample();
   EXPECT_LT(sample.certificate.power, 1.0);
+  EXPECT_EQ(sample.certificate.num_draws, 6000);
 }
 
 TEST(ImportanceSampler, KeepsHalfOfWhatIsLeftForTheLastLevels) {

@@ -75,9 +75,12 @@ TEST(MethodProblems, RefinementNeedsADensityOfTheNoise) {
     return problems_of(edited(noisy, kMaf, refine + "\nrefine = { " + settings + " }"));
   };
   EXPECT_EQ(problems("level_size = 1000"), "");
-  EXPECT_TRUE(
-      says(problems("max_simulations = 5000"),
-           {"s.toml:20:30: method.refine.max_simulations = 5000", "must be >= refine.level_size"}));
+  EXPECT_TRUE(says(problems("max_simulations = 5000"),
+                   {"s.toml:20:30: method.refine.max_simulations = 5000",
+                    "must be >= 3 times "
+                    "refine.level_size = 10000"}));
+  EXPECT_TRUE(says(problems("level_size = 500"),
+                   {"s.toml:20:25: method.refine.level_size = 500", "must be >= 1000"}));
   EXPECT_TRUE(says(problems("level_size = 1000, max_simulations = 1000000000"),
                    {"s.toml:20:49: method.refine.max_simulations = 1000000000",
                     "must be at most 10000 times refine.level_size = 1000"}));

@@ -77,8 +77,8 @@ TEST_F(Verdicts, ChainsThatDontAgreeFail) {
                                              1};
     return verdict_of(Check::sampling);
   };
-  EXPECT_EQ(sampled(1.02).text, "passes, R-hat 1.02");
-  EXPECT_EQ(sampled(1.2).text, "chains DON'T agree, R-hat 1.2");
+  EXPECT_EQ(sampled(1.02).text, "passes, R-hat 1.020");
+  EXPECT_EQ(sampled(1.2).text, "chains DON'T agree, R-hat 1.200");
   EXPECT_EQ(sampled(std::nan("")).judgment, Judgment::unknown);
   EXPECT_EQ(words_of(check_summaries(data_).front()),
             "NPDR (MAF): 7 of 8 checks pass; can't tell: Sampling");
@@ -111,8 +111,12 @@ TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
   EXPECT_EQ(found.judgment, Judgment::fails);
   EXPECT_EQ(found.text, "its draws DON'T hold in 1 of 2 seeds, effective size 900, Pareto k 0.8");
   EXPECT_TRUE(says(found.reason, {"too few effective draws, heavy weights: raise "
-                                  "refine.max_simulations",
+                                  "refine.max_simulations, or raise "
                                   "refine.level_size for heavy weights"}));
+  data_.runs.back().notes.certificate->power = 0.5;
+  EXPECT_TRUE(says(verdict_of(Check::sampling).reason,
+                   {"power 0.5, not 1", ", or let refine.cross_validate choose a smaller power"}));
+  data_.runs.back().notes.certificate->power = 1.0;
   data_.runs.back().notes.certificate->pool_ess = 2000.0;
   EXPECT_TRUE(
       says(verdict_of(Check::sampling).reason,

@@ -5,18 +5,15 @@
 
 #include <algorithm>
 #include <numeric>
-#include <thread>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/plan/completeness.h"
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
 #include "tests/message_of.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
-#include "tests/wait_for.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -27,7 +24,7 @@ TEST(WalkingOrder, ComesByAllShardsItsOwnFirst) {
   for (const std::size_t num_shards : {1u, 2u, 7u, 100u}) {
     std::vector<int> first(num_shards, 0);
     for (Index number = 0; number < 4; ++number) {
-      std::vector<std::size_t> order = walking_order(num_shards, {number, 4});
+      std::vector<std::size_t> order = walking_order(num_shards, {number, 3});
       const std::size_t own = num_shards * static_cast<std::size_t>(number + 1) / 4 -
                               num_shards * static_cast<std::size_t>(number) / 4;
       for (std::size_t i = 0; i < own; ++i) ++first[order[i]];
@@ -42,7 +39,7 @@ TEST(WalkingOrder, ComesByAllShardsItsOwnFirst) {
 }
 
 TEST(WalkingOrder, WalkersThatAreDoneDontFollowEachOther) {
-  const std::vector<std::size_t> a = walking_order(100, {1, 5}), b = walking_order(100, {2, 5});
+  const std::vector<std::size_t> a = walking_order(100, {1, 4}), b = walking_order(100, {2, 4});
   int num_same = 0;
   for (std::size_t i = 20; i < 100; ++i) num_same += a[i] == b[i] ? 1 : 0;
   EXPECT_LE(num_same, 10);
@@ -102,6 +99,15 @@ TEST_F(RefinedRowsOfAStudy, AHelperThatNobodyAsksEnds) {
   EXPECT_TRUE(fs::is_directory(rows_));
 }
 
+TEST_F(RefinedRowsOfAStudy, AHelperGivesUpWithoutATarget) {
+  const Plan plan = plan_of("empty");
+  const Node& node = plan.node(Stage::infer, {"Refined", 1, 1});
+  EXPECT_TRUE(says(message_of<InputError>([&] {
+                     help_refinement(plan, node, {1, 1}, 0.0);
+                   }),
+                   {node.label(), "needs 'target", "npdr run"}));
+}
+
 TEST_F(RefinedRowsOfAStudy, HaveTheSameBitsInShards) {
   fs::create_directories(rows_);
   write_text_file(rows_ / "rows-0-130-0123456789abcdef.h5",
@@ -112,27 +118,15 @@ TEST_F(RefinedRowsOfAStudy, HaveTheSameBitsInShards) {
   EXPECT_EQ(content_digest(node_.path), digest_alone());
 }
 
-TEST_F(RefinedRowsOfAStudy, HaveTheSameBitsWithAHelper) {
-  Index num_rows = 0;
-  fs::create_directories(rows_);
-  std::thread helper([&] { num_rows = help_refinement(plan_, node_, {1, 1}, 600.0); });
-  run_stage(plan_, node_);
-  helper.join();
-  settle(plan_, node_);
-  EXPECT_GT(num_rows, 0);
-  EXPECT_FALSE(fs::exists(rows_));
-  EXPECT_EQ(content_digest(node_.path), digest_alone());
-}
-
 TEST_F(RefinedRowsOfAStudy, WhatIsAskedForIsSimulatedOnce) {
   const SimulatedLikelihood likelihood(plan_, node_, {});
   const AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 2, 1.0)};
   write_asked_rows(rows_, node_.identity, asked);
-  RefinedRows helper(plan_, node_, likelihood, {1, 2});
+  RefinedRows helper(plan_, node_, likelihood, {1, 1});
   EXPECT_EQ(helper.help([](Index) {}), 50);
   EXPECT_EQ(helper.help([](Index) {}), 0);
   // The refinement takes what is there, though it is another process's.
-  RefinedRows refinement(plan_, node_, likelihood, {0, 3});
+  RefinedRows refinement(plan_, node_, likelihood, {0, 2});
   const std::optional<SimulatedRows> together = refinement.ask(asked, [](Index) {});
   Index failed = 0;
   const sim::Trajectories alone = likelihood.simulate(asked.theta, 0);
@@ -159,11 +153,11 @@ TEST_F(RefinedRowsOfAStudy, RowsThatAllFailAreLeftToTheRefinement) {
   theta.topRows(21).setConstant(-1.0);  // no pendulum
   const AskedRows asked{.first = 0, .shard_size = 20, .theta = theta};
   write_asked_rows(rows_, node_.identity, asked);
-  RefinedRows helper(plan_, node_, likelihood, {1, 2});
+  RefinedRows helper(plan_, node_, likelihood, {1, 1});
   EXPECT_EQ(helper.help([](Index) {}), 40);
   EXPECT_EQ(names().size(), 2u) << "the request, and the shard with rows that are possible";
   EXPECT_EQ(helper.help([](Index) {}), 0) << "once is enough";
-  RefinedRows refinement(plan_, node_, likelihood, {0, 2});
+  RefinedRows refinement(plan_, node_, likelihood, {0, 1});
   EXPECT_EQ(refinement.ask(asked, [](Index) {})->num_failed, 21);
 }
 
@@ -171,17 +165,17 @@ TEST_F(RefinedRowsOfAStudy, CountTheirOwnWorkOnce) {
   const SimulatedLikelihood likelihood(plan_, node_, {});
   const AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 2, 1.0)};
   fs::create_directories(rows_);
-  RefinedRows alone(plan_, node_, likelihood, {0, 1});
+  RefinedRows alone(plan_, node_, likelihood, {0, 0});
   alone.ask(asked, [](Index) {});
   EXPECT_EQ(alone.cost_of_others().core_seconds, 0.0);
   EXPECT_EQ(alone.unread_core_seconds(), 0.0);
   // Who goes on from there takes it for the work of others, and who stops doesn't count it.
-  RefinedRows next(plan_, node_, likelihood, {0, 1});
+  RefinedRows next(plan_, node_, likelihood, {0, 0});
   next.ask(asked, [](Index) {});
   EXPECT_GT(next.cost_of_others().core_seconds, 0.0);
   next.forget(50);
   write_asked_rows(rows_, node_.identity, asked);
-  RefinedRows stopped(plan_, node_, likelihood, {0, 2}), helper(plan_, node_, likelihood, {1, 2});
+  RefinedRows stopped(plan_, node_, likelihood, {0, 1}), helper(plan_, node_, likelihood, {1, 1});
   EXPECT_EQ(stopped.help([](Index) {}), 50);
   EXPECT_GT(stopped.unread_core_seconds(), 0.0);
   next.forget(50);
