@@ -12,7 +12,7 @@ namespace {
 constexpr double kLargestParetoK = 0.7;
 constexpr double kGoodEfficiency = 0.5;
 constexpr double kMostMissed = 0.05;
-constexpr double kLargestDifference = 4.0;  // of the halves: passed by chance with p = 6e-5
+constexpr double kLargestDifference = 4.0;  // in standard errors; beyond either by chance: 6e-5
 
 }  // namespace
 
@@ -23,6 +23,12 @@ bool has_heavy_weights(const ImportanceCertificate& certificate) {
 
 bool misses_known_points(const ImportanceCertificate& certificate) {
   return !(certificate.missed_share <= kMostMissed);
+}
+
+bool finds_less(const ImportanceCertificate& certificate, const ImportanceCertificate& other) {
+  const double error = std::hypot(certificate.log_evidence_error, other.log_evidence_error);
+  return certificate.power == other.power &&
+         other.log_evidence - certificate.log_evidence > kMostMissed + kLargestDifference * error;
 }
 
 std::vector<std::string> faults_of(const ImportanceCertificate& certificate) {

@@ -10,13 +10,19 @@ namespace npdr::inference {
 namespace {
 
 constexpr Index kStuckLevels = 10;       // that have raised the power
-constexpr double kStuckRise = 1.2;       // by less than to this multiple
-constexpr Index kSweepsOfLevel = 5;      // of walkers, that have as many draws as a level
+constexpr double kStuckRise = 1.5;       // by less than to this multiple
+constexpr Index kSweepsOfLevel = 10;     // of walkers, that have as many draws as a level
 constexpr double kEffectiveShare = 0.5;  // of walkers, at the next power
-constexpr Index kSweeps = 25;            // at one power
-constexpr Index kSweepsAtEnd = 50;       // of which every tenth is kept, so that they fill a level
+constexpr Index kSweeps = 50;            // at one power
+constexpr Index kSweepsOfAnchors = 6;    // until neighbors are taken anew
+constexpr Index kSweepsAtEnd = 100;      // of which every tenth is kept, so that they fill a level
 constexpr Index kFewestRaises = 3;       // that a climb must have draws for
 constexpr double kClimbShare = 0.75;     // of the simulations, until the end of the climb
+
+// One sweep wide, the next one near.
+StepKind kind_of_sweep(const TemperedWalkers& walkers) {
+  return walkers.num_sweeps % 2 == 0 ? StepKind::wide : StepKind::near;
+}
 
 }  // namespace
 
@@ -52,10 +58,12 @@ void ImportanceSampler::begin_climb(const Pool& pool, double power) {
 }
 
 void ImportanceSampler::begin_sweep() {
+  TemperedWalkers& walkers = *state_.walkers;
+  if (walkers.num_sweeps % kSweepsOfAnchors == 0) walkers.anchors = walkers.u;
   push({.kind = LevelKind::sweep,
         .proposal = {},
-        .power = state_.walkers->power,
-        .u = propose_steps(*state_.walkers, level_id("refine_steps")),
+        .power = walkers.power,
+        .u = propose_steps(walkers, kind_of_sweep(walkers), level_id("refine_steps")),
         .log_likelihood = {}},
        {{}, 1.0, dimension_});
 }
@@ -65,7 +73,8 @@ bool ImportanceSampler::go_on_climbing() {
   TemperedWalkers& walkers = *state_.walkers;
   const ImportanceLevel sweep = state_.levels.back();
   drop(state_.levels.size() - 1);
-  take_steps(walkers, sweep.u, sweep.log_likelihood, level_id("refine_choice"));
+  take_steps(walkers, kind_of_sweep(walkers), sweep.u, sweep.log_likelihood,
+             level_id("refine_choice"));
   if (state_.levels.back().kind == LevelKind::walkers) {
     if (walkers.num_sweeps % (kSweepsAtEnd / kSweepsOfLevel) == 0) keep_walkers();
     if (state_.levels.back().u.rows() == config_.level_size) {

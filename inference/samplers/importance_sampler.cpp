@@ -131,6 +131,8 @@ void ImportanceSampler::require_shapes() const {
   require(walkers.u.rows() == num_walkers() && walkers.u.cols() == dimension_ &&
               walkers.log_likelihood.size() == num_walkers(),
           fmt::format("{} walkers, must be {}", walkers.u.rows(), num_walkers()));
+  require(walkers.anchors.rows() == num_walkers() && walkers.anchors.cols() == dimension_,
+          fmt::format("{} anchors, must be {}", walkers.anchors.rows(), num_walkers()));
 }
 
 ImportanceSampler::Proposal ImportanceSampler::restore(const ImportanceProposal& parts) const {

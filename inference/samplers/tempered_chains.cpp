@@ -43,8 +43,8 @@ class Climb {
       inherit(raise_power(walkers_, power, num_walkers, named(id, "raise")));
       if (num_walkers < kFewestThatWalk) continue;
       for (id.epoch = 0; std::cmp_less(id.epoch, kSweeps * walkers_.u.cols()); ++id.epoch) {
-        const RowMatrix proposed = propose_steps(walkers_, named(id, "steps"));
-        take_steps(walkers_, proposed, evaluate(proposed), named(id, "choice"));
+        const RowMatrix proposed = propose_steps(walkers_, StepKind::wide, named(id, "steps"));
+        take_steps(walkers_, StepKind::wide, proposed, evaluate(proposed), named(id, "choice"));
       }
     }
   }

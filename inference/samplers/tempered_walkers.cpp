@@ -3,7 +3,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
 
+#include "core/error.h"
+#include "core/parallel.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/samplers/resampler.h"
 #include "inference/weighted_moments.h"
@@ -14,6 +19,7 @@ namespace {
 constexpr double kWantedRate = 0.2;                 // of steps that are taken
 constexpr double kSpread = 0.5;                     // of a step's length, in nats
 constexpr double kShortest = 0.01, kLongest = 1.0;  // step lengths
+constexpr Index kNeighbors = 30;
 
 // The weights of another power, the largest 1.
 Vector weights_at(const TemperedWalkers& walkers, double power) {
@@ -39,6 +45,72 @@ Index other_than(Index i, Index j, Index n, Stream& stream) {
   return number;
 }
 
+// u_i + g / sqrt(2) (u_j - u_k).
+Eigen::RowVectorXd by_difference(const RowMatrix& u, Index i, Index j, Index k, double g) {
+  return u.row(i) + g / std::sqrt(2.0) * (u.row(j) - u.row(k));
+}
+
+double draw_length(double scale, Stream& stream) {
+  return scale * std::exp(kSpread * stream.normal());
+}
+
+RowMatrix propose_wide(const RowMatrix& u, double scale, const StreamId& id) {
+  const Index n = u.rows();
+  const Eigen::MatrixXd factor = step_factor(u);
+  RowMatrix proposed = u;
+  for (Index i = 0; i < n; ++i) {
+    Stream stream = stream_of(id, i);
+    const double g = draw_length(scale, stream);
+    if (stream.uniform() < 0.5) {
+      const Index j = other_than(i, i, n, stream), k = other_than(i, j, n, stream);
+      proposed.row(i) = by_difference(u, i, j, k, g);
+    } else {
+      Vector normal(u.cols());
+      for (double& value : normal) value = stream.normal();
+      proposed.row(i) += (g * (factor * normal)).transpose();
+    }
+  }
+  return proposed;
+}
+
+// The numbers of the rows that are nearest to row i, in no order.
+std::vector<Index> nearest(const RowMatrix& rows, Index i) {
+  Vector distances = (rows.rowwise() - rows.row(i)).rowwise().squaredNorm();
+  for (double& d : distances) d = std::isfinite(d) ? d : std::numeric_limits<double>::max();
+  std::vector<Index> order(static_cast<std::size_t>(rows.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  order.erase(order.begin() + i);
+  const auto count = std::min(static_cast<std::size_t>(kNeighbors), order.size());
+  const auto is_nearer = [&](Index a, Index b) {
+    return std::pair(distances(a), a) < std::pair(distances(b), b);
+  };
+  std::ranges::nth_element(order, order.begin() + static_cast<std::ptrdiff_t>(count), is_nearer);
+  order.resize(count);
+  return order;
+}
+
+RowMatrix propose_near(const TemperedWalkers& walkers, double scale, const StreamId& id) {
+  const RowMatrix& anchors = walkers.anchors;
+  if (anchors.rows() != walkers.u.rows() || anchors.cols() != walkers.u.cols()) {
+    throw ShapeError("walkers: near steps without anchors");
+  }
+  const Eigen::RowVectorXd deviations =
+      (anchors.rowwise() - anchors.colwise().mean()).colwise().norm().array().max(1e-12);
+  const RowMatrix standardized = anchors.array().rowwise() / deviations.array();
+  RowMatrix proposed = walkers.u;
+  parallel_for(anchors.rows(), [&](Index i) {
+    const std::vector<Index> neighbors = nearest(standardized, i);
+    const Index count = std::ssize(neighbors);
+    Stream stream = stream_of(id, i);
+    const double g = draw_length(scale, stream);
+    const auto j = static_cast<Index>(stream.below(static_cast<std::uint32_t>(count)));
+    const Index k = other_than(j, j, count, stream);
+    proposed.row(i) = by_difference(walkers.u, i, neighbors[static_cast<std::size_t>(j)],
+                                    neighbors[static_cast<std::size_t>(k)], g);
+  });
+  return proposed;
+}
+
 }  // namespace
 
 double next_power(const TemperedWalkers& walkers, double most, double num_effective) {
@@ -55,35 +127,25 @@ std::vector<Index> raise_power(TemperedWalkers& walkers, double power, Index cou
   std::vector<Index> rows = Resampler(weights).systematic(count, Stream(id).uniform());
   walkers.u = RowMatrix(walkers.u(rows, Eigen::all));
   walkers.log_likelihood = Vector(walkers.log_likelihood(rows));
+  walkers.anchors = {};
   walkers.power = power;
   walkers.num_sweeps = 0;
   return rows;
 }
 
-RowMatrix propose_steps(const TemperedWalkers& walkers, const StreamId& id) {
-  const Index n = walkers.u.rows(), dimension = walkers.u.cols();
-  const Eigen::MatrixXd factor = step_factor(walkers.u);
-  const double scale = 2.38 / std::sqrt(static_cast<double>(dimension)) * walkers.step_length;
-  RowMatrix proposed = walkers.u;
-  for (Index i = 0; i < n; ++i) {
-    Stream stream = stream_of(id, i);
-    const double g = scale * std::exp(kSpread * stream.normal());
-    if (stream.uniform() < 0.5) {
-      const Index j = other_than(i, i, n, stream), k = other_than(i, j, n, stream);
-      proposed.row(i) += g / std::sqrt(2.0) * (walkers.u.row(j) - walkers.u.row(k));
-    } else {
-      Vector normal(dimension);
-      for (double& value : normal) value = stream.normal();
-      proposed.row(i) += (g * (factor * normal)).transpose();
-    }
-  }
-  return proposed;
+RowMatrix propose_steps(const TemperedWalkers& walkers, StepKind kind, const StreamId& id) {
+  const double scale = 2.38 / std::sqrt(static_cast<double>(walkers.u.cols())) *
+                       walkers.step_lengths[static_cast<std::size_t>(kind)];
+  return kind == StepKind::wide ? propose_wide(walkers.u, scale, id)
+                                : propose_near(walkers, scale, id);
 }
 
-void take_steps(TemperedWalkers& walkers, const RowMatrix& proposed, const Vector& log_likelihood,
-                const StreamId& id) {
-  Index taken = 0;
+void take_steps(TemperedWalkers& walkers, StepKind kind, const RowMatrix& proposed,
+                const Vector& log_likelihood, const StreamId& id) {
+  Index taken = 0, count = 0;
   for (Index i = 0; i < proposed.rows(); ++i) {
+    if (proposed.row(i) == walkers.u.row(i)) continue;  // both neighbors are in one place
+    ++count;
     if (!std::isfinite(log_likelihood(i))) continue;
     const double log_prior_ratio =
         0.5 * (walkers.u.row(i).squaredNorm() - proposed.row(i).squaredNorm());
@@ -94,9 +156,9 @@ void take_steps(TemperedWalkers& walkers, const RowMatrix& proposed, const Vecto
     walkers.log_likelihood(i) = log_likelihood(i);
     ++taken;
   }
-  const double rate = static_cast<double>(taken) / static_cast<double>(proposed.rows());
-  walkers.step_length =
-      std::clamp(walkers.step_length * std::exp(rate - kWantedRate), kShortest, kLongest);
+  const double rate = count > 0 ? static_cast<double>(taken) / static_cast<double>(count) : 0.0;
+  double& length = walkers.step_lengths[static_cast<std::size_t>(kind)];
+  length = std::clamp(length * std::exp(rate - kWantedRate), kShortest, kLongest);
   ++walkers.num_sweeps;
 }
 

@@ -4,15 +4,20 @@
 ///   pi_b(u) = N(u; 0, I) L(u)^b / Z_b
 /// and climbs by sequential Monte Carlo (Neal 2001; Del Moral, Doucet and Jasra 2006). A raise goes
 /// to the largest b' at which enough walkers are effective by their weights L(u)^(b' - b), and
-/// draws them anew by those. Between raises they walk: in a sweep each makes one Metropolis step,
-/// to
+/// draws them anew by those. Between raises they walk: in a sweep each makes one Metropolis step.
+/// A wide one goes to
 ///   u + g (u_j - u_k)  with two others (ter Braak 2006), or  N(u, g^2 C),
-/// half of the time each. C is the walkers' covariance; g is 2.38 / sqrt(2 D) or 2.38 / sqrt(D),
-/// times a step length that is adapted until a fifth of the steps is taken, times exp(N(0, 1/4)).
-/// All walk at once, and C and the step length follow them, so they have the law of pi_b only in
-/// the limit of many walkers and sweeps. They are there to teach, not to be reported.
+/// half of the time each; C is the walkers' covariance. A near one goes to the former with two of
+/// the walker's neighbors: where modes lie apart, only they tell the shape of its own. Neighbors
+/// are the 30 nearest when anchors were dropped last, in units of the walkers' deviations; in
+/// between they stay the same, so that steps there and back are as likely, but for the first one. g
+/// is 2.38 / sqrt(2 D) or 2.38 / sqrt(D), times a step length of its kind that is adapted until a
+/// fifth of the steps is taken, times exp(N(0, 1/4)). All walk at once, and C, neighbors and step
+/// lengths follow them, so they have the law of pi_b only nearly. They are there to teach, not to
+/// be reported.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/random.h"
@@ -20,27 +25,32 @@
 
 namespace npdr::inference {
 
+/// What all walkers do in one sweep.
+enum class StepKind { wide, near };
+
 struct TemperedWalkers {
-  RowMatrix u;                ///< (W, D)
-  Vector log_likelihood;      ///< (W) [nats], finite
-  double power = 0.0;         ///< b
-  double log_evidence = 0.0;  ///< log Z_b [nats]
-  double step_length = 1.0;
-  Index num_sweeps = 0;  ///< at this power
+  RowMatrix u;                                      ///< (W, D)
+  Vector log_likelihood;                            ///< (W) [nats], finite
+  double power = 0.0;                               ///< b
+  double log_evidence = 0.0;                        ///< log Z_b [nats]
+  std::array<double, 2> step_lengths = {1.0, 1.0};  ///< by StepKind
+  Index num_sweeps = 0;                             ///< at this power
+  RowMatrix anchors = {};  ///< (W, D) where they were when neighbors were taken; empty: not yet
 };
 
 /// The largest power up to `most` at which as many walkers are effective; theirs: none is.
 double next_power(const TemperedWalkers& walkers, double most, double num_effective);
-/// Moves to that power, and log Z with it. Afterwards there are `count` walkers; returns which of
-/// the former ones each of them was.
+/// Moves to that power, and log Z with it. Afterwards there are `count` walkers, without anchors;
+/// returns which of the former ones each of them was.
 std::vector<Index> raise_power(TemperedWalkers& walkers, double power, Index count,
                                const StreamId& id);
 
-/// Where the walkers (three or more) may go, (W, D).
-RowMatrix propose_steps(const TemperedWalkers& walkers, const StreamId& id);
+/// Where the walkers (three or more) may go, (W, D). Throws ShapeError for near steps without
+/// anchors.
+RowMatrix propose_steps(const TemperedWalkers& walkers, StepKind kind, const StreamId& id);
 /// Goes there or stays, by the log likelihoods (W) there; those that aren't numbers are
 /// -infinity.
-void take_steps(TemperedWalkers& walkers, const RowMatrix& proposed, const Vector& log_likelihood,
-                const StreamId& id);
+void take_steps(TemperedWalkers& walkers, StepKind kind, const RowMatrix& proposed,
+                const Vector& log_likelihood, const StreamId& id);
 
 }  // namespace npdr::inference

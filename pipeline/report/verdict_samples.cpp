@@ -139,6 +139,16 @@ std::vector<std::string> remedies_of(const inference::ImportanceCertificate& cer
   return remedies;
 }
 
+// Whether another seed has found what this one's draws have missed. In an outer loop each seed has
+// an observation of its own.
+bool misses_a_mode(const ReportData& data, const EvaluatedRun& run, const Runs& runs) {
+  const Study& study = data.plan.study;
+  if (study.num_iterations_of(study.method(run.use.method)) > 1) return false;
+  return std::ranges::any_of(runs, [&](const EvaluatedRun* other) {
+    return finds_less(*run.notes.certificate, *other->notes.certificate);
+  });
+}
+
 void add_new(std::vector<std::string>& all, const std::vector<std::string>& more) {
   std::ranges::copy_if(more, std::back_inserter(all), [&](const std::string& text) {
     return std::ranges::find(all, text) == all.end();
@@ -146,17 +156,21 @@ void add_new(std::vector<std::string>& all, const std::vector<std::string>& more
 }
 
 // Of refined posteriors: the certificates of their draws.
-Verdict judge_certificates(const Runs& runs) {
+Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   std::vector<std::string> faults, remedies;
   std::size_t failed = 0;
   double smallest = HUGE_VAL, heaviest = -HUGE_VAL;
   bool has_pool = false;
   for (const EvaluatedRun* run : runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
-    const std::vector<std::string> its = faults_of(certificate);
+    std::vector<std::string> its = faults_of(certificate);
+    add_new(remedies, remedies_of(certificate));
+    if (misses_a_mode(data, *run, runs)) {
+      its.emplace_back("its log Z is less than another seed's, so it has missed a mode");
+      add_new(remedies, {"raise refine.level_size for modes"});
+    }
     failed += its.empty() ? 0 : 1;
     add_new(faults, its);
-    add_new(remedies, remedies_of(certificate));
     smallest = std::min(smallest, certificate.ess);
     heaviest = std::max(heaviest, certificate.pareto_k);
     has_pool |= certificate.pool_ess > 0.0;
@@ -176,7 +190,7 @@ Verdict judge_certificates(const Runs& runs) {
 
 Verdict judge_sampling(const ReportData& data, const std::string& method) {
   const Runs runs = data.runs_of(method);
-  if (runs.front()->notes.certificate) return judge_certificates(runs);
+  if (runs.front()->notes.certificate) return judge_certificates(data, runs);
   if (runs.front()->evaluation.sampler->r_hat.size() == 0) return judge_weights(runs);
   double largest = 0.0;
   std::size_t failed = 0;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace npdr::inference {
@@ -48,6 +49,21 @@ TEST(ImportanceCertificate, MissesPointsThatWereKnown) {
   EXPECT_EQ(verdict(missing), "holds");
   missing.missed_share = 0.051;
   EXPECT_EQ(verdict(missing), "FAILS: a mode may be missed");
+}
+
+TEST(ImportanceCertificate, FindsLessThanAnotherWhoseEvidenceIsLarger) {
+  const ImportanceCertificate own{.log_evidence = 5.0, .log_evidence_error = 0.03};
+  const auto other = [](double log_evidence) {
+    return ImportanceCertificate{.log_evidence = log_evidence, .log_evidence_error = 0.04};
+  };
+  EXPECT_FALSE(finds_less(own, own));
+  EXPECT_FALSE(finds_less(own, other(5.24)));  // 0.05 and four errors of 0.05
+  EXPECT_TRUE(finds_less(own, other(5.26)));
+  EXPECT_FALSE(finds_less(other(5.26), own));
+  ImportanceCertificate weaker = other(9.0);
+  weaker.power = 0.5;
+  EXPECT_FALSE(finds_less(own, weaker));
+  EXPECT_FALSE(finds_less(own, other(std::nan(""))));
 }
 
 TEST(ImportanceCertificate, NumbersThatAreNoneAreFaults) {

@@ -166,7 +166,7 @@ TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
   refuses(state);
   state = sampler.state();
   state.walkers =
-      TemperedWalkers{.u = RowMatrix::Zero(400, kDimension), .log_likelihood = Vector::Zero(400)};
+      TemperedWalkers{.u = RowMatrix::Zero(200, kDimension), .log_likelihood = Vector::Zero(200)};
   refuses(state);
   for (const double share : {0.0, 0.5, 1000.0, std::nan("")}) {
     state = sampler.state();
@@ -315,6 +315,17 @@ TEST(ImportanceSampler, ClimbsWhereFlowsAreStuck) {
   while (!sampler.is_done()) {
     if (sampler.state().walkers && climbs_from == 0.0) {
       climbs_from = sampler.power();
+      const auto refuses = [](const ImportanceState& state) {
+        EXPECT_THROW(ImportanceSampler({.level_size = 500}, 2, {}, {}, state), ShapeError);
+      };
+      ImportanceState state = sampler.state();
+      state.walkers->u.conservativeResize(49, Eigen::NoChange);
+      refuses(state);
+      state = sampler.state();
+      state.walkers->anchors.conservativeResize(49, Eigen::NoChange);
+      refuses(state);
+      state.walkers->anchors = RowMatrix::Zero(50, 3);
+      refuses(state);
       EXPECT_THROW(sampler.preliminary(100), Error);
       EXPECT_THROW(sampler.settle(0.5), Error);
     }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/error.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {
@@ -38,8 +39,14 @@ TemperedWalkers from_the_prior() {
 }
 
 void sweep(TemperedWalkers& walkers, std::uint64_t number) {
-  const RowMatrix proposed = propose_steps(walkers, id("steps", number));
-  take_steps(walkers, proposed, log_likelihood(proposed), id("choice", number));
+  const RowMatrix proposed = propose_steps(walkers, StepKind::wide, id("steps", number));
+  take_steps(walkers, StepKind::wide, proposed, log_likelihood(proposed), id("choice", number));
+}
+
+// Correlation of two columns.
+double correlation(const Vector& a, const Vector& b) {
+  const Vector x = a.array() - a.mean(), y = b.array() - b.mean();
+  return x.dot(y) / x.norm() / y.norm();
 }
 
 TEST(TemperedWalkers, ClimbToThePosteriorAndItsEvidence) {
@@ -77,9 +84,7 @@ TEST(TemperedWalkers, KeepTheLawTheyHave) {
     EXPECT_NEAR(covariance(d, d) / variance, 1.0, 5.0 * std::sqrt(2.0 / kWalkers));
     // And they have forgotten where they were: correlations of independent draws, at 4 of their
     // standard errors, 1 / sqrt(W), and 0.2^2 to 0.05 that 50 sweeps may leave.
-    const Vector a = before.col(d).array() - before.col(d).mean(),
-                 b = walkers.u.col(d).array() - walkers.u.col(d).mean();
-    EXPECT_LT(a.dot(b) / a.norm() / b.norm(), 0.05 + 4.0 / std::sqrt(kWalkers));
+    EXPECT_LT(correlation(before.col(d), walkers.u.col(d)), 0.05 + 4.0 / std::sqrt(kWalkers));
   }
 }
 
@@ -89,11 +94,92 @@ TEST(TemperedWalkers, StayWhereALikelihoodIsNoNumber) {
   for (const double none :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
         -std::numeric_limits<double>::infinity()}) {
-    take_steps(walkers, propose_steps(walkers, id("steps", 1)), Vector::Constant(kWalkers, none),
-               id("choice", 1));
+    take_steps(walkers, StepKind::wide, propose_steps(walkers, StepKind::wide, id("steps", 1)),
+               Vector::Constant(kWalkers, none), id("choice", 1));
     EXPECT_EQ(walkers.u, before);
   }
-  EXPECT_LT(walkers.step_length, 1.0);
+  EXPECT_LT(walkers.step_lengths[0], 1.0);
+  EXPECT_EQ(walkers.step_lengths[1], 1.0);
+}
+
+// Two thin modes, at 2 and -2, one of which rises and the other of which falls:
+// u_1 = +-2 + 0.002 a, u_2 = +-0.002 (a + 0.1 b) and u_3 = 0.002 c, with a, b, c ~ N(0, 1).
+class ThinModes {
+ public:
+  static Vector log_likelihood(const RowMatrix& u) {
+    const RowMatrix z = to_normal(u);
+    return 0.5 * (u.rowwise().squaredNorm() - z.rowwise().squaredNorm());
+  }
+  static RowMatrix draws(const RowMatrix& normal) {
+    RowMatrix u = 0.002 * normal;
+    for (Index i = 0; i < u.rows(); ++i) {
+      const double sign = i % 2 == 0 ? 1.0 : -1.0;
+      u(i, 1) = sign * (u(i, 0) + 0.1 * u(i, 1));
+      u(i, 0) += 2.0 * sign;
+    }
+    return u;
+  }
+  static RowMatrix to_normal(const RowMatrix& u) {
+    RowMatrix z = u;
+    for (Index i = 0; i < u.rows(); ++i) {
+      const double sign = u(i, 0) > 0.0 ? 1.0 : -1.0;
+      z(i, 0) = u(i, 0) - 2.0 * sign;
+      z(i, 1) = 10.0 * (sign * u(i, 1) - z(i, 0));
+    }
+    return z / 0.002;
+  }
+};
+
+TEST(TemperedWalkers, NeedAnchorsForNearSteps) {
+  TemperedWalkers walkers = from_the_prior();
+  EXPECT_THROW(propose_steps(walkers, StepKind::near, id("steps", 1)), ShapeError);
+  walkers.anchors = walkers.u;
+  raise_power(walkers, 0.1, 100, id("raise", 1));
+  EXPECT_THROW(propose_steps(walkers, StepKind::near, id("steps", 1)), ShapeError);
+}
+
+TEST(TemperedWalkers, StayWhereAllNeighborsAreInOnePlace) {
+  TemperedWalkers walkers = from_the_prior();
+  walkers.u.rowwise() = Eigen::RowVector3d(0.1, 0.2, 0.3);
+  walkers.log_likelihood = log_likelihood(walkers.u);
+  walkers.anchors = walkers.u;
+  const RowMatrix proposed = propose_steps(walkers, StepKind::near, id("steps", 1));
+  EXPECT_EQ(proposed, walkers.u);
+  take_steps(walkers, StepKind::near, proposed, walkers.log_likelihood, id("choice", 1));
+  EXPECT_LT(walkers.step_lengths[1], 1.0) << "such steps aren't taken ones";
+}
+
+TEST(TemperedWalkers, KnowTheShapeOfTheirModeByTheirNeighbors) {
+  TemperedWalkers walkers = from_the_prior();
+  const RowMatrix before = walkers.u;
+  walkers.u = ThinModes::draws(before);
+  walkers.log_likelihood = ThinModes::log_likelihood(walkers.u);
+  walkers.power = 1.0;
+  for (std::uint64_t i = 1; i <= 60; ++i) {
+    if (i % 6 == 1) walkers.anchors = walkers.u;
+    const RowMatrix proposed = propose_steps(walkers, StepKind::near, id("steps", i));
+    take_steps(walkers, StepKind::near, proposed, ThinModes::log_likelihood(proposed),
+               id("choice", i));
+  }
+  const RowMatrix after = ThinModes::to_normal(walkers.u);
+  const Eigen::MatrixXd covariance = weighted_covariance(after, Vector::Ones(kWalkers));
+  for (Index d = 0; d < kDimension; ++d) {
+    // The law is kept, within five standard errors of half as many independent draws, ...
+    EXPECT_NEAR(covariance(d, d), 1.0, 5.0 * std::sqrt(4.0 / kWalkers)) << d;
+    // ... and where they were is forgotten, as above.
+    EXPECT_LT(correlation(before.col(d), after.col(d)), 0.05 + 4.0 / std::sqrt(kWalkers)) << d;
+  }
+  EXPECT_GT(walkers.step_lengths[1], 0.1);
+
+  // As many wide steps don't: differences of all walkers are far longer than a mode is wide.
+  walkers.u = ThinModes::draws(before);
+  walkers.log_likelihood = ThinModes::log_likelihood(walkers.u);
+  for (std::uint64_t i = 1; i <= 60; ++i) {
+    const RowMatrix proposed = propose_steps(walkers, StepKind::wide, id("steps", i));
+    take_steps(walkers, StepKind::wide, proposed, ThinModes::log_likelihood(proposed),
+               id("choice", i));
+  }
+  EXPECT_GT(correlation(before.col(0), ThinModes::to_normal(walkers.u).col(0)), 0.2);
 }
 
 TEST(TemperedWalkers, TakeTheirLikelihoodsAlong) {

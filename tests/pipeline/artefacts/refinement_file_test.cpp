@@ -60,7 +60,7 @@ TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
       .level_size = 503, .min_ess = 100.0, .max_simulations = 60'000};
   const StreamId id = {3, "refinement", 1, 0, 0};
   const auto step = [](ImportanceSampler& sampler) {
-    const RowMatrix u = sampler.next(70);
+    const RowMatrix u = sampler.next(30);
     sampler.tell(-5e5 * (u.col(1).array() - (30.0 * u.col(0).array()).sin()).square());
   };
   Identity identity;

@@ -125,6 +125,26 @@ TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
   EXPECT_EQ(verdict_of(Check::sampling).text, found.text) << "whatever the order of seeds";
 }
 
+TEST_F(Verdicts, ARefinementThatMissesTheModeOfAnotherSeedFails) {
+  plan_.study.methods.front().algorithm.kind = inference::Algorithm::refine;
+  data_.runs.front().notes.certificate = inference::ImportanceCertificate{
+      .power = 1.0, .wanted_power = 1.0, .ess = 1200.0, .wanted_ess = 1000.0, .pareto_k = 0.5};
+  for (const double log_evidence : {10.0, 10.3, 5.0}) {
+    data_.runs.push_back(data_.runs.front());
+    data_.runs.back().notes.certificate->log_evidence = log_evidence;
+    data_.runs.back().notes.certificate->log_evidence_error = 0.05;
+  }
+  data_.runs.erase(data_.runs.begin());
+  const Verdict found = verdict_of(Check::sampling);
+  EXPECT_EQ(found.judgment, Judgment::fails);
+  EXPECT_TRUE(found.text.starts_with("its draws DON'T hold in 1 of 3 seeds")) << found.text;
+  EXPECT_TRUE(says(found.reason, {"its log Z is less than another seed's, so it has missed a "
+                                  "mode: raise refine.level_size for modes"}));
+  data_.runs.back().notes.certificate->power = 0.5;
+  data_.runs.back().notes.certificate->wanted_power = 0.5;
+  EXPECT_EQ(verdict_of(Check::sampling).judgment, Judgment::passes);
+}
+
 TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
   add_run(samples_around(1.75, 0.02), 0.02);
   const Verdict found = verdict_of(Check::bounds);
