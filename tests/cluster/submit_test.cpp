@@ -181,12 +181,12 @@ TEST_F(Submit, ARefinementSurvivesTheCrashOfItsNode) {
 // One helper is killed while it works: what it would have made others make.
 TEST_F(Submit, ARefinementWithHelpersHasTheBitsOfALocalRun) {
   const std::string study = furuta_study("refined")
-                                .with("target", {"num_rollouts = 20"})
+                                .with("target", {"num_rollouts = 10"})
                                 .with("observation_noise", {"scale = 0.05"})
                                 .with("simulate", {"shard_size = 50"})
                                 .method("Refined", {"algorithm = \"refine\"",
                                                     "refine = { level_size = 1000, min_ess = "
-                                                    "50000, max_simulations = 12000 }"})
+                                                    "50000, max_simulations = 5000 }"})
                                 .with("evaluate", {"num_samples = 50"})
                                 .with("cluster", {"refine_tasks = 2"});
   write_text_file(cluster_->folder() / "refined.toml", study);
