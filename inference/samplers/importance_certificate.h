@@ -32,9 +32,9 @@ bool has_heavy_weights(const ImportanceCertificate& certificate);
 /// low for them to find it, and they haven't: such as a mode. NaN misses them.
 bool misses_known_points(const ImportanceCertificate& certificate);
 
-/// Whether other draws of the same posterior, by another seed, have found more of it: their log Z is
-/// larger by more than four standard errors and 0.05, a share of 5 % of pi. Not so at another power,
-/// or where a log Z is no number.
+/// Whether other draws of the same posterior, by another seed, have found more of it: their log Z
+/// is larger by more than four standard errors and 0.05, a share of 5 % of pi. Not so at another
+/// power, or where a log Z is no number.
 bool finds_less(const ImportanceCertificate& certificate, const ImportanceCertificate& other);
 
 /// Reasons not to trust the draws, in words; none: they hold. Faults are a power or effective size

@@ -54,7 +54,7 @@ TEST_F(RefinementFile, CheckpointsGoOnToTheSameBits) {
   }
 }
 
-// As in ImportanceSampler.ClimbsWhereFlowsAreStuck.
+// As in ImportanceClimb.BeginsWhereFlowsAreStuck.
 TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
   const inference::ImportanceConfig config = {
       .level_size = 503, .min_ess = 100.0, .max_simulations = 60'000};
