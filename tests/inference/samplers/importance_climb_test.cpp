@@ -24,6 +24,7 @@ TEST(ImportanceClimb, BeginsWhereFlowsAreStuck) {
         EXPECT_THROW(ImportanceSampler({.level_size = 500}, 2, {}, {}, state), ShapeError);
       };
       ImportanceState state = sampler.state();
+      EXPECT_NO_THROW(ImportanceSampler({.level_size = 500}, 2, {}, {}, state));
       state.walkers->u.conservativeResize(49, Eigen::NoChange);
       refuses(state);
       state = sampler.state();
