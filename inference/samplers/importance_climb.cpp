@@ -14,7 +14,7 @@ constexpr double kStuckRise = 1.5;       // by less than to this multiple
 constexpr Index kSweepsOfLevel = 10;     // of walkers, that have as many draws as a level
 constexpr double kEffectiveShare = 0.5;  // of walkers, at the next power
 constexpr Index kSweeps = 50;            // at one power
-constexpr Index kSweepsOfAnchors = 6;    // until neighbors are taken anew
+constexpr Index kSweepsOfNeighbors = 6;  // until they are chosen anew
 constexpr Index kSweepsAtEnd = 100;      // of which every tenth is kept, so that they fill a level
 constexpr Index kFewestRaises = 3;       // that a climb must have draws for
 constexpr double kClimbShare = 0.75;     // of the simulations, until the end of the climb
@@ -59,7 +59,7 @@ void ImportanceSampler::begin_climb(const Pool& pool, double power) {
 
 void ImportanceSampler::begin_sweep() {
   TemperedWalkers& walkers = *state_.walkers;
-  if (walkers.num_sweeps % kSweepsOfAnchors == 0) walkers.anchors = walkers.u;
+  if (walkers.num_sweeps % kSweepsOfNeighbors == 0) choose_neighbors(walkers);
   push({.kind = LevelKind::sweep,
         .proposal = {},
         .power = walkers.power,

@@ -131,8 +131,11 @@ void ImportanceSampler::require_shapes() const {
   require(walkers.u.rows() == num_walkers() && walkers.u.cols() == dimension_ &&
               walkers.log_likelihood.size() == num_walkers(),
           fmt::format("{} walkers, must be {}", walkers.u.rows(), num_walkers()));
-  require(walkers.anchors.rows() == num_walkers() && walkers.anchors.cols() == dimension_,
-          fmt::format("{} anchors, must be {}", walkers.anchors.rows(), num_walkers()));
+  const RowMatrixX<Index>& neighbors = walkers.neighbors;
+  require(neighbors.rows() == num_walkers() && neighbors.cols() >= 2,
+          fmt::format("neighbors of {} walkers, must be of {}", neighbors.rows(), num_walkers()));
+  require(neighbors.minCoeff() >= 0 && neighbors.maxCoeff() < num_walkers(),
+          "a neighbor that isn't a walker");
 }
 
 ImportanceSampler::Proposal ImportanceSampler::restore(const ImportanceProposal& parts) const {

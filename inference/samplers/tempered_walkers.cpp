@@ -90,24 +90,19 @@ std::vector<Index> nearest(const RowMatrix& rows, Index i) {
 }
 
 RowMatrix propose_near(const TemperedWalkers& walkers, double scale, const StreamId& id) {
-  const RowMatrix& anchors = walkers.anchors;
-  if (anchors.rows() != walkers.u.rows() || anchors.cols() != walkers.u.cols()) {
-    throw ShapeError("walkers: near steps without anchors");
+  const Index n = walkers.u.rows(), count = walkers.neighbors.cols();
+  if (walkers.neighbors.rows() != n || count < 2) {
+    throw ShapeError("walkers: near steps without neighbors");
   }
-  const Eigen::RowVectorXd deviations =
-      (anchors.rowwise() - anchors.colwise().mean()).colwise().norm().array().max(1e-12);
-  const RowMatrix standardized = anchors.array().rowwise() / deviations.array();
   RowMatrix proposed = walkers.u;
-  parallel_for(anchors.rows(), [&](Index i) {
-    const std::vector<Index> neighbors = nearest(standardized, i);
-    const Index count = std::ssize(neighbors);
+  for (Index i = 0; i < n; ++i) {
     Stream stream = stream_of(id, i);
     const double g = draw_length(scale, stream);
     const auto j = static_cast<Index>(stream.below(static_cast<std::uint32_t>(count)));
     const Index k = other_than(j, j, count, stream);
-    proposed.row(i) = by_difference(walkers.u, i, neighbors[static_cast<std::size_t>(j)],
-                                    neighbors[static_cast<std::size_t>(k)], g);
-  });
+    proposed.row(i) =
+        by_difference(walkers.u, i, walkers.neighbors(i, j), walkers.neighbors(i, k), g);
+  }
   return proposed;
 }
 
@@ -127,10 +122,21 @@ std::vector<Index> raise_power(TemperedWalkers& walkers, double power, Index cou
   std::vector<Index> rows = Resampler(weights).systematic(count, Stream(id).uniform());
   walkers.u = RowMatrix(walkers.u(rows, Eigen::all));
   walkers.log_likelihood = Vector(walkers.log_likelihood(rows));
-  walkers.anchors = {};
+  walkers.neighbors = {};
   walkers.power = power;
   walkers.num_sweeps = 0;
   return rows;
+}
+
+void choose_neighbors(TemperedWalkers& walkers) {
+  const RowMatrix& u = walkers.u;
+  const Eigen::RowVectorXd deviations =
+      (u.rowwise() - u.colwise().mean()).colwise().norm().array().max(1e-12);
+  const RowMatrix standardized = u.array().rowwise() / deviations.array();
+  walkers.neighbors.resize(u.rows(), std::min(kNeighbors, u.rows() - 1));
+  parallel_for(u.rows(), [&](Index i) {
+    std::ranges::copy(nearest(standardized, i), walkers.neighbors.row(i).begin());
+  });
 }
 
 RowMatrix propose_steps(const TemperedWalkers& walkers, StepKind kind, const StreamId& id) {

@@ -9,8 +9,8 @@
 ///   u + g (u_j - u_k)  with two others (ter Braak 2006), or  N(u, g^2 C),
 /// half of the time each; C is the walkers' covariance. A near one goes to the former with two of
 /// the walker's neighbors: where modes lie apart, only they tell the shape of its own. Neighbors
-/// are the 30 nearest when anchors were dropped last, in units of the walkers' deviations; in
-/// between they stay the same, so that steps there and back are as likely, but for the first one. g
+/// are the 30 nearest when they were chosen last, in units of the walkers' deviations; in between
+/// they stay the same, so that steps there and back are as likely, but for the first one. g
 /// is 2.38 / sqrt(2 D) or 2.38 / sqrt(D), times a step length of its kind that is adapted until a
 /// fifth of the steps is taken, times exp(N(0, 1/4)). All walk at once, and C, neighbors and step
 /// lengths follow them, so they have the law of pi_b only nearly. They are there to teach, not to
@@ -35,18 +35,21 @@ struct TemperedWalkers {
   double log_evidence = 0.0;                        ///< log Z_b [nats]
   std::array<double, 2> step_lengths = {1.0, 1.0};  ///< by StepKind
   Index num_sweeps = 0;                             ///< at this power
-  RowMatrix anchors = {};  ///< (W, D) where they were when neighbors were taken; empty: not yet
+  RowMatrixX<Index> neighbors = {};  ///< (W, k) which walkers they are; empty: not chosen yet
 };
 
 /// The largest power up to `most` at which as many walkers are effective; theirs: none is.
 double next_power(const TemperedWalkers& walkers, double most, double num_effective);
-/// Moves to that power, and log Z with it. Afterwards there are `count` walkers, without anchors;
+/// Moves to that power, and log Z with it. Afterwards there are `count` walkers, without neighbors;
 /// returns which of the former ones each of them was.
 std::vector<Index> raise_power(TemperedWalkers& walkers, double power, Index count,
                                const StreamId& id);
 
+/// Chooses the neighbors of each by where they are now: the 30 nearest, or all others.
+void choose_neighbors(TemperedWalkers& walkers);
+
 /// Where the walkers (three or more) may go, (W, D). Throws ShapeError for near steps without
-/// anchors.
+/// neighbors.
 RowMatrix propose_steps(const TemperedWalkers& walkers, StepKind kind, const StreamId& id);
 /// Goes there or stays, by the log likelihoods (W) there; those that aren't numbers are
 /// -infinity.

@@ -116,8 +116,7 @@ void describe(Layout f, std::optional<inference::TemperedWalkers>& walkers) {
   group->attribute("step_length_wide", w.step_lengths[0], "in units of the length for a Gaussian");
   group->attribute("step_length_near", w.step_lengths[1], "likewise, of steps by neighbors");
   group->attribute("num_sweeps", w.num_sweeps, "at this power");
-  (*group)("anchors", w.anchors, {{"W"}, {"D"}}, "where they were when neighbors were taken",
-           {.allowed = h5::Values::finite});
+  (*group)("neighbors", w.neighbors, {{"W"}, {"J"}}, "of each walker, which walkers they are");
 }
 
 void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {

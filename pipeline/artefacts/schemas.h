@@ -13,7 +13,7 @@ inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
 inline const Schema kPosteriorSchema{"posterior", 15, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 4, "infer"};
-inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 10, "infer"};
+inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 11, "infer"};
 inline const Schema kAskedRowsSchema{"asked_rows", 1, "infer"};
 inline const Schema kSimulatedRowsSchema{"simulated_rows", 1, "infer"};
 inline const Schema kBaselineSchema{"baseline", 4, "baseline"};

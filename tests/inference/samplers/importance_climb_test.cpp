@@ -28,10 +28,13 @@ TEST(ImportanceClimb, BeginsWhereFlowsAreStuck) {
       state.walkers->u.conservativeResize(49, Eigen::NoChange);
       refuses(state);
       state = sampler.state();
-      state.walkers->anchors.conservativeResize(49, Eigen::NoChange);
+      state.walkers->neighbors.conservativeResize(49, Eigen::NoChange);
       refuses(state);
-      state.walkers->anchors = RowMatrix::Zero(50, 3);
-      refuses(state);
+      for (const Index nobody : {-1, 50}) {
+        state = sampler.state();
+        state.walkers->neighbors(7, 2) = nobody;
+        refuses(state);
+      }
       EXPECT_THROW(sampler.preliminary(100), Error);
       EXPECT_THROW(sampler.settle(0.5), Error);
     }

@@ -130,10 +130,10 @@ class ThinModes {
   }
 };
 
-TEST(TemperedWalkers, NeedAnchorsForNearSteps) {
+TEST(TemperedWalkers, NeedNeighborsForNearSteps) {
   TemperedWalkers walkers = from_the_prior();
   EXPECT_THROW(propose_steps(walkers, StepKind::near, id("steps", 1)), ShapeError);
-  walkers.anchors = walkers.u;
+  choose_neighbors(walkers);
   raise_power(walkers, 0.1, 100, id("raise", 1));
   EXPECT_THROW(propose_steps(walkers, StepKind::near, id("steps", 1)), ShapeError);
 }
@@ -142,7 +142,7 @@ TEST(TemperedWalkers, StayWhereAllNeighborsAreInOnePlace) {
   TemperedWalkers walkers = from_the_prior();
   walkers.u.rowwise() = Eigen::RowVector3d(0.1, 0.2, 0.3);
   walkers.log_likelihood = log_likelihood(walkers.u);
-  walkers.anchors = walkers.u;
+  choose_neighbors(walkers);
   const RowMatrix proposed = propose_steps(walkers, StepKind::near, id("steps", 1));
   EXPECT_EQ(proposed, walkers.u);
   take_steps(walkers, StepKind::near, proposed, walkers.log_likelihood, id("choice", 1));
@@ -156,7 +156,7 @@ TEST(TemperedWalkers, KnowTheShapeOfTheirModeByTheirNeighbors) {
   walkers.log_likelihood = ThinModes::log_likelihood(walkers.u);
   walkers.power = 1.0;
   for (std::uint64_t i = 1; i <= 60; ++i) {
-    if (i % 6 == 1) walkers.anchors = walkers.u;
+    if (i % 6 == 1) choose_neighbors(walkers);
     const RowMatrix proposed = propose_steps(walkers, StepKind::near, id("steps", i));
     take_steps(walkers, StepKind::near, proposed, ThinModes::log_likelihood(proposed),
                id("choice", i));
