@@ -177,6 +177,18 @@ void append(const std::vector<std::string>& more, std::vector<std::string>& all)
   all.insert(all.end(), more.begin(), more.end());
 }
 
+std::vector<std::string> notes_of_ends(const std::vector<CsvRows>& files) {
+  std::vector<std::string> notes;
+  for (const CsvRows& rows : files) {
+    if (rows.has_line_end) continue;
+    notes.push_back(fmt::format(
+        "warning: {}: its last line has no end: if the file was cut, maybe within a number, "
+        "copy it again",
+        rows.name));
+  }
+  return notes;
+}
+
 // Rates are the slopes of angles also where all of a motion is in degrees; few begin beyond a turn.
 void note_far_beginnings(const Target& target, const std::vector<std::string>& files,
                          std::vector<std::string>& notes) {
@@ -220,7 +232,8 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   require_distinct(paths);
   std::vector<CsvRows> files = read_files(paths, options);
   ImportedRecording result;
-  result.notes = unwrap_turns(files, options.unwrap);
+  result.notes = notes_of_ends(files);
+  append(unwrap_turns(files, options.unwrap), result.notes);
   Target& target = result.target = even_target(files, options);
   if (options.resample) result.notes.push_back(note_of_resampling(files, *options.resample));
   if (options.differentiate) {

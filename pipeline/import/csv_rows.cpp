@@ -250,6 +250,7 @@ CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& optio
   rows.times = values.times;
   rows.state_values = matrix(values.states, values.count, columns.states.size());
   rows.action_values = matrix(values.actions, values.count - 1, columns.actions.size());
+  rows.has_line_end = table.has_line_end();
   return rows;
 }
 

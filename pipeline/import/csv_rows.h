@@ -22,6 +22,7 @@ struct CsvRows {
   std::vector<double> times;      ///< [s], a row each; empty without such a column
   RowMatrix state_values;         ///< (T + 1, C)
   RowMatrix action_values;        ///< (T, A); those of the last row are ignored, and may be empty
+  bool has_line_end = true;       ///< of the last line, which a file lacks that was cut
 };
 
 /// Reads a header line of `label [unit]` fields and at least two rows; multiplies columns by their

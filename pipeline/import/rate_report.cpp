@@ -14,7 +14,8 @@ namespace npdr::pipeline {
 namespace {
 
 constexpr double kDegreesOfRadian = 180.0 / std::numbers::pi;
-constexpr double kAlike = 0.1;  // ratios of one cause differ by less
+constexpr double kRadiansOfRpm = std::numbers::pi / 30.0;  // rad/s
+constexpr double kAlike = 0.1;                             // ratios of one cause differ by less
 constexpr std::size_t kMostFiles = 3;
 
 struct CheckedPair {
@@ -99,13 +100,22 @@ bool is_of_degrees(double ratio, const std::string& unit) {
          (are_near(ratio, kDegreesOfRadian) || are_near(ratio, 1.0 / kDegreesOfRadian));
 }
 
+// Nearer than a tenth, which is more often a mistake of the clock.
+bool is_of_rpm(double ratio, const std::string& unit) {
+  return unit == "rad" && std::abs(ratio / kRadiansOfRpm - 1.0) < 0.02;
+}
+
+bool is_of_unit(double ratio, const std::string& unit) {
+  return is_of_degrees(ratio, unit) || is_of_rpm(ratio, unit);
+}
+
 // The factor of dt that would put all rates right; none when they don't agree about one.
 std::optional<double> factor_of_dt(const std::vector<CheckedPair>& pairs) {
   std::vector<double> ratios;
   for (const CheckedPair& pair : pairs) {
     if (!is_known(pair)) continue;
     if (!pair.ratio || *pair.ratio < 0.0 || !pair.slope.empty() || pair.is_swapped ||
-        is_of_degrees(*pair.ratio, pair.position.unit)) {
+        is_of_unit(*pair.ratio, pair.position.unit)) {
       return std::nullopt;
     }
     ratios.push_back(*pair.ratio);
@@ -158,8 +168,16 @@ std::string degrees_problem(const CheckedPair& pair, double ratio) {
       scale_option(wrong, is_degrees ? 1.0 / kDegreesOfRadian : kDegreesOfRadian, 6));
 }
 
+std::string rpm_problem(const CheckedPair& pair, double ratio) {
+  return fmt::format(
+      "{}: {} is probably in rpm, though its unit says [{}]: add {}, or convert the column",
+      mismatch(pair, ratio), pair.rate.label, pair.rate.unit,
+      scale_option(pair.rate, kRadiansOfRpm, 6));
+}
+
 std::string scale_problem(const CheckedPair& pair, double ratio) {
   if (is_of_degrees(ratio, pair.position.unit)) return degrees_problem(pair, ratio);
+  if (is_of_rpm(ratio, pair.position.unit)) return rpm_problem(pair, ratio);
   if (are_near(ratio, -1.0)) {
     return fmt::format("{} falls where {} says that it rises: one of both has the wrong sign: {}",
                        pair.position.label, pair.rate.label, "add " + scale_option(pair.rate, -1));

@@ -393,6 +393,13 @@ TEST_F(CsvImport, WarnsOfAnglesThatBeginBeyondATurn) {
                     "--scale theta=0.0174533"}));
 }
 
+TEST_F(CsvImport, WarnsOfAFileThatWasCut) {
+  const std::string whole = kCsv;
+  EXPECT_EQ(join(notes(whole, pendulum_options())).find("warning"), std::string::npos);
+  EXPECT_TRUE(says(notes(whole.substr(0, whole.size() - 1), pendulum_options()).at(0),
+                   {"warning: ", "a.csv: its last line has no end"}));
+}
+
 TEST_F(CsvImport, UnwrapsAnglesOnly) {
   CsvOptions options = pendulum_options();
   options.unwrap = {"thet"};

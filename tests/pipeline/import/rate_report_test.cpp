@@ -76,6 +76,17 @@ TEST(RateReport, NamesTheColumnInDegrees) {
                                      "--scale theta=57.2958"}));
 }
 
+TEST(RateReport, NamesRatesInRpm) {
+  Target target = with_factor(2, 30.0 / M_PI);
+  for (Rollout& rollout : target.rollouts) rollout.states.col(3) *= 30.0 / M_PI;
+  const std::vector<std::string> all = problems(target);
+  ASSERT_EQ(all.size(), 2u) << join(all, "\n");
+  EXPECT_TRUE(says(all[1], {"alpha changes 0.105 times as fast", "alpha_dot is probably in rpm",
+                            "[rad/s]", "--scale alpha_dot=0.10472"}));
+  for (Rollout& rollout : target.rollouts) rollout.states.rightCols(2) *= M_PI / 30.0 * 10.0;
+  EXPECT_TRUE(says(problem(target), {"theta changes", "dt is probably 0.004 * 0.1"}));
+}
+
 // Ratios themselves are those of rate_check_test.cpp.
 TEST(RateReport, ARatioOfAllPairsIsThatOfTime) {
   const Target target = right_target(0.006);
