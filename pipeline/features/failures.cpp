@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "inference/diagnostics/uniformity.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/plan/shards.h"
 #include "sim/trajectories.h"
@@ -14,7 +15,7 @@ namespace {
 
 FailureResult test_simulation(const Plan& plan, const Node& simulation) {
   const Use& use = simulation.uses.front();
-  const h5::File file = open_simulation(plan, simulation);
+  const h5::File file = open_artefact(simulation, kSimulationSchema);
   FailureResult result{.round = use.round, .parameter = "", .other = "", .test = {}};
   if (file.attribute<Index>("num_failed") == 0) return result;
   const auto status = file.dataset("status").read<std::uint8_t>();
@@ -41,6 +42,20 @@ FailureResult test_simulation(const Plan& plan, const Node& simulation) {
   return result;
 }
 
+std::string difference_of(const FailureResult& found) {
+  const inference::FailureDependence& test = found.test;
+  if (found.other.empty()) {
+    return fmt::format("their '{}' is {:.2g} deviations {} that of the others", found.parameter,
+                       std::abs(test.shift), test.shift > 0.0 ? "above" : "below");
+  }
+  if (found.other == found.parameter) {
+    return fmt::format("their '{}' lies {} of the others", found.parameter,
+                       test.shift > 0.0 ? "at both ends of that" : "in the middle of that");
+  }
+  return fmt::format("their '{}' and '{}' go together otherwise than those of the others",
+                     found.parameter, found.other);
+}
+
 }  // namespace
 
 FailureResult test_failures(const Plan& plan, const std::vector<const Node*>& simulations) {
@@ -58,21 +73,15 @@ FailureResult test_failures(const Plan& plan, const std::vector<const Node*>& si
 }
 
 std::string words_of(const FailureResult& found) {
-  const inference::FailureDependence& test = found.test;
-  std::string difference;
-  if (found.other.empty()) {
-    difference =
-        fmt::format("their '{}' is {:.2g} deviations {} that of the others", found.parameter,
-                    std::abs(test.shift), test.shift > 0.0 ? "above" : "below");
-  } else if (found.other == found.parameter) {
-    difference = fmt::format("their '{}' lies {} of the others", found.parameter,
-                             test.shift > 0.0 ? "at both ends of that" : "in the middle of that");
-  } else {
-    difference = fmt::format("their '{}' and '{}' go together otherwise than those of the others",
-                             found.parameter, found.other);
-  }
-  return fmt::format("{} of {} simulations of round {} failed; {}", test.num_failed,
-                     test.num_failed + test.num_good, found.round, difference);
+  return fmt::format("{} of {} simulations of round {} failed; {}", found.test.num_failed,
+                     found.test.num_failed + found.test.num_good, found.round,
+                     difference_of(found));
+}
+
+std::string where_failures_lie(const Plan& plan, const Node& simulation) {
+  constexpr double level = 0.001;
+  const FailureResult found = test_simulation(plan, simulation);
+  return found.test.num_failed > 0 && found.test.p_value < level ? difference_of(found) : "";
 }
 
 }  // namespace npdr::pipeline

@@ -18,6 +18,10 @@ FailureResult test_failures(const Plan& plan, const std::vector<const Node*>& si
 /// "12 of 300 simulations of round 1 failed; their 'a' is 1.9 deviations above that of the others".
 std::string words_of(const FailureResult& found);
 
+/// Of one simulation, however many of its rows failed: "their 'a' is 1.9 deviations above that of
+/// the others"; "" where a test at a level of 0.001 finds nothing.
+std::string where_failures_lie(const Plan& plan, const Node& simulation);
+
 /// What that means, and what to do about it.
 inline constexpr const char* kFailureAdvice =
     "Rows that failed are left out, so that posteriors are those of parameters that don't fail: "

@@ -9,6 +9,7 @@
 #include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
+#include "pipeline/features/failures.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/progress.h"
@@ -142,16 +143,20 @@ void simulate_shard(Simulation& simulation, const Shard& shard, Index done_befor
   writer.finish();
 }
 
-// The report counts rows that failed; why they did is known here.
+// The report counts rows that failed; why they did, and for which parameters, is known here.
 void warn_of_failures(const Simulation& simulation) {
-  if (!simulation.plan.study.source().takes_seeds) return;
-  const h5::File file = open_artefact(simulation.node, kSimulationSchema);
+  const Plan& plan = simulation.plan;
+  const Node& node = simulation.node;
+  const h5::File file = open_artefact(node, kSimulationSchema);
+  const bool is_ours = !plan.study.source().takes_seeds;
+  if (is_ours && too_many_failed(plan, node, file).empty()) return;
   const auto num_failed = file.attribute<Index>("num_failed");
   const std::string last = simulation.simulator->last_failure();
   if (num_failed > 0) {
-    warn(simulation.node, fmt::format("{} of {} rows failed ({}){}", num_failed,
-                                      num_rows(simulation.plan, simulation.node), failures(file),
-                                      last.empty() ? "" : "; the last: " + last));
+    const std::string where = where_failures_lie(plan, node);
+    warn(node, fmt::format("{} of {} rows failed ({}){}{}", num_failed, num_rows(plan, node),
+                           failures(file), where.empty() ? "" : "; " + where,
+                           last.empty() ? "" : "; the last: " + last));
   } else if (!last.empty()) {
     warn(
         simulation.node,

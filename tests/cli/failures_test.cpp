@@ -51,6 +51,15 @@ TEST_F(Failures, ThatDependOnParametersAreAWarningWithoutChecks) {
             std::string::npos);
 }
 
+TEST_F(Failures, OfTooManyRowsSayWhichParametersFail) {
+  const Outcome outcome = run_study(kFailsAbove, {"limits.max_failed_fraction=0.01"});
+  EXPECT_EQ(outcome.status, 3);
+  for (const char* part : {"diverged); their 'a' is", "deviations above that of the others",
+                           "limits.max_failed_fraction = 0.01 allows 2"}) {
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(Failures, OfAllRowsAreAnError) {
   const Outcome outcome = run_study("print \\\"nan\\\"", {});
   EXPECT_EQ(outcome.status, 2);
