@@ -276,8 +276,9 @@ std::optional<double> Scheduler::left(const Job& job) const {
            static_cast<double>(state.done);
   }
   const std::optional<double> expected = costs_.expected(plan_.nodes[job.node]);
-  // What has taken longer than others tells no more than it itself does.
-  return expected && *expected > spent(job) ? std::optional(*expected - spent(job)) : std::nullopt;
+  if (!expected) return std::nullopt;
+  // What has taken longer than others may well take as long again.
+  return *expected > spent(job) ? *expected - spent(job) : spent(job);
 }
 
 std::optional<double> Scheduler::share_done() const {
