@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -19,6 +20,7 @@
 #include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/apps/help_format.h"
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_warnings.h"
 #include "pipeline/process/build_info.h"
@@ -59,6 +61,22 @@ void require_folder(const std::string& work) {
   throw InputError(fmt::format(
       "--work = {}, which isn't a folder; must be the folder of results, or a new name for one",
       quoted(work)));
+}
+
+// A device that was driven is simulated without; "" where all that was done is used.
+std::string unused_actions(const Study& study, const sim::SimulatorInfo& info) {
+  if (!study.target.recording || !study.source().gives_motion) return "";
+  std::vector<std::string> unused;
+  for (const Channel& action : read_recording(*study.target.recording).action_channels) {
+    const auto is_it = [&](const Channel& known) { return known.label == action.label; };
+    if (std::ranges::any_of(info.action_channels, is_it)) continue;
+    if (!std::ranges::any_of(info.state_channels, is_it)) unused.push_back(action.label);
+  }
+  if (unused.empty()) return "";
+  return fmt::format(
+      "{}: warning: the simulator isn't given the recorded action{} {}: it moves as if there were "
+      "none; name it in simulator.actions, where the simulator is yours",
+      study.places.of("target.recording").str(), unused.size() == 1 ? "" : "s", join(unused));
 }
 
 }  // namespace
@@ -183,9 +201,10 @@ std::vector<std::string> StudyArguments::words() const {
 }
 
 void print_warnings(const std::string& program, const Plan& plan) {
-  for (const std::string& warning : warnings_of(plan.study, plan.source->info())) {
-    report_error(program, warning);
-  }
+  const sim::SimulatorInfo& info = plan.source->info();
+  for (const std::string& warning : warnings_of(plan.study, info)) report_error(program, warning);
+  const std::string unused = unused_actions(plan.study, info);
+  if (!unused.empty()) report_error(program, unused);
 }
 
 void UntilOption::add_to(CLI::App& app, const std::string& purpose) {

@@ -26,6 +26,9 @@ class RolloutChecker : Checker {
       }
       return;
     }
+    if (study_.target.recording && shape_.num_steps == 1 && reading_.good("target.recording")) {
+      return fail("target.recording", "one of a single step", "a recording of 2 steps or more");
+    }
     for (const std::uint64_t rollout : study_.target.rollouts) {
       if (study_.target.truth) break;
       check_at_most("target.rollouts", static_cast<Index>(rollout), num_recorded_,

@@ -78,6 +78,19 @@ TEST_F(OwnSimulators, AWorkerGivesWhatTheLibraryGives) {
   for (std::size_t i = 0; i < mine.size(); ++i) ASSERT_NEAR(mine[i], theirs[i], 1e-4) << i;
 }
 
+TEST_F(OwnSimulators, RecordedActionsThatTheyArentGivenAreAWarning) {
+  write_recording(furuta_recording(2), folder_ / "recorded.h5");
+  folder_.file("sim.py", "");
+  ASSERT_EQ(npdr({"new", "mine", "--recording", "recorded.h5", "--worker", "cat sim.py"}).status,
+            0);
+  const auto warnings = [&](const std::string& setting) {
+    return npdr({"validate", "mine.toml", "--quiet", "--set", setting}).err;
+  };
+  EXPECT_EQ(warnings("target.held_out=0"), "");
+  EXPECT_NE(warnings("simulator.actions=[]").find("isn't given the recorded action voltage"),
+            std::string::npos);
+}
+
 // Once, though everything that asks the worker fails; and told as what the study calls it.
 TEST_F(OwnSimulators, AParameterThatTheStudyDoesntHaveIsToldOnce) {
   const std::string python = python_with("numpy");

@@ -202,14 +202,15 @@ TEST(Plan, SegmentsDontChangeASimulatedTarget) {
 }
 
 // A recording of the pendulum at rest: 2 rollouts of 40 steps.
-void write_rest(const std::filesystem::path& path) {
+void write_rest(const std::filesystem::path& path, Index num_steps = 40) {
   const auto simulator = sim::make_simulator({.name = "pendulum"});
   Target target;
   target.dt = 0.02;
   target.state_channels = simulator->info().state_channels;
   target.action_channels = simulator->info().action_channels;
   for (const char* name : {"first", "second"}) {
-    target.rollouts.push_back({name, RowMatrix::Zero(41, 2), RowMatrix::Zero(40, 1)});
+    target.rollouts.push_back(
+        {name, RowMatrix::Zero(num_steps + 1, 2), RowMatrix::Zero(num_steps, 1)});
   }
   write_recording(target, path);
 }
@@ -239,6 +240,17 @@ TEST(Plan, AStudyPicksRolloutsOfItsRecording) {
   EXPECT_TRUE(says(message_of<InputError>([&] { plan("[1, 3]"); }),
                    {"--set target.rollouts=[1, 3]: target.rollouts = 3",
                     "must be <= 2, what the recording holds"}));
+}
+
+TEST(Plan, ARecordingHasTwoStepsAtLeast) {
+  const TempFolder folder;
+  write_rest(folder / "r.h5", 1);
+  const std::string recording = "target.recording=" + (folder / "r.h5").string();
+  EXPECT_TRUE(says(message_of<InputError>([&] {
+                     plan_of({recording, "target.num_rollouts=1"});
+                   }),
+                   {"--set target.recording=",
+                    "target.recording = one of a single step, must be a recording of 2 steps"}));
 }
 
 TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
