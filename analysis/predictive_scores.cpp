@@ -92,9 +92,15 @@ void for_each_ensemble(const TrajectoryView& simulated, const std::vector<Index>
   });
 }
 
-bool is_within(std::span<const double> sorted, double level, double y) {
-  return y >= quantile_of_sorted(sorted, 0.5 * (1.0 - level)) &&
-         y <= quantile_of_sorted(sorted, 0.5 * (1.0 + level));
+struct Band {
+  double lower;
+  double upper;
+  bool holds(double y) const { return y >= lower && y <= upper; }
+};
+
+Band band_of_sorted(std::span<const double> sorted, double level) {
+  return {quantile_of_sorted(sorted, 0.5 * (1.0 - level)),
+          quantile_of_sorted(sorted, 0.5 * (1.0 + level))};
 }
 
 // log of the mean of exponentials. The largest is taken out of the sum: all might be 0 otherwise.
@@ -146,7 +152,7 @@ PredictiveScores predictive_scores(const TrajectoryView& simulated,
     crps(at.time, at.c) = crps_of_sorted(ensemble, y) / amplitude(at.h, at.c);
     for (Index l = 0; l < num_levels; ++l) {
       within(at.time, l * num_channels + at.c) =
-          is_within(ensemble, levels[static_cast<std::size_t>(l)], y);
+          band_of_sorted(ensemble, levels[static_cast<std::size_t>(l)]).holds(y);
     }
   });
   const Vector num_within = within.colwise().count().transpose().cast<double>();
@@ -154,6 +160,38 @@ PredictiveScores predictive_scores(const TrajectoryView& simulated,
           num_within.reshaped<Eigen::RowMajor>(num_levels, num_channels) /
               static_cast<double>(num_times),
           static_cast<Index>(usable.size())};
+}
+
+Vector coverage_of_samples(const TrajectoryView& simulated, double level) {
+  simulated.check();
+  check_levels({level});
+  const std::vector<Index> usable = usable_samples(simulated);
+  const Index num_channels = simulated.num_states;
+  std::vector<Band> bands(
+      static_cast<std::size_t>(simulated.num_rollouts * simulated.num_steps * num_channels));
+  if (!usable.empty()) {
+    for_each_ensemble(simulated, usable, [&](const Place& at, std::span<double> ensemble) {
+      std::ranges::sort(ensemble);
+      bands[static_cast<std::size_t>(at.time * num_channels + at.c)] =
+          band_of_sorted(ensemble, level);
+    });
+  }
+  Vector coverage = Vector::Constant(simulated.num_samples, kNaN);
+  parallel_for(std::ssize(usable), [&](Index k) {
+    const Index i = usable[static_cast<std::size_t>(k)];
+    Index held = 0;
+    auto band = bands.begin();
+    for (Index h = 0; h < simulated.num_rollouts; ++h) {
+      const auto states = simulated.rollout(i, h);
+      for (Index t = 0; t < simulated.num_steps; ++t) {
+        for (Index c = 0; c < num_channels; ++c, ++band) {
+          held += band->holds(double{states(t, c)}) ? 1 : 0;
+        }
+      }
+    }
+    coverage(i) = static_cast<double>(held) / static_cast<double>(bands.size());
+  });
+  return coverage;
 }
 
 Vector log_score(const TrajectoryView& simulated, const std::vector<RowMatrix>& observed,

@@ -55,6 +55,12 @@ PredictiveScores predictive_scores(const TrajectoryView& simulated,
                                    const RowMatrix& amplitude,
                                    const std::vector<double>& levels = {0.5, 0.9});
 
+/// (n) share of its own states that each sample has within the ensembles' bands of `level`, itself
+/// among them, over all rollouts, times and channels: what the coverage of an observation would be
+/// that is one more draw. NaN for a sample with a value that isn't finite. The rest as for
+/// predictive_scores().
+Vector coverage_of_samples(const TrajectoryView& simulated, double level);
+
 /// One state of a sample's rollout.
 struct SampledState {
   Index sample;

@@ -147,7 +147,10 @@ std::string words_of(Check check) {
     case Check::contraction:
       return "is the posterior narrower than the prior?";
     case Check::fit:
-      return "is the samples' RMSE near the smallest that can be reached?";
+      return "is the samples' RMSE near the smallest that can be reached, and of hardly any as "
+             "large as the prior's?";
+    case Check::held_out:
+      return "do bands of predictions hold rollouts that inference hasn't seen?";
   }
   return "";
 }

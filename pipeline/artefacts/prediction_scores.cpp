@@ -15,6 +15,9 @@ void describe(Layout f, PredictionScores& scores) {
     "log of the mean density of a state, over the largest recorded magnitude [nats], if all "
     "channels have noise",
     {.unless_empty = true});
+  f.attribute("share_as_seldom_within", scores.share_as_seldom_within,
+              "of the samples, whose own rollouts lie within the bands of 90 % as seldom as the "
+              "recorded ones");
 }
 
 }  // namespace

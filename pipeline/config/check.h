@@ -22,7 +22,8 @@ enum class Check {
   sampling,
   bounds,
   contraction,
-  fit
+  fit,
+  held_out
 };
 
 /// Conditions that a method must meet for a check to mean something to it.
@@ -91,6 +92,14 @@ constexpr auto enum_table(Check) {
        "it IS the prior",
        true},
       {{fit, "fit"}, "RMSE", posterior, true, false, false, "FAR above what can be reached", true},
+      {{held_out, "held_out"},
+       "Held-out rollouts",
+       posterior,
+       true,
+       false,
+       false,
+       "predictions are TOO NARROW",
+       true},
   });
 }
 

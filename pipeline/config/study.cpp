@@ -79,6 +79,7 @@ std::string Study::why_unchecked(Check check, const MethodConfig& method) const 
   if (check == Check::fit && target.recording && !evaluate.floor) {
     return "evaluate.floor is off";
   }
+  if (check == Check::held_out && target.held_out == 0) return "no rollouts are held out";
   return "";
 }
 

@@ -159,13 +159,12 @@ bool can_calibrate_cheaply(const Study& study) {
 // Every study is checked, unless it says that it isn't: without [diagnose] by what costs little.
 void resolve_checks(Study& study, const Reading& reading) {
   DiagnoseConfig& diagnose = study.diagnose;
-  if (reading.has("diagnose")) {
-    if (!reading.has("diagnose.checks")) diagnose.checks = values_of<Check>();
-    return;
-  }
+  if (reading.has("diagnose.checks")) return;
+  diagnose.checks = values_of<Check>();
+  if (study.target.held_out == 0) std::erase(diagnose.checks, Check::held_out);
+  if (reading.has("diagnose")) return;
   diagnose.num_samples = 200;
   const bool calibrates = can_calibrate_cheaply(study);
-  diagnose.checks = values_of<Check>();
   std::erase_if(diagnose.checks, [&](Check check) {
     return traits_of(check).calibrates &&
            (!calibrates || check == Check::tarp || check == Check::local_c2st);

@@ -77,6 +77,18 @@ Vector log_score(const sim::NoiseModel& model, const sim::Trajectories& rows,
       });
 }
 
+// The coverage that has been observed, mean over channels, among those that the samples would have.
+double share_as_seldom(const RowMatrix& coverage, const sim::Trajectories& rows) {
+  const auto level = std::ranges::find(kBandLevels, kJudgedBand) - kBandLevels.begin();
+  const double observed = coverage.row(level).mean();
+  const Vector own = analysis::coverage_of_samples(view_of(rows), kJudgedBand);
+  const Index usable = own.size() - own.array().isNaN().count();
+  if (usable == 0) return 1.0;
+  constexpr double rounding = 1e-9;
+  return static_cast<double>((own.array() <= observed + rounding).count()) /
+         static_cast<double>(usable);
+}
+
 // As predictions of `target`.
 PredictionScores score_part(const Plan& plan, const Target& target,
                             const sim::Trajectories& all_states, const NoiseOfSamples& noise,
@@ -92,7 +104,10 @@ PredictionScores score_part(const Plan& plan, const Target& target,
                                           target.num_rollouts(), target.num_states()));
   scores.crps = exact.crps;
   scores.coverage = exact.coverage;
-  if (noise.empty()) return scores;
+  if (noise.empty()) {
+    scores.share_as_seldom_within = share_as_seldom(scores.coverage, rows);
+    return scores;
+  }
   const auto recorded =
       by_rollout(stored_observation(plan, target), target.num_rollouts(), target.num_states());
   scores.log_score = log_score(model, rows, recorded, noise);
@@ -104,6 +119,7 @@ PredictionScores score_part(const Plan& plan, const Target& target,
   const auto noisy = scores_of(recorded);
   scores.noisy_crps = noisy.crps;
   scores.noisy_coverage = noisy.coverage;
+  scores.share_as_seldom_within = share_as_seldom(scores.noisy_coverage, rows);
   return scores;
 }
 

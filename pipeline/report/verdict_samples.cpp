@@ -82,6 +82,17 @@ std::optional<Yardstick> yardstick(const ReportData& data) {
   return std::nullopt;
 }
 
+// Samples that explain the observation no better than half of the prior's, where the rest does far
+// better, belong to a mode that isn't there.
+constexpr double kFarBetter = 3.0;
+constexpr double kMostStrays = 0.05;
+
+// Their share; 0 where the rest isn't far better.
+double share_of_strays(const Vector& rmse, double of_prior) {
+  if (!(of_prior > kFarBetter * median_of(rmse))) return 0.0;
+  return static_cast<double>((rmse.array() > of_prior).count()) / static_cast<double>(rmse.size());
+}
+
 // What would let a method learn more of its observation.
 std::string advice_to_learn(const ReportData& data, const std::string& method) {
   using inference::EmbeddingKind;
@@ -280,26 +291,75 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
   }
   const Runs runs = data.runs_of(method);
   const std::optional<Yardstick> reached = yardstick(data);
-  std::size_t failed = 0;
-  double worst = 0.0;
+  const double of_prior = median_of(data.baseline.prior->metrics.at(rmse));
+  std::size_t failed = 0, astray = 0;
+  double worst = 0.0, strays = 0.0;
   for (const EvaluatedRun* run : runs) {
-    const double median = median_of(run->evaluation.metrics.at(rmse));
+    const Vector& its = run->evaluation.metrics.at(rmse);
+    const double median = median_of(its);
     if (!reached || std::isnan(median)) {
       return {Check::fit, Judgment::unknown, "can't tell",
               "no rollout succeeded that an RMSE could be measured of"};
     }
     failed += median > reached->limit ? 1 : 0;
     worst = std::max(worst, median);
+    const double share = share_of_strays(its, of_prior);
+    astray += share > kMostStrays ? 1 : 0;
+    strays = std::max(strays, share);
   }
   const double times = worst / reached->unit;
   const std::string size = times < 10.0 ? fmt::format("{:.2g} {}", times, reached->words)
                                         : fmt::format("{:.0f} {}", times, reached->words);
-  if (failed == 0) return {Check::fit, Judgment::passes, "passes, " + size, ""};
+  if (failed == 0 && astray == 0) return {Check::fit, Judgment::passes, "passes, " + size, ""};
+  if (failed == 0) {
+    return {Check::fit, Judgment::fails,
+            fmt::format("{:.0f} % of its samples are FAR off{}", 100.0 * strays,
+                        seeds_text(astray, runs.size())),
+            fmt::format("their RMSE is above {:.3g}, the median of the prior's, that of the others "
+                        "{:.3g}: a mode that isn't there; try {}, more rounds, or a refinement of "
+                        "its posterior",
+                        of_prior, worst, advice_to_learn(data, method))};
+  }
   return {
       Check::fit, Judgment::fails,
       std::string(traits_of(Check::fit).failure) + seeds_text(failed, runs.size()) + ", " + size,
       fmt::format("{:.3g} is the median RMSE of its samples, {}: try {}, more rounds", worst, size,
                   advice_to_learn(data, method))};
+}
+
+// A rollout that inference hasn't seen, predicted by a posterior that is right, is one more draw:
+// it lies within the bands as seldom as not one of n draws with a probability of 1 / (n + 1).
+Verdict judge_held_out(const ReportData& data, const std::string& method) {
+  const Runs runs = data.runs_of(method);
+  if (has_too_few(runs)) {
+    return too_few_samples(Check::held_out, runs.front()->evaluation.theta.rows());
+  }
+  const auto level = std::ranges::find(kBandLevels, kJudgedBand) - kBandLevels.begin();
+  std::size_t failed = 0;
+  double least = 1.0;
+  for (const EvaluatedRun* run : runs) {
+    const PredictionScores& scores = *run->evaluation.scores.held_out;
+    const RowMatrix& coverage =
+        scores.noisy_coverage.size() > 0 ? scores.noisy_coverage : scores.coverage;
+    const double covered = coverage.row(level).mean();
+    if (std::isnan(covered)) {
+      return {Check::held_out, Judgment::unknown, "can't tell",
+              "no sample's simulation of the held-out rollouts succeeded"};
+    }
+    failed += scores.share_as_seldom_within == 0.0 ? 1 : 0;
+    least = std::min(least, covered);
+  }
+  const std::string text =
+      fmt::format(", bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand, 100.0 * least);
+  if (failed == 0) return {Check::held_out, Judgment::passes, "passes" + text, ""};
+  const bool is_refined = runs.front()->notes.certificate.has_value();
+  return {Check::held_out, Judgment::fails,
+          std::string(traits_of(Check::held_out).failure) + seeds_text(failed, runs.size()) + text,
+          fmt::format("none of its samples' own predictions would be held so seldom, so it knows "
+                      "parameters or noise less well than it says: {}",
+                      is_refined ? "let refine.cross_validate choose the power of the likelihood"
+                                 : "raise observation_noise, or refine it with "
+                                   "refine.cross_validate")};
 }
 
 }  // namespace npdr::pipeline

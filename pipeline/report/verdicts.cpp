@@ -73,6 +73,8 @@ Verdict judge(const ReportData& data, const std::string& method, Check check) {
       return judge_contraction(data, method);
     case Check::fit:
       return judge_fit(data, method);
+    case Check::held_out:
+      return judge_held_out(data, method);
     case Check::training:
       return judge_training(data, method, data.diagnoses_of(method));
     default:

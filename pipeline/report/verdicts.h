@@ -28,6 +28,7 @@ Verdict judge_sampling(const ReportData& data, const std::string& method);
 Verdict judge_bounds(const ReportData& data, const std::string& method);
 Verdict judge_contraction(const ReportData& data, const std::string& method);
 Verdict judge_fit(const ReportData& data, const std::string& method);
+Verdict judge_held_out(const ReportData& data, const std::string& method);
 
 /// R-hat (chain_diagnostics.h) above which chains count as having found different places.
 inline constexpr double kLargestRHat = 1.1;

@@ -227,6 +227,23 @@ TEST(PredictiveScores, SameBitsForAnyThreadCount) {
   EXPECT_EQ(one_log_score, four_log_score);
 }
 
+TEST(PredictiveScores, SamplesAreCoveredAsIfTheyWereObserved) {
+  constexpr Index n = 20, rollouts = 2, steps = 15, channels = 3;
+  std::vector<float> values(n * rollouts * steps * channels);
+  Stream({5, "predictive_scores_test"}).fill_normal(values);
+  values[7 * rollouts * steps * channels] = kNaN;
+  const TrajectoryView view = {values, n, rollouts, steps, channels};
+  const Vector found = coverage_of_samples(view, 0.8);
+  EXPECT_TRUE(std::isnan(found(7)));
+  for (const Index i : {0, 3, 19}) {
+    std::vector<RowMatrix> own;
+    for (Index h = 0; h < rollouts; ++h) own.emplace_back(view.rollout(i, h).cast<double>());
+    const RowMatrix ones = RowMatrix::Ones(rollouts, channels);
+    EXPECT_NEAR(found(i), predictive_scores(view, own, ones, {0.8}).coverage.mean(), 1e-12) << i;
+  }
+  EXPECT_TRUE(coverage_of_samples({{&kNaN, 1}, 1, 1, 1, 1}, 0.5).array().isNaN().all());
+}
+
 // Scores for 6 values as (n, H, T, C) = (1, 1, 3, 2).
 void score(const std::vector<RowMatrix>& observed, const RowMatrix& amplitude, double level = 0.5) {
   const std::vector<float> values(6);

@@ -349,7 +349,7 @@ TEST(StudyProblems, ChecksAreKnownAndDistinct) {
   };
   const std::string all =
       "distinct, each one of sbc, coverage, tarp, local_c2st, predictive, ood, "
-      "failures, training, sampling, bounds, contraction, fit";
+      "failures, training, sampling, bounds, contraction, fit, held_out";
   EXPECT_NE(problem("checks = ['sbc', 'sbc']").find(all), std::string::npos);
   EXPECT_NE(problem("checks = ['rank']").find(all), std::string::npos);
   EXPECT_NE(problem("num_simulations = 39").find("diagnose.num_simulations = 39"),
@@ -384,6 +384,7 @@ TEST(StudyProblems, WithoutATableStudiesAreCheckedByWhatCostsLittle) {
   };
   const std::string cheap =
       "predictive, ood, failures, training, sampling, bounds, contraction, fit";
+  EXPECT_EQ(checks({"target.held_out=1"}), cheap + ", held_out");
   EXPECT_EQ(checks({"method.num_simulations=1199"}), cheap);
   EXPECT_EQ(checks({"method.num_simulations=1200"}), "sbc, coverage, " + cheap);
   EXPECT_EQ(checks({"method.num_simulations=1200", "method.\"NPDR (MAF)\".algorithm=nle",

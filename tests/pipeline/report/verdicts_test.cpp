@@ -195,6 +195,47 @@ TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
       << "what it has already";
 }
 
+TEST_F(Verdicts, SamplesAsFarOffAsThePriorsFail) {
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.1}}}};
+  add_run(samples_around(1.0, 0.02), 0.1);
+  Vector& rmse = data_.runs.front().evaluation.metrics["rmse"];
+  rmse.head(20).setConstant(1.1);  // of 400; the prior's are 1
+  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::passes) << "5 % may";
+  rmse.head(80).setConstant(1.1);
+  EXPECT_EQ(verdict_of(Check::fit).text, "20 % of its samples are FAR off");
+  EXPECT_TRUE(says(verdict_of(Check::fit).reason,
+                   {"their RMSE is above 1, the median of the prior's, that of the others 0.1",
+                    "a mode that isn't there"}));
+  // Where the observation tells little, many are.
+  data_.baseline.prior->metrics["rmse"].setConstant(0.25);
+  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::passes);
+}
+
+TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
+  plan_.study.target.held_out = 1;
+  add_run(samples_around(1.0, 0.02), 0.02);
+  const auto judge = [&](double covered, double share_as_seldom) {
+    PredictionScores& scores = data_.runs.front().evaluation.scores.held_out.emplace();
+    scores.coverage = RowMatrix::Zero(std::ssize(kBandLevels), 2);
+    scores.noisy_coverage = RowMatrix::Constant(std::ssize(kBandLevels), 2, 1.0);
+    scores.noisy_coverage.row(8) << covered - 0.1, covered + 0.1;
+    scores.share_as_seldom_within = share_as_seldom;
+    return judge_held_out(data_, kMethod);
+  };
+  EXPECT_EQ(judge(0.8, 0.002).text, "passes, bands of 90 % hold 80 %");
+  EXPECT_EQ(judge(0.8, 0.0).text, "predictions are TOO NARROW, bands of 90 % hold 80 %");
+  EXPECT_TRUE(
+      says(judge(0.8, 0.0).reason, {"none of its samples' own predictions would be held so seldom",
+                                    "raise observation_noise, or refine it"}));
+  data_.runs.front().notes.certificate.emplace();
+  EXPECT_TRUE(says(judge(0.8, 0.0).reason,
+                   {"none of its samples", "let refine.cross_validate choose the power"}));
+  EXPECT_EQ(judge(std::nan(""), 1.0).judgment, Judgment::unknown);
+  EXPECT_EQ(plan_.study.why_unchecked(Check::held_out, plan_.study.methods.front()), "");
+  plan_.study.target.held_out = 0;
+  EXPECT_NE(plan_.study.why_unchecked(Check::held_out, plan_.study.methods.front()), "");
+}
+
 TEST_F(Verdicts, AnErrorBelowTheNoisePasses) {
   data_.baseline.points = {{"truth", Vector(), {{"rmse", 1e-8}}}};
   plan_.study.observation_noise.scale = 0.2;
