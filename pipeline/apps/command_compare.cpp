@@ -89,8 +89,10 @@ void print_text(const Comparison& c) {
   print_line("first   {}", c.first.where);
   print_line("second  {}", c.second.where);
   fmt::print("the first {} rows of each\n\n", c.first.rows.rows());
-  fmt::print("C2ST   {:.4f} ± {:.4f}  (0.5: can't be told apart, 1: don't overlap)\n",
-             c.c2st.accuracy, c.c2st.standard_error);
+  fmt::print(
+      "C2ST   {:.4f} ± {:.4f}  (0.5: can't be told apart, 1: don't overlap; far below 0.5: "
+      "rows are in both)\n",
+      c.c2st.accuracy, c.c2st.standard_error);
   fmt::print("MMD^2  {:.3g}, p = {:.2g}  (p: as large by chance, when both are the same)\n\n",
              c.mmd.squared, c.mmd.p_value);
   fmt::print("{:<28} {:>11} {:>11} {:>11} {:>11}\n", "", "mean first", "mean second", "std first",
