@@ -211,7 +211,7 @@ class Writer {
         "# and no simulation does. EDIT: that of your sensors, more where no parameter explains "
         "the "
         "motion.\n[observation_noise]\nscale = 0.02\n\n"
-        "[[method]]\nname = \"NPE\"\nnum_rounds = 3\nnum_simulations = 1000\n";
+        "[[method]]\nname = \"NPE\"\nnum_simulations = 3000\n";
     if (!gives_motion()) return;
     const Index steps =
         recording_ ? recording_->num_steps() : std::max<Index>(info_.num_steps, Index{250});

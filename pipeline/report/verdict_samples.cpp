@@ -315,9 +315,8 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
     return {Check::fit, Judgment::fails,
             fmt::format("{:.0f} % of its samples are FAR off{}", 100.0 * strays,
                         seeds_text(astray, runs.size())),
-            fmt::format("their RMSE is above {:.3g}, the median of the prior's, that of the others "
-                        "{:.3g}: a mode that isn't there; try {}, more rounds, or a refinement of "
-                        "its posterior",
+            fmt::format("their RMSE is above {:.3g}, the median of the prior's; that of all of them is "
+                        "{:.3g}: a mode that isn't there; try {}, or a refinement of its posterior",
                         of_prior, worst, advice_to_learn(data, method))};
   }
   return {

@@ -204,7 +204,7 @@ TEST_F(Verdicts, SamplesAsFarOffAsThePriorsFail) {
   rmse.head(80).setConstant(1.1);
   EXPECT_EQ(verdict_of(Check::fit).text, "20 % of its samples are FAR off");
   EXPECT_TRUE(says(verdict_of(Check::fit).reason,
-                   {"their RMSE is above 1, the median of the prior's, that of the others 0.1",
+                   {"their RMSE is above 1, the median of the prior's; that of all of them is 0.1",
                     "a mode that isn't there"}));
   // Where the observation tells little, many are.
   data_.baseline.prior->metrics["rmse"].setConstant(0.25);
