@@ -19,6 +19,7 @@ namespace {
 
 // States of a rollout that are enough to tell parameters apart.
 constexpr Index kStatesLeft = 50;
+constexpr Index kComponents = 50;  // of all states, in which networks are surest of recordings
 // More parameters than these are listed, but left out of the prior.
 constexpr std::size_t kMostUnknown = 8;
 
@@ -74,6 +75,11 @@ class Writer {
   bool is_program() const { return !wanted_.command.empty() || !wanted_.worker.empty(); }
   bool gives_motion() const { return wanted_.command.empty() || recording_; }
 
+  bool holds_out() const { return recording_ && recording_->num_rollouts() >= 3; }
+  Index num_rollouts_seen() const {
+    return recording_ ? recording_->num_rollouts() - (holds_out() ? 1 : 0) : 1;
+  }
+
   void find_simulator() {
     Study study;
     study.simulator.name = wanted_.simulator;
@@ -110,12 +116,11 @@ class Writer {
     text_ += "[target]\n";
     if (recording_) {
       text_ += fmt::format("recording = {}\n", quoted_toml(wanted_.recording));
-      const Index count = recording_->num_rollouts();
-      if (count >= 3) {
+      if (holds_out()) {
         text_ += fmt::format(
             "num_rollouts = {}  # that inference sees\n"
             "held_out = 1  # that it doesn't, to predict; EDIT: 0 to use all\n",
-            count - 1);
+            num_rollouts_seen());
       }
     } else if (is_program()) {
       text_ += "truth = { a = 1.0 }  # EDIT: parameters of a simulated target, or a recording\n";
@@ -216,7 +221,11 @@ class Writer {
     const Index steps =
         recording_ ? recording_->num_steps() : std::max<Index>(info_.num_steps, Index{250});
     const Index downsample = std::max<Index>(1, steps / kStatesLeft);
-    text_ += fmt::format("embedding = {{ downsample = {} }}\n", downsample);
+    const Index features = num_rollouts_seen() * (steps / downsample) *
+                           std::max<Index>(1, std::ssize(info_.state_channels));
+    text_ += fmt::format(
+        "embedding = {{ kind = \"all_steps\", downsample = {}{} }}\n", downsample,
+        features > kComponents ? fmt::format(", principal_components = {}", kComponents) : "");
   }
 
   NewStudy wanted_;

@@ -312,12 +312,13 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
                                         : fmt::format("{:.0f} {}", times, reached->words);
   if (failed == 0 && astray == 0) return {Check::fit, Judgment::passes, "passes, " + size, ""};
   if (failed == 0) {
-    return {Check::fit, Judgment::fails,
-            fmt::format("{:.0f} % of its samples are FAR off{}", 100.0 * strays,
-                        seeds_text(astray, runs.size())),
-            fmt::format("their RMSE is above {:.3g}, the median of the prior's; that of all of them is "
-                        "{:.3g}: a mode that isn't there; try {}, or a refinement of its posterior",
-                        of_prior, worst, advice_to_learn(data, method))};
+    return {
+        Check::fit, Judgment::fails,
+        fmt::format("{:.0f} % of its samples are FAR off{}", 100.0 * strays,
+                    seeds_text(astray, runs.size())),
+        fmt::format("their RMSE is above {:.3g}, the median of the prior's; that of all of them is "
+                    "{:.3g}: a mode that isn't there; try {}, or a refinement of its posterior",
+                    of_prior, worst, advice_to_learn(data, method))};
   }
   return {
       Check::fit, Judgment::fails,

@@ -53,8 +53,8 @@ TEST_F(NewStudies, TakeARecording) {
       npdr({"new", "real", "--recording", "recorded.h5", "--simulator", "furuta"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string text = text_of(folder_ / "real.toml");
-  for (const char* part :
-       {"recording = \"recorded.h5\"", "held_out = ", "embedding = { downsample = "}) {
+  for (const char* part : {"recording = \"recorded.h5\"", "held_out = ", "num_rollouts = 3",
+                           "principal_components = 50 }"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
   }
   EXPECT_EQ(npdr({"validate", "--quiet", "real.toml"}).status, 0) << text;
