@@ -162,36 +162,41 @@ PredictiveScores predictive_scores(const TrajectoryView& simulated,
           static_cast<Index>(usable.size())};
 }
 
-Vector coverage_of_samples(const TrajectoryView& simulated, double level) {
+ComparedCoverage compare_coverage(const TrajectoryView& simulated,
+                                  const std::vector<RowMatrix>& observed, double level) {
   simulated.check();
+  check_observed(observed, simulated);
   check_levels({level});
   const std::vector<Index> usable = usable_samples(simulated);
   const Index num_channels = simulated.num_states;
   std::vector<Band> bands(
       static_cast<std::size_t>(simulated.num_rollouts * simulated.num_steps * num_channels));
-  if (!usable.empty()) {
-    for_each_ensemble(simulated, usable, [&](const Place& at, std::span<double> ensemble) {
-      std::ranges::sort(ensemble);
-      bands[static_cast<std::size_t>(at.time * num_channels + at.c)] =
-          band_of_sorted(ensemble, level);
-    });
-  }
-  Vector coverage = Vector::Constant(simulated.num_samples, kNaN);
-  parallel_for(std::ssize(usable), [&](Index k) {
-    const Index i = usable[static_cast<std::size_t>(k)];
+  const auto value = [&](const Place& at) {
+    return observed[static_cast<std::size_t>(at.h)](at.t, at.c);
+  };
+  for_each_ensemble(simulated, usable, [&](const Place& at, std::span<double> ensemble) {
+    std::vector<double> all(ensemble.begin(), ensemble.end());
+    all.push_back(value(at));
+    std::ranges::sort(all);
+    bands[static_cast<std::size_t>(at.time * num_channels + at.c)] = band_of_sorted(all, level);
+  });
+  const auto share_held = [&](const auto& state) {
     Index held = 0;
     auto band = bands.begin();
-    for (Index h = 0; h < simulated.num_rollouts; ++h) {
-      const auto states = simulated.rollout(i, h);
-      for (Index t = 0; t < simulated.num_steps; ++t) {
-        for (Index c = 0; c < num_channels; ++c, ++band) {
-          held += band->holds(double{states(t, c)}) ? 1 : 0;
-        }
-      }
+    for (Index time = 0; time < simulated.num_rollouts * simulated.num_steps; ++time) {
+      const Index h = time / simulated.num_steps, t = time % simulated.num_steps;
+      for (Index c = 0; c < num_channels; ++c, ++band) held += band->holds(state({h, t, c, time}));
     }
-    coverage(i) = static_cast<double>(held) / static_cast<double>(bands.size());
+    return static_cast<double>(held) / static_cast<double>(bands.size());
+  };
+  ComparedCoverage found{share_held(value), Vector::Constant(simulated.num_samples, kNaN),
+                         std::ssize(usable)};
+  parallel_for(found.num_samples, [&](Index k) {
+    const Index i = usable[static_cast<std::size_t>(k)];
+    found.samples(i) =
+        share_held([&](const Place& at) { return double{simulated.rollout(i, at.h)(at.t, at.c)}; });
   });
-  return coverage;
+  return found;
 }
 
 Vector log_score(const TrajectoryView& simulated, const std::vector<RowMatrix>& observed,

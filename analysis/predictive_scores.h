@@ -55,11 +55,19 @@ PredictiveScores predictive_scores(const TrajectoryView& simulated,
                                    const RowMatrix& amplitude,
                                    const std::vector<double>& levels = {0.5, 0.9});
 
-/// (n) share of its own states that each sample has within the ensembles' bands of `level`, itself
-/// among them, over all rollouts, times and channels: what the coverage of an observation would be
-/// that is one more draw. NaN for a sample with a value that isn't finite. The rest as for
+/// Coverage of an observation beside those that samples would have in its place.
+struct ComparedCoverage {
+  double observed = 0.0;  ///< share of the observed states within the bands
+  Vector samples;         ///< (n) share of each sample's own; NaN: it has a value that isn't finite
+  Index num_samples = 0;  ///< those that have none
+};
+
+/// Over all rollouts, times and channels, in central bands of n + 1 values each: the samples' and
+/// the observed one. So an observation that is one more independent draw of what the samples come
+/// from has each rank among them with the same probability, whatever n. The rest as for
 /// predictive_scores().
-Vector coverage_of_samples(const TrajectoryView& simulated, double level);
+ComparedCoverage compare_coverage(const TrajectoryView& simulated,
+                                  const std::vector<RowMatrix>& observed, double level);
 
 /// One state of a sample's rollout.
 struct SampledState {

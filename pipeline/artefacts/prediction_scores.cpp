@@ -18,6 +18,7 @@ void describe(Layout f, PredictionScores& scores) {
   f.attribute("share_as_seldom_within", scores.share_as_seldom_within,
               "of the samples, whose own rollouts lie within the bands of 90 % as seldom as the "
               "recorded ones");
+  f.attribute("num_compared", scores.num_compared, "samples, of which that is a share");
 }
 
 }  // namespace

@@ -22,9 +22,11 @@ struct PredictionScores {
   Vector noisy_crps;         ///< (C); empty: there is no noise
   RowMatrix noisy_coverage;  ///< (L, C)
   Vector log_score;          ///< (C) [nats]; empty: a channel has no noise
-  /// Share of the samples that would, with noise where there is any, be within the bands of
-  /// kJudgedBand as seldom as what was recorded is: 0 says that predictions are too narrow.
+  /// Share of num_compared samples that would, with noise where there is any, be within bands of
+  /// kJudgedBand as seldom as what was recorded (analysis::compare_coverage): 0 says that
+  /// predictions are too narrow.
   double share_as_seldom_within = 1.0;
+  Index num_compared = 0;
 };
 
 /// Of the rollouts that inference saw and, where there are any, of those that were held out; empty

@@ -77,16 +77,16 @@ Vector log_score(const sim::NoiseModel& model, const sim::Trajectories& rows,
       });
 }
 
-// The coverage that has been observed, mean over channels, among those that the samples would have.
-double share_as_seldom(const RowMatrix& coverage, const sim::Trajectories& rows) {
-  const auto level = std::ranges::find(kBandLevels, kJudgedBand) - kBandLevels.begin();
-  const double observed = coverage.row(level).mean();
-  const Vector own = analysis::coverage_of_samples(view_of(rows), kJudgedBand);
-  const Index usable = own.size() - own.array().isNaN().count();
-  if (usable == 0) return 1.0;
+// How the observed coverage compares with those that the samples would have.
+void compare(const sim::Trajectories& rows, const std::vector<RowMatrix>& observed,
+             PredictionScores& scores) {
+  const auto found = analysis::compare_coverage(view_of(rows), observed, kJudgedBand);
+  scores.num_compared = found.num_samples;
+  if (found.num_samples == 0) return;
   constexpr double rounding = 1e-9;
-  return static_cast<double>((own.array() <= observed + rounding).count()) /
-         static_cast<double>(usable);
+  const Index seldom = (found.samples.array() <= found.observed + rounding).count();
+  scores.share_as_seldom_within =
+      static_cast<double>(seldom) / static_cast<double>(found.num_samples);
 }
 
 // As predictions of `target`.
@@ -100,12 +100,13 @@ PredictionScores score_part(const Plan& plan, const Target& target,
     return analysis::predictive_scores(view_of(rows), observed, model.measure(), kBandLevels);
   };
   PredictionScores scores;
-  const auto exact = scores_of(by_rollout(inference::observed_series(target, store_every),
-                                          target.num_rollouts(), target.num_states()));
+  const auto states = by_rollout(inference::observed_series(target, store_every),
+                                 target.num_rollouts(), target.num_states());
+  const auto exact = scores_of(states);
   scores.crps = exact.crps;
   scores.coverage = exact.coverage;
   if (noise.empty()) {
-    scores.share_as_seldom_within = share_as_seldom(scores.coverage, rows);
+    compare(rows, states, scores);
     return scores;
   }
   const auto recorded =
@@ -119,7 +120,7 @@ PredictionScores score_part(const Plan& plan, const Target& target,
   const auto noisy = scores_of(recorded);
   scores.noisy_crps = noisy.crps;
   scores.noisy_coverage = noisy.coverage;
-  scores.share_as_seldom_within = share_as_seldom(scores.noisy_coverage, rows);
+  compare(rows, recorded, scores);
   return scores;
 }
 

@@ -85,12 +85,15 @@ std::optional<Yardstick> yardstick(const ReportData& data) {
 // Samples that explain the observation no better than half of the prior's, where the rest does far
 // better, belong to a mode that isn't there.
 constexpr double kFarBetter = 3.0;
-constexpr double kMostStrays = 0.05;
+constexpr double kMostStrays = 0.1;
 
-// Their share; 0 where the rest isn't far better.
+// Their share of the samples whose rollouts succeeded; 0 where the rest isn't far better, and where
+// there are too few to tell.
 double share_of_strays(const Vector& rmse, double of_prior) {
-  if (!(of_prior > kFarBetter * median_of(rmse))) return 0.0;
-  return static_cast<double>((rmse.array() > of_prior).count()) / static_cast<double>(rmse.size());
+  const Index count = rmse.array().isFinite().count();
+  if (count < inference::kFewestForBounds || !(of_prior > kFarBetter * median_of(rmse))) return 0.0;
+  const Index strays = (rmse.array().isFinite() && rmse.array() > of_prior).count();
+  return static_cast<double>(strays) / static_cast<double>(count);
 }
 
 // What would let a method learn more of its observation.
@@ -115,6 +118,19 @@ Verdict unexplained(double rmse) {
                   "recorded magnitude: look at units, clock, and sign and zero of the angles of "
                   "the recording, or widen the prior",
                   rmse)};
+}
+
+// What would make predictions of rollouts that inference hasn't seen less sure of themselves.
+std::string advice_to_widen(const ReportData& data, const std::string& method) {
+  const MethodConfig& config = data.plan.study.method(method);
+  const std::string model = "look for what simulator or noise lack (observation_noise.correlation)";
+  if (config.refine.sampling.cross_validate) return model;
+  const bool has_folds = data.plan.study.target.num_rollouts > 1;
+  const bool is_refined = config.algorithm.kind == inference::Algorithm::refine;
+  if (!has_folds) return is_refined ? "lower refine.likelihood_power, or " + model : model;
+  return (is_refined ? "let refine.cross_validate choose the power of the likelihood, or "
+                     : "refine it with refine.cross_validate, or ") +
+         model;
 }
 
 // Of the weights of draws of the prior.
@@ -327,39 +343,34 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
                   advice_to_learn(data, method))};
 }
 
-// A rollout that inference hasn't seen, predicted by a posterior that is right, is one more draw:
-// it lies within the bands as seldom as not one of n draws with a probability of 1 / (n + 1).
+// A rollout that inference hasn't seen, predicted by independent draws of a posterior that is
+// right, is one more draw: not one of n draws lies within the bands as seldom with a probability of
+// 1 / (n + 1).
 Verdict judge_held_out(const ReportData& data, const std::string& method) {
   const Runs runs = data.runs_of(method);
-  if (has_too_few(runs)) {
-    return too_few_samples(Check::held_out, runs.front()->evaluation.theta.rows());
-  }
   const auto level = std::ranges::find(kBandLevels, kJudgedBand) - kBandLevels.begin();
   std::size_t failed = 0;
-  double least = 1.0;
+  double least = 1.0, least_failed = 1.0;
   for (const EvaluatedRun* run : runs) {
     const PredictionScores& scores = *run->evaluation.scores.held_out;
-    const RowMatrix& coverage =
-        scores.noisy_coverage.size() > 0 ? scores.noisy_coverage : scores.coverage;
-    const double covered = coverage.row(level).mean();
-    if (std::isnan(covered)) {
-      return {Check::held_out, Judgment::unknown, "can't tell",
-              "no sample's simulation of the held-out rollouts succeeded"};
+    if (scores.num_compared < inference::kFewestForBounds) {
+      return too_few_samples(Check::held_out, scores.num_compared);
     }
-    failed += scores.share_as_seldom_within == 0.0 ? 1 : 0;
+    const bool has_noise = scores.noisy_coverage.size() > 0;
+    const double covered = (has_noise ? scores.noisy_coverage : scores.coverage).row(level).mean();
     least = std::min(least, covered);
+    if (scores.share_as_seldom_within > 0.0) continue;
+    ++failed;
+    least_failed = std::min(least_failed, covered);
   }
-  const std::string text =
-      fmt::format(", bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand, 100.0 * least);
+  const std::string text = fmt::format(", bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand,
+                                       100.0 * (failed > 0 ? least_failed : least));
   if (failed == 0) return {Check::held_out, Judgment::passes, "passes" + text, ""};
-  const bool is_refined = runs.front()->notes.certificate.has_value();
   return {Check::held_out, Judgment::fails,
           std::string(traits_of(Check::held_out).failure) + seeds_text(failed, runs.size()) + text,
-          fmt::format("none of its samples' own predictions would be held so seldom, so it knows "
-                      "parameters or noise less well than it says: {}",
-                      is_refined ? "let refine.cross_validate choose the power of the likelihood"
-                                 : "raise observation_noise, or refine it with "
-                                   "refine.cross_validate")};
+          "none of its samples' own predictions would be held so seldom, so it knows parameters or "
+          "noise less well than it says: " +
+              advice_to_widen(data, method)};
 }
 
 }  // namespace npdr::pipeline

@@ -200,7 +200,7 @@ TEST_F(Verdicts, SamplesAsFarOffAsThePriorsFail) {
   add_run(samples_around(1.0, 0.02), 0.1);
   Vector& rmse = data_.runs.front().evaluation.metrics["rmse"];
   rmse.head(20).setConstant(1.1);  // of 400; the prior's are 1
-  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::passes) << "5 % may";
+  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::passes) << "a few may";
   rmse.head(80).setConstant(1.1);
   EXPECT_EQ(verdict_of(Check::fit).text, "20 % of its samples are FAR off");
   EXPECT_TRUE(says(verdict_of(Check::fit).reason,
@@ -212,25 +212,34 @@ TEST_F(Verdicts, SamplesAsFarOffAsThePriorsFail) {
 }
 
 TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
+  plan_.study.target.num_rollouts = 1;
   plan_.study.target.held_out = 1;
   add_run(samples_around(1.0, 0.02), 0.02);
+  Index num_compared = 400;
   const auto judge = [&](double covered, double share_as_seldom) {
     PredictionScores& scores = data_.runs.front().evaluation.scores.held_out.emplace();
     scores.coverage = RowMatrix::Zero(std::ssize(kBandLevels), 2);
     scores.noisy_coverage = RowMatrix::Constant(std::ssize(kBandLevels), 2, 1.0);
     scores.noisy_coverage.row(8) << covered - 0.1, covered + 0.1;
     scores.share_as_seldom_within = share_as_seldom;
+    scores.num_compared = num_compared;
     return judge_held_out(data_, kMethod);
   };
   EXPECT_EQ(judge(0.8, 0.002).text, "passes, bands of 90 % hold 80 %");
   EXPECT_EQ(judge(0.8, 0.0).text, "predictions are TOO NARROW, bands of 90 % hold 80 %");
   EXPECT_TRUE(
       says(judge(0.8, 0.0).reason, {"none of its samples' own predictions would be held so seldom",
-                                    "raise observation_noise, or refine it"}));
-  data_.runs.front().notes.certificate.emplace();
+                                    "look for what simulator or noise lack"}));
+  plan_.study.target.num_rollouts = 4;
+  EXPECT_TRUE(says(judge(0.8, 0.0).reason,
+                   {"none of its samples", "refine it with refine.cross_validate"}));
+  plan_.study.methods.front().algorithm.kind = inference::Algorithm::refine;
   EXPECT_TRUE(says(judge(0.8, 0.0).reason,
                    {"none of its samples", "let refine.cross_validate choose the power"}));
-  EXPECT_EQ(judge(std::nan(""), 1.0).judgment, Judgment::unknown);
+  plan_.study.methods.front().refine.sampling.cross_validate = true;
+  EXPECT_EQ(judge(0.8, 0.0).reason.find("cross_validate"), std::string::npos) << "it does already";
+  num_compared = 99;
+  EXPECT_EQ(judge(0.8, 0.0).judgment, Judgment::unknown);
   EXPECT_EQ(plan_.study.why_unchecked(Check::held_out, plan_.study.methods.front()), "");
   plan_.study.target.held_out = 0;
   EXPECT_NE(plan_.study.why_unchecked(Check::held_out, plan_.study.methods.front()), "");
