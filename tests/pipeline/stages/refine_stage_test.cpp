@@ -210,6 +210,8 @@ TEST_F(RefineStage, PredictionsAreScoredWithNoise) {
   EXPECT_NEAR(evaluation.scores.seen->noisy_crps.mean(), 0.113, 0.04);
   EXPECT_NEAR(evaluation.scores.seen->log_score.mean(), 0.190, 0.45);
   EXPECT_LT(evaluation.scores.seen->crps.mean(), 0.04) << "of states that aren't noisy";
+  EXPECT_EQ(evaluation.scores.seen->num_compared, evaluation.theta.rows());
+  EXPECT_GT(evaluation.scores.seen->share_as_seldom_within, 0.0);
 }
 
 double mean_scale(const NoiseOfSamples& noise) {
