@@ -23,6 +23,7 @@
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_warnings.h"
+#include "pipeline/plan/report_marker.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/shell_text.h"
@@ -203,8 +204,10 @@ std::vector<std::string> StudyArguments::words() const {
 void print_warnings(const std::string& program, const Plan& plan) {
   const sim::SimulatorInfo& info = plan.source->info();
   for (const std::string& warning : warnings_of(plan.study, info)) report_error(program, warning);
-  const std::string unused = unused_actions(plan.study, info);
-  if (!unused.empty()) report_error(program, unused);
+  for (const std::string& warning :
+       {unused_actions(plan.study, info), warning_of_replacement(plan)}) {
+    if (!warning.empty()) report_error(program, warning);
+  }
 }
 
 void UntilOption::add_to(CLI::App& app, const std::string& purpose) {

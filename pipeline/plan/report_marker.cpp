@@ -8,6 +8,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
@@ -26,7 +27,8 @@ bool report_is_current(const Plan& plan, const Node& node) {
 
 void unmark_report(const Node& node) { std::filesystem::remove(node.path); }
 
-void mark_report(const Node& node, const std::vector<std::filesystem::path>& files,
+void mark_report(const Node& node, const std::filesystem::path& study,
+                 const std::vector<std::filesystem::path>& files,
                  const std::vector<CheckSummary>& checks) {
   std::vector<std::string> names;
   for (const auto& file : files) {
@@ -41,6 +43,7 @@ void mark_report(const Node& node, const std::vector<std::filesystem::path>& fil
                         {"reasons", summary.reasons}});
   }
   const nlohmann::ordered_json json = {{"key", node.key},
+                                       {"study", study.filename().string()},
                                        {"files", names},
                                        {"checks", verdicts},
                                        {"key_document", node.identity.key_document}};
@@ -78,6 +81,21 @@ std::string words_of(const CheckSummary& summary) {
   }
   if (!summary.unknown.empty()) text += "; can't tell: " + join(summary.unknown);
   return text;
+}
+
+std::string warning_of_replacement(const Plan& plan) {
+  const Study& study = plan.study;
+  const std::filesystem::path mark = plan.nodes.back().path, file = study.places.origin();
+  std::ifstream stream(mark);
+  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  if (!json.is_object() || !json.contains("study") || !json["study"].is_string()) return "";
+  const std::string other = json["study"];
+  if (other == file.filename()) return "";
+  return fmt::format(
+      "{}: warning: study.name = '{}' is that of {}, too, whose report {} will be replaced: give "
+      "one of them another name",
+      study.places.of("study.name").str(), study.name, printable(other),
+      report_path(plan).string());
 }
 
 std::filesystem::path report_path(const Plan& plan) {

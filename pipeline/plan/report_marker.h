@@ -19,13 +19,19 @@ std::string words_of(const CheckSummary& summary);
 
 /// The key is the plan's, and all files of the report are there.
 bool report_is_current(const Plan& plan, const Node& node);
-/// `files`: of the report, besides report.html; below the study's folder. Throws Error.
-void mark_report(const Node& node, const std::vector<std::filesystem::path>& files,
+/// `study`: the file that it was made of; `files`: of the report, besides report.html; below the
+/// study's folder. Throws Error.
+void mark_report(const Node& node, const std::filesystem::path& study,
+                 const std::vector<std::filesystem::path>& files,
                  const std::vector<CheckSummary>& checks);
 /// The verdicts of a report that is current. Throws InputError where it can't be read.
 std::vector<CheckSummary> read_check_summaries(const Node& node);
 /// Takes the mark away, where there is one. Throws std::filesystem::filesystem_error.
 void unmark_report(const Node& node);
+
+/// A warning where the report that is there was made of another file, whose study has the same name
+/// as the plan's; "" else.
+std::string warning_of_replacement(const Plan& plan);
 
 /// <work>/<study>/report.html
 std::filesystem::path report_path(const Plan& plan);

@@ -228,7 +228,7 @@ void run_report(const Plan& plan, const Node& node) {
   const std::vector<fs::path> files = write_tables(report, folder / "tables");
   remove_other_tables(data, folder / "tables");
   analysis::write_report(report, report_path(plan));
-  mark_report(node, files, checks);
+  mark_report(node, plan.study.places.origin(), files, checks);
 }
 
 }  // namespace npdr::pipeline

@@ -66,6 +66,14 @@ TEST_F(Commands, ValidatePrintsTheResolvedStudyAndItsWork) {
       << folds.out << folds.err;
 }
 
+TEST_F(Commands, AnotherFileWithTheSameNameIsWarnedOfTheReportThatItReplaces) {
+  std::ofstream(file("copy.toml")) << small_study().with("evaluate", {"num_samples = 40"});
+  EXPECT_TRUE(says(npdr({"validate", "copy.toml"}).err,
+                   {"npdr validate: copy.toml:2:8: warning: study.name = 'small' is that of "
+                    "small.toml, too, whose report runs/small/report.html will be replaced"}));
+  EXPECT_EQ(npdr({"validate", "small.toml"}).err, "");
+}
+
 TEST_F(Commands, SampleAndLogProbUseAPosterior) {
   const std::string posterior = "runs/small/npdr-maf/seed-1/round-2/infer.h5";
   const Outcome samples = npdr({"sample", posterior, "-n", "20"});

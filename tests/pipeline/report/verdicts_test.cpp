@@ -352,7 +352,7 @@ TEST_F(Verdicts, TheMarkOfAReportKeepsThem) {
   const TempFolder folder;
   Node node;
   node.path = folder / "report.json";
-  mark_report(node, {}, {{"A", 7, {"Training"}, {"RMSE"}, {"why"}}});
+  mark_report(node, "s.toml", {}, {{"A", 7, {"Training"}, {"RMSE"}, {"why"}}});
   const CheckSummary found = read_check_summaries(node).front();
   EXPECT_EQ(words_of(found), "A: 1 of 7 checks FAIL: Training; can't tell: RMSE");
   EXPECT_EQ(found.reasons, std::vector<std::string>{"why"});
