@@ -101,7 +101,12 @@ ChildProcess::ChildProcess(ChildProcess&& other) noexcept
       exit_status_(other.exit_status_),
       buffer_(std::move(other.buffer_)),
       state_(std::move(other.state_)),
-      said_(std::move(other.said_)) {}
+      said_(std::move(other.said_)),
+      last_news_(other.last_news_) {}
+
+double ChildProcess::silence() const {
+  return std::chrono::duration<double>(Clock::now() - last_news_).count();
+}
 
 void ChildProcess::read_progress() {
   std::array<char, 4096> chunk;
@@ -109,6 +114,7 @@ void ChildProcess::read_progress() {
     const ssize_t count = read(pipe_, chunk.data(), chunk.size());
     if (count <= 0) break;
     buffer_.append(chunk.data(), static_cast<std::size_t>(count));
+    last_news_ = Clock::now();
   }
   std::size_t end = 0;
   while ((end = buffer_.find('\n')) != std::string::npos) {

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ class ChildProcess {
   /// Takes in what has come through the pipe.
   void read_progress();
   const State& state() const { return state_; }
+  /// Seconds since anything came, or since its start.
+  double silence() const;
 
   void send_signal(int signal) const;
 
@@ -46,12 +49,15 @@ class ChildProcess {
  private:
   void parse(const std::string& line);
 
+  using Clock = std::chrono::steady_clock;
+
   pid_t pid_ = -1;
   int pipe_ = -1;
   int exit_status_ = 0;
   std::string buffer_;
   State state_;
   std::vector<std::string> said_;
+  Clock::time_point last_news_ = Clock::now();
 };
 
 /// The folder of the running executable: the stage executables lie beside it.

@@ -20,6 +20,11 @@ std::string time_text(const RunProgress& run) {
   return passed + ", " + clock_text(*run.seconds_left) + " left";
 }
 
+std::string silence_text(double seconds) {
+  constexpr double usual = 60.0;
+  return seconds < usual ? "" : ", nothing new for " + clock_text(seconds);
+}
+
 std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& size) {
   const int bar_width = size.columns < 60 ? 12 : 24;
   const std::string percent = run.share ? fmt::format("{:3.0f} % ", 100.0 * *run.share) : "";

@@ -23,6 +23,9 @@ struct RunProgress {
 /// "01:24, 00:31 left"; "01:24" where what is left isn't known, or nothing.
 std::string time_text(const RunProgress& run);
 
+/// ", nothing new for 02:15", of a job that may hang; "" before a minute is over.
+std::string silence_text(double seconds);
+
 /// Lines for a terminal: a bar, and below it a line for each job where there is room.
 std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& size);
 

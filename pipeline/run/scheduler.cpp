@@ -309,7 +309,8 @@ std::string Scheduler::job_text(const Job& job) const {
     const Index size = plan_.study.simulate.shard_size;
     text += fmt::format(", shard {} of {}", (state.done + size - 1) / size, count);
   }
-  return text + (state.note.empty() ? "" : ", " + state.note);
+  if (!state.note.empty()) text += ", " + state.note;
+  return text + silence_text(job.process.silence());
 }
 
 void Scheduler::show_progress(bool force) {
