@@ -35,8 +35,8 @@ Chains find_chains(const Plan& plan) {
   }
   if (methods.size() != 1) {
     throw InputError(
-        fmt::format("study '{}' has {} with evaluated posteriors, must be one; name "
-                    "it with --only{}",
+        fmt::format("study '{}' evaluates posteriors of {}, must be one; name it with "
+                    "--only{}",
                     plan.study.name, counted(std::ssize(methods), "method"),
                     methods.empty() ? "" : ": " + join(methods)));
   }

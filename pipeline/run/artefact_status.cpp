@@ -272,7 +272,10 @@ std::vector<std::string> reasons(const Plan& plan, const Node& node) {
     return {fmt::format("{} was removed: {}", is_its ? "its file" : "an earlier version's file",
                         removed->string())};
   }
-  if (!earlier) return {"it was never made"};
+  if (!earlier) {
+    const std::string detail = status_of(plan, node).detail;
+    return {detail.empty() ? "it was never made" : "it isn't finished: " + detail};
+  }
   std::vector<std::string> lines;
   compare("", node.identity.key_document, document_of(*earlier), lines);
   if (lines.empty()) lines.emplace_back("its files are gone");

@@ -148,9 +148,8 @@ TEST_F(Export, SaysWhatIsMissing) {
   std::ofstream(folder_.path() / "study.toml") << small_study();
   const Outcome several = npdr({"export", "study.toml", "-o", "out.nc"});
   EXPECT_EQ(several.status, 2);
-  EXPECT_TRUE(
-      says(several.err, {"npdr export: study 'small' has 2 methods with evaluated posteriors",
-                         "--only: NPDR (MAF), NPDR (MoG)"}));
+  EXPECT_TRUE(says(several.err, {"npdr export: study 'small' evaluates posteriors of 2 methods",
+                                 "--only: NPDR (MAF), NPDR (MoG)"}));
   const Outcome early = npdr({"export", "study.toml", "-o", "out.nc", "--only", "NPDR (MAF)"});
   EXPECT_EQ(early.status, 2);
   EXPECT_TRUE(

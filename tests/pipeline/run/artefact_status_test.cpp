@@ -27,6 +27,10 @@ TEST(ArtefactStatus, SaysHowFarARefinementHasCome) {
   EXPECT_EQ(status.state, ArtefactState::partial) << status.detail;
   EXPECT_EQ(status.detail, "checkpoint at simulation 300");
   EXPECT_TRUE(status.is_sound);
+  EXPECT_EQ(reasons(plan, node),
+            std::vector<std::string>{"it isn't finished: checkpoint at simulation 300"});
+  std::filesystem::remove(plan.work.checkpoint("infer", node.key));
+  EXPECT_EQ(reasons(plan, node), std::vector<std::string>{"it was never made"});
 }
 
 }  // namespace
