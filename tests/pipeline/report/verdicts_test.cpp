@@ -187,7 +187,7 @@ TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
   EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::fails);
   plan_.study.methods.front().embedding.kind = inference::EmbeddingKind::last_step;
   EXPECT_NE(verdict_of(Check::fit)
-                .reason.find("30 times the floor's: try embedding.kind = \"convolution\""),
+                .reason.find("30 times the floor's: try embedding.principal_components without"),
             std::string::npos);
   plan_.study.methods.front().embedding.kind = inference::EmbeddingKind::convolution;
   EXPECT_NE(verdict_of(Check::fit).reason.find("30 times the floor's: try more simulations"),

@@ -1,0 +1,176 @@
+// Verdicts on what a posterior's samples predict, of rollouts that inference has seen and of others.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/quantiles.h"
+#include "core/text.h"
+#include "inference/diagnostics/bound_pressure.h"
+#include "pipeline/report/verdict_parts.h"
+#include "pipeline/report/verdicts.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// The recorded states are at most 1 in its units, and 0 explains a swing with less. Where a model
+// is right the floor is what noise leaves.
+constexpr double kFarFloor = 0.5;
+
+// What a posterior's RMSE is compared with: what the best of the prior reaches, or the truth, or
+// the noise, below which the observation hardly tells parameters apart.
+// Without noise the truth reaches zero, which no sample does: there a tenth of the prior's is small
+// enough.
+struct Yardstick {
+  double limit = 0.0;
+  double unit = 0.0;  ///< "30 times the floor's", "20 % of the prior's"
+  std::string words;
+
+  std::string text_of(double rmse) const {
+    const double times = rmse / unit;
+    return times < 10.0 ? fmt::format("{:.2g} {}", times, words)
+                        : fmt::format("{:.0f} {}", times, words);
+  }
+};
+
+double median_of(const Vector& values) {
+  std::vector<double> finite;
+  std::ranges::copy_if(values, std::back_inserter(finite),
+                       [](double v) { return std::isfinite(v); });
+  std::ranges::sort(finite);
+  return analysis::quantile_of_sorted(finite, 0.5);
+}
+
+std::optional<Yardstick> yardstick(const ReportData& data) {
+  const std::string rmse = name_of(Metric::rmse);
+  const double of_prior = median_of(data.baseline.prior->metrics.at(rmse));
+  Yardstick found;
+  if (of_prior > 0.0) found = {0.1 * of_prior, 0.01 * of_prior, "% of the prior's"};
+  for (const BaselinePoint& point : data.baseline.points) {
+    if (point.name != "floor" && point.name != "truth") continue;
+    const double reached = point.metrics.at(rmse);
+    if (3.0 * reached > found.limit) {
+      found = {3.0 * reached, reached, "times the " + point.name + "'s"};
+    }
+  }
+  const double noise = std::min(data.plan.study.observation_noise.scale, kFarFloor);
+  if (noise > found.limit) found = {noise, noise, "times the noise's scale"};
+  if (found.limit > 0.0) return found;
+  return std::nullopt;
+}
+
+// Samples that explain the observation no better than half of the prior's, where the rest does far
+// better, belong to a mode that isn't there.
+constexpr double kFarBetter = 3.0;
+constexpr double kMostStrays = 0.1;
+
+// Their share of the samples whose rollouts succeeded; 0 where the rest isn't far better, and where
+// there are too few to tell.
+double share_of_strays(const Vector& rmse, double of_prior) {
+  const Index count = rmse.array().isFinite().count();
+  if (count < inference::kFewestForBounds || !(of_prior > kFarBetter * median_of(rmse))) return 0.0;
+  const Index strays = (rmse.array().isFinite() && rmse.array() > of_prior).count();
+  return static_cast<double>(strays) / static_cast<double>(count);
+}
+
+// The smallest RMSE of any parameters of the prior; 0 where it wasn't looked for.
+double floor_of(const ReportData& data) {
+  for (const BaselinePoint& point : data.baseline.points) {
+    if (point.name == "floor") return point.metrics.at(name_of(Metric::rmse));
+  }
+  return 0.0;
+}
+
+Verdict unexplained(double rmse) {
+  return {
+      Check::fit, Judgment::fails, fmt::format("NO parameters fit, {:.2g} at best", rmse),
+      fmt::format("the smallest RMSE of any parameters of the prior is {:.2g} of the largest "
+                  "recorded magnitude: look at units, clock, and sign and zero of the angles of "
+                  "the recording, or widen the prior",
+                  rmse)};
+}
+
+// What would make predictions of rollouts that inference hasn't seen less sure of themselves.
+std::string advice_to_widen(const ReportData& data, const std::string& method) {
+  const MethodConfig& config = data.plan.study.method(method);
+  const std::string model = "look for what simulator or noise lack (observation_noise.correlation)";
+  if (config.refine.sampling.cross_validate) return model;
+  const bool has_folds = data.plan.study.target.num_rollouts > 1;
+  const bool is_refined = config.algorithm.kind == inference::Algorithm::refine;
+  if (!has_folds) return is_refined ? "lower refine.likelihood_power, or " + model : model;
+  return (is_refined ? "let refine.cross_validate choose the power of the likelihood, or "
+                     : "refine it with refine.cross_validate, or ") +
+         model;
+}
+
+}  // namespace
+
+Verdict judge_fit(const ReportData& data, const std::string& method) {
+  const double of_floor = floor_of(data);
+  if (of_floor > kFarFloor) return unexplained(of_floor);
+  const std::optional<Yardstick> reached = yardstick(data);
+  const double of_prior = median_of(data.baseline.prior->metrics.at(name_of(Metric::rmse)));
+  const Runs runs = data.runs_of(method);
+  std::size_t failed = 0, astray = 0;
+  double worst = 0.0, strays = 0.0;
+  for (const EvaluatedRun* run : runs) {
+    const Vector& its = run->evaluation.metrics.at(name_of(Metric::rmse));
+    const double median = median_of(its);
+    if (!reached || std::isnan(median)) {
+      return {Check::fit, Judgment::unknown, "can't tell",
+              "no rollout succeeded that an RMSE could be measured of"};
+    }
+    failed += median > reached->limit ? 1 : 0;
+    worst = std::max(worst, median);
+    const double share = share_of_strays(its, of_prior);
+    astray += share > kMostStrays ? 1 : 0;
+    strays = std::max(strays, share);
+  }
+  const std::string size = reached->text_of(worst), advice = advice_to_learn(data, method);
+  if (failed > 0) {
+    return {
+        Check::fit, Judgment::fails,
+        std::string(traits_of(Check::fit).failure) + seeds_text(failed, runs.size()) + ", " + size,
+        fmt::format("{:.3g} is the median RMSE of its samples, {}: try {}, more rounds", worst,
+                    size, advice)};
+  }
+  if (astray == 0) return {Check::fit, Judgment::passes, "passes, " + size, ""};
+  return {Check::fit, Judgment::fails,
+          fmt::format("{:.0f} % of its samples are FAR off{}", 100.0 * strays,
+                      seeds_text(astray, runs.size())),
+          fmt::format("their RMSE is above {:.3g}, the median of the prior's; that of all of them "
+                      "is {:.3g}: a mode that isn't there; try {}, or a refinement of its posterior",
+                      of_prior, worst, advice)};
+}
+
+// A rollout that inference hasn't seen, predicted by independent draws of a posterior that is
+// right, is one more draw: not one of n draws lies within the bands as seldom with a probability of
+// 1 / (n + 1).
+Verdict judge_held_out(const ReportData& data, const std::string& method) {
+  const Runs runs = data.runs_of(method);
+  const auto level = std::ranges::find(kBandLevels, kJudgedBand) - kBandLevels.begin();
+  std::size_t failed = 0;
+  double least = 1.0, least_failed = 1.0;
+  for (const EvaluatedRun* run : runs) {
+    const PredictionScores& scores = *run->evaluation.scores.held_out;
+    if (scores.num_compared < inference::kFewestForBounds) {
+      return too_few_samples(Check::held_out, scores.num_compared);
+    }
+    const bool has_noise = scores.noisy_coverage.size() > 0;
+    const double covered = (has_noise ? scores.noisy_coverage : scores.coverage).row(level).mean();
+    least = std::min(least, covered);
+    if (scores.share_as_seldom_within > 0.0) continue;
+    ++failed;
+    least_failed = std::min(least_failed, covered);
+  }
+  const std::string text = fmt::format(", bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand,
+                                       100.0 * (failed > 0 ? least_failed : least));
+  if (failed == 0) return {Check::held_out, Judgment::passes, "passes" + text, ""};
+  return {Check::held_out, Judgment::fails,
+          std::string(traits_of(Check::held_out).failure) + seeds_text(failed, runs.size()) + text,
+          "none of its samples' own predictions would be held so seldom, so it knows parameters or "
+          "noise less well than it says: " +
+              advice_to_widen(data, method)};
+}
+
+}  // namespace npdr::pipeline

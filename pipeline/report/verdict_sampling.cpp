@@ -1,0 +1,119 @@
+// Verdicts on how a posterior was sampled: by weights, a refinement or Markov chains.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.h"
+#include "pipeline/report/verdict_parts.h"
+#include "pipeline/report/verdicts.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Of the weights of draws of the prior.
+Verdict judge_weights(const Runs& runs) {
+  constexpr double fewest = 100.0;
+  double smallest = HUGE_VAL;
+  std::size_t failed = 0;
+  for (const EvaluatedRun* run : runs) {
+    const double size = run->evaluation.sampler->ess.minCoeff();
+    failed += size < fewest ? 1 : 0;
+    smallest = std::min(smallest, size);
+  }
+  const std::string text = fmt::format("effective size {:.3g}", smallest);
+  if (failed == 0) return {Check::sampling, Judgment::passes, "passes, " + text, ""};
+  return {Check::sampling, Judgment::fails,
+          "too few DIFFERENT draws" + seeds_text(failed, runs.size()) + ", " + text,
+          fmt::format("its samples repeat draws of the prior, of which {:.3g} count: raise "
+                      "sampler.num_candidates, or take sampler.kind = \"slice\"",
+                      smallest)};
+}
+
+// What mends the faults of a refined posterior.
+std::vector<std::string> remedies_of(const inference::ImportanceCertificate& certificate) {
+  const bool is_heavy = has_heavy_weights(certificate);
+  std::vector<std::string> remedies;
+  if (std::ssize(faults_of(certificate)) > (is_heavy ? 1 : 0)) {
+    remedies.emplace_back("raise refine.max_simulations");
+  }
+  if (certificate.power < certificate.wanted_power) {
+    remedies.emplace_back("let refine.cross_validate choose a smaller power");
+  }
+  if (is_heavy) remedies.emplace_back("raise refine.level_size for heavy weights");
+  return remedies;
+}
+
+// Whether another seed has found what this one's draws have missed. In an outer loop each seed has
+// an observation of its own.
+bool misses_a_mode(const ReportData& data, const EvaluatedRun& run, const Runs& runs) {
+  const Study& study = data.plan.study;
+  if (study.num_iterations_of(study.method(run.use.method)) > 1) return false;
+  return std::ranges::any_of(runs, [&](const EvaluatedRun* other) {
+    return finds_less(*run.notes.certificate, *other->notes.certificate);
+  });
+}
+
+void add_new(std::vector<std::string>& all, const std::vector<std::string>& more) {
+  std::ranges::copy_if(more, std::back_inserter(all), [&](const std::string& text) {
+    return std::ranges::find(all, text) == all.end();
+  });
+}
+
+// Of refined posteriors: the certificates of their draws.
+Verdict judge_certificates(const ReportData& data, const Runs& runs) {
+  std::vector<std::string> faults, remedies;
+  std::size_t failed = 0;
+  double smallest = HUGE_VAL, heaviest = -HUGE_VAL;
+  bool has_pool = false;
+  for (const EvaluatedRun* run : runs) {
+    const inference::ImportanceCertificate& certificate = *run->notes.certificate;
+    std::vector<std::string> its = faults_of(certificate);
+    add_new(remedies, remedies_of(certificate));
+    if (misses_a_mode(data, *run, runs)) {
+      its.emplace_back("its log Z is less than another seed's, so it has missed a mode");
+      add_new(remedies, {"raise refine.level_size for modes"});
+    }
+    failed += its.empty() ? 0 : 1;
+    add_new(faults, its);
+    smallest = std::min(smallest, certificate.ess);
+    heaviest = std::max(heaviest, certificate.pareto_k);
+    has_pool |= certificate.pool_ess > 0.0;
+  }
+  const std::string text =
+      fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest);
+  if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, ""};
+  return {Check::sampling, Judgment::fails,
+          "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,
+          fmt::format("{}: {}{}", join(faults), join(remedies, ", or "),
+                      has_pool ? "; until then its samples are the points that taught its flows, "
+                                 "which independent draws don't confirm"
+                               : "")};
+}
+
+}  // namespace
+
+Verdict judge_sampling(const ReportData& data, const std::string& method) {
+  const Runs runs = data.runs_of(method);
+  if (runs.front()->notes.certificate) return judge_certificates(data, runs);
+  if (runs.front()->evaluation.sampler->r_hat.size() == 0) return judge_weights(runs);
+  double largest = 0.0;
+  std::size_t failed = 0;
+  for (const EvaluatedRun* run : runs) {
+    const Vector& r_hat = run->evaluation.sampler->r_hat;
+    if (r_hat.hasNaN()) {
+      return {Check::sampling, Judgment::unknown, "can't tell",
+              "fewer than four draws of each chain say nothing; raise evaluate.num_samples"};
+    }
+    failed += r_hat.maxCoeff() > kLargestRHat ? 1 : 0;
+    largest = std::max(largest, r_hat.maxCoeff());
+  }
+  const std::string text = fmt::format(", R-hat {:.3f}", largest);
+  if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, ""};
+  return {Check::sampling, Judgment::fails,
+          std::string(traits_of(Check::sampling).failure) + seeds_text(failed, runs.size()) + text,
+          "its chains are in different places: raise sampler.num_warmup; where modes lie apart, "
+          "which no chain crosses, sampler.num_candidates and num_chains"};
+}
+
+}  // namespace npdr::pipeline
