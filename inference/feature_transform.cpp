@@ -147,15 +147,8 @@ FeatureTransform fit_feature_transform(const FeatureSource& x, Index components)
   fix_matrix_blocking();
   FeatureTransform transform = standardization(x);
   if (components == 0) return transform;
-  const Index most = std::min({x.num_features(), x.num_rows(), kRowsForCorrelation});
-  if (components > most) {
-    throw InputError("embedding.principal_components = " + std::to_string(components) +
-                     ", must be <= " + std::to_string(most) + ", the smallest of " +
-                     std::to_string(x.num_features()) + " features, " +
-                     std::to_string(x.num_rows()) + " simulations that didn't fail, and " +
-                     std::to_string(kRowsForCorrelation));
-  }
-  transform.basis = whitening_directions(first_standardized_rows(x, transform), components);
+  const Index most = std::min({components, x.num_features(), x.num_rows(), kRowsForCorrelation});
+  transform.basis = whitening_directions(first_standardized_rows(x, transform), most);
   return transform;
 }
 

@@ -40,8 +40,8 @@ struct FeatureTransform {
 inline constexpr Index kRowsForCorrelation = 2000;
 
 /// The transform for the rows of `x`, from their mean and deviation and, for components > 0, from
-/// the correlation of the first 2000 of them. Reads x in blocks: memory doesn't grow with its rows.
-/// Throws InputError when there are more components than rows or features.
+/// the correlation of the first 2000 of them, which has no more components than features or rows.
+/// Reads x in blocks: memory doesn't grow with its rows.
 FeatureTransform fit_feature_transform(const FeatureSource& x, Index components);
 
 /// `transform` with those of its outputs alone, in that order.

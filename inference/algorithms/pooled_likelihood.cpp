@@ -8,8 +8,7 @@ namespace npdr::inference {
 namespace {
 
 FeatureTransform components_of(const FeatureSource& x) {
-  const Index count = std::min({kPooledComponents, x.num_features(), x.num_rows()});
-  return varying_outputs(fit_feature_transform(x, count));
+  return varying_outputs(fit_feature_transform(x, kPooledComponents));
 }
 
 FeatureTransform transform_of(const PosteriorEstimationConfig& config, const RoundData& training,

@@ -52,8 +52,7 @@ void keep_leading_components(FeatureTransform& transform) {
 class Distances {
  public:
   explicit Distances(const RowMatrixF& x) {
-    const Index components =
-        std::clamp(x.rows() / kRowsPerComponent, Index{1}, std::min(kMostComponents, x.cols()));
+    const Index components = std::clamp(x.rows() / kRowsPerComponent, Index{1}, kMostComponents);
     whitening_ = fit_feature_transform(MatrixFeatures(x), components);
     keep_leading_components(whitening_);
     standardization_ = whitening_;

@@ -36,10 +36,10 @@ constexpr bool trains_layers(EmbeddingKind kind) {
 
 /// Choice of how the H rollouts of one simulation become the feature vector x.
 struct EmbeddingConfig {
-  EmbeddingKind kind = EmbeddingKind::convolution;
+  EmbeddingKind kind = EmbeddingKind::all_steps;
   Index features = 16;                ///< width of the trained layer, or of the last of them
   bool average_rollouts = false;      ///< "convolution": their mean, in place of each by itself
-  Index principal_components = 0;     ///< project x on so many of its own first; 0: don't
+  Index principal_components = 0;     ///< project x on at most so many of its own first; 0: don't
   Index downsample = 1;               ///< keep every k-th state
   std::vector<std::string> channels;  ///< state channels to keep; empty: all
 };

@@ -19,7 +19,6 @@ namespace {
 
 // States of a rollout that are enough to tell parameters apart.
 constexpr Index kStatesLeft = 50;
-constexpr Index kComponents = 50;  // of all states, in which networks are surest of recordings
 // More parameters than these are listed, but left out of the prior.
 constexpr std::size_t kMostUnknown = 8;
 
@@ -220,12 +219,8 @@ class Writer {
     if (!gives_motion()) return;
     const Index steps =
         recording_ ? recording_->num_steps() : std::max<Index>(info_.num_steps, Index{250});
-    const Index downsample = std::max<Index>(1, steps / kStatesLeft);
-    const Index features = num_rollouts_seen() * (steps / downsample) *
-                           std::max<Index>(1, std::ssize(info_.state_channels));
-    text_ += fmt::format(
-        "embedding = {{ kind = \"all_steps\", downsample = {}{} }}\n", downsample,
-        features > kComponents ? fmt::format(", principal_components = {}", kComponents) : "");
+    text_ +=
+        fmt::format("embedding = {{ downsample = {} }}\n", std::max<Index>(1, steps / kStatesLeft));
   }
 
   NewStudy wanted_;

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "inference/embeddings/embedding.h"
-#include "inference/feature_transform.h"
 #include "pipeline/config/checker.h"
 
 namespace npdr::pipeline {
@@ -60,11 +58,10 @@ class RolloutChecker : Checker {
 
   void check_method(const std::string& path, const MethodConfig& method) {
     if (!infers(method)) return;
-    const bool some_fit =
-        check_at_most(path + ".num_rollouts", method.num_rollouts, fewest_rollouts(),
-                      study_.evaluate.leave_out > 0
-                          ? "the rollouts of the target but those that a fold leaves out"
-                          : "the rollouts of the target");
+    check_at_most(path + ".num_rollouts", method.num_rollouts, fewest_rollouts(),
+                  study_.evaluate.leave_out > 0
+                      ? "the rollouts of the target but those that a fold leaves out"
+                      : "the rollouts of the target");
     if (inference::traits_of(method.algorithm.kind).family ==
         inference::AlgorithmFamily::regression) {
       check_at_most(path + ".linear_regression.window", method.linear_regression.window,
@@ -75,13 +72,9 @@ class RolloutChecker : Checker {
       fail(path + ".refine.cross_validate", "true",
            "false: evaluate.leave_out leaves it a single rollout");
     }
-    const bool states_are_left = check_at_most(
+    check_at_most(
         path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
         fmt::format("so that two of the {} states of a rollout are left", shape_.num_steps));
-    const bool readable = reading_.good("simulator.store_every") &&
-                          reading_.good(path + ".embedding") &&
-                          reading_.good(path + ".num_simulations");
-    if (some_fit && states_are_left && readable) check_components(path, method);
   }
 
   void check_features(const std::string& path, const MethodConfig& method) {
@@ -91,22 +84,6 @@ class RolloutChecker : Checker {
       require_known(path + ".embedding.channels", "method.embedding.channels", "feature", channel,
                     labels);
     }
-    const bool readable =
-        reading_.good(path + ".embedding") && reading_.good(path + ".num_simulations");
-    if (readable) check_components(path, method);
-  }
-
-  void check_components(const std::string& path, const MethodConfig& method) {
-    const Index features = num_features(method);
-    const Index complete =
-        static_cast<Index>(static_cast<double>(method.algorithm.num_simulations) *
-                           (1.0 - study_.limits.max_failed_fraction));
-    const Index rows = std::min(complete, inference::kRowsForCorrelation);
-    check_at_most(path + ".embedding.principal_components", method.embedding.principal_components,
-                  std::min(features, rows),
-                  fmt::format("the smallest of {} features, {} simulations of round 1 that may not "
-                              "fail, and {}",
-                              features, complete, inference::kRowsForCorrelation));
   }
 
   Index used_rollouts() const {
@@ -117,22 +94,6 @@ class RolloutChecker : Checker {
   Index fewest_rollouts() const {
     const Index folds = study_.evaluate.leave_out;
     return folds > 0 ? used_rollouts() - (used_rollouts() + folds - 1) / folds : used_rollouts();
-  }
-
-  // Every embedding has the same features of each rollout.
-  Index num_features(const MethodConfig& method) const {
-    const auto width = [](const std::vector<Channel>& channels) {
-      return static_cast<Index>(channels.size());
-    };
-    Target one;
-    one.state_channels = shape_.state_channels;
-    one.action_channels = shape_.action_channels;
-    one.rollouts = {{"", RowMatrix::Zero(shape_.num_steps + 1, width(shape_.state_channels)),
-                     RowMatrix::Zero(shape_.num_steps, width(shape_.action_channels))}};
-    const auto embedding =
-        inference::make_embedding(method.embedding, one, study_.simulator.store_every);
-    return embedding->num_features() *
-           (method.num_rollouts > 0 ? method.num_rollouts : fewest_rollouts());
   }
 
   const Study& study_;

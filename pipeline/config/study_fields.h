@@ -64,7 +64,8 @@ Constraint<std::vector<std::string>> shell_lines();
 template <class Fields>
 void describe(Fields& f, inference::EmbeddingConfig& c) {
   choice(f, "kind", c.kind,
-         "how rollouts become features; `all_steps` when left out with principal_components");
+         "how rollouts become features; `convolution` when left out with features or "
+         "average_rollouts");
   f("features", c.features, between(1, kMaxWidth),
     "width of the trained layer (\"convolution\": of the last, and \"linear\"); twice the "
     "parameters "
@@ -72,7 +73,9 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
   f("average_rollouts", c.average_rollouts, anything<bool>(),
     "\"convolution\" only: the last layer sees the mean over rollouts, not each by itself");
   f("principal_components", c.principal_components, count_from(0),
-    "of the features, for the network to see; 0: the features themselves");
+    "of the features, at most as many as there are, for the network to see; 0: the features "
+    "themselves; for networks four times the parameters, at least 20, when nothing is said of how "
+    "rollouts become features");
   f("downsample", c.downsample, count_from(1),
     "keep every k-th state; a multiple of simulator.store_every, which it is when left out");
   f("channels", c.channels, anything<std::vector<std::string>>(),

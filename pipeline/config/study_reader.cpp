@@ -72,21 +72,33 @@ void resolve_algorithm(MethodConfig& method, std::size_t i, const Reading& readi
   if (method.algorithm.num_rounds > 1 || has_setting) method.algorithm.kind = npe_c;
 }
 
-// All states that are stored are seen. Principal components are of all steps. Features are as many
-// as tell the parameters apart: a wider layer learns the simulations by heart.
+// A network sees principal components of all steps where nothing else is said, some for each
+// parameter; what is said of layers means that they are trained.
+void resolve_kind(inference::EmbeddingConfig& embedding, Index num_parameters,
+                  const std::string& path, const Reading& reading) {
+  constexpr Index fewest = 20, for_each = 4;
+  if (reading.has(path + "kind") || reading.has(path + "principal_components")) return;
+  if (reading.has(path + "features") || reading.has(path + "average_rollouts")) {
+    embedding.kind = inference::EmbeddingKind::convolution;
+  } else {
+    embedding.principal_components = std::max(fewest, for_each * num_parameters);
+  }
+}
+
+// All states that are stored are seen. Features are as many as tell the parameters apart: a wider
+// layer learns the simulations by heart.
 void resolve_embedding(Study& study, std::size_t i, const Reading& reading) {
   const std::string path = "method[" + std::to_string(i) + "].embedding.";
-  if (!reading.has(path + "downsample")) {
-    study.methods[i].embedding.downsample = study.simulator.store_every;
-  }
-  const bool has_components = reading.has(path + "principal_components");
-  if (study.source().gives_motion && has_components && !reading.has(path + "kind")) {
-    study.methods[i].embedding.kind = inference::EmbeddingKind::all_steps;
+  MethodConfig& method = study.methods[i];
+  inference::EmbeddingConfig& embedding = method.embedding;
+  if (!reading.has(path + "downsample")) embedding.downsample = study.simulator.store_every;
+  const auto family = inference::traits_of(method.algorithm.kind).family;
+  if (study.source().gives_motion && family == inference::AlgorithmFamily::network) {
+    resolve_kind(embedding, std::ssize(study.prior), path, reading);
   }
   if (reading.has(path + "features")) return;
-  Index& features = study.methods[i].embedding.features;
   const Index twice = std::min<Index>(2 * std::ssize(study.prior), kMaxWidth);
-  features = std::max(features, twice);
+  embedding.features = std::max(embedding.features, twice);
 }
 
 // Few simulations make smaller batches.
@@ -98,15 +110,9 @@ void resolve_batches(MethodConfig& method, std::size_t i, const Reading& reading
   method.training.batch_size = std::min(method.training.batch_size, most);
 }
 
-// Without a network there is no layer to train.
-void resolve_without_network(Study& study, std::size_t i, const Reading& reading) {
-  MethodConfig& method = study.methods[i];
+void resolve_without_network(MethodConfig& method, std::size_t i, const Reading& reading) {
   const auto family = inference::traits_of(method.algorithm.kind).family;
   if (family == inference::AlgorithmFamily::network) return;
-  const std::string embedding = "method[" + std::to_string(i) + "].embedding.";
-  if (!reading.has(embedding + "kind") && study.source().gives_motion) {
-    method.embedding.kind = inference::EmbeddingKind::all_steps;
-  }
   // Each population is that share of the last one: 0.1 would leave none after a few rounds.
   constexpr double smc_quantile = 0.5;
   const std::string quantile = "method[" + std::to_string(i) + "].abc.quantile";
@@ -181,7 +187,7 @@ void resolve(Study& study, const fs::path& file, const Reading& reading) {
   resolve_external(study, file, reading);
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
     resolve_algorithm(study.methods[i], i, reading);
-    resolve_without_network(study, i, reading);
+    resolve_without_network(study.methods[i], i, reading);
     resolve_networks(study.methods[i], i, reading);
     resolve_embedding(study, i, reading);
     resolve_batches(study.methods[i], i, reading);

@@ -1,4 +1,5 @@
-// Verdicts on what a posterior's samples predict, of rollouts that inference has seen and of others.
+// Verdicts on what a posterior's samples predict, of rollouts that inference has seen and of
+// others.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -135,12 +136,13 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
                     size, advice)};
   }
   if (astray == 0) return {Check::fit, Judgment::passes, "passes, " + size, ""};
-  return {Check::fit, Judgment::fails,
-          fmt::format("{:.0f} % of its samples are FAR off{}", 100.0 * strays,
-                      seeds_text(astray, runs.size())),
-          fmt::format("their RMSE is above {:.3g}, the median of the prior's; that of all of them "
-                      "is {:.3g}: a mode that isn't there; try {}, or a refinement of its posterior",
-                      of_prior, worst, advice)};
+  return {
+      Check::fit, Judgment::fails,
+      fmt::format("{:.0f} % of its samples are FAR off{}", 100.0 * strays,
+                  seeds_text(astray, runs.size())),
+      fmt::format("their RMSE is above {:.3g}, the median of the prior's; that of all of them "
+                  "is {:.3g}: a mode that isn't there; try {}, or a refinement of its posterior",
+                  of_prior, worst, advice)};
 }
 
 // A rollout that inference hasn't seen, predicted by independent draws of a posterior that is

@@ -54,7 +54,7 @@ TEST_F(NewStudies, TakeARecording) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string text = text_of(folder_ / "real.toml");
   for (const char* part : {"recording = \"recorded.h5\"", "held_out = ", "num_rollouts = 3",
-                           "principal_components = 50 }"}) {
+                           "embedding = { downsample = "}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
   }
   EXPECT_EQ(npdr({"validate", "--quiet", "real.toml"}).status, 0) << text;

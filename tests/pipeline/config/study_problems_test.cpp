@@ -215,22 +215,9 @@ TEST(StudyProblems, EmbeddingsFitTheRolloutsOfATruth) {
                   .starts_with("s.toml:10:15: simulator.store_every = 401, must be <= 400, the "
                                "steps of a rollout\ns.toml:16:1: method.embedding"));
   EXPECT_TRUE(
-      says(problems_after(kMaf, "embedding = { kind = 'bayessim', principal_components = 31 }"),
-           {"s.toml:17:57: method.embedding.principal_components = 31", "must be <= 30"}));
-  EXPECT_TRUE(
-      says(problems_after(kMaf, kMaf + "\nembedding = { principal_components = 201 }"),
-           {"s.toml:18:38: method.embedding.principal_components = 201", "must be <= 190"}));
-  EXPECT_TRUE(
-      says(problems_after(kMaf, "num_simulations = 9000\nembedding.principal_components = 2001"),
-           {"s.toml:18:34: method.embedding.principal_components = 2001", "must be <= 2000"}));
-  EXPECT_TRUE(
       says(problems_after(kMaf, "embedding = { kind = 'convolution', principal_components = 5 }"),
            {"s.toml:17:60: method.embedding.principal_components = 5",
             "must be 0 with kind 'convolution'", "'all_steps' has principal components"}));
-  EXPECT_TRUE(says(problems_after(kMaf,
-                                  "num_rollouts = 1\nembedding = { kind = 'last_step', "
-                                  "channels = ['theta'], principal_components = 2 }"),
-                   {"s.toml:18:80: method.embedding.principal_components = 2", "must be <= 1"}));
 }
 
 TEST(StudyProblems, TheReportShowsParametersOfThePrior) {

@@ -130,6 +130,28 @@ TEST(StudyReader, OverridesEveryMethodOrOne) {
   EXPECT_EQ(study.methods[1].training.batch_size, 20);
 }
 
+TEST(StudyReader, NetworksSeePrincipalComponentsWhereNothingElseIsSaid) {
+  using enum inference::EmbeddingKind;
+  const auto embedding_of = [](const std::string& setting) {
+    return small_study({"method.\"NPDR (MAF)\"." + setting}).methods[0].embedding;
+  };
+  const inference::EmbeddingConfig usual = embedding_of("num_rollouts=2");
+  EXPECT_EQ(usual.kind, all_steps);
+  EXPECT_EQ(usual.principal_components, 20);
+  EXPECT_EQ(embedding_of("embedding.downsample=2").principal_components, 20);
+  EXPECT_EQ(embedding_of("embedding.kind=all_steps").principal_components, 0);
+  EXPECT_EQ(embedding_of("embedding.principal_components=3").principal_components, 3);
+  EXPECT_EQ(embedding_of("embedding.average_rollouts=true").kind, convolution);
+  EXPECT_EQ(embedding_of("embedding.features=20").kind, convolution);
+  EXPECT_EQ(embedding_of("embedding.features=20").principal_components, 0);
+  EXPECT_EQ(embedding_of("algorithm=abc_rejection").principal_components, 0);
+  std::vector<std::string> furuta = {"simulator.name=furuta"};
+  for (const char* name : {"gravity", "rotary_mass", "rotary_length", "motor_constant"}) {
+    furuta.push_back(std::string("prior.") + name + "={ uniform = [0.5, 1.0] }");
+  }
+  EXPECT_EQ(small_study(furuta).methods[0].embedding.principal_components, 24) << "4 x 6";
+}
+
 TEST(StudyReader, AppliesOverridesInTheirOrder) {
   EXPECT_EQ(small_study({"simulate.shard_size=64", "simulate.shard_size=32"}).simulate.shard_size,
             32);

@@ -277,10 +277,6 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
   EXPECT_TRUE(problems({"simulator.store_every=41", "method.embedding.downsample=41"})
                   .starts_with("--set simulator.store_every=41: simulator.store_every = 41, must "
                                "be <= 40, the steps of a rollout\n--set method.embedding"));
-  EXPECT_TRUE(says(problems({"method.A.embedding.principal_components=13"}),
-                   {"--set method.A.embedding.principal_components=13: "
-                    "method.embedding.principal_components = 13",
-                    "must be <= 12"}));
   const std::string text = two_methods().method("C", {"embedding = { downsample = 30 }"});
   EXPECT_TRUE(says(message_of<InputError>([&] {
                      make_plan(parse_study(text, "two.toml",
