@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "analysis/quantiles.h"
-#include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 #include "pipeline/report/verdict_parts.h"
 #include "pipeline/report/verdicts.h"
@@ -82,6 +81,18 @@ double floor_of(const ReportData& data) {
   return 0.0;
 }
 
+// What the best parameters leave of the observation, where noise doesn't say that they leave it.
+std::string understated_noise(const ReportData& data, double of_floor) {
+  constexpr double far_more = 3.0;
+  const double scale = data.plan.study.observation_noise.scale;
+  if (!(scale > 0.0) || of_floor < far_more * scale) return "";
+  return fmt::format(
+      "no parameters explain the observation better than the floor's {:.2g}, {:.0f} times the "
+      "noise's scale: raise observation_noise.scale towards it, or look for what the simulator "
+      "lacks",
+      of_floor, of_floor / scale);
+}
+
 Verdict unexplained(double rmse) {
   return {
       Check::fit, Judgment::fails, fmt::format("NO parameters fit, {:.2g} at best", rmse),
@@ -135,7 +146,9 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
         fmt::format("{:.3g} is the median RMSE of its samples, {}: try {}, more rounds", worst,
                     size, advice)};
   }
-  if (astray == 0) return {Check::fit, Judgment::passes, "passes, " + size, ""};
+  if (astray == 0) {
+    return {Check::fit, Judgment::passes, "passes, " + size, understated_noise(data, of_floor)};
+  }
   return {
       Check::fit, Judgment::fails,
       fmt::format("{:.0f} % of its samples are FAR off{}", 100.0 * strays,

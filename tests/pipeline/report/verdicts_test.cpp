@@ -195,6 +195,20 @@ TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
       << "what it has already";
 }
 
+TEST_F(Verdicts, AFloorFarAboveTheNoiseIsSaid) {
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.4}}}};
+  add_run(samples_around(1.0, 0.02), 0.45);
+  plan_.study.observation_noise.scale = 0.15;
+  EXPECT_EQ(verdict_of(Check::fit).reason, "");
+  plan_.study.observation_noise.scale = 0.02;
+  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::passes);
+  EXPECT_TRUE(says(verdict_of(Check::fit).reason,
+                   {"no parameters explain the observation better than the floor's 0.4, 20 times "
+                    "the noise's scale: raise observation_noise.scale"}));
+  plan_.study.observation_noise.scale = 0.0;
+  EXPECT_EQ(verdict_of(Check::fit).reason, "") << "none, or one that is inferred";
+}
+
 TEST_F(Verdicts, SamplesAsFarOffAsThePriorsFail) {
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.1}}}};
   add_run(samples_around(1.0, 0.02), 0.1);
