@@ -13,6 +13,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr Index kRowsForBounds = 500;
+constexpr Index kRowsForCorrelation = 2000;
 constexpr float kUsualRanges = 20.0f;
 
 /// Bounds of what is usual, feature by feature, (F).

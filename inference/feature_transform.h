@@ -36,9 +36,6 @@ struct FeatureTransform {
   void apply(const RowMatrixF& x, RowMatrixF& z) const;
 };
 
-/// Principal components are those of at most so many rows, which bounds their number, too.
-inline constexpr Index kRowsForCorrelation = 2000;
-
 /// The transform for the rows of `x`, from their mean and deviation and, for components > 0, from
 /// the correlation of the first 2000 of them, which has no more components than features or rows.
 /// Reads x in blocks: memory doesn't grow with its rows.

@@ -1,7 +1,5 @@
 #include "inference/algorithms/pooled_likelihood.h"
 
-#include <algorithm>
-
 #include "inference/informative_features.h"
 
 namespace npdr::inference {

@@ -30,7 +30,7 @@ struct PosteriorEstimationConfig {
   EstimatorConfig estimator;
   TrainingConfig training;
   SamplerConfig sampler;           ///< "nle", "nre_a", "nre_b"
-  Index principal_components = 0;  ///< of x that the network sees; 0: x itself
+  Index principal_components = 0;  ///< of x that the network sees, at most; 0: x itself
   TrainedEmbeddingConfig embedding = {};
 };
 

@@ -37,15 +37,15 @@ struct Pairs {
 };
 
 Pairs make_pairs(const LocalC2stData& data, const LocalC2stConfig& config) {
-  const Index components = std::clamp(data.x.rows() / kRowsPerComponent, Index{1},
-                                      std::min(config.max_components, data.x.cols()));
+  const Index components =
+      std::clamp(data.x.rows() / kRowsPerComponent, Index{1}, config.max_components);
   const FeatureTransform transform = fit_feature_transform(MatrixFeatures(data.x), components);
   RowMatrixF z, z_o;
   transform.apply(data.x, z);
   transform.apply(data.x_o.transpose(), z_o);
   const RowMatrix all_u = pooled(data.u, data.u_sampled);
   const auto joined = [&](const RowMatrix& u, const RowMatrixF& x) {
-    RowMatrixF rows(u.rows(), u.cols() + components);
+    RowMatrixF rows(u.rows(), u.cols() + x.cols());
     rows << standardized(u, all_u), x;
     return rows;
   };

@@ -75,9 +75,6 @@ class Writer {
   bool gives_motion() const { return wanted_.command.empty() || recording_; }
 
   bool holds_out() const { return recording_ && recording_->num_rollouts() >= 3; }
-  Index num_rollouts_seen() const {
-    return recording_ ? recording_->num_rollouts() - (holds_out() ? 1 : 0) : 1;
-  }
 
   void find_simulator() {
     Study study;
@@ -119,7 +116,7 @@ class Writer {
         text_ += fmt::format(
             "num_rollouts = {}  # that inference sees\n"
             "held_out = 1  # that it doesn't, to predict; EDIT: 0 to use all\n",
-            num_rollouts_seen());
+            recording_->num_rollouts() - 1);
       }
     } else if (is_program()) {
       text_ += "truth = { a = 1.0 }  # EDIT: parameters of a simulated target, or a recording\n";

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "pipeline/config/checker.h"
 
 namespace npdr::pipeline {
@@ -109,9 +107,7 @@ void check_rollouts(const Study& study, const RolloutShape& shape, Reading& read
 
 void check_recording(const Study& study, const Target& recording) {
   Reading reading(study.places);
-  check_rollouts(study,
-                 {recording.num_rollouts(), recording.num_steps(), recording.state_channels,
-                  recording.action_channels},
+  check_rollouts(study, {recording.num_rollouts(), recording.num_steps(), recording.state_channels},
                  reading);
   reading.problems().throw_if_any();
 }

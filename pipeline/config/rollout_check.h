@@ -14,7 +14,6 @@ struct RolloutShape {
   Index num_rollouts = 0;
   Index num_steps = 0;
   std::vector<Channel> state_channels;
-  std::vector<Channel> action_channels;
 };
 
 /// Adds what doesn't fit to `reading`; a field that already has a problem isn't checked.

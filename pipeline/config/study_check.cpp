@@ -146,7 +146,7 @@ void StudyChecker::check_truths_rollouts() {
   if (info_->state_channels.empty() || study_.target.inputs) return;
   check_rollouts(study_,
                  {study_.target.num_rollouts + study_.target.held_out, info_->num_steps,
-                  info_->state_channels, info_->action_channels},
+                  info_->state_channels},
                  reading_);
 }
 

@@ -64,8 +64,8 @@ Constraint<std::vector<std::string>> shell_lines();
 template <class Fields>
 void describe(Fields& f, inference::EmbeddingConfig& c) {
   choice(f, "kind", c.kind,
-         "how rollouts become features; `convolution` when left out with features or "
-         "average_rollouts");
+         "how rollouts become features; `convolution` for networks of a posterior when left out "
+         "with features or average_rollouts");
   f("features", c.features, between(1, kMaxWidth),
     "width of the trained layer (\"convolution\": of the last, and \"linear\"); twice the "
     "parameters "
@@ -74,8 +74,8 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
     "\"convolution\" only: the last layer sees the mean over rollouts, not each by itself");
   f("principal_components", c.principal_components, count_from(0),
     "of the features, at most as many as there are, for the network to see; 0: the features "
-    "themselves; for networks four times the parameters, at least 20, when nothing is said of how "
-    "rollouts become features");
+    "themselves; for networks four times the parameters, 20 to 50, when left out with kind, "
+    "features and average_rollouts");
   f("downsample", c.downsample, count_from(1),
     "keep every k-th state; a multiple of simulator.store_every, which it is when left out");
   f("channels", c.channels, anything<std::vector<std::string>>(),

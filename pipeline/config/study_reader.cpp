@@ -73,15 +73,18 @@ void resolve_algorithm(MethodConfig& method, std::size_t i, const Reading& readi
 }
 
 // A network sees principal components of all steps where nothing else is said, some for each
-// parameter; what is said of layers means that they are trained.
-void resolve_kind(inference::EmbeddingConfig& embedding, Index num_parameters,
-                  const std::string& path, const Reading& reading) {
-  constexpr Index fewest = 20, for_each = 4;
+// parameter. What is said of layers means that they are trained, where they can be.
+void resolve_default_embedding(MethodConfig& method, Index num_parameters, const std::string& path,
+                               const Reading& reading) {
+  constexpr Index fewest = 20, for_each = 4, most = 50;
+  inference::EmbeddingConfig& embedding = method.embedding;
   if (reading.has(path + "kind") || reading.has(path + "principal_components")) return;
-  if (reading.has(path + "features") || reading.has(path + "average_rollouts")) {
+  const bool has_layers = reading.has(path + "features") || embedding.average_rollouts;
+  const auto role = inference::traits_of(method.algorithm.kind).role;
+  if (has_layers && role == inference::NetworkRole::posterior) {
     embedding.kind = inference::EmbeddingKind::convolution;
   } else {
-    embedding.principal_components = std::max(fewest, for_each * num_parameters);
+    embedding.principal_components = std::clamp(for_each * num_parameters, fewest, most);
   }
 }
 
@@ -94,7 +97,7 @@ void resolve_embedding(Study& study, std::size_t i, const Reading& reading) {
   if (!reading.has(path + "downsample")) embedding.downsample = study.simulator.store_every;
   const auto family = inference::traits_of(method.algorithm.kind).family;
   if (study.source().gives_motion && family == inference::AlgorithmFamily::network) {
-    resolve_kind(embedding, std::ssize(study.prior), path, reading);
+    resolve_default_embedding(method, std::ssize(study.prior), path, reading);
   }
   if (reading.has(path + "features")) return;
   const Index twice = std::min<Index>(2 * std::ssize(study.prior), kMaxWidth);

@@ -13,6 +13,15 @@
 
 namespace npdr::pipeline {
 
+namespace {
+
+// Names of files needn't be UTF-8, which JSON must be.
+std::string shown_name(const std::filesystem::path& study) {
+  return printable_line(study.filename().string());
+}
+
+}  // namespace
+
 bool report_is_current(const Plan& plan, const Node& node) {
   if (!std::filesystem::exists(report_path(plan))) return false;
   std::ifstream file(node.path);
@@ -43,7 +52,7 @@ void mark_report(const Node& node, const std::filesystem::path& study,
                         {"reasons", summary.reasons}});
   }
   const nlohmann::ordered_json json = {{"key", node.key},
-                                       {"study", study.filename().string()},
+                                       {"study", shown_name(study)},
                                        {"files", names},
                                        {"checks", verdicts},
                                        {"key_document", node.identity.key_document}};
@@ -85,12 +94,12 @@ std::string words_of(const CheckSummary& summary) {
 
 std::string warning_of_replacement(const Plan& plan) {
   const Study& study = plan.study;
-  const std::filesystem::path mark = plan.nodes.back().path, file = study.places.origin();
-  std::ifstream stream(mark);
-  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  const Node& report = plan.nodes.back();
+  std::ifstream file(report.path);
+  const auto json = nlohmann::json::parse(file, nullptr, false);
   if (!json.is_object() || !json.contains("study") || !json["study"].is_string()) return "";
   const std::string other = json["study"];
-  if (other == file.filename()) return "";
+  if (other == shown_name(study.places.origin()) || report_is_current(plan, report)) return "";
   return fmt::format(
       "{}: warning: study.name = '{}' is that of {}, too, whose report {} will be replaced: give "
       "one of them another name",

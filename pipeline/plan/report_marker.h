@@ -29,8 +29,9 @@ std::vector<CheckSummary> read_check_summaries(const Node& node);
 /// Takes the mark away, where there is one. Throws std::filesystem::filesystem_error.
 void unmark_report(const Node& node);
 
-/// A warning where the report that is there was made of another file, whose study has the same name
-/// as the plan's; "" else.
+/// A warning where the report that is there is another one than the plan's and was made of a file
+/// with another name, whose study has the same name as the plan's; "" else. Files of the same name
+/// in other folders pass for one.
 std::string warning_of_replacement(const Plan& plan);
 
 /// <work>/<study>/report.html

@@ -12,10 +12,6 @@ Verdict too_few_samples(Check check, Index count) {
                       inference::kFewestForBounds)};
 }
 
-bool has_too_few(const Runs& runs) {
-  return runs.front()->evaluation.theta.rows() < inference::kFewestForBounds;
-}
-
 std::string advice_to_learn(const ReportData& data, const std::string& method) {
   using enum inference::EmbeddingKind;
   const inference::EmbeddingKind kind = data.plan.study.method(method).embedding.kind;

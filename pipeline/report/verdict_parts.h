@@ -12,8 +12,6 @@ namespace npdr::pipeline {
 using Runs = std::vector<const EvaluatedRun*>;
 
 Verdict too_few_samples(Check check, Index count);
-/// Whether they are too few to say where they lie.
-bool has_too_few(const Runs& runs);
 
 /// What would let a method learn more of its observation.
 std::string advice_to_learn(const ReportData& data, const std::string& method);

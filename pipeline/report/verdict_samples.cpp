@@ -13,6 +13,10 @@
 namespace npdr::pipeline {
 namespace {
 
+bool has_too_few(const Runs& runs) {
+  return runs.front()->evaluation.theta.rows() < inference::kFewestForBounds;
+}
+
 // The bound of parameter d that a run presses against; none where there is no such bound.
 std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& run, Index d) {
   const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];

@@ -273,8 +273,9 @@ std::vector<std::string> reasons(const Plan& plan, const Node& node) {
                         removed->string())};
   }
   if (!earlier) {
-    const std::string detail = status_of(plan, node).detail;
-    return {detail.empty() ? "it was never made" : "it isn't finished: " + detail};
+    const ArtefactStatus status = status_of(plan, node);
+    if (status.state == ArtefactState::partial) return {"it isn't finished: " + status.detail};
+    return {status.detail.empty() ? "it was never made" : status.detail};
   }
   std::vector<std::string> lines;
   compare("", node.identity.key_document, document_of(*earlier), lines);

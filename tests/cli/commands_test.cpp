@@ -72,6 +72,8 @@ TEST_F(Commands, AnotherFileWithTheSameNameIsWarnedOfTheReportThatItReplaces) {
                    {"npdr validate: copy.toml:2:8: warning: study.name = 'small' is that of "
                     "small.toml, too, whose report runs/small/report.html will be replaced"}));
   EXPECT_EQ(npdr({"validate", "small.toml"}).err, "");
+  std::ofstream(file("same.toml")) << small_study();
+  EXPECT_EQ(npdr({"validate", "same.toml"}).err, "") << "nothing would be replaced";
 }
 
 TEST_F(Commands, SampleAndLogProbUseAPosterior) {

@@ -32,11 +32,11 @@ StudyText study_of_all_kinds() {
       .with("evaluate", {"num_samples = 20"})
       .method("maf", {some, training, estimator("maf"),
                       "embedding = { kind = \"linear\", features = 8, downsample = 20, "
-                      "principal_components = 12 }"})
+                      "principal_components = 1000 }"})  // all that there are
       .method("nsf", {"algorithm = \"npe_c\"", some, few_epochs, estimator("nsf"),
                       "embedding = { kind = \"convolution\", downsample = 20 }"})
-      .method("series pool",
-              {some, few_epochs, estimator("nsf"), "embedding = { downsample = 20 }"})
+      .method("series pool", {some, few_epochs, estimator("nsf"),
+                              "embedding = { kind = \"convolution\", downsample = 20 }"})
       .method("mean", {"algorithm = \"npe_c\"", some, few_epochs, estimator("nsf"),
                        "embedding = { downsample = 10, average_rollouts = true }"})
       .method("pool", {"algorithm = \"npe_nle\"", some, training, estimator("nsf"), components})

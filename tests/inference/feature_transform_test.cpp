@@ -69,6 +69,10 @@ TEST(FeatureTransform, HasNoMoreComponentsThanThereAreDirections) {
   const RowMatrixF x = random_matrix(20, 5, 1).cast<float>();
   EXPECT_EQ(fit_feature_transform(MatrixFeatures(x), 6).num_outputs(), 5);
   EXPECT_EQ(fit_feature_transform(MatrixFeatures(x.topRows(3)), 6).num_outputs(), 3);
+  const RowMatrixF constant = RowMatrixF::Ones(20, 5);
+  RowMatrixF z;
+  fit_feature_transform(MatrixFeatures(constant), 6).apply(constant, z);
+  EXPECT_TRUE(z.isZero(0.0f)) << "what doesn't vary carries nothing";
 }
 
 TEST(FeatureTransform, VaryingOutputsAreThoseThatSomeSimulationsDifferIn) {

@@ -144,7 +144,13 @@ TEST(StudyReader, NetworksSeePrincipalComponentsWhereNothingElseIsSaid) {
   EXPECT_EQ(embedding_of("embedding.average_rollouts=true").kind, convolution);
   EXPECT_EQ(embedding_of("embedding.features=20").kind, convolution);
   EXPECT_EQ(embedding_of("embedding.features=20").principal_components, 0);
+  EXPECT_EQ(embedding_of("embedding.kind=linear").principal_components, 0);
   EXPECT_EQ(embedding_of("algorithm=abc_rejection").principal_components, 0);
+  EXPECT_EQ(embedding_of("algorithm=abc_rejection").kind, all_steps);
+  const auto of_likelihood = small_study(
+      {"method.\"NPDR (MAF)\".algorithm=nle", "method.\"NPDR (MAF)\".embedding.features=20"});
+  EXPECT_EQ(of_likelihood.methods[0].embedding.kind, all_steps) << "it can't train layers";
+  EXPECT_EQ(of_likelihood.methods[0].embedding.principal_components, 20);
   std::vector<std::string> furuta = {"simulator.name=furuta"};
   for (const char* name : {"gravity", "rotary_mass", "rotary_length", "motor_constant"}) {
     furuta.push_back(std::string("prior.") + name + "={ uniform = [0.5, 1.0] }");

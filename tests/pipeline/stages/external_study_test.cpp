@@ -140,6 +140,16 @@ TEST_F(ExternalStudies, HaveNamesThatCanHeadAColumn) {
             std::string::npos);
 }
 
+TEST_F(ExternalStudies, SeeFeaturesAsTheyAre) {
+  const auto embedding = [&](const std::vector<std::string>& overrides) {
+    return plan_of(overrides).study.methods.front().embedding;
+  };
+  EXPECT_EQ(embedding({}).kind, inference::EmbeddingKind::identity);
+  EXPECT_EQ(embedding({}).principal_components, 0);
+  EXPECT_EQ(embedding({"method.embedding.principal_components=3"}).principal_components, 3)
+      << "of two features: all of them";
+}
+
 TEST_F(ExternalStudies, KnowTheFeaturesThatAnEmbeddingMayPick) {
   EXPECT_EQ(plan_of({"method.embedding.channels=[\"mean\"]"}).nodes.size(), plan_of().nodes.size());
   EXPECT_NE(problems({"method.embedding.channels=[\"men\"]"})
