@@ -60,11 +60,22 @@ void add_new(std::vector<std::string>& all, const std::vector<std::string>& more
   });
 }
 
+// What a power says of the simulator, where the recording hardly counts.
+std::string words_of(double power) {
+  constexpr double small = 0.05;
+  if (power >= small) return "";
+  return fmt::format(
+      "it believes the recording to a power of {:.2g}: simulator or noise are far from it; look "
+      "for "
+      "what they lack",
+      power);
+}
+
 // Of refined posteriors: the certificates of their draws.
 Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   std::vector<std::string> faults, remedies;
   std::size_t failed = 0;
-  double smallest = HUGE_VAL, heaviest = -HUGE_VAL;
+  double smallest = HUGE_VAL, heaviest = -HUGE_VAL, power = 1.0;
   bool has_pool = false;
   for (const EvaluatedRun* run : runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
@@ -78,11 +89,13 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
     add_new(faults, its);
     smallest = std::min(smallest, certificate.ess);
     heaviest = std::max(heaviest, certificate.pareto_k);
+    power = std::min(power, certificate.power);
     has_pool |= certificate.pool_ess > 0.0;
   }
   const std::string text =
-      fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest);
-  if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, ""};
+      fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest) +
+      (power < 1.0 ? fmt::format(", power {:.2g}", power) : "");
+  if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, words_of(power)};
   return {Check::sampling, Judgment::fails,
           "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,
           fmt::format("{}: {}{}", join(faults), join(remedies, ", or "),

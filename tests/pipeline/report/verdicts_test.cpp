@@ -104,6 +104,14 @@ TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
                                               .pareto_k = 0.5};
   data_.runs.front().notes.certificate = good;
   EXPECT_EQ(verdict_of(Check::sampling).text, "passes, effective size 1200, Pareto k 0.5");
+  EXPECT_EQ(verdict_of(Check::sampling).reason, "");
+  inference::ImportanceCertificate& own = *data_.runs.front().notes.certificate;
+  own.power = own.wanted_power = 0.003;
+  EXPECT_EQ(verdict_of(Check::sampling).text,
+            "passes, effective size 1200, Pareto k 0.5, power 0.003");
+  EXPECT_TRUE(says(verdict_of(Check::sampling).reason,
+                   {"it believes the recording to a power of 0.003: simulator or noise are far"}));
+  own = good;
   data_.runs.push_back(data_.runs.front());
   data_.runs.back().notes.certificate->pareto_k = 0.8;
   data_.runs.back().notes.certificate->ess = 900.0;
@@ -235,21 +243,30 @@ TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
     scores.coverage = RowMatrix::Zero(std::ssize(kBandLevels), 2);
     scores.noisy_coverage = RowMatrix::Constant(std::ssize(kBandLevels), 2, 1.0);
     scores.noisy_coverage.row(8) << covered - 0.1, covered + 0.1;
+    scores.noisy_crps = Vector::Constant(2, 0.11);
     scores.share_as_seldom_within = share_as_seldom;
     scores.num_compared = num_compared;
     return judge_held_out(data_, kMethod);
   };
   EXPECT_EQ(judge(0.8, 0.002).text, "passes, bands of 90 % hold 80 %");
   EXPECT_EQ(judge(0.8, 0.0).text, "predictions are TOO NARROW, bands of 90 % hold 80 %");
-  EXPECT_TRUE(
-      says(judge(0.8, 0.0).reason, {"none of its samples' own predictions would be held so seldom",
-                                    "look for what simulator or noise lack"}));
+  EXPECT_TRUE(says(judge(0.8, 0.0).reason, {"they hold less than those of any of its samples' own",
+                                            "look for what simulator or noise lack"}));
+  EXPECT_EQ(judge(0.3, 0.002).judgment, Judgment::unknown);
+  EXPECT_EQ(judge(0.3, 0.002).text, "can't tell, bands of 90 % hold 30 %");
+  data_.baseline.prior->scores.held_out.emplace().noisy_crps = Vector::Constant(2, 0.1);
+  EXPECT_EQ(judge(0.8, 0.002).judgment, Judgment::passes);
+  data_.baseline.prior->scores.held_out->noisy_crps.setConstant(0.08);
+  EXPECT_EQ(judge(0.8, 0.002).text,
+            "predictions are WORSE than the prior's, bands of 90 % hold 80 %");
+  EXPECT_TRUE(says(judge(0.8, 0.002).reason, {"their CRPS is 0.11, the prior's 0.08: look for"}));
+  data_.baseline.prior->scores.held_out.reset();
   plan_.study.target.num_rollouts = 4;
-  EXPECT_TRUE(says(judge(0.8, 0.0).reason,
-                   {"none of its samples", "refine it with refine.cross_validate"}));
+  EXPECT_TRUE(
+      says(judge(0.8, 0.0).reason, {"they hold less", "refine it with refine.cross_validate"}));
   plan_.study.methods.front().algorithm.kind = inference::Algorithm::refine;
   EXPECT_TRUE(says(judge(0.8, 0.0).reason,
-                   {"none of its samples", "let refine.cross_validate choose the power"}));
+                   {"they hold less", "let refine.cross_validate choose the power"}));
   plan_.study.methods.front().refine.sampling.cross_validate = true;
   EXPECT_EQ(judge(0.8, 0.0).reason.find("cross_validate"), std::string::npos) << "it does already";
   num_compared = 99;
