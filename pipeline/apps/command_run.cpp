@@ -38,17 +38,25 @@ void print_commands(const Plan& plan, const SchedulerConfig& config) {
   }
 }
 
-// The study's main tables, what its checks say, and where the rest is; returns whether any check
-// failed.
+// Those of the study's main tables that there are: without simulations there is no fit.
+std::vector<std::filesystem::path> main_tables(const Plan& plan) {
+  std::vector<std::filesystem::path> paths;
+  for (const char* name : {"parameters.md", "fit.md", "policy.md"}) {
+    paths.push_back(plan.work.study(plan.study.name) / "tables" / name);
+  }
+  std::erase_if(paths, [](const auto& path) { return !std::filesystem::exists(path); });
+  return paths;
+}
+
+// The main tables, what the study's checks say, and where the rest is; returns whether any check
+// failed. The command that made them all stands below the last one.
 bool print_results(const Plan& plan) {
-  const char* main = plan.study.source().simulates ? "fit.md" : "parameters.md";
-  for (const char* name : {main, "policy.md"}) {
-    const std::filesystem::path path = plan.work.study(plan.study.name) / "tables" / name;
+  const std::vector<std::filesystem::path> paths = main_tables(plan);
+  const auto columns = terminal_columns();
+  for (const std::filesystem::path& path : paths) {
     std::ifstream table(path);
-    if (!table) continue;  // nothing was inferred, or no policy searched for
-    if (name != main) std::cout << "\n";
-    const std::string text(std::istreambuf_iterator<char>(table), {});
-    const auto columns = terminal_columns();
+    std::string text(std::istreambuf_iterator<char>(table), {});
+    if (path != paths.back()) text = text.substr(0, text.find("Made by:"));
     std::cout << (columns ? fitted_tables(text, *columns, path) : text) << std::flush;
   }
   return print_verdicts(plan, VerdictDetail::reasons);

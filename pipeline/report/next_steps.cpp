@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
+
 #include "pipeline/process/shell_text.h"
+#include "pipeline/report/verdicts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -15,10 +19,16 @@ std::string posterior_of(const ReportData& data, const std::string& method) {
 }  // namespace
 
 std::string next_steps(const ReportData& data) {
+  std::map<std::string, CheckSummary> checks;
+  for (const CheckSummary& summary : check_summaries(data)) checks[summary.method] = summary;
   std::string text = fmt::format("# Posteriors, seed {}\n", data.seeds.front());
   for (const std::string& method : data.methods) {
-    text += fmt::format("{}    # {}\n", posterior_of(data, method), method);
+    const std::string words = checks.contains(method) ? words_of(checks[method]) : method;
+    text += fmt::format("{}    # {}\n", posterior_of(data, method), words);
   }
+  // That of which the fewest checks fail.
+  const std::string best = *std::ranges::min_element(
+      data.methods, {}, [&](const std::string& method) { return checks[method].failed.size(); });
   return text + fmt::format(
                     "\n# Domain parameters for a simulator of yours: 1000 draws of the posterior, "
                     "one a line\n"
@@ -31,7 +41,7 @@ std::string next_steps(const ReportData& data) {
                     "rng = np.random.default_rng(1)\n"
                     "for episode in range(100):\n"
                     "    parameters = dict(zip(names, rng.choice(theta)))\n",
-                    shell_word(posterior_of(data, data.methods.front())));
+                    shell_word(posterior_of(data, best)));
 }
 
 }  // namespace npdr::pipeline

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "analysis/quantiles.h"
 #include "core/normal.h"
 #include "inference/diagnostics/uniformity.h"
 #include "inference/prior.h"
@@ -81,6 +83,40 @@ Cell posterior_cell(Table& table, const ReportData& data, const std::string& met
   return cell;
 }
 
+// 5 % and 95 % quantiles, of a periodic parameter those of the differences from its mean.
+Cell interval_cell(const ReportData& data, const std::string& method, Index d) {
+  if (!data.is_inferred(method, d)) return {};
+  const Vector samples = pooled(data.runs_of(method), [d](const EvaluatedRun* run) -> Vector {
+    return run->evaluation.theta.col(d);
+  });
+  const double period = data.period_of(d);
+  const double mean = analysis::summarize_periodic(samples, period).mean;
+  std::vector<double> sorted(samples.begin(), samples.end());
+  if (period > 0.0) {
+    for (double& value : sorted) value = mean + std::remainder(value - mean, period);
+  }
+  std::ranges::sort(sorted);
+  return fmt::format("[{:.4g}, {:.4g}]", analysis::quantile_of_sorted(sorted, 0.05),
+                     analysis::quantile_of_sorted(sorted, 0.95));
+}
+
+Table make_intervals(const ReportData& data) {
+  Table table =
+      empty_table("Domain parameters: 5 % and 95 % quantiles of the posterior, all seeds.",
+                  "Parameter", {"unit"});
+  add_columns(table, data.methods);
+  Index d = 0;
+  for (const inference::Marginal& marginal : data.plan.study.prior) {
+    Row row{marginal.name, {marginal.unit}};
+    for (const std::string& method : data.methods) {
+      row.cells.push_back(interval_cell(data, method, d));
+    }
+    table.rows.push_back(std::move(row));
+    ++d;
+  }
+  return table;
+}
+
 Table make(const ReportData& data) {
   Table table =
       empty_table("Domain parameters: mean and standard deviation of the posterior, all seeds.",
@@ -105,5 +141,10 @@ Table make(const ReportData& data) {
 
 /// Prior, baselines and posteriors: mean and deviation, circular for a periodic parameter.
 TableEntry parameters_table() { return {"parameters", Section::posteriors, has_posteriors, make}; }
+
+/// What 90 % of each posterior's samples lie in, parameter by parameter.
+TableEntry intervals_table() {
+  return {"intervals", Section::posteriors, has_posteriors, make_intervals};
+}
 
 }  // namespace npdr::pipeline

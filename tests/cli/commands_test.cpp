@@ -40,6 +40,24 @@ TEST_F(Commands, RunPrintsTheTableAndTheReportsPath) {
   }
 }
 
+TEST_F(Commands, RunPrintsTheParametersAndTheReportHasTheirIntervals) {
+  EXPECT_NE(run_output_.find("| pole_mass "), std::string::npos) << run_output_;
+  const std::string intervals = text_of(file("runs/small/tables/intervals.md"));
+  EXPECT_NE(intervals.find("| pole_mass   | kg   | [0."), std::string::npos) << intervals;
+}
+
+TEST_F(Commands, TheReportGoesOnWithThePosteriorThatFailsFewestChecks) {
+  const Outcome outcome =
+      npdr({"run", "small.toml", "--work", "checked", "--set", "diagnose.checks=[\"training\"]",
+            "--set", "method.\"NPDR (MAF)\".training.max_epochs=2", "--set",
+            "method.\"NPDR (MoG)\".training.max_epochs=2000"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("NPDR (MAF): 1 of 1 check FAIL"), std::string::npos) << outcome.out;
+  EXPECT_NE(text_of(file("checked/small/report.html")).find("npdr sample checked/small/npdr-mog"),
+            std::string::npos)
+      << outcome.out;
+}
+
 TEST_F(Commands, StatusShowsEveryArtefactUpToDate) {
   const Outcome status = npdr({"status", "small.toml"});
   EXPECT_NE(status.out.find("15 artefacts: 15 up to date"), std::string::npos) << status.out;
