@@ -177,6 +177,12 @@ void append(const std::vector<std::string>& more, std::vector<std::string>& all)
   all.insert(all.end(), more.begin(), more.end());
 }
 
+// What nobody asked for may be what the simulator is given.
+std::vector<std::string> notes_of_ignored(const CsvRows& rows) {
+  if (rows.ignored.empty()) return {};
+  return {fmt::format("not imported: {}; --states and --actions name what is", join(rows.ignored))};
+}
+
 std::vector<std::string> notes_of_ends(const std::vector<CsvRows>& files) {
   std::vector<std::string> notes;
   for (const CsvRows& rows : files) {
@@ -232,7 +238,8 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   require_distinct(paths);
   std::vector<CsvRows> files = read_files(paths, options);
   ImportedRecording result;
-  result.notes = notes_of_ends(files);
+  result.notes = notes_of_ignored(files.front());
+  append(notes_of_ends(files), result.notes);
   append(unwrap_turns(files, options.unwrap), result.notes);
   Target& target = result.target = even_target(files, options);
   if (options.resample) result.notes.push_back(note_of_resampling(files, *options.resample));

@@ -81,6 +81,15 @@ class ColumnFinder {
     return columns;
   }
 
+  std::vector<std::string> ignored_by(const Columns& columns) const {
+    const std::vector<std::string> taken = taken_by(columns);
+    std::vector<std::string> ignored;
+    std::ranges::copy_if(labels_, std::back_inserter(ignored), [&](const std::string& label) {
+      return std::ranges::find(taken, label) == taken.end();
+    });
+    return ignored;
+  }
+
  private:
   bool has(const std::string& label) const {
     return std::ranges::find(labels_, label) != labels_.end();
@@ -170,7 +179,7 @@ class ColumnFinder {
                      "two rows with --dt");
   }
 
-  void check_scales(const Columns& columns) const {
+  static std::vector<std::string> taken_by(const Columns& columns) {
     std::vector<std::string> taken;
     for (const auto* list : {&columns.states, &columns.actions}) {
       for (const Column& column : *list) {
@@ -178,6 +187,11 @@ class ColumnFinder {
       }
     }
     if (columns.time) taken.push_back(columns.time->channel.label);
+    return taken;
+  }
+
+  void check_scales(const Columns& columns) const {
+    const std::vector<std::string> taken = taken_by(columns);
     for (const ColumnScale& scale : options_.scales) {
       if (std::ranges::find(taken, scale.label) != taken.end()) continue;
       throw InputError(table_.name() + ": --scale: " + unknown_name("column", scale.label, taken));
@@ -236,7 +250,8 @@ RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t widt
 
 CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& options) {
   NumberTable table(path, Header::with_units, options.format);
-  const Columns columns = ColumnFinder(table, options).all();
+  const ColumnFinder finder(table, options);
+  const Columns columns = finder.all();
   const Values values = read_values(table, columns);
   CsvRows rows;
   rows.name = table.name();
@@ -251,6 +266,7 @@ CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& optio
   rows.state_values = matrix(values.states, values.count, columns.states.size());
   rows.action_values = matrix(values.actions, values.count - 1, columns.actions.size());
   rows.has_line_end = table.has_line_end();
+  rows.ignored = finder.ignored_by(columns);
   return rows;
 }
 

@@ -23,6 +23,7 @@ struct CsvRows {
   RowMatrix state_values;         ///< (T + 1, C)
   RowMatrix action_values;        ///< (T, A); those of the last row are ignored, and may be empty
   bool has_line_end = true;       ///< of the last line, which a file lacks that was cut
+  std::vector<std::string> ignored;  ///< labels of columns that nobody asked for
 };
 
 /// Reads a header line of `label [unit]` fields and at least two rows; multiplies columns by their

@@ -310,7 +310,11 @@ std::string Scheduler::job_text(const Job& job) const {
     text += fmt::format(", shard {} of {}", (state.done + size - 1) / size, count);
   }
   if (!state.note.empty()) text += ", " + state.note;
-  return text + silence_text(job.process.silence());
+  const std::string silence = silence_text(job.process.silence());
+  const bool may_wait = !silence.empty() && plan_.study.source().calls_program;
+  return text + silence +
+         (may_wait ? fmt::format(" (simulator.time_limit: {} s)", plan_.study.external.time_limit)
+                   : "");
 }
 
 void Scheduler::show_progress(bool force) {

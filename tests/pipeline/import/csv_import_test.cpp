@@ -65,6 +65,9 @@ TEST_F(CsvImport, TakesNamedColumnsAndIgnoresTheRest) {
   EXPECT_EQ(target.num_actions(), 0);
   EXPECT_EQ(target.source, "bench");
   EXPECT_EQ(target.rollouts[0].states(2, 0), 3.0);
+  EXPECT_EQ(notes(kCsv, options).front(),
+            "not imported: torque; --states and --actions name what is");
+  EXPECT_EQ(join(notes(kCsv, pendulum_options())).find("not imported"), std::string::npos);
 }
 
 TEST_F(CsvImport, ReadsWhatSpreadsheetsWrite) {
