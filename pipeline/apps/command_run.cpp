@@ -56,7 +56,8 @@ bool print_results(const Plan& plan) {
   for (const std::filesystem::path& path : paths) {
     std::ifstream table(path);
     std::string text(std::istreambuf_iterator<char>(table), {});
-    if (path != paths.back()) text = text.substr(0, text.find("Made by:"));
+    const std::size_t end = text.rfind("\nMade by:\n");
+    if (path != paths.back() && end != std::string::npos) text.erase(end + 1);
     std::cout << (columns ? fitted_tables(text, *columns, path) : text) << std::flush;
   }
   return print_verdicts(plan, VerdictDetail::reasons);

@@ -103,7 +103,7 @@ std::string warning_of_replacement(const Plan& plan) {
   return fmt::format(
       "{}: warning: study.name = '{}' is that of {}, too, whose report {} will be replaced: give "
       "one of them another name",
-      study.places.of("study.name").str(), study.name, printable(other),
+      study.places.of("study.name").str(), study.name, printable_line(other),
       report_path(plan).string());
 }
 
