@@ -200,29 +200,34 @@ Verdict judge_held_out(const ReportData& data, const std::string& method) {
     ++narrow;
     least_narrow = std::min(least_narrow, covered);
   }
-  const std::string text = fmt::format(", bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand,
-                                       100.0 * (narrow > 0 ? least_narrow : least));
+  const std::string bands = fmt::format("bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand,
+                                        100.0 * (narrow > 0 ? least_narrow : least));
+  const std::string unseen = " of rollouts that inference hasn't seen";
   const std::string advice = advice_to_widen(data, method);
   if (narrow > 0) {
-    return {
-        Check::held_out, Judgment::fails,
-        std::string(traits_of(Check::held_out).failure) + seeds_text(narrow, runs.size()) + text,
-        "they hold less than those of any of its samples' own predictions would, so it knows "
-        "parameters or noise less well than it says: " +
-            advice};
-  }
-  if (worse > 0) {
     return {Check::held_out, Judgment::fails,
-            "predictions are WORSE than the prior's" + seeds_text(worse, runs.size()) + text,
-            fmt::format("their CRPS is {:.2g}, the prior's {:.2g}: {}", worst, of_prior, advice)};
-  }
-  if (least < few) {
-    return {Check::held_out, Judgment::unknown, "can't tell" + text,
-            "a right posterior's hold less than half with a probability of 0.2 at most, but some "
-            "of its samples' own predictions are held as seldom: " +
+            std::string(traits_of(Check::held_out).failure) + seeds_text(narrow, runs.size()) +
+                ", " + bands,
+            bands + unseen +
+                ", less than those of any of its samples' own predictions would, so it knows "
+                "parameters or noise less well than it says: " +
                 advice};
   }
-  return {Check::held_out, Judgment::passes, "passes" + text, ""};
+  if (worse > 0) {
+    return {
+        Check::held_out, Judgment::fails,
+        "predictions are WORSE than the prior's" + seeds_text(worse, runs.size()) + ", " + bands,
+        fmt::format("the CRPS of its predictions{} is {:.2g}, that of the prior's {:.2g}: {}",
+                    unseen, worst, of_prior, advice)};
+  }
+  if (least < few) {
+    return {Check::held_out, Judgment::unknown, "can't tell, " + bands,
+            bands + unseen +
+                ", a right posterior's less than half with a probability of 0.2 at most; but some "
+                "of its samples' own predictions are held as seldom: " +
+                advice};
+  }
+  return {Check::held_out, Judgment::passes, "passes, " + bands, ""};
 }
 
 }  // namespace npdr::pipeline

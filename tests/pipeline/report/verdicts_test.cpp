@@ -250,8 +250,9 @@ TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
   };
   EXPECT_EQ(judge(0.8, 0.002).text, "passes, bands of 90 % hold 80 %");
   EXPECT_EQ(judge(0.8, 0.0).text, "predictions are TOO NARROW, bands of 90 % hold 80 %");
-  EXPECT_TRUE(says(judge(0.8, 0.0).reason, {"they hold less than those of any of its samples' own",
-                                            "look for what simulator or noise lack"}));
+  EXPECT_TRUE(says(judge(0.8, 0.0).reason,
+                   {"bands of 90 % hold 80 % of rollouts that inference hasn't seen, less than",
+                    "look for what simulator or noise lack"}));
   EXPECT_EQ(judge(0.3, 0.002).judgment, Judgment::unknown);
   EXPECT_EQ(judge(0.3, 0.002).text, "can't tell, bands of 90 % hold 30 %");
   data_.baseline.prior->scores.held_out.emplace().noisy_crps = Vector::Constant(2, 0.1);
@@ -259,14 +260,17 @@ TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
   data_.baseline.prior->scores.held_out->noisy_crps.setConstant(0.08);
   EXPECT_EQ(judge(0.8, 0.002).text,
             "predictions are WORSE than the prior's, bands of 90 % hold 80 %");
-  EXPECT_TRUE(says(judge(0.8, 0.002).reason, {"their CRPS is 0.11, the prior's 0.08: look for"}));
+  EXPECT_TRUE(
+      says(judge(0.8, 0.002).reason,
+           {"the CRPS of its predictions of rollouts that inference hasn't seen is 0.11, that of "
+            "the prior's 0.08: look for"}));
   data_.baseline.prior->scores.held_out.reset();
   plan_.study.target.num_rollouts = 4;
   EXPECT_TRUE(
-      says(judge(0.8, 0.0).reason, {"they hold less", "refine it with refine.cross_validate"}));
+      says(judge(0.8, 0.0).reason, {"bands of 90 %", "refine it with refine.cross_validate"}));
   plan_.study.methods.front().algorithm.kind = inference::Algorithm::refine;
   EXPECT_TRUE(says(judge(0.8, 0.0).reason,
-                   {"they hold less", "let refine.cross_validate choose the power"}));
+                   {"bands of 90 %", "let refine.cross_validate choose the power"}));
   plan_.study.methods.front().refine.sampling.cross_validate = true;
   EXPECT_EQ(judge(0.8, 0.0).reason.find("cross_validate"), std::string::npos) << "it does already";
   num_compared = 99;
