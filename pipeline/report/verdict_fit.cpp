@@ -134,6 +134,30 @@ double crps_of_prior(const ReportData& data) {
   return prior && prior->scores.held_out ? crps_of(*prior->scores.held_out) : HUGE_VAL;
 }
 
+// What the runs predict of held-out rollouts.
+struct HeldOut {
+  std::size_t narrow = 0, worse = 0;  ///< runs whose bands are too narrow, that the prior beats
+  double least = 1.0;                 ///< share that bands hold; of the narrow ones, if any are
+  double worst = 0.0;                 ///< CRPS
+};
+
+HeldOut held_out_of(const Runs& runs, double of_prior) {
+  HeldOut all;
+  double least_narrow = 1.0;
+  for (const EvaluatedRun* run : runs) {
+    const PredictionScores& scores = *run->evaluation.scores.held_out;
+    const double covered = covered_by(scores);
+    all.least = std::min(all.least, covered);
+    all.worst = std::max(all.worst, crps_of(scores));
+    all.worse += crps_of(scores) > kFarWorse * of_prior ? 1 : 0;
+    if (scores.share_as_seldom_within > 0.0) continue;
+    ++all.narrow;
+    least_narrow = std::min(least_narrow, covered);
+  }
+  if (all.narrow > 0) all.least = least_narrow;
+  return all;
+}
+
 }  // namespace
 
 Verdict judge_fit(const ReportData& data, const std::string& method) {
@@ -184,24 +208,14 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
 Verdict judge_held_out(const ReportData& data, const std::string& method) {
   constexpr double few = 0.5;
   const Runs runs = data.runs_of(method);
-  const double of_prior = crps_of_prior(data);
-  std::size_t narrow = 0, worse = 0;
-  double least = 1.0, least_narrow = 1.0, worst = 0.0;
   for (const EvaluatedRun* run : runs) {
-    const PredictionScores& scores = *run->evaluation.scores.held_out;
-    if (scores.num_compared < inference::kFewestForBounds) {
-      return too_few_samples(Check::held_out, scores.num_compared);
-    }
-    const double covered = covered_by(scores);
-    least = std::min(least, covered);
-    worst = std::max(worst, crps_of(scores));
-    worse += crps_of(scores) > kFarWorse * of_prior ? 1 : 0;
-    if (scores.share_as_seldom_within > 0.0) continue;
-    ++narrow;
-    least_narrow = std::min(least_narrow, covered);
+    const Index count = run->evaluation.scores.held_out->num_compared;
+    if (count < inference::kFewestForBounds) return too_few_samples(Check::held_out, count);
   }
-  const std::string bands = fmt::format("bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand,
-                                        100.0 * (narrow > 0 ? least_narrow : least));
+  const double of_prior = crps_of_prior(data);
+  const auto [narrow, worse, least, worst] = held_out_of(runs, of_prior);
+  const std::string bands =
+      fmt::format("bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand, 100.0 * least);
   const std::string unseen = " of rollouts that inference hasn't seen";
   const std::string advice = advice_to_widen(data, method);
   if (narrow > 0) {
