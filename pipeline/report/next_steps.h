@@ -7,7 +7,8 @@
 
 namespace npdr::pipeline {
 
-/// Lines to copy: where the posteriors are, and commands that sample, judge and read one of them.
+/// Lines to copy: where the posteriors are, with what their checks say, and commands that sample
+/// and read that of which the fewest checks fail.
 std::string next_steps(const ReportData& data);
 
 }  // namespace npdr::pipeline

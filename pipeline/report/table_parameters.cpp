@@ -68,15 +68,17 @@ std::string period_note(double period) {
   return fmt::format("modulo {:.4g}: values that far apart are the same system", period);
 }
 
+Vector samples_of(const ReportData& data, const std::string& method, Index d) {
+  return pooled(data.runs_of(method),
+                [d](const EvaluatedRun* run) -> Vector { return run->evaluation.theta.col(d); });
+}
+
 Cell posterior_cell(Table& table, const ReportData& data, const std::string& method, Index d) {
-  const auto runs = data.runs_of(method);
   const double period = data.period_of(d);
-  const auto samples = [d](const EvaluatedRun* run) -> Vector {
-    return run->evaluation.theta.col(d);
-  };
-  Cell cell(analysis::summarize_periodic(pooled(runs, samples), period));
+  const Vector samples = samples_of(data, method, d);
+  Cell cell(analysis::summarize_periodic(samples, period));
   if (!data.is_inferred(method, d)) {
-    cell = Cell(runs.front()->evaluation.theta(0, d));
+    cell = Cell(samples(0));
     note_known(table, cell);
   }
   if (period > 0.0) cell.notes.push_back(table.footnote(period_note(period)));
@@ -86,9 +88,7 @@ Cell posterior_cell(Table& table, const ReportData& data, const std::string& met
 // 5 % and 95 % quantiles, of a periodic parameter those of the differences from its mean.
 Cell interval_cell(const ReportData& data, const std::string& method, Index d) {
   if (!data.is_inferred(method, d)) return {};
-  const Vector samples = pooled(data.runs_of(method), [d](const EvaluatedRun* run) -> Vector {
-    return run->evaluation.theta.col(d);
-  });
+  const Vector samples = samples_of(data, method, d);
   const double period = data.period_of(d);
   const double mean = analysis::summarize_periodic(samples, period).mean;
   std::vector<double> sorted(samples.begin(), samples.end());

@@ -311,7 +311,9 @@ std::string Scheduler::job_text(const Job& job) const {
   }
   if (!state.note.empty()) text += ", " + state.note;
   const std::string silence = silence_text(job.process.silence());
-  const bool may_wait = !silence.empty() && plan_.study.source().calls_program;
+  // Training calls no program.
+  const bool may_wait =
+      !silence.empty() && plan_.study.source().calls_program && uses_threads(plan_, node);
   return text + silence +
          (may_wait ? fmt::format(" (simulator.time_limit: {} s)", plan_.study.external.time_limit)
                    : "");
