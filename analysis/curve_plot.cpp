@@ -1,6 +1,5 @@
 #include "analysis/curve_plot.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "analysis/summary.h"
@@ -42,14 +41,14 @@ Curve curve_of(const std::string& method, const Vector& x, const RowMatrix& expe
 FigureFiles write_curve_plot(const CurvePlot& plot, const std::filesystem::path& directory) {
   require(!plot.curves.empty(), "curve plot '{}': must have a curve", plot.name);
   Figure figure{.name = plot.name, .sizes = {468.0, 300.0}};
-  Range x{0.0, 1.0}, y;
+  Range x, y;
   std::vector<Series> bands, curves;  // no curve is below another one's band
   for (const Curve& curve : plot.curves) {
     const RowMatrix points = points_of(plot, curve);
     const std::string table =
         add_table(figure, "x, mean, lower and upper limit of the band", points);
     const std::string color = method_color(figure, curve.method, LegendMark::band);
-    x.upper = std::max(x.upper, 1.02 * curve.x.maxCoeff());
+    x.add(curve.x);
     for (Index k = 1; k < 4; ++k) y.add(points.col(k));
     bands.push_back({SeriesKind::band, table, {0, 2, 3}, color, 0.0, kBandOpacity});
     const bool is_dot = curve.x.size() == 1;
@@ -57,7 +56,8 @@ FigureFiles write_curve_plot(const CurvePlot& plot, const std::filesystem::path&
         {is_dot ? SeriesKind::dots : SeriesKind::line, table, {0, 1}, color, is_dot ? 0.7 : 1.8});
   }
   bands.insert(bands.end(), curves.begin(), curves.end());
-  figure.panels.push_back({.x = make_axis(x, plot.x_title, "", 3, 0.0),
+  if (x.lower == x.upper) x.add(x.lower + 1.0);
+  figure.panels.push_back({.x = make_axis(x.widened(kMargin), plot.x_title, "", 3, 0.0),
                            .y = make_axis(y.widened(kMargin), plot.y_title, "", 3, 0.0),
                            .series = bands});
   return write_figure(figure, directory);

@@ -326,7 +326,8 @@ PosteriorNotes read_posterior_notes(const ArtefactFile& artefact) {
                        .regression = read_regression_counts(file),
                        .certificate = read_certificate(file),
                        .losses = {},
-                       .pool = {}};
+                       .pool = {},
+                       .powers = read_power_scores(file)};
   Layout f = Layout::reader(file);
   describe(f, notes.rows);
   if (auto group = f.group("likelihood", notes.pool)) describe(*group, *notes.pool);

@@ -4,6 +4,7 @@
 #include "inference/algorithms/posterior_estimation.h"
 #include "inference/samplers/importance_sampler.h"
 #include "pipeline/artefacts/layout.h"
+#include "pipeline/artefacts/power_scores.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study.h"
 #include "pipeline/store/artefact.h"
@@ -75,6 +76,7 @@ struct PosteriorNotes {
   std::optional<inference::ImportanceCertificate> certificate;
   std::vector<TrainingLosses> losses;  ///< one a network
   std::optional<PoolNotes> pool;
+  PowerScores powers;  ///< empty where none was chosen
 };
 /// Throws InputError.
 PosteriorNotes read_posterior_notes(const ArtefactFile& artefact);

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "core/error.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/schemas.h"
@@ -85,24 +83,6 @@ void describe(Layout f, inference::ImportanceLevel& level) {
   describe_members(f, "flow", level.proposal.flows);
 }
 
-void describe_scores(Layout group, PowerScores& scores) {
-  group("power", scores.power, {{"k"}}, "powers of the likelihood, where they were tried",
-        {.unless_empty = true});
-  group("noise_factor", scores.noise_factor, {{"k"}},
-        "of the noise's unknown scales, that predicts best", {.unless_empty = true});
-  group("crps", scores.crps, {{"k"}, {"H"}}, "CRPS with noise of each rollout, left out",
-        {.unless_empty = true});
-  const Index k = scores.power.size();
-  if (group.reads() && (scores.noise_factor.size() != k || scores.crps.rows() != k)) {
-    throw InputError(fmt::format("{}: scores of {} powers, {} factors and {} rows of CRPS",
-                                 group.where(), k, scores.noise_factor.size(), scores.crps.rows()));
-  }
-}
-
-void describe(Layout f, std::optional<PowerScores>& scores) {
-  if (auto group = f.group("power_scores", scores)) describe_scores(*group, *scores);
-}
-
 void describe(Layout f, std::optional<inference::TemperedWalkers>& walkers) {
   auto group = f.group("walkers", walkers);
   if (!group) return;
@@ -146,28 +126,12 @@ std::optional<inference::ImportanceCertificate> read_certificate(const h5::File&
   return certificate;
 }
 
-void write_power_scores(h5::File& file, PowerScores scores) {
-  std::optional<PowerScores> some = std::move(scores);
-  describe(Layout::writer(file), some);
-}
-
-PowerScores read_power_scores(const h5::File& file) {
-  std::optional<PowerScores> scores;
-  describe(Layout::reader(file), scores);
-  return scores.value_or(PowerScores{});
-}
-
-double PowerScores::noise_factor_at(double wanted) const {
-  const Index below = std::ranges::upper_bound(power, wanted) - power.begin();
-  return below == 0 ? 1.0 : noise_factor(below - 1);
-}
-
 void write_refinement(const std::filesystem::path& path, const Identity& identity,
                       RefinementCheckpoint checkpoint) {
   ArtefactWriter writer(path, kRefinementCheckpointSchema, identity);
   writer.add_cost(checkpoint.cost);
   describe(Layout::writer(writer.file()), checkpoint.state, checkpoint.num_failed);
-  describe_scores(Layout::writer(writer.file()).group("power_scores"), checkpoint.powers);
+  describe(Layout::writer(writer.file()).group("power_scores"), checkpoint.powers);
   writer.finish();
 }
 
@@ -178,15 +142,14 @@ RefinementCheckpoint read_refinement(const ArtefactFile& artefact) {
   RefinementCheckpoint checkpoint{
       .state = {}, .num_failed = 0, .powers = {}, .cost = provenance_of(*file).cost};
   describe(Layout::reader(*file), checkpoint.state, checkpoint.num_failed);
-  describe_scores(Layout::reader(*file).group("power_scores"), checkpoint.powers);
+  describe(Layout::reader(*file).group("power_scores"), checkpoint.powers);
   return checkpoint;
 }
 
 void list_certificate(Layout f) {
   std::optional<inference::ImportanceCertificate> certificate;
-  std::optional<PowerScores> scores;
   describe(f, certificate);
-  describe(f, scores);
+  list_power_scores(f);
 }
 
 void list_refinement_checkpoint(Layout f) {

@@ -11,22 +11,6 @@ void write_certificate(h5::File& file, const inference::ImportanceCertificate& c
 /// None: the posterior wasn't refined. Throws InputError.
 std::optional<inference::ImportanceCertificate> read_certificate(const h5::File& file);
 
-/// Powers of the likelihood that were tried, and how well the posterior given all rollouts but one
-/// predicts that one.
-struct PowerScores {
-  Vector power;         ///< (k), ascending
-  Vector noise_factor;  ///< (k) of the noise's unknown scales, that predicts best
-  RowMatrix crps;       ///< (k, H) with noise of each rollout, mean over channels
-
-  /// The factor at the largest of these powers that isn't above `wanted`; 1 where there is none.
-  double noise_factor_at(double wanted) const;
-};
-
-/// Throws Error.
-void write_power_scores(h5::File& file, PowerScores scores);
-/// Empty where the power wasn't chosen. Throws InputError.
-PowerScores read_power_scores(const h5::File& file);
-
 /// State that an interrupted refinement goes on from.
 struct RefinementCheckpoint {
   inference::ImportanceState state;

@@ -77,12 +77,14 @@ FigureEntry grid_return_figure();
 FigureEntry grid_success_figure();
 FigureEntry rank_figure();
 FigureEntry coverage_figure();
+FigureEntry power_figure();
 
 /// In the order of the report.
 inline std::vector<FigureEntry> all_figures() {
   return {interval_figure(),    pair_figure(),         trajectory_figure(), held_out_figure(),
           path_figure(),        feature_figure(),      band_figure(),       learning_figure(),
-          grid_return_figure(), grid_success_figure(), rank_figure(),       coverage_figure()};
+          grid_return_figure(), grid_success_figure(), rank_figure(),       coverage_figure(),
+          power_figure()};
 }
 
 }  // namespace npdr::pipeline

@@ -115,7 +115,8 @@ std::string advice_to_widen(const ReportData& data, const std::string& method) {
          model;
 }
 
-// Of the posterior's CRPS to the prior's: where the motion tells little, either may be smaller.
+// Of the posterior's CRPS to that without inference: where the motion tells little, either may be
+// smaller.
 constexpr double kFarWorse = 1.2;
 
 // Means over channels, with noise where there is any.
@@ -128,20 +129,36 @@ double covered_by(const PredictionScores& scores) {
   return (has_noise ? scores.noisy_coverage : scores.coverage).row(level).mean();
 }
 
-// Of what draws of the prior predict of held-out rollouts; infinite where nothing says it.
-double crps_of_prior(const ReportData& data) {
-  const auto& prior = data.baseline.prior;
-  return prior && prior->scores.held_out ? crps_of(*prior->scores.held_out) : HUGE_VAL;
+// What predicts held-out rollouts best without any inference.
+struct Uninformed {
+  std::string whose;
+  double crps = HUGE_VAL;
+};
+
+// Draws of the prior or, of recordings, the nominal parameters, which may be a simulated truth's.
+Uninformed uninformed(const ReportData& data) {
+  Uninformed best;
+  const auto consider = [&](const std::string& whose, const RolloutScores& scores) {
+    if (scores.held_out && crps_of(*scores.held_out) < best.crps) {
+      best = {whose, crps_of(*scores.held_out)};
+    }
+  };
+  if (data.baseline.prior) consider("the prior's", data.baseline.prior->scores);
+  if (data.plan.study.target.truth) return best;
+  for (const BaselinePoint& point : data.baseline.points) {
+    if (point.name == "nominal") consider("the nominal parameters'", point.scores);
+  }
+  return best;
 }
 
 // What the runs predict of held-out rollouts.
 struct HeldOut {
-  std::size_t narrow = 0, worse = 0;  ///< runs whose bands are too narrow, that the prior beats
+  std::size_t narrow = 0, worse = 0;  ///< runs whose bands are too narrow, that need no inference
   double least = 1.0;                 ///< share that bands hold; of the narrow ones, if any are
   double worst = 0.0;                 ///< CRPS
 };
 
-HeldOut held_out_of(const Runs& runs, double of_prior) {
+HeldOut held_out_of(const Runs& runs, double of_uninformed) {
   HeldOut all;
   double least_narrow = 1.0;
   for (const EvaluatedRun* run : runs) {
@@ -149,7 +166,7 @@ HeldOut held_out_of(const Runs& runs, double of_prior) {
     const double covered = covered_by(scores);
     all.least = std::min(all.least, covered);
     all.worst = std::max(all.worst, crps_of(scores));
-    all.worse += crps_of(scores) > kFarWorse * of_prior ? 1 : 0;
+    all.worse += crps_of(scores) > kFarWorse * of_uninformed ? 1 : 0;
     if (scores.share_as_seldom_within > 0.0) continue;
     ++all.narrow;
     least_narrow = std::min(least_narrow, covered);
@@ -212,8 +229,8 @@ Verdict judge_held_out(const ReportData& data, const std::string& method) {
     const Index count = run->evaluation.scores.held_out->num_compared;
     if (count < inference::kFewestForBounds) return too_few_samples(Check::held_out, count);
   }
-  const double of_prior = crps_of_prior(data);
-  const auto [narrow, worse, least, worst] = held_out_of(runs, of_prior);
+  const auto [whose, of_uninformed] = uninformed(data);
+  const auto [narrow, worse, least, worst] = held_out_of(runs, of_uninformed);
   const std::string bands =
       fmt::format("bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand, 100.0 * least);
   const std::string unseen = " of rollouts that inference hasn't seen";
@@ -228,11 +245,10 @@ Verdict judge_held_out(const ReportData& data, const std::string& method) {
                 advice};
   }
   if (worse > 0) {
-    return {
-        Check::held_out, Judgment::fails,
-        "predictions are WORSE than the prior's" + seeds_text(worse, runs.size()) + ", " + bands,
-        fmt::format("the CRPS of its predictions{} is {:.2g}, that of the prior's {:.2g}: {}",
-                    unseen, worst, of_prior, advice)};
+    return {Check::held_out, Judgment::fails,
+            "predictions are WORSE than " + whose + seeds_text(worse, runs.size()) + ", " + bands,
+            fmt::format("the CRPS of its predictions{} is {:.2g}, that of {} {:.2g}: {}", unseen,
+                        worst, whose, of_uninformed, advice)};
   }
   if (least < few) {
     return {Check::held_out, Judgment::unknown, "can't tell, " + bands,

@@ -1,13 +1,13 @@
 #include "pipeline/stages/power_search.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace npdr::pipeline {
 namespace {
 
 constexpr double kAsGood = 0.01;  // of a score
 constexpr double kFarther = 2.0;
+constexpr Index kMorePowers = 3;
 constexpr Index kPatience = 10;  // levels
 constexpr double kRise = 1.2;
 
@@ -29,19 +29,11 @@ void PowerSearch::add(double power, const LeftOutScore& score) {
   scores_ = std::move(more);
 }
 
-Index PowerSearch::least() const {
-  Index least = 0;
-  scores_.crps.rowwise().mean().minCoeff(&least);
-  return least;
-}
-
 double PowerSearch::best() const {
   const Vector means = scores_.crps.rowwise().mean();
-  const double least_mean = means.minCoeff();
-  const auto deviations = scores_.crps.row(least()).array() - least_mean;
-  const auto count = static_cast<double>(deviations.size());
-  const double error = deviations.matrix().norm() / std::sqrt(count * (count - 1.0));
-  const double bound = least_mean + std::max(kAsGood * least_mean, error);
+  const Index least = scores_.least();
+  const double bound =
+      means(least) + std::max(kAsGood * means(least), scores_.standard_error(least));
   return scores_.power(std::ranges::find_if(means, [&](double m) { return m <= bound; }) -
                        means.begin());
 }
@@ -51,12 +43,14 @@ bool PowerSearch::is_over(double most) const {
   if (k == 0) return false;
   const double highest = scores_.power(k - 1);
   const bool is_stuck = k > kPatience && highest < kRise * scores_.power(k - 1 - kPatience);
-  return is_stuck || highest >= kFarther * scores_.power(least()) || highest >= most;
+  const bool is_far = highest >= kFarther * scores_.power(scores_.least()) &&
+                      k - 1 - scores_.least() >= kMorePowers;
+  return is_stuck || is_far || highest >= most;
 }
 
 bool PowerSearch::ends_at_least(double most) const {
   const Index k = scores_.power.size();
-  return k > 0 && scores_.power(k - 1) < most && k - 1 == least();
+  return k > 0 && scores_.power(k - 1) < most && k - 1 == scores_.least();
 }
 
 }  // namespace npdr::pipeline

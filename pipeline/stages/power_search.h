@@ -1,7 +1,7 @@
 /// Choice of the power of the likelihood, by how well left-out rollouts are predicted.
 #pragma once
 
-#include "pipeline/artefacts/refinement_file.h"
+#include "pipeline/artefacts/power_scores.h"
 #include "pipeline/predictions/left_out.h"
 
 namespace npdr::pipeline {
@@ -21,15 +21,14 @@ class PowerSearch {
   /// "Classification and regression trees", 3.4.3), or a hundredth.
   double best() const;
 
-  /// Whether there is nothing more to try: powers twice as large as the one whose score is least
-  /// have been, or `most`, or ten levels have raised it by less than a fifth.
+  /// Whether there is nothing more to try: three larger powers than the one whose score is least
+  /// have been, up to twice as large or more, or `most`, or ten levels have raised it by less than
+  /// a fifth. Levels may raise the power tenfold, and the first ones know little of the posterior.
   bool is_over(double most) const;
   /// Whether powers that are larger than all that were tried might be better still.
   bool ends_at_least(double most) const;
 
  private:
-  Index least() const;  // number of the power whose score is least
-
   PowerScores scores_;
 };
 

@@ -264,6 +264,15 @@ TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
       says(judge(0.8, 0.002).reason,
            {"the CRPS of its predictions of rollouts that inference hasn't seen is 0.11, that of "
             "the prior's 0.08: look for"}));
+  data_.baseline.points = {{"nominal", Vector(), {}, data_.baseline.prior->scores}};
+  data_.baseline.points.front().scores.held_out->noisy_crps.setConstant(0.05);
+  EXPECT_EQ(judge(0.8, 0.002).text,
+            "predictions are WORSE than the prior's, bands of 90 % hold 80 %")
+      << "the nominal parameters may be the truth";
+  plan_.study.target.truth.reset();
+  EXPECT_EQ(judge(0.8, 0.002).text,
+            "predictions are WORSE than the nominal parameters', bands of 90 % hold 80 %");
+  data_.baseline.points.clear();
   data_.baseline.prior->scores.held_out.reset();
   plan_.study.target.num_rollouts = 4;
   EXPECT_TRUE(

@@ -39,8 +39,11 @@ TEST(PowerSearch, EndsWhereMoreCantHelpOrIsOutOfReach) {
   search.add(0.1, crps(0.1, 0.2));
   EXPECT_FALSE(search.is_over(1.0));
   EXPECT_TRUE(search.is_over(0.1)) << "all that is wanted";
+  search.add(0.15, crps(0.2, 0.3));
   search.add(0.21, crps(0.2, 0.3));
-  EXPECT_TRUE(search.is_over(1.0)) << "twice the best";
+  EXPECT_FALSE(search.is_over(1.0)) << "twice the best, but few";
+  search.add(0.25, crps(0.2, 0.3));
+  EXPECT_TRUE(search.is_over(1.0));
   PowerSearch unsure({});
   unsure.add(0.1, crps(0.0, 0.24));
   unsure.add(0.2, crps(0.0, 0.22));

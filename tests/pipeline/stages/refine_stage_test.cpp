@@ -256,9 +256,9 @@ TEST_F(RefineStage, TakesThePowerThatPredictsLeftOutRolloutsBest) {
           .method("CV", {"algorithm = \"refine\"",
                          "refine = { level_size = 1000, min_ess = 300, "
                          "cross_validate = true }"})
-          .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"});
+          .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]", "floor = false"});
   const Plan plan = plan_of(text);
-  run_until(plan, Stage::infer);
+  run_until(plan, Stage::evaluate);
   const h5::File file = open_artefact(plan.node(Stage::infer, {"CV", 1, 1}), kPosteriorSchema);
   const auto power = file.dataset("power_scores/power").read<double>();
   const RowMatrix crps = file.read_matrix<double>("power_scores/crps");
@@ -269,6 +269,13 @@ TEST_F(RefineStage, TakesThePowerThatPredictsLeftOutRolloutsBest) {
   // Noise of 0.2 that nothing predicts has the CRPS 0.2 / sqrt(pi) = 0.113; 3 x 2 x 10 errors leave
   // it to 9 % (standard error), and parameters that are unsure add some.
   EXPECT_NEAR(crps.row(chosen).mean(), 0.113, 0.04);
+  const ReportData data = read_report_data(plan, plan.nodes.back());
+  ASSERT_TRUE(power_figure().exists(data));
+  const std::string caption = power_figure().make(data, folder_.path()).caption;
+  EXPECT_NE(
+      caption.find(fmt::format("as good as any: {:.3g} (CV).", read_certificate(file)->power)),
+      std::string::npos)
+      << caption;
 }
 
 TEST_F(RefineStage, KeysDependOnWhatThePosteriorDoes) {

@@ -1,0 +1,67 @@
+#include "pipeline/artefacts/power_scores.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/error.h"
+
+namespace npdr::pipeline {
+namespace {
+
+void describe(Layout f, std::optional<PowerScores>& scores) {
+  if (auto group = f.group("power_scores", scores)) describe(*group, *scores);
+}
+
+}  // namespace
+
+void describe(Layout group, PowerScores& scores) {
+  group("power", scores.power, {{"k"}}, "powers of the likelihood, where they were tried",
+        {.unless_empty = true});
+  group("noise_factor", scores.noise_factor, {{"k"}},
+        "of the noise's unknown scales, that predicts best", {.unless_empty = true});
+  group("crps", scores.crps, {{"k"}, {"H"}}, "CRPS with noise of each rollout, left out",
+        {.unless_empty = true});
+  const Index k = scores.power.size();
+  if (group.reads() && (scores.noise_factor.size() != k || scores.crps.rows() != k)) {
+    throw InputError(fmt::format("{}: scores of {} powers, {} factors and {} rows of CRPS",
+                                 group.where(), k, scores.noise_factor.size(), scores.crps.rows()));
+  }
+}
+
+Index PowerScores::least() const {
+  Index least = 0;
+  crps.rowwise().mean().minCoeff(&least);
+  return least;
+}
+
+double PowerScores::standard_error(Index power_number) const {
+  const auto of_rollouts = crps.row(power_number).array();
+  const auto count = static_cast<double>(crps.cols());
+  return (of_rollouts - of_rollouts.mean()).matrix().norm() / std::sqrt(count * (count - 1.0));
+}
+
+double PowerScores::noise_factor_at(double wanted) const {
+  const Index below = std::ranges::upper_bound(power, wanted) - power.begin();
+  return below == 0 ? 1.0 : noise_factor(below - 1);
+}
+
+void write_power_scores(h5::File& file, PowerScores scores) {
+  std::optional<PowerScores> some = std::move(scores);
+  describe(Layout::writer(file), some);
+}
+
+PowerScores read_power_scores(const h5::File& file) {
+  std::optional<PowerScores> scores;
+  describe(Layout::reader(file), scores);
+  return scores.value_or(PowerScores{});
+}
+
+void list_power_scores(Layout f) {
+  std::optional<PowerScores> scores;
+  describe(f, scores);
+}
+
+}  // namespace npdr::pipeline

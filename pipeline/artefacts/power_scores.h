@@ -1,0 +1,34 @@
+/// Scores of the powers of a refined posterior's likelihood.
+#pragma once
+
+#include "pipeline/artefacts/layout.h"
+
+namespace npdr::pipeline {
+
+/// Powers of the likelihood that were tried, and how well the posterior given all rollouts but one
+/// predicts that one.
+struct PowerScores {
+  Vector power;         ///< (k), ascending
+  Vector noise_factor;  ///< (k) of the noise's unknown scales, that predicts best
+  RowMatrix crps;       ///< (k, H) with noise of each rollout, mean over channels
+
+  /// The number of the power whose mean over rollouts is least, of one or more.
+  Index least() const;
+  /// The standard error of a power's mean over rollouts, of two or more.
+  double standard_error(Index power_number) const;
+  /// The factor at the largest of these powers that isn't above `wanted`; 1 where there is none.
+  double noise_factor_at(double wanted) const;
+};
+
+/// Members of the group `power_scores`. Throws InputError for sizes that differ.
+void describe(Layout group, PowerScores& scores);
+
+/// Throws Error.
+void write_power_scores(h5::File& file, PowerScores scores);
+/// Empty where the power wasn't chosen. Throws InputError.
+PowerScores read_power_scores(const h5::File& file);
+
+/// For the list of an artefact's members.
+void list_power_scores(Layout f);
+
+}  // namespace npdr::pipeline

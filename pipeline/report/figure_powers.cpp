@@ -1,0 +1,57 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/curve_plot.h"
+#include "core/text.h"
+#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/registry.h"
+
+namespace npdr::pipeline {
+namespace {
+
+bool has_powers(const EvaluatedRun& run) { return run.notes.powers.power.size() > 0; }
+
+bool exists(const ReportData& data) { return std::ranges::any_of(data.runs, has_powers); }
+
+// The methods that chose a power.
+std::vector<std::string> methods_of(const ReportData& data) {
+  std::vector<std::string> methods;
+  std::ranges::copy_if(data.methods, std::back_inserter(methods), [&](const std::string& method) {
+    return has_powers(*data.runs_of(method).front());
+  });
+  return methods;
+}
+
+// Means over rollouts, with a standard error to either side.
+analysis::Curve curve_of(const std::string& method, const PowerScores& scores) {
+  const Vector mean = scores.crps.rowwise().mean();
+  Vector error(mean.size());
+  for (Index i = 0; i < error.size(); ++i) error(i) = scores.standard_error(i);
+  return {method, scores.power.array().log10(), mean, mean - error, mean + error};
+}
+
+analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+  analysis::CurvePlot plot{"powers", "log10 of the power", "CRPS with noise", {}};
+  std::vector<std::string> taken;
+  const std::vector<std::string> methods = methods_of(data), drawn = drawn_methods(methods);
+  for (const std::string& method : drawn) {
+    const PosteriorNotes& notes = data.runs_of(method).front()->notes;
+    plot.curves.push_back(curve_of(method, notes.powers));
+    taken.push_back(fmt::format("{:.3g} ({})", notes.certificate->wanted_power, method));
+  }
+  return {analysis::write_curve_plot(plot, folder).svg,
+          fmt::format(
+              "How well the posterior without a rollout predicts that rollout, by the power of the "
+              "likelihood: mean over the rollouts that inference sees, and its standard error, "
+              "seed {}. Chosen was the smallest power that is about as good as any: {}.{}",
+              data.seeds.front(), join(taken), left_out_methods(methods))};
+}
+
+}  // namespace
+
+/// Scores of the powers of the likelihood that refinements chose from, of the first seed.
+FigureEntry power_figure() { return {Section::diagnostics, exists, make}; }
+
+}  // namespace npdr::pipeline
