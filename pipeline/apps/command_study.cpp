@@ -143,17 +143,17 @@ void write_new_study(NewStudy wanted) {
 }  // namespace
 
 void add_validate_command(CLI::App& app, int& result) {
-  auto* command =
-      app.add_subcommand("validate", "check a study; print it resolved, and the work it implies");
+  auto* command = app.add_subcommand("validate", "check a study; print the work it implies");
   auto study = std::make_shared<StudyArguments>();
-  auto quiet = std::make_shared<bool>(false);
+  auto resolved = std::make_shared<bool>(false);
   study->add_to(*command);
-  command->add_flag("--quiet", *quiet, "don't print the resolved study");
-  command->footer("Example:\n  npdr validate study.toml --quiet");
-  command->callback([&result, study, quiet] {
+  command->add_flag("--resolved", *resolved, "print it with all defaults filled in, too (JSON)");
+  command->add_flag("--quiet")->group("");  // scripts may still say it
+  command->footer("Example:\n  npdr validate study.toml");
+  command->callback([&result, study, resolved] {
     result = guarded_main("npdr validate", [&] {
       const Plan plan = study->plan();
-      if (!*quiet) print_json(to_json(plan.study));
+      if (*resolved) print_json(to_json(plan.study));
       print_work(plan);
       print_warnings("npdr validate", plan);
       return ExitStatus::done;

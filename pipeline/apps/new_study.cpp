@@ -65,6 +65,7 @@ class Writer {
     add_target();
     add_simulator();
     add_prior();
+    if (is_program()) add_shards();
     add_method();
     return text_;
   }
@@ -187,6 +188,13 @@ class Writer {
     return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
   }
 
+  void add_shards() {
+    text_ +=
+        "# Simulations that are kept together, so that an interrupted run loses no more: fewer "
+        "where\n"
+        "# each takes long. Results don't depend on it.\n[simulate]\nshard_size = 200\n\n";
+  }
+
   void add_prior() {
     text_ +=
         "# What to infer, in the parameters' units; the rest stay nominal. EDIT: as wide as what "
@@ -205,14 +213,20 @@ class Writer {
     text_ += "\n";
   }
 
-  void add_method() {
+  // A recording is off by what its simulator lacks, too, which nobody knows beforehand.
+  void add_noise() {
     text_ +=
         "# Noise on what is simulated, as a share of each channel's largest value: what a "
-        "recording has\n"
-        "# and no simulation does. EDIT: that of your sensors, more where no parameter explains "
-        "the "
-        "motion.\n[observation_noise]\nscale = 0.02\n\n"
-        "[[method]]\nname = \"NPE\"\nnum_simulations = 3000\n";
+        "recording has\n# and no simulation does.";
+    text_ += recording_ ? " How much is inferred, [median, deviation of the log] before that; "
+                          "EDIT:\n# scale = 0.02 where sensors tell, and the simulator is right."
+                          "\n[observation_noise]\nscale_prior = [0.1, 1.0]\n\n"
+                        : " EDIT: that of your sensors.\n[observation_noise]\nscale = 0.02\n\n";
+  }
+
+  void add_method() {
+    add_noise();
+    text_ += "[[method]]\nname = \"NPE\"\nnum_simulations = 3000\n";
     if (!gives_motion()) return;
     const Index steps =
         recording_ ? recording_->num_steps() : std::max<Index>(info_.num_steps, Index{250});

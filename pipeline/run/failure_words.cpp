@@ -12,7 +12,7 @@ namespace npdr::pipeline {
 namespace {
 
 std::string tail_of(const JobLog& log) {
-  constexpr std::size_t num_lines = 10;
+  constexpr std::size_t num_lines = 20;
   std::ifstream file(log.path);
   file.seekg(static_cast<std::streamoff>(log.begin));
   std::deque<std::string> lines;

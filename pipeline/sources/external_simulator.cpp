@@ -21,7 +21,7 @@ using sim::RolloutStatus;
 constexpr Index kHopelessRows = 32;
 
 constexpr std::size_t kLargestLog = 1 << 20;
-constexpr std::size_t kTailLines = 10;
+constexpr std::size_t kTailLines = 20;
 
 std::string tail_of(const std::string& text) {
   std::vector<std::string> lines;

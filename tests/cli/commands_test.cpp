@@ -73,7 +73,8 @@ TEST_F(Commands, ExplainNamesTheKeyThatChanged) {
 }
 
 TEST_F(Commands, ValidatePrintsTheResolvedStudyAndItsWork) {
-  const Outcome outcome = npdr({"validate", "small.toml"});
+  EXPECT_EQ(npdr({"validate", "small.toml"}).out.find("{"), std::string::npos);
+  const Outcome outcome = npdr({"validate", "small.toml", "--resolved"});
   EXPECT_NE(outcome.out.find("\"clip_norm\": 5.0"), std::string::npos);
   EXPECT_NE(outcome.out.find("(900 rollouts of 400 steps), 4 posteriors"), std::string::npos)
       << outcome.out;

@@ -219,7 +219,7 @@ class Documents : public ::testing::TestWithParam<std::string> {
 // too, and no cluster is asked to end jobs.
 std::vector<std::string> affordable(const std::string& text) {
   const std::string command = text.substr(0, text.find("  #"));
-  if (command.starts_with("npdr cancel ")) return {"npdr validate --quiet" + command.substr(11)};
+  if (command.starts_with("npdr cancel ")) return {"npdr validate" + command.substr(11)};
   if (!command.starts_with("npdr run ") && !command.starts_with("npdr submit ")) return {command};
   std::vector<std::string> commands = {command + " --dry-run"};
   const std::string* budget = found_by_beginning(kSmallRuns, command);

@@ -289,9 +289,9 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
                 .out.find("3 of 1000 rows "
                           "recomputed, 0 differ"),
             std::string::npos);
-  EXPECT_NE(npdr({"validate", "shell.toml", "--quiet"})
-                .out.find("1000 simulations in 1 shard, 2 features each"),
-            std::string::npos);
+  EXPECT_NE(
+      npdr({"validate", "shell.toml"}).out.find("1000 simulations in 1 shard, 2 features each"),
+      std::string::npos);
   EXPECT_NE(npdr({"explain", "shell.toml", "--set", "simulator.retries=3", "simulate"})
                 .out.find("simulator.retries: 3, was 1"),
             std::string::npos);

@@ -103,7 +103,7 @@ TEST_F(Help, ListSaysWhatThereIsToListAndALineAboutEach) {
 
 TEST_F(Help, NewWritesAStudyThatIsValid) {
   EXPECT_EQ(npdr({"new", "mine"}).status, 0);
-  EXPECT_EQ(npdr({"validate", "mine.toml", "--quiet"}).status, 0);
+  EXPECT_EQ(npdr({"validate", "mine.toml"}).status, 0);
   EXPECT_EQ(npdr({"new", "mine"}).status, 2);
 }
 

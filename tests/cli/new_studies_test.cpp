@@ -15,17 +15,16 @@ TEST_F(NewStudies, FitWhatTheyAreFor) {
   compile_spring(folder_.path());
   const Outcome library = npdr({"new", "mine", "--library", "spring.so"});
   ASSERT_EQ(library.status, 0) << library.err;
-  EXPECT_EQ(npdr({"validate", "--quiet", "mine.toml"}).status, 0) << text_of(folder_ / "mine.toml");
+  EXPECT_EQ(npdr({"validate", "mine.toml"}).status, 0) << text_of(folder_ / "mine.toml");
   const Outcome built_in = npdr({"new", "swing", "--simulator", "pendulum"});
   ASSERT_EQ(built_in.status, 0) << built_in.err;
-  EXPECT_EQ(npdr({"validate", "--quiet", "swing.toml"}).status, 0)
-      << text_of(folder_ / "swing.toml");
+  EXPECT_EQ(npdr({"validate", "swing.toml"}).status, 0) << text_of(folder_ / "swing.toml");
   for (const char* option : {"--worker", "--command"}) {
     const Outcome outcome =
         npdr({"new", std::string("by") + option, option, "python3 \"my sim\".py"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("EDIT"), std::string::npos) << outcome.out;
-    EXPECT_EQ(npdr({"validate", "--quiet", std::string("by") + option + ".toml"}).status, 0)
+    EXPECT_EQ(npdr({"validate", std::string("by") + option + ".toml"}).status, 0)
         << text_of(folder_ / (std::string("by") + option + ".toml"));
   }
   EXPECT_EQ(npdr({"new", "both", "--worker", "a", "--library", "b"}).status, 2);
@@ -43,7 +42,7 @@ TEST_F(NewStudies, QuoteNamesThatNeedIt) {
   ASSERT_EQ(npdr({"new", "odd", "--library", "spring.so"}).status, 0);
   const std::string study = text_of(folder_ / "odd.toml");
   EXPECT_NE(study.find("\n\"k (all)\" = { uniform"), std::string::npos) << study;
-  const Outcome checked = npdr({"validate", "--quiet", "odd.toml"});
+  const Outcome checked = npdr({"validate", "odd.toml"});
   EXPECT_EQ(checked.status, 0) << checked.err;
 }
 
@@ -57,7 +56,7 @@ TEST_F(NewStudies, TakeARecording) {
                            "embedding = { downsample = "}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
   }
-  EXPECT_EQ(npdr({"validate", "--quiet", "real.toml"}).status, 0) << text;
+  EXPECT_EQ(npdr({"validate", "real.toml"}).status, 0) << text;
   const Outcome other =
       npdr({"new", "other", "--recording", "recorded.h5", "--simulator", "pendulum"});
   EXPECT_EQ(other.status, 2) << other.out;
@@ -68,7 +67,7 @@ TEST_F(NewStudies, TakeAModelOfMujoco) {
   copy_example("cartpole");
   const Outcome outcome = npdr({"new", "pole", "--mjcf", "cartpole.xml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(npdr({"validate", "--quiet", "pole.toml"}).status, 0) << text_of(folder_ / "pole.toml");
+  EXPECT_EQ(npdr({"validate", "pole.toml"}).status, 0) << text_of(folder_ / "pole.toml");
 }
 
 }  // namespace

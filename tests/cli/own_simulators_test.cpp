@@ -84,7 +84,7 @@ TEST_F(OwnSimulators, RecordedActionsThatTheyArentGivenAreAWarning) {
   ASSERT_EQ(npdr({"new", "mine", "--recording", "recorded.h5", "--worker", "cat sim.py"}).status,
             0);
   const auto warnings = [&](const std::string& setting) {
-    return npdr({"validate", "mine.toml", "--quiet", "--set", setting}).err;
+    return npdr({"validate", "mine.toml", "--set", setting}).err;
   };
   EXPECT_EQ(warnings("target.held_out=0"), "");
   EXPECT_NE(warnings("simulator.actions=[]").find("isn't given the recorded action voltage"),
@@ -342,7 +342,7 @@ TEST_F(OwnSimulators, MistakesAreNamedAtTheirPlace) {
     EXPECT_NE(at, std::string::npos) << from;
     changed.replace(at, from.size(), to);
     folder_.file("changed.toml", changed);
-    const Outcome outcome = npdr({"validate", "--quiet", "changed.toml"});
+    const Outcome outcome = npdr({"validate", "changed.toml"});
     EXPECT_EQ(outcome.status, 2) << to;
     return outcome.err;
   };
@@ -384,7 +384,7 @@ TEST_F(OwnSimulators, AGoalThatALibraryHasNoChannelForIsNamed) {
   compile_spring(folder_.path());
   const std::string text = text_of(folder_ / "library.toml");
   folder_.file("goal.toml", text + "\n[simulator.goal]\nplace = { qq = 0.0 }\nradius = 0.1\n");
-  const Outcome outcome = npdr({"validate", "--quiet", "goal.toml"});
+  const Outcome outcome = npdr({"validate", "goal.toml"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("unknown state channel 'qq' (did you mean 'q'?)"), std::string::npos)
       << outcome.err;

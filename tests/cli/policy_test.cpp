@@ -175,7 +175,7 @@ TEST_F(Policies, TestsCanBeVerified) {
 }
 
 TEST_F(Policies, ValidateSaysHowMuchWorkASearchIs) {
-  const Outcome outcome = npdr({"validate", "searched.toml", "--quiet"});
+  const Outcome outcome = npdr({"validate", "searched.toml"});
   EXPECT_NE(outcome.out.find("policy searches: 8 of 1408 rollouts together, and 8 tests"),
             std::string::npos)
       << outcome.out;

@@ -24,4 +24,4 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${FOLDER}/build -G Ninja -D
 run(${CMAKE_COMMAND} --build ${FOLDER}/build)
 run(${FOLDER}/build/pendulum)
 # The programs find what lies beside them, wherever they were installed.
-run(${FOLDER}/prefix/bin/npdr validate ${FOLDER}/prefix/share/npdr/experiments/pendulum.toml --quiet)
+run(${FOLDER}/prefix/bin/npdr validate ${FOLDER}/prefix/share/npdr/experiments/pendulum.toml)
