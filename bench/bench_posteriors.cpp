@@ -24,6 +24,7 @@ namespace {
 using inference::Algorithm;
 using inference::EstimatorKind;
 using inference::PosteriorEstimationConfig;
+using inference::Tails;
 using Clock = std::chrono::steady_clock;
 
 struct Method {
@@ -38,6 +39,7 @@ Method method(const std::string& name, Algorithm algorithm, EstimatorKind estima
   config.algorithm.kind = algorithm;
   config.algorithm.num_rounds = num_rounds;
   config.estimator.kind = estimator;
+  config.tails = Tails::compressed;
   return {name, config};
 }
 

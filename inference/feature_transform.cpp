@@ -8,12 +8,13 @@
 #include "core/error.h"
 #include "core/matrix_blocking.h"
 #include "inference/feature_blocks.h"
+#include "inference/heavy_tails.h"
 
 namespace npdr::inference {
 namespace {
 
 constexpr Index kRowsForBounds = 500;
-constexpr Index kRowsForCorrelation = 2000;
+constexpr Index kRowsForCorrelation = 2000;  // and for tails
 constexpr float kUsualRanges = 20.0f;
 
 /// Bounds of what is usual, feature by feature, (F).
@@ -43,8 +44,64 @@ Bounds usual_bounds(const FeatureSource& x) {
   return bounds;
 }
 
+// Features that span orders of magnitude, compressed.
+template <class Values>
+void compress(const FeatureTransform& transform, Values&& x) {
+  for (Index f = 0; f < transform.center.size(); ++f) {
+    if (transform.inverse_scale(f) == 0.0f) continue;
+    x.col(f) = ((x.col(f).array() - transform.center(f)) * transform.inverse_scale(f))
+                   .unaryExpr([](float v) { return std::asinh(v); });
+  }
+}
+
+RowMatrixF first_rows(const FeatureSource& x) {
+  RowMatrixF first(std::min(x.num_rows(), kRowsForCorrelation), x.num_features());
+  for_each_block(x, first.rows(), [&](Index begin, const RowMatrixF& rows) {
+    first.middleRows(begin, rows.rows()) = rows;
+  });
+  return first;
+}
+
+// The share of the value that is there most often.
+double largest_share(std::vector<float> values) {
+  std::ranges::sort(values);
+  std::ptrdiff_t most = 0;
+  for (auto first = values.begin(); first != values.end();) {
+    const auto last = std::upper_bound(first, values.end(), *first);
+    most = std::max(most, last - first);
+    first = last;
+  }
+  return static_cast<double>(most) / static_cast<double>(values.size());
+}
+
+// Unless all are.
+void leave_out_nearly_constant(std::vector<Index>& features, const RowMatrixF& x) {
+  constexpr double nearly_all = 0.99;
+  std::vector<Index> left = features;
+  std::erase_if(left, [&](Index f) {
+    return largest_share({x.col(f).begin(), x.col(f).end()}) > nearly_all;
+  });
+  if (!left.empty()) features = std::move(left);
+}
+
+void find_heavy_tails(const FeatureSource& x, FeatureTransform& transform) {
+  const RowMatrixF first = first_rows(x);
+  VectorF center = VectorF::Zero(x.num_features()), inverse_scale = center;
+  for (Index f = 0; f < first.cols(); ++f) {
+    const auto found = compression_of({first.col(f).begin(), first.col(f).end()});
+    if (!found) continue;
+    center(f) = found->center;
+    inverse_scale(f) = 1.0f / found->scale;
+  }
+  if (inverse_scale.isZero(0.0f)) return;
+  transform.center = std::move(center);
+  transform.inverse_scale = std::move(inverse_scale);
+}
+
 // Mean and deviation by Welford's algorithm (1962), which doesn't cancel.
-FeatureTransform standardization(const FeatureSource& x) {
+FeatureTransform standardization(const FeatureSource& x, Tails tails) {
+  FeatureTransform transform;
+  if (tails == Tails::compressed) find_heavy_tails(x, transform);
   const Bounds bounds = usual_bounds(x);
   Vector mean = Vector::Zero(x.num_features());
   Vector squares = Vector::Zero(x.num_features());
@@ -52,8 +109,10 @@ FeatureTransform standardization(const FeatureSource& x) {
   for_each_block(x, x.num_rows(), [&](Index, const RowMatrixF& rows) {
     for (Index i = 0; i < rows.rows(); ++i) {
       count += 1.0;
-      const Vector value =
-          rows.row(i).transpose().array().max(bounds.lower).min(bounds.upper).cast<double>();
+      Eigen::RowVectorXf usual =
+          rows.row(i).array().max(bounds.lower.transpose()).min(bounds.upper.transpose());
+      compress(transform, usual);
+      const Vector value = usual.transpose().cast<double>();
       const Vector before = value - mean;
       mean += before / count;
       squares.array() += before.array() * (value - mean).array();
@@ -62,7 +121,6 @@ FeatureTransform standardization(const FeatureSource& x) {
   const Eigen::ArrayXd deviation = (squares.array() / count).sqrt();
   // Rounding leaves a little variance in a constant feature of single precision.
   const Eigen::ArrayXd smallest = 1e-6 * mean.array().abs() + 1e-30;
-  FeatureTransform transform;
   transform.mean = mean.cast<float>();
   transform.inverse_deviation = (deviation > smallest).select(1.0 / deviation, 0.0).cast<float>();
   return transform;
@@ -109,14 +167,19 @@ std::vector<Index> varying_columns(const FeatureTransform& transform) {
 
 }  // namespace
 
+void FeatureTransform::standardize(const RowMatrixF& x, RowMatrixF& z) const {
+  z = x;
+  compress(*this, z);
+  z.rowwise() -= mean.transpose();
+  z.array().rowwise() *= inverse_deviation.transpose().array();
+}
+
 void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {
   const bool projects = basis.cols() > 0;
   RowMatrixF unprojected;
   RowMatrixF& standardized = projects ? unprojected : z;
-  standardized =
-      ((x.rowwise() - mean.transpose()).array().rowwise() * inverse_deviation.transpose().array())
-          .max(-kFarthest)
-          .min(kFarthest);
+  standardize(x, standardized);
+  standardized = standardized.cwiseMax(-kFarthest).cwiseMin(kFarthest);
   if (projects) z.noalias() = standardized * basis;
 }
 
@@ -137,16 +200,17 @@ FeatureTransform selected_outputs(const FeatureTransform& transform,
   return result;
 }
 
-FeatureTransform varying_outputs(const FeatureTransform& transform) {
-  const std::vector<Index> varying = varying_columns(transform);
+FeatureTransform varying_outputs(const FeatureTransform& transform, const FeatureSource& x) {
+  std::vector<Index> varying = varying_columns(transform);
   if (varying.empty()) throw InputError("no feature of x varies among the simulations");
+  if (transform.basis.cols() == 0) leave_out_nearly_constant(varying, first_rows(x));
   if (std::ssize(varying) == transform.num_outputs()) return transform;
   return selected_outputs(transform, varying);
 }
 
-FeatureTransform fit_feature_transform(const FeatureSource& x, Index components) {
+FeatureTransform fit_feature_transform(const FeatureSource& x, Index components, Tails tails) {
   fix_matrix_blocking();
-  FeatureTransform transform = standardization(x);
+  FeatureTransform transform = standardization(x, tails);
   if (components == 0) return transform;
   const Index most = std::min({components, x.num_features(), x.num_rows(), kRowsForCorrelation});
   transform.basis = whitening_directions(first_standardized_rows(x, transform), most);

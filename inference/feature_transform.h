@@ -8,6 +8,9 @@
 /// linear layer on k components is the same kind of map as on x, cheaper and with far fewer weights
 /// to overfit. Of an observation that no simulation reproduces, z keeps what lies in their span.
 ///
+/// With Tails::compressed, features that span orders of magnitude are compressed before all that
+/// (heavy_tails.h): x above is then asinh((x - center) / scale).
+///
 /// A few simulations that all but diverged (a resonance, a stiff parameter) must not set the scale
 /// for all others: mean and deviation are those of x clamped to bounds far outside of the usual, 20
 /// times the distance of the 5 % and 95 % quantiles beyond them, and (x - mean) / deviation is
@@ -25,29 +28,38 @@ namespace npdr::inference {
 struct FeatureTransform {
   static constexpr float kFarthest = 100.0f;  ///< the clamp of standardized features
 
-  VectorF mean;               ///< (F)
-  VectorF inverse_deviation;  ///< (F); 0 for a feature that doesn't vary: it carries nothing
-  RowMatrixF basis;           ///< (F, k); (0, 0): no projection
+  VectorF mean;                ///< (F)
+  VectorF inverse_deviation;   ///< (F); 0 for a feature that doesn't vary: it carries nothing
+  RowMatrixF basis;            ///< (F, k); (0, 0): no projection
+  VectorF center = {};         ///< (F) of compressed features; empty: none is
+  VectorF inverse_scale = {};  ///< (F) theirs; 0: this one isn't
 
   Index num_inputs() const { return mean.size(); }
   Index num_outputs() const { return basis.cols() > 0 ? basis.cols() : mean.size(); }
 
+  /// Features as far as they are standardized, (n, F) -> (n, F), not clamped.
+  void standardize(const RowMatrixF& x, RowMatrixF& z) const;
   /// z of every row of x: (n, F) -> (n, F or k).
   void apply(const RowMatrixF& x, RowMatrixF& z) const;
 };
 
+/// What becomes of features that span orders of magnitude.
+enum class Tails { kept, compressed };
+
 /// The transform for the rows of `x`, from their mean and deviation and, for components > 0, from
 /// the correlation of the first 2000 of them, which has no more components than features or rows.
 /// Reads x in blocks: memory doesn't grow with its rows.
-FeatureTransform fit_feature_transform(const FeatureSource& x, Index components);
+FeatureTransform fit_feature_transform(const FeatureSource& x, Index components,
+                                       Tails tails = Tails::kept);
 
 /// `transform` with those of its outputs alone, in that order.
 FeatureTransform selected_outputs(const FeatureTransform& transform,
                                   const std::vector<Index>& outputs);
 
-/// `transform` without the outputs that are 0 for all simulations: where the density of z itself is
-/// learned, it would be infinite there. Throws InputError when none is left.
-FeatureTransform varying_outputs(const FeatureTransform& transform);
+/// `transform` without the outputs that are 0 for all simulations, and without those of features
+/// that are the same for 99 % of the first 2000 of x, where others vary more: where the density of
+/// z itself is learned, it would be infinite there. Throws InputError when none is left.
+FeatureTransform varying_outputs(const FeatureTransform& transform, const FeatureSource& x);
 /// How many outputs that leaves.
 Index num_varying_outputs(const FeatureTransform& transform);
 

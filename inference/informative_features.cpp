@@ -35,7 +35,8 @@ std::vector<Index> informative_features(const FeatureSource& x, const FeatureTra
                                         const RowMatrix& u) {
   fix_matrix_blocking();
   const Index n = std::min(u.rows(), kMostRows), features = x.num_features();
-  const FeatureTransform standardization{transform.mean, transform.inverse_deviation, {}};
+  FeatureTransform standardization = transform;
+  standardization.basis.resize(0, 0);
   const RowMatrix targets = standardized_columns(with_squares(u.topRows(n)));
   RowMatrix products = RowMatrix::Zero(2 * features, targets.cols());
   Vector sums = Vector::Zero(2 * features), squares = Vector::Zero(2 * features);

@@ -7,6 +7,8 @@
 
 #include "core/error.h"
 #include "inference/estimators/gaussian_mixture.h"
+#include "inference/samplers/group_moves.h"
+#include "inference/standard_normal.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {
@@ -14,8 +16,10 @@ namespace {
 
 // Samples are resampled in groups, from as many candidates as give twice as many effective ones.
 constexpr Index kGroup = 500;
+constexpr double kEnough = 2.0 * kGroup;        // effective ones
 constexpr Index kCandidates = 4 * kGroup;       // drawn at once
 constexpr Index kMostCandidates = 64 * kGroup;  // of a group
+constexpr Index kMoves = 30;                    // where those weren't enough
 
 constexpr double kNormalizerError = 0.02;  // [nats], where the most candidates allow it
 
@@ -179,7 +183,7 @@ PooledPosterior::Group PooledPosterior::draw_group(const StreamId& id) const {
   StreamId first = within(id, "pool_candidates");
   first.row = id.row * (kMostCandidates / kGroup);
   const Candidates drawn = candidates(first, kMostCandidates, [](const Candidates& all) {
-    return all.effective_size() >= 2.0 * kGroup;
+    return all.effective_size() >= kEnough;
   });
   Group group{.theta = RowMatrix(kGroup, prior().dimension()),
               .effective_size = drawn.effective_size(),
@@ -192,7 +196,19 @@ PooledPosterior::Group PooledPosterior::draw_group(const StreamId& id) const {
   for (const std::uint32_t i : stream.permutation(kGroup)) {
     group.theta.row(place++) = drawn.theta.row(rows[i]);
   }
+  if (group.effective_size < kEnough) move(group.theta, stream);
   return group;
+}
+
+// Draws that repeat each other walk apart.
+void PooledPosterior::move(RowMatrix& theta, Stream& stream) const {
+  RowMatrix u = prior().to_normal(theta);
+  const auto log_density = [&](const RowMatrix& at) -> Vector {
+    const PoolEvidence here = evidence(prior().to_theta(at));
+    return log_standard_normal(at) + here.posterior + here.log_weights(powers());
+  };
+  move_group(u, log_density, kMoves, stream);
+  theta = prior().to_theta(u);
 }
 
 Samples PooledPosterior::draw(Index n, const StreamId& id) const {

@@ -11,10 +11,11 @@
 ///   w(u) = (q(u | z_o) / p(u))^(a - 1) l(z_o | u)^b
 /// (Dax et al. 2023, "Neural importance sampling for rapid and reliable gravitational-wave
 /// inference"; Gloeckler et al. 2022, "Variational methods for simulation-based inference"), so
-/// that no chain has to find its way between modes. Z is the mean of w over as many draws of q as
-/// tell it to 0.02 nats, of 32,000 at most. Where the two contradict each other at x_o, as when it
-/// is like no simulation, the powers are moved towards those of q alone, (1, 0), until
-/// kSmallestEfficiency of q's draws remain.
+/// that no chain has to find its way between modes. Where 32,000 draws aren't worth 1000, the 500
+/// that are resampled repeat each other, and take Metropolis steps (group_moves.h). Z is the mean
+/// of w over as many draws of q as tell it to 0.02 nats, of 32,000 at most. Where the two
+/// contradict each other at x_o, as when it is like no simulation, the powers are moved towards
+/// those of q alone, (1, 0), until kSmallestEfficiency of q's draws remain.
 #pragma once
 
 #include "inference/direct_posterior.h"
@@ -63,6 +64,7 @@ class PooledPosterior : public NetworkPosterior {
   template <typename Test>
   Candidates candidates(StreamId batch, Index most, const Test& is_enough) const;
   Group draw_group(const StreamId& id) const;
+  void move(RowMatrix& theta, Stream& stream) const;
   PoolPowers usable_powers() const;
   double estimate_log_normalizer() const;
 

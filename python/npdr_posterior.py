@@ -26,6 +26,9 @@ def log_mean(networks, u, z):  # of their densities
     return np.logaddexp.reduce([network.log_prob(u, z) for network in networks]) - math.log(len(networks))
 
 def transformed(x, t):  # (1, F or k)
+    if "center" in t:
+        scale = t["inverse_scale"]
+        x = np.where(scale > 0, np.arcsinh((x - t["center"]) * scale), x)
     z = np.clip((x - t["mean"]) * t["inverse_deviation"], -t["farthest"], t["farthest"])[None]
     return z @ t["basis"] if "basis" in t else z
 
@@ -128,8 +131,8 @@ class Network:
 class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l, or of both, pooled
     def __init__(self, path):
         with h5py.File(path) as f:
-            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 15] or "network_1" not in f:
-                raise ValueError(f"{path}: not a trained posterior of schema 15; npdr run makes one")
+            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 16] or "network_1" not in f:
+                raise ValueError(f"{path}: not a trained posterior of schema 16; npdr run makes one")
             embedding = json.loads(f.attrs["trained_embedding"])
             config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]
             names = [f"network_{m + 1}" for m in range(config["num_networks"])]

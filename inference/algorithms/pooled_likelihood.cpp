@@ -6,13 +6,13 @@ namespace npdr::inference {
 namespace {
 
 FeatureTransform components_of(const FeatureSource& x) {
-  return varying_outputs(fit_feature_transform(x, kPooledComponents));
+  return varying_outputs(fit_feature_transform(x, kPooledComponents), x);
 }
 
 FeatureTransform transform_of(const PosteriorEstimationConfig& config, const RoundData& training,
                               const FeatureTransform& seen) {
   if (config.embedding.features > 0) return components_of(*training.x);
-  if (num_varying_outputs(seen) <= kMostPooledFeatures) return varying_outputs(seen);
+  if (num_varying_outputs(seen) <= kMostPooledFeatures) return varying_outputs(seen, *training.x);
   if (config.principal_components > 0) return components_of(*training.x);
   const std::vector<Index> informative =
       informative_features(*training.x, seen, training.prior->to_normal(training.theta));

@@ -38,8 +38,10 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
                      .x_o = data.x_o};
   parts.sampler = config.sampler;
   if (data.posteriors.empty()) {
-    parts.transform = fit_feature_transform(*data.x, config.principal_components);
-    if (parts.role == NetworkRole::likelihood) parts.transform = varying_outputs(parts.transform);
+    parts.transform = fit_feature_transform(*data.x, config.principal_components, config.tails);
+    if (parts.role == NetworkRole::likelihood) {
+      parts.transform = varying_outputs(parts.transform, *data.x);
+    }
     return parts;
   }
   const NetworkPosterior& previous = *data.posteriors.back();

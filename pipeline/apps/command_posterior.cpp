@@ -119,8 +119,9 @@ void warn_of_far_features(const std::string& recording, const VectorF& x,
                           const inference::FeatureTransform& transform) {
   constexpr float far = 10.0f;
   Index feature = 0;
-  const float largest =
-      ((x - transform.mean).array() * transform.inverse_deviation.array()).abs().maxCoeff(&feature);
+  RowMatrixF z;
+  transform.standardize(x.transpose(), z);
+  const float largest = z.row(0).cwiseAbs().maxCoeff(&feature);
   if (!(largest > far)) return;
   fmt::print(
       stderr,

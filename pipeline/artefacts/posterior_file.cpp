@@ -271,13 +271,22 @@ void describe(Layout f, RowCounts& rows) {
 void describe(Layout f, inference::FeatureTransform& transform) {
   f.forget("k");  // that of a likelihood has components of its own number
   Layout group = f.group("transform");
+  group("center", transform.center, {kFeature},
+        "of features that span orders of magnitude; missing when none does",
+        {.allowed = h5::Values::finite, .unless_empty = true});
+  group("inverse_scale", transform.inverse_scale, {kFeature},
+        "such an x becomes asinh((x - center) inverse_scale) before all that follows; 0: x stays",
+        {.allowed = h5::Values::finite, .unless_empty = true});
   group("mean", transform.mean, {kFeature}, "that is subtracted from features", kFinite);
   group("inverse_deviation", transform.inverse_deviation, {kFeature},
         "that they are multiplied by; 0: the feature doesn't vary and is left out", kFinite);
   group("basis", transform.basis, {kFeature, {"k", "component"}},
         "principal components; missing when there are none",
         {.allowed = h5::Values::finite, .unless_empty = true, .storage = kFastest});
-  if (f.reads()) return;
+  if (f.reads()) {
+    if (transform.center.size() == transform.inverse_scale.size()) return;
+    throw InputError(group.where() + ": a center without an inverse_scale, or the other way round");
+  }
   group.attribute("farthest", double{inference::FeatureTransform::kFarthest},
                   "standardized features beyond +- it are set to it, before the basis");
 }

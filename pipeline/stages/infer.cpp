@@ -98,8 +98,9 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const SimulationFeatures features(plan, node, target, *embedding);
   const inference::Prior prior(plan.study.prior);
   const inference::SeriesSelection& series = embedding->selection();
-  const auto config =
+  auto config =
       estimation_config(method, {series.num_rollouts, series.num_steps(), series.num_channels()});
+  if (!plan.study.source().gives_motion) config.tails = inference::Tails::compressed;
 
   inference::RoundData data;
   data.prior = &prior;

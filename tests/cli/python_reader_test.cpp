@@ -1,4 +1,5 @@
 /// The readers of posterior files in python/ say what the program says.
+#include "pipeline/store/h5.h"
 #include "tests/cli/program.h"
 
 namespace npdr::pipeline {
@@ -94,6 +95,34 @@ TEST_F(PythonReader, SaysWhatTheProgramSaysOfEveryKind) {
   }
 }
 
+TEST_F(PythonReader, CompressesFeaturesThatSpanOrdersOfMagnitude) {
+  std::ofstream theta(folder_.path() / "theta.csv"), x(folder_.path() / "x.csv");
+  theta << "a\n";
+  x << "plain,wide\n";
+  for (int i = 0; i < 300; ++i) {
+    const double a = (i + 0.5) / 300.0;
+    theta << a << "\n";
+    x << std::cos(7.0 * i) + a << "," << std::exp(9.0 * a + std::sin(5.0 * i)) << "\n";
+  }
+  theta.close();
+  x.close();
+  std::ofstream(folder_.path() / "x_o.csv") << "plain,wide\n0.5,80\n";
+  ASSERT_EQ(shell("npdr import --theta theta.csv --x x.csv -o d.h5").status, 0);
+  std::ofstream(folder_.path() / "study.toml")
+      << "[study]\nname = 'wide'\n[simulator]\ndataset = 'd.h5'\n[target]\nobservation = "
+         "'x_o.csv'\n[prior]\na = { uniform = [0.0, 1.0] }\n[[method]]\nname = 'pool'\n"
+         "num_simulations = 300\ntraining = { max_epochs = 20, batch_size = 50 }\n";
+  const Outcome outcome = shell("npdr run study.toml --until infer");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string posterior = "runs/wide/pool/seed-1/round-1/infer.h5";
+  const h5::File file = h5::File::open(folder_.path() / posterior);
+  const auto scale = file.dataset("transform/inverse_scale").read<float>();
+  ASSERT_EQ(scale.size(), 2u);
+  EXPECT_EQ(scale[0], 0.0f);
+  EXPECT_GT(scale[1], 0.0f);
+  expect_reads(posterior);
+}
+
 TEST_F(PythonReader, ReadsWhatARefinementWeighs) {
   run_study(pendulum_study("refined")
                 .with("simulator", {"store_every = 40", "segment_length = 200"})
@@ -127,7 +156,7 @@ TEST_F(PythonReader, RefusesWhatItCantRead) {
     EXPECT_NE(found.find(message), std::string::npos) << found;
   };
   expect_says("npdr_posterior", "Posterior", "runs/one/target.h5",
-              "target.h5: not a trained posterior of schema 15; npdr run makes one");
+              "target.h5: not a trained posterior of schema 16; npdr run makes one");
   expect_says("npdr_particles", "Particles", "runs/one/maf/seed-1/round-1/infer.h5",
               "infer.h5: holds no particles; read it by npdr_posterior.py");
 }

@@ -80,13 +80,29 @@ TEST(FeatureTransform, VaryingOutputsAreThoseThatSomeSimulationsDifferIn) {
   x << 1, 5, 2, 2, 5, 1, 3, 5, 5, 4, 5, 0;
   const FeatureTransform transform = fit_feature_transform(MatrixFeatures(x), 0);
   transform.apply(x, all);
-  varying_outputs(transform).apply(x, z);
+  const MatrixFeatures source(x);
+  varying_outputs(transform, source).apply(x, z);
   ASSERT_EQ(z.cols(), 2);
   EXPECT_EQ(z.col(0), all.col(0));
   EXPECT_EQ(z.col(1), all.col(2));
-  EXPECT_EQ(varying_outputs(fit_feature_transform(MatrixFeatures(x), 3)).num_outputs(), 2);
-  EXPECT_THROW(varying_outputs(fit_feature_transform(MatrixFeatures(RowMatrixF::Ones(4, 2)), 0)),
-               InputError);
+  EXPECT_EQ(varying_outputs(fit_feature_transform(source, 3), source).num_outputs(), 2);
+  const RowMatrixF ones = RowMatrixF::Ones(4, 2);
+  const MatrixFeatures constant(ones);
+  EXPECT_THROW(varying_outputs(fit_feature_transform(constant, 0), constant), InputError);
+}
+
+TEST(FeatureTransform, VaryingOutputsArentNearlyConstantWhereOthersVaryMore) {
+  RowMatrixF x = random_matrix(1000, 2, 1).cast<float>();
+  x.col(1).setZero();
+  x.col(1).head(9).setOnes();
+  const MatrixFeatures source(x);
+  const FeatureTransform transform = fit_feature_transform(source, 0);
+  EXPECT_EQ(varying_outputs(transform, source).num_outputs(), 1);
+  x.col(1).head(10).setOnes();
+  EXPECT_EQ(varying_outputs(transform, source).num_outputs(), 2);
+  x.col(1).head(9).setZero();
+  x.col(0) = x.col(1);
+  EXPECT_EQ(varying_outputs(transform, source).num_outputs(), 2) << "there is nothing else";
 }
 
 }  // namespace

@@ -1,0 +1,85 @@
+#include "inference/heavy_tails.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "inference/feature_transform.h"
+#include "inference/matrix_features.h"
+#include "tests/inference/gradient_check.h"
+
+namespace npdr::inference {
+namespace {
+
+template <class Map>
+std::vector<float> values_of(Index count, const Map& map) {
+  const RowMatrix z = random_matrix(count, 1, 1);
+  std::vector<float> values;
+  for (Index i = 0; i < count; ++i) values.push_back(static_cast<float>(map(z(i, 0))));
+  return values;
+}
+
+double uniform(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
+
+TEST(HeavyTails, AreOfWhatSpansOrdersOfMagnitude) {
+  EXPECT_TRUE(compression_of(values_of(2000, [](double z) { return std::exp(z); })));
+  EXPECT_TRUE(compression_of(values_of(2000, [](double z) { return -5.0 * std::exp(3.0 * z); })));
+  EXPECT_TRUE(compression_of(values_of(2000, [](double z) { return std::sinh(3.0 * z) + 1e3; })));
+}
+
+TEST(HeavyTails, ArentOfWhatHasAScale) {
+  EXPECT_FALSE(compression_of(values_of(2000, [](double z) { return z; })));
+  EXPECT_FALSE(compression_of(values_of(2000, [](double z) { return uniform(z); })));
+  EXPECT_FALSE(compression_of(values_of(2000, [](double z) { return std::exp(0.5 * z); })));
+  EXPECT_FALSE(compression_of(values_of(2000, [](double z) { return z > 0.0 ? 1.0 : 0.0; })));
+  EXPECT_FALSE(compression_of(values_of(2000, [](double z) {  // counts, half of them zero
+    return z > 0.0 ? std::round(1000.0 * uniform(z)) : 0.0;
+  })));
+  EXPECT_FALSE(compression_of(values_of(99, [](double z) { return std::exp(5.0 * z); })));
+  EXPECT_FALSE(compression_of(std::vector<float>(2000, 3.0f)));
+  EXPECT_FALSE(compression_of({}));
+}
+
+// A log-normal variable of a deviation of 2: its logarithm is what is left, but for the smallest.
+TEST(HeavyTails, TheUnitDoesNotMatter) {
+  const std::vector<float> values = values_of(2000, [](double z) { return std::exp(2.0 * z); });
+  const auto found = compression_of(values);
+  ASSERT_TRUE(found);
+  std::vector<float> larger = values;
+  for (float& value : larger) value *= 1024.0f;
+  const auto found_larger = compression_of(larger);
+  ASSERT_TRUE(found_larger);
+  EXPECT_EQ(found_larger->center, 1024.0f * found->center);
+  EXPECT_EQ(found_larger->scale, 1024.0f * found->scale);
+}
+
+TEST(HeavyTails, ATransformCompressesThoseFeaturesAlone) {
+  RowMatrixF x = random_matrix(2000, 3, 1).cast<float>();
+  x.col(1) = (3.0f * x.col(1).array()).exp();
+  const MatrixFeatures source(x);
+  const FeatureTransform kept = fit_feature_transform(source, 0);
+  const FeatureTransform compressed = fit_feature_transform(source, 0, Tails::compressed);
+  EXPECT_EQ(kept.center.size(), 0);
+  RowMatrixF before, z;
+  kept.apply(x, before);
+  compressed.apply(x, z);
+  EXPECT_EQ(z.col(0), before.col(0));
+  EXPECT_EQ(z.col(2), before.col(2));
+  EXPECT_NEAR(z.col(1).mean(), 0.0, 1e-3);  // a few ended at what is usual
+  EXPECT_NEAR(z.col(1).squaredNorm() / 2000.0, 1.0, 1e-2);
+  // The middle half is 1.35 deviations wide, as of a normal variable; 0.1 before.
+  const auto width = [](const RowMatrixF& of) {
+    std::vector<float> values(of.col(1).begin(), of.col(1).end());
+    std::ranges::sort(values);
+    return values[1500] - values[500];
+  };
+  EXPECT_NEAR(width(z), 1.35, 0.2);
+  EXPECT_LT(width(before), 0.2);
+  const FeatureTransform plain =
+      fit_feature_transform(MatrixFeatures(x.leftCols(1)), 0, Tails::compressed);
+  EXPECT_EQ(plain.center.size(), 0);
+}
+
+}  // namespace
+}  // namespace npdr::inference
