@@ -31,11 +31,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
-  constexpr std::size_t few = 3;  // letters, that are the beginning of many names
-  const auto longer = std::ranges::find_if(
-      candidates, [&](const std::string& candidate) { return candidate.starts_with(name); });
-  const bool is_known = std::ranges::find(candidates, name) != candidates.end();
-  if (name.size() >= few && longer != candidates.end() && !is_known) return *longer;
   std::string best;
   // As far as a typing error or two, and no name in which no letter is the same.
   std::size_t best_distance = std::min(std::max<std::size_t>(2, name.size() / 3) + 1, name.size());

@@ -10,8 +10,8 @@
 
 namespace npdr {
 
-/// The candidate that `name` begins, or else with the smallest edit distance to it (Levenshtein,
-/// case folded), or "" when none is near enough to be a likely misspelling.
+/// The candidate with the smallest edit distance to `name` (Levenshtein, case folded), or "" when
+/// none is near enough to be a likely misspelling.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 /// "a, b, c".

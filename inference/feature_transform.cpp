@@ -14,7 +14,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr Index kRowsForBounds = 500;
-constexpr Index kRowsForCorrelation = 2000;  // and for tails
+constexpr Index kFirstRows = 2000;
 constexpr float kUsualRanges = 20.0f;
 
 /// Bounds of what is usual, feature by feature, (F).
@@ -44,7 +44,7 @@ Bounds usual_bounds(const FeatureSource& x) {
   return bounds;
 }
 
-// Features that span orders of magnitude, compressed.
+// Compresses the features that have a scale.
 template <class Values>
 void compress(const FeatureTransform& transform, Values&& x) {
   for (Index f = 0; f < transform.center.size(); ++f) {
@@ -55,7 +55,7 @@ void compress(const FeatureTransform& transform, Values&& x) {
 }
 
 RowMatrixF first_rows(const FeatureSource& x) {
-  RowMatrixF first(std::min(x.num_rows(), kRowsForCorrelation), x.num_features());
+  RowMatrixF first(std::min(x.num_rows(), kFirstRows), x.num_features());
   for_each_block(x, first.rows(), [&](Index begin, const RowMatrixF& rows) {
     first.middleRows(begin, rows.rows()) = rows;
   });
@@ -72,16 +72,6 @@ double largest_share(std::vector<float> values) {
     first = last;
   }
   return static_cast<double>(most) / static_cast<double>(values.size());
-}
-
-// Unless all are.
-void leave_out_nearly_constant(std::vector<Index>& features, const RowMatrixF& x) {
-  constexpr double nearly_all = 0.99;
-  std::vector<Index> left = features;
-  std::erase_if(left, [&](Index f) {
-    return largest_share({x.col(f).begin(), x.col(f).end()}) > nearly_all;
-  });
-  if (!left.empty()) features = std::move(left);
 }
 
 void find_heavy_tails(const FeatureSource& x, FeatureTransform& transform) {
@@ -144,7 +134,7 @@ RowMatrixF whitening_directions(const RowMatrix& z, Index components) {
 }
 
 RowMatrix first_standardized_rows(const FeatureSource& x, const FeatureTransform& transform) {
-  const Index count = std::min(x.num_rows(), kRowsForCorrelation);
+  const Index count = std::min(x.num_rows(), kFirstRows);
   RowMatrix all(count, x.num_features());
   RowMatrixF z;
   for_each_block(x, count, [&](Index begin, const RowMatrixF& rows) {
@@ -200,10 +190,20 @@ FeatureTransform selected_outputs(const FeatureTransform& transform,
   return result;
 }
 
+std::vector<Index> varying_features(const std::vector<Index>& features, const FeatureSource& x) {
+  constexpr double nearly_all = 0.99;
+  const RowMatrixF first = first_rows(x);
+  std::vector<Index> varying = features;
+  std::erase_if(varying, [&](Index f) {
+    return largest_share({first.col(f).begin(), first.col(f).end()}) > nearly_all;
+  });
+  return varying.empty() ? features : varying;
+}
+
 FeatureTransform varying_outputs(const FeatureTransform& transform, const FeatureSource& x) {
   std::vector<Index> varying = varying_columns(transform);
   if (varying.empty()) throw InputError("no feature of x varies among the simulations");
-  if (transform.basis.cols() == 0) leave_out_nearly_constant(varying, first_rows(x));
+  if (transform.basis.cols() == 0) varying = varying_features(varying, x);
   if (std::ssize(varying) == transform.num_outputs()) return transform;
   return selected_outputs(transform, varying);
 }
@@ -212,7 +212,7 @@ FeatureTransform fit_feature_transform(const FeatureSource& x, Index components,
   fix_matrix_blocking();
   FeatureTransform transform = standardization(x, tails);
   if (components == 0) return transform;
-  const Index most = std::min({components, x.num_features(), x.num_rows(), kRowsForCorrelation});
+  const Index most = std::min({components, x.num_features(), x.num_rows(), kFirstRows});
   transform.basis = whitening_directions(first_standardized_rows(x, transform), most);
   return transform;
 }

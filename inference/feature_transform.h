@@ -56,11 +56,14 @@ FeatureTransform fit_feature_transform(const FeatureSource& x, Index components,
 FeatureTransform selected_outputs(const FeatureTransform& transform,
                                   const std::vector<Index>& outputs);
 
-/// `transform` without the outputs that are 0 for all simulations, and without those of features
-/// that are the same for 99 % of the first 2000 of x, where others vary more: where the density of
-/// z itself is learned, it would be infinite there. Throws InputError when none is left.
+/// Of these features the ones whose most frequent value is that of at most 99 % of the first 2000
+/// of x; all of them, if there is none.
+std::vector<Index> varying_features(const std::vector<Index>& features, const FeatureSource& x);
+/// `transform` without the outputs that are 0 for all simulations, and where it has no components
+/// those of the varying_features() alone: where the density of z itself is learned, that of others
+/// would be infinite, or nearly so. Throws InputError when none is left.
 FeatureTransform varying_outputs(const FeatureTransform& transform, const FeatureSource& x);
-/// How many outputs that leaves.
+/// How many outputs aren't 0 for all simulations.
 Index num_varying_outputs(const FeatureTransform& transform);
 
 }  // namespace npdr::inference

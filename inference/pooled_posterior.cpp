@@ -175,7 +175,7 @@ PooledPosterior::Candidates PooledPosterior::candidates(StreamId batch, Index mo
 struct PooledPosterior::Group {
   RowMatrix theta;  // (kGroup, D)
   double effective_size = 0.0;
-  Index num_candidates = 0;
+  Index num_evaluations = 0;
   double log_mean_weight = 0.0;
 };
 
@@ -187,7 +187,7 @@ PooledPosterior::Group PooledPosterior::draw_group(const StreamId& id) const {
   });
   Group group{.theta = RowMatrix(kGroup, prior().dimension()),
               .effective_size = drawn.effective_size(),
-              .num_candidates = drawn.size(),
+              .num_evaluations = drawn.size(),
               .log_mean_weight = drawn.log_mean_weight()};
   Stream stream(within(id, "pool_resampling"));
   const std::vector<Index> rows =
@@ -196,7 +196,10 @@ PooledPosterior::Group PooledPosterior::draw_group(const StreamId& id) const {
   for (const std::uint32_t i : stream.permutation(kGroup)) {
     group.theta.row(place++) = drawn.theta.row(rows[i]);
   }
-  if (group.effective_size < kEnough) move(group.theta, stream);
+  if (group.effective_size < kEnough) {
+    move(group.theta, stream);
+    group.num_evaluations += (1 + kMoves) * kGroup;
+  }
   return group;
 }
 
@@ -223,7 +226,7 @@ Samples PooledPosterior::draw(Index n, const StreamId& id) const {
     const Index rows = std::min(kGroup, n - first);
     theta.middleRows(first, rows) = group.theta.topRows(rows);
     report.ess(0) += group.effective_size;
-    report.num_evaluations += group.num_candidates;
+    report.num_evaluations += group.num_evaluations;
     log_means(first / kGroup) = group.log_mean_weight;
   }
   report.log_normalizer = log_mean_exp(log_means);

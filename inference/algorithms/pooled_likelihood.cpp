@@ -5,19 +5,21 @@
 namespace npdr::inference {
 namespace {
 
-FeatureTransform components_of(const FeatureSource& x) {
-  return varying_outputs(fit_feature_transform(x, kPooledComponents), x);
+FeatureTransform components_of(const PosteriorEstimationConfig& config, const FeatureSource& x) {
+  return varying_outputs(fit_feature_transform(x, kPooledComponents, config.tails), x);
 }
 
 FeatureTransform transform_of(const PosteriorEstimationConfig& config, const RoundData& training,
                               const FeatureTransform& seen) {
-  if (config.embedding.features > 0) return components_of(*training.x);
-  if (num_varying_outputs(seen) <= kMostPooledFeatures) return varying_outputs(seen, *training.x);
-  if (config.principal_components > 0) return components_of(*training.x);
-  const std::vector<Index> informative =
-      informative_features(*training.x, seen, training.prior->to_normal(training.theta));
+  if (config.embedding.features > 0) return components_of(config, *training.x);
+  const FeatureTransform varying = varying_outputs(seen, *training.x);
+  if (varying.num_outputs() <= kMostPooledFeatures) return varying;
+  if (config.principal_components > 0) return components_of(config, *training.x);
+  const std::vector<Index> informative = varying_features(
+      informative_features(*training.x, seen, training.prior->to_normal(training.theta)),
+      *training.x);
   const bool are_few = !informative.empty() && std::ssize(informative) <= kMostPooledFeatures;
-  return are_few ? selected_outputs(seen, informative) : components_of(*training.x);
+  return are_few ? selected_outputs(seen, informative) : components_of(config, *training.x);
 }
 
 // Whether an output is a sum over features, not one of them.

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kLength = 2.38;  // over sqrt(2 D), for a Gaussian
 constexpr double kSpread = 0.5;   // of the logarithm of a step's length
+constexpr double kJitter = 1e-3;  // of each coordinate, out of the span of few rows
 
 using Rows = std::vector<std::uint32_t>;
 
@@ -22,7 +23,9 @@ RowMatrix proposed_steps(const RowMatrix& u, const Rows& movers, const Rows& oth
     const std::uint32_t j = stream.below(count);
     const std::uint32_t k = (j + 1 + stream.below(count - 1)) % count;
     const double g = length * std::exp(kSpread * stream.normal());
-    to.row(static_cast<Index>(i)) = u.row(movers[i]) + g * (u.row(others[j]) - u.row(others[k]));
+    auto row = to.row(static_cast<Index>(i));
+    row = u.row(movers[i]) + g * (u.row(others[j]) - u.row(others[k]));
+    for (double& value : row) value += kJitter * stream.normal();
   }
   return to;
 }

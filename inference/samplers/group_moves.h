@@ -8,15 +8,17 @@
 
 namespace npdr::inference {
 
-/// Log density of the rows of u, (n, D) -> (n), but for a constant; where it is NaN nobody goes.
+/// Log density of the rows of u, (n, D) -> (n), but for a constant; where it is NaN nobody goes,
+/// and who is there stays.
 using LogDensity = std::function<Vector(const RowMatrix&)>;
 
 /// Moves the rows of u (n, D), which are draws of the density, or nearly so, and may repeat each
 /// other, and leaves the density invariant. In a sweep either half of the rows takes a step
-///   u_i + g (u_j - u_k),   g = 2.38 / sqrt(2 D) e^N(0, 1/4)
+///   u_i + g (u_j - u_k) + N(0, 1e-6 I),   g = 2.38 / sqrt(2 D) e^N(0, 1/4)
 /// with two rows of the other half (ter Braak 2006, "A Markov chain Monte Carlo version of the
 /// genetic algorithm differential evolution"), which stand still meanwhile. Halves are chosen anew
-/// each time. With fewer than 4 rows nothing moves.
+/// each time. Where fewer rows differ than a few times D, they need far more than 30 sweeps. With
+/// fewer than 4 rows nothing moves.
 void move_group(RowMatrix& u, const LogDensity& log_density, Index num_sweeps, Stream& stream);
 
 }  // namespace npdr::inference

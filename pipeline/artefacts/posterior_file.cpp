@@ -284,8 +284,14 @@ void describe(Layout f, inference::FeatureTransform& transform) {
         "principal components; missing when there are none",
         {.allowed = h5::Values::finite, .unless_empty = true, .storage = kFastest});
   if (f.reads()) {
-    if (transform.center.size() == transform.inverse_scale.size()) return;
-    throw InputError(group.where() + ": a center without an inverse_scale, or the other way round");
+    if (transform.center.size() != transform.inverse_scale.size()) {
+      throw InputError(group.where() +
+                       ": a center without an inverse_scale, or the other way round");
+    }
+    if ((transform.inverse_scale.array() < 0.0f).any()) {
+      throw InputError(group.where() + ": an inverse_scale below 0; must be 0 or more");
+    }
+    return;
   }
   group.attribute("farthest", double{inference::FeatureTransform::kFarthest},
                   "standardized features beyond +- it are set to it, before the basis");

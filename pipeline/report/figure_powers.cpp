@@ -13,16 +13,17 @@ namespace {
 
 bool has_powers(const EvaluatedRun& run) { return run.notes.powers.power.size() > 0; }
 
-bool exists(const ReportData& data) { return std::ranges::any_of(data.runs, has_powers); }
-
-// The methods that chose a power.
+// The methods that chose a power, as far as their first seed tells, which is drawn.
 std::vector<std::string> methods_of(const ReportData& data) {
   std::vector<std::string> methods;
   std::ranges::copy_if(data.methods, std::back_inserter(methods), [&](const std::string& method) {
-    return has_powers(*data.runs_of(method).front());
+    const auto runs = data.runs_of(method);
+    return !runs.empty() && has_powers(*runs.front());
   });
   return methods;
 }
+
+bool exists(const ReportData& data) { return !methods_of(data).empty(); }
 
 // Means over rollouts, with a standard error to either side.
 analysis::Curve curve_of(const std::string& method, const PowerScores& scores) {

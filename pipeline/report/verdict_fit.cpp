@@ -135,7 +135,8 @@ struct Uninformed {
   double crps = HUGE_VAL;
 };
 
-// Draws of the prior or, of recordings, the nominal parameters, which may be a simulated truth's.
+// Draws of the prior or, of recordings, the nominal parameters, which may be a
+// simulated target's truth.
 Uninformed uninformed(const ReportData& data) {
   Uninformed best;
   const auto consider = [&](const std::string& whose, const RolloutScores& scores) {
@@ -153,7 +154,7 @@ Uninformed uninformed(const ReportData& data) {
 
 // What the runs predict of held-out rollouts.
 struct HeldOut {
-  std::size_t narrow = 0, worse = 0;  ///< runs whose bands are too narrow, that need no inference
+  std::size_t narrow = 0, worse = 0;  ///< runs whose bands are too narrow, that predict worse
   double least = 1.0;                 ///< share that bands hold; of the narrow ones, if any are
   double worst = 0.0;                 ///< CRPS
 };

@@ -24,8 +24,9 @@ TEST_F(NewStudies, FitWhatTheyAreFor) {
         npdr({"new", std::string("by") + option, option, "python3 \"my sim\".py"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("EDIT"), std::string::npos) << outcome.out;
-    EXPECT_EQ(npdr({"validate", std::string("by") + option + ".toml"}).status, 0)
-        << text_of(folder_ / (std::string("by") + option + ".toml"));
+    const std::string study = std::string("by") + option + ".toml", text = text_of(folder_ / study);
+    EXPECT_EQ(npdr({"validate", study}).status, 0) << text;
+    EXPECT_NE(text.find("shard_size = 200"), std::string::npos) << text;
   }
   EXPECT_EQ(npdr({"new", "both", "--worker", "a", "--library", "b"}).status, 2);
   EXPECT_EQ(npdr({"new", "none", "--recording", "gone.h5"}).status, 2);
@@ -53,7 +54,7 @@ TEST_F(NewStudies, TakeARecording) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string text = text_of(folder_ / "real.toml");
   for (const char* part : {"recording = \"recorded.h5\"", "held_out = ", "num_rollouts = 3",
-                           "embedding = { downsample = "}) {
+                           "embedding = { downsample = ", "scale_prior = [0.1, 1.0]"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
   }
   EXPECT_EQ(npdr({"validate", "real.toml"}).status, 0) << text;

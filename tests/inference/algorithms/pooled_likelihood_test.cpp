@@ -62,6 +62,14 @@ TEST_F(PooledLikelihoodOf, ManyFeaturesSeesThoseThatTell) {
   EXPECT_EQ(two.estimator.kind, EstimatorKind::nsf);
 }
 
+TEST_F(PooledLikelihoodOf, ManyFeaturesThatSpanOrdersOfMagnitudeSeesTheirLogarithms) {
+  config_.tails = Tails::compressed;
+  const SimulatorFunction wide = [](const Vector& theta, Stream& stream) -> VectorF {
+    return (3.0F * simulator(kMany, kMany)(theta, stream).array()).exp();
+  };
+  EXPECT_EQ(likelihood(wide, kMany).transform.center.size(), kMany) << "of components, too";
+}
+
 TEST_F(PooledLikelihoodOf, ManyFeaturesThatTellOrDontSeesComponentsByAffineFlows) {
   for (const Index telling : {kMany, Index{0}}) {
     const PooledLikelihood components = likelihood(kMany, telling);

@@ -272,9 +272,9 @@ TEST_F(RefineStage, TakesThePowerThatPredictsLeftOutRolloutsBest) {
   const ReportData data = read_report_data(plan, plan.nodes.back());
   ASSERT_TRUE(power_figure().exists(data));
   const std::string caption = power_figure().make(data, folder_.path()).caption;
-  EXPECT_NE(
-      caption.find(fmt::format("as good as any: {:.3g} (CV).", read_certificate(file)->power)),
-      std::string::npos)
+  EXPECT_NE(caption.find(
+                fmt::format("as good as any: {:.3g} (CV).", read_certificate(file)->wanted_power)),
+            std::string::npos)
       << caption;
 }
 
