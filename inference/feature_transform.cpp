@@ -160,8 +160,7 @@ std::vector<Index> varying_columns(const FeatureTransform& transform) {
 void FeatureTransform::standardize(const RowMatrixF& x, RowMatrixF& z) const {
   z = x;
   compress(*this, z);
-  z.rowwise() -= mean.transpose();
-  z.array().rowwise() *= inverse_deviation.transpose().array();
+  z = (z.rowwise() - mean.transpose()).array().rowwise() * inverse_deviation.transpose().array();
 }
 
 void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {

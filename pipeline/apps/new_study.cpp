@@ -120,7 +120,9 @@ class Writer {
             recording_->num_rollouts() - 1);
       }
     } else if (is_program()) {
-      text_ += "truth = { a = 1.0 }  # EDIT: parameters of a simulated target, or a recording\n";
+      text_ += fmt::format(
+          "truth = {{ a = 1.0 }}  # EDIT: parameters of a simulated target, or in its place {}\n",
+          gives_motion() ? "recording = \"FILE.h5\"" : "observation = \"x_o.csv\"");
     } else {
       text_ += "truth = {}  # the nominal parameters; recording = \"FILE.h5\" takes its place\n";
     }
@@ -215,6 +217,7 @@ class Writer {
 
   // A recording is off by what its simulator lacks, too, which nobody knows beforehand.
   void add_noise() {
+    if (!gives_motion()) return;  // features have the noise of their program
     text_ +=
         "# Noise on what is simulated, as a share of each channel's largest value: what a "
         "recording has\n# and no simulation does.";
