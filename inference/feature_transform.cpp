@@ -134,14 +134,9 @@ RowMatrixF whitening_directions(const RowMatrix& z, Index components) {
 }
 
 RowMatrix first_standardized_rows(const FeatureSource& x, const FeatureTransform& transform) {
-  const Index count = std::min(x.num_rows(), kFirstRows);
-  RowMatrix all(count, x.num_features());
   RowMatrixF z;
-  for_each_block(x, count, [&](Index begin, const RowMatrixF& rows) {
-    transform.apply(rows, z);
-    all.middleRows(begin, z.rows()) = z.cast<double>();
-  });
-  return all;
+  transform.apply(first_rows(x), z);
+  return z.cast<double>();
 }
 
 std::vector<Index> varying_columns(const FeatureTransform& transform) {

@@ -66,8 +66,7 @@ std::string words_of(double power) {
   if (power >= small) return "";
   return fmt::format(
       "it believes the recording to a power of {:.2g}: simulator or noise are far from it; look "
-      "for "
-      "what they lack",
+      "for what they lack",
       power);
 }
 
