@@ -40,6 +40,9 @@ std::string conversion_hint(const Channel& found, const std::string& unit) {
   return "";
 }
 
+constexpr const char* kNoHoles =
+    "a finite number: cut the rollout there, or remove the row and pass --resample DT";
+
 // A column that is taken; none: it is to be computed.
 struct Column {
   std::optional<std::size_t> index;
@@ -47,7 +50,9 @@ struct Column {
   Channel channel;
 
   double number(const NumberTable& table) const {
-    return index ? factor * table.finite_number(*index) : 0.0;
+    if (!index) return 0.0;
+    if (table.is_missing(*index)) throw table.problem(*index, kNoHoles);
+    return factor * table.finite_number(*index);
   }
 };
 
@@ -218,7 +223,7 @@ Values read_values(NumberTable& table, const Columns& columns) {
     for (const Column& column : columns.states) values.states.push_back(column.number(table));
     for (const Column& column : columns.actions) {
       const bool is_missing = table.is_missing(*column.index);
-      if (is_missing && !gap) gap = table.problem(*column.index, "a finite number");
+      if (is_missing && !gap) gap = table.problem(*column.index, kNoHoles);
       values.actions.push_back(is_missing ? 0.0 : column.number(table));
     }
     if (columns.time) values.times.push_back(columns.time->number(table));

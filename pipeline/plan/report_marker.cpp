@@ -83,7 +83,8 @@ std::string words_of(const CheckSummary& summary) {
     text += fmt::format("{} of {} FAIL: {}", summary.failed.size(),
                         counted(summary.num_checks, "check"), join(summary.failed));
   } else if (summary.unknown.empty()) {
-    text += fmt::format("all {} pass", counted(summary.num_checks, "check"));
+    text += summary.num_checks == 1 ? "its only check passes"
+                                    : fmt::format("all {} checks pass", summary.num_checks);
   } else {
     text += fmt::format("{} of {} pass", summary.num_checks - count(summary.unknown),
                         counted(summary.num_checks, "check"));

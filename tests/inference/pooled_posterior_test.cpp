@@ -96,6 +96,27 @@ TEST(PooledPosterior, SamplesHaveTheQuantilesOfTheDensity) {
   EXPECT_GT(samples.report->ess(0), 10'000.0);  // twice the samples
 }
 
+TEST(PooledPosterior, DrawsThatRepeatEachOtherMoveToTheirDensity) {
+  // The likelihood says nothing, so that the pool is the uniform prior, and q is N(0, 0.31^2 I)
+  // over u: few of its draws have nearly all of the weight. The scale is the first of the last 16.
+  NetworkParts parts = some_pool({0.0, 1.0});
+  parts.likelihood->parameters.setZero();
+  parts.parameters.setZero();
+  parts.parameters.tail(16)(0) = 2.6f;
+  constexpr Index n = 2000;
+  const Samples samples = PooledPosterior(parts).draw(n, kId);
+  ASSERT_TRUE(samples.report);
+  ASSERT_LT(samples.report->ess(0), 2.0 * n);
+  const std::set<double> different(samples.theta.data(), samples.theta.data() + n);
+  EXPECT_EQ(static_cast<Index>(different.size()), n);
+  for (const double at : {-0.8, 0.0, 1.0, 2.0, 2.8}) {
+    const double expected = (at + 1.0) / 4.0;
+    const double found = (samples.theta.col(0).array() < at).cast<double>().mean();
+    // Four standard errors of half as many independent samples (false-alarm rate 3e-4).
+    EXPECT_NEAR(found, expected, 4.0 * std::sqrt(expected * (1.0 - expected) / (n / 2))) << at;
+  }
+}
+
 TEST(PooledPosterior, ASampleDependsOnItsRowAlone) {
   const PooledPosterior pool(some_pool({0.4, 0.9}));
   const RowMatrix many = pool.sample(1300, kId);

@@ -186,16 +186,19 @@ TEST_F(CsvImport, AUnitIsTheLastBracketsAfterABlank) {
 
 TEST_F(CsvImport, NamesLineAndColumnOfWhatIsntANumber) {
   const std::string must = ", must be a finite number";
+  const std::string no_holes =
+      must + ": cut the rollout there, or remove the row and pass --resample DT";
   EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "0.2,two")),
             "a.csv:3: column 3 'theta_dot' = 'two'" + must);
-  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "nan,2")), "a.csv:3: column 2 'theta' = 'nan'" + must);
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "nan,2")),
+            "a.csv:3: column 2 'theta' = 'nan'" + no_holes);
   EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "inf,2")), "a.csv:3: column 2 'theta' = 'inf'" + must);
   EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "1e999,2")),
             "a.csv:3: column 2 'theta' = '1e999'" + must);
-  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", ",2")), "a.csv:3: column 2 'theta' = ''" + must);
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", ",2")), "a.csv:3: column 2 'theta' = ''" + no_holes);
   EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "0.2 0,2")),
             "a.csv:3: column 2 'theta' = '0.2 0'" + must);
-  EXPECT_EQ(problem(replaced(kCsv, "2,6", "2,")), "a.csv:3: column 4 'torque' = ''" + must)
+  EXPECT_EQ(problem(replaced(kCsv, "2,6", "2,")), "a.csv:3: column 4 'torque' = ''" + no_holes)
       << "only the last row may lack an action";
   EXPECT_EQ(problem(replaced(kCsv, "3,7", "3,x")), "a.csv:4: column 4 'torque' = 'x'" + must);
 }
