@@ -47,12 +47,16 @@ void WorkLeft::add(Stage stage, std::optional<double> core_seconds) {
   }
 }
 
-std::optional<double> WorkLeft::share_done(double done) const {
-  const auto num_unknown = std::ssize(num_unknown_);
+std::optional<double> WorkLeft::share_done(double done, Index num_made) const {
   const bool has_several =
       std::ranges::any_of(num_unknown_, [](const auto& s) { return s.second > 1; });
-  if (has_several || num_unknown > num_known_) return std::nullopt;
-  const double each = num_known_ > 0 ? known_ / static_cast<double>(num_known_) : 0.0;
+  const Index num_unknown = std::ssize(num_unknown_);
+  // A report costs less than others do.
+  const Index num_doubtful = num_unknown - (num_unknown_.contains(Stage::report) ? 1 : 0);
+  if (has_several || num_doubtful > num_known_) return std::nullopt;
+  const Index num_others = num_known_ + num_made;
+  if (num_unknown > 0 && num_others == 0) return std::nullopt;
+  const double each = num_others > 0 ? (known_ + done) / static_cast<double>(num_others) : 0.0;
   const double rest = known_ + static_cast<double>(num_unknown) * each;
   return done + rest > 0.0 ? done / (done + rest) : 0.0;
 }

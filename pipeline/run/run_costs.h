@@ -41,10 +41,10 @@ class WorkLeft {
   /// `core_seconds`: what it still costs; none: unknown.
   void add(Stage stage, std::optional<double> core_seconds);
 
-  /// Share of the run's work that is done, `done` core-seconds of it; none where nothing tells what
-  /// most artefacts cost, or several of one stage. A single one, as the report, is taken to cost as
-  /// much as others do on average.
-  std::optional<double> share_done(double done) const;
+  /// Share of the run's work that is done: `num_made` artefacts, `done` core-seconds. None where
+  /// nothing tells what most artefacts cost, or several of one stage. A single one, as the report,
+  /// is taken to cost as much as others do on average.
+  std::optional<double> share_done(double done, Index num_made) const;
 
  private:
   double known_ = 0.0;  // core-seconds

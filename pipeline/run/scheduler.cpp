@@ -292,7 +292,7 @@ std::optional<double> Scheduler::share_done() const {
     const Node& node = plan_.nodes[i];
     if (states_[i] == State::waiting) rest.add(node.stage, costs_.expected(node));
   }
-  return rest.share_done(done);
+  return rest.share_done(done, num_made_);
 }
 
 std::string Scheduler::job_text(const Job& job) const {

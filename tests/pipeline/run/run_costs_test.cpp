@@ -28,22 +28,28 @@ TEST(RunCosts, ComeFromTheNearestKin) {
 // Ten rounds: proposals and simulations have shown what they cost, trainings haven't.
 TEST(WorkLeft, TellsAShareOnceEachStageHasShownItsCost) {
   WorkLeft rest;
-  EXPECT_EQ(rest.share_done(5.0), 1.0) << "nothing is left";
+  EXPECT_EQ(rest.share_done(5.0, 1), 1.0) << "nothing is left";
   for (int i = 0; i < 9; ++i) {
     rest.add(Stage::propose, 0.5);
     rest.add(Stage::simulate, 1.5);
   }
   rest.add(Stage::report, {});
-  EXPECT_DOUBLE_EQ(*rest.share_done(19.0), 0.5) << "the report: as much as any";
+  EXPECT_DOUBLE_EQ(*rest.share_done(19.0, 19), 0.5) << "the report: as much as any";
   rest.add(Stage::infer, 100.0);
-  EXPECT_LT(*rest.share_done(19.0), 0.15);
+  EXPECT_LT(*rest.share_done(19.0, 19), 0.15);
   rest.add(Stage::evaluate, {});
-  EXPECT_TRUE(rest.share_done(19.0));
+  EXPECT_TRUE(rest.share_done(19.0, 19));
   rest.add(Stage::evaluate, {});
-  EXPECT_FALSE(rest.share_done(19.0)) << "two of a stage";
-  WorkLeft unknown;
-  unknown.add(Stage::report, {});
-  EXPECT_FALSE(unknown.share_done(19.0));
+  EXPECT_FALSE(rest.share_done(19.0, 19)) << "two of a stage";
+}
+
+TEST(WorkLeft, TakesAReportAloneForOneOfMany) {
+  WorkLeft rest;
+  rest.add(Stage::report, {});
+  EXPECT_DOUBLE_EQ(*rest.share_done(19.0, 19), 0.95);
+  EXPECT_FALSE(rest.share_done(1.0, 0)) << "it is all there is";
+  rest.add(Stage::evaluate, {});
+  EXPECT_FALSE(rest.share_done(19.0, 19)) << "another stage may cost more than all before";
 }
 
 }  // namespace
