@@ -49,10 +49,10 @@ class Prior:  # u = Phi^-1(F(theta)), parameter by parameter
         with np.errstate(all="ignore"):
             t = np.where(self.is_log, np.log(theta), theta)
         share = (t - self.a) / self.width
-        by_share = normal_quantile(np.clip(np.nan_to_num(share), 2.0**-53, 1 - 2.0**-53))
-        u = np.where(self.is_bounded, by_share, share)
-        log_slope = -np.log(self.width) - self.is_log * t - self.is_bounded * log_normal(u[..., None])
         is_inside = np.isfinite(t) & (~self.is_bounded | (share >= 0) & (share <= 1))
+        t, share = np.where(is_inside, t, 0), np.where(is_inside, share, 0.5)
+        u = np.where(self.is_bounded, normal_quantile(np.clip(share, 2.0**-53, 1 - 2.0**-53)), share)
+        log_slope = -np.log(self.width) - self.is_log * t - self.is_bounded * log_normal(u[..., None])
         return u, np.where(is_inside, log_slope, -np.inf).sum(1)
     def to_theta(self, u):
         t = self.a + self.width * np.where(self.is_bounded, normal_cdf(u), u)

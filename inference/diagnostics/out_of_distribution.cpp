@@ -92,8 +92,11 @@ bool leaves_what_is_constant(const RowMatrixF& x, const VectorF& x_o) {
   constexpr float rounding = 1e-5f;
   for (Index f = 0; f < x.cols(); ++f) {
     const float lowest = x.col(f).minCoeff(), highest = x.col(f).maxCoeff();
-    const float allowed = rounding * std::max(std::abs(lowest), std::abs(x_o(f)));
-    if (highest - lowest <= allowed && std::abs(x_o(f) - lowest) > allowed) return true;
+    const float size = std::abs(lowest);
+    const bool is_constant = highest - lowest <= rounding * size;
+    if (is_constant && std::abs(x_o(f) - lowest) > rounding * std::max(size, std::abs(x_o(f)))) {
+      return true;
+    }
   }
   return false;
 }
@@ -116,9 +119,11 @@ OutOfDistribution test_out_of_distribution(const RowMatrixF& x, const VectorF& x
   result.num_components = distances.num_components();
   result.num_reference = usual.rows();
   result.mahalanobis = judge(usual.col(0), observed(0, 0));
-  const bool leaves = leaves_what_is_constant(x, x_o);
-  result.residual =
-      judge(usual.col(1), leaves ? std::numeric_limits<double>::infinity() : observed(0, 1));
+  result.residual = judge(usual.col(1), observed(0, 1));
+  if (leaves_what_is_constant(x, x_o)) {
+    result.residual.observed = std::numeric_limits<double>::infinity();
+    result.residual.p_value = smallest_tail_probability(usual.rows());
+  }
   result.nearest = judge(usual.col(2), observed(0, 2));
   result.p_value = corrected(
       std::min({result.mahalanobis.p_value, result.residual.p_value, result.nearest.p_value}), 3);

@@ -76,6 +76,19 @@ TEST(OutOfDistribution, FindsAConstantFeatureWhereThereIsNoResidual) {
   EXPECT_LT(test_out_of_distribution(x, observed).p_value, 1e-3);
 }
 
+TEST(OutOfDistribution, FindsAnotherValueWhereAllSimulationsAreTheSame) {
+  const RowMatrixF x = RowMatrixF::Constant(200, 2, 3.0f);
+  EXPECT_GT(test_out_of_distribution(x, VectorF::Constant(2, 3.0f)).p_value, 0.01);
+  EXPECT_LT(test_out_of_distribution(x, VectorF::Constant(2, 4.0f)).p_value, 1e-3);
+}
+
+TEST(OutOfDistribution, AFarObservationMakesNoFeatureConstant) {
+  const RowMatrixF x = gaussian(200, 2, 1).cast<float>();
+  const OutOfDistribution found = test_out_of_distribution(x, VectorF{{0.0f, 1e6f}});
+  EXPECT_LT(found.p_value, 1e-3);
+  EXPECT_TRUE(std::isfinite(found.residual.observed));
+}
+
 // Parameters on a ring: its center is near the mean, but no simulation is near it.
 TEST(OutOfDistribution, FindsAHole) {
   RowMatrix theta = gaussian(1000, 2, 1);
