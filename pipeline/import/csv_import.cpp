@@ -11,6 +11,7 @@
 #include "pipeline/import/csv_rows.h"
 #include "pipeline/import/csv_times.h"
 #include "pipeline/import/csv_turns.h"
+#include "pipeline/import/glitches.h"
 #include "pipeline/import/rate_report.h"
 #include "pipeline/import/resample.h"
 #include "pipeline/import/rollout_length.h"
@@ -212,6 +213,30 @@ void note_far_beginnings(const Target& target, const std::vector<std::string>& f
   }
 }
 
+// Of each file and channel the first one: a channel's noise and errors are shares of its largest
+// magnitude.
+std::vector<std::string> notes_of_glitches(const Target& target,
+                                           const std::vector<std::string>& files) {
+  std::vector<std::string> notes;
+  for (std::size_t h = 0; h < target.rollouts.size(); ++h) {
+    for (std::size_t c = 0; c < target.state_channels.size(); ++c) {
+      const Vector values = target.rollouts[h].states.col(static_cast<Index>(c));
+      const std::vector<Index> glitches = find_glitches(values);
+      if (glitches.empty()) continue;
+      const Index t = glitches.front();
+      const auto& [label, unit] = target.state_channels[c];
+      notes.push_back(fmt::format(
+          "warning: {}: {} = {:.6g} {} at {:.6g} s alone, between {:.4g} and {:.4g}{}: a glitch of "
+          "the sensor? Noise and errors of a channel count as shares of its largest magnitude: "
+          "leave such rows out and add --resample DT",
+          files[h], label, values(t), unit, static_cast<double>(t) * target.dt, values(t - 1),
+          values(t + 1),
+          glitches.size() > 1 ? fmt::format(", and {} more", glitches.size() - 1) : ""));
+    }
+  }
+  return notes;
+}
+
 // Throws what is wrong with angles and rates, all at once; otherwise says what was checked.
 std::vector<std::string> check_rates(const Target& target, const std::vector<CsvRows>& files) {
   std::vector<std::string> problems = turn_problems(files);
@@ -246,6 +271,7 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   if (options.differentiate) {
     append(differentiate(target, files, *options.differentiate, options.at_rest), result.notes);
   }
+  append(notes_of_glitches(target, names_of_files(files)), result.notes);
   if (options.check_rates) append(check_rates(target, files), result.notes);
   append(cut_rollouts(target, options.length, names_of_files(files)), result.notes);
   target.source = options.source.empty() ? join(bare_names(paths)) : options.source;

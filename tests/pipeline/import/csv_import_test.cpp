@@ -406,6 +406,20 @@ TEST_F(CsvImport, WarnsOfAFileThatWasCut) {
                    {"warning: ", "a.csv: its last line has no end"}));
 }
 
+TEST_F(CsvImport, WarnsOfGlitches) {
+  std::string text = "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n";
+  for (int i = 0; i < 200; ++i) {
+    const double t = 0.01 * i;
+    text += fmt::format("{:.2f},{:.6f},{:.6f},0\n", t, i == 57 ? 99.0 : 0.3 * std::cos(5.0 * t),
+                        -1.5 * std::sin(5.0 * t));
+  }
+  CsvOptions options = pendulum_options();
+  options.check_rates = false;
+  EXPECT_TRUE(says(notes(text, options).at(0),
+                   {"warning: ", "a.csv: theta = 99 rad at 0.57 s alone, between -0.2827 and",
+                    "largest magnitude", "--resample DT"}));
+}
+
 TEST_F(CsvImport, UnwrapsAnglesOnly) {
   CsvOptions options = pendulum_options();
   options.unwrap = {"thet"};

@@ -1,0 +1,56 @@
+#include "pipeline/import/glitches.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+#include "tests/pipeline/import/encoder_motion.h"
+
+namespace npdr::pipeline {
+namespace {
+
+Vector swing(Index n) {
+  Vector values(n);
+  for (Index t = 0; t < n; ++t) values(t) = 0.3 * std::cos(0.05 * static_cast<double>(t));
+  return values;
+}
+
+TEST(Glitches, AreSingleSamplesFarOut) {
+  Vector values = swing(500);
+  EXPECT_TRUE(find_glitches(values).empty());
+  values(57) = 9999.0;
+  values(201) = -4.0;
+  values(202) = -4.0;  // two of them may be a motion
+  values(300) = -2.0;
+  EXPECT_EQ(find_glitches(values), (std::vector<Index>{57, 300}));
+}
+
+TEST(Glitches, StepsPulsesAndTheFirstSampleAreNone) {
+  Vector step = Vector::Zero(100);
+  step.tail(50).setConstant(5.0);
+  EXPECT_TRUE(find_glitches(step).empty());
+  Vector contact = Vector::Zero(200);
+  for (Index t = 10; t < 200; t += 20) contact(t) = 1.0;
+  EXPECT_TRUE(find_glitches(contact).empty());
+  Vector still = Vector::Zero(200);
+  still(100) = 1.0;  // nothing says what is usual
+  EXPECT_TRUE(find_glitches(still).empty());
+  Vector first = swing(100);
+  first(0) = 100.0;
+  EXPECT_TRUE(find_glitches(first).empty());
+  EXPECT_TRUE(find_glitches(Vector::Zero(3)).empty());
+}
+
+// Encoders, tachometers and noise: no sample of 100 recordings.
+TEST(Glitches, WhatLabsRecordHasNone) {
+  for (std::uint64_t row = 1; row <= 25; ++row) {
+    for (const Motion& motion : recorded(smooth_motion(1000, 0.004, row), row)) {
+      EXPECT_TRUE(find_glitches(motion.position).empty()) << row;
+      EXPECT_TRUE(find_glitches(motion.rate).empty()) << row;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
