@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <set>
+#include <vector>
 
 #include "core/error.h"
 #include "pipeline/apps/command_line.h"
@@ -33,46 +34,72 @@ std::string attribute_text(const h5::Object& object, const std::string& name) tr
   return kAnotherType;
 }
 
-void print_attributes(const h5::Object& object, const std::string& indent) {
+using Lines = std::vector<std::string>;
+
+void add_attributes(const h5::Object& object, const std::string& indent, Lines& lines) {
   for (const std::string& name : object.attribute_names()) {
     std::string text = attribute_text(object, name);
     constexpr std::size_t most = 100;
     if (text.size() > most) text = text.substr(0, most) + "...";
-    print_line("{}@{} = {}", indent, name, text);
+    lines.push_back(fmt::format("{}@{} = {}", indent, name, text));
   }
 }
 
-void print_dataset(const h5::Group& group, const std::string& name, const std::string& indent) try {
+Lines lines_of_dataset(const h5::Group& group, const std::string& name,
+                       const std::string& indent) try {
   const h5::Dataset dataset = group.dataset(name);
-  print_line("{}{} {}", indent, name, h5::to_string(dataset.shape()));
-  print_attributes(dataset, indent + "    ");
+  Lines lines = {fmt::format("{}{} {}", indent, name, h5::to_string(dataset.shape()))};
+  add_attributes(dataset, indent + "    ", lines);
+  return lines;
 } catch (const InputError&) {
-  print_line("{}{} {}", indent, name, kAnotherType);
+  return {fmt::format("{}{} {}", indent, name, kAnotherType)};
 }
 
-// Groups may hold each other, and links may lead nowhere: prints no group twice.
+void append(const Lines& more, Lines& lines) {
+  lines.insert(lines.end(), more.begin(), more.end());
+}
+
+// What a group holds. Groups may hold each other, and links may lead nowhere: shows no group twice,
+// and of neighbours that hold the same, such as the networks of an ensemble, the first.
 class Tree {
  public:
-  void print(const h5::Group& group, const std::string& indent) {
+  Lines lines_of(const h5::Group& group, const std::string& indent) {
     seen_.insert(group.identity());
+    Lines lines, last;
     for (const std::string& name : group.names()) {
       if (!group.has(name)) continue;
       if (!group.is_group(name)) {
-        print_dataset(group, name, indent);
+        append(lines_of_dataset(group, name, indent), lines);
         continue;
       }
       const h5::Group below = group.group(name);
-      const bool is_new = !seen_.contains(below.identity());
-      print_line("{}{}/{}", indent, name, is_new ? "" : " (shown already)");
-      if (!is_new) continue;
-      print_attributes(below, indent + "    ");
-      print(below, indent + "    ");
+      const std::string head = fmt::format("{}{}/", indent, name);
+      if (seen_.contains(below.identity())) {
+        lines.push_back(head + " (shown already)");
+        continue;
+      }
+      Lines its;
+      add_attributes(below, indent + "    ", its);
+      append(lines_of(below, indent + "    "), its);
+      const bool is_like_last = !its.empty() && its == last;
+      lines.push_back(head + (is_like_last ? " (like the one before)" : ""));
+      if (!is_like_last) append(its, lines);
+      last = std::move(its);
     }
+    return lines;
   }
 
  private:
   std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;
 };
+
+void print_lines(const Lines& lines) {
+  for (const std::string& line : lines) print_line("{}", line);
+}
+
+void print_tree(const h5::File& file, const std::string& indent) {
+  print_lines(Tree().lines_of(file, indent));
+}
 
 // Prints in full the attributes that an artefact has beyond those of every artefact.
 void print_own_attributes(const h5::File& file) {
@@ -90,15 +117,22 @@ void print_file(const std::string& path, bool study, bool digest) {
     const DatasetFile dataset(path, {});
     print_line("{}: a dataset of {} simulations of {} features", path, dataset.num_rows(),
                dataset.features().size());
-    Tree().print(file, "  ");
+    print_tree(file, "  ");
+    return;
+  }
+  if (!file.has_attribute("schema") && !file.has("states")) {
+    print_line("{}: neither an artefact, a recording (states) nor a dataset (theta, x)", path);
+    print_tree(file, "  ");
     return;
   }
   if (!file.has_attribute("schema")) {
     const Target target = read_recording(path);
     print_line("{}: a recording of {} rollouts of {} steps of {} s", path, target.num_rollouts(),
                target.num_steps(), target.dt);
-    print_attributes(file, "  ");
-    Tree().print(file, "  ");
+    Lines attributes;
+    add_attributes(file, "  ", attributes);
+    print_lines(attributes);
+    print_tree(file, "  ");
     return;
   }
   const ArtefactInfo info = read_artefact_info(path);
@@ -120,7 +154,7 @@ void print_file(const std::string& path, bool study, bool digest) {
   if (digest) print_line("  content  {}", content_digest(path));
   print_own_attributes(file);
   print_line("  datasets");
-  Tree().print(file, "    ");
+  print_tree(file, "    ");
 }
 
 // Any HDF5 file may be looked at, and some crash the library: a child goes first.

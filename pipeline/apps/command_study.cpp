@@ -19,22 +19,42 @@
 namespace npdr::pipeline {
 namespace {
 
-void print_diagnoses(Index count, const Study& study) {
-  if (count == 0) return;
-  fmt::print("to check them: {} diagnos{}s, {} samples of each posterior\n", count,
-             count == 1 ? "i" : "e", study.diagnose.num_samples);
+Index num_of(const Plan& plan, Stage stage) {
+  return std::ranges::count(plan.nodes, stage, &Node::stage);
+}
+
+// What is made of the posteriors, which costs simulations, too.
+void print_judging(const Plan& plan) {
+  const Study& study = plan.study;
+  const char* simulated =
+      study.source().simulates ? ", each simulated" : ", none of them simulated";
+  const Index baselines = num_of(plan, Stage::baseline);
+  fmt::print("to judge them: {}{} of {} samples{}{}\n",
+             counted(num_of(plan, Stage::evaluate), "evaluation"),
+             baselines > 0 ? " and " + counted(baselines, "baseline") : "",
+             study.evaluate.num_samples, simulated,
+             study.target.recording && study.evaluate.floor ? ", and a search for the floor" : "");
+  const Index diagnoses = num_of(plan, Stage::diagnose);
+  if (diagnoses == 0) return;
+  const bool predicts = std::ranges::count(study.diagnose.checks, Check::predictive) > 0;
+  fmt::print("to check them: {} diagnos{}s, {} samples of each posterior{}\n", diagnoses,
+             diagnoses == 1 ? "i" : "e", study.diagnose.num_samples, predicts ? simulated : "");
 }
 
 void print_refinements(const Plan& plan) {
   Index count = 0, simulations = 0;
+  bool tries_powers = false;
   for (const Node& node : plan.nodes) {
     if (!is_refinement(plan, node)) continue;
     ++count;
-    simulations += plan.study.method(node.uses.front().method).refine.sampling.max_simulations;
+    const auto& config = plan.study.method(node.uses.front().method).refine.sampling;
+    simulations += config.max_simulations;
+    tries_powers |= config.cross_validate;
   }
   if (count == 0) return;
-  fmt::print("{}: at most {} more simulations, until they are worth refine.min_ess draws\n",
-             counted(count, "refinement"), simulations);
+  fmt::print("{}: at most {} more simulations, until they are worth refine.min_ess draws{}\n",
+             counted(count, "refinement"), simulations,
+             tries_powers ? ", and 1000 for each power that is tried" : "");
 }
 
 void print_policy_searches(const Plan& plan) {
@@ -57,11 +77,8 @@ void print_policy_searches(const Plan& plan) {
 void print_feature_work(const Plan& plan) {
   const Study& study = plan.study;
   const auto num_features = static_cast<Index>(study.external.features.size());
-  Index rows = 0, num_shards = 0, posteriors = 0, evaluations = 0, diagnoses = 0;
+  Index rows = 0, num_shards = 0;
   for (const Node& node : plan.nodes) {
-    if (node.stage == Stage::infer) ++posteriors;
-    if (node.stage == Stage::evaluate) ++evaluations;
-    if (node.stage == Stage::diagnose) ++diagnoses;
     if (node.stage != Stage::simulate) continue;
     rows += num_rows(plan, node);
     num_shards += pipeline::num_shards(plan, node);
@@ -70,13 +87,11 @@ void print_feature_work(const Plan& plan) {
                                  ? fmt::format("simulations in {}", counted(num_shards, "shard"))
                                  : "rows of the dataset";
   fmt::print("{} artefacts: {} {}, {} features each, {} to train, at most {} of x\n",
-             plan.nodes.size(), rows, source, num_features, counted(posteriors, "posterior"),
+             plan.nodes.size(), rows, source, num_features,
+             counted(num_of(plan, Stage::infer), "posterior"),
              size_text(static_cast<std::uintmax_t>(rows * num_features) * sizeof(float)));
   print_refinements(plan);
-  fmt::print("to judge them: {} of {} samples{}\n", counted(evaluations, "evaluation"),
-             study.evaluate.num_samples,
-             study.source().simulates ? "" : ", none of them simulated");
-  print_diagnoses(diagnoses, study);
+  print_judging(plan);
 }
 
 // Of the target's n rollouts.
@@ -98,11 +113,8 @@ void print_work(const Plan& plan) {
                           : inputs    ? read_recording(*inputs).num_steps()
                                       : info.num_steps;
   const auto num_states = static_cast<Index>(info.state_channels.size());
-  Index evaluations = 0, diagnoses = 0, rows = 0, posteriors = 0, bytes = 0, rollouts = 0;
+  Index rows = 0, bytes = 0, rollouts = 0;
   for (const Node& node : plan.nodes) {
-    if (node.stage == Stage::infer) ++posteriors;
-    if (node.stage == Stage::evaluate) ++evaluations;
-    if (node.stage == Stage::diagnose) ++diagnoses;
     if (node.stage != Stage::simulate) continue;
     const MethodConfig& method = study.method(node.uses.front().method);
     const Use& use = node.uses.front();
@@ -116,13 +128,11 @@ void print_work(const Plan& plan) {
   fmt::print(
       "{} artefacts: {} simulations ({} rollouts of {} steps), {} to train, "
       "at most {} of trajectories\n",
-      plan.nodes.size(), rows, rollouts, num_steps, counted(posteriors, "posterior"),
+      plan.nodes.size(), rows, rollouts, num_steps,
+      counted(num_of(plan, Stage::infer), "posterior"),
       size_text(static_cast<std::uintmax_t>(bytes)));
   print_refinements(plan);
-  fmt::print("to judge them: {} of {} samples{}\n", counted(evaluations, "evaluation"),
-             study.evaluate.num_samples,
-             is_recorded && study.evaluate.floor ? ", and a search for the floor" : "");
-  print_diagnoses(diagnoses, study);
+  print_judging(plan);
   print_policy_searches(plan);
 }
 

@@ -7,7 +7,8 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kAdviceOfPrograms = "see the logs beside its shards, narrow the prior";
+constexpr const char* kAdviceOfPrograms =
+    "see the logs beside its shards, narrow the prior (values beyond 3.4e38 have diverged, too)";
 
 constexpr std::array<SourceTraits, 7> kTraits = {{
     {.is_built_in = true,

@@ -82,15 +82,30 @@ double floor_of(const ReportData& data) {
 }
 
 // What the best parameters leave of the observation, where noise doesn't say that they leave it.
-std::string understated_noise(const ReportData& data, double of_floor) {
+std::string understated_noise(double scale, double of_floor) {
   constexpr double far_more = 3.0;
-  const double scale = data.plan.study.observation_noise.scale;
-  if (!(scale > 0.0) || of_floor < far_more * scale) return "";
+  if (of_floor < far_more * scale) return "";
   return fmt::format(
       "no parameters explain the observation better than the floor's {:.2g}, {:.0f} times the "
       "noise's scale: raise observation_noise.scale towards it, or look for what the simulator "
       "lacks",
       of_floor, of_floor / scale);
+}
+
+// The same where the scale is inferred, and so takes up whatever the simulator lacks.
+std::string unexplained_rest(const ReportData& data, double of_floor) {
+  constexpr double of_usual_sensors = 0.05;
+  const TargetConfig& target = data.plan.study.target;
+  if (!target.recording || of_floor < of_usual_sensors) return "";
+  return fmt::format(
+      "no parameters explain the recording better than the floor's {:.2g} of its largest "
+      "magnitudes: unless its sensors are that noisy, look for what the simulator lacks{}",
+      of_floor, target.held_out > 0 ? "" : "; target.held_out shows what that costs predictions");
+}
+
+std::string what_the_best_leave(const ReportData& data, double of_floor) {
+  const double scale = data.plan.study.observation_noise.scale;
+  return scale > 0.0 ? understated_noise(scale, of_floor) : unexplained_rest(data, of_floor);
 }
 
 Verdict unexplained(double rmse) {
@@ -208,7 +223,7 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
                     size, advice)};
   }
   if (astray == 0) {
-    return {Check::fit, Judgment::passes, "passes, " + size, understated_noise(data, of_floor)};
+    return {Check::fit, Judgment::passes, "passes, " + size, what_the_best_leave(data, of_floor)};
   }
   return {
       Check::fit, Judgment::fails,
@@ -241,8 +256,8 @@ Verdict judge_held_out(const ReportData& data, const std::string& method) {
             std::string(traits_of(Check::held_out).failure) + seeds_text(narrow, runs.size()) +
                 ", " + bands,
             bands + unseen +
-                ", less than those of any of its samples' own predictions would, so it knows "
-                "parameters or noise less well than it says: " +
+                ", and more of what any of its own samples predicts: it knows parameters or noise "
+                "less well than it says: " +
                 advice};
   }
   if (worse > 0) {

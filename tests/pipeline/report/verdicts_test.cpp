@@ -214,7 +214,15 @@ TEST_F(Verdicts, AFloorFarAboveTheNoiseIsSaid) {
                    {"no parameters explain the observation better than the floor's 0.4, 20 times "
                     "the noise's scale: raise observation_noise.scale"}));
   plan_.study.observation_noise.scale = 0.0;
-  EXPECT_EQ(verdict_of(Check::fit).reason, "") << "none, or one that is inferred";
+  EXPECT_EQ(verdict_of(Check::fit).reason, "") << "a simulated target";
+  plan_.study.target.recording = "recording.h5";
+  EXPECT_TRUE(says(verdict_of(Check::fit).reason,
+                   {"no parameters explain the recording better than the floor's 0.4 of its "
+                    "largest magnitudes",
+                    "what the simulator lacks; target.held_out shows"}));
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.04}}}};
+  data_.runs.front().evaluation.metrics["rmse"].setConstant(0.045);
+  EXPECT_EQ(verdict_of(Check::fit).reason, "") << "as sensors may leave";
 }
 
 TEST_F(Verdicts, SamplesAsFarOffAsThePriorsFail) {
@@ -251,7 +259,7 @@ TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
   EXPECT_EQ(judge(0.8, 0.002).text, "passes, bands of 90 % hold 80 %");
   EXPECT_EQ(judge(0.8, 0.0).text, "predictions are TOO NARROW, bands of 90 % hold 80 %");
   EXPECT_TRUE(says(judge(0.8, 0.0).reason,
-                   {"bands of 90 % hold 80 % of rollouts that inference hasn't seen, less than",
+                   {"bands of 90 % hold 80 % of rollouts that inference hasn't seen, and more of",
                     "look for what simulator or noise lack"}));
   EXPECT_EQ(judge(0.3, 0.002).judgment, Judgment::unknown);
   EXPECT_EQ(judge(0.3, 0.002).text, "can't tell, bands of 90 % hold 30 %");
