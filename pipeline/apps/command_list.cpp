@@ -35,14 +35,15 @@ void list_simulator_of(const std::string& file) {
   const Study study = read_study(file, {});
   const auto source = make_source(study);
   const sim::SimulatorInfo& info = source->info();
-  fmt::print("{}: {}\nparameters:\n", info.name, info.description);
+  fmt::print("{}{}{}\nparameters:\n", info.name, info.description.empty() ? "" : ": ",
+             info.description);
   for (const sim::Parameter& p : info.parameters) {
     const std::string nominal = std::isnan(p.nominal) ? "none" : fmt::format("{:.6g}", p.nominal);
     fmt::print("    {:<24} {:>10} {:<12} {:<16} {}\n", p.name, nominal, p.unit, limits_text(p),
                p.description);
   }
   const auto list_channels = [](const char* title, const std::vector<Channel>& channels) {
-    fmt::print("{}:\n", title);
+    if (!channels.empty()) fmt::print("{}:\n", title);
     for (const Channel& channel : channels) {
       fmt::print("    {:<24} {:>10} {}\n", channel.label, "", channel.unit);
     }

@@ -122,9 +122,11 @@ Row seed_means_row(const ReportData& data, const std::string& metric) {
   return row;
 }
 
-std::string noise_text(const ObservationNoise& noise) {
-  if (noise.is_silent()) return "Without observation noise.";
-  return fmt::format("Observation noise: {}; {}.", to_text(noise),
+// Features have what noise their simulator gives them.
+std::string noise_text(const Study& study) {
+  const ObservationNoise& noise = study.observation_noise;
+  if (noise.is_silent()) return study.source().gives_motion ? " Without observation noise." : "";
+  return fmt::format(" Observation noise: {}; {}.", to_text(noise),
                      noise.redraw ? "redrawn in every epoch" : "drawn once per simulation");
 }
 
@@ -136,9 +138,9 @@ Table make(const ReportData& data) {
   const Study& study = data.plan.study;
   Table table = empty_table(
       fmt::format("Fit of posterior samples to the target domain: mean and standard deviation over "
-                  "{} samples of {}. {}",
+                  "{} samples of {}.{}",
                   study.evaluate.num_samples, data.each_experiment(),
-                  noise_text(study.observation_noise)),
+                  noise_text(study)),
       "Metric", {});
   add_fit_columns(table, data);
   for (const std::string& metric : measured_names(study)) {
