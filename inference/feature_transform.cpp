@@ -126,7 +126,8 @@ RowMatrixF whitening_directions(const RowMatrix& z, Index components) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(product);
   const Eigen::MatrixXd leading = eigen.eigenvectors().rightCols(components).rowwise().reverse();
   RowMatrix directions = wide ? RowMatrix(z.transpose() * leading) : RowMatrix(leading);
-  directions.colwise().normalize();
+  const Eigen::RowVectorXd lengths = directions.colwise().norm();
+  directions.array().rowwise() /= (lengths.array() > 0.0).select(lengths.array(), 1.0);
   const Eigen::ArrayXd values = eigen.eigenvalues().tail(components).reverse();
   // A direction without variance carries nothing.
   const Eigen::ArrayXd scale = (values > 1e-9 * values(0)).select(1.0 / values.sqrt(), 0.0);

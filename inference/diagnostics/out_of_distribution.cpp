@@ -58,7 +58,8 @@ class Distances {
     standardization_ = whitening_;
     standardization_.basis.resize(0, 0);
     directions_ = whitening_.basis;
-    directions_.colwise().normalize();  // leaves a direction of length 0 as it is
+    const Eigen::RowVectorXf lengths = directions_.colwise().norm();
+    directions_.array().rowwise() /= (lengths.array() > 0.0f).select(lengths.array(), 1.0f);
     whitening_.apply(x, known_);
   }
 
@@ -119,11 +120,9 @@ OutOfDistribution test_out_of_distribution(const RowMatrixF& x, const VectorF& x
   result.num_components = distances.num_components();
   result.num_reference = usual.rows();
   result.mahalanobis = judge(usual.col(0), observed(0, 0));
-  result.residual = judge(usual.col(1), observed(0, 1));
-  if (leaves_what_is_constant(x, x_o)) {
-    result.residual.observed = std::numeric_limits<double>::infinity();
-    result.residual.p_value = smallest_tail_probability(usual.rows());
-  }
+  const bool leaves = leaves_what_is_constant(x, x_o);
+  result.residual =
+      judge(usual.col(1), leaves ? std::numeric_limits<double>::infinity() : observed(0, 1));
   result.nearest = judge(usual.col(2), observed(0, 2));
   result.p_value = corrected(
       std::min({result.mahalanobis.p_value, result.residual.p_value, result.nearest.p_value}), 3);

@@ -60,7 +60,7 @@ void append(const Lines& more, Lines& lines) {
 }
 
 // What a group holds. Groups may hold each other, and links may lead nowhere: shows no group twice,
-// and of neighbours that hold the same, such as the networks of an ensemble, the first.
+// and of neighbors with the same layout, such as the networks of an ensemble, the first.
 class Tree {
  public:
   Lines lines_of(const h5::Group& group, const std::string& indent) {
@@ -70,19 +70,21 @@ class Tree {
       if (!group.has(name)) continue;
       if (!group.is_group(name)) {
         append(lines_of_dataset(group, name, indent), lines);
+        last.clear();
         continue;
       }
       const h5::Group below = group.group(name);
       const std::string head = fmt::format("{}{}/", indent, name);
       if (seen_.contains(below.identity())) {
         lines.push_back(head + " (shown already)");
+        last.clear();
         continue;
       }
       Lines its;
       add_attributes(below, indent + "    ", its);
       append(lines_of(below, indent + "    "), its);
       const bool is_like_last = !its.empty() && its == last;
-      lines.push_back(head + (is_like_last ? " (like the one before)" : ""));
+      lines.push_back(head + (is_like_last ? " (laid out like the one before)" : ""));
       if (!is_like_last) append(its, lines);
       last = std::move(its);
     }
@@ -113,6 +115,9 @@ void print_own_attributes(const h5::File& file) {
 
 void print_file(const std::string& path, bool study, bool digest) {
   const h5::File file = h5::File::open(path);
+  if (study && !file.has_attribute("schema")) {
+    throw InputError(path + ": isn't an artefact, so that it belongs to no study");
+  }
   if (!file.has_attribute("schema") && file.has("theta") && file.has("x")) {
     const DatasetFile dataset(path, {});
     print_line("{}: a dataset of {} simulations of {} features", path, dataset.num_rows(),

@@ -26,19 +26,20 @@ Index num_of(const Plan& plan, Stage stage) {
 // What is made of the posteriors, which costs simulations, too.
 void print_judging(const Plan& plan) {
   const Study& study = plan.study;
-  const char* simulated =
-      study.source().simulates ? ", each simulated" : ", none of them simulated";
-  const Index baselines = num_of(plan, Stage::baseline);
+  const bool simulates = study.source().simulates;
+  const Index baselines = simulates ? num_of(plan, Stage::baseline) : 0;
   fmt::print("to judge them: {}{} of {} samples{}{}\n",
              counted(num_of(plan, Stage::evaluate), "evaluation"),
              baselines > 0 ? " and " + counted(baselines, "baseline") : "",
-             study.evaluate.num_samples, simulated,
+             study.evaluate.num_samples,
+             simulates ? ", each simulated" : ", none of them simulated",
              study.target.recording && study.evaluate.floor ? ", and a search for the floor" : "");
   const Index diagnoses = num_of(plan, Stage::diagnose);
   if (diagnoses == 0) return;
   const bool predicts = std::ranges::count(study.diagnose.checks, Check::predictive) > 0;
   fmt::print("to check them: {} diagnos{}s, {} samples of each posterior{}\n", diagnoses,
-             diagnoses == 1 ? "i" : "e", study.diagnose.num_samples, predicts ? simulated : "");
+             diagnoses == 1 ? "i" : "e", study.diagnose.num_samples,
+             simulates && predicts ? ", those at the observation simulated" : "");
 }
 
 void print_refinements(const Plan& plan) {
@@ -54,7 +55,7 @@ void print_refinements(const Plan& plan) {
   if (count == 0) return;
   fmt::print("{}: at most {} more simulations, until they are worth refine.min_ess draws{}\n",
              counted(count, "refinement"), simulations,
-             tries_powers ? ", and 1000 for each power that is tried" : "");
+             tries_powers ? ", and some for each power that is tried" : "");
 }
 
 void print_policy_searches(const Plan& plan) {

@@ -213,32 +213,38 @@ void note_far_beginnings(const Target& target, const std::vector<std::string>& f
   }
 }
 
+std::string remedy_of_glitches(const CsvRows& rows, const CsvOptions& options) {
+  if (rows.time.empty()) return "put its value right";
+  return options.resample ? "leave its row out" : "leave its row out and add --resample DT";
+}
+
 // Of each file and channel the first one: a channel's noise and errors are shares of its largest
 // magnitude.
-std::vector<std::string> notes_of_glitches(const Target& target,
-                                           const std::vector<std::string>& files) {
-  std::vector<std::string> notes;
-  for (std::size_t h = 0; h < target.rollouts.size(); ++h) {
-    for (std::size_t c = 0; c < target.state_channels.size(); ++c) {
-      const Vector values = target.rollouts[h].states.col(static_cast<Index>(c));
+std::vector<std::string> words_of_glitches(const std::vector<CsvRows>& files,
+                                           const CsvOptions& options) {
+  std::vector<std::string> words;
+  for (const CsvRows& rows : files) {
+    for (std::size_t c = 0; c < rows.states.size(); ++c) {
+      const Vector values = rows.state_values.col(static_cast<Index>(c));
       const std::vector<Index> glitches = find_glitches(values);
       if (glitches.empty()) continue;
       const Index t = glitches.front();
-      const auto& [label, unit] = target.state_channels[c];
-      notes.push_back(fmt::format(
-          "warning: {}: {} = {:.6g} {} at {:.6g} s alone, between {:.4g} and {:.4g}{}: a glitch of "
-          "the sensor? Noise and errors of a channel count as shares of its largest magnitude: "
-          "leave such rows out and add --resample DT",
-          files[h], label, values(t), unit, static_cast<double>(t) * target.dt, values(t - 1),
-          values(t + 1),
-          glitches.size() > 1 ? fmt::format(", and {} more", glitches.size() - 1) : ""));
+      const std::string others =
+          glitches.size() > 1 ? fmt::format(", and {} more", glitches.size() - 1) : "";
+      words.push_back(fmt::format(
+          "{}:{}: {} = {:.6g} alone, between {:.4g} and {:.4g}{}: a glitch of the sensor? Noise "
+          "and errors count as shares of the channel's largest magnitude: {}",
+          rows.name, t + 2, rows.states[c].label, values(t), values(t - 1), values(t + 1), others,
+          remedy_of_glitches(rows, options)));
     }
   }
-  return notes;
+  return words;
 }
 
-// Throws what is wrong with angles and rates, all at once; otherwise says what was checked.
-std::vector<std::string> check_rates(const Target& target, const std::vector<CsvRows>& files) {
+// Throws what is wrong with angles and rates, all at once, after glitches, which may be the cause;
+// otherwise says what was checked.
+std::vector<std::string> check_rates(const Target& target, const std::vector<CsvRows>& files,
+                                     const std::vector<std::string>& glitches) {
   std::vector<std::string> problems = turn_problems(files);
   const RateReport report = report_rates(target, measured_rates(files.front()),
                                          names_of_files(files), files.front().time);
@@ -248,6 +254,7 @@ std::vector<std::string> check_rates(const Target& target, const std::vector<Csv
     note_far_beginnings(target, names_of_files(files), notes);
     return notes;
   }
+  problems.insert(problems.begin(), glitches.begin(), glitches.end());
   problems.emplace_back(
       "--no-rate-check imports the files as they are; simulations then start from, and are "
       "compared with, angles and rates that contradict each other, and nothing else will tell");
@@ -265,14 +272,15 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   ImportedRecording result;
   result.notes = notes_of_ignored(files.front());
   append(notes_of_ends(files), result.notes);
+  const std::vector<std::string> glitches = words_of_glitches(files, options);
+  for (const std::string& glitch : glitches) result.notes.push_back("warning: " + glitch);
   append(unwrap_turns(files, options.unwrap), result.notes);
   Target& target = result.target = even_target(files, options);
   if (options.resample) result.notes.push_back(note_of_resampling(files, *options.resample));
   if (options.differentiate) {
     append(differentiate(target, files, *options.differentiate, options.at_rest), result.notes);
   }
-  append(notes_of_glitches(target, names_of_files(files)), result.notes);
-  if (options.check_rates) append(check_rates(target, files), result.notes);
+  if (options.check_rates) append(check_rates(target, files, glitches), result.notes);
   append(cut_rollouts(target, options.length, names_of_files(files)), result.notes);
   target.source = options.source.empty() ? join(bare_names(paths)) : options.source;
   target.check(paths.front().string());

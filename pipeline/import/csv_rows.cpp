@@ -41,7 +41,8 @@ std::string conversion_hint(const Channel& found, const std::string& unit) {
 }
 
 constexpr const char* kNoHoles =
-    "a finite number: cut the rollout there, or remove the row and pass --resample DT";
+    "a finite number: cut the rollout there or, where there are times, remove the row and pass "
+    "--resample DT";
 
 // A column that is taken; none: it is to be computed.
 struct Column {
@@ -50,9 +51,7 @@ struct Column {
   Channel channel;
 
   double number(const NumberTable& table) const {
-    if (!index) return 0.0;
-    if (table.is_missing(*index)) throw table.problem(*index, kNoHoles);
-    return factor * table.finite_number(*index);
+    return index ? factor * table.finite_number(*index, kNoHoles) : 0.0;
   }
 };
 

@@ -8,9 +8,10 @@
 namespace npdr::pipeline {
 
 /// Samples t of a recorded channel (n) that lie further than twice the range of its usual values,
-/// those between their 1 % and 99 % quantiles, from the mean of their neighbours, which lie within
-/// a quarter of that distance of each other. Steps, impacts and short contacts have none.
-/// Ascending; empty for fewer than 10 samples, and where the usual values are all the same.
+/// all but the hundredth (at least one) at either end, from the mean of their neighbors, which lie
+/// within a quarter of that distance of each other. Ascending; empty for fewer than 10 samples, and
+/// where the usual values are all the same. Steps are none, nor is what comes more often than once
+/// in a hundred samples, such as contacts; a rare contact of one sample looks like a glitch.
 std::vector<Index> find_glitches(const Vector& values);
 
 }  // namespace npdr::pipeline

@@ -139,8 +139,7 @@ Table make(const ReportData& data) {
   Table table = empty_table(
       fmt::format("Fit of posterior samples to the target domain: mean and standard deviation over "
                   "{} samples of {}.{}",
-                  study.evaluate.num_samples, data.each_experiment(),
-                  noise_text(study)),
+                  study.evaluate.num_samples, data.each_experiment(), noise_text(study)),
       "Metric", {});
   add_fit_columns(table, data);
   for (const std::string& metric : measured_names(study)) {

@@ -92,15 +92,19 @@ std::string understated_noise(double scale, double of_floor) {
       of_floor, of_floor / scale);
 }
 
-// The same where the scale is inferred, and so takes up whatever the simulator lacks.
+// The same where no noise is stated; one whose scale is inferred takes up what the simulator lacks.
 std::string unexplained_rest(const ReportData& data, double of_floor) {
   constexpr double of_usual_sensors = 0.05;
-  const TargetConfig& target = data.plan.study.target;
-  if (!target.recording || of_floor < of_usual_sensors) return "";
+  const Study& study = data.plan.study;
+  if (!study.target.recording || study.observation_noise.std || of_floor < of_usual_sensors) {
+    return "";
+  }
+  const bool may_hold_out = data.plan.target.num_rollouts() > 1 && study.target.held_out == 0 &&
+                            study.evaluate.leave_out == 0;
   return fmt::format(
       "no parameters explain the recording better than the floor's {:.2g} of its largest "
       "magnitudes: unless its sensors are that noisy, look for what the simulator lacks{}",
-      of_floor, target.held_out > 0 ? "" : "; target.held_out shows what that costs predictions");
+      of_floor, may_hold_out ? "; target.held_out shows what that costs predictions" : "");
 }
 
 std::string what_the_best_leave(const ReportData& data, double of_floor) {

@@ -68,8 +68,7 @@ std::string coverage_reason(const CoverageResult& result, std::uint64_t seed) {
   const double area = result.coverage.area;
   return fmt::format(
       "credible regions hold the truth of fresh simulations too {} (seed {}, area {:+.2f}): "
-      "posteriors "
-      "are too {}; {}",
+      "posteriors are too {}; {}",
       area < 0.0 ? "seldom" : "often", seed, area, area < 0.0 ? "narrow" : "wide",
       kCalibrationAdvice);
 }

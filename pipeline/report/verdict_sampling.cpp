@@ -11,7 +11,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// Of the weights of draws: of the prior, or of the networks of a pool.
+// Of the weights of draws of the prior.
 Verdict judge_weights(const Runs& runs) {
   constexpr double fewest = 100.0;
   double smallest = HUGE_VAL;
@@ -23,13 +23,11 @@ Verdict judge_weights(const Runs& runs) {
   }
   const std::string text = fmt::format("effective size {:.3g}", smallest);
   if (failed == 0) return {Check::sampling, Judgment::passes, "passes, " + text, ""};
-  const bool is_pool = runs.front()->notes.pool.has_value();
   return {Check::sampling, Judgment::fails,
           "too few DIFFERENT draws" + seeds_text(failed, runs.size()) + ", " + text,
-          fmt::format("its samples repeat draws of the {}, of which {:.3g} count: {}",
-                      is_pool ? "posterior's networks" : "prior", smallest,
-                      is_pool ? "raise num_simulations, or take another algorithm, as npe_c or nle"
-                              : "raise sampler.num_candidates, or take sampler.kind = \"slice\"")};
+          fmt::format("its samples repeat draws of the prior, of which {:.3g} count: raise "
+                      "sampler.num_candidates, or take sampler.kind = \"slice\"",
+                      smallest)};
 }
 
 // What mends the faults of a refined posterior.

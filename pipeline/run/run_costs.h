@@ -41,9 +41,9 @@ class WorkLeft {
   /// `core_seconds`: what it still costs; none: unknown.
   void add(Stage stage, std::optional<double> core_seconds);
 
-  /// Share of the run's work that is done: `num_made` artefacts, `done` core-seconds. None where
-  /// nothing tells what most artefacts cost, or several of one stage. A single one, as the report,
-  /// is taken to cost as much as others do on average.
+  /// Share of the run's work that is done: `num_made` artefacts, `done` core-seconds. What nothing
+  /// tells the cost of is taken to cost as much as others do on average, if it is one of its stage
+  /// and, but for the report, no more of these are left than others; none otherwise.
   std::optional<double> share_done(double done, Index num_made) const;
 
  private:

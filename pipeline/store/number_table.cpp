@@ -84,9 +84,9 @@ double NumberTable::number(std::size_t column) const {
   return *value;
 }
 
-double NumberTable::finite_number(std::size_t column) const {
+double NumberTable::finite_number(std::size_t column, const std::string& words) const {
   const std::optional<double> value = parse(fields_[column]);
-  if (!value || !std::isfinite(*value)) throw problem(column, "a finite number");
+  if (!value || !std::isfinite(*value)) throw problem(column, words);
   return *value;
 }
 

@@ -51,8 +51,8 @@ class NumberTable {
   /// InputError with line and column for anything else that isn't a number.
   double number(std::size_t column) const;
 
-  /// The same; throws for what isn't finite, too.
-  double finite_number(std::size_t column) const;
+  /// The same; throws for what isn't finite, too: it must be `words`.
+  double finite_number(std::size_t column, const std::string& words = "a finite number") const;
 
   /// Whether the line that was read last ends, as all do of a file that was written to its end.
   bool has_line_end() const { return has_line_end_; }

@@ -77,9 +77,13 @@ TEST(OutOfDistribution, FindsAConstantFeatureWhereThereIsNoResidual) {
 }
 
 TEST(OutOfDistribution, FindsAnotherValueWhereAllSimulationsAreTheSame) {
-  const RowMatrixF x = RowMatrixF::Constant(200, 2, 3.0f);
-  EXPECT_GT(test_out_of_distribution(x, VectorF::Constant(2, 3.0f)).p_value, 0.01);
-  EXPECT_LT(test_out_of_distribution(x, VectorF::Constant(2, 4.0f)).p_value, 1e-3);
+  for (const Index n : {kFewestSimulations, Index{200}}) {
+    const RowMatrixF x = RowMatrixF::Constant(n, 2, 3.0f);
+    const OutOfDistribution same = test_out_of_distribution(x, VectorF::Constant(2, 3.0f));
+    EXPECT_GT(same.p_value, 0.01);
+    EXPECT_EQ(same.residual.median, 0.0);
+    EXPECT_LT(test_out_of_distribution(x, VectorF::Constant(2, 4.0f)).p_value, 1e-3) << n;
+  }
 }
 
 TEST(OutOfDistribution, AFarObservationMakesNoFeatureConstant) {

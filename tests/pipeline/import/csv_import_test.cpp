@@ -185,20 +185,19 @@ TEST_F(CsvImport, AUnitIsTheLastBracketsAfterABlank) {
 }
 
 TEST_F(CsvImport, NamesLineAndColumnOfWhatIsntANumber) {
-  const std::string must = ", must be a finite number";
-  const std::string no_holes =
-      must + ": cut the rollout there, or remove the row and pass --resample DT";
+  const std::string must =
+      ", must be a finite number: cut the rollout there or, where there are times, remove the row "
+      "and pass --resample DT";
   EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "0.2,two")),
             "a.csv:3: column 3 'theta_dot' = 'two'" + must);
-  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "nan,2")),
-            "a.csv:3: column 2 'theta' = 'nan'" + no_holes);
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "nan,2")), "a.csv:3: column 2 'theta' = 'nan'" + must);
   EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "inf,2")), "a.csv:3: column 2 'theta' = 'inf'" + must);
   EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "1e999,2")),
             "a.csv:3: column 2 'theta' = '1e999'" + must);
-  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", ",2")), "a.csv:3: column 2 'theta' = ''" + no_holes);
+  EXPECT_EQ(problem(replaced(kCsv, "0.2,2", ",2")), "a.csv:3: column 2 'theta' = ''" + must);
   EXPECT_EQ(problem(replaced(kCsv, "0.2,2", "0.2 0,2")),
             "a.csv:3: column 2 'theta' = '0.2 0'" + must);
-  EXPECT_EQ(problem(replaced(kCsv, "2,6", "2,")), "a.csv:3: column 4 'torque' = ''" + no_holes)
+  EXPECT_EQ(problem(replaced(kCsv, "2,6", "2,")), "a.csv:3: column 4 'torque' = ''" + must)
       << "only the last row may lack an action";
   EXPECT_EQ(problem(replaced(kCsv, "3,7", "3,x")), "a.csv:4: column 4 'torque' = 'x'" + must);
 }
@@ -407,17 +406,26 @@ TEST_F(CsvImport, WarnsOfAFileThatWasCut) {
 }
 
 TEST_F(CsvImport, WarnsOfGlitches) {
-  std::string text = "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n";
-  for (int i = 0; i < 200; ++i) {
-    const double t = 0.01 * i;
-    text += fmt::format("{:.2f},{:.6f},{:.6f},0\n", t, i == 57 ? 99.0 : 0.3 * std::cos(5.0 * t),
-                        -1.5 * std::sin(5.0 * t));
-  }
+  const auto swing = [](double glitch) {
+    std::string text = "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n";
+    for (int i = 0; i < 200; ++i) {
+      const double t = 0.01 * i, theta = i == 57 ? glitch : 0.3 * std::cos(5.0 * t);
+      text += fmt::format("{:.2f},{:.6f},{:.6f},0\n", t, theta, -1.5 * std::sin(5.0 * t));
+    }
+    return text;
+  };
   CsvOptions options = pendulum_options();
+  EXPECT_TRUE(says(notes(swing(2.0), options).at(0),
+                   {"warning: ", "a.csv:59: theta = 2 alone, between -0.2827 and",
+                    "largest magnitude: leave its row out and add --resample DT"}));
+  // Looks like a jump of whole turns, too.
+  EXPECT_TRUE(says(problem(swing(99.0), options),
+                   {"a.csv:59: theta = 99 alone", "\na.csv:59: theta jumps by 99.28",
+                    "--unwrap theta", "\n--no-rate-check"}));
   options.check_rates = false;
-  EXPECT_TRUE(says(notes(text, options).at(0),
-                   {"warning: ", "a.csv: theta = 99 rad at 0.57 s alone, between -0.2827 and",
-                    "largest magnitude", "--resample DT"}));
+  options.resample = 0.02;
+  EXPECT_TRUE(says(notes(swing(2.0), options).at(0),
+                   {"warning: ", "a.csv:59: theta = 2 alone", "magnitude: leave its row out"}));
 }
 
 TEST_F(CsvImport, UnwrapsAnglesOnly) {

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/random.h"
 #include "tests/pipeline/import/encoder_motion.h"
 
 namespace npdr::pipeline {
@@ -42,7 +41,16 @@ TEST(Glitches, StepsPulsesAndTheFirstSampleAreNone) {
   EXPECT_TRUE(find_glitches(Vector::Zero(3)).empty());
 }
 
-// Encoders, tachometers and noise: no sample of 100 recordings.
+// Of a few samples the second largest is usual.
+TEST(Glitches, TwoOnOneSideOfAShortRolloutHideEachOther) {
+  Vector values = swing(150);
+  values(40) = 10.0;
+  EXPECT_EQ(find_glitches(values), std::vector<Index>{40});
+  values(90) = 10.0;
+  EXPECT_TRUE(find_glitches(values).empty());
+}
+
+// Encoders, tachometers and noise: no sample of 125 recordings.
 TEST(Glitches, WhatLabsRecordHasNone) {
   for (std::uint64_t row = 1; row <= 25; ++row) {
     for (const Motion& motion : recorded(smooth_motion(1000, 0.004, row), row)) {

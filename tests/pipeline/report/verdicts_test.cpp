@@ -219,7 +219,18 @@ TEST_F(Verdicts, AFloorFarAboveTheNoiseIsSaid) {
   EXPECT_TRUE(says(verdict_of(Check::fit).reason,
                    {"no parameters explain the recording better than the floor's 0.4 of its "
                     "largest magnitudes",
-                    "what the simulator lacks; target.held_out shows"}));
+                    "what the simulator lacks"}));
+  const auto asks_for_more = [&] {
+    return verdict_of(Check::fit).reason.find("target.held_out") != std::string::npos;
+  };
+  EXPECT_FALSE(asks_for_more()) << "one rollout";
+  plan_.target.rollouts.resize(2);
+  EXPECT_TRUE(asks_for_more());
+  plan_.study.target.held_out = 1;
+  EXPECT_FALSE(asks_for_more());
+  plan_.study.observation_noise.std = {{"theta", 0.01}};
+  EXPECT_EQ(verdict_of(Check::fit).reason, "") << "noise is stated, by channel";
+  plan_.study.observation_noise.std.reset();
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.04}}}};
   data_.runs.front().evaluation.metrics["rmse"].setConstant(0.045);
   EXPECT_EQ(verdict_of(Check::fit).reason, "") << "as sensors may leave";
