@@ -1,0 +1,103 @@
+// What an import finds wrong with angles, rates and single samples.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tests/pipeline/import/csv_files.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class CsvChecks : public CsvFiles {};
+
+// A pendulum that goes round with this rate [rad/s], its angle as a device gives it.
+std::string turning_csv(double rate, double factor = 1.0, double rate_factor = 1.0) {
+  std::string text = "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n";
+  for (int i = 0; i < 200; ++i) {
+    const double angle = std::remainder(rate * 0.01 * i, 2.0 * M_PI);
+    text += fmt::format("{:.2f},{:.6f},{:.6f},0\n", 0.01 * i, factor * angle, rate_factor * rate);
+  }
+  return text;
+}
+
+TEST_F(CsvChecks, AnglesMayNotWrap) {
+  CsvOptions options = pendulum_options();
+  const std::string found = problem(turning_csv(10.0));
+  EXPECT_TRUE(says(found, {"a.csv:34: theta jumps by -6.183 after the line before",
+                           "3 such jumps in 1 file", "--unwrap theta\n", "--no-rate-check"}));
+  EXPECT_TRUE(says(problem(turning_csv(10.0, 180.0 / M_PI)),
+                   {"a.csv:34: theta jumps by -354.3", "degrees", "[rad]",
+                    "--scale theta=0.0174533 --unwrap theta\n", "theta changes 57.3 times",
+                    "--scale theta=0.0174533", "\n--no-rate-check"}));
+  options.unwrap = {"theta"};
+  const Target target = imported(turning_csv(10.0), options);
+  EXPECT_NEAR(target.rollouts[0].states(199, 0), 19.9, 1e-5);
+  EXPECT_TRUE(says(notes(turning_csv(10.0), options).at(0), {"unwrapped theta: 3 jumps"}));
+  options = pendulum_options();
+  options.check_rates = false;
+  EXPECT_LT(imported(turning_csv(10.0), options).rollouts[0].states(199, 0), M_PI);
+}
+
+// All of a swing in degrees, its rate too, contradicts nothing but its unit.
+TEST_F(CsvChecks, WarnsOfAnglesThatBeginBeyondATurn) {
+  const auto swing = [](double factor) {
+    std::string text = "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n";
+    for (int i = 0; i < 200; ++i) {
+      const double t = 0.01 * i;
+      text += fmt::format("{:.2f},{:.6f},{:.6f},0\n", t, factor * 0.3 * std::cos(5.0 * t),
+                          factor * -1.5 * std::sin(5.0 * t));
+    }
+    return text;
+  };
+  EXPECT_EQ(notes(swing(1.0), pendulum_options()).size(), 1u);
+  EXPECT_TRUE(says(notes(swing(180.0 / M_PI), pendulum_options()).at(1),
+                   {"warning: ", "a.csv: theta begins at 17.2 rad", "if it is in degrees",
+                    "--scale theta=0.0174533"}));
+}
+
+TEST_F(CsvChecks, WarnsOfGlitches) {
+  const auto swing = [](double glitch) {
+    std::string text = "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n";
+    for (int i = 0; i < 200; ++i) {
+      const double t = 0.01 * i, theta = i == 57 ? glitch : 0.3 * std::cos(5.0 * t);
+      text += fmt::format("{:.2f},{:.6f},{:.6f},0\n", t, theta, -1.5 * std::sin(5.0 * t));
+    }
+    return text;
+  };
+  CsvOptions options = pendulum_options();
+  EXPECT_TRUE(says(notes(swing(2.0), options).at(0),
+                   {"warning: ", "a.csv:59: theta = 2 alone, between -0.2827 and",
+                    "largest magnitude: leave its row out and add --resample DT"}));
+  // Looks like a jump of whole turns, too.
+  EXPECT_TRUE(says(problem(swing(99.0), options),
+                   {"a.csv:59: theta = 99 alone", "\na.csv:59: theta jumps by 99.28",
+                    "--unwrap theta", "\n--no-rate-check"}));
+  options.check_rates = false;
+  options.resample = 0.02;
+  EXPECT_TRUE(says(notes(swing(2.0), options).at(0),
+                   {"warning: ", "a.csv:59: theta = 2 alone", "magnitude: leave its row out"}));
+}
+
+TEST_F(CsvChecks, UnwrapsAnglesOnly) {
+  CsvOptions options = pendulum_options();
+  options.unwrap = {"thet"};
+  EXPECT_TRUE(says(problem(kCsv, options), {"--unwrap: unknown state 'thet'", "'theta'"}));
+  options.unwrap = {"theta_dot"};
+  EXPECT_TRUE(says(problem(kCsv, options),
+                   {"--unwrap theta_dot: it is in [rad/s]", "must be in [rad] or [deg]"}));
+}
+
+TEST_F(CsvChecks, RatesMustBeSlopes) {
+  CsvOptions options = pendulum_options();
+  options.unwrap = {"theta"};
+  EXPECT_TRUE(says(notes(turning_csv(5.0), options).at(1),
+                   {"checked: theta_dot is the slope of theta", "%"}));
+  EXPECT_TRUE(says(problem(turning_csv(5.0, 1.0, 2.0), options),
+                   {"theta changes 0.5 times as fast as theta_dot says", "dt is probably",
+                    "--scale t=0.5", "--scale theta_dot=0.5", "\n--no-rate-check"}));
+  options.check_rates = false;
+  EXPECT_EQ(imported(turning_csv(5.0, 1.0, 2.0), options).num_steps(), 199);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
