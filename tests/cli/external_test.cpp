@@ -205,6 +205,9 @@ TEST_F(External, ADatasetNeedsNoSimulator) {
   const Outcome imported = import_dataset();
   EXPECT_TRUE(says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b",
                                   "x total, difference", "\nnext: npdr run"}));
+  EXPECT_NE(npdr({"validate", "dataset.toml"})
+                .out.find("1 evaluation of 1000 samples, none of them simulated"),
+            std::string::npos);
   EXPECT_NE(npdr({"inspect", "dataset.h5"}).out.find("a dataset of 1000 simulations of 2 features"),
             std::string::npos);
   run_well({"dataset.toml"});
@@ -289,9 +292,15 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
                 .out.find("3 of 1000 rows "
                           "recomputed, 0 differ"),
             std::string::npos);
-  EXPECT_NE(
-      npdr({"validate", "shell.toml"}).out.find("1000 simulations in 1 shard, 2 features each"),
-      std::string::npos);
+  EXPECT_TRUE(says(npdr({"validate", "shell.toml"}).out,
+                   {"8 artefacts: ", "1000 simulations in 1 shard, 2 features each",
+                    "\nto judge them: 1 evaluation and 1 baseline of 1000 samples, each simulated",
+                    "\nto check them: 1 diagnosis, 200 samples of each posterior, those at the "
+                    "observation simulated"}));
+  EXPECT_NE(npdr({"validate", "shell.toml", "--set", "diagnose.checks=[\"training\"]"})
+                .out.find("samples of each posterior\n"),
+            std::string::npos)
+      << "that check asks for no predictions";
   EXPECT_NE(npdr({"explain", "shell.toml", "--set", "simulator.retries=3", "simulate"})
                 .out.find("simulator.retries: 3, was 1"),
             std::string::npos);

@@ -39,7 +39,8 @@ class CsvFiles : public ::testing::Test {
   TempFolder folder_;
 };
 
-inline std::string replaced(const std::string& text, const std::string& from, const std::string& to) {
+inline std::string replaced(const std::string& text, const std::string& from,
+                            const std::string& to) {
   std::string result = text;
   EXPECT_NE(text.find(from), std::string::npos) << from;
   return result.replace(text.find(from), from.size(), to);
