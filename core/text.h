@@ -10,8 +10,8 @@
 
 namespace npdr {
 
-/// The candidate with the smallest edit distance to `name` (Levenshtein, case folded), or "" when
-/// none is near enough to be a likely misspelling.
+/// The first candidate that begins with `name`, else that with the smallest edit distance to it
+/// (Levenshtein, case folded), or "" when none is near enough to be a likely misspelling.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 /// "a, b, c".

@@ -14,6 +14,8 @@ TEST(Text, FindsTheNearestName) {
   EXPECT_EQ(nearest_name("wholly_different", names), "");
   EXPECT_EQ(nearest_name("x0", {"zz", "x1"}), "x1");
   EXPECT_EQ(nearest_name("x", {"a"}), "") << "another name altogether";
+  EXPECT_EQ(nearest_name("npe", {"nle", "npe_c"}), "npe_c") << "a name cut short";
+  EXPECT_EQ(nearest_name("np", {"nle", "npe_c"}), "") << "too short to tell";
 }
 
 TEST(Text, UnknownNameListsWhatIsKnown) {
