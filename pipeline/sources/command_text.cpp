@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "pipeline/process/shell_text.h"
-#include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -69,15 +68,6 @@ std::vector<std::string> named_paths(const std::string& command,
     if (std::filesystem::is_regular_file(folder / inside, error)) named.push_back(word);
   }
   return named;
-}
-
-std::map<std::string, std::string> named_files(const std::string& command,
-                                               const std::filesystem::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const std::string& word : named_paths(command, folder)) {
-    files[word] = file_hash(folder / word);
-  }
-  return files;
 }
 
 }  // namespace npdr::pipeline

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -16,9 +15,5 @@ std::string filled_command(const std::string& command, const std::filesystem::pa
 /// Words of the command that are files in `folder`, such as a script.
 std::vector<std::string> named_paths(const std::string& command,
                                      const std::filesystem::path& folder);
-
-/// Hashes of these files by these words. Throws InputError when one can't be read.
-std::map<std::string, std::string> named_files(const std::string& command,
-                                               const std::filesystem::path& folder);
 
 }  // namespace npdr::pipeline

@@ -1,6 +1,7 @@
 #include "pipeline/sources/library_source.h"
 
 #include "pipeline/config/library_config.h"
+#include "pipeline/sources/file_hashes.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
@@ -46,7 +47,9 @@ SourceKeys LibrarySource::keys() const {
   Hasher fingerprint;
   fingerprint.add(simulator_->fingerprint());
   json["fingerprint"] = fingerprint.hex();
-  if (!external.files.empty()) json["further_files"] = hashes_of_files();
+  if (!external.files.empty()) {
+    json["further_files"] = FileHashes(external.files, external.folder).by_name();
+  }
   json["parameters"] = study().simulator.parameters;
   return keys_of_motion(json);
 }

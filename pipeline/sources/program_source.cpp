@@ -24,8 +24,11 @@ constexpr Index kMostNumbers = 1 << 23;
 // Blocks of a shard's rows one after the other, each shared out among calls at the same time.
 class ProgramRowSimulator final : public RowSimulator {
  public:
-  ProgramRowSimulator(const Study& study, const sim::SimulatorInfo& info, const RowsConfig& config)
-      : stays_(study.source().kind == SourceKind::worker),
+  // `files`: what rows may depend on.
+  ProgramRowSimulator(const Study& study, const sim::SimulatorInfo& info, const RowsConfig& config,
+                      std::vector<FileHashes> files)
+      : files_(std::move(files)),
+        stays_(study.source().kind == SourceKind::worker),
         rows_per_block_(study.simulate.shard_size),
         num_rows_(config.num_rows) {
     const ExternalConfig& external = study.external;
@@ -71,6 +74,7 @@ class ProgramRowSimulator final : public RowSimulator {
       }
     }
     adapt(all, std::chrono::duration<double>(Clock::now() - start).count());
+    for (const FileHashes& files : files_) files.require_unchanged();
     return all;
   }
 
@@ -124,6 +128,7 @@ class ProgramRowSimulator final : public RowSimulator {
     return parts;
   }
 
+  std::vector<FileHashes> files_;
   bool stays_;
   Index rows_per_block_;
   Index num_rows_;  // of the simulation; 0: not one
@@ -131,15 +136,24 @@ class ProgramRowSimulator final : public RowSimulator {
   std::vector<std::unique_ptr<ExternalSimulator>> simulators_;
 };
 
+const std::string& command_of(const ExternalConfig& external) {
+  return external.worker ? *external.worker : *external.command;
+}
+
 }  // namespace
+
+ProgramSource::ProgramSource(Study given)
+    : Source(std::move(given)),
+      named_(named_paths(command_of(study().external), study().external.folder),
+             study().external.folder),
+      further_(study().external.files, study().external.folder) {}
 
 SourceKeys ProgramSource::keys() const {
   const ExternalConfig& external = study().external;
   using Json = nlohmann::ordered_json;
   Json json;
-  json["files"] =
-      named_files(external.worker ? *external.worker : *external.command, external.folder);
-  if (!external.files.empty()) json["further_files"] = hashes_of_files();
+  json["files"] = named_.by_name();
+  if (!external.files.empty()) json["further_files"] = further_.by_name();
   if (!traits().gives_motion) json["features"] = external.features;
   external.worker ? json["worker"] = *external.worker : json["command"] = *external.command;
   if (!external.worker) json["format"] = name_of(external.format);
@@ -156,7 +170,8 @@ SourceKeys ProgramSource::keys() const {
 }
 
 std::unique_ptr<RowSimulator> ProgramSource::open(const RowsConfig& config) const {
-  return std::make_unique<ProgramRowSimulator>(study(), info(), config);
+  return std::make_unique<ProgramRowSimulator>(study(), info(), config,
+                                               std::vector{named_, further_});
 }
 
 Target ProgramSource::behave_in_features(const std::filesystem::path& log) const {

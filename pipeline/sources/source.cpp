@@ -14,7 +14,6 @@
 #include "pipeline/sources/library_source.h"
 #include "pipeline/sources/program_source.h"
 #include "pipeline/sources/truth_inputs.h"
-#include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
 
@@ -62,14 +61,6 @@ SourceKeys Source::keys_of_motion(const nlohmann::ordered_json& rows) const {
   keys.rows["store_every"] = study_.simulator.store_every;
   if (study_.target.truth) keys.truth["begin"] = content_hash(begun_truth(study_, info_));
   return keys;
-}
-
-std::map<std::string, std::string> Source::hashes_of_files() const {
-  std::map<std::string, std::string> hashes;
-  for (const std::string& name : study_.external.files) {
-    hashes[name] = file_hash(std::filesystem::path(study_.external.folder) / name);
-  }
-  return hashes;
 }
 
 std::unique_ptr<Source> make_source(const Study& study) {

@@ -4,7 +4,6 @@
 /// needn't know which of them it is. Another kind is a class like those of make_source().
 #pragma once
 
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -71,8 +70,6 @@ class Source {
   /// The parts of keys when `rows` is what every simulation depends on: adds segments, stored
   /// states, and how a truth's rollouts begin.
   SourceKeys keys_of_motion(const nlohmann::ordered_json& rows) const;
-  /// Hashes of simulator.files, by name.
-  std::map<std::string, std::string> hashes_of_files() const;
 
  private:
   Target replay_truth(Target begun, const std::filesystem::path& log) const;
