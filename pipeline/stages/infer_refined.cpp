@@ -60,6 +60,7 @@ class Refinement {
         rows_(plan, node, likelihood_, none_of_helpers(plan)),
         progress_(node.label() + ", simulations", 0) {
     writer.add_cost(earlier_.cost);
+    likelihood_.require_deterministic();
     if (config_.cross_validate && likelihood_.num_rollouts() < 2) {
       throw InputError(node_.label() +
                        ": refine.cross_validate needs two rollouts or more; the target has one");

@@ -1,12 +1,37 @@
 #include "pipeline/stages/simulated_likelihood.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "core/error.h"
 #include "core/parallel.h"
+#include "core/random.h"
+#include "inference/prior.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/features/simulation_features.h"
 
 namespace npdr::pipeline {
+namespace {
+
+// The first channel in which two rows differ by more than rounding does, relative to its size; -1:
+// none, or one of them failed.
+Index different_channel(const sim::Trajectories& rows, Index i, Index j) {
+  constexpr double rounding = 1e-3;  // of chaotic motion, too
+  const auto view = [&](Index row) {
+    return Eigen::Map<const RowMatrixF>(rows.row(row).data(), rows.num_rollouts * rows.num_steps,
+                                        rows.num_states)
+        .cast<double>();
+  };
+  const RowMatrix one = view(i), other = view(j);
+  if (!one.allFinite() || !other.allFinite()) return -1;
+  for (Index c = 0; c < rows.num_states; ++c) {
+    if ((one.col(c) - other.col(c)).norm() > rounding * one.col(c).norm()) return c;
+  }
+  return -1;
+}
+
+}  // namespace
 
 SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
                                          const std::filesystem::path& log)
@@ -29,6 +54,29 @@ Vector SimulatedLikelihood::of(const sim::Trajectories& rows, Index& failed) con
   failed += std::ranges::count_if(
       rows.status, [](sim::RolloutStatus status) { return status != sim::RolloutStatus::ok; });
   return result;
+}
+
+void SimulatedLikelihood::require_deterministic() const {
+  if (!plan_.study.source().takes_seeds) return;
+  constexpr Index count = 4;
+  constexpr Index of_no_row = Index{1} << 62;
+  const inference::Prior prior(plan_.study.prior);
+  Stream stream(within(id_, "deterministic"));
+  RowMatrix u(2 * count, prior.dimension());
+  for (Index i = 0; i < 2 * count; i += 2) {
+    for (Index d = 0; d < u.cols(); ++d) u(i, d) = u(i + 1, d) = stream.normal();
+  }
+  const sim::Trajectories twice = simulate(prior.to_theta(u), of_no_row);
+  for (Index i = 0; i < 2 * count; i += 2) {
+    const Index channel = different_channel(twice, i, i + 1);
+    if (channel < 0) continue;
+    throw InputError(fmt::format(
+        "the simulator draws random numbers: simulated twice with the same parameters, channel "
+        "'{}' differs; a refinement needs motion that follows from theta alone: say noise of "
+        "sensors in [observation_noise], not in the simulator, or choose another algorithm, such "
+        "as 'npe_nle'",
+        target_.state_channels[static_cast<std::size_t>(channel)].label));
+  }
 }
 
 LeftOutScore SimulatedLikelihood::left_out(const sim::Trajectories& rows, const Vector& weights,

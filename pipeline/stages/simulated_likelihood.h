@@ -26,6 +26,10 @@ class SimulatedLikelihood {
   /// Rows that are worth simulating at once, of `num_rows`.
   Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
 
+  /// Throws InputError when rollouts of a simulator of the user's don't follow from theta: those of
+  /// a few draws of the prior, each simulated twice with other random numbers, differ.
+  void require_deterministic() const;
+
   /// Rollouts of rows of theta (n, D), number `first` and those after it. Throws as
   /// RowSimulator::simulate().
   sim::Trajectories simulate(const RowMatrix& theta, Index first) const;

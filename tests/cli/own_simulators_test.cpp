@@ -188,6 +188,29 @@ npdr_worker.serve(simulate)
   }
 }
 
+// The likelihood of a refinement is that of motion which follows from theta.
+TEST_F(OwnSimulators, ARefinementRefusesMotionThatIsDrawn) {
+  const std::string python = python_with("numpy");
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+  copy_example("spring");
+  folder_.file("sim.py", R"py(
+import npdr_worker
+def simulate(theta, first_state, actions, dt, rng):
+    return [[theta["stiffness"] + 0.1 * rng.normal(), 1.0] for _ in actions]
+npdr_worker.serve(simulate)
+)py");
+  const std::string study = text_of(folder_ / "worker.toml");
+  folder_.file("refine.toml", study.substr(0, study.find("[[method]]")) +
+                                  "[[method]]\nname = \"Refined\"\nalgorithm = \"refine\"\n");
+  const Outcome outcome =
+      npdr({"run", "refine.toml", "--set", "simulator.worker='" + python + " sim.py'"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("the simulator draws random numbers: simulated twice with the same "
+                             "parameters, channel 'q' differs"),
+            std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(OwnSimulators, RowsInAnotherOrderStopTheStudy) {
   const std::string python = python_with("numpy");
   if (python.empty()) GTEST_SKIP() << "no Python with numpy";
