@@ -1,6 +1,7 @@
 #include "core/target.h"
 
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "core/error.h"
@@ -17,15 +18,18 @@ void check_shape(const std::string& where, const std::string& what, const RowMat
   throw InputError(message.str());
 }
 
+// `largest`: magnitude that is allowed.
 void check_finite(const std::string& where, const std::string& what, const RowMatrix& values,
-                  const std::vector<Channel>& channels) {
+                  const std::vector<Channel>& channels, double largest) {
   for (Index t = 0; t < values.rows(); ++t) {
     for (Index c = 0; c < values.cols(); ++c) {
-      if (std::isfinite(values(t, c))) continue;
+      if (std::abs(values(t, c)) <= largest) continue;
       std::ostringstream message;
       message << where << ": " << what << " of channel '"
               << channels[static_cast<std::size_t>(c)].label << "' is " << values(t, c)
-              << " at step " << t << ", must be finite; repair or leave out this recording";
+              << " at step " << t << ", must be finite, and at most " << largest
+              << "; repair or leave out this "
+                 "recording";
       throw InputError(message.str());
     }
   }
@@ -47,8 +51,11 @@ void Target::check(const std::string& where) const {
     const std::string which = " of rollout " + std::to_string(h) + " ('" + r.name + "')";
     check_shape(where, "states" + which, r.states, num_steps() + 1, num_states());
     check_shape(where, "actions" + which, r.actions, num_steps(), num_actions());
-    check_finite(where, "state" + which, r.states, state_channels);
-    check_finite(where, "action" + which, r.actions, action_channels);
+    // Simulated states, and features made of them, are kept in single precision.
+    check_finite(where, "state" + which, r.states, state_channels,
+                 std::numeric_limits<float>::max());
+    check_finite(where, "action" + which, r.actions, action_channels,
+                 std::numeric_limits<double>::max());
   }
 }
 

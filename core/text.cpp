@@ -28,20 +28,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-// The first candidate that is `name` and more: "npe" for "npe_c". "" when there is none.
-std::string begins_with(std::string_view name, const std::vector<std::string>& candidates) {
+// The first candidate that begins with `name`: "npe_c" with "npe". "" when there is none.
+std::string beginning_with(std::string_view name, const std::vector<std::string>& candidates) {
   constexpr std::size_t kFew = 3;  // letters that many names begin with by chance
   if (name.size() < kFew) return "";
-  const auto found = std::ranges::find_if(candidates, [&](const std::string& c) {
-    return c.size() > name.size() && c.starts_with(name);
-  });
+  const auto found = std::ranges::find_if(
+      candidates, [&](const std::string& candidate) { return candidate.starts_with(name); });
   return found == candidates.end() ? "" : *found;
 }
 
 }  // namespace
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
-  if (const std::string whole = begins_with(name, candidates); !whole.empty()) return whole;
   std::string best;
   // As far as a typing error or two, and no name in which no letter is the same.
   std::size_t best_distance = std::min(std::max<std::size_t>(2, name.size() / 3) + 1, name.size());
@@ -52,7 +50,10 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
       best = candidate;
     }
   }
-  return best;
+  // One letter more or less is nearer than a name cut short, another letter isn't.
+  if (!best.empty() && (best.starts_with(name) || name.starts_with(best))) return best;
+  const std::string whole = beginning_with(name, candidates);
+  return whole.empty() ? best : whole;
 }
 
 std::string join(const std::vector<std::string>& parts, std::string_view separator) {

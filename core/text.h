@@ -10,8 +10,9 @@
 
 namespace npdr {
 
-/// The first candidate that begins with `name`, else that with the smallest edit distance to it
-/// (Levenshtein, case folded), or "" when none is near enough to be a likely misspelling.
+/// The candidate with the smallest edit distance to `name` (Levenshtein, case folded), or "" when
+/// none is near enough to be a likely misspelling. Where that has another letter, one that begins
+/// with `name` is nearer.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 /// "a, b, c".

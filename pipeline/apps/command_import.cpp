@@ -71,6 +71,20 @@ std::vector<Channel> parse_channels(const std::vector<std::string>& texts) {
   return channels;
 }
 
+// A recording's channels are told apart by their labels, states and actions alike.
+void require_distinct_labels(const Channels& channels) {
+  std::vector<std::string> labels;
+  for (const auto* kind : {&channels.states, &channels.actions}) {
+    for (const Channel& channel : *kind) {
+      if (std::ranges::find(labels, channel.label) != labels.end()) {
+        throw InputError("--states and --actions: '" + channel.label +
+                         "' is named twice; name each column once");
+      }
+      labels.push_back(channel.label);
+    }
+  }
+}
+
 Channels channels_of_arguments(const ImportArguments& arguments) {
   if (!arguments.simulator.empty()) {
     if (!arguments.states.empty() || !arguments.actions.empty()) {
@@ -86,7 +100,9 @@ Channels channels_of_arguments(const ImportArguments& arguments) {
         "say which columns to take: --simulator NAME, or --states 'theta [rad],theta_dot [rad/s]' "
         "and --actions 'voltage [V]', if it has any");
   }
-  return {parse_channels(arguments.states), parse_channels(arguments.actions)};
+  Channels channels{parse_channels(arguments.states), parse_channels(arguments.actions)};
+  require_distinct_labels(channels);
+  return channels;
 }
 
 // "theta=0.0174533".

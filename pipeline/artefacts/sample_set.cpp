@@ -24,14 +24,28 @@ bool is_hdf5(const std::filesystem::path& path) {
   return begin == std::array<char, 4>{'\x89', 'H', 'D', 'F'};
 }
 
+// Row i of `count` among `num_rows`. Files may claim so many that i num_rows would overflow.
+Index spread_position(Index i, Index count, Index num_rows) {
+  return i * (num_rows / count) + i * (num_rows % count) / count;
+}
+
 SampleSet read_hdf5(const h5::File& file, const std::string& name, Index most_rows) {
   const h5::Dataset dataset = file.dataset(name);
   dataset.require_shape({-1, -1});
   dataset.require_readable(h5::ElementType::f64);
   SampleSet set{dataset.where(), column_channels(dataset, dataset.row_size()), {}};
-  set.rows.resize(std::min(most_rows, dataset.num_rows()), dataset.row_size());
+  const Index count = std::min(most_rows, dataset.num_rows());
+  set.rows.resize(count, dataset.row_size());
   const std::span<double> all(set.rows.data(), static_cast<std::size_t>(set.rows.size()));
-  dataset.read_rows<double>(0, set.rows.rows(), all);
+  if (count == dataset.num_rows()) {
+    dataset.read_rows<double>(0, count, all);
+  } else {
+    const auto width = static_cast<std::size_t>(dataset.row_size());
+    for (Index i = 0; i < count; ++i) {
+      dataset.read_rows<double>(spread_position(i, count, dataset.num_rows()), 1,
+                                all.subspan(static_cast<std::size_t>(i) * width, width));
+    }
+  }
   dataset.require_finite<double>(all);
   return set;
 }
@@ -42,14 +56,22 @@ SampleSet read_csv(const std::filesystem::path& path, Index most_rows) {
   SampleSet set{table.name(), table.columns(), {}};
   std::vector<double> all;
   Index count = 0;
-  for (; count < most_rows && table.next(); ++count) {
+  for (; table.next(); ++count) {
     for (std::size_t c = 0; c < width; ++c) all.push_back(table.finite_number(c));
   }
-  set.rows = Eigen::Map<const RowMatrix>(all.data(), count, table.num_columns());
+  set.rows = spread_rows(Eigen::Map<const RowMatrix>(all.data(), count, table.num_columns()),
+                         std::min(most_rows, count));
   return set;
 }
 
 }  // namespace
+
+RowMatrix spread_rows(const RowMatrix& rows, Index count) {
+  RowMatrix picked(count, rows.cols());
+  for (Index i = 0; i < count; ++i)
+    picked.row(i) = rows.row(spread_position(i, count, rows.rows()));
+  return picked;
+}
 
 SampleSet read_sample_set(const std::filesystem::path& path, const std::string& dataset,
                           Index most_rows) {

@@ -15,10 +15,13 @@ struct SampleSet {
   RowMatrix rows;                ///< (n, D), all finite
 };
 
-/// The first `most_rows` rows of dataset `dataset` (N, D) of an HDF5 file, whose attributes
-/// 'labels' and 'units' name the columns where it has them, or of a CSV file, with or without a
-/// header `label` or `label [unit]`. Throws InputError for a file that is neither, without such a
-/// dataset, or with what isn't a finite number in those rows.
+/// `count` of the rows (N, D), evenly spread: all chains or seeds of a file have their share.
+RowMatrix spread_rows(const RowMatrix& rows, Index count);
+
+/// `most_rows` rows, evenly spread, or all, of dataset `dataset` (N, D) of an HDF5 file, whose
+/// attributes 'labels' and 'units' name the columns where it has them, or of a CSV file, with or
+/// without a header `label` or `label [unit]`. Throws InputError for a file that is neither,
+/// without such a dataset, or with what isn't a finite number in those rows.
 SampleSet read_sample_set(const std::filesystem::path& path, const std::string& dataset,
                           Index most_rows);
 

@@ -126,6 +126,22 @@ void require_distinct(const std::vector<std::filesystem::path>& paths) {
   throw InputError(twice->string() + ": is named twice; name each rollout once");
 }
 
+bool is_copy(const Rollout& one, const Rollout& other) {
+  return one.states.rows() == other.states.rows() && one.states == other.states &&
+         one.actions == other.actions;
+}
+
+// The same of files that were copied.
+void require_distinct(const Target& target, const std::vector<std::filesystem::path>& paths) {
+  for (std::size_t i = 1; i < paths.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!is_copy(target.rollouts[j], target.rollouts[i])) continue;
+      throw InputError(fmt::format("{}: holds the same numbers as {}; name each rollout once",
+                                   paths[i].string(), paths[j].string()));
+    }
+  }
+}
+
 // Computes the rates that the files lack; a sentence for each.
 std::vector<std::string> differentiate(Target& target, const std::vector<CsvRows>& files,
                                        Index window, bool at_rest) {
@@ -248,6 +264,7 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   for (const std::string& glitch : glitches) result.notes.push_back("warning: " + glitch);
   append(unwrap_turns(files, options.unwrap), result.notes);
   Target& target = result.target = even_target(files, options);
+  require_distinct(target, paths);
   if (options.resample) result.notes.push_back(note_of_resampling(files, *options.resample));
   if (options.differentiate) {
     append(differentiate(target, files, *options.differentiate, options.at_rest), result.notes);

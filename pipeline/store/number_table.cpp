@@ -174,7 +174,8 @@ std::optional<double> NumberTable::parse(const std::string& field) const {
 }
 
 std::string NumberTable::hint(const std::string& lines) const {
-  return has_choice_ ? format_hint(lines, format_) : "";
+  if (has_choice_) return format_hint(lines, format_);
+  return lines.find_first_of(";\t|") == std::string::npos ? "" : "; columns are separated by ','";
 }
 
 std::string NumberTable::place() const { return fmt::format("{}:{}", name_, line_number_); }

@@ -204,7 +204,7 @@ TEST(Metrics, NameTheChannelThatTheyCannotNormalize) {
   EXPECT_TRUE(
       says(problem_of(target, {}), {"metrics: channel 'rate' of recorded rollout 'second' is 0 "
                                     "throughout, so errors can't be divided by its maximum",
-                                    "leave the channel out of the compared ones"}));
+                                    "leave out the rollout"}));
   EXPECT_EQ(problem_of(target, {{0}, 0}), "");
 }
 

@@ -94,11 +94,12 @@ std::string hostile_study() {
 }
 
 // A recording whose action is called so.
-std::string swing(const std::string& action) {
+std::string swing(const std::string& action, double amplitude = 1.0) {
   std::string table = "t [s],theta [rad],theta_dot [rad/s],\"" + action + " [N m]\"\n";
   for (int t = 0; t < 60; ++t) {
     const double time = 0.02 * t;
-    table += fmt::format("{:.3f},{:.6f},{:.6f},0\n", time, std::sin(time), std::cos(time));
+    table += fmt::format("{:.3f},{:.6f},{:.6f},0\n", time, amplitude * std::sin(time),
+                         amplitude * std::cos(time));
   }
   return table;
 }
@@ -140,11 +141,12 @@ TEST(HostileText, IsTextInAllOutputs) {
 TEST(HostileText, IsTextFromTheRecordingToTheJobs) {
   const TempFolder folder;
   const std::string channel = "torque $(touch pwned) `touch pwned` ]]><script> \\input|x";
-  const std::string table = swing(channel);
   const std::vector<std::string> names = {
       "a$(touch pwned)`touch pwned`\x1b[31m\xF6\n;touch pwned; '\"|x]]><script>.csv",
       "=cmd|'!A0.csv"};
-  for (const std::string& name : names) folder.file(name, table);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    folder.file(names[i], swing(channel, 1.0 + static_cast<double>(i)));
+  }
   const std::string recording = "r$(touch pwned)`touch pwned`'\"]]><script>.h5";
   const auto npdr = [&](std::vector<std::string> words, int status = 0) {
     words.insert(words.begin(), "npdr");

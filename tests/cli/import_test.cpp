@@ -130,6 +130,13 @@ TEST_F(ImportOfLabs, EncodersAlone) {
 TEST_F(ImportOfLabs, NothingCountsTwiceAndNothingElseIsReplaced) {
   write({});
   EXPECT_TRUE(says(rejected({"a.csv"}), {"npdr import: a.csv: is named twice"}));
+  folder_.file("copy.csv", text_of(folder_ / "b.csv"));
+  EXPECT_TRUE(says(rejected({"copy.csv"}),
+                   {"npdr import: copy.csv: holds the same numbers as b.csv", "name each"}));
+  const Outcome labels = run(folder_.path(), {"npdr", "import", "a.csv", "-o", "new.h5", "--states",
+                                              "theta [rad]", "--actions", "theta [rad]"});
+  EXPECT_EQ(labels.status, 2);
+  EXPECT_TRUE(says(labels.err, {"npdr import: --states and --actions: 'theta' is named twice"}));
   EXPECT_TRUE(says(rejected({"--at-rest"}), {"npdr import: --at-rest is about rates"}));
   const auto program = folder_.file("r.h5", "#!/bin/sh\n");
   EXPECT_TRUE(says(import({"--force"}).err, {"npdr import: r.h5: isn't an HDF5 file"}));

@@ -167,7 +167,10 @@ def _segments(arrays):
 
 
 def _checked(result, shape):
-    result = np.asarray(result, dtype=float)
+    result = np.asarray(result)
+    if np.iscomplexobj(result):
+        raise TypeError("simulate() returned complex numbers, must be real ones")
+    result = result.astype(float, copy=False)
     if result.shape != shape:
         raise ValueError("simulate() returned an array of shape %s, must be %s: %s"
                          % (result.shape, shape,

@@ -40,6 +40,15 @@ TEST_F(SampleSets, OfHdf5AndCsvAreReadAlike) {
   EXPECT_EQ(in_order_of(csv, set).rows, csv.rows);
 }
 
+// Files hold chains or seeds one after the other.
+TEST_F(SampleSets, OfALongFileAllPartsHaveTheirShare) {
+  const SampleSet set = read_sample_set(write("a.h5", {}, {}, 10), "theta", 4);
+  EXPECT_EQ(Vector(set.rows.col(0)), Eigen::Vector4d(0.0, 2.0, 5.0, 7.0));
+  std::string text;
+  for (int i = 0; i < 10; ++i) text += std::to_string(i) + "," + std::to_string(10 * i) + "\n";
+  EXPECT_EQ(read_sample_set(folder_.file("a.csv", text), "", 4).rows, set.rows);
+}
+
 TEST_F(SampleSets, WithoutNamesTheOrderCounts) {
   const SampleSet named =
       read_sample_set(write("a.h5", {"mass", "length"}, {"kg", "m"}), "theta", 9);

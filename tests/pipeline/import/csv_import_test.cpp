@@ -50,9 +50,10 @@ TEST_F(CsvImport, AQuotedHeaderMayHoldCommasAndQuotes) {
 }
 
 TEST_F(CsvImport, JoinsFilesAsRollouts) {
-  const Target target =
-      import_csv({folder_.file("a.csv", kCsv), folder_.file("b.csv", kCsv)}, pendulum_options())
-          .target;
+  const Target target = import_csv({folder_.file("a.csv", kCsv),
+                                    folder_.file("b.csv", replaced(kCsv, "0.2,0.3", "0.2,0.4"))},
+                                   pendulum_options())
+                            .target;
   EXPECT_EQ(target.num_rollouts(), 2);
   EXPECT_EQ(target.rollouts[1].name, "b");
   EXPECT_EQ(target.source, "a.csv, b.csv");

@@ -201,8 +201,8 @@ TEST(Plan, SegmentsDontChangeASimulatedTarget) {
   EXPECT_NE(keys(segments, Stage::baseline), keys(before, Stage::baseline));
 }
 
-// A recording of the pendulum at rest: 2 rollouts of 40 steps.
-void write_rest(const std::filesystem::path& path, Index num_steps = 40) {
+// A recording of the pendulum whose states are all 1: 2 rollouts of 40 steps.
+void write_constant(const std::filesystem::path& path, Index num_steps = 40) {
   const auto simulator = sim::make_simulator({.name = "pendulum"});
   Target target;
   target.dt = 0.02;
@@ -210,14 +210,14 @@ void write_rest(const std::filesystem::path& path, Index num_steps = 40) {
   target.action_channels = simulator->info().action_channels;
   for (const char* name : {"first", "second"}) {
     target.rollouts.push_back(
-        {name, RowMatrix::Zero(num_steps + 1, 2), RowMatrix::Zero(num_steps, 1)});
+        {name, RowMatrix::Ones(num_steps + 1, 2), RowMatrix::Zero(num_steps, 1)});
   }
   write_recording(target, path);
 }
 
 TEST(Plan, AFloorIsSearchedForRecordingsOnly) {
   const TempFolder folder;
-  write_rest(folder / "r.h5");
+  write_constant(folder / "r.h5");
   const std::string recording = "target.recording=" + (folder / "r.h5").string();
   const auto baseline = [](const std::vector<std::string>& overrides) {
     return keys(plan_of(overrides), Stage::baseline);
@@ -228,7 +228,7 @@ TEST(Plan, AFloorIsSearchedForRecordingsOnly) {
 
 TEST(Plan, AStudyPicksRolloutsOfItsRecording) {
   const TempFolder folder;
-  write_rest(folder / "r.h5");
+  write_constant(folder / "r.h5");
   const auto plan = [&](const std::string& rollouts) {
     return plan_of({"target.recording=" + (folder / "r.h5").string(), "target.num_rollouts=1",
                     "target.held_out=1", "target.rollouts=" + rollouts});
@@ -244,7 +244,7 @@ TEST(Plan, AStudyPicksRolloutsOfItsRecording) {
 
 TEST(Plan, ARecordingHasTwoStepsAtLeast) {
   const TempFolder folder;
-  write_rest(folder / "r.h5", 1);
+  write_constant(folder / "r.h5", 1);
   const std::string recording = "target.recording=" + (folder / "r.h5").string();
   EXPECT_TRUE(says(message_of<InputError>([&] {
                      plan_of({recording, "target.num_rollouts=1"});
@@ -255,7 +255,7 @@ TEST(Plan, ARecordingHasTwoStepsAtLeast) {
 
 TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
   const TempFolder folder;
-  write_rest(folder / "r.h5");
+  write_constant(folder / "r.h5");
   const auto problems = [&](const std::vector<std::string>& more) {
     std::vector<std::string> overrides = {"target.recording=" + (folder / "r.h5").string()};
     overrides.insert(overrides.end(), more.begin(), more.end());

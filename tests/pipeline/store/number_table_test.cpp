@@ -98,8 +98,9 @@ TEST_F(NumberTables, MayBeSeparatedOtherwise) {
                    {"t.csv:2: column 1 'a' = '1,5'", "must be a number", "--decimal-comma"}));
   EXPECT_TRUE(says(problem("a;b\n1,5;2\n", {}),
                    {"t.csv:2: has 2 columns", "must have 1", "--delimiter ';' --decimal-comma"}));
-  EXPECT_EQ(problem_of("a;b\n1,5;2\n"), "t.csv:2: has 2 columns, must have 1 like the first line")
-      << "who has no choice gets no advice";
+  EXPECT_EQ(problem_of("a;b\n1,5;2\n"),
+            "t.csv:2: has 2 columns, must have 1 like the first line; columns are separated by ','")
+      << "who has no choice gets no option";
 }
 
 TEST_F(NumberTables, SayWhereTheyAreWrong) {
