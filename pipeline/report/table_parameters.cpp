@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "analysis/quantiles.h"
 #include "core/normal.h"
@@ -45,6 +46,13 @@ RowMatrix normal_theta(const ReportData& data) {
   return prior.to_normal(inside.topRows(num_inside));
 }
 
+// Rows that are the same as an earlier one.
+Index num_copies(const RowMatrix& rows) {
+  std::set<std::vector<double>> different;
+  for (Index i = 0; i < rows.rows(); ++i) different.emplace(rows.row(i).begin(), rows.row(i).end());
+  return rows.rows() - std::ssize(different);
+}
+
 // Posteriors are those of the distribution that the dataset's theta was drawn from: says which
 // parameters aren't distributed as the prior. Kolmogorov-Smirnov of F(theta), which is uniform for
 // draws of the prior; a dataset without fault is accused with probability kFalseAlarmRate.
@@ -52,6 +60,15 @@ void note_foreign_theta(Table& table, const ReportData& data) {
   if (data.plan.study.source().simulates) return;
   const RowMatrix u = normal_theta(data);
   if (u.rows() == 0) return;
+  if (const Index copies = num_copies(u); copies > 0) {
+    // Which also makes values less independent than the test takes them for.
+    table.footnote(fmt::format(
+        "{} of {} rows of the dataset have the theta of another: where they weren't simulated "
+        "anew they are copies, which count several times, and of which some train the network "
+        "and others judge it",
+        copies, u.rows()));
+    return;
+  }
   for (Index d = 0; d < u.cols(); ++d) {
     const Vector uniform = u.col(d).unaryExpr([](double v) { return normal_cdf(v); });
     const auto test = inference::test_kolmogorov_smirnov(uniform);

@@ -54,11 +54,11 @@ std::string unpredicted_reason(const PredictiveResult& predictive, Index num_sam
   Index worst = 0;
   predictive.check.summary_p_value.minCoeff(&worst);
   return fmt::format(
-      "what its samples predict is unlike the observation (seed {}): all features together, p = "
-      "{:.2g}; of single summaries most {}, observed {:.3g}, predicted median {:.3g}, p = {:.2g}",
-      seed, predictive.check.overall.p_value, predictive.names[static_cast<std::size_t>(worst)],
-      predictive.observed(worst), predictive.median(worst),
-      predictive.check.summary_p_value(worst));
+      "what its samples predict is unlike the observation (seed {}), most in {}: observed {:.3g}, "
+      "predicted median {:.3g}, p = {:.2g} (of all features together p = {:.2g})",
+      seed, predictive.names[static_cast<std::size_t>(worst)], predictive.observed(worst),
+      predictive.median(worst), predictive.check.summary_p_value(worst),
+      predictive.check.overall.p_value);
 }
 
 constexpr const char* kCalibrationAdvice =

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/normal.h"
 #include "core/text.h"
@@ -31,6 +32,40 @@ std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& 
   if (found.presses_lower()) return marginal.lower();
   if (found.presses_upper()) return marginal.upper();
   return std::nullopt;
+}
+
+// Deviation of the seeds' means of parameter d, in root mean squares of their own deviations. 0 of
+// one seed, and of a periodic parameter.
+double disagreement(const ReportData& data, const Runs& runs, Index d) {
+  if (runs.size() < 2 || data.period_of(d) > 0.0) return 0.0;
+  const auto num_seeds = static_cast<Index>(runs.size());
+  Vector means(num_seeds), variances(num_seeds);
+  for (Index s = 0; s < num_seeds; ++s) {
+    const auto theta = runs[static_cast<std::size_t>(s)]->evaluation.theta.col(d);
+    means(s) = theta.mean();
+    variances(s) = (theta.array() - means(s)).square().mean();
+  }
+  const double between =
+      (means.array() - means.mean()).square().sum() / static_cast<double>(num_seeds - 1);
+  return between > 0.0 ? std::sqrt(between / variances.mean()) : 0.0;
+}
+
+// Seeds that contradict each other are wrong in most of them, each as sure as if it were right.
+std::string words_of_disagreement(const ReportData& data, const std::string& method) {
+  constexpr double most = 0.5;
+  std::vector<std::string> parameters;
+  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
+    if (!data.is_inferred(method, d)) continue;
+    const double found = disagreement(data, data.runs_of(method), d);
+    if (!(found > most)) continue;
+    parameters.push_back(
+        fmt::format("{} ({:.1f})", data.plan.study.prior[static_cast<std::size_t>(d)].name, found));
+  }
+  if (parameters.empty()) return "";
+  return fmt::format(
+      "seeds contradict each other about {}, the deviation between their means in their own: none "
+      "is to be believed by itself; try {}",
+      join(parameters), advice_to_learn(data, method));
 }
 
 }  // namespace
@@ -91,8 +126,9 @@ Verdict judge_contraction(const ReportData& data, const std::string& method) {
             "nothing of them (other inputs, or longer rollouts, would), or nothing was learned (" +
                 advice_to_learn(data, method) + ")"};
   }
-  const std::string but =
-      unchanged.empty() ? "" : fmt::format("says little of {}", join(unchanged));
+  std::string but = unchanged.empty() ? "" : fmt::format("says little of {}", join(unchanged));
+  const std::string seeds = words_of_disagreement(data, method);
+  if (!seeds.empty()) but += (but.empty() ? "" : "; ") + seeds;
   return {Check::contraction, Judgment::passes, fmt::format("passes, up to {:.3g}", largest), but};
 }
 

@@ -83,6 +83,17 @@ Verdict judge(const ReportData& data, const std::string& method, Check check) {
   }
 }
 
+// What no check of a method that passes them all has looked at; "": nothing.
+std::string unseen(const ReportData& data) {
+  const Study& study = data.plan.study;
+  const bool any_left_out = study.target.held_out > 0 || study.evaluate.leave_out > 0;
+  if (!study.target.recording || any_left_out || data.target.num_rollouts() < 2) return "";
+  return fmt::format(
+      "{}: none of {}, so nothing shows whether it is too sure because the simulator lacks "
+      "something; see what target.held_out = 1 or evaluate.leave_out say",
+      traits_of(Check::held_out).title, counted(data.target.num_rollouts(), "rollout"));
+}
+
 }  // namespace
 
 std::string seeds_text(std::size_t failed, std::size_t all) {
@@ -110,6 +121,8 @@ std::vector<CheckSummary> check_summaries(const ReportData& data) {
       if (verdict.judgment == Judgment::unknown) summary.unknown.push_back(title);
       if (!verdict.reason.empty()) summary.reasons.push_back(title + ": " + verdict.reason);
     }
+    const std::string but = unseen(data);
+    if (summary.failed.empty() && !but.empty()) summary.reasons.push_back(but);
     summaries.push_back(std::move(summary));
   }
   return summaries;

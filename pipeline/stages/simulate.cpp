@@ -15,6 +15,7 @@
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/sources/precision.h"
+#include "pipeline/sources/repeated_outlier.h"
 #include "pipeline/sources/row_check.h"
 #include "pipeline/stages/stages.h"
 
@@ -70,6 +71,15 @@ std::string lost_precision(const Simulation& simulation) {
   return precision_problem(states, target.state_channels);
 }
 
+// What features hold in place of a failure.
+std::string outliers_of(const Simulation& simulation, const GivenRows& rows) {
+  if (simulation.plan.study.source().gives_motion) return "";
+  const sim::Trajectories& x = rows.result;
+  return repeated_outliers(
+      Eigen::Map<const RowMatrixF>(x.values.data(), x.num_rows, x.row_size()).cast<double>(),
+      simulation.plan.source->info().state_channels);
+}
+
 // Tells people at once, and the report for good, what is probably wrong with rows.
 void check_block(h5::File& file, const Simulation& simulation, const GivenRows& rows) {
   const Study& study = simulation.plan.study;
@@ -78,8 +88,8 @@ void check_block(h5::File& file, const Simulation& simulation, const GivenRows& 
     const bool has_noise = !study.observation_noise.is_silent();
     warnings = check_rows(*simulation.simulator, rows, has_noise);
   }
-  for (const std::string& warning :
-       {lost_precision(simulation), simulation.simulator->last_warning()}) {
+  for (const std::string& warning : {lost_precision(simulation), outliers_of(simulation, rows),
+                                     simulation.simulator->last_warning()}) {
     if (!warning.empty()) warnings.push_back(warning);
   }
   for (const std::string& warning : warnings) warn(simulation.node, warning);

@@ -240,6 +240,33 @@ TEST_F(External, ADatasetOfAnotherPriorIsNoticed) {
   EXPECT_EQ(text.find("b of the dataset"), std::string::npos);
 }
 
+TEST_F(External, ADatasetsCopiesAreNoticed) {
+  import_dataset();
+  ASSERT_EQ(std::system(("cd '" + folder_.path().string() +
+                         "' && for file in theta x; do { head -n 501 $file.csv; tail -n +2 "
+                         "$file.csv | head -n 500; } > twice.csv && mv twice.csv $file.csv; done")
+                            .c_str()),
+            0);
+  const Outcome imported =
+      npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"});
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  run_well({"dataset.toml"});
+  const std::string text = table("external-dataset", "parameters");
+  EXPECT_NE(text.find("500 of 1000 rows of the dataset have the theta of another"),
+            std::string::npos)
+      << text;
+}
+
+TEST_F(External, NumbersThatStandForFailuresAreTold) {
+  folder_.file("fails.sh",
+               "sh linear_gaussian.sh \"$1\" \"$2.all\"\n"
+               "awk 'NR % 8 == 2 { print \"-999,-999\"; next } 1' \"$2.all\" > \"$2\"\n");
+  const Outcome outcome =
+      npdr({"run", "shell.toml", "--set", "simulator.command='sh fails.sh {theta} {x}'"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("'total' is -999 in 8 of 64 rows"), std::string::npos) << outcome.err;
+}
+
 TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {
   run_well({"shell.toml", "--set", "diagnose={ num_simulations = 60, num_samples = 100 }"});
   const std::string text = table("external-shell", "diagnostics");
@@ -335,6 +362,22 @@ TEST_F(External, ACommandThatCannotBeRunIsAnError) {
       outcome.err.find("simulator.command = 'nosuchprogram {x}' can't be run: exit status 127"),
       std::string::npos)
       << outcome.err;
+}
+
+// Rows of a program that isn't the one of their key.
+TEST_F(External, OfAProgramThatIsEditedWhileItRunsNoRowsAreKept) {
+  const Outcome outcome =
+      npdr({"run", "shell.toml", "--set",
+            "simulator.command='echo \"#\" >> linear_gaussian.sh; sh linear_gaussian.sh {theta} "
+            "{x}'"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("linear_gaussian.sh was edited since this began"), std::string::npos)
+      << outcome.err;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "runs")) {
+    EXPECT_FALSE(entry.path().string().find("simulate") != std::string::npos &&
+                 entry.path().extension() == ".h5")
+        << entry.path();
+  }
 }
 
 TEST_F(External, ARequestToStopEndsTheCommandAndTheNextRunGoesOn) {

@@ -70,6 +70,29 @@ TEST_F(Verdicts, AMethodWithoutFaultPassesAll) {
   EXPECT_EQ(verdict_of(Check::failures).text, "passes, p = 1");
 }
 
+TEST_F(Verdicts, ThatNoRolloutIsHeldOutIsSaidWhereAllElsePasses) {
+  const auto reasons = [&] { return check_summaries(data_).front().reasons; };
+  data_.target.rollouts.resize(3);
+  EXPECT_EQ(reasons().size(), 0u) << "a simulated truth";
+  plan_.study.target.recording = "r.h5";
+  ASSERT_EQ(reasons().size(), 1u);
+  EXPECT_TRUE(
+      says(reasons().front(), {"Held-out rollouts: none of 3 rollouts", "target.held_out = 1"}));
+  plan_.study.evaluate.leave_out = 3;
+  EXPECT_EQ(reasons().size(), 0u);
+}
+
+TEST_F(Verdicts, SeedsThatContradictEachOtherAreSaid) {
+  data_.seeds = {1, 2};
+  data_.runs.push_back(data_.runs.front());
+  data_.runs.back().use.seed = 2;
+  EXPECT_EQ(verdict_of(Check::contraction).reason, "");
+  data_.runs.back().evaluation.theta = samples_around(1.1, 0.02);  // five deviations off
+  EXPECT_TRUE(says(verdict_of(Check::contraction).reason,
+                   {"seeds contradict each other about pole_mass (3.5), pole_length (3.5)",
+                    "none is to be believed", "try more simulations"}));
+}
+
 TEST_F(Verdicts, ChainsThatDontAgreeFail) {
   plan_.study.methods.front().algorithm.kind = inference::Algorithm::nle;
   const auto sampled = [&](double r_hat) {
