@@ -54,8 +54,7 @@ void check_scale(const Vector& scale, const std::vector<Index>& channels, const 
     const Index channel = channels[static_cast<std::size_t>(c)];
     throw InputError(fmt::format(
         "metrics: channel '{}' of recorded rollout '{}' is 0 throughout, so errors can't be "
-        "divided by its maximum; leave out the rollout, or the channel where the simulator is "
-        "yours (simulator.states)",
+        "divided by its maximum; leave out the rollout",
         target.state_channels[static_cast<std::size_t>(channel)].label, rollout.name));
   }
 }

@@ -19,7 +19,7 @@ void check_shape(const std::string& where, const std::string& what, const RowMat
 }
 
 // `largest`: magnitude that is allowed.
-void check_finite(const std::string& where, const std::string& what, const RowMatrix& values,
+void check_values(const std::string& where, const std::string& what, const RowMatrix& values,
                   const std::vector<Channel>& channels, double largest) {
   for (Index t = 0; t < values.rows(); ++t) {
     for (Index c = 0; c < values.cols(); ++c) {
@@ -27,9 +27,10 @@ void check_finite(const std::string& where, const std::string& what, const RowMa
       std::ostringstream message;
       message << where << ": " << what << " of channel '"
               << channels[static_cast<std::size_t>(c)].label << "' is " << values(t, c)
-              << " at step " << t << ", must be finite, and at most " << largest
-              << "; repair or leave out this "
-                 "recording";
+              << " at step " << t << ", must be ";
+      if (std::isfinite(values(t, c))) message << "of magnitude " << largest << " or less";
+      if (!std::isfinite(values(t, c))) message << "finite";
+      message << "; repair or leave out this recording";
       throw InputError(message.str());
     }
   }
@@ -52,9 +53,9 @@ void Target::check(const std::string& where) const {
     check_shape(where, "states" + which, r.states, num_steps() + 1, num_states());
     check_shape(where, "actions" + which, r.actions, num_steps(), num_actions());
     // Simulated states, and features made of them, are kept in single precision.
-    check_finite(where, "state" + which, r.states, state_channels,
+    check_values(where, "state" + which, r.states, state_channels,
                  std::numeric_limits<float>::max());
-    check_finite(where, "action" + which, r.actions, action_channels,
+    check_values(where, "action" + which, r.actions, action_channels,
                  std::numeric_limits<double>::max());
   }
 }

@@ -28,12 +28,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+bool begins_with(std::string_view text, std::string_view beginning) {
+  return std::ranges::equal(text.substr(0, beginning.size()), beginning, {}, fold, fold);
+}
+
 // The first candidate that begins with `name`: "npe_c" with "npe". "" when there is none.
 std::string beginning_with(std::string_view name, const std::vector<std::string>& candidates) {
   constexpr std::size_t kFew = 3;  // letters that many names begin with by chance
   if (name.size() < kFew) return "";
   const auto found = std::ranges::find_if(
-      candidates, [&](const std::string& candidate) { return candidate.starts_with(name); });
+      candidates, [&](const std::string& candidate) { return begins_with(candidate, name); });
   return found == candidates.end() ? "" : *found;
 }
 
@@ -50,8 +54,7 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
       best = candidate;
     }
   }
-  // One letter more or less is nearer than a name cut short, another letter isn't.
-  if (!best.empty() && (best.starts_with(name) || name.starts_with(best))) return best;
+  if (!best.empty() && (begins_with(best, name) || begins_with(name, best))) return best;
   const std::string whole = beginning_with(name, candidates);
   return whole.empty() ? best : whole;
 }

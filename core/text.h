@@ -11,8 +11,8 @@
 namespace npdr {
 
 /// The candidate with the smallest edit distance to `name` (Levenshtein, case folded), or "" when
-/// none is near enough to be a likely misspelling. Where that has another letter, one that begins
-/// with `name` is nearer.
+/// none is near enough to be a likely misspelling. A candidate that begins with `name`, as 'npe_c'
+/// with 'npe', is preferred to one with another letter, as 'nle'.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 /// "a, b, c".

@@ -44,13 +44,15 @@ Index smaller_size(const CompareArguments& arguments, const SampleSet& first,
 }
 
 Comparison compare(const CompareArguments& arguments) {
+  const StreamId id{arguments.seed, "compare_rows", 0, 0, 0};
   SampleSet first =
-      read_sample_set(arguments.first, arguments.datasets.front(), arguments.most_rows);
+      read_sample_set(arguments.first, arguments.datasets.front(), arguments.most_rows, id);
   SampleSet second = in_order_of(
-      first, read_sample_set(arguments.second, arguments.datasets.back(), arguments.most_rows));
+      first, read_sample_set(arguments.second, arguments.datasets.back(), arguments.most_rows, id));
   const Index n = smaller_size(arguments, first, second);
-  first.rows = spread_rows(first.rows, n);
-  second.rows = spread_rows(second.rows, n);
+  for (SampleSet* set : {&first, &second}) {
+    set->rows = set->rows(spread_positions(n, set->rows.rows(), id), Eigen::all).eval();
+  }
   const inference::C2st c2st =
       inference::c2st(first.rows, second.rows, {arguments.seed, "c2st", 0, 0, 0});
   const inference::Mmd mmd =
@@ -88,7 +90,7 @@ void print_as_json(const Comparison& c) {
 void print_text(const Comparison& c) {
   print_line("first   {}", c.first.where);
   print_line("second  {}", c.second.where);
-  fmt::print("{} rows of each, evenly spread where it has more\n\n", c.first.rows.rows());
+  fmt::print("{} rows of each, picked at random where it has more\n\n", c.first.rows.rows());
   fmt::print(
       "C2ST   {:.4f} ± {:.4f}  (0.5: can't be told apart, 1: don't overlap; far below 0.5: "
       "rows are in both)\n",

@@ -12,6 +12,7 @@
 #include "pipeline/apps/new_study.h"
 #include "pipeline/apps/size_text.h"
 #include "pipeline/artefacts/recording.h"
+#include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_template.h"
 #include "pipeline/plan/shards.h"
@@ -164,6 +165,8 @@ void add_validate_command(CLI::App& app, int& result) {
   command->callback([&result, study, resolved] {
     result = guarded_main("npdr validate", [&] {
       const Plan plan = study->plan();
+      const bool has_motion = plan.study.target.recording && plan.study.source().gives_motion;
+      if (has_motion) require_motion(plan.study, plan.target);
       if (*resolved) print_json(to_json(plan.study));
       print_work(plan);
       print_warnings("npdr validate", plan);

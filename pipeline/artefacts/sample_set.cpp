@@ -24,60 +24,83 @@ bool is_hdf5(const std::filesystem::path& path) {
   return begin == std::array<char, 4>{'\x89', 'H', 'D', 'F'};
 }
 
-// Row i of `count` among `num_rows`. Files may claim so many that i num_rows would overflow.
-Index spread_position(Index i, Index count, Index num_rows) {
-  return i * (num_rows / count) + i * (num_rows % count) / count;
-}
+// Which of `num_rows` rows a sample set has.
+struct Wanted {
+  Index most_rows = 0;
+  StreamId id;
 
-SampleSet read_hdf5(const h5::File& file, const std::string& name, Index most_rows) {
+  std::vector<Index> of(Index num_rows) const {
+    return spread_positions(std::min(most_rows, num_rows), num_rows, id);
+  }
+};
+
+SampleSet read_hdf5(const h5::File& file, const std::string& name, const Wanted& wanted) {
   const h5::Dataset dataset = file.dataset(name);
   dataset.require_shape({-1, -1});
   dataset.require_readable(h5::ElementType::f64);
   SampleSet set{dataset.where(), column_channels(dataset, dataset.row_size()), {}};
-  const Index count = std::min(most_rows, dataset.num_rows());
-  set.rows.resize(count, dataset.row_size());
+  const std::vector<Index> rows = wanted.of(dataset.num_rows());
+  set.rows.resize(std::ssize(rows), dataset.row_size());
   const std::span<double> all(set.rows.data(), static_cast<std::size_t>(set.rows.size()));
-  if (count == dataset.num_rows()) {
-    dataset.read_rows<double>(0, count, all);
+  if (set.rows.rows() == dataset.num_rows()) {
+    dataset.read_rows<double>(0, set.rows.rows(), all);
   } else {
     const auto width = static_cast<std::size_t>(dataset.row_size());
-    for (Index i = 0; i < count; ++i) {
-      dataset.read_rows<double>(spread_position(i, count, dataset.num_rows()), 1,
-                                all.subspan(static_cast<std::size_t>(i) * width, width));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      dataset.read_rows<double>(rows[i], 1, all.subspan(i * width, width));
     }
   }
   dataset.require_finite<double>(all);
   return set;
 }
 
-SampleSet read_csv(const std::filesystem::path& path, Index most_rows) {
+Index count_rows(const std::filesystem::path& path) {
   NumberTable table(path);
-  const auto width = static_cast<std::size_t>(table.num_columns());
-  SampleSet set{table.name(), table.columns(), {}};
-  std::vector<double> all;
   Index count = 0;
-  for (; table.next(); ++count) {
-    for (std::size_t c = 0; c < width; ++c) all.push_back(table.finite_number(c));
+  while (table.next()) ++count;
+  return count;
+}
+
+// Twice, so that memory doesn't grow with the file.
+SampleSet read_csv(const std::filesystem::path& path, const Wanted& wanted) {
+  const std::vector<Index> rows = wanted.of(count_rows(path));
+  NumberTable table(path);
+  SampleSet set{table.name(), table.columns(), {}};
+  set.rows.resize(std::ssize(rows), table.num_columns());
+  Index at = 0;
+  for (Index row = 0; at < std::ssize(rows) && table.next(); ++row) {
+    if (row != rows[static_cast<std::size_t>(at)]) continue;
+    for (Index c = 0; c < set.rows.cols(); ++c) {
+      set.rows(at, c) = table.finite_number(static_cast<std::size_t>(c));
+    }
+    ++at;
   }
-  set.rows = spread_rows(Eigen::Map<const RowMatrix>(all.data(), count, table.num_columns()),
-                         std::min(most_rows, count));
+  set.rows.conservativeResize(at, Eigen::NoChange);  // should the file be shorter by now
   return set;
 }
 
 }  // namespace
 
-RowMatrix spread_rows(const RowMatrix& rows, Index count) {
-  RowMatrix picked(count, rows.cols());
-  for (Index i = 0; i < count; ++i)
-    picked.row(i) = rows.row(spread_position(i, count, rows.rows()));
-  return picked;
+std::vector<Index> spread_positions(Index count, Index num_rows, const StreamId& id) {
+  // Files may claim so many that i num_rows would overflow.
+  const auto begin = [&](Index i) {
+    return i * (num_rows / count) + i * (num_rows % count) / count;
+  };
+  Stream stream(id);
+  std::vector<Index> positions;
+  for (Index i = 0; i < count; ++i) {
+    const auto length = static_cast<double>(begin(i + 1) - begin(i));
+    positions.push_back(begin(i) + static_cast<Index>(length * stream.uniform()));
+  }
+  return positions;
 }
 
 SampleSet read_sample_set(const std::filesystem::path& path, const std::string& dataset,
-                          Index most_rows) {
-  if (!is_hdf5(path)) return read_csv(path, most_rows);
-  return read_from_outside(
-      path, [&](const h5::File& file) { return read_hdf5(file, dataset, most_rows); });
+                          Index most_rows, const StreamId& id) {
+  const Wanted wanted{most_rows, id};
+  if (!is_hdf5(path)) return read_csv(path, wanted);
+  return read_from_outside(path,
+                           [&](const h5::File& file) { return read_hdf5(file, dataset, wanted); });
 }
 
 SampleSet in_order_of(const SampleSet& first, SampleSet second) {

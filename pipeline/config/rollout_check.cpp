@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/error.h"
 #include "pipeline/config/checker.h"
 
 namespace npdr::pipeline {
@@ -110,6 +111,20 @@ void check_recording(const Study& study, const Target& recording) {
   check_rollouts(study, {recording.num_rollouts(), recording.num_steps(), recording.state_channels},
                  reading);
   reading.problems().throw_if_any();
+}
+
+void require_motion(const Study& study, const Target& rollouts) {
+  for (const Rollout& rollout : rollouts.rollouts) {
+    for (std::size_t c = 0; c < rollouts.state_channels.size(); ++c) {
+      const auto states = rollout.states.col(static_cast<Index>(c)).head(rollout.num_steps());
+      if (states.lpNorm<Eigen::Infinity>() > 0.0) continue;
+      throw InputError(fmt::format(
+          "{}: target.recording: channel '{}' of rollout '{}' is 0 throughout, and errors are in "
+          "units of its maximum; leave out the rollout (target.rollouts){}",
+          study.places.of("target.recording").str(), rollouts.state_channels[c].label, rollout.name,
+          study.source().is_built_in ? "" : ", or the channel (simulator.states)"));
+    }
+  }
 }
 
 }  // namespace npdr::pipeline

@@ -131,8 +131,8 @@ bool is_copy(const Rollout& one, const Rollout& other) {
          one.actions == other.actions;
 }
 
-// The same of files that were copied.
-void require_distinct(const Target& target, const std::vector<std::filesystem::path>& paths) {
+// Files may be copies of each other.
+void require_no_copies(const Target& target, const std::vector<std::filesystem::path>& paths) {
   for (std::size_t i = 1; i < paths.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (!is_copy(target.rollouts[j], target.rollouts[i])) continue;
@@ -264,7 +264,7 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   for (const std::string& glitch : glitches) result.notes.push_back("warning: " + glitch);
   append(unwrap_turns(files, options.unwrap), result.notes);
   Target& target = result.target = even_target(files, options);
-  require_distinct(target, paths);
+  require_no_copies(target, paths);
   if (options.resample) result.notes.push_back(note_of_resampling(files, *options.resample));
   if (options.differentiate) {
     append(differentiate(target, files, *options.differentiate, options.at_rest), result.notes);

@@ -1,5 +1,4 @@
 // The part of a plan that is about the target: what inference sees, what is held out or left out.
-#include "analysis/metrics.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/rollout_check.h"
@@ -37,7 +36,6 @@ std::size_t PlanBuilder::add_target() {
     if (study.target.num_rollouts > 0) {
       plan_.target = plan_.target.first(study.target.num_rollouts + study.target.held_out);
     }
-    const analysis::Metrics errors_have_units(plan_.target);  // before anything is simulated
     json["content"] =
         content_hash(plan_.target.first(plan_.target.num_rollouts() - study.target.held_out));
   } else if (study.target.observation) {

@@ -10,6 +10,7 @@
 #include "inference/prior.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
+#include "pipeline/sources/dataset_rows.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -31,12 +32,16 @@ std::string prior_text(const inference::Marginal& m) {
 constexpr Index kMostRows = 10'000;
 constexpr double kFalseAlarmRate = 1e-4;
 
+// Of those that the first seed trains on.
+Index num_rows_of(const ReportData& data) {
+  const MethodConfig& method = data.plan.study.method(data.methods.front());
+  return std::min(kMostRows, method.algorithm.num_simulations);
+}
+
 // Rows inside the prior that the first seed trains on, in the space in which it is N(0, I).
 RowMatrix normal_theta(const ReportData& data) {
-  const Study& study = data.plan.study;
-  const inference::Prior prior(study.prior);
-  const Index count =
-      std::min(kMostRows, study.method(data.methods.front()).algorithm.num_simulations);
+  const inference::Prior prior(data.plan.study.prior);
+  const Index count = num_rows_of(data);
   const RowMatrix all = *data.plan.source->theta(data.seeds.front(), count);
   RowMatrix inside(all.rows(), all.cols());
   Index num_inside = 0;
@@ -46,11 +51,28 @@ RowMatrix normal_theta(const ReportData& data) {
   return prior.to_normal(inside.topRows(num_inside));
 }
 
-// Rows that are the same as an earlier one.
-Index num_copies(const RowMatrix& rows) {
-  std::set<std::vector<double>> different;
-  for (Index i = 0; i < rows.rows(); ++i) different.emplace(rows.row(i).begin(), rows.row(i).end());
-  return rows.rows() - std::ssize(different);
+// Rows of theta and x that are the same as earlier ones: they count several times, and stand on
+// both sides where some rows judge what others have taught.
+void note_copies(Table& table, const ReportData& data) {
+  const Study& study = data.plan.study;
+  if (study.source().simulates) return;
+  const DatasetFile dataset = open_dataset(study);
+  const Index count = num_rows_of(data);
+  const auto rows = dataset_rows(data.seeds.front(), dataset.num_rows(), count);
+  const RowMatrix theta = dataset.theta(rows), x = dataset.x(rows);
+  const auto bytes = [](const auto& row) {
+    const std::vector<double> values(row.begin(), row.end());
+    return std::string(reinterpret_cast<const char*>(values.data()),
+                       values.size() * sizeof(double));
+  };
+  std::set<std::string> different;
+  for (Index i = 0; i < count; ++i) different.insert(bytes(theta.row(i)) + bytes(x.row(i)));
+  const Index copies = count - std::ssize(different);
+  if (copies == 0) return;
+  table.footnote(fmt::format(
+      "{} of {} rows of the dataset are copies of others, theta and x: they count several times; "
+      "leave each in it once",
+      copies, count));
 }
 
 // Posteriors are those of the distribution that the dataset's theta was drawn from: says which
@@ -60,15 +82,6 @@ void note_foreign_theta(Table& table, const ReportData& data) {
   if (data.plan.study.source().simulates) return;
   const RowMatrix u = normal_theta(data);
   if (u.rows() == 0) return;
-  if (const Index copies = num_copies(u); copies > 0) {
-    // Which also makes values less independent than the test takes them for.
-    table.footnote(fmt::format(
-        "{} of {} rows of the dataset have the theta of another: where they weren't simulated "
-        "anew they are copies, which count several times, and of which some train the network "
-        "and others judge it",
-        copies, u.rows()));
-    return;
-  }
   for (Index d = 0; d < u.cols(); ++d) {
     const Vector uniform = u.col(d).unaryExpr([](double v) { return normal_cdf(v); });
     const auto test = inference::test_kolmogorov_smirnov(uniform);
@@ -151,6 +164,7 @@ Table make(const ReportData& data) {
     ++d;
   }
   note_foreign_theta(table, data);
+  note_copies(table, data);
   return table;
 }
 

@@ -34,8 +34,8 @@ std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& 
   return std::nullopt;
 }
 
-// Deviation of the seeds' means of parameter d, in root mean squares of their own deviations. 0 of
-// one seed, and of a periodic parameter.
+// Deviation of the seeds' means of parameter d, in root mean squares of the posteriors' deviations.
+// 0 of one seed, of a periodic parameter, and where samples are all the same.
 double disagreement(const ReportData& data, const Runs& runs, Index d) {
   if (runs.size() < 2 || data.period_of(d) > 0.0) return 0.0;
   const auto num_seeds = static_cast<Index>(runs.size());
@@ -47,12 +47,15 @@ double disagreement(const ReportData& data, const Runs& runs, Index d) {
   }
   const double between =
       (means.array() - means.mean()).square().sum() / static_cast<double>(num_seeds - 1);
-  return between > 0.0 ? std::sqrt(between / variances.mean()) : 0.0;
+  return variances.mean() > 0.0 ? std::sqrt(between / variances.mean()) : 0.0;
 }
 
-// Seeds that contradict each other are wrong in most of them, each as sure as if it were right.
+// Seeds that contradict each other are wrong in most of them, each as sure as if it were right. In
+// an outer loop each has an observation of its own.
 std::string words_of_disagreement(const ReportData& data, const std::string& method) {
   constexpr double most = 0.5;
+  const Study& study = data.plan.study;
+  if (study.num_iterations_of(study.method(method)) > 1) return "";
   std::vector<std::string> parameters;
   for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
     if (!data.is_inferred(method, d)) continue;
@@ -63,8 +66,9 @@ std::string words_of_disagreement(const ReportData& data, const std::string& met
   }
   if (parameters.empty()) return "";
   return fmt::format(
-      "seeds contradict each other about {}, the deviation between their means in their own: none "
-      "is to be believed by itself; try {}",
+      "seeds contradict each other about {} (spread of their means, in deviations of the "
+      "posteriors): "
+      "none is to be believed by itself; try {}",
       join(parameters), advice_to_learn(data, method));
 }
 

@@ -84,14 +84,15 @@ Verdict judge(const ReportData& data, const std::string& method, Check check) {
 }
 
 // What no check of a method that passes them all has looked at; "": nothing.
-std::string unseen(const ReportData& data) {
+std::string unseen(const ReportData& data, const MethodConfig& method) {
   const Study& study = data.plan.study;
-  const bool any_left_out = study.target.held_out > 0 || study.evaluate.leave_out > 0;
+  const bool any_left_out =
+      study.target.held_out > 0 || study.evaluate.leave_out > 0 || method.num_rollouts > 0;
   if (!study.target.recording || any_left_out || data.target.num_rollouts() < 2) return "";
   return fmt::format(
-      "{}: none of {}, so nothing shows whether it is too sure because the simulator lacks "
-      "something; see what target.held_out = 1 or evaluate.leave_out say",
-      traits_of(Check::held_out).title, counted(data.target.num_rollouts(), "rollout"));
+      "{}: there are none, so nothing shows whether it is too sure because the simulator lacks "
+      "something; set target.held_out = 1, or evaluate.leave_out = 2",
+      traits_of(Check::held_out).title);
 }
 
 }  // namespace
@@ -121,8 +122,9 @@ std::vector<CheckSummary> check_summaries(const ReportData& data) {
       if (verdict.judgment == Judgment::unknown) summary.unknown.push_back(title);
       if (!verdict.reason.empty()) summary.reasons.push_back(title + ": " + verdict.reason);
     }
-    const std::string but = unseen(data);
-    if (summary.failed.empty() && !but.empty()) summary.reasons.push_back(but);
+    const std::string but = unseen(data, data.plan.study.method(method));
+    const bool passes_all = summary.failed.empty() && summary.unknown.empty();
+    if (passes_all && !but.empty()) summary.reasons.push_back(but);
     summaries.push_back(std::move(summary));
   }
   return summaries;

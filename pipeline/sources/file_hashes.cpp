@@ -17,26 +17,28 @@ FileHashes::FileHashes(const std::vector<std::string>& names, const std::filesys
   }
 }
 
-void FileHashes::require_unchanged() const {
-  for (const auto& [name, stamp] : stamps_) {
+void FileHashes::require_unchanged() {
+  for (auto& [name, stamp] : stamps_) {
     const std::filesystem::path path = folder_ / name;
     std::error_code error;
-    const bool is_there = std::filesystem::is_regular_file(path, error);
-    if (is_there && (stamp_of(path) == stamp || file_hash(path) == hashes_.at(name))) continue;
-    throw Error(fmt::format(
-        "{} {} since this began: rows that were simulated with it meanwhile are thrown away; run "
-        "again, with the file as it was to go on, or as it is now to begin anew",
-        path.string(), is_there ? "was edited" : "is gone"));
+    const bool is_gone = !std::filesystem::exists(path, error);
+    if (error) continue;
+    const Stamp now = stamp_of(path);
+    if (!is_gone && now == stamp) continue;
+    if (is_gone || file_hash(path) != hashes_.at(name)) {
+      throw Error(fmt::format(
+          "{} {} since this began: rows that were simulated with it meanwhile are thrown away; "
+          "run again, with the file as it was to go on, or as it is now to begin anew",
+          path.string(), is_gone ? "is gone" : "was edited"));
+    }
+    stamp = now;
   }
 }
 
-// Of a file that isn't there: zeros.
 FileHashes::Stamp FileHashes::stamp_of(const std::filesystem::path& path) {
-  std::error_code error;
-  Stamp stamp;
-  stamp.time = std::filesystem::last_write_time(path, error);
-  stamp.size = std::filesystem::file_size(path, error);
-  return stamp;
+  std::error_code ignored;
+  return {std::filesystem::last_write_time(path, ignored),
+          std::filesystem::file_size(path, ignored)};
 }
 
 }  // namespace npdr::pipeline

@@ -1,6 +1,7 @@
 /// Files that rows depend on, held against what they were when they were read.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -17,8 +18,9 @@ class FileHashes {
   const std::map<std::string, std::string>& by_name() const { return hashes_; }
 
   /// Throws Error with the first file that isn't what it was: rows that are simulated with it
-  /// belong to another key. Reads only files of another time or size. Thread-safe.
-  void require_unchanged() const;
+  /// belong to another key. Reads only files whose time or size has changed; what was edited and
+  /// put back is what it was. A file that can't be read just now is looked at the next time.
+  void require_unchanged();
 
  private:
   struct Stamp {

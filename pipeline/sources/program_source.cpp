@@ -74,7 +74,7 @@ class ProgramRowSimulator final : public RowSimulator {
       }
     }
     adapt(all, std::chrono::duration<double>(Clock::now() - start).count());
-    for (const FileHashes& files : files_) files.require_unchanged();
+    for (FileHashes& files : files_) files.require_unchanged();
     return all;
   }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 
@@ -13,7 +14,7 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr std::size_t kFewestRepeats = 2, kFewestOthers = 8;
+constexpr std::size_t kFewestRepeats = 2, kFewestOthers = 3;
 
 struct Repeats {
   double value = 0.0;
@@ -32,7 +33,8 @@ std::optional<Repeats> repeats_of_first(std::span<const double> values) {
 
 std::vector<double> finite_values(const Vector& column) {
   std::vector<double> values;
-  std::ranges::copy_if(column, std::back_inserter(values), [](double v) { return std::isfinite(v); });
+  std::ranges::copy_if(column, std::back_inserter(values),
+                       [](double v) { return std::isfinite(v); });
   return values;
 }
 
@@ -52,8 +54,8 @@ std::string repeated_outliers(const RowMatrix& x, const std::vector<Channel>& co
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const auto repeats = repeated_outlier(x.col(static_cast<Index>(c)));
     if (!repeats) continue;
-    found.push_back(fmt::format("'{}' is {:.6g} in {} of {} rows", columns[c].label, repeats->value,
-                                repeats->count, x.rows()));
+    found.push_back(fmt::format("'{}' is {:.6g} in {} of the first {} rows", columns[c].label,
+                                repeats->value, repeats->count, x.rows()));
   }
   if (found.empty()) return "";
   return fmt::format(

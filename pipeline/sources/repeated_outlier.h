@@ -9,8 +9,9 @@
 
 namespace npdr::pipeline {
 
-/// Says which columns of x (n, F) hold their smallest or largest number several times, further from
-/// all others than these lie apart; "": none. Rows that aren't finite don't count.
+/// Says which columns of x (n, F), the first rows of a simulation, hold their smallest or largest
+/// number several times, further from all others than these lie apart; "": none. What isn't finite
+/// doesn't count.
 std::string repeated_outliers(const RowMatrix& x, const std::vector<Channel>& columns);
 
 }  // namespace npdr::pipeline

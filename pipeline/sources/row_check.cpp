@@ -140,7 +140,7 @@ Noise noise_of(RowSimulator& simulator, const GivenRows& rows, Index i,
                const RowDistance& distance) {
   const Index calls = simulator.num_calls();
   StreamId others = rows.first;
-  others.row = std::uint64_t{1} << 62;  // of no row
+  others.row = kNoRow;
   const sim::Trajectories x =
       simulator.simulate(rows.complete.row(i).replicate(2 * calls, 1), others);
   bool are_pairs_same = true, are_all_same = true;

@@ -1,6 +1,7 @@
 /// One way to simulate rows of theta, whatever the study's simulator is.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -13,6 +14,9 @@ namespace npdr::pipeline {
 inline constexpr const char* kSimulationStream = "external_simulation";
 /// The same of a simulated target domain.
 inline constexpr const char* kTruthStream = "external_truth";
+
+/// The number of no row: for simulations beside a study's own.
+inline constexpr std::uint64_t kNoRow = std::uint64_t{1} << 62;
 
 class RowSimulator {
  public:

@@ -60,11 +60,11 @@ class Refinement {
         rows_(plan, node, likelihood_, none_of_helpers(plan)),
         progress_(node.label() + ", simulations", 0) {
     writer.add_cost(earlier_.cost);
-    likelihood_.require_deterministic();
     if (config_.cross_validate && likelihood_.num_rollouts() < 2) {
       throw InputError(node_.label() +
                        ": refine.cross_validate needs two rollouts or more; the target has one");
     }
+    if (earlier_.state.num_draws == 0) likelihood_.require_deterministic();
   }
 
   // Returns the number of rows that failed.

@@ -14,8 +14,8 @@
 namespace npdr::pipeline {
 namespace {
 
-// The first channel in which two rows differ by more than rounding does, relative to its size; -1:
-// none, or one of them failed.
+// The first channel in which two rows differ by more than rounding does, relative to how much it
+// varies; -1: none, or one of them failed.
 Index different_channel(const sim::Trajectories& rows, Index i, Index j) {
   constexpr double rounding = 1e-3;  // of chaotic motion, too
   const auto view = [&](Index row) {
@@ -26,7 +26,9 @@ Index different_channel(const sim::Trajectories& rows, Index i, Index j) {
   const RowMatrix one = view(i), other = view(j);
   if (!one.allFinite() || !other.allFinite()) return -1;
   for (Index c = 0; c < rows.num_states; ++c) {
-    if ((one.col(c) - other.col(c)).norm() > rounding * one.col(c).norm()) return c;
+    const double varies = (one.col(c).array() - one.col(c).mean()).matrix().norm();
+    const double exact = 1e-6 * one.col(c).norm();  // of floats
+    if ((one.col(c) - other.col(c)).norm() > std::max(rounding * varies, exact)) return c;
   }
   return -1;
 }
@@ -59,22 +61,21 @@ Vector SimulatedLikelihood::of(const sim::Trajectories& rows, Index& failed) con
 void SimulatedLikelihood::require_deterministic() const {
   if (!plan_.study.source().takes_seeds) return;
   constexpr Index count = 4;
-  constexpr Index of_no_row = Index{1} << 62;
   const inference::Prior prior(plan_.study.prior);
   Stream stream(within(id_, "deterministic"));
   RowMatrix u(2 * count, prior.dimension());
   for (Index i = 0; i < 2 * count; i += 2) {
     for (Index d = 0; d < u.cols(); ++d) u(i, d) = u(i + 1, d) = stream.normal();
   }
-  const sim::Trajectories twice = simulate(prior.to_theta(u), of_no_row);
+  const sim::Trajectories twice = simulate(prior.to_theta(u), static_cast<Index>(kNoRow));
   for (Index i = 0; i < 2 * count; i += 2) {
     const Index channel = different_channel(twice, i, i + 1);
     if (channel < 0) continue;
     throw InputError(fmt::format(
-        "the simulator draws random numbers: simulated twice with the same parameters, channel "
-        "'{}' differs; a refinement needs motion that follows from theta alone: say noise of "
-        "sensors in [observation_noise], not in the simulator, or choose another algorithm, such "
-        "as 'npe_nle'",
+        "simulated twice with the same parameters, channel '{}' differs, as of a simulator that "
+        "draws random numbers or keeps something from one row to the next; a refinement needs "
+        "motion that follows from theta alone: say noise of sensors in [observation_noise], not in "
+        "the simulator, or choose another algorithm, such as 'npe_nle'",
         target_.state_channels[static_cast<std::size_t>(channel)].label));
   }
 }

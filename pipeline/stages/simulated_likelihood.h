@@ -27,7 +27,8 @@ class SimulatedLikelihood {
   Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
 
   /// Throws InputError when rollouts of a simulator of the user's don't follow from theta: those of
-  /// a few draws of the prior, each simulated twice with other random numbers, differ.
+  /// a few draws of the prior, each simulated twice with other seeds, differ by more than 0.1 % of
+  /// a channel's deviation.
   void require_deterministic() const;
 
   /// Rollouts of rows of theta (n, D), number `first` and those after it. Throws as

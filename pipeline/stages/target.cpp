@@ -8,6 +8,7 @@
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/target_file.h"
+#include "pipeline/config/rollout_check.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/stages/stages.h"
@@ -50,6 +51,7 @@ void write_part(const Plan& plan, const Node& node, const Target& all, h5::File&
   if (!plan.study.source().gives_motion) {
     write_observation(file, all);
   } else {
+    if (plan.study.target.recording) require_motion(plan.study, all);
     const Target used = all.first(num_seen), seen = without_fold(plan.study, used, fold);
     if (node.stage == Stage::target) return write_target(file, seen);
     const Target rest = fold > 0 ? of_fold(plan.study, used, fold) : all.after(num_seen);

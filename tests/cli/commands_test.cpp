@@ -372,7 +372,8 @@ TEST_F(Commands, ImportLosesNothing) {
 
 TEST_F(Commands, ListsMayComeBeforeWhatTheyBelongTo) {
   for (const char* name : {"b.csv", "c.csv"}) {
-    std::ofstream(file(name)) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,0,0\n";
+    std::ofstream(file(name)) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,"
+                              << (name == std::string("b.csv") ? "0,0\n" : "1,0\n");
   }
   const auto imported = [](std::vector<std::string> words) {
     words.insert(words.begin(), {"import", "--force", "-o", "b.h5", "--dt", "0.1"});

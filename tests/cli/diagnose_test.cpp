@@ -201,7 +201,7 @@ TEST_F(Diagnose, CompareSaysHowFarApartSamplesAre) {
   EXPECT_EQ(json["parameters"][0]["name"], "pole_mass");
   const Outcome other = npdr({"compare", "one.csv", "runs/checked/npe/seed-1/round-1/propose.h5"});
   ASSERT_EQ(other.status, 0) << other.err;
-  EXPECT_NE(other.out.find("150 rows of each"), std::string::npos) << other.out;
+  EXPECT_NE(other.out.find("150 rows of each, picked at random"), std::string::npos) << other.out;
   EXPECT_NE(other.out.find("pole_length [m]"), std::string::npos) << other.out;
 }
 

@@ -159,7 +159,8 @@ class Documents : public ::testing::TestWithParam<std::string> {
       write_recording(minigolf_recording(7), folder_ / (folder + "minigolf_8s.h5"));
     }
     if (GetParam() == "docs/file-formats.md") prepare_file_formats();
-    for (const char* name : {"rollout1.csv", "rollout2.csv"}) folder_.file(name, furuta_csv());
+    folder_.file("rollout1.csv", furuta_csv(0.1));
+    folder_.file("rollout2.csv", furuta_csv(0.2));
   }
 
   // With the project's programs on the path.
@@ -174,7 +175,8 @@ class Documents : public ::testing::TestWithParam<std::string> {
     const auto device = sim::make_simulator({.name = "pendulum"});
     write_recording(device->behave(sim::complete_theta(*device, {}), 1, 1),
                     folder_ / "recording.h5");
-    fs::copy(folder_ / "run_a.csv", folder_ / "run_b.csv");
+    std::string run_b = text_of(folder_ / "run_a.csv");
+    folder_.file("run_b.csv", run_b.replace(run_b.find("0.03"), 4, "0.04"));
     const Outcome outcome = shell(
         "npdr run experiments/furuta_policy.toml --only NPDR --seeds 1 --set method.num_rounds=1 "
         "--set method.num_simulations=64 --set method.training.max_epochs=1 "
@@ -198,13 +200,13 @@ class Documents : public ::testing::TestWithParam<std::string> {
   }
 
   // A second of a pole that swings a little.
-  static std::string furuta_csv() {
+  static std::string furuta_csv(double amplitude) {
     std::string text =
         "t [s],theta [rad],alpha [rad],theta_dot [rad/s],alpha_dot [rad/s],voltage [V]\n";
     for (int i = 0; i <= 500; ++i) {
       const double t = 0.002 * i;
-      for (const double value : {t, 0.1 * std::sin(t), 0.2 * std::sin(8.0 * t), 0.1 * std::cos(t),
-                                 1.6 * std::cos(8.0 * t)}) {
+      for (const double value : {t, amplitude * std::sin(t), 0.2 * std::sin(8.0 * t),
+                                 amplitude * std::cos(t), 1.6 * std::cos(8.0 * t)}) {
         text += std::to_string(value) + ",";
       }
       text += i < 500 ? "0.5\n" : "\n";

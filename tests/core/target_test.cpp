@@ -39,6 +39,16 @@ TEST(Target, NamesTheNanItFinds) {
       << message;
 }
 
+TEST(Target, RejectsStatesBeyondSinglePrecision) {
+  Target target = two_rollouts();
+  target.rollouts[1].actions(1, 0) = 1e300;
+  EXPECT_EQ(problem_of(target), "");
+  target.rollouts[1].states(2, 1) = -1e39;
+  EXPECT_TRUE(says(problem_of(target),
+                   {"file.h5: state of rollout 1 ('b') of channel 'rate' is -1e+39 at step 2",
+                    "must be of magnitude 3.40282e+38 or less"}));
+}
+
 TEST(Target, RejectsAWrongShapeAndABadTimeStep) {
   Target target = two_rollouts();
   target.rollouts[0].actions.resize(2, 1);

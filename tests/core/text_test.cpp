@@ -15,6 +15,7 @@ TEST(Text, FindsTheNearestName) {
   EXPECT_EQ(nearest_name("x0", {"zz", "x1"}), "x1");
   EXPECT_EQ(nearest_name("x", {"a"}), "") << "another name altogether";
   EXPECT_EQ(nearest_name("npe", {"nle", "npe_c"}), "npe_c") << "a name cut short";
+  EXPECT_EQ(nearest_name("NPE", {"nle", "npe_c"}), "npe_c");
   EXPECT_EQ(nearest_name("theta", {"thet", "theta_dot"}), "thet") << "a letter is missing";
   EXPECT_EQ(nearest_name("np", {"nle", "npe_c"}), "") << "too short to tell";
 }

@@ -143,7 +143,7 @@ TEST(Replay, ARowThatDivergesIsMarkedAndLeavesItsNeighborsAlone) {
 
 TEST(Replay, ARolloutThatDivergesFailsTheWholeRowThoughLaterSegmentsRecover) {
   Target target = short_target(2, 60);
-  target.rollouts[1].states(20, 2) = 1e200;  // a recorded state where only segment 1 starts
+  target.rollouts[1].states(20, 2) = 1e38;  // a recorded state where only segment 1 starts
   const auto simulator = furuta({.segment_length = 20, .store_every = 60});
   const Trajectories result = simulator->replay(target, random_thetas(1));
   EXPECT_EQ(result.status[0], RolloutStatus::diverged);

@@ -1,5 +1,9 @@
 #include "pipeline/artefacts/sample_set.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/error.h"
@@ -40,13 +44,20 @@ TEST_F(SampleSets, OfHdf5AndCsvAreReadAlike) {
   EXPECT_EQ(in_order_of(csv, set).rows, csv.rows);
 }
 
-// Files hold chains or seeds one after the other.
+// Files hold seeds one after the other, and chains in turn.
 TEST_F(SampleSets, OfALongFileAllPartsHaveTheirShare) {
-  const SampleSet set = read_sample_set(write("a.h5", {}, {}, 10), "theta", 4);
-  EXPECT_EQ(Vector(set.rows.col(0)), Eigen::Vector4d(0.0, 2.0, 5.0, 7.0));
+  const SampleSet set = read_sample_set(write("a.h5", {}, {}, 1000), "theta", 100);
+  std::array<int, 10> in_turn = {};
+  for (Index i = 0; i < 100; ++i) {
+    const auto row = static_cast<Index>(set.rows(i, 0));
+    EXPECT_EQ(row / 10, i);
+    ++in_turn[static_cast<std::size_t>(row % 10)];
+  }
+  // 10 each in expectation; none of 10 is missed but with probability 10 (1 - 1 / 10)^100 = 3e-4.
+  EXPECT_GT(*std::ranges::min_element(in_turn), 0);
   std::string text;
-  for (int i = 0; i < 10; ++i) text += std::to_string(i) + "," + std::to_string(10 * i) + "\n";
-  EXPECT_EQ(read_sample_set(folder_.file("a.csv", text), "", 4).rows, set.rows);
+  for (int i = 0; i < 1000; ++i) text += fmt::format("{},{}\n", i, 10 * i);
+  EXPECT_EQ(read_sample_set(folder_.file("a.csv", text), "", 100).rows, set.rows);
 }
 
 TEST_F(SampleSets, WithoutNamesTheOrderCounts) {

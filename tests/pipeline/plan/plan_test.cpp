@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "pipeline/artefacts/recording.h"
+#include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/pipeline/plan/plan_parts.h"
 #include "tests/study_text.h"
@@ -240,6 +241,18 @@ TEST(Plan, AStudyPicksRolloutsOfItsRecording) {
   EXPECT_TRUE(says(message_of<InputError>([&] { plan("[1, 3]"); }),
                    {"--set target.rollouts=[1, 3]: target.rollouts = 3",
                     "must be <= 2, what the recording holds"}));
+}
+
+TEST(Plan, AChannelThatIsZeroThroughoutIsNamed) {
+  const TempFolder folder;
+  write_constant(folder / "r.h5");
+  Plan plan = plan_of({"target.recording=" + (folder / "r.h5").string()});
+  EXPECT_NO_THROW(require_motion(plan.study, plan.target));
+  plan.target.rollouts[1].states.col(1).head(40).setZero();  // but for the last, which isn't
+                                                             // replayed
+  EXPECT_TRUE(says(message_of<InputError>([&] { require_motion(plan.study, plan.target); }),
+                   {"--set target.recording=", "channel 'theta_dot' of rollout 'second' is 0",
+                    "leave out the rollout (target.rollouts)"}));
 }
 
 TEST(Plan, ARecordingHasTwoStepsAtLeast) {

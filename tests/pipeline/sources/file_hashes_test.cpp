@@ -27,7 +27,7 @@ TEST_F(FileHashesTest, AreThoseOfTheBytes) {
 }
 
 TEST_F(FileHashesTest, RefuseAFileThatWasEdited) {
-  const FileHashes files = read();
+  FileHashes files = read();
   EXPECT_NO_THROW(files.require_unchanged());
   folder_.file("sim.sh", "echo 10");
   EXPECT_TRUE(says(message_of<Error>([&] { files.require_unchanged(); }),
@@ -38,7 +38,7 @@ TEST_F(FileHashesTest, RefuseAFileThatWasEdited) {
 }
 
 TEST_F(FileHashesTest, TakeTheSameBytesWrittenAgain) {
-  const FileHashes files = read();
+  FileHashes files = read();
   folder_.file("sim.sh", "echo 1");
   std::filesystem::last_write_time(
       folder_ / "sim.sh", std::filesystem::file_time_type::clock::now() + std::chrono::hours(1));
