@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
+#include <string>
 
 #include "analysis/quantiles.h"
 #include "core/normal.h"
@@ -11,6 +13,7 @@
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
 #include "pipeline/sources/dataset_rows.h"
+#include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -59,14 +62,19 @@ void note_copies(Table& table, const ReportData& data) {
   const DatasetFile dataset = open_dataset(study);
   const Index count = num_rows_of(data);
   const auto rows = dataset_rows(data.seeds.front(), dataset.num_rows(), count);
-  const RowMatrix theta = dataset.theta(rows), x = dataset.x(rows);
-  const auto bytes = [](const auto& row) {
-    const std::vector<double> values(row.begin(), row.end());
-    return std::string(reinterpret_cast<const char*>(values.data()),
-                       values.size() * sizeof(double));
-  };
-  std::set<std::string> different;
-  for (Index i = 0; i < count; ++i) different.insert(bytes(theta.row(i)) + bytes(x.row(i)));
+  std::set<std::string> different;  // hashes: rows may have very many features
+  constexpr Index block = 256;
+  for (Index begin = 0; begin < count; begin += block) {
+    const auto some = std::span(rows).subspan(
+        static_cast<std::size_t>(begin), static_cast<std::size_t>(std::min(block, count - begin)));
+    const RowMatrix theta = dataset.theta(some), x = dataset.x(some);
+    for (Index i = 0; i < theta.rows(); ++i) {
+      Hasher row;
+      row.add_bytes(theta.row(i).data(), static_cast<std::size_t>(theta.cols()) * sizeof(double));
+      row.add_bytes(x.row(i).data(), static_cast<std::size_t>(x.cols()) * sizeof(double));
+      different.insert(row.hex());
+    }
+  }
   const Index copies = count - std::ssize(different);
   if (copies == 0) return;
   table.footnote(fmt::format(
