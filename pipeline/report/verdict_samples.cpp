@@ -67,8 +67,7 @@ std::string words_of_disagreement(const ReportData& data, const std::string& met
   if (parameters.empty()) return "";
   return fmt::format(
       "seeds contradict each other about {} (spread of their means, in deviations of the "
-      "posteriors): "
-      "none is to be believed by itself; try {}",
+      "posteriors): none is to be believed by itself; try {}",
       join(parameters), advice_to_learn(data, method));
 }
 
