@@ -45,6 +45,17 @@ void describe(Layout f, analysis::Bands& bands, const char* rollouts) {
   f.attribute("num_samples", bands.num_samples, "those that didn't fail");
 }
 
+void describe(Layout f, NoiseSamples& noise) {
+  const Dims dims = {kRow, {"C", "channel"}};
+  f("scale", noise.scale, dims,
+    "of the observation noise of each sample's prediction, over the channel's largest recorded "
+    "magnitude unless the study gives it by `std`; only where any of its parameters has a prior");
+  f("correlation", noise.correlation, dims, "of neighboring stored states' noise",
+    {.unless_empty = true});
+  f("degrees_of_freedom", noise.degrees_of_freedom, dims, "of noise with heavy tails",
+    {.unless_empty = true});
+}
+
 void describe(Layout f, Evaluation& e, const std::vector<inference::Marginal>& prior,
               const std::vector<Channel>& features) {
   const std::vector<std::string> metrics = f.those_there(all_measured_names());
@@ -68,6 +79,7 @@ void describe(Layout f, Evaluation& e, const std::vector<inference::Marginal>& p
     describe(*bands, *e.held_out_bands, "G");
   }
   describe(f, e.scores);
+  if (auto noise = f.group("noise", e.noise)) describe(*noise, *e.noise);
   f("x", e.x, {kRow, kFeature}, "what a command gave at the samples, in place of the bands")
       .columns(features);
 }

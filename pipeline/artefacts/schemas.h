@@ -17,7 +17,7 @@ inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 11, "in
 inline const Schema kAskedRowsSchema{"asked_rows", 1, "infer"};
 inline const Schema kSimulatedRowsSchema{"simulated_rows", 1, "infer"};
 inline const Schema kBaselineSchema{"baseline", 5, "baseline"};
-inline const Schema kEvaluationSchema{"evaluation", 8, "evaluate"};
+inline const Schema kEvaluationSchema{"evaluation", 9, "evaluate"};
 inline const Schema kDiagnosisSchema{"diagnosis", 4, "diagnose"};
 inline const Schema kPolicySchema{"policy", 1, "policy"};
 inline const Schema kPolicyCheckpointSchema{"policy_checkpoint", 1, "policy"};

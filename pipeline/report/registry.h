@@ -38,6 +38,7 @@ TableEntry seeds_table();
 TableEntry scores_table();
 TableEntry parameters_table();
 TableEntry intervals_table();
+TableEntry noise_table();
 TableEntry contraction_table();
 TableEntry refinement_table();
 TableEntry policy_table();
@@ -48,21 +49,14 @@ TableEntry diagnostics_table();
 
 /// In the order of the report.
 inline std::vector<TableEntry> all_tables() {
-  return {fit_table(),
-          scores_table(),
-          features_table(),
-          rounds_table(),
-          densities_table(),
-          seeds_table(),
-          parameters_table(),
-          intervals_table(),
-          contraction_table(),
-          refinement_table(),
-          policy_table(),
-          policy_seeds_table(),
-          policy_parameters_table(),
-          policy_cost_table(),
-          diagnostics_table()};
+  return {fit_table(),          scores_table(),
+          features_table(),     rounds_table(),
+          densities_table(),    seeds_table(),
+          parameters_table(),   intervals_table(),
+          noise_table(),        contraction_table(),
+          refinement_table(),   policy_table(),
+          policy_seeds_table(), policy_parameters_table(),
+          policy_cost_table(),  diagnostics_table()};
 }
 
 FigureEntry interval_figure();

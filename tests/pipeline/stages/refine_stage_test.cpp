@@ -19,6 +19,7 @@
 #include "pipeline/report/registry.h"
 #include "pipeline/run/run_stage.h"
 #include "sim/noise_likelihood.h"
+#include "sim/observation_noise.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
@@ -212,6 +213,50 @@ TEST_F(RefineStage, PredictionsAreScoredWithNoise) {
   EXPECT_LT(evaluation.scores.seen->crps.mean(), 0.04) << "of states that aren't noisy";
   EXPECT_EQ(evaluation.scores.seen->num_compared, evaluation.theta.rows());
   EXPECT_GT(evaluation.scores.seen->share_as_seldom_within, 0.0);
+  EXPECT_FALSE(evaluation.noise.has_value()) << "it is given";
+}
+
+// Root mean square of a channel's errors at the truth, over its largest recorded magnitude.
+double error_at_truth(const Plan& plan, Index channel) {
+  const Judge judge(plan, plan.node(Stage::evaluate, {"Prior", 1, 1}));
+  const Target& target = judge.seen().target();
+  const Vector truth = plan.source->parameters().nominal(*plan.study.target.truth);
+  const sim::Trajectories exact = judge.seen().simulate(truth.transpose(), {});
+  const std::vector<float> recorded = stored_observation(plan, target);
+  const RowMatrix amplitude = sim::reference_amplitude(target);
+  const Index every = plan.study.simulator.store_every, steps = target.num_steps() / every;
+  double sum = 0.0;
+  for (Index h = 0; h < target.num_rollouts(); ++h) {
+    for (Index k = 0; k < steps; ++k) {
+      const auto at = static_cast<std::size_t>((h * steps + k) * 2 + channel);
+      const double error = recorded[at] - exact.rollout(0, h)((k + 1) * every - 1, channel);
+      sum += std::pow(error / amplitude(h, channel), 2);
+    }
+  }
+  return std::sqrt(sum / static_cast<double>(target.num_rollouts() * steps));
+}
+
+// 20 errors of a channel tell its noise's scale to 16 %, from which the posterior's mean lies off
+// by half of that at most, as the median of a wide prior has it.
+TEST_F(RefineStage, NoiseThatIsInferredIsInTheReport) {
+  const Plan plan = plan_of(study_with("scale_prior = [0.2, 1.0]"));
+  for (const Node& node : plan.nodes) {
+    if (node.stage != Stage::report) run_stage(plan, node);
+  }
+  const ReportData data = read_report_data(plan, plan.nodes.back());
+  ASSERT_TRUE(noise_table().exists(data));
+  const analysis::Table table = noise_table().make(data);
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[0].label, "scale of theta");
+  EXPECT_EQ(table.rows[1].label, "scale of theta_dot");
+  for (Index c = 0; c < 2; ++c) {
+    const std::vector<analysis::Cell>& cells = table.rows[static_cast<std::size_t>(c)].cells;
+    EXPECT_EQ(std::get<std::string>(cells[0].value), "0.2 (0.0736 to 0.544)");
+    const double expected = error_at_truth(plan, c);
+    for (const std::size_t method : {2u, 3u}) {
+      EXPECT_NEAR(std::get<analysis::MeanStd>(cells[method].value).mean, expected, 0.25 * expected);
+    }
+  }
 }
 
 double mean_scale(const NoiseOfSamples& noise) {
