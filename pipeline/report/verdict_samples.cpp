@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/normal.h"
 #include "core/text.h"
@@ -32,43 +31,6 @@ std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& 
   if (found.presses_lower()) return marginal.lower();
   if (found.presses_upper()) return marginal.upper();
   return std::nullopt;
-}
-
-// Deviation of the seeds' means of parameter d, in root mean squares of the posteriors' deviations.
-// 0 of one seed, of a periodic parameter, and where samples are all the same.
-double disagreement(const ReportData& data, const Runs& runs, Index d) {
-  if (runs.size() < 2 || data.period_of(d) > 0.0) return 0.0;
-  const auto num_seeds = static_cast<Index>(runs.size());
-  Vector means(num_seeds), variances(num_seeds);
-  for (Index s = 0; s < num_seeds; ++s) {
-    const auto theta = runs[static_cast<std::size_t>(s)]->evaluation.theta.col(d);
-    means(s) = theta.mean();
-    variances(s) = (theta.array() - means(s)).square().mean();
-  }
-  const double between =
-      (means.array() - means.mean()).square().sum() / static_cast<double>(num_seeds - 1);
-  return variances.mean() > 0.0 ? std::sqrt(between / variances.mean()) : 0.0;
-}
-
-// Seeds that contradict each other are wrong in most of them, each as sure as if it were right. In
-// an outer loop each has an observation of its own.
-std::string words_of_disagreement(const ReportData& data, const std::string& method) {
-  constexpr double most = 0.5;
-  const Study& study = data.plan.study;
-  if (study.num_iterations_of(study.method(method)) > 1) return "";
-  std::vector<std::string> parameters;
-  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
-    if (!data.is_inferred(method, d)) continue;
-    const double found = disagreement(data, data.runs_of(method), d);
-    if (!(found > most)) continue;
-    parameters.push_back(
-        fmt::format("{} ({:.1f})", data.plan.study.prior[static_cast<std::size_t>(d)].name, found));
-  }
-  if (parameters.empty()) return "";
-  return fmt::format(
-      "seeds contradict each other about {} (spread of their means, in deviations of the "
-      "posteriors): none is to be believed by itself; try {}",
-      join(parameters), advice_to_learn(data, method));
 }
 
 }  // namespace
@@ -129,10 +91,14 @@ Verdict judge_contraction(const ReportData& data, const std::string& method) {
             "nothing of them (other inputs, or longer rollouts, would), or nothing was learned (" +
                 advice_to_learn(data, method) + ")"};
   }
-  std::string but = unchanged.empty() ? "" : fmt::format("says little of {}", join(unchanged));
-  const std::string seeds = words_of_disagreement(data, method);
-  if (!seeds.empty()) but += (but.empty() ? "" : "; ") + seeds;
-  return {Check::contraction, Judgment::passes, fmt::format("passes, up to {:.3g}", largest), but};
+  std::vector<std::string> but;
+  if (!unchanged.empty()) but.push_back(fmt::format("says little of {}", join(unchanged)));
+  for (const std::string& contradiction :
+       {contradiction_of_seeds(data, method), contradiction_of_methods(data, method)}) {
+    if (!contradiction.empty()) but.push_back(contradiction);
+  }
+  return {Check::contraction, Judgment::passes, fmt::format("passes, up to {:.3g}", largest),
+          join(but, "; ")};
 }
 
 }  // namespace npdr::pipeline

@@ -1,65 +1,11 @@
 #include "pipeline/report/verdicts.h"
 
-#include "core/normal.h"
 #include "pipeline/report/registry.h"
 #include "tests/message_of.h"
-#include "tests/pipeline/small_study.h"
+#include "tests/pipeline/report/verdict_fixture.h"
 
 namespace npdr::pipeline {
 namespace {
-
-const std::string kMethod = "NPDR (MAF)";
-
-// Samples at even quantiles of N(mean, std^2), cut off at the box of the small study's prior.
-RowMatrix samples_around(double mean, double std) {
-  constexpr Index n = 400;
-  RowMatrix theta(n, 2);
-  for (Index d = 0; d < 2; ++d) {
-    const double low = normal_cdf((0.3 - mean) / std), high = normal_cdf((1.7 - mean) / std);
-    for (Index i = 0; i < n; ++i) {
-      // The second column in another order: they don't depend on each other.
-      const Index rank = d == 0 ? i : (i * 171) % n;
-      const double p = low + (high - low) * (static_cast<double>(rank) + 0.5) / n;
-      theta(i, d) = mean + std * normal_quantile(p);
-    }
-  }
-  return theta;
-}
-
-class Verdicts : public ::testing::Test {
- protected:
-  Verdicts()
-      : plan_(make_plan(parse_study(kStudyText, "s.toml", {}), WorkFolder("runs"))),
-        data_{plan_, sim::make_simulator(plan_.study.simulator)->info(), {kMethod}, {1}, {}, {}} {
-    data_.baseline.prior = PriorPredictions{{{"rmse", Vector::Constant(100, 1.0)}}, {}};
-    add_run(samples_around(1.0, 0.02), 0.02);
-    data_.diagnoses.push_back({{kMethod, 1, 0}, {}});
-    Diagnosis& diagnosis = data_.diagnoses.back().result;
-    diagnosis.predictive.emplace();
-    diagnosis.predictive->check.overall.num_reference = 100;
-    diagnosis.predictive->median = Vector::Zero(1);
-    diagnosis.ood.emplace().num_reference = 100;
-    diagnosis.failures.emplace();
-    diagnosis.training.emplace().is_converged = true;
-  }
-
-  void add_run(const RowMatrix& theta, double rmse) {
-    EvaluatedRun run;
-    run.use = {kMethod, 1, 1};
-    run.last_round = true;
-    run.evaluation.theta = theta;
-    run.evaluation.metrics["rmse"] = Vector::Constant(theta.rows(), rmse);
-    data_.runs = {run};
-  }
-
-  Verdict verdict_of(Check check) const {
-    const std::vector<Verdict> all = verdicts_of(data_, kMethod);
-    return *std::ranges::find(all, check, &Verdict::check);
-  }
-
-  Plan plan_;
-  ReportData data_;
-};
 
 TEST_F(Verdicts, AMethodWithoutFaultPassesAll) {
   const auto summaries = check_summaries(data_);
@@ -79,20 +25,6 @@ TEST_F(Verdicts, ThatNoRolloutIsHeldOutIsSaidWhereAllElsePasses) {
       says(reasons().front(), {"Held-out rollouts: there are none", "target.held_out = 1"}));
   plan_.study.evaluate.leave_out = 3;
   EXPECT_EQ(reasons().size(), 0u);
-}
-
-TEST_F(Verdicts, SeedsThatContradictEachOtherAreSaid) {
-  data_.seeds = {1, 2};
-  data_.runs.push_back(data_.runs.front());
-  data_.runs.back().use.seed = 2;
-  EXPECT_EQ(verdict_of(Check::contraction).reason, "");
-  data_.runs.back().evaluation.theta = samples_around(1.1, 0.02);  // five deviations off
-  EXPECT_TRUE(says(verdict_of(Check::contraction).reason,
-                   {"seeds contradict each other about pole_mass (3.5), pole_length (3.5)",
-                    "none is to be believed", "try more simulations"}));
-  plan_.study.policy.search.kind = inference::PolicyOptimizerKind::power;
-  plan_.study.methods.front().num_iterations = 2;
-  EXPECT_EQ(verdict_of(Check::contraction).reason, "") << "each has an observation of its own";
 }
 
 TEST_F(Verdicts, ChainsThatDontAgreeFail) {
