@@ -12,6 +12,7 @@
 #include "core/printable.h"
 #include "core/text.h"
 #include "inference/embeddings/embedding.h"
+#include "inference/estimators/gaussian_mixture.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/feature_file.h"
@@ -37,9 +38,10 @@ struct PosteriorArguments {
   std::string theta;  ///< file of log-prob
 };
 
-struct SampleArguments {
-  PosteriorArguments posterior;
-  StudyArguments study;  ///< in its place
+/// Posteriors that a command line names: one, or those of a study's method.
+struct ChosenPosteriors {
+  PosteriorArguments posterior;  ///< its `posterior` may be a study
+  StudyArguments study;          ///< which of the study's
 };
 
 // Largest difference of what simulations take from a recording: actions, and states they begin in.
@@ -202,12 +204,12 @@ const MethodConfig& only_method(const Plan& plan, const std::vector<std::string>
 }
 
 // Posteriors of a study's method, in the order of seeds.
-std::vector<std::string> posteriors_of(const Plan& plan, const SampleArguments& arguments) {
-  const MethodConfig& method = only_method(plan, arguments.study.methods);
+std::vector<std::string> posteriors_of(const Plan& plan, const StudyArguments& arguments) {
+  const MethodConfig& method = only_method(plan, arguments.methods);
   const Index iterations = plan.study.num_iterations_of(method);
   std::vector<std::string> paths;
   for (const std::uint64_t seed : plan.study.seeds) {
-    const auto& wanted = arguments.study.seeds;
+    const auto& wanted = arguments.seeds;
     if (!wanted.empty() && std::ranges::count(wanted, seed) == 0) continue;
     const Use use{method.name, seed, method.algorithm.num_rounds, iterations > 1 ? iterations : 0};
     const Node& node = plan.node(Stage::infer, use);
@@ -220,15 +222,26 @@ std::vector<std::string> posteriors_of(const Plan& plan, const SampleArguments& 
   return paths;
 }
 
-// The samples are shared out among a study's seeds, whose posteriors count the same.
-void print_samples_of_study(const SampleArguments& arguments) {
-  const std::vector<std::string> posteriors =
-      posteriors_of(arguments.study.plan_here("npdr sample"), arguments);
-  const auto count = static_cast<Index>(posteriors.size());
-  PosteriorArguments one = arguments.posterior;
-  for (Index i = 0; i < count; ++i) {
-    one.posterior = posteriors[static_cast<std::size_t>(i)];
-    one.count = arguments.posterior.count / count + (i < arguments.posterior.count % count ? 1 : 0);
+// One for each, which count the same.
+std::vector<PosteriorArguments> each_of(const ChosenPosteriors& chosen, const char* program) {
+  if (!chosen.posterior.posterior.ends_with(".toml")) return {chosen.posterior};
+  StudyArguments study = chosen.study;
+  study.file = chosen.posterior.posterior;
+  std::vector<PosteriorArguments> all;
+  for (const std::string& path : posteriors_of(study.plan_here(program), study)) {
+    all.push_back(chosen.posterior);
+    all.back().posterior = path;
+  }
+  return all;
+}
+
+// The samples are shared out among the posteriors.
+void print_samples_of(const ChosenPosteriors& chosen) {
+  std::vector<PosteriorArguments> all = each_of(chosen, "npdr sample");
+  const auto num = static_cast<Index>(all.size());
+  for (Index i = 0; i < num; ++i) {
+    PosteriorArguments& one = all[static_cast<std::size_t>(i)];
+    one.count = chosen.posterior.count / num + (i < chosen.posterior.count % num ? 1 : 0);
     if (one.count > 0) print_samples(one, i == 0);
   }
 }
@@ -245,46 +258,57 @@ RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
                                set.where, counted(set.rows.cols(), "column"), prior.dimension()));
 }
 
-void print_log_prob(const PosteriorArguments& arguments) {
-  const auto posterior = load(arguments);
-  const Vector log_prob = posterior->log_prob(read_theta(arguments.theta, posterior->prior()));
-  require_numbers(arguments, !log_prob.hasNaN());
-  fmt::print("log_prob\n");
-  for (const double value : log_prob) fmt::print("{:.17g}\n", value);
+// (posteriors, rows of theta)
+RowMatrix log_prob_of(const std::vector<PosteriorArguments>& all) {
+  RowMatrix log_prob;
+  for (const PosteriorArguments& one : all) {
+    const auto posterior = load(one);
+    const Vector found = posterior->log_prob(read_theta(one.theta, posterior->prior()));
+    require_numbers(one, !found.hasNaN());
+    log_prob.conservativeResize(log_prob.rows() + 1, found.size());
+    log_prob.bottomRows(1) = found.transpose();
+  }
+  return log_prob;
 }
 
-void add_posterior_options(CLI::App& command, PosteriorArguments& arguments,
-                           const std::string& what) {
-  command.add_option("POSTERIOR", arguments.posterior, what)->required();
-  command.add_option("--x", arguments.recording,
+// The density of several is their mean.
+void print_log_prob(const ChosenPosteriors& chosen) {
+  const RowMatrix log_prob = log_prob_of(each_of(chosen, "npdr log-prob"));
+  const double log_num = std::log(static_cast<double>(log_prob.rows()));
+  fmt::print("log_prob\n");
+  for (Index i = 0; i < log_prob.cols(); ++i) {
+    fmt::print("{:.17g}\n", inference::log_sum_exp(log_prob.col(i)) - log_num);
+  }
+}
+
+void add_options(CLI::App& command, ChosenPosteriors& chosen) {
+  command
+      .add_option("POSTERIOR", chosen.posterior.posterior,
+                  "posterior artefact (infer.h5), or a study")
+      ->required();
+  command.add_option("--x", chosen.posterior.recording,
                      "another recording, or file of x_o, to condition on");
+  chosen.study.add_selection_to(command, "--method");
 }
 
 }  // namespace
 
 void add_sample_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("sample", "samples of a trained posterior, as CSV");
-  auto arguments = std::make_shared<SampleArguments>();
-  PosteriorArguments& posterior = arguments->posterior;
-  add_posterior_options(*command, posterior, "posterior artefact (infer.h5), or a study");
-  command->add_option("-n,--num-samples", posterior.count, "how many")
+  auto chosen = std::make_shared<ChosenPosteriors>();
+  add_options(*command, *chosen);
+  command->add_option("-n,--num-samples", chosen->posterior.count, "how many")
       ->capture_default_str()
       ->check(CLI::Range(Index{1}, Index{100'000'000}));
-  add_seed_option(*command, "--seed", posterior.seed, "of the draws; see --seeds for a study's");
-  arguments->study.add_selection_to(*command, "--method");
+  add_seed_option(*command, "--seed", chosen->posterior.seed,
+                  "of the draws; see --seeds for a study's");
   command->footer(
       "Examples:\n  npdr sample runs/study/npe/seed-1/round-1/infer.h5 -n 500\n"
       "  npdr sample study.toml --method NPE --seeds 1\n"
       "  npdr sample study.toml --method NPE        (all seeds pooled)");
-  command->callback([&result, arguments] {
+  command->callback([&result, chosen] {
     result = guarded_main("npdr sample", [&] {
-      arguments->study.file = arguments->posterior.posterior;
-      const bool is_study = arguments->study.file.ends_with(".toml");
-      if (is_study) {
-        print_samples_of_study(*arguments);
-      } else {
-        print_samples(arguments->posterior, true);
-      }
+      print_samples_of(*chosen);
       return ExitStatus::done;
     });
   });
@@ -292,14 +316,16 @@ void add_sample_command(CLI::App& app, int& result) {
 
 void add_log_prob_command(CLI::App& app, int& result) {
   auto* command = app.add_subcommand("log-prob", "posterior densities of the parameters in a file");
-  auto arguments = std::make_shared<PosteriorArguments>();
-  add_posterior_options(*command, *arguments, "posterior artefact (infer.h5)");
-  command->add_option("THETA", arguments->theta, "CSV or HDF5 with a column per parameter")
+  auto chosen = std::make_shared<ChosenPosteriors>();
+  add_options(*command, *chosen);
+  command->add_option("THETA", chosen->posterior.theta, "CSV or HDF5 with a column per parameter")
       ->required();
-  command->footer("Example:\n  npdr log-prob runs/study/npe/seed-1/round-1/infer.h5 theta.csv");
-  command->callback([&result, arguments] {
+  command->footer(
+      "Examples:\n  npdr log-prob runs/study/npe/seed-1/round-1/infer.h5 theta.csv\n"
+      "  npdr log-prob study.toml theta.csv --method NPE        (all seeds pooled)");
+  command->callback([&result, chosen] {
     result = guarded_main("npdr log-prob", [&] {
-      print_log_prob(*arguments);
+      print_log_prob(*chosen);
       return ExitStatus::done;
     });
   });

@@ -2,33 +2,12 @@
 
 #include "core/atomic_file.h"
 #include "pipeline/artefacts/recording.h"
-#include "tests/cli/program.h"
+#include "tests/cli/small_run.h"
 
 namespace npdr::pipeline {
 namespace {
 
-class Commands : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    folder_ = new TempFolder;
-    std::ofstream(folder_->path() / "small.toml") << small_study();
-    const Outcome outcome = npdr({"run", "small.toml"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    run_output_ = outcome.out;
-  }
-  static void TearDownTestSuite() { delete folder_; }
-
-  static Outcome npdr(std::vector<std::string> words) {
-    words.insert(words.begin(), "npdr");
-    return run(folder_->path(), words);
-  }
-  static std::filesystem::path file(const std::string& name) { return folder_->path() / name; }
-
-  static TempFolder* folder_;
-  static std::string run_output_;
-};
-TempFolder* Commands::folder_ = nullptr;
-std::string Commands::run_output_;
+class Commands : public SmallRun {};
 
 TEST_F(Commands, RunPrintsTheTableAndTheReportsPath) {
   EXPECT_NE(run_output_.find("| RMSE "), std::string::npos) << run_output_;
@@ -93,53 +72,6 @@ TEST_F(Commands, AnotherFileWithTheSameNameIsWarnedOfTheReportThatItReplaces) {
   EXPECT_EQ(npdr({"validate", "small.toml"}).err, "");
   std::ofstream(file("same.toml")) << small_study();
   EXPECT_EQ(npdr({"validate", "same.toml"}).err, "") << "nothing would be replaced";
-}
-
-TEST_F(Commands, SampleAndLogProbUseAPosterior) {
-  const std::string posterior = "runs/small/npdr-maf/seed-1/round-2/infer.h5";
-  const Outcome samples = npdr({"sample", posterior, "-n", "20"});
-  ASSERT_EQ(samples.status, 0) << samples.err;
-  EXPECT_EQ(samples.out.substr(0, samples.out.find('\n')), "pole_mass [kg],pole_length [m]");
-  EXPECT_EQ(std::count(samples.out.begin(), samples.out.end(), '\n'), 21);
-  std::ofstream(file("theta.csv")) << samples.out;
-  const Outcome densities = npdr({"log-prob", posterior, "theta.csv"});
-  ASSERT_EQ(densities.status, 0) << densities.err;
-  EXPECT_EQ(std::count(densities.out.begin(), densities.out.end(), '\n'), 21);
-  EXPECT_EQ(densities.out.find("inf"), std::string::npos);
-  const std::string rows = samples.out.substr(samples.out.find('\n') + 1);
-  std::ofstream(file("plain.csv")) << rows;
-  EXPECT_EQ(npdr({"log-prob", posterior, "plain.csv"}).out, densities.out);
-  std::ofstream(file("one.csv")) << "1\n2\n";
-  EXPECT_TRUE(says(
-      npdr({"log-prob", posterior, "one.csv"}).err,
-      {"npdr log-prob: one.csv: 1 column without names", "must be 2, one for each parameter"}));
-  std::ofstream(file("grams.csv")) << "pole_mass [g],pole_length [m]\n1000,1\n";
-  const Outcome wrong_unit = npdr({"log-prob", posterior, "grams.csv"});
-  EXPECT_EQ(wrong_unit.status, 2);
-  EXPECT_TRUE(says(wrong_unit.err,
-                   {"npdr log-prob: grams.csv: column 'pole_mass' is in [g]", "must be in [kg]"}));
-}
-
-TEST_F(Commands, SamplesOfAStudyArePooledOverItsSeeds) {
-  const std::vector<std::string> words = {"sample",     "small.toml", "--method",
-                                          "NPDR (MoG)", "-n",         "6"};
-  const Outcome samples = npdr(words);
-  ASSERT_EQ(samples.status, 0) << samples.err;
-  const Outcome one = npdr({"sample", "runs/small/npdr-mog/seed-1/round-2/infer.h5", "-n", "6"});
-  EXPECT_EQ(samples.out, one.out) << "of its one seed";
-  const Outcome none = npdr({"sample", "small.toml"});
-  EXPECT_EQ(none.status, 2);
-  EXPECT_NE(none.err.find("2 methods infer (NPDR (MAF), NPDR (MoG)), must be one: choose it by "
-                          "--method"),
-            std::string::npos)
-      << none.err;
-  std::vector<std::string> two = words;
-  two.insert(two.end(), {"--set", "study.seeds=[1, 2]"});
-  EXPECT_NE(npdr(two).err.find("infer NPDR (MoG), seed 2, round 2: isn't there yet; run it first: "
-                               "npdr run small.toml"),
-            std::string::npos);
-  two.insert(two.end(), {"--seeds", "1"});
-  EXPECT_EQ(npdr(two).out, one.out);
 }
 
 TEST_F(Commands, OpenSaysWhereResultsAre) {
@@ -278,56 +210,6 @@ TEST_F(Commands, ShardsKnowTheVersionOfTheirSchema) {
     const ArtefactInfo info = read_artefact_info(entry.path());
     EXPECT_EQ(info.identity.key_document.at("schema_version"), info.schema.version);
   }
-}
-
-TEST_F(Commands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
-  const std::string posterior = "runs/small/npdr-maf/seed-1/round-2/infer.h5";
-  const Target own = read_recording(file("runs/small/target.h5"));
-  const auto sample = [&](const std::function<void(Target&)>& change) {
-    Target target = own;
-    change(target);
-    write_recording(target, file("x.h5"));
-    return npdr({"sample", posterior, "-n", "3", "--x", "x.h5"});
-  };
-  EXPECT_EQ(sample([](Target& t) { t.dt *= 1.0005; }).status, 0) << "measured dt differ a little";
-  const auto rejected = [&](const std::function<void(Target&)>& change) {
-    const Outcome outcome = sample(change);
-    EXPECT_EQ(outcome.status, 2);
-    return outcome.err;
-  };
-  EXPECT_TRUE(says(rejected([](Target& t) { t.dt = 0.01; }),
-                   {"npdr sample: x.h5: dt = 0.01 s", "must be 0.02 s", posterior}));
-  EXPECT_TRUE(
-      says(rejected([](Target& t) {
-             t = t.first(1);
-             for (Rollout& rollout : t.rollouts) {
-               rollout.states.conservativeResize(400, 2);
-               rollout.actions.conservativeResize(399, 1);
-             }
-           }),
-           {"npdr sample: x.h5: 1 rollouts", "must be 2", "399 steps", "must be 400", posterior}));
-  EXPECT_TRUE(
-      says(rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
-           {"npdr sample: x.h5: dataset 'states': channels are theta [deg], theta_dot [rad/s]",
-            "must be theta [rad], theta_dot [rad/s]", "convert its values"}));
-  EXPECT_TRUE(says(
-      rejected([](Target& t) { t.action_channels[0].label = "force"; }),
-      {"npdr sample: x.h5: dataset 'actions': channels are force [N m]", "must be torque [N m]"}));
-  const Outcome wider = sample([](Target& t) {
-    t.state_channels.push_back({"battery", "V"});
-    for (Rollout& rollout : t.rollouts) {
-      rollout.states.conservativeResize(Eigen::NoChange, 3);
-      rollout.states.col(2).setConstant(12.0);
-    }
-  });
-  EXPECT_EQ(wider.status, 0) << "channels that the posterior doesn't know are left out\n"
-                             << wider.err;
-  const std::string warning = "has other actions, or begins in other states";
-  EXPECT_EQ(wider.err.find(warning), std::string::npos) << wider.err;
-  const Outcome pushed = sample([](Target& t) { t.rollouts[1].actions.array() += 0.1; });
-  EXPECT_EQ(pushed.status, 0);
-  EXPECT_NE(pushed.err.find(warning), std::string::npos) << pushed.err;
-  EXPECT_EQ(wider.out, sample([](Target&) {}).out);
 }
 
 TEST_F(Commands, ImportRefusesWhatItWouldIgnore) {

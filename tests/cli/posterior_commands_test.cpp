@@ -1,0 +1,135 @@
+#include <cmath>
+
+#include "core/atomic_file.h"
+#include "pipeline/artefacts/recording.h"
+#include "tests/cli/small_run.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class PosteriorCommands : public SmallRun {};
+
+TEST_F(PosteriorCommands, SampleAndLogProbUseAPosterior) {
+  const std::string posterior = "runs/small/npdr-maf/seed-1/round-2/infer.h5";
+  const Outcome samples = npdr({"sample", posterior, "-n", "20"});
+  ASSERT_EQ(samples.status, 0) << samples.err;
+  EXPECT_EQ(samples.out.substr(0, samples.out.find('\n')), "pole_mass [kg],pole_length [m]");
+  EXPECT_EQ(std::count(samples.out.begin(), samples.out.end(), '\n'), 21);
+  std::ofstream(file("theta.csv")) << samples.out;
+  const Outcome densities = npdr({"log-prob", posterior, "theta.csv"});
+  ASSERT_EQ(densities.status, 0) << densities.err;
+  EXPECT_EQ(std::count(densities.out.begin(), densities.out.end(), '\n'), 21);
+  EXPECT_EQ(densities.out.find("inf"), std::string::npos);
+  const std::string rows = samples.out.substr(samples.out.find('\n') + 1);
+  std::ofstream(file("plain.csv")) << rows;
+  EXPECT_EQ(npdr({"log-prob", posterior, "plain.csv"}).out, densities.out);
+  std::ofstream(file("one.csv")) << "1\n2\n";
+  EXPECT_TRUE(says(
+      npdr({"log-prob", posterior, "one.csv"}).err,
+      {"npdr log-prob: one.csv: 1 column without names", "must be 2, one for each parameter"}));
+  std::ofstream(file("grams.csv")) << "pole_mass [g],pole_length [m]\n1000,1\n";
+  const Outcome wrong_unit = npdr({"log-prob", posterior, "grams.csv"});
+  EXPECT_EQ(wrong_unit.status, 2);
+  EXPECT_TRUE(says(wrong_unit.err,
+                   {"npdr log-prob: grams.csv: column 'pole_mass' is in [g]", "must be in [kg]"}));
+}
+
+TEST_F(PosteriorCommands, SamplesOfAStudyArePooledOverItsSeeds) {
+  const std::vector<std::string> words = {"sample",     "small.toml", "--method",
+                                          "NPDR (MoG)", "-n",         "6"};
+  const Outcome samples = npdr(words);
+  ASSERT_EQ(samples.status, 0) << samples.err;
+  const Outcome one = npdr({"sample", "runs/small/npdr-mog/seed-1/round-2/infer.h5", "-n", "6"});
+  EXPECT_EQ(samples.out, one.out) << "of its one seed";
+  const Outcome none = npdr({"sample", "small.toml"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_NE(none.err.find("2 methods infer (NPDR (MAF), NPDR (MoG)), must be one: choose it by "
+                          "--method"),
+            std::string::npos)
+      << none.err;
+  std::vector<std::string> two = words;
+  two.insert(two.end(), {"--set", "study.seeds=[1, 2]"});
+  EXPECT_NE(npdr(two).err.find("infer NPDR (MoG), seed 2, round 2: isn't there yet; run it first: "
+                               "npdr run small.toml"),
+            std::string::npos);
+  two.insert(two.end(), {"--seeds", "1"});
+  EXPECT_EQ(npdr(two).out, one.out);
+}
+
+TEST_F(PosteriorCommands, DensitiesOfAStudyAreTheMeanOverItsSeeds) {
+  const std::vector<std::string> seeds = {"--set", "study.seeds=[1, 2]"};
+  const auto with_seeds = [&](std::vector<std::string> words) {
+    words.insert(words.end(), seeds.begin(), seeds.end());
+    return npdr(words);
+  };
+  ASSERT_EQ(with_seeds({"run", "small.toml", "--only", "NPDR (MAF)"}).status, 0);
+  std::ofstream(file("center.csv")) << "1,1\n9,9\n";
+  const auto log_prob = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"log-prob"});
+    const Outcome outcome = with_seeds(words);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  const auto of_seed = [&](const std::string& seed) {
+    return log_prob({"small.toml", "center.csv", "--method", "NPDR (MAF)", "--seeds", seed});
+  };
+  const auto first = [](const std::string& out) { return std::stod(out.substr(9)); };
+  const double mean = 0.5 * (std::exp(first(of_seed("1"))) + std::exp(first(of_seed("2"))));
+  const std::string both = log_prob({"small.toml", "center.csv", "--method", "NPDR (MAF)"});
+  EXPECT_NEAR(first(both), std::log(mean), 1e-9);
+  EXPECT_TRUE(both.ends_with("\n-inf\n")) << "outside of the prior: " << both;
+  EXPECT_NE(first(of_seed("1")), first(of_seed("2")));
+}
+
+TEST_F(PosteriorCommands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
+  const std::string posterior = "runs/small/npdr-maf/seed-1/round-2/infer.h5";
+  const Target own = read_recording(file("runs/small/target.h5"));
+  const auto sample = [&](const std::function<void(Target&)>& change) {
+    Target target = own;
+    change(target);
+    write_recording(target, file("x.h5"));
+    return npdr({"sample", posterior, "-n", "3", "--x", "x.h5"});
+  };
+  EXPECT_EQ(sample([](Target& t) { t.dt *= 1.0005; }).status, 0) << "measured dt differ a little";
+  const auto rejected = [&](const std::function<void(Target&)>& change) {
+    const Outcome outcome = sample(change);
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.err;
+  };
+  EXPECT_TRUE(says(rejected([](Target& t) { t.dt = 0.01; }),
+                   {"npdr sample: x.h5: dt = 0.01 s", "must be 0.02 s", posterior}));
+  EXPECT_TRUE(
+      says(rejected([](Target& t) {
+             t = t.first(1);
+             for (Rollout& rollout : t.rollouts) {
+               rollout.states.conservativeResize(400, 2);
+               rollout.actions.conservativeResize(399, 1);
+             }
+           }),
+           {"npdr sample: x.h5: 1 rollouts", "must be 2", "399 steps", "must be 400", posterior}));
+  EXPECT_TRUE(
+      says(rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
+           {"npdr sample: x.h5: dataset 'states': channels are theta [deg], theta_dot [rad/s]",
+            "must be theta [rad], theta_dot [rad/s]", "convert its values"}));
+  EXPECT_TRUE(says(
+      rejected([](Target& t) { t.action_channels[0].label = "force"; }),
+      {"npdr sample: x.h5: dataset 'actions': channels are force [N m]", "must be torque [N m]"}));
+  const Outcome wider = sample([](Target& t) {
+    t.state_channels.push_back({"battery", "V"});
+    for (Rollout& rollout : t.rollouts) {
+      rollout.states.conservativeResize(Eigen::NoChange, 3);
+      rollout.states.col(2).setConstant(12.0);
+    }
+  });
+  EXPECT_EQ(wider.status, 0) << "channels that the posterior doesn't know are left out\n"
+                             << wider.err;
+  const std::string warning = "has other actions, or begins in other states";
+  EXPECT_EQ(wider.err.find(warning), std::string::npos) << wider.err;
+  const Outcome pushed = sample([](Target& t) { t.rollouts[1].actions.array() += 0.1; });
+  EXPECT_EQ(pushed.status, 0);
+  EXPECT_NE(pushed.err.find(warning), std::string::npos) << pushed.err;
+  EXPECT_EQ(wider.out, sample([](Target&) {}).out);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
