@@ -1,5 +1,3 @@
-#include <functional>
-
 #include "core/atomic_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "tests/cli/small_run.h"

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <functional>
 
 #include "core/atomic_file.h"
 #include "pipeline/artefacts/recording.h"
