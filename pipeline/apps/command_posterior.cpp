@@ -222,9 +222,26 @@ std::vector<std::string> posteriors_of(const Plan& plan, const StudyArguments& a
   return paths;
 }
 
+// A file holds one posterior, as it was trained.
+void require_nothing_chosen(const ChosenPosteriors& chosen) {
+  const auto refuse = [&](const char* option, const auto& given) {
+    if (given.empty()) return;
+    throw InputError(
+        fmt::format("{}: is one posterior; {} chooses among those of a study: leave "
+                    "it out, or name the study's .toml in place of the file",
+                    chosen.posterior.posterior, option));
+  };
+  refuse("--method", chosen.study.methods);
+  refuse("--seeds", chosen.study.seeds);
+  refuse("--set", chosen.study.overrides);
+}
+
 // One for each, which count the same.
 std::vector<PosteriorArguments> each_of(const ChosenPosteriors& chosen, const char* program) {
-  if (!chosen.posterior.posterior.ends_with(".toml")) return {chosen.posterior};
+  if (!chosen.posterior.posterior.ends_with(".toml")) {
+    require_nothing_chosen(chosen);
+    return {chosen.posterior};
+  }
   StudyArguments study = chosen.study;
   study.file = chosen.posterior.posterior;
   std::vector<PosteriorArguments> all;
@@ -258,26 +275,20 @@ RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
                                set.where, counted(set.rows.cols(), "column"), prior.dimension()));
 }
 
-// (posteriors, rows of theta)
-RowMatrix log_prob_of(const std::vector<PosteriorArguments>& all) {
-  RowMatrix log_prob;
-  for (const PosteriorArguments& one : all) {
-    const auto posterior = load(one);
-    const Vector found = posterior->log_prob(read_theta(one.theta, posterior->prior()));
-    require_numbers(one, !found.hasNaN());
-    log_prob.conservativeResize(log_prob.rows() + 1, found.size());
-    log_prob.bottomRows(1) = found.transpose();
-  }
-  return log_prob;
-}
-
 // The density of several is their mean.
 void print_log_prob(const ChosenPosteriors& chosen) {
-  const RowMatrix log_prob = log_prob_of(each_of(chosen, "npdr log-prob"));
-  const double log_num = std::log(static_cast<double>(log_prob.rows()));
+  RowMatrix theta, log_prob;  // (n, D), (n, posteriors)
+  for (const PosteriorArguments& one : each_of(chosen, "npdr log-prob")) {
+    const auto posterior = load(one);
+    if (theta.size() == 0) theta = read_theta(one.theta, posterior->prior());
+    log_prob.conservativeResize(theta.rows(), log_prob.cols() + 1);
+    log_prob.rightCols(1) = posterior->log_prob(theta);
+    require_numbers(one, !log_prob.rightCols(1).hasNaN());
+  }
+  const double log_num = std::log(static_cast<double>(log_prob.cols()));
   fmt::print("log_prob\n");
-  for (Index i = 0; i < log_prob.cols(); ++i) {
-    fmt::print("{:.17g}\n", inference::log_sum_exp(log_prob.col(i)) - log_num);
+  for (Index i = 0; i < log_prob.rows(); ++i) {
+    fmt::print("{:.17g}\n", inference::log_sum_exp(log_prob.row(i)) - log_num);
   }
 }
 

@@ -45,11 +45,12 @@ void describe(Layout f, analysis::Bands& bands, const char* rollouts) {
   f.attribute("num_samples", bands.num_samples, "those that didn't fail");
 }
 
-void describe(Layout f, NoiseSamples& noise) {
+void describe(Layout f, InferredNoise& noise) {
   const Dims dims = {kRow, {"C", "channel"}};
   f("scale", noise.scale, dims,
     "of the observation noise of each sample's prediction, over the channel's largest recorded "
-    "magnitude unless the study gives it by `std`; only where any of its parameters has a prior");
+    "magnitude unless the study gives it by `std`; NaN where the rollouts failed; only where any "
+    "of its parameters has a prior");
   f("correlation", noise.correlation, dims, "of neighboring stored states' noise",
     {.unless_empty = true});
   f("degrees_of_freedom", noise.degrees_of_freedom, dims, "of noise with heavy tails",

@@ -14,8 +14,8 @@
 namespace npdr::pipeline {
 
 /// Parameters of the noise that a posterior's predictions are given (sim/noise_model.h), of each
-/// sample and channel.
-struct NoiseSamples {
+/// sample and channel; NaN of samples that failed.
+struct InferredNoise {
   RowMatrix scale;               ///< (n, C)
   RowMatrix correlation;         ///< (n, C); empty: of white noise
   RowMatrix degrees_of_freedom;  ///< (n, C); empty: of Gaussian noise
@@ -36,7 +36,7 @@ struct Evaluation {
   std::optional<analysis::Bands> bands;           ///< of one that gives rollouts
   std::optional<analysis::Bands> held_out_bands;  ///< of those that were held out
   RolloutScores scores;
-  std::optional<NoiseSamples> noise;  ///< where any of its parameters is inferred
+  std::optional<InferredNoise> noise;  ///< where any of its parameters is inferred
 };
 
 /// Throws Error.

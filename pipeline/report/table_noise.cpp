@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
+#include "analysis/quantiles.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
@@ -10,41 +13,64 @@
 namespace npdr::pipeline {
 namespace {
 
-using Values = RowMatrix NoiseSamples::*;
+// A parameter of the noise: its prior, a value, and what was inferred.
+struct NoiseRow {
+  const char* name;
+  sim::NoiseParameter sim::ChannelNoise::*prior;
+  double sim::NoiseValues::*value;
+  RowMatrix InferredNoise::*inferred;
+};
+constexpr NoiseRow kRows[] = {
+    {"scale", &sim::ChannelNoise::scale, &sim::NoiseValues::scale, &InferredNoise::scale},
+    {"correlation", &sim::ChannelNoise::correlation, &sim::NoiseValues::correlation,
+     &InferredNoise::correlation},
+    {"degrees of freedom", &sim::ChannelNoise::degrees_of_freedom,
+     &sim::NoiseValues::degrees_of_freedom, &InferredNoise::degrees_of_freedom}};
 
 bool exists(const ReportData& data) {
   return std::ranges::any_of(
       data.runs, [](const EvaluatedRun& run) { return run.evaluation.noise.has_value(); });
 }
 
-// The prior's median, and what lies a deviation around it.
-std::string prior_text(const sim::ChannelNoise& noise, double sim::NoiseValues::*parameter) {
+std::string around(double median, double low, double high) {
+  return fmt::format("{:.3g} ({:.3g} to {:.3g})", median, low, high);
+}
+
+std::string prior_text(const sim::ChannelNoise& noise, double sim::NoiseValues::*value) {
   const sim::NoiseTransform transform(noise);
   const auto at = [&](double z) {
-    return transform.values(Vector::Constant(transform.dimension(), z)).*parameter;
+    return transform.values(Vector::Constant(transform.dimension(), z)).*value;
   };
-  return fmt::format("{:.3g} ({:.3g} to {:.3g})", at(0.0), at(-1.0), at(1.0));
+  return around(at(0.0), at(-1.0), at(1.0));
 }
 
-Cell cell_of_samples(const ReportData& data, const std::string& method, Values values, Index c) {
-  return analysis::summarize(pooled(data.runs_of(method), [&](const EvaluatedRun* run) -> Vector {
-    return ((*run->evaluation.noise).*values).col(c);
-  }));
+// Median and central 68 % of all seeds' samples.
+Cell inferred_cell(Table& table, const Vector& samples) {
+  const analysis::Summary summary = analysis::summarize(samples);
+  std::vector<double> sorted;
+  std::ranges::copy_if(samples, std::back_inserter(sorted),
+                       [](double v) { return std::isfinite(v); });
+  std::ranges::sort(sorted);
+  const auto quantile = [&](double p) { return analysis::quantile_of_sorted(sorted, p); };
+  Cell cell = sorted.empty() ? Cell() : Cell(around(quantile(0.5), quantile(0.16), quantile(0.84)));
+  note_failed(table, cell, summary);
+  return cell;
 }
 
-// One row a channel whose parameter has a prior.
-void add_rows(Table& table, const ReportData& data, const char* name,
-              sim::NoiseParameter sim::ChannelNoise::*parameter,
-              double sim::NoiseValues::*value_of_prior, Values values) {
+// One row a channel with noise whose parameter has a prior.
+void add_rows(Table& table, const ReportData& data, const NoiseRow& parameter) {
   const sim::NoiseModel model = noise_model(data.plan.study, data.target);
   for (Index c = 0; c < model.num_states(); ++c) {
     const auto channel = static_cast<std::size_t>(c);
     const sim::ChannelNoise& noise = model.channels()[channel];
-    if (!(noise.*parameter).is_unknown()) continue;
-    Row row{fmt::format("{} of {}", name, data.info.state_channels[channel].label),
-            {prior_text(noise, value_of_prior)}};
+    if (!(noise.*parameter.prior).is_unknown() || !model.has_density(c)) continue;
+    Row row{fmt::format("{} of {}", parameter.name, data.info.state_channels[channel].label),
+            {prior_text(noise, parameter.value)}};
     for (const std::string& method : data.methods) {
-      row.cells.push_back(cell_of_samples(data, method, values, c));
+      row.cells.push_back(
+          inferred_cell(table, pooled(data.runs_of(method), [&](const EvaluatedRun* run) -> Vector {
+                          return ((*run->evaluation.noise).*parameter.inferred).col(c);
+                        })));
     }
     table.rows.push_back(std::move(row));
   }
@@ -52,20 +78,14 @@ void add_rows(Table& table, const ReportData& data, const char* name,
 
 Table make(const ReportData& data) {
   Table table = empty_table(
-      "Inferred observation noise: what the recording says of it, given each posterior's samples; "
-      "mean and standard deviation, all seeds. Scale: of a stored state, or where noise is "
-      "correlated of what is new in it, over the channel's largest recorded magnitude; "
-      "correlation: of neighboring stored states' noise. Prior: median, and one deviation around "
-      "it.",
+      "Inferred observation noise: median and 16 % to 84 % of the noise that each method's "
+      "predictions are given, all seeds. Scale: of a stored state, or where noise is correlated "
+      "of what is new in it, over the channel's largest recorded magnitude; correlation: of "
+      "neighboring stored states' noise. A refinement that has chosen its power of the likelihood "
+      "has chosen a factor of the scales, too.",
       "Noise", {"prior"});
   add_columns(table, data.methods);
-  using Noise = sim::ChannelNoise;
-  using Drawn = sim::NoiseValues;
-  add_rows(table, data, "scale", &Noise::scale, &Drawn::scale, &NoiseSamples::scale);
-  add_rows(table, data, "correlation", &Noise::correlation, &Drawn::correlation,
-           &NoiseSamples::correlation);
-  add_rows(table, data, "degrees of freedom", &Noise::degrees_of_freedom,
-           &Drawn::degrees_of_freedom, &NoiseSamples::degrees_of_freedom);
+  for (const NoiseRow& parameter : kRows) add_rows(table, data, parameter);
   return table;
 }
 

@@ -50,12 +50,20 @@ std::string experiment_label(const std::string& method, std::uint64_t seed) {
 
 Cell cell_of(Table& table, const analysis::Summary& summary) {
   Cell cell(summary);
-  if (summary.n_failed > 0) {
-    cell.notes.push_back(
-        table.footnote(fmt::format("{} of {} samples left out: their simulations failed",
-                                   summary.n_failed, summary.n + summary.n_failed)));
-  }
+  note_failed(table, cell, summary);
   return cell;
+}
+
+void note_failed(Table& table, Cell& cell, const analysis::Summary& summary) {
+  if (summary.n_failed == 0) return;
+  cell.notes.push_back(
+      table.footnote(fmt::format("{} of {} samples left out: their simulations failed",
+                                 summary.n_failed, summary.n + summary.n_failed)));
+}
+
+Vector samples_of(const ReportData& data, const std::string& method, Index d) {
+  return pooled(data.runs_of(method),
+                [d](const EvaluatedRun* run) -> Vector { return run->evaluation.theta.col(d); });
 }
 
 void note_known(Table& table, Cell& cell) {

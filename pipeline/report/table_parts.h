@@ -32,6 +32,8 @@ std::string experiment_label(const std::string& method, std::uint64_t seed);
 
 /// Mean and standard deviation; a footnote of `table` says how many samples failed.
 Cell cell_of(Table& table, const analysis::Summary& summary);
+/// Says how many samples of `cell` failed, where any did.
+void note_failed(Table& table, Cell& cell, const analysis::Summary& summary);
 
 /// Says that the method takes the parameter of `cell` as known.
 void note_known(Table& table, Cell& cell);
@@ -76,6 +78,9 @@ analysis::Summary summary_of_means(const Runs& runs, const Samples& samples_of) 
   return analysis::summarize(
       each(runs, [&](const auto& run) { return analysis::summarize(samples_of(run)).mean; }));
 }
+
+/// Samples of parameter d of the prior, of all seeds.
+Vector samples_of(const ReportData& data, const std::string& method, Index d);
 
 /// A metric's samples of a run, (n).
 inline auto metric_samples(const std::string& metric) {

@@ -3,22 +3,14 @@
 
 #include <cmath>
 
+#include "analysis/summary.h"
 #include "core/text.h"
+#include "pipeline/report/contraction.h"
 #include "pipeline/report/table_parts.h"
 #include "pipeline/report/verdict_parts.h"
 
 namespace npdr::pipeline {
 namespace {
-
-struct Moments {
-  double mean = 0.0;
-  double variance = 0.0;
-};
-
-Moments moments_of(const Vector& samples) {
-  const double mean = samples.mean();
-  return {mean, (samples.array() - mean).square().mean()};
-}
 
 const std::string& name_of_parameter(const ReportData& data, Index d) {
   return data.plan.study.prior[static_cast<std::size_t>(d)].name;
@@ -30,52 +22,74 @@ bool has_outer_loop(const ReportData& data, const std::string& method) {
   return study.num_iterations_of(study.method(method)) > 1;
 }
 
+double difference_of(double a, double b, double period) {
+  return period > 0.0 ? std::remainder(a - b, period) : a - b;
+}
+
+// Samples that are all the same say nothing of how sure they are.
+bool has_width(const ReportData& data, const analysis::Summary& summary, Index d) {
+  constexpr double rounding = 1e-9;
+  return summary.std > rounding * prior_deviation(data, d);
+}
+
 // Deviation of the seeds' means of parameter d, in root mean squares of the posteriors' deviations.
-// 0 of one seed, of a periodic parameter, and where samples are all the same.
+// 0 of one seed, and where samples are all the same.
 double spread_of_seeds(const ReportData& data, const Runs& runs, Index d) {
-  if (runs.size() < 2 || data.period_of(d) > 0.0) return 0.0;
+  if (runs.size() < 2) return 0.0;
+  const double period = data.period_of(d);
   const auto num_seeds = static_cast<Index>(runs.size());
   Vector means(num_seeds), variances(num_seeds);
   for (Index s = 0; s < num_seeds; ++s) {
-    const Moments found = moments_of(runs[static_cast<std::size_t>(s)]->evaluation.theta.col(d));
-    means(s) = found.mean;
-    variances(s) = found.variance;
+    const auto found = analysis::summarize_periodic(
+        runs[static_cast<std::size_t>(s)]->evaluation.theta.col(d), period);
+    if (!has_width(data, found, d)) return 0.0;
+    means(s) = s == 0 ? found.mean : means(0) + difference_of(found.mean, means(0), period);
+    variances(s) = found.std * found.std;
   }
-  const double between =
-      (means.array() - means.mean()).square().sum() / static_cast<double>(num_seeds - 1);
-  return variances.mean() > 0.0 ? std::sqrt(between / variances.mean()) : 0.0;
+  return analysis::summarize(means).std / std::sqrt(variances.mean());
 }
 
-// Difference of two methods' means of parameter d over all seeds, in deviations of their
-// difference. 0 of a periodic parameter, and where all samples of one are the same.
+// Difference of two methods' means of parameter d over all seeds, in root sums of squares of their
+// deviations. 0 where all samples of one are the same.
 double distance_of_methods(const ReportData& data, const std::string& a, const std::string& b,
                            Index d) {
-  if (data.period_of(d) > 0.0 || !data.is_inferred(a, d) || !data.is_inferred(b, d)) return 0.0;
-  const auto moments = [&](const std::string& method) {
-    return moments_of(pooled(data.runs_of(method), [d](const EvaluatedRun* run) -> Vector {
-      return run->evaluation.theta.col(d);
-    }));
-  };
-  const Moments mine = moments(a), other = moments(b);
-  return std::abs(mine.mean - other.mean) / std::sqrt(mine.variance + other.variance);
+  const double period = data.period_of(d);
+  const auto mine = analysis::summarize_periodic(samples_of(data, a, d), period);
+  const auto other = analysis::summarize_periodic(samples_of(data, b, d), period);
+  if (!has_width(data, mine, d) || !has_width(data, other, d)) return 0.0;
+  return std::abs(difference_of(mine.mean, other.mean, period)) / std::hypot(mine.std, other.std);
 }
 
-struct Contradiction {
-  double distance = 0.0;
-  std::string parameter;
-  std::string method;
-};
-
-Contradiction farthest(const ReportData& data, const std::string& method) {
-  Contradiction found;
-  for (const std::string& other : data.methods) {
-    if (other == method || has_outer_loop(data, other)) continue;
-    for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
-      const double distance = distance_of_methods(data, method, other, d);
-      if (distance > found.distance) found = {distance, name_of_parameter(data, d), other};
-    }
+// Of one that takes parameters as known which the other infers, the rest may differ.
+bool infer_the_same(const ReportData& data, const std::string& a, const std::string& b) {
+  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
+    if (data.is_inferred(a, d) != data.is_inferred(b, d)) return false;
   }
-  return found;
+  return true;
+}
+
+// "NPE about damping (5.1)": another method, and the parameter about which it is farthest; empty
+// where that isn't far.
+std::string words_of_contradiction(const ReportData& data, const std::string& method,
+                                   const std::string& other) {
+  constexpr double most = 3.0;
+  if (has_outer_loop(data, other) || !infer_the_same(data, method, other)) return "";
+  double largest = most;
+  std::string words;
+  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
+    const double distance = distance_of_methods(data, method, other, d);
+    if (!(distance > largest)) continue;
+    largest = distance;
+    words = fmt::format("{} about {} ({:.1f})", other, name_of_parameter(data, d), distance);
+  }
+  return words;
+}
+
+// Which of two methods to believe, rollouts that neither has seen tell.
+std::string advice_to_judge(const ReportData& data) {
+  if (data.held_out || !data.folds.empty()) return "; compare how they predict held-out rollouts";
+  const bool may_hold_out = data.plan.study.target.recording && data.target.num_rollouts() > 1;
+  return may_hold_out ? "; which predicts others better, target.held_out = 1 shows" : "";
 }
 
 }  // namespace
@@ -98,15 +112,17 @@ std::string contradiction_of_seeds(const ReportData& data, const std::string& me
 }
 
 std::string contradiction_of_methods(const ReportData& data, const std::string& method) {
-  constexpr double most = 3.0;
   if (has_outer_loop(data, method)) return "";
-  const Contradiction found = farthest(data, method);
-  if (!(found.distance > most)) return "";
+  std::vector<std::string> others;
+  for (const std::string& other : data.methods) {
+    const std::string words = other == method ? "" : words_of_contradiction(data, method, other);
+    if (!words.empty()) others.push_back(words);
+  }
+  if (others.empty()) return "";
   return fmt::format(
-      "contradicts {} about {} ({:.1f} deviations apart): at most one of them is "
-      "right, or the simulator lacks something that each makes up for in its own way; compare how "
-      "they predict held-out rollouts",
-      found.method, found.parameter, found.distance);
+      "contradicts {} (distance of their means, in deviations): at most one of two is right, or "
+      "the simulator lacks something that each makes up for in its own way{}",
+      join(others), advice_to_judge(data));
 }
 
 }  // namespace npdr::pipeline

@@ -20,8 +20,8 @@ std::string advice_to_learn(const ReportData& data, const std::string& method);
 /// were right. Empty where they aren't.
 std::string contradiction_of_seeds(const ReportData& data, const std::string& method);
 
-/// That the method is far from another one, about which parameter: of the farthest. Empty where
-/// it isn't from any.
+/// Which other methods of the study are far from this one, each with the parameter about which it
+/// is farthest. Empty where none is.
 std::string contradiction_of_methods(const ReportData& data, const std::string& method);
 
 }  // namespace npdr::pipeline

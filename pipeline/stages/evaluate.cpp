@@ -1,11 +1,10 @@
-#include <algorithm>
-
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/features/targets.h"
+#include "pipeline/predictions/inferred_noise.h"
 #include "pipeline/predictions/judge.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/stages/stages.h"
@@ -18,31 +17,6 @@ NoiseSource noise_source(const Node& posterior) {
   const auto certificate = read_certificate(file);
   if (!certificate) return {};
   return {certificate->power, read_power_scores(file).noise_factor_at(certificate->power)};
-}
-
-RowMatrix each(const NoiseOfSamples& noise, double sim::NoiseValues::*parameter) {
-  RowMatrix values(std::ssize(noise), std::ssize(noise.front()));
-  for (Index i = 0; i < values.rows(); ++i) {
-    for (Index c = 0; c < values.cols(); ++c) {
-      values(i, c) = noise[static_cast<std::size_t>(i)][static_cast<std::size_t>(c)].*parameter;
-    }
-  }
-  return values;
-}
-
-// None where all of them are given.
-std::optional<NoiseSamples> inferred_noise(const NoiseOfSamples& noise,
-                                           const sim::NoiseModel& model) {
-  if (noise.empty() || !model.has_unknown()) return std::nullopt;
-  NoiseSamples samples{each(noise, &sim::NoiseValues::scale), {}, {}};
-  const auto& channels = model.channels();
-  if (std::ranges::any_of(channels, &sim::ChannelNoise::is_correlated)) {
-    samples.correlation = each(noise, &sim::NoiseValues::correlation);
-  }
-  if (std::ranges::any_of(channels, &sim::ChannelNoise::is_heavy_tailed)) {
-    samples.degrees_of_freedom = each(noise, &sim::NoiseValues::degrees_of_freedom);
-  }
-  return samples;
 }
 
 // Simulates the posterior's samples.
@@ -65,7 +39,7 @@ void predict(const Plan& plan, const Node& node, const Judge& judge, const Strea
   const Target target = read_seen_target(plan, node);
   const NoiseOfSamples noise =
       draw_noise(plan, target, seen, noise_source(*plan.inputs(node, Stage::infer).front()), first);
-  evaluation.noise = inferred_noise(noise, noise_model(plan.study, target));
+  evaluation.noise = inferred_noise(noise_model(plan.study, target), noise, seen);
   evaluation.scores = score(plan, judge, seen, held_out, noise, first);
 }
 

@@ -1,7 +1,6 @@
 #include <cmath>
 #include <functional>
 
-#include "core/atomic_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "tests/cli/small_run.h"
 
@@ -80,6 +79,12 @@ TEST_F(PosteriorCommands, DensitiesOfAStudyAreTheMeanOverItsSeeds) {
   EXPECT_NEAR(first(both), std::log(mean), 1e-9);
   EXPECT_TRUE(both.ends_with("\n-inf\n")) << "outside of the prior: " << both;
   EXPECT_NE(first(of_seed("1")), first(of_seed("2")));
+  const Outcome chosen = npdr(
+      {"log-prob", "runs/small/npdr-mog/seed-1/round-2/infer.h5", "center.csv", "--seeds", "2"});
+  EXPECT_EQ(chosen.status, 2);
+  EXPECT_TRUE(says(chosen.err, {"npdr log-prob: runs/small/npdr-mog/seed-1/round-2/infer.h5: is "
+                                "one posterior; --seeds chooses among those of a study",
+                                "leave it out", ".toml"}));
 }
 
 TEST_F(PosteriorCommands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {

@@ -5,6 +5,7 @@
 
 namespace npdr::pipeline {
 
+// Each suite that derives from this runs the study once.
 class SmallRun : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

@@ -82,6 +82,33 @@ TEST(ReportTables, ContractionOfAWideNormalIsThatOfItsAngle) {
 }
 
 // Two of one name would write the same files.
+// Of two channels one has noise, whose parameters all have priors. The third sample has failed.
+TEST(ReportTables, NoiseIsThatOfChannelsThatHaveAny) {
+  const Plan plan = plan_of({"observation_noise.std={ theta = 0.01 }",
+                             "observation_noise.correlation_prior=[0.5, 1.0]",
+                             "observation_noise.degrees_of_freedom_prior=[4.0, 1.0]"});
+  ReportData data{plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(RowMatrix::Ones(3, 2))}, {}};
+  data.target.rollouts = {{"", RowMatrix::Ones(11, 2), RowMatrix::Ones(10, 1)}};
+  data.target.state_channels = data.info.state_channels;
+  data.target.action_channels = data.info.action_channels;
+  ASSERT_FALSE(noise_table().exists(data));
+  const RowMatrix all{{1.0, 9.0}, {3.0, 9.0}, {std::nan(""), 9.0}};
+  data.runs.front().evaluation.noise = {all, 0.1 * all, 2.0 * all};
+  ASSERT_TRUE(noise_table().exists(data));
+  const analysis::Table table = noise_table().make(data);
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[0].label, "correlation of theta");
+  EXPECT_EQ(table.rows[1].label, "degrees of freedom of theta");
+  const auto text = [&](std::size_t row, std::size_t cell) {
+    return std::get<std::string>(table.rows[row].cells[cell].value);
+  };
+  EXPECT_EQ(text(0, 0), "0.5 (0.269 to 0.731)");
+  EXPECT_EQ(text(0, 1), "0.2 (0.132 to 0.268)");
+  EXPECT_EQ(text(1, 0), "4 (2.1 to 9.15)");
+  EXPECT_EQ(text(1, 1), "4 (2.64 to 5.36)");
+  EXPECT_EQ(table.footnotes.size(), 1u) << "one sample has failed";
+}
+
 TEST(ReportTables, HaveNamesOfTheirOwn) {
   std::set<std::string> names;
   for (const TableEntry& entry : all_tables()) EXPECT_TRUE(names.insert(entry.name).second);

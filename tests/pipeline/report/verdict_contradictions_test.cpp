@@ -18,19 +18,62 @@ TEST_F(Verdicts, SeedsThatContradictEachOtherAreSaid) {
   EXPECT_EQ(verdict_of(Check::contraction).reason, "") << "each has an observation of its own";
 }
 
-TEST_F(Verdicts, MethodsThatContradictEachOtherAreSaid) {
-  data_.methods.push_back("NPDR (MoG)");
-  data_.runs.push_back(data_.runs.front());
-  data_.runs.back().use.method = "NPDR (MoG)";
-  data_.runs.back().evaluation.theta = samples_around(1.08, 0.02);
-  EXPECT_EQ(verdict_of(Check::contraction).reason, "") << "2.8 deviations";
+class Contradictions : public Verdicts {
+ protected:
+  void add_method(const std::string& name, double mean) {
+    data_.methods.push_back(name);
+    data_.runs.push_back(data_.runs.front());
+    data_.runs.back().use.method = name;
+    data_.runs.back().evaluation.theta = samples_around(mean, 0.02);
+  }
+  std::string reason() const { return verdict_of(Check::contraction).reason; }
+};
+
+TEST_F(Contradictions, OfMethodsAreSaid) {
+  add_method("NPDR (MoG)", 1.08);
+  EXPECT_EQ(reason(), "") << "2.8 deviations";
   data_.runs.back().evaluation.theta = samples_around(1.1, 0.02);
+  EXPECT_TRUE(says(reason(), {"contradicts NPDR (MoG) about pole_mass (3.5) (distance of"}));
+  EXPECT_TRUE(reason().ends_with("in its own way")) << "a simulated truth: " << reason();
+}
+
+TEST_F(Contradictions, OfEachMethodAreSaidByItsFarthestParameter) {
+  plan_.study.methods.push_back(plan_.study.methods.front());
+  plan_.study.methods.back().name = "Third";
+  add_method("NPDR (MoG)", 1.1);
+  add_method("Third", 1.1);
+  data_.runs.back().evaluation.theta.col(1) = samples_around(1.2, 0.02).col(1);
   EXPECT_TRUE(says(
-      verdict_of(Check::contraction).reason,
-      {"contradicts NPDR (MoG) about pole_mass", "(3.5 deviations apart)", "held-out rollouts"}));
+      reason(), {"contradicts NPDR (MoG) about pole_mass (3.5), Third about pole_length (7.1)"}));
+}
+
+TEST_F(Contradictions, OfMethodsAreJudgedByHeldOutRollouts) {
+  add_method("NPDR (MoG)", 1.1);
+  plan_.study.target.recording = "r.h5";
+  data_.target.rollouts.resize(2);
+  EXPECT_TRUE(reason().ends_with("; which predicts others better, target.held_out = 1 shows"));
+  data_.held_out.emplace();
+  EXPECT_TRUE(reason().ends_with("; compare how they predict held-out rollouts"));
+}
+
+TEST_F(Contradictions, ArentThoseOfMethodsThatInferOtherParameters) {
+  add_method("NPDR (MoG)", 1.1);
   data_.runs.back().evaluation.theta.col(0).setConstant(0.5);
-  data_.runs.back().evaluation.theta.col(1) = data_.runs.front().evaluation.theta.col(1);
-  EXPECT_EQ(verdict_of(Check::contraction).reason, "") << "taken as known";
+  EXPECT_EQ(reason(), "") << "taken as known";
+}
+
+// Samples of a network that extrapolates may all lie on a bound.
+TEST_F(Contradictions, ArentThoseOfSamplesWithoutWidth) {
+  add_method("NPDR (MoG)", 1.0);
+  data_.runs.back().evaluation.theta.col(0).setConstant(0.3);
+  EXPECT_EQ(reason(), "");
+}
+
+TEST_F(Contradictions, ArentThoseOfOuterLoops) {
+  add_method("NPDR (MoG)", 1.1);
+  plan_.study.policy.search.kind = inference::PolicyOptimizerKind::power;
+  for (MethodConfig& method : plan_.study.methods) method.num_iterations = 2;
+  EXPECT_EQ(reason(), "");
 }
 
 }  // namespace
