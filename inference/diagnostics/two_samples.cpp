@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.h"
 
@@ -41,6 +42,18 @@ std::vector<ColumnMoments> column_moments(const RowMatrix& x) {
     moments.push_back({std::ldexp(mean, exponent), std::ldexp(std::sqrt(variance), exponent)});
   }
   return moments;
+}
+
+Index num_repeated_rows(const RowMatrix& x) {
+  std::vector<Index> order(static_cast<std::size_t>(x.rows()));
+  std::iota(order.begin(), order.end(), Index{0});
+  const auto compare = [&](Index a, Index b) {
+    return std::lexicographical_compare_three_way(x.row(a).begin(), x.row(a).end(),
+                                                  x.row(b).begin(), x.row(b).end());
+  };
+  std::ranges::sort(order, [&](Index a, Index b) { return compare(a, b) < 0; });
+  return std::ssize(
+      std::ranges::unique(order, [&](Index a, Index b) { return compare(a, b) == 0; }));
 }
 
 RowMatrixF standardized(const RowMatrix& x, const RowMatrix& reference) {

@@ -27,6 +27,9 @@ struct ColumnMoments {
 /// Those of the columns (D) of x (n, D), n >= 2; squares neither over- nor underflow.
 std::vector<ColumnMoments> column_moments(const RowMatrix& x);
 
+/// How many rows of x (n, D) are copies of others: n less the number of different ones.
+Index num_repeated_rows(const RowMatrix& x);
+
 /// (x - mean) / deviation, column by column, with mean and deviation of
 /// `reference`; a column that doesn't vary there is only shifted. Clamped to +-10^6, far enough for
 /// any test to tell it apart, and near enough for single precision.

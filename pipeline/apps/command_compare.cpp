@@ -71,6 +71,8 @@ void print_as_json(const Comparison& c) {
       {"first", c.first.where},
       {"second", c.second.where},
       {"num_rows", c.first.rows.rows()},
+      {"num_repeated_rows",
+       {inference::num_repeated_rows(c.first.rows), inference::num_repeated_rows(c.second.rows)}},
       {"c2st", {{"accuracy", c.c2st.accuracy}, {"standard_error", c.c2st.standard_error}}},
       {"mmd",
        {{"squared", c.mmd.squared}, {"p_value", c.mmd.p_value}, {"bandwidth", c.mmd.bandwidth}}}};
@@ -87,10 +89,24 @@ void print_as_json(const Comparison& c) {
   print_json(json);
 }
 
+// A classifier knows rows that it has been taught, and a posterior of weighted particles repeats
+// them.
+std::string words_of_repeats(const SampleSet& set, const char* name) {
+  constexpr double many = 0.02;
+  const Index repeats = inference::num_repeated_rows(set.rows);
+  if (static_cast<double>(repeats) < many * static_cast<double>(set.rows.rows())) return "";
+  return fmt::format(
+      "warning: {} of the {} rows picked of {} are copies of others, which C2ST takes for a "
+      "difference: take fewer (-n), or draws that are all different\n",
+      repeats, set.rows.rows(), name);
+}
+
 void print_text(const Comparison& c) {
   print_line("first   {}", c.first.where);
   print_line("second  {}", c.second.where);
-  fmt::print("{} rows of each, picked at random where it has more\n\n", c.first.rows.rows());
+  fmt::print("{} rows of each, picked at random where it has more\n", c.first.rows.rows());
+  fmt::print("{}{}\n", words_of_repeats(c.first, "the first"),
+             words_of_repeats(c.second, "the second"));
   fmt::print(
       "C2ST   {:.4f} ± {:.4f}  (0.5: can't be told apart, 1: don't overlap; far below 0.5: "
       "rows are in both)\n",

@@ -11,8 +11,10 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "inference/diagnostics/two_samples.h"
 #include "inference/embeddings/embedding.h"
 #include "inference/estimators/gaussian_mixture.h"
+#include "inference/particle_posterior.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/feature_file.h"
@@ -173,6 +175,17 @@ void require_numbers(const PosteriorArguments& arguments, bool are_numbers) {
               "anew, with a smaller training.learning_rate where that may have made them so");
 }
 
+// Weighted particles are drawn again and again.
+void note_repeats(const inference::Posterior& posterior, const RowMatrix& theta) {
+  if (dynamic_cast<const inference::ParticlePosterior*>(&posterior) == nullptr) return;
+  const Index repeats = inference::num_repeated_rows(theta);
+  if (repeats == 0) return;
+  fmt::print(stderr,
+             "{} of {} rows repeat others: this posterior is of weighted particles; they are right "
+             "for means and predictions, but no {} different draws\n",
+             repeats, theta.rows(), theta.rows());
+}
+
 // Samples of one posterior, after the names of the parameters where they are the first.
 void print_samples(const PosteriorArguments& arguments, bool is_first) {
   const auto posterior = load(arguments);
@@ -181,6 +194,7 @@ void print_samples(const PosteriorArguments& arguments, bool is_first) {
   const RowMatrix& theta = samples.theta;
   require_numbers(arguments, theta.allFinite());
   print_sampler(samples);
+  note_repeats(*posterior, theta);
   std::vector<std::string> header;
   for (const auto& m : posterior->prior().marginals()) {
     header.push_back(analysis::quote_csv(fmt::format("{} [{}]", m.name, m.unit)));

@@ -2,6 +2,7 @@
 
 #include "analysis/summary.h"
 #include "core/normal.h"
+#include "inference/diagnostics/uniformity.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -27,6 +28,13 @@ double contraction(const ReportData& data, const EvaluatedRun& run, Index d, dou
   const double std =
       analysis::summarize_periodic(run.evaluation.theta.col(d), data.period_of(d)).std;
   return 1.0 - std * std / (prior_std * prior_std);
+}
+
+double distance_from_prior(const ReportData& data, const EvaluatedRun& run, Index d) {
+  const inference::Prior prior({data.plan.study.prior[static_cast<std::size_t>(d)]});
+  const Vector u = prior.to_normal(run.evaluation.theta.col(d)).col(0);
+  const Vector v = u.unaryExpr([](double z) { return normal_cdf(z); });
+  return inference::test_kolmogorov_smirnov(v).statistic;
 }
 
 }  // namespace npdr::pipeline

@@ -13,4 +13,8 @@ double prior_deviation(const ReportData& data, Index d);
 /// Contraction of a run's samples in parameter d, whose deviation under the prior is given.
 double contraction(const ReportData& data, const EvaluatedRun& run, Index d, double prior_std);
 
+/// Kolmogorov-Smirnov distance of a run's samples in parameter d from the prior: near 1 / sqrt(n)
+/// where they are n draws of it. It sees what no variance does: modes, a shift.
+double distance_from_prior(const ReportData& data, const EvaluatedRun& run, Index d);
+
 }  // namespace npdr::pipeline

@@ -81,7 +81,8 @@ Table make(const ReportData& data) {
       "Inferred observation noise: median and 16 % to 84 % of the noise that each method's "
       "predictions are given, all seeds. Scale: of a stored state, or where noise is correlated "
       "of what is new in it, over the channel's largest recorded magnitude; correlation: of "
-      "neighboring stored states' noise. A refinement that has chosen its power of the likelihood "
+      "neighboring stored states' noise. What a method's parameters leave unexplained counts as "
+      "noise. A refinement that has chosen its power of the likelihood "
       "has chosen a factor of the scales, too.",
       "Noise", {"prior"});
   add_columns(table, data.methods);

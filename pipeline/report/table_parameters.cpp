@@ -106,6 +106,11 @@ std::string period_note(double period) {
   return fmt::format("modulo {:.4g}: values that far apart are the same system", period);
 }
 
+Vector samples_of(const ReportData& data, const std::string& method, Index d) {
+  return pooled(data.runs_of(method),
+                [d](const EvaluatedRun* run) -> Vector { return run->evaluation.theta.col(d); });
+}
+
 Cell posterior_cell(Table& table, const ReportData& data, const std::string& method, Index d) {
   const double period = data.period_of(d);
   const Vector samples = samples_of(data, method, d);

@@ -61,11 +61,6 @@ void note_failed(Table& table, Cell& cell, const analysis::Summary& summary) {
                                  summary.n_failed, summary.n + summary.n_failed)));
 }
 
-Vector samples_of(const ReportData& data, const std::string& method, Index d) {
-  return pooled(data.runs_of(method),
-                [d](const EvaluatedRun* run) -> Vector { return run->evaluation.theta.col(d); });
-}
-
 void note_known(Table& table, Cell& cell) {
   cell.notes.push_back(table.footnote("not inferred by this method, which takes it as known"));
 }

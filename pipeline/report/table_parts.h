@@ -79,9 +79,6 @@ analysis::Summary summary_of_means(const Runs& runs, const Samples& samples_of) 
       each(runs, [&](const auto& run) { return analysis::summarize(samples_of(run)).mean; }));
 }
 
-/// Samples of parameter d of the prior, of all seeds.
-Vector samples_of(const ReportData& data, const std::string& method, Index d);
-
 /// A metric's samples of a run, (n).
 inline auto metric_samples(const std::string& metric) {
   return [metric](const EvaluatedRun* run) { return run->evaluation.metrics.at(metric); };

@@ -26,38 +26,47 @@ double difference_of(double a, double b, double period) {
   return period > 0.0 ? std::remainder(a - b, period) : a - b;
 }
 
-// Samples that are all the same say nothing of how sure they are.
-bool has_width(const ReportData& data, const analysis::Summary& summary, Index d) {
+// What each seed says of a parameter; periodic means are those nearest to the first.
+struct SeedMoments {
+  Vector means, variances;
+  bool has_width = true;  ///< else samples of some seed are all the same: how sure is it?
+};
+
+SeedMoments moments_of_seeds(const ReportData& data, const Runs& runs, Index d) {
   constexpr double rounding = 1e-9;
-  return summary.std > rounding * prior_deviation(data, d);
+  const double period = data.period_of(d);
+  const auto num_seeds = static_cast<Index>(runs.size());
+  SeedMoments moments{Vector(num_seeds), Vector(num_seeds)};
+  for (Index s = 0; s < num_seeds; ++s) {
+    const auto found = analysis::summarize_periodic(
+        runs[static_cast<std::size_t>(s)]->evaluation.theta.col(d), period);
+    const double first = s == 0 ? found.mean : moments.means(0);
+    moments.means(s) = first + difference_of(found.mean, first, period);
+    moments.variances(s) = found.std * found.std;
+    moments.has_width = moments.has_width && found.std > rounding * prior_deviation(data, d);
+  }
+  return moments;
 }
 
 // Deviation of the seeds' means of parameter d, in root mean squares of the posteriors' deviations.
 // 0 of one seed, and where samples are all the same.
 double spread_of_seeds(const ReportData& data, const Runs& runs, Index d) {
   if (runs.size() < 2) return 0.0;
-  const double period = data.period_of(d);
-  const auto num_seeds = static_cast<Index>(runs.size());
-  Vector means(num_seeds), variances(num_seeds);
-  for (Index s = 0; s < num_seeds; ++s) {
-    const auto found = analysis::summarize_periodic(
-        runs[static_cast<std::size_t>(s)]->evaluation.theta.col(d), period);
-    if (!has_width(data, found, d)) return 0.0;
-    means(s) = s == 0 ? found.mean : means(0) + difference_of(found.mean, means(0), period);
-    variances(s) = found.std * found.std;
-  }
-  return analysis::summarize(means).std / std::sqrt(variances.mean());
+  const SeedMoments seeds = moments_of_seeds(data, runs, d);
+  if (!seeds.has_width) return 0.0;
+  return analysis::summarize(seeds.means).std / std::sqrt(seeds.variances.mean());
 }
 
-// Difference of two methods' means of parameter d over all seeds, in root sums of squares of their
-// deviations. 0 where all samples of one are the same.
+// Difference of two methods' means of parameter d over all seeds, in root sums of squares of the
+// deviations that a seed of each has. 0 where samples are all the same.
 double distance_of_methods(const ReportData& data, const std::string& a, const std::string& b,
                            Index d) {
   const double period = data.period_of(d);
-  const auto mine = analysis::summarize_periodic(samples_of(data, a, d), period);
-  const auto other = analysis::summarize_periodic(samples_of(data, b, d), period);
-  if (!has_width(data, mine, d) || !has_width(data, other, d)) return 0.0;
-  return std::abs(difference_of(mine.mean, other.mean, period)) / std::hypot(mine.std, other.std);
+  const SeedMoments mine = moments_of_seeds(data, data.runs_of(a), d);
+  const SeedMoments other = moments_of_seeds(data, data.runs_of(b), d);
+  if (!mine.has_width || !other.has_width) return 0.0;
+  const double difference = difference_of(mine.means.mean(), other.means.mean(), period);
+  return std::abs(difference) / std::sqrt(mine.variances.mean() + other.variances.mean());
 }
 
 // Of one that takes parameters as known which the other infers, the rest may differ.
@@ -107,7 +116,7 @@ std::string contradiction_of_seeds(const ReportData& data, const std::string& me
   if (parameters.empty()) return "";
   return fmt::format(
       "seeds contradict each other about {} (spread of their means, in deviations of the "
-      "posteriors): none is to be believed by itself; try {}",
+      "posteriors): believe all of them together rather than one, or try {}",
       join(parameters), advice_to_learn(data, method));
 }
 

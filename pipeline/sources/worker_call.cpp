@@ -208,6 +208,11 @@ class WorkerCall final : public ProgramCall {
     outcome.problem = reply.problem;
     if (reply.has_ended && reply.exit_status == 0)
       outcome.problem += ", before it answered: does it call npdr_worker.serve()?";
+    if (reply.timed_out)
+      outcome.problem = fmt::format(
+          "no answer within {:.3g} s of its start: where it needs longer until it calls "
+          "npdr_worker.serve(), raise simulator.start_time",
+          start_limit_);
     outcome.summary = fmt::format("not started after {:.3g} s", reply.seconds);
     outcome.output = worker_->take_output();
     worker_.reset();

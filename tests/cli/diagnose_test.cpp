@@ -203,6 +203,13 @@ TEST_F(Diagnose, CompareSaysHowFarApartSamplesAre) {
   ASSERT_EQ(other.status, 0) << other.err;
   EXPECT_NE(other.out.find("150 rows of each, picked at random"), std::string::npos) << other.out;
   EXPECT_NE(other.out.find("pole_length [m]"), std::string::npos) << other.out;
+  EXPECT_EQ(other.out.find("warning"), std::string::npos) << other.out;
+  const std::string text = text_of(file("two.csv"));
+  std::ofstream(file("twice.csv")) << text << text.substr(text.find('\n') + 1);
+  const Outcome repeats = npdr({"compare", "twice.csv", "one.csv", "-n", "1000"});
+  EXPECT_EQ(repeats.out.find("of the second are copies"), std::string::npos) << repeats.out;
+  EXPECT_NE(repeats.out.find("rows picked of the first are copies of others"), std::string::npos)
+      << repeats.out;
 }
 
 TEST_F(Diagnose, CompareRejectsWhatCantBeCompared) {

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/normal.h"
+#include "inference/diagnostics/two_samples.h"
 #include "tests/inference/diagnostics/samples.h"
 
 namespace npdr::inference {
@@ -16,6 +17,12 @@ namespace {
 const StreamId kId{1, "c2st", 0, 0, 0};
 
 // Four standard errors: false-alarm rate 6e-5, fixed seed.
+TEST(TwoSamples, CountRowsThatAreThereAgain) {
+  const RowMatrix rows{{1.0, 2.0}, {1.0, 3.0}, {1.0, 2.0}, {2.0, 1.0}, {1.0, 2.0}};
+  EXPECT_EQ(num_repeated_rows(rows), 2);
+  EXPECT_EQ(num_repeated_rows(rows.topRows(2)), 0);
+}
+
 TEST(C2st, OfTheSameDistributionIsAHalf) {
   const C2st found = c2st(gaussian(2000, 3, 1), gaussian(2000, 3, 2), kId);
   EXPECT_NEAR(found.accuracy, 0.5, 4.0 * found.standard_error);

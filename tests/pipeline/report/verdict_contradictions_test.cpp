@@ -12,7 +12,7 @@ TEST_F(Verdicts, SeedsThatContradictEachOtherAreSaid) {
   data_.runs.back().evaluation.theta = samples_around(1.1, 0.02);  // five deviations off
   EXPECT_TRUE(says(verdict_of(Check::contraction).reason,
                    {"seeds contradict each other about pole_mass (3.5), pole_length (3.5)",
-                    "none is to be believed", "try more simulations"}));
+                    "believe all of them together", "try more simulations"}));
   plan_.study.policy.search.kind = inference::PolicyOptimizerKind::power;
   plan_.study.methods.front().num_iterations = 2;
   EXPECT_EQ(verdict_of(Check::contraction).reason, "") << "each has an observation of its own";
@@ -45,6 +45,16 @@ TEST_F(Contradictions, OfEachMethodAreSaidByItsFarthestParameter) {
   data_.runs.back().evaluation.theta.col(1) = samples_around(1.2, 0.02).col(1);
   EXPECT_TRUE(says(
       reason(), {"contradicts NPDR (MoG) about pole_mass (3.5), Third about pole_length (7.1)"}));
+}
+
+// Seeds that lie apart widen what they say together, but not what any of them is sure of.
+TEST_F(Contradictions, OfMethodsAreSaidWhereSeedsContradictEachOther) {
+  data_.seeds = {1, 2};
+  add_method("NPDR (MoG)", 1.07);
+  add_method("NPDR (MoG)", 1.15);
+  data_.methods.pop_back();
+  data_.runs.back().use.seed = 2;
+  EXPECT_TRUE(says(reason(), {"contradicts NPDR (MoG) about pole_mass (3.9)"}));
 }
 
 TEST_F(Contradictions, OfMethodsAreJudgedByHeldOutRollouts) {

@@ -144,6 +144,16 @@ TEST_F(Verdicts, APosteriorThatIsThePriorSaysNothing) {
             std::string::npos);
 }
 
+// Half of the samples at either end of the prior: wider than it.
+TEST_F(Verdicts, APosteriorOfTwoModesSaysMoreThanThePrior) {
+  RowMatrix theta = sample_prior(inference::Prior(plan_.study.prior), 400, 1);
+  theta.col(0) = (theta.col(0).array() > 1.0).select(Vector::Constant(400, 1.6), 0.4);
+  theta.col(0) += 0.05 * theta.col(1);
+  add_run(theta, 0.02);
+  EXPECT_EQ(verdict_of(Check::contraction).judgment, Judgment::passes);
+  EXPECT_EQ(verdict_of(Check::contraction).reason, "says little of pole_length");
+}
+
 TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.1}}}};
   add_run(samples_around(1.0, 0.02), 0.29);
