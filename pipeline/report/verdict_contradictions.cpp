@@ -5,7 +5,6 @@
 
 #include "analysis/summary.h"
 #include "core/text.h"
-#include "pipeline/report/contraction.h"
 #include "pipeline/report/table_parts.h"
 #include "pipeline/report/verdict_parts.h"
 
@@ -43,7 +42,7 @@ SeedMoments moments_of_seeds(const ReportData& data, const Runs& runs, Index d) 
     const double first = s == 0 ? found.mean : moments.means(0);
     moments.means(s) = first + difference_of(found.mean, first, period);
     moments.variances(s) = found.std * found.std;
-    moments.has_width = moments.has_width && found.std > rounding * prior_deviation(data, d);
+    moments.has_width = moments.has_width && found.std > rounding * std::abs(found.mean);
   }
   return moments;
 }

@@ -1,6 +1,6 @@
 #include "core/atomic_file.h"
 #include "pipeline/artefacts/recording.h"
-#include "tests/cli/small_run.h"
+#include "tests/cli/study_run.h"
 
 namespace npdr::pipeline {
 namespace {

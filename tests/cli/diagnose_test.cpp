@@ -1,7 +1,7 @@
 #include <cstdlib>
 #include <functional>
 
-#include "tests/cli/program.h"
+#include "tests/cli/study_run.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -24,30 +24,14 @@ std::string diagnosed_study() {
       .with("diagnose", {"num_simulations = 60", "num_samples = 50"});
 }
 
-class Diagnose : public ::testing::Test {
+class Diagnose : public StudyRun {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TempFolder;
-    std::ofstream(file("checked.toml")) << diagnosed_study();
     setenv("OMP_NUM_THREADS", "1", 1);
-    const Outcome outcome = npdr({"run", "checked.toml"});
+    run_study("checked.toml", diagnosed_study());
     unsetenv("OMP_NUM_THREADS");
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    run_output_ = outcome.out;
   }
-  static void TearDownTestSuite() { delete folder_; }
-
-  static Outcome npdr(std::vector<std::string> words) {
-    words.insert(words.begin(), "npdr");
-    return run(folder_->path(), words);
-  }
-  static std::filesystem::path file(const std::string& name) { return folder_->path() / name; }
-
-  static TempFolder* folder_;
-  static std::string run_output_;
 };
-TempFolder* Diagnose::folder_ = nullptr;
-std::string Diagnose::run_output_;
 
 // 20 epochs end no training: with --strict the exit status says so.
 TEST_F(Diagnose, ARunEndsWithVerdictsAndWhatToDo) {

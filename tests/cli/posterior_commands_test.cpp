@@ -2,7 +2,7 @@
 #include <functional>
 
 #include "pipeline/artefacts/recording.h"
-#include "tests/cli/small_run.h"
+#include "tests/cli/study_run.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,17 +1,17 @@
-// A small study that has been run, for tests of commands that use its results.
+// Tests of commands that use the results of a study, which each suite runs once.
 #pragma once
 
 #include "tests/cli/program.h"
 
 namespace npdr::pipeline {
 
-// Each suite that derives from this runs the study once.
-class SmallRun : public ::testing::Test {
+// A suite's SetUpTestSuite() calls run_study().
+class StudyRun : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
+  static void run_study(const std::string& name, const std::string& text) {
     folder_ = new TempFolder;
-    std::ofstream(folder_->path() / "small.toml") << small_study();
-    const Outcome outcome = npdr({"run", "small.toml"});
+    std::ofstream(file(name)) << text;
+    const Outcome outcome = npdr({"run", name});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     run_output_ = outcome.out;
   }
@@ -25,6 +25,11 @@ class SmallRun : public ::testing::Test {
 
   inline static TempFolder* folder_ = nullptr;
   inline static std::string run_output_;
+};
+
+class SmallRun : public StudyRun {
+ protected:
+  static void SetUpTestSuite() { run_study("small.toml", small_study()); }
 };
 
 }  // namespace npdr::pipeline
