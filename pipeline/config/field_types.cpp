@@ -4,7 +4,7 @@ namespace npdr::pipeline {
 
 std::string marginal_words() {
   return "{ uniform = [low, high] }, { log_uniform = [low, high] }, { normal = [mean, std] } or "
-         "{ log_normal = [mean of log, std of log] }";
+         "{ log_normal = [mean of log, std of log] }, of finite numbers";
 }
 
 }  // namespace npdr::pipeline

@@ -128,6 +128,10 @@ void ChildProcess::parse(const std::string& line) {
     said_.push_back(line.substr(1));
     return;
   }
+  if (line.starts_with('?')) {
+    state_.note = line.substr(1);
+    return;
+  }
   std::istringstream words(line);
   State state;
   if (!(words >> state.done >> state.total)) return;

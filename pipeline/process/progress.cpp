@@ -41,6 +41,13 @@ std::string progress_text(Index done, Index total, double seconds) {
                      done > 0 ? clock_text(left) : "?", rate);
 }
 
+void report_note(const std::string& note) noexcept {
+  const int parent = parent_descriptor();
+  if (parent < 0) return;
+  const std::string line = "?" + printable_line(note) + "\n";
+  [[maybe_unused]] const auto written = write(parent, line.data(), line.size());
+}
+
 void report_error(const std::string& program, const std::string& message) noexcept {
   const std::string shown = printable(message);
   std::fputs((program + ": " + shown + "\n").c_str(), stderr);

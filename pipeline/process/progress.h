@@ -30,6 +30,10 @@ class Progress {
   std::chrono::steady_clock::time_point shown_;
 };
 
+/// Shows `note` beside the counts of a parent process's display until the next update: what goes
+/// wrong on the way of work that goes on. One line, whatever it holds. Thread-safe; never throws.
+void report_note(const std::string& note) noexcept;
+
 /// "program: message" on stderr, and to a parent process that shows progress: where the disk is
 /// full, the log that stderr goes to stays empty. Never throws.
 void report_error(const std::string& program, const std::string& message) noexcept;

@@ -7,6 +7,8 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/text.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/sources/row_simulator.h"
 #include "sim/segments.h"
 #include "sim/simulator_check.h"
@@ -136,6 +138,9 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
        outcome, task);
   if (outcome.cannot_run) fail("can't be run", outcome.problem + tail_of(outcome.output));
   status = outcome.status;
+  if (!outcome.succeeded) {
+    report_note(fmt::format("a call of {} rows failed: {}", count, shortened(outcome.problem)));
+  }
   if (!outcome.warning.empty()) last_warning_ = outcome.warning;
   if (outcome.succeeded) take(task, begin, result);
   return outcome.succeeded;

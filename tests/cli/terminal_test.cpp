@@ -75,6 +75,25 @@ TEST(Terminal, NoLineOfARunIsWiderThanItIs) {
   EXPECT_NE(shown.find("small: 100 %, 15 of 15 artefacts"), std::string::npos) << shown;
 }
 
+// The call that is repeated takes so long that the display comes by several times.
+TEST(Terminal, ShowsWhyACallOfTheSimulatorFailedWhileItIsRepeated) {
+  const TempFolder folder;
+  std::filesystem::copy(std::filesystem::path(NPDR_SOURCE_DIR) / "experiments/external",
+                        folder.path());
+  Terminal terminal(150, 24);
+  const std::string command =
+      "simulator.command=\"if ! test -e failed; then touch failed; exit 9; fi; sleep 1; "
+      "sh linear_gaussian.sh {theta} {x}\"";
+  const Outcome outcome = run(folder.path(),
+                              {"npdr", "run", "crashing.toml", "--until", "simulate", "--set",
+                               command, "--set", "simulator.retries=1", "--set",
+                               "simulator.parallel_calls=1", "--set", "method.num_simulations=64"},
+                              {.err = terminal.name()});
+  EXPECT_EQ(outcome.status, 0);
+  const std::string shown = terminal.text();
+  EXPECT_NE(shown.find("a call of 64 rows failed: exit status 9"), std::string::npos) << shown;
+}
+
 // The longest label has 36 characters: with keys its row has 80.
 TEST(Terminal, NoLineOfStatusIsWiderThanItIs) {
   const TempFolder folder;

@@ -164,7 +164,7 @@ TEST(StudyProblems, ChecksThePriorAgainstTheSimulator) {
 TEST(StudyProblems, SaysWhatAPriorsEntryMustBe) {
   const std::string must =
       ", must be { uniform = [low, high] }, { log_uniform = [low, high] }, "
-      "{ normal = [mean, std] } or { log_normal = [mean of log, std of log] }";
+      "{ normal = [mean, std] } or { log_normal = [mean of log, std of log] }, of finite numbers";
   for (const std::string entry :
        {"{ unform = [0.3, 1.7] }", "{ uniform = [0.3] }", "{ uniform = [0.3, 'b'] }", "{  }",
         "{ normal = [0.3, 1.7], uniform = [0.3, 1.7] }", "[0.3, 1.7]",
