@@ -29,6 +29,7 @@ struct Rollout {
   std::string name;
   RowMatrix states;   ///< (T + 1, C)
   RowMatrix actions;  ///< (T, A), held over a step
+  Index number = 0;   ///< of a simulated truth: among all that it does, held-out ones too, from 0
 
   Index num_steps() const { return actions.rows(); }
 };

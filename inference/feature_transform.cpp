@@ -110,7 +110,7 @@ FeatureTransform standardization(const FeatureSource& x, Tails tails) {
   });
   const Eigen::ArrayXd deviation = (squares.array() / count).sqrt();
   // Rounding leaves a little variance in a constant feature of single precision.
-  const Eigen::ArrayXd smallest = 1e-6 * mean.array().abs() + 1e-30;
+  const Eigen::ArrayXd smallest = 1e-6 * mean.array().abs() + FeatureTransform::kLeastDeviation;
   transform.mean = mean.cast<float>();
   transform.inverse_deviation = (deviation > smallest).select(1.0 / deviation, 0.0).cast<float>();
   return transform;

@@ -26,7 +26,8 @@
 namespace npdr::inference {
 
 struct FeatureTransform {
-  static constexpr float kFarthest = 100.0f;  ///< the clamp of standardized features
+  static constexpr float kFarthest = 100.0f;        ///< the clamp of standardized features
+  static constexpr double kLeastDeviation = 1e-36;  ///< of a feature that varies
 
   VectorF mean;                ///< (F)
   VectorF inverse_deviation;   ///< (F); 0 for a feature that doesn't vary: it carries nothing

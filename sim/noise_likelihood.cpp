@@ -20,21 +20,33 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMostDegrees = 1e7;
 const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 
-// Errors of one channel over a(h, c): those of all states, each beside the one before it.
+// States are kept in single precision, so none is known better than to this share of the largest.
+constexpr double kRounding = 0x1p-24;
+
+// Errors of one channel over a(h, c): those of all states, each beside the one before it. No
+// likelihood takes them for smaller than the states' rounding: a simulation that meets a recording
+// exactly would have an unbounded one.
 struct Errors {
   Eigen::ArrayXd now;
   Eigen::ArrayXd before;     // 0 where a segment begins
+  double rounding = 0.0;     // squared, the mean
   double now_squared = 0.0;  // sums
   double product = 0.0;
   double before_squared = 0.0;
   double log_measure = 0.0;  // log |d y / d error|
+
+  // Sum of (now - rho before)^2.
+  double squares(double rho) const {
+    const double sum = now_squared - 2.0 * rho * product + rho * rho * before_squared;
+    return std::max(sum, static_cast<double>(now.size()) * rounding);
+  }
 };
 
 // Sum of log(1 + (now - rho before)^2 / spread): of products of eight, unless one overflows.
 double log_of_squares(const Errors& errors, double rho, double spread) {
   const auto factors_of = [&](Index first, Index count) {
     const auto now = errors.now.segment(first, count), before = errors.before.segment(first, count);
-    return 1.0 + (now - rho * before).square() * (1.0 / spread);
+    return 1.0 + (now - rho * before).square().max(errors.rounding) * (1.0 / spread);
   };
   constexpr Index factors = 8;
   const Index n = errors.now.size() / factors, rest = factors * n;
@@ -48,9 +60,8 @@ double log_density(const ChannelNoise& noise, const Errors& errors, const NoiseV
   const auto n = static_cast<double>(errors.now.size());
   const double rho = at.correlation;
   if (!noise.is_heavy_tailed) {
-    const double sum =
-        errors.now_squared - 2.0 * rho * errors.product + rho * rho * errors.before_squared;
-    return -n * (std::log(at.scale) + 0.5 * kLogTwoPi) - 0.5 * sum / (at.scale * at.scale);
+    return -n * (std::log(at.scale) + 0.5 * kLogTwoPi) -
+           0.5 * errors.squares(rho) / (at.scale * at.scale);
   }
   const double nu = std::min(at.degrees_of_freedom, kMostDegrees);
   const double sum = log_of_squares(errors, rho, nu * at.scale * at.scale);
@@ -94,13 +105,11 @@ Vector Integrand::guess() const {
                            ? std::clamp(errors_.product / errors_.before_squared, 0.02, 0.98)
                            : 0.5;
   const double rho = noise_.is_correlated ? ratio : 0.0;
-  const double sum =
-      errors_.now_squared - 2.0 * rho * errors_.product + rho * rho * errors_.before_squared;
   const double tails = noise_.is_heavy_tailed ? 0.7 : 1.0;
   Vector z = Vector::Zero(dimension());
   Index next = 0;
   if (noise_.scale.is_unknown()) {
-    const double scale = std::max(tails * std::sqrt(std::max(sum, 0.0) / n), 1e-12);
+    const double scale = std::max(tails * std::sqrt(errors_.squares(rho) / n), 1e-12);
     z(next++) = std::log(scale / noise_.scale.median) / noise_.scale.deviation;
   }
   if (noise_.is_correlated && noise_.correlation.is_unknown()) {
@@ -226,7 +235,9 @@ Errors errors_of(const NoiseModel& model, std::span<const float> recorded,
   for (Index h = 0; h < model.num_rollouts(); ++h) {
     if (h == left_out) continue;
     const double unit = model.unit()(h, c);
-    errors.log_measure += static_cast<double>(steps) * std::log(model.measure()(h, c) / unit);
+    const double measure = model.measure()(h, c) / unit;
+    errors.log_measure += static_cast<double>(steps) * std::log(measure);
+    errors.rounding += std::pow(kRounding * measure, 2) / static_cast<double>(rollouts);
     double last = 0.0;
     for (Index k = 0; k < steps; ++k, ++next) {
       const auto i = static_cast<std::size_t>((h * steps + k) * states + c);

@@ -7,6 +7,20 @@
 #include "inference/row_blocks.h"
 
 namespace npdr::inference {
+namespace {
+
+// Far enough that no two rows are as far by it, and near enough that distances are finite.
+constexpr float kFarthest = 1e30f;
+
+// What distances are between: what lies far out is clamped for networks, and to keep it from
+// setting the directions of the others, but here it must go on telling near from far.
+void place(const FeatureTransform& transform, const RowMatrixF& x, RowMatrixF& z) {
+  if (transform.basis.cols() > 0) return transform.apply(x, z);
+  transform.standardize(x, z);
+  z = z.cwiseMax(-kFarthest).cwiseMin(kFarthest);
+}
+
+}  // namespace
 
 Vector feature_distances(const FeatureSource& x, const FeatureTransform& transform,
                          const VectorF& x_o) {
@@ -16,7 +30,7 @@ Vector feature_distances(const FeatureSource& x, const FeatureTransform& transfo
                      std::to_string(transform.num_inputs()));
   }
   RowMatrixF observed;
-  transform.apply(x_o.transpose(), observed);
+  place(transform, x_o.transpose(), observed);
   Vector distances(x.num_rows());
   parallel_for(num_blocks(x.num_rows()), [&](Index b) {
     const Index begin = b * kBlockRows, count = std::min(kBlockRows, x.num_rows() - begin);
@@ -24,7 +38,7 @@ Vector feature_distances(const FeatureSource& x, const FeatureTransform& transfo
     std::iota(rows.begin(), rows.end(), static_cast<std::uint32_t>(begin));
     RowMatrixF features, z;
     x.gather(rows, 0, features);
-    transform.apply(features, z);
+    place(transform, features, z);
     distances.segment(begin, count) =
         (z.rowwise() - observed.row(0)).cast<double>().rowwise().norm();
   });

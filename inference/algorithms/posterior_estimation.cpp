@@ -16,9 +16,9 @@
 namespace npdr::inference {
 namespace {
 
-EstimatorConfig estimator_of_round(const PosteriorEstimationConfig& config, std::uint64_t round) {
+EstimatorConfig estimator_of_round(const PosteriorEstimationConfig& config, const RoundData& data) {
   EstimatorConfig estimator = config.estimator;
-  const bool is_last = round >= static_cast<std::uint64_t>(config.algorithm.num_rounds);
+  const bool is_last = std::ssize(data.posteriors) + 1 >= config.algorithm.num_rounds;
   const bool grows = traits_of(config.algorithm.kind).grows_in_last_round;
   if (grows && !is_last) estimator.num_components = 1;
   return estimator;
@@ -30,7 +30,7 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   const AlgorithmTraits& traits = traits_of(config.algorithm.kind);
   NetworkParts parts{.prior = *data.prior,
                      .role = traits.role,
-                     .estimator = estimator_of_round(config, id.round),
+                     .estimator = estimator_of_round(config, data),
                      .embedding = config.embedding,
                      .structure_seed = id.seed,
                      .transform = {},

@@ -44,6 +44,8 @@ struct RoundData {
   VectorF x_o;                       ///< (F)
   /// Posteriors of the rounds before, which simulations of rounds 2, 3, ... were drawn from.
   std::vector<std::shared_ptr<const NetworkPosterior>> posteriors;
+  /// (R) rows that each round simulated, failed ones too; empty: none has failed.
+  std::vector<Index> num_simulated = {};
 };
 
 /// Called after every epoch of network m = 0, 1, ..., by one thread at a time; returns false to

@@ -26,19 +26,23 @@ std::vector<std::uint32_t> rows_of_last_round(const RoundData& data) {
 
 // w = p(theta) / p~(theta), with p~ the mixture of all that the rounds were drawn from, in
 // proportion to their rows (Veach and Guibas 1995, the balance heuristic): bounded by N / N_1,
-// however far a proposal is from the prior.
+// however far a proposal is from the prior. Rows that failed count: all that are left of theta's
+// were drawn from the same mixture, whatever share of them is.
 VectorF importance_weights(const RoundData& data) {
   if (data.posteriors.empty()) return {};
   const Vector log_prior = data.prior->log_prob(data.theta);
-  const auto share = [&](std::uint32_t round) {
-    return static_cast<double>(std::ranges::count(data.round, round)) /
-           static_cast<double>(data.round.size());
+  std::vector<Index> rows = data.num_simulated;
+  for (std::uint32_t r = 1; std::ssize(rows) <= std::ssize(data.posteriors); ++r) {
+    rows.push_back(std::ranges::count(data.round, r));
+  }
+  const auto total = static_cast<double>(std::reduce(rows.begin(), rows.end()));
+  const auto share = [&](std::size_t round) {
+    return static_cast<double>(rows[round - 1]) / total;
   };
   Vector proposal = Vector::Constant(log_prior.size(), share(1));  // over the prior's density
   for (std::size_t r = 0; r < data.posteriors.size(); ++r) {
     const Vector log_prob = data.posteriors[r]->log_prob(data.theta);
-    proposal +=
-        share(static_cast<std::uint32_t>(r + 2)) * (log_prob - log_prior).array().exp().matrix();
+    proposal += share(r + 2) * (log_prob - log_prior).array().exp().matrix();
   }
   return proposal.cwiseInverse().cast<float>();
 }

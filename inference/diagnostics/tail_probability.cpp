@@ -20,6 +20,13 @@ double pareto_tail(const Eigen::ArrayXd& excess, double y) {
   return shape > 1e-6 ? std::pow(1.0 + shape * y / scale, -1.0 / shape) : std::exp(-y / scale);
 }
 
+// Of sorted values: counts, or zeros and ones, have no smooth tail.
+Index num_distinct(const Vector& sorted) {
+  Index count = sorted.size() > 0 ? 1 : 0;
+  for (Index i = 1; i < sorted.size(); ++i) count += sorted(i) != sorted(i - 1) ? 1 : 0;
+  return count;
+}
+
 }  // namespace
 
 double tail_probability(const Vector& reference, double observed) {
@@ -38,6 +45,7 @@ double tail_probability(const Vector& reference, double observed) {
   if (above >= fewest_above || n < kFewestForTail) return counted;
   const Index in_tail = std::max(fewest_above, n / 10);
   const double threshold = 0.5 * (sorted(in_tail - 1) + sorted(in_tail));
+  if (num_distinct(sorted.head(in_tail)) < in_tail / 2) return counted;
   const Eigen::ArrayXd excess = sorted.head(in_tail).array() - threshold;
   if (!excess.allFinite() || excess.maxCoeff() <= excess.minCoeff()) return counted;
   const double share = static_cast<double>(in_tail) / static_cast<double>(n);

@@ -12,7 +12,6 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/features/noise.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
 
@@ -28,8 +27,9 @@ struct EvidenceArguments {
 
 // What a likelihood is the density of.
 struct Data {
-  std::vector<float> stored;   // states
-  std::vector<char> restarts;  // those before which the simulator was set to recorded ones
+  std::vector<float> stored;  // states
+  Index store_every = 0;
+  Index segment_length = 0;  // what recorded states are given with; none: the first alone
   bool operator==(const Data&) const = default;
 };
 
@@ -49,7 +49,10 @@ struct Evidence {
 
 Data data_of(const Plan& plan, const Node& node) {
   const Target target = read_seen_target(plan, node);
-  return {stored_observation(plan, target), noise_model(plan.study, target).restarts()};
+  const sim::SimulatorConfig& simulator = plan.study.simulator;
+  const bool is_cut = simulator.segment_length < target.num_steps();
+  return {stored_observation(plan, target), simulator.store_every,
+          is_cut ? simulator.segment_length : 0};
 }
 
 Model model_of(const Plan& plan, const Use& use,

@@ -30,8 +30,8 @@ class DatasetFile {
   Index num_rows() const { return theta_.num_rows(); }
   const std::vector<Channel>& features() const { return features_; }
 
-  /// Rows at ascending positions, (rows, parameters) and (rows, features). Throws InputError for a
-  /// theta that isn't finite.
+  /// Rows at some positions, in that order, (rows, parameters) and (rows, features). Throws
+  /// InputError for a theta that isn't finite.
   RowMatrix theta(std::span<const Index> rows) const;
   RowMatrix x(std::span<const Index> rows) const;
 

@@ -27,6 +27,7 @@ const std::map<std::string, void (*)(Layout)> kLayouts = {
     {"posterior", list_posterior},
     {"proposal", list_proposal},
     {"simulation", list_simulation},
+    {"target", list_target},
     {"training_checkpoint", list_training_checkpoint},
     {"refinement_checkpoint", list_refinement_checkpoint},
     {"simulated_rows", list_simulated_rows}};

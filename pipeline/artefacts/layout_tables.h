@@ -11,6 +11,7 @@ namespace npdr::pipeline {
 /// Each describes what an artefact holds besides what every artefact says about itself, and is
 /// defined beside its layout.
 void list_observation(Layout f);
+void list_target(Layout f);
 void list_proposal(Layout f);
 void list_simulation(Layout f);
 void list_posterior(Layout f);

@@ -6,7 +6,7 @@
 
 namespace npdr::pipeline {
 
-inline const Schema kTargetSchema{"target", 1, "target"};
+inline const Schema kTargetSchema{"target", 2, "target"};
 inline const Schema kProposalSchema{"proposal", 1, "propose"};
 /// Shards lie in a folder with the key of their simulation: raise both versions together.
 inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};

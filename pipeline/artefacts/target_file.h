@@ -6,6 +6,9 @@
 
 namespace npdr::pipeline {
 
+/// Writes rollouts with their numbers. Throws Error.
+void write_rollouts(h5::File& file, const Target& target);
+
 /// Writes x_o: the state after the only step of the only rollout. Throws Error.
 void write_observation(h5::File& file, const Target& target);
 

@@ -47,6 +47,7 @@ SimulationFeatures::SimulationFeatures(const Plan& plan,
 
 void SimulationFeatures::read_theta(const h5::File& file, std::uint32_t round) {
   const auto status = file.dataset("status").read<std::uint8_t>();
+  num_simulated_.push_back(std::ssize(status));
   const RowMatrix theta =
       file.read_matrix<double>("theta", static_cast<Index>(status.size()), -1, h5::Values::finite);
   const Index before = num_rows();
@@ -131,30 +132,46 @@ std::vector<Index> SimulationFeatures::rows() const {
 
 namespace {
 
-// Adds the noise of a simulated target domain to every `stride`-th of its stored states.
-void observe(const Study& study, const sim::NoiseModel& noise, std::vector<float>& states,
-             Index stride) {
-  if (study.target.recording || study.observation_noise.is_silent()) return;
-  Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
-  noise.add(states, stride, stream);
+// A behavior of which `part` is: its rollouts by their numbers, any in place of the others.
+Target whole_behavior(const Target& part) {
+  Target whole = part;
+  Index count = 0;
+  for (const Rollout& rollout : part.rollouts) count = std::max(count, rollout.number + 1);
+  whole.rollouts.assign(static_cast<std::size_t>(count), part.rollouts.front());
+  for (const Rollout& rollout : part.rollouts) {
+    whole.rollouts[static_cast<std::size_t>(rollout.number)] = rollout;
+  }
+  return whole;
 }
 
 }  // namespace
 
+// A simulated truth is observed once, with all that it does: a rollout has the same noise wherever
+// it is looked at.
 std::vector<float> stored_observation(const Plan& plan, const Target& target) {
   const Study& study = plan.study;
-  std::vector<float> stored = inference::observed_series(target, study.simulator.store_every);
-  observe(study, noise_model(study, target), stored, 1);
+  const Index store_every = study.simulator.store_every;
+  if (!study.target.truth || study.observation_noise.is_silent()) {
+    return inference::observed_series(target, store_every);
+  }
+  const Target whole = whole_behavior(target);
+  std::vector<float> all = inference::observed_series(whole, store_every);
+  Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
+  noise_model(study, whole).add(all, 1, stream);
+  const std::ptrdiff_t size = std::ssize(all) / whole.num_rollouts();
+  std::vector<float> stored;
+  for (const Rollout& rollout : target.rollouts) {
+    const auto begin = all.begin() + rollout.number * size;
+    stored.insert(stored.end(), begin, begin + size);
+  }
   return stored;
 }
 
 std::vector<float> picked_observation(const Plan& plan, const Target& target,
                                       const inference::Embedding& embedding) {
-  const Study& study = plan.study;
   const inference::SeriesSelection& selection = embedding.selection();
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
-  selection.pick(inference::observed_series(target, study.simulator.store_every), picked);
-  observe(study, noise_model(study, target, selection), picked, selection.stride);
+  selection.pick(stored_observation(plan, target), picked);
   return picked;
 }
 

@@ -35,6 +35,8 @@ class SimulationFeatures : public inference::FeatureSource {
   std::vector<std::uint32_t> rounds() const;         ///< (N); 0: of calibration
   std::vector<Index> rows() const;                   ///< (N), in the simulation of their round
   Index num_failed() const { return num_failed_; }
+  /// (R) rows of each simulation, failed ones too.
+  const std::vector<Index>& num_simulated() const { return num_simulated_; }
 
  private:
   struct Origin {
@@ -53,6 +55,7 @@ class SimulationFeatures : public inference::FeatureSource {
   std::vector<Origin> origin_;
   std::vector<Index> end_;  // of the rows of each simulation
   Index num_failed_ = 0;
+  std::vector<Index> num_simulated_;
   std::unique_ptr<RowStore> rows_;
 };
 

@@ -26,6 +26,7 @@ std::size_t PlanBuilder::add_collection(const MethodConfig& method, const Use& u
   json["simulator"] = keys_.truth;
   json["truth"] = *study.target.truth;
   json["num_rollouts"] = method.num_rollouts > 0 ? method.num_rollouts : study.target.num_rollouts;
+  if (study.target.held_out > 0) json["held_out"] = study.target.held_out;
   json["task"] = policy_task_json(study.policy);
   json["seed"] = use.seed;
   json["iteration"] = use.iteration;

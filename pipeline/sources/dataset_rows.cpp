@@ -1,7 +1,5 @@
 #include "pipeline/sources/dataset_rows.h"
 
-#include <algorithm>
-
 #include "core/feature_names.h"
 #include "core/random.h"
 
@@ -10,9 +8,7 @@ namespace npdr::pipeline {
 std::vector<Index> dataset_rows(std::uint64_t seed, Index num_rows, Index count) {
   Stream stream({seed, "dataset_rows", 0, 0, 0});
   const auto order = stream.permutation(static_cast<std::uint32_t>(num_rows));
-  std::vector<Index> rows(order.begin(), order.begin() + count);
-  std::ranges::sort(rows);
-  return rows;
+  return {order.begin(), order.begin() + count};
 }
 
 DatasetFile open_dataset(const Study& study) {

@@ -9,8 +9,9 @@
 
 namespace npdr::pipeline {
 
-/// `count` different rows of `num_rows`, ascending: the first ones of a random order that depends
-/// on the seed and on num_rows alone. So a larger count keeps the rows of a smaller one.
+/// `count` different rows of `num_rows`: the first ones of a random order that depends on the seed
+/// and on num_rows alone. So a larger count keeps the rows of a smaller one, and any part of them
+/// is like the whole, also of a file that is sorted.
 std::vector<Index> dataset_rows(std::uint64_t seed, Index num_rows, Index count);
 
 /// The study's dataset, with the prior's parameters and the study's features. Throws InputError.

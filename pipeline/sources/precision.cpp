@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/text.h"
+#include "inference/feature_transform.h"
 #include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
@@ -31,8 +32,9 @@ std::string precision_problem(const RowMatrix& x, const std::vector<Channel>& co
     const Eigen::ArrayXd values = x.col(static_cast<Index>(c))(rows);
     const double mean = values.mean();
     const double deviation = std::sqrt((values - mean).square().mean());
-    const bool is_lost =
-        deviation <= kSmallest * std::abs(mean) && deviation > kRounding * std::abs(mean);
+    const double smallest =
+        kSmallest * std::abs(mean) + inference::FeatureTransform::kLeastDeviation;
+    const bool is_lost = deviation <= smallest && deviation > kRounding * std::abs(mean);
     if (!is_lost) continue;
     lost.push_back(fmt::format("'{}' by {:.2g} about {:.6g}", columns[c].label, deviation, mean));
   }
@@ -40,7 +42,7 @@ std::string precision_problem(const RowMatrix& x, const std::vector<Channel>& co
   return fmt::format(
       "single precision, in which rows are kept, can't tell apart what varies so little ({}): such "
       "columns are taken for constants, and say nothing of the parameters; subtract an offset from "
-      "them, in the simulator and in the observation",
+      "them or take another unit, in the simulator and in the observation",
       join(few_shortened(lost)));
 }
 

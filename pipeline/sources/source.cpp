@@ -22,9 +22,12 @@ Source::Source(Study study)
 
 Target Source::behave(const std::filesystem::path& log) const {
   if (!traits().gives_motion) return behave_in_features(log);
-  if (study_.target.inputs || !traits().is_built_in)
-    return replay_truth(begun_truth(study_, info_), log);
-  return behave_by_itself();
+  const bool replays = study_.target.inputs || !traits().is_built_in;
+  Target all = replays ? replay_truth(begun_truth(study_, info_), log) : behave_by_itself();
+  for (Index h = 0; h < all.num_rollouts(); ++h) {
+    all.rollouts[static_cast<std::size_t>(h)].number = h;
+  }
+  return all;
 }
 
 Target Source::behave_by_itself() const {

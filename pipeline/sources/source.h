@@ -56,7 +56,8 @@ class Source {
   /// Opens the simulator of rows. Throws InputError for settings, or a dataset, that can't be used.
   virtual std::unique_ptr<RowSimulator> open(const RowsConfig& config) const = 0;
 
-  /// The simulated target domain, held-out rollouts last. Throws Error when its simulation fails.
+  /// The simulated target domain, held-out rollouts last, numbered in that order. Throws Error when
+  /// its simulation fails.
   Target behave(const std::filesystem::path& log) const;
 
  protected:

@@ -36,7 +36,8 @@ void predict(const Plan& plan, const Node& node, const Judge& judge, const Strea
   if (judge.held_out() != nullptr) {
     evaluation.held_out_bands = analysis::quantile_bands(view_of(held_out));
   }
-  const Target target = read_seen_target(plan, node);
+  const std::string& method = node.uses.front().method;
+  const Target target = read_target(plan, node, plan.study.method(method).num_rollouts);
   const NoiseOfSamples noise =
       draw_noise(plan, target, seen, noise_source(*plan.inputs(node, Stage::infer).front()), first);
   evaluation.noise = inferred_noise(noise_model(plan.study, target), noise, seen);

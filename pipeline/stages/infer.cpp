@@ -107,6 +107,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   data.x = &features;
   data.theta = features.theta();
   data.round = features.rounds();
+  data.num_simulated = features.num_simulated();
   data.x_o = observation(plan, target, *embedding);
   for (const Node* posterior : plan.inputs(node, Stage::infer)) {
     data.posteriors.push_back(read_network_posterior(*posterior));

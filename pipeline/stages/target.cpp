@@ -35,11 +35,15 @@ Target collect(const Plan& plan, const Node& node) {
   const Use& use = node.uses.front();
   const MethodConfig& method = plan.study.method(use.method);
   const Use last{use.method, use.seed, 0, use.iteration - 1};
-  Target target = read_target(plan, node, num_rollouts_seen(method, last));
+  const Target earlier = read_target(plan, node);
+  const Index num_seen = num_rollouts_seen(method, last);
+  Target target = num_seen > 0 ? earlier.first(num_seen) : earlier;
   const Index count = target.num_rollouts() / std::max<Index>(1, last.iteration);
-  const Target more = collect_rollouts(
+  Target more = collect_rollouts(
       plan, target, read_policy(*plan.inputs(node, Stage::policy).front()), count,
       {use.seed, "policy_rollouts", static_cast<std::uint64_t>(use.iteration), 0, 0});
+  Index number = earlier.rollouts.back().number + plan.study.target.held_out;
+  for (Rollout& rollout : more.rollouts) rollout.number = ++number;
   target.rollouts.insert(target.rollouts.end(), more.rollouts.begin(), more.rollouts.end());
   return target;
 }
@@ -53,10 +57,10 @@ void write_part(const Plan& plan, const Node& node, const Target& all, h5::File&
   } else {
     if (plan.study.target.recording) require_motion(plan.study, all);
     const Target used = all.first(num_seen), seen = without_fold(plan.study, used, fold);
-    if (node.stage == Stage::target) return write_target(file, seen);
+    if (node.stage == Stage::target) return write_rollouts(file, seen);
     const Target rest = fold > 0 ? of_fold(plan.study, used, fold) : all.after(num_seen);
     check_held_out(fold > 0 ? "evaluate.leave_out" : "target.held_out", seen, rest);
-    write_target(file, rest);
+    write_rollouts(file, rest);
   }
 }
 
@@ -65,7 +69,7 @@ void write_part(const Plan& plan, const Node& node, const Target& all, h5::File&
 void run_target(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kTargetSchema, node.identity);
   if (!plan.inputs(node, Stage::policy).empty()) {
-    write_target(writer.file(), collect(plan, node));
+    write_rollouts(writer.file(), collect(plan, node));
   } else {
     const Target all =
         plan.study.target.truth ? plan.source->behave(log_of(node.path)) : plan.target;

@@ -66,15 +66,23 @@ TEST_F(Evidence, OfTwoNoiseModelsTheSmallerExplainsARecordingWithoutNoiseBetter)
 }
 
 TEST_F(Evidence, RefusesOtherData) {
-  ASSERT_EQ(npdr({"run", "noise-0.2.toml", "--until", "infer"}).status, 0);
-  std::string other = study("other", "scale = 0.2");
-  write("other", edited(other, "store_every = 40", "store_every = 20"));
-  ASSERT_EQ(npdr({"run", "other.toml", "--until", "infer"}).status, 0);
-  const Outcome outcome = npdr({"evidence", "noise-0.2.toml", "other.toml"});
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_TRUE(
-      says(outcome.err, {"npdr evidence: other.toml, infer Refined", "explains other numbers",
-                         "store_every and segment_length must be the same"}));
+  const std::string first = study("first", "scale = 0.2");
+  const auto write_with = [&](const std::string& name, const std::string& keys) {
+    write(name, edited(edited(first, "\"first\"", "\"" + name + "\""),
+                       "store_every = 40\nsegment_length = 200", keys));
+    EXPECT_EQ(npdr({"run", name + ".toml", "--until", "infer"}).status, 0);
+  };
+  write_with("first", "store_every = 40\nsegment_length = 40");
+  // Every stored state is the first of a segment, but another one is given with it.
+  write_with("shorter", "store_every = 40\nsegment_length = 20");
+  write_with("denser", "store_every = 20\nsegment_length = 40");
+  for (const std::string other : {"shorter", "denser"}) {
+    const Outcome outcome = npdr({"evidence", "first.toml", other + ".toml"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_TRUE(says(outcome.err,
+                     {"npdr evidence: " + other + ".toml, infer Refined", "explains other numbers",
+                      "store_every and segment_length must be the same"}));
+  }
 }
 
 }  // namespace

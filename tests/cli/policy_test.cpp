@@ -206,6 +206,14 @@ TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
   EXPECT_FALSE(std::filesystem::exists(file("alone/searched/tables/fit.md")));
 }
 
+// Evaluations are by the first rollouts, whatever an iteration has seen.
+TEST_F(Policies, AMethodMaySeeFewRolloutsOfEachIteration) {
+  const Outcome outcome = npdr({"run", "searched.toml", "--work", "few", "--only", "Online",
+                                "--seeds", "1", "--set", "method.Online.num_rollouts=1", "--set",
+                                "target.num_rollouts=1", "--set", "observation_noise.scale=0.05"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+}
+
 TEST_F(Policies, SimulationsOfARefinementCount) {
   StudyText study = searched_study().with("observation_noise", {"scale = 0.05"});
   study.method("Refined",

@@ -173,6 +173,24 @@ TEST(NoiseLikelihood, DrawsTheParametersThatMadeTheErrors) {
   }
 }
 
+// Without a floor the scale of the noise would go to 0, and the density beyond all bounds.
+TEST(NoiseLikelihood, OfStatesThatAreMetExactlyIsThatOfTheirRounding) {
+  constexpr Index steps = 1000;
+  const std::vector<float> simulated(steps, 0.0f);
+  const std::vector<float> rounded(steps, 3.0f * 0x1p-24f), near(steps, 3e-3f);
+  for (const bool is_correlated : {false, true}) {
+    for (const bool is_heavy_tailed : {false, true}) {
+      const NoiseModel model({noise_of(is_correlated, is_heavy_tailed, 1.0)},
+                             RowMatrix::Constant(1, 1, 3.0), stored_restarts(steps, 10, 1));
+      const double exact = NoiseLikelihood(model, simulated).log_likelihood(simulated);
+      EXPECT_TRUE(std::isfinite(exact));
+      EXPECT_GT(exact, NoiseLikelihood(model, near).log_likelihood(simulated));
+      if (is_correlated) continue;
+      EXPECT_NEAR(exact, NoiseLikelihood(model, rounded).log_likelihood(simulated), 1e-6);
+    }
+  }
+}
+
 TEST(NoiseLikelihood, OfAFailedSimulationIsZero) {
   const NoiseModel model = model_of(noise_of(false, false, 1.0));
   const NoiseLikelihood likelihood(model, errors_of(model, 1));

@@ -41,6 +41,21 @@ TEST(FeatureDistance, CountsEveryFeatureInItsDeviations) {
   }
 }
 
+// One row in twenty does something, and so does the observation: what is far beyond the usual.
+TEST(FeatureDistance, TellsNearFromFarAlsoWhereFewRowsAre) {
+  RowMatrixF x(200, 1);
+  for (Index i = 0; i < x.rows(); ++i) {
+    x(i, 0) = i % 25 == 0 ? static_cast<float>(i) : 1e-4f * static_cast<float>(i % 7);
+  }
+  const MatrixFeatures source(x);
+  const Vector distances =
+      feature_distances(source, fit_feature_transform(source, 0), VectorF::Constant(1, 101.0f));
+  Index nearest = 0;
+  distances.minCoeff(&nearest);
+  EXPECT_EQ(nearest, 100);
+  EXPECT_NEAR(distances(125) / distances(100), 24.0, 1e-3);
+}
+
 TEST(FeatureDistance, RejectsAnotherNumberOfFeatures) {
   const RowMatrixF x = features();
   const MatrixFeatures source(x);

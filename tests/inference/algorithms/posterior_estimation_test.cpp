@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "inference/algorithms/round_task.h"
 #include "inference/matrix_features.h"
 #include "inference/surrogate_posterior.h"
 #include "tests/inference/linear_gaussian_check.h"
@@ -29,6 +30,50 @@ TEST(NpeA, NeedsSimulationsOfItsOwnRound) {
                                         data, {1, "training", 1, 0, 0}, states, never_stop);
                    }),
                    {"training: 0 training and 0 validation rows"}));
+}
+
+// Rounds are counted anew for a posterior that begins again, whatever its random numbers are.
+TEST(NpeA, GrowsInTheLastOfItsRoundsAlone) {
+  const LinearGaussian task(1);
+  const Prior prior = task.prior();
+  PosteriorEstimationConfig c = small_config(Algorithm::npe_a, EstimatorKind::mdn, 2, 100);
+  c.training.max_epochs = 1;
+  const RowMatrix theta = sample_prior(prior, 100, 1);
+  const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
+  const MatrixFeatures source(x);
+  const RoundData data{.prior = &prior,
+                       .x = &source,
+                       .theta = theta,
+                       .round = std::vector<std::uint32_t>(100, 1),
+                       .x_o = VectorF::Ones(1),
+                       .posteriors = {}};
+  std::vector<TrainingState> states;
+  const StreamId id{1, "training", (std::uint64_t{1} << 32) + 1, 0, 0};
+  const auto first = estimate_posterior(c, data, id, states, never_stop);
+  EXPECT_EQ(first->parts().estimator.num_components, 1);
+}
+
+// Half of the first round's rows have failed.
+TEST(NpeB, WeighsByTheMixtureThatRowsWereDrawnFrom) {
+  const LinearGaussian task(1);
+  const Prior prior = task.prior();
+  PosteriorEstimationConfig c = small_config(Algorithm::npe_b, EstimatorKind::maf, 1, 100);
+  c.training.max_epochs = 1;
+  const std::shared_ptr<const NetworkPosterior> posterior =
+      infer(c, prior, task.simulator(), VectorF::Ones(1), 1);
+  RoundData data{.prior = &prior,
+                 .x = nullptr,
+                 .theta = sample_prior(prior, 150, 1),
+                 .round = std::vector<std::uint32_t>(150, 2),
+                 .x_o = VectorF::Ones(1),
+                 .posteriors = {posterior},
+                 .num_simulated = {100, 100}};
+  std::fill_n(data.round.begin(), 50, 1u);
+  const VectorF weights = row_weights(c, data);
+  const Vector ratio = (posterior->log_prob(data.theta) - prior.log_prob(data.theta)).array().exp();
+  for (Index i = 0; i < 150; ++i) {
+    EXPECT_NEAR(weights(i) * (0.5 + 0.5 * ratio(i)), 1.0, 1e-5) << i;
+  }
 }
 
 TEST(NpeB, FindsTheLinearGaussianPosteriorOverRounds) {

@@ -43,6 +43,14 @@ TEST(TailProbability, FalseAlarmsInTheTailAreRare) {
   EXPECT_GT(alarms, 5);
 }
 
+TEST(TailProbability, OfDiscreteValuesIsCounted) {
+  Vector binary = Vector::Zero(1000);
+  binary.head(5).setOnes();
+  EXPECT_DOUBLE_EQ(tail_probability(binary, 1.0), 6.0 / 1001.0);
+  const Vector counts = exponentials(1000, 1).array().floor();
+  EXPECT_DOUBLE_EQ(tail_probability(counts, 100.0), 1.0 / 1001.0);
+}
+
 TEST(TailProbability, WhatIsNoNumberIsFarOut) {
   const Vector reference = exponentials(100, 1);
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -21,6 +21,7 @@ TEST(Precision, SaysWhichColumnsFloatsCantTellApart) {
   EXPECT_TRUE(says(precision_problem(varying(1e8, 1.5), kColumns),
                    {"single precision", "'far' by 1.5 about 1e+08", "subtract an offset"}));
   EXPECT_EQ(precision_problem(varying(1e8, 1.5), kColumns).find("'near'"), std::string::npos);
+  EXPECT_NE(precision_problem(varying(0.0, 1e-37), kColumns), "");
   RowMatrix partly_lost = varying(1e8, 1.5);
   partly_lost(3, 1) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(precision_problem(partly_lost, kColumns), "");

@@ -1,5 +1,6 @@
 /// Studies with a command or a dataset in place of a built-in simulator: problems and keys.
 #include "pipeline/artefacts/dataset_file.h"
+#include "pipeline/features/simulation_features.h"
 #include "pipeline/plan/plan.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
@@ -148,6 +149,13 @@ TEST_F(ExternalStudies, SeeFeaturesAsTheyAre) {
   EXPECT_EQ(embedding({}).principal_components, 0);
   EXPECT_EQ(embedding({"method.embedding.principal_components=3"}).principal_components, 3)
       << "of two features: all of them";
+}
+
+TEST_F(ExternalStudies, TakeTheObservationAsItIs) {
+  const Plan plan = plan_of({"observation_noise.scale=0.5"});
+  const auto embedding =
+      inference::make_embedding(plan.study.methods.front().embedding, plan.target, 1);
+  EXPECT_EQ(observation(plan, plan.target, *embedding), (VectorF(2) << 1, 2).finished());
 }
 
 TEST_F(ExternalStudies, KnowTheFeaturesThatAnEmbeddingMayPick) {

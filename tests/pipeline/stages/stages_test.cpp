@@ -1,6 +1,7 @@
 #include "pipeline/stages/stages.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/proposal_file.h"
+#include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/run/run_stage.h"
@@ -11,6 +12,7 @@
 #include "pipeline/config/study_reader.h"
 #include "pipeline/report/data.h"
 #include "pipeline/report/registry.h"
+#include "sim/observation_noise.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
@@ -104,6 +106,45 @@ TEST_F(SmallStages, PredictionsOfFoldsAndBaselinesAreScored) {
   // 0.1 / sqrt(pi), from some hundred errors: a standard error of 0.004 at most, tolerance of five.
   EXPECT_NEAR(number_of(row("CRPS with noise")[4]), 0.0564, 0.02);
   EXPECT_EQ(number_of(row("90 % bands cover")[3]), 0.0) << "a point, not a band";
+}
+
+// The noise of the states that a node sees of the target, (H, K C), over their amplitude.
+RowMatrix noise_of(const Plan& plan, const Target& target) {
+  const Index store_every = plan.study.simulator.store_every;
+  const std::vector<float> exact = inference::observed_series(target, store_every),
+                           observed = stored_observation(plan, target);
+  const Index size = std::ssize(exact) / target.num_rollouts();
+  const RowMatrixF noise = RowMatrixF::Map(observed.data(), target.num_rollouts(), size) -
+                           RowMatrixF::Map(exact.data(), target.num_rollouts(), size);
+  const RowMatrix amplitude = sim::reference_amplitude(target);
+  return (noise.cast<double>().array() / amplitude.replicate(1, size / target.num_states()).array())
+      .matrix();
+}
+
+TEST_F(SmallStages, ARolloutOfASimulatedTargetIsObservedOnce) {
+  const Plan plan = plan_of(
+      {"simulator.name=furuta", "simulator.store_every=25", "target.num_rollouts=2",
+       "target.held_out=1", "prior={ pole_mass = { uniform = [0.0168, 0.0312] } }",
+       "target.truth={ pole_mass = 0.03 }", "evaluate.leave_out=2", "study.seeds=[1]",
+       "method.embedding={ kind = 'all_steps', downsample = 25 }", "observation_noise.scale=0.1"});
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::target || node.stage == Stage::held_out) run_stage(plan, node);
+  }
+  const Node& whole = plan.node(Stage::evaluate, {"A", 1, 1});
+  const RowMatrix seen = noise_of(plan, read_target(plan, whole));
+  for (const Index fold : {1, 2}) {
+    const Node& node = plan.node(Stage::evaluate, {"A", 1, 1, 0, fold});
+    EXPECT_EQ(noise_of(plan, *read_held_out(plan, node)).row(0), seen.row(fold - 1));
+    EXPECT_EQ(noise_of(plan, read_target(plan, node)).row(0), seen.row(2 - fold));
+  }
+  // Numbers of independent noise have a correlation of 0 +- 1 / sqrt(n): five times that is a false
+  // alarm in a million.
+  const RowMatrix held_out = noise_of(plan, *read_held_out(plan, whole));
+  for (const Index h : {0, 1}) {
+    const double correlation =
+        seen.row(h).dot(held_out.row(0)) / (seen.row(h).norm() * held_out.row(0).norm());
+    EXPECT_LT(std::abs(correlation), 5.0 / std::sqrt(static_cast<double>(seen.cols()))) << h;
+  }
 }
 
 TEST_F(SmallStages, TheLimitOfFailuresHoldsForSimulationsThatAreThere) {
