@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <cerrno>
+#include <cstdlib>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -14,7 +15,9 @@ TemporaryFolder::TemporaryFolder(const std::string& name, const std::string& pur
   std::error_code error;
   const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
   if (error) {
-    throw InputError("TMPDIR = '" + parent.string() + "', must be an existing folder: " + purpose);
+    const char* const given = std::getenv("TMPDIR");
+    throw InputError("TMPDIR = '" + std::string(given == nullptr ? "" : given) +
+                     "', must be an existing folder: " + purpose);
   }
   remove_stale_temporaries_once(parent);
   do {

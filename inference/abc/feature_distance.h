@@ -6,10 +6,10 @@
 
 namespace npdr::inference {
 
-/// |z(x_i) - z(x_o)|, Euclidean, of every row of `x` (n): z is the transform's, clamped only where it
-/// projects, so that every feature counts in its own deviations. Features are those of epoch 0. Parallel, with the same
-/// bits on any number of threads; memory doesn't grow with the width of all rows. Throws ShapeError
-/// when x_o has another number of features.
+/// |z(x_i) - z(x_o)|, Euclidean, of every row of `x` (n): z is the transform's, clamped only where
+/// it projects, so that every feature counts in its own deviations. Features are those of epoch 0.
+/// Parallel, with the same bits on any number of threads; memory doesn't grow with the width of all
+/// rows. Throws ShapeError when x_o has another number of features.
 Vector feature_distances(const FeatureSource& x, const FeatureTransform& transform,
                          const VectorF& x_o);
 

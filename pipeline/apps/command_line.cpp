@@ -97,6 +97,9 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
     // `npdr ... | head`: who closes the pipe has seen enough.
     if (error.code() != std::errc::broken_pipe) report_error(program, error.what());
     return static_cast<int>(ExitStatus::failed);
+  } catch (const std::bad_alloc&) {
+    report_error(program, "memory is used up; ask for less at once, or give it more");
+    return static_cast<int>(ExitStatus::failed);
   } catch (const std::exception& error) {
     report_error(program, error.what());
     return static_cast<int>(ExitStatus::failed);
@@ -267,7 +270,7 @@ std::vector<Index> parse_ranges(const std::string& text) {
     const auto last = dash == std::string::npos ? first : parse_count(part.substr(dash + 1));
     constexpr Index most = 10'000'000;
     if (!first || !last || *last < *first || *last - *first > most) fail();
-    for (Index value = *first; value <= *last; ++value) values.push_back(value);
+    for (Index i = 0; i <= *last - *first; ++i) values.push_back(*first + i);
   }
   if (values.empty()) fail();
   return values;

@@ -186,11 +186,12 @@ void note_repeats(const inference::Posterior& posterior, const RowMatrix& theta)
              repeats, theta.rows(), theta.rows());
 }
 
-// Samples of one posterior, after the names of the parameters where they are the first.
-void print_samples(const PosteriorArguments& arguments, bool is_first) {
+// Samples of posterior k = 0, 1, ... of those that are pooled, the first after the names of the
+// parameters. Each has random numbers of its own.
+void print_samples(const PosteriorArguments& arguments, Index k) {
   const auto posterior = load(arguments);
-  const inference::Samples samples =
-      posterior->draw(arguments.count, {arguments.seed, "sample", 0, 0, 0});
+  const inference::Samples samples = posterior->draw(
+      arguments.count, {arguments.seed, "sample", static_cast<std::uint64_t>(k), 0, 0});
   const RowMatrix& theta = samples.theta;
   require_numbers(arguments, theta.allFinite());
   print_sampler(samples);
@@ -199,7 +200,7 @@ void print_samples(const PosteriorArguments& arguments, bool is_first) {
   for (const auto& m : posterior->prior().marginals()) {
     header.push_back(analysis::quote_csv(fmt::format("{} [{}]", m.name, m.unit)));
   }
-  if (is_first) fmt::print("{}\n", printable_line(join(header, ",")));
+  if (k == 0) fmt::print("{}\n", printable_line(join(header, ",")));
   for (Index i = 0; i < theta.rows(); ++i) {
     fmt::print("{:.17g}\n", fmt::join(theta.row(i).begin(), theta.row(i).end(), ","));
   }
@@ -273,7 +274,7 @@ void print_samples_of(const ChosenPosteriors& chosen) {
   for (Index i = 0; i < num; ++i) {
     PosteriorArguments& one = all[static_cast<std::size_t>(i)];
     one.count = chosen.posterior.count / num + (i < chosen.posterior.count % num ? 1 : 0);
-    if (one.count > 0) print_samples(one, i == 0);
+    if (one.count > 0) print_samples(one, i);
   }
 }
 

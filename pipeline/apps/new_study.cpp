@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/artefacts/channels.h"
 #include "pipeline/artefacts/recording.h"
@@ -23,7 +24,14 @@ constexpr Index kStatesLeft = 50;
 constexpr std::size_t kMostUnknown = 8;
 
 // Basic strings of TOML are those of JSON.
-std::string quoted_toml(const std::string& text) { return nlohmann::json(text).dump(); }
+std::string quoted_toml(const std::string& text) {
+  try {
+    return nlohmann::json(text).dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw InputError(quoted(printable_line(text)) +
+                     " isn't UTF-8, as studies must be; rename what is called so");
+  }
+}
 
 std::string toml_list(const std::vector<Channel>& channels) {
   std::vector<std::string> names;

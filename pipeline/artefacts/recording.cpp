@@ -6,6 +6,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/artefacts/outside_file.h"
 #include "pipeline/store/column_labels.h"
@@ -50,8 +51,11 @@ void require_short_texts(const std::string& where, const Target& target) {
 }
 
 std::vector<Channel> read_channels(const h5::Dataset& dataset) {
-  const auto labels = dataset.attribute<std::vector<std::string>>("labels");
-  const auto units = dataset.attribute<std::vector<std::string>>("units");
+  auto labels = dataset.attribute<std::vector<std::string>>("labels");
+  auto units = dataset.attribute<std::vector<std::string>>("units");
+  for (auto* texts : {&labels, &units}) {
+    for (std::string& text : *texts) text = printable_line(text);  // not every program's are UTF-8
+  }
   const auto count = static_cast<std::size_t>(dataset.shape()[2]);
   if (labels.size() != count || units.size() != count) {
     throw InputError(fmt::format("{} has {} channels, but {} labels and {} units", dataset.where(),

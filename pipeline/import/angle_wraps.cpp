@@ -34,14 +34,18 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+// Jumps of one turn: what is left of them without it goes on as the steps around them do. Other
+// jumps, such as to a number that says that none was measured, are no turns.
 std::vector<Index> jumps_of(const Vector& angle, double period) {
   const Vector steps = angle.tail(angle.size() - 1) - angle.head(angle.size() - 1);
   const Vector rest = steps.unaryExpr([&](double d) { return std::remainder(d, period); });
   const double quarter = 0.25 * period;
   std::vector<Index> rows;
   for (Index t = 0; t < steps.size(); ++t) {
-    if (std::abs(steps(t)) < 0.5 * period || std::abs(rest(t)) > quarter) continue;
-    if (std::abs(median_of(steps_around(rest, t))) > quarter) continue;
+    if (std::abs(steps(t)) < 0.5 * period || std::abs(steps(t)) > 1.25 * period) continue;
+    const double around = median_of(steps_around(rest, t));
+    if (std::abs(rest(t)) > quarter || std::abs(around) > quarter) continue;
+    if (std::abs(rest(t) - around) > 0.15 * period) continue;
     // Who turns that fast all the time does turn. Noise at the end of a turn goes to and fro.
     const bool goes_on = std::abs(steps(t) - mean_of(steps_around(steps, t))) < 0.5 * period;
     if (!goes_on) rows.push_back(t);
@@ -60,7 +64,7 @@ std::optional<double> turn_in(const std::string& unit) {
 AngleJumps find_jumps(const Vector& angle, const std::string& unit) {
   const std::optional<double> turn = turn_in(unit);
   if (!turn || angle.size() < 2) return {};
-  if (unit == "rad") {
+  if (unit == "rad" && angle.cwiseAbs().maxCoeff() <= 1.01 * kDegrees) {
     AngleJumps degrees = {kDegrees, jumps_of(angle, kDegrees)};
     if (!degrees.rows.empty()) return degrees;
   }

@@ -18,6 +18,8 @@ constexpr double kStandsOut = 5.0;
 // Drift of a rate without noise of its own, while nothing moves.
 constexpr double kStandsOutAlone = 20.0;
 constexpr double kTolerance = 0.15;
+constexpr double kLeapStandsOut = 30.0;  // of the median size: 20 standard deviations of noise
+constexpr double kFewestCounts = 4.0;    // of an encoder, that are a leap
 constexpr double kLargestScatter = 0.5;
 // Samples by which filtered rates usually lag: they count where a rollout has few.
 constexpr double kUsualLag = 10.0;
@@ -51,6 +53,15 @@ double median_size(const Vector& values) {
   return median({sizes.begin(), sizes.end()});
 }
 
+// Of those above `least`: an encoder's count. 0: there is none.
+double smallest_step(const Vector& steps, double least = 0.0) {
+  double smallest = kInfinity;
+  for (const double step : steps) {
+    if (std::abs(step) > least) smallest = std::min(smallest, std::abs(step));
+  }
+  return std::isfinite(smallest) ? smallest : 0.0;
+}
+
 // Standard deviation of a signal's white noise, rounding included. Third differences hold nothing
 // of a smooth motion, and of white noise sqrt(1 + 9 + 9 + 1) times its deviation. An encoder that
 // hardly moves has none either: rounding to its counts is noise all the same.
@@ -60,11 +71,7 @@ double noise_of(const Vector& values) {
   // Smaller steps come from the arithmetic of whoever wrote the numbers.
   const double least = 1e-9 * values.cwiseAbs().maxCoeff();
   if (third > least || median_size(first) > least) return 1.4826 * third / std::sqrt(20.0);
-  double count = kInfinity;
-  for (const double step : first) {
-    if (std::abs(step) > least) count = std::min(count, std::abs(step));
-  }
-  return std::isfinite(count) ? count / std::sqrt(12.0) : 0.0;
+  return smallest_step(first, least) / std::sqrt(12.0);
 }
 
 // Slopes of the positions, and averages of the rates that belong to them, of every whole window.
@@ -125,6 +132,28 @@ std::optional<RateFit> fit_rate(const Vector& position, const Vector& rate, doub
     if (!best || fit.scatter < best->scatter) best = fit;
   }
   return best;
+}
+
+std::vector<Index> find_leaps(const Vector& position, const Vector& rate, double dt) {
+  const Index n = position.size() - 1;
+  if (position.size() < kFewestSamples) return {};
+  const Vector steps = differences(position);
+  Vector left = steps - 0.5 * dt * (rate.head(n) + rate.tail(n));
+  left.array() -= median({left.begin(), left.end()});
+  const Vector size = left.cwiseAbs();
+  const std::vector<double> places(position.begin(), position.end());
+  const double range = quantile(places, 0.95) - quantile(places, 0.05);
+  const double least = std::max(
+      {0.25 * range, kLeapStandsOut * median_size(left), kFewestCounts * smallest_step(steps)});
+  std::vector<Index> leaps;
+  for (Index t = 0; t < n; ++t) {
+    if (!(size(t) > least)) continue;
+    // Rates that lag behind, or that are known too roughly, miss some of many steps on end; a
+    // single sample that is off is a glitch.
+    const double beside = std::max(t > 0 ? size(t - 1) : 0.0, t + 1 < n ? size(t + 1) : 0.0);
+    if (beside < 0.25 * size(t)) leaps.push_back(t);
+  }
+  return leaps;
 }
 
 RateVerdict verdict_of(const RateFit& fit) {

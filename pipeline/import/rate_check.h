@@ -4,10 +4,12 @@
 /// rates in the window, sum_j b_j x[t + j] = sum_k g_k v[t + k] (sim/savitzky_golay.h). So both are
 /// smoothed alike, and no window biases their ratio. Noise asks for a long window, filters that lag
 /// for one longer than their lag, fast motion for a short one: the window is taken whose ratios
-/// agree best. Medians make single glitches, and what is left of jumps, mean nothing.
+/// agree best. Medians make single glitches, and what is left of jumps, mean nothing; these are
+/// looked for one by one.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "core/types.h"
 
@@ -37,5 +39,12 @@ std::optional<RateFit> fit_rate(const Vector& position, const Vector& rate, doub
 /// A ratio may differ from 1 by 15 %, and by its scatter and slack: rates that come from filters,
 /// and coarse encoders, pass. More scatter than half the ratio, and the slack, is none of a rate.
 RateVerdict verdict_of(const RateFit& fit);
+
+/// Steps t -> t + 1 of positions (n), dt [s] apart, that their rates (n) know nothing of: what is
+/// left of a step without the rate is more than a quarter of the range of the positions, and stands
+/// out of what is left of all others, as of the steps beside it. An angle that wraps at half a
+/// turn, samples that are missing or stand still, numbers in place of none. None where fewer than
+/// kFewestSamples are there, and none of an encoder's single counts.
+std::vector<Index> find_leaps(const Vector& position, const Vector& rate, double dt);
 
 }  // namespace npdr::pipeline

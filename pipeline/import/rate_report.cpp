@@ -21,6 +21,7 @@ constexpr std::size_t kMostFiles = 3;
 struct CheckedPair {
   Channel position, rate;
   std::vector<std::optional<RateFit>> fits;  // one a rollout
+  std::vector<std::string> leaps;            // of each, in words; "": none
   std::optional<double> ratio;               // that all of them share that say anything; not 1
   Index num_spikes = 0;                      // of the rate, where the position wraps
   std::string slope;                         // label of another rate that is the slope; empty: none
@@ -39,17 +40,41 @@ std::optional<double> shared_ratio(const std::vector<double>& ratios) {
   return is_shared ? std::optional(middle) : std::nullopt;
 }
 
-std::optional<RateFit> fit_of(const Target& target, const RatePair& pair, const Rollout& rollout) {
+// Without jumps by whole turns, which are told elsewhere.
+Vector unwrapped_position(const Target& target, const RatePair& pair, const Rollout& rollout) {
   Vector position = rollout.states.col(pair.position);
   const std::string& unit = target.state_channels[static_cast<std::size_t>(pair.position)].unit;
   const AngleJumps jumps = find_jumps(position, unit);
   if (!jumps.rows.empty()) unwrap(position, jumps.period);
-  return fit_rate(position, rollout.states.col(pair.rate), target.dt);
+  return position;
+}
+
+std::optional<RateFit> fit_of(const Target& target, const RatePair& pair, const Rollout& rollout) {
+  return fit_rate(unwrapped_position(target, pair, rollout), rollout.states.col(pair.rate),
+                  target.dt);
+}
+
+std::string words_of_leaps(const Target& target, const RatePair& pair, const Rollout& rollout) {
+  const Vector position = unwrapped_position(target, pair, rollout);
+  const std::vector<Index> leaps = find_leaps(position, rollout.states.col(pair.rate), target.dt);
+  if (leaps.empty()) return "";
+  const auto label = [&](Index c) {
+    return target.state_channels[static_cast<std::size_t>(c)].label;
+  };
+  const Index t = leaps.front();
+  const std::string more =
+      leaps.size() > 1 ? fmt::format(", and {} times more", leaps.size() - 1) : "";
+  return fmt::format(
+      "{} jumps by {:.3g} at {:.4g} s{}, while {} says that it doesn't: it wraps there, or samples "
+      "are missing, stood still or stand for none; correct these rows, or cut the rollout there",
+      label(pair.position), position(t + 1) - position(t), static_cast<double>(t) * target.dt, more,
+      label(pair.rate));
 }
 
 CheckedPair checked(const Target& target, const RatePair& pair) {
   CheckedPair result{target.state_channels[static_cast<std::size_t>(pair.position)],
                      target.state_channels[static_cast<std::size_t>(pair.rate)],
+                     {},
                      {},
                      {},
                      0,
@@ -60,6 +85,7 @@ CheckedPair checked(const Target& target, const RatePair& pair) {
     result.fits.push_back(fit_of(target, pair, rollout));
     result.num_spikes +=
         count_spikes(rollout.states.col(pair.rate), target.dt, result.position.unit);
+    result.leaps.push_back(words_of_leaps(target, pair, rollout));
     if (!result.fits.back()) continue;
     ratios.push_back(result.fits.back()->ratio);
     are_all_scaled &= verdict_of(*result.fits.back()) == RateVerdict::scaled;
@@ -232,9 +258,11 @@ void add_problems(const CheckedPair& pair, const std::vector<std::string>& files
   }
   std::size_t count = 0;
   for (std::size_t h = 0; h < files.size(); ++h) {
-    if (agrees(pair.fits[h])) continue;
+    const bool is_slope = agrees(pair.fits[h]);
+    if (is_slope && pair.leaps[h].empty()) continue;
     if (++count > kMostFiles) continue;
-    problems.push_back(files[h] + ": " + problem_of_fit(pair, *pair.fits[h]));
+    problems.push_back(files[h] + ": " +
+                       (is_slope ? pair.leaps[h] : problem_of_fit(pair, *pair.fits[h])));
   }
   if (count <= kMostFiles) return;
   problems.back() += fmt::format(" ({} more files are like it)", count - kMostFiles);

@@ -14,6 +14,8 @@ namespace {
 
 using inference::Marginal;
 
+constexpr const char* kGetdistEnd = ".txt";
+
 // Blanks and commas are between columns.
 std::string column_name(std::string name) {
   std::ranges::replace_if(
@@ -68,10 +70,43 @@ std::string cmdstan_head(const Study& study, const Chains& chains, std::size_t c
   return text + "\n";
 }
 
-void check_absent(const std::string& file) {
-  if (!std::filesystem::exists(file)) return;
-  throw InputError(file + " is there already, and would be read as one more chain; remove it");
+std::string chain_file(const std::string& root, std::size_t chain, const std::string& end) {
+  return fmt::format("{}_{}{}", root, chain, end);
 }
+
+// The first that is there of the files that are written, and of those that would be read as one
+// chain more.
+void require_absent(const std::string& root, std::size_t num_chains, const std::string& end) {
+  std::vector<std::string> files = {root + end};
+  for (std::size_t k = 1; k <= num_chains + 1; ++k) files.push_back(chain_file(root, k, end));
+  if (end == kGetdistEnd) files.insert(files.end(), {root + ".paramnames", root + ".ranges"});
+  for (const std::string& file : files) {
+    std::error_code unreadable;
+    if (!std::filesystem::exists(file, unreadable)) continue;
+    throw InputError(file +
+                     " is there already, and would be overwritten, or read as one more "
+                     "chain; remove it or choose another name");
+  }
+}
+
+// Writes files; those that it has written go again when one can't be.
+class FileSet {
+ public:
+  void write(const std::string& file, const std::string& text) {
+    try {
+      write_text_file(file, text);
+    } catch (...) {
+      std::error_code ignored;
+      for (const std::string& written : files_) std::filesystem::remove(written, ignored);
+      throw;
+    }
+    files_.push_back(file);
+  }
+  const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  std::vector<std::string> files_;
+};
 
 }  // namespace
 
@@ -79,25 +114,20 @@ std::vector<std::string> write_chain_files(const Plan& plan, const std::string& 
                                            ExportFormat format) {
   const Chains chains = find_chains(plan);
   const bool is_getdist = format == ExportFormat::getdist;
-  const std::string end = is_getdist ? ".txt" : ".csv";
-  check_absent(root + end);
-  check_absent(fmt::format("{}_{}{}", root, chains.seeds.size() + 1, end));
-  std::vector<std::string> files;
-  const auto write = [&](const std::string& file, const std::string& text) {
-    write_text_file(file, text);
-    files.push_back(file);
-  };
+  const std::string end = is_getdist ? kGetdistEnd : ".csv";
+  require_absent(root, chains.seeds.size(), end);
+  FileSet set;
   for (std::size_t k = 0; k < chains.seeds.size(); ++k) {
     const Evaluation& chain = chains.evaluations[k];
-    write(fmt::format("{}_{}{}", root, k + 1, end),
-          is_getdist ? lines_of(chain, -1.0, " ", "1 ")
-                     : cmdstan_head(plan.study, chains, k) + lines_of(chain, 1.0, ",", ""));
+    set.write(chain_file(root, k + 1, end),
+              is_getdist ? lines_of(chain, -1.0, " ", "1 ")
+                         : cmdstan_head(plan.study, chains, k) + lines_of(chain, 1.0, ",", ""));
   }
   if (is_getdist) {
-    write(root + ".paramnames", names_text(plan.study));
-    write(root + ".ranges", ranges_text(plan.study));
+    set.write(root + ".paramnames", names_text(plan.study));
+    set.write(root + ".ranges", ranges_text(plan.study));
   }
-  return files;
+  return set.files();
 }
 
 }  // namespace npdr::pipeline

@@ -11,6 +11,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
+#include "pipeline/store/content_key.h"
 #include "pipeline/store/seal.h"
 
 namespace npdr::pipeline {
@@ -92,7 +93,8 @@ std::optional<std::string> partial_detail(const Plan& plan, const Node& node) {
 Json document_of(const fs::path& artefact) {
   if (artefact.extension() == ".json") {
     std::ifstream file(artefact);
-    const Json json = Json::parse(file, nullptr, false);
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    const Json json = nests_deeply(text) ? Json() : Json::parse(text, nullptr, false);
     return json.is_object() ? json.value("key_document", Json::object()) : Json::object();
   }
   return read_artefact_info(artefact).identity.key_document;

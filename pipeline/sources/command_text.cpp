@@ -19,21 +19,27 @@ bool replace_all(std::string& text, const std::string& from, const std::string& 
   return found;
 }
 
+constexpr const char* kSeparators = " \t\n;&|<>()=";
+
 // Words between what separates words for a shell, without their quotes.
 std::vector<std::string> words_of(const std::string& command) {
   std::vector<std::string> words;
   std::string word;
   char quote = '\0';
+  bool is_escaped = false;
   const auto end_word = [&] {
     if (!word.empty()) words.push_back(word);
     word.clear();
   };
   for (const char c : command) {
-    if (quote != '\0') {
+    if (is_escaped || (c == '\\' && quote != '\'')) {
+      is_escaped = !is_escaped;
+      if (!is_escaped) word.push_back(c);
+    } else if (quote != '\0') {
       c == quote ? void(quote = '\0') : word.push_back(c);
     } else if (c == '"' || c == '\'') {
       quote = c;
-    } else if (std::string(" \t\n;&|<>()=").find(c) != std::string::npos) {
+    } else if (std::string(kSeparators).find(c) != std::string::npos) {
       end_word();
     } else {
       word.push_back(c);
@@ -41,6 +47,17 @@ std::vector<std::string> words_of(const std::string& command) {
   }
   end_word();
   return words;
+}
+
+// The same, and those of words that are commands themselves, for `sh -c`.
+std::vector<std::string> all_words_of(const std::string& command) {
+  std::vector<std::string> all = words_of(command);
+  for (std::size_t i = 0; i < all.size(); ++i) {  // each of them shorter than what it is part of
+    if (all[i].find_first_of(kSeparators) == std::string::npos) continue;
+    const std::vector<std::string> inner = words_of(all[i]);
+    all.insert(all.end(), inner.begin(), inner.end());
+  }
+  return all;
 }
 
 }  // namespace
@@ -58,7 +75,7 @@ std::string filled_command(const std::string& command, const std::filesystem::pa
 std::vector<std::string> named_paths(const std::string& command,
                                      const std::filesystem::path& folder) {
   std::vector<std::string> named;
-  for (const std::string& word : words_of(command)) {
+  for (const std::string& word : all_words_of(command)) {
     const std::filesystem::path path(word);
     std::error_code error;
     // Takes absolute paths only within the folder: not the interpreters of the system.

@@ -15,6 +15,7 @@
 #include "pipeline/process/worker_process.h"
 #include "pipeline/sources/command_text.h"
 #include "pipeline/sources/program_call.h"
+#include "pipeline/store/content_key.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -69,25 +70,6 @@ std::string python_path() {
     path += std::string(":") + own;
   }
   return path;
-}
-
-// Values are copied and printed by recursion: what nests deeper than any reply would end this
-// process.
-bool nests_deeply(const std::string& json) {
-  constexpr int most = 16;
-  int depth = 0;
-  bool in_text = false, is_escaped = false;
-  for (const char c : json) {
-    if (is_escaped || (in_text && c == '\\')) {
-      is_escaped = !is_escaped;
-    } else if (c == '"') {
-      in_text = !in_text;
-    } else if (!in_text) {
-      depth += (c == '[' || c == '{') - (c == ']' || c == '}');
-      if (depth > most) return true;
-    }
-  }
-  return false;
 }
 
 Json parse_header(const std::string& header) {

@@ -14,7 +14,11 @@ std::string canonical_json(const nlohmann::ordered_json& document);
 /// 32 hexadecimal digits: XXH3-128 of the canonical text. Throws as canonical_json() does.
 std::string content_key(const nlohmann::ordered_json& document);
 
-/// `text` as JSON. Throws InputError, which begins with `where`, when it isn't.
+/// Whether `json` nests deeper than anything of ours: values are copied and printed by recursion,
+/// which would end this process.
+bool nests_deeply(const std::string& json);
+
+/// `text` as JSON. Throws InputError, which begins with `where`, when it isn't, or nests deeply.
 nlohmann::ordered_json parse_json(const std::string& text, const std::string& where);
 
 }  // namespace npdr::pipeline

@@ -1,17 +1,22 @@
 #include "sim/library/library_simulator.h"
 
 #include <dlfcn.h>
+#include <elf.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <set>
 #include <vector>
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/printable.h"
 #include "core/text.h"
 #include "sim/library/npdr_simulator.h"
 #include "sim/simulator_check.h"
@@ -24,8 +29,32 @@ constexpr Index kMostRowsPerCall = 32;
 constexpr std::size_t kLongestFingerprint = std::size_t{1} << 24;
 
 // The text behind a pointer that a library has given us, up to a length that isn't nonsense.
-std::string text_of(const char* text, std::size_t most = 4096) {
+std::string raw_text_of(const char* text, std::size_t most) {
   return text == nullptr ? "" : std::string(text, strnlen(text, most));
+}
+
+// The same as UTF-8: it stands in studies and reports.
+std::string text_of(const char* text, std::size_t most = 4096) {
+  return printable(raw_text_of(text, most));
+}
+
+// How many bytes an ELF file must have for its segments to be there; 0 for what is none. Whoever
+// maps more of a file than there is, as dlopen() does, is ended by the system when it looks there.
+std::uint64_t least_size_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  Elf64_Ehdr head = {};
+  if (!file.read(reinterpret_cast<char*>(&head), sizeof head)) return 0;
+  if (std::memcmp(head.e_ident, ELFMAG, SELFMAG) != 0 || head.e_ident[EI_CLASS] != ELFCLASS64) {
+    return 0;
+  }
+  std::uint64_t size = head.e_phoff + std::uint64_t{head.e_phnum} * sizeof(Elf64_Phdr);
+  file.seekg(static_cast<std::streamoff>(head.e_phoff));
+  for (Elf64_Half i = 0; i < head.e_phnum; ++i) {
+    Elf64_Phdr segment = {};
+    if (!file.read(reinterpret_cast<char*>(&segment), sizeof segment)) break;
+    size = std::max(size, segment.p_offset + segment.p_filesz);
+  }
+  return size;
 }
 
 npdr_batch batch_of(const Segments& segments, const RowMatrix& theta,
@@ -99,6 +128,10 @@ class LibrarySimulator::Instances {
     const std::string file = std::filesystem::absolute(config_.file, unreadable).string();
     if (!std::filesystem::is_regular_file(file, unreadable)) {
       fail("isn't there, must be a shared library that 'cc -shared -fPIC' has made");
+    }
+    const std::uint64_t least = least_size_of(file), size = std::filesystem::file_size(file);
+    if (size < least) {
+      fail(fmt::format("has {} bytes of {}: it was cut; compile or copy it again", size, least));
     }
     // It stays loaded: threads that it may have started, and exit handlers, are in its code.
     void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -175,7 +208,7 @@ class LibrarySimulator::Instances {
     info_.name = found.name == nullptr ? config_.file.stem().string() : text_of(found.name, 100);
     info_.description = text_of(found.text);
     fingerprint_ = text_of(found.fingerprint, kLongestFingerprint);
-    if (fingerprint_.size() == kLongestFingerprint)
+    if (fingerprint_.size() >= kLongestFingerprint)
       fail("describe() gives a fingerprint without end");
     for (std::int64_t p = 0; p < found.num_parameters; ++p) add_parameter(found.parameters[p]);
     info_.state_channels = channels("state", found.states, found.num_states);
@@ -191,12 +224,10 @@ class LibrarySimulator::Instances {
 
   // They head columns, and are keys of studies.
   std::string name_of(const char* what, const char* name, std::set<std::string>& names) const {
-    const std::string text = text_of(name, 200);
-    const bool is_printable =
-        std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7f; });
-    if (text.empty() || text.size() > 100 || !is_printable) {
-      fail(fmt::format("describe() calls a {} {}, must be text of 1 to 100 bytes", what,
-                       npdr::quoted(shortened(text))));
+    const std::string text = raw_text_of(name, 200);
+    if (text.empty() || text.size() > 100 || printable_line(text) != text) {
+      fail(fmt::format("describe() calls a {} {}, must be text of 1 to 100 bytes in UTF-8", what,
+                       npdr::quoted(printable_line(text))));
     }
     if (!names.insert(text).second) {
       fail(fmt::format("describe() gives two of the name {}, must be unique", npdr::quoted(text)));

@@ -135,11 +135,17 @@ TEST_F(Export, ChainsOfGetDistAndFilesAsOfCmdStan) {
             std::string::npos)
       << csv.substr(0, 300);
 
-  std::ofstream(folder_ / "out/npe_3.txt") << "1 0 1 1\n";
-  const Outcome stale = chains("getdist", "out/npe");
-  EXPECT_EQ(stale.status, 2);
-  EXPECT_TRUE(says(stale.err,
-                   {"npdr export: out/npe_3.txt is there already", "one more chain; remove it"}));
+  // What somebody has of that name, a recording perhaps, stays.
+  for (const std::string there : {"lab_1.csv", "lab_2.csv", "lab_3.csv", "lab.csv"}) {
+    std::ofstream(folder_ / there) << "t,theta\n";
+    const Outcome refused = chains("cmdstan", "lab");
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_TRUE(says(refused.err, {"npdr export: " + there + " is there already",
+                                   "remove it or choose another name"}));
+    EXPECT_EQ(text_of(folder_ / there), "t,theta\n");
+    std::filesystem::remove(folder_ / there);
+  }
+  EXPECT_EQ(chains("getdist", "out/npe").status, 2) << "nor is an earlier export overwritten";
   EXPECT_TRUE(says(chains("getdits", "npe").err,
                    {"npdr export: unknown format 'getdits'", "did you mean 'getdist'?"}));
 }

@@ -42,6 +42,15 @@ TEST(AngleWraps, DegreesAreKnownByTheirJumps) {
   EXPECT_EQ(jumps.rows.size(), 2u);
 }
 
+TEST(AngleWraps, NumbersThatStandForNoneAreNotJumpsOfATurn) {
+  for (const double none : {-999.0, -9999.0, 1e6, 300.0, 99.0}) {
+    Vector angle = wrapped(0.001, 200);
+    angle(50) = none;
+    angle.segment(120, 20).setConstant(none);
+    EXPECT_TRUE(rows_of(angle).empty()) << none;
+  }
+}
+
 TEST(AngleWraps, FastMotionIsNone) {
   for (const double rate : {0.2, 3.0, 5.0, 6.0, 20.0}) {  // 5 a step is likely in degrees
     Vector angle(40);

@@ -31,6 +31,8 @@ TEST(RateCheck, WhatLabsRecordPasses) {
         EXPECT_EQ(verdict_of(*found), RateVerdict::agrees)
             << dt << " " << row << " " << device << ": " << found->ratio << " +- " << found->scatter
             << " over " << found->window;
+        EXPECT_TRUE(find_leaps(all[device].position, all[device].rate, dt).empty())
+            << dt << " " << row << " " << device;
       }
     }
   }
@@ -90,6 +92,24 @@ TEST(RateCheck, GlitchesDontCount) {
     motion.rate(t + 20) -= 500.0;
   }
   EXPECT_EQ(verdict_of(fit(motion).value()), RateVerdict::agrees);
+}
+
+TEST(RateCheck, StepsThatTheRateKnowsNothingOfAreFound) {
+  const auto leaps_of = [](const Motion& motion) {
+    return find_leaps(motion.position, motion.rate, motion.dt);
+  };
+  for (const Motion& right : recorded(smooth_motion(1000, 0.004, 1), 1)) {
+    const double range = right.position.maxCoeff() - right.position.minCoeff();
+    Motion moved = right;
+    moved.position.tail(600).array() += range;
+    EXPECT_EQ(leaps_of(moved), std::vector<Index>{399});
+    Motion lost = right;
+    lost.position.segment(400, 40).setConstant(right.position.maxCoeff() + range);
+    EXPECT_EQ(leaps_of(lost), (std::vector<Index>{399, 439}));
+    Motion glitch = right;
+    glitch.position(400) += range;
+    EXPECT_TRUE(leaps_of(glitch).empty()) << "told elsewhere";
+  }
 }
 
 TEST(RateCheck, NothingIsSaidWithoutMotion) {

@@ -29,6 +29,10 @@ TEST(CommandText, FilesOfTheFolderAreFoundInItsWords) {
   ASSERT_EQ(files.size(), 2u);
   EXPECT_EQ(files[0], "./sim.py");
   EXPECT_EQ(files[1], "my config.json");
+  EXPECT_EQ(named_paths("sh -c 'python3 sim.py $0 $1' {theta} {x}", folder.path()),
+            std::vector<std::string>{"sim.py"});
+  EXPECT_EQ(named_paths("python3 my\\ config.json \\", folder.path()),
+            std::vector<std::string>{"my config.json"});
   EXPECT_EQ(named_paths(folder / "sim.py", folder.path()).size(), 1u) << "an absolute path into it";
 }
 

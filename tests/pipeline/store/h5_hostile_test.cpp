@@ -59,6 +59,21 @@ TEST_F(HostileH5, ClaimsOfMoreThanTheFileHoldsAreRefusedBeforeAnythingIsAllocate
       << message;
 }
 
+TEST_F(HostileH5, AFilterThatIsntHereIsNamed) {
+  make_file(folder_ / "a.h5", [](hid_t file) {
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    const hsize_t chunk = 2, begin = 0;
+    H5Pset_chunk(properties, 1, &chunk);
+    H5Pset_filter(properties, 32000, H5Z_FLAG_OPTIONAL, 0, nullptr);  // h5py's lzf
+    const hid_t dataset = create(file, H5T_IEEE_F64LE, simple_space({2}), properties);
+    const double values[] = {1.0, 2.0};
+    H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &begin, sizeof values, values);
+    H5Dclose(dataset);
+  });
+  EXPECT_TRUE(says(reading(), {"a.h5: dataset 'x': is compressed by '32000'",
+                               "write it with gzip, or as it is"}));
+}
+
 TEST_F(HostileH5, ADatasetThatWasNeverWrittenIsRefused) {
   make_file(folder_ / "a.h5", [](hid_t file) {
     H5Dclose(create(file, H5T_IEEE_F64LE, simple_space({4, 1'000'000'000})));

@@ -249,6 +249,11 @@ TEST_F(HostileLibraries, FilesThatAreNoLibraryAreAnError) {
   const auto text = folder_->file("text.so", "not a library");
   EXPECT_TRUE(
       says(bare(message_of<InputError>([&] { LibrarySimulator({text}); })), {"can't be loaded"}));
+  const auto cut = *folder_ / "cut.so";
+  std::filesystem::copy_file(*folder_ / "hostile.so", cut);
+  std::filesystem::resize_file(cut, 5000);
+  EXPECT_TRUE(says(bare(message_of<InputError>([&] { LibrarySimulator({cut}); })),
+                   {"has 5000 bytes of", "it was cut; compile or copy it again"}));
   EXPECT_TRUE(says(message_of<InputError>([] { LibrarySimulator({"/dev/zero"}); }),
                    {"/dev/zero", "isn't there"}));
 }
