@@ -41,9 +41,7 @@ class DatasetRows final : public RowSimulator {
         rows_(dataset_rows(config.seed, dataset_.num_rows(), config.num_rows)) {}
 
   sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) override {
-    const auto picked = std::span(rows_).subspan(static_cast<std::size_t>(first.row),
-                                                 static_cast<std::size_t>(complete.rows()));
-    const RowMatrix x = dataset_.x(picked);
+    const RowMatrix x = rows_from(static_cast<Index>(first.row), complete.rows());
     warning_ = precision_problem(x, dataset_.features());
     return as_simulated(prior_, parameters_.pick(complete), x);
   }
@@ -54,10 +52,27 @@ class DatasetRows final : public RowSimulator {
   std::string last_warning() const override { return warning_; }
 
  private:
+  // Rows are all over the file, whose chunks may be compressed: as many are read at once as memory
+  // is easily had for.
+  RowMatrix rows_from(Index begin, Index count) {
+    if (begin < read_begin_ || begin + count > read_begin_ + read_.rows()) {
+      const Index most = kNumbersRead / std::max<Index>(1, std::ssize(dataset_.features()));
+      const Index reads = std::min(std::max(count, most), std::ssize(rows_) - begin);
+      read_ = dataset_.x(std::span(rows_).subspan(static_cast<std::size_t>(begin),
+                                                  static_cast<std::size_t>(reads)));
+      read_begin_ = begin;
+    }
+    return read_.middleRows(begin - read_begin_, count);
+  }
+
+  static constexpr Index kNumbersRead = Index{1} << 22;
+
   inference::Prior prior_;
   ParameterMap parameters_;
   DatasetFile dataset_;
   std::vector<Index> rows_;
+  RowMatrix read_;
+  Index read_begin_ = 0;  // the first of them
   std::string warning_;
 };
 
