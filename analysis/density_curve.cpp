@@ -71,7 +71,8 @@ RowMatrix density_curve(const Eigen::Ref<const Vector>& samples, double lower, d
   const std::vector<double> sorted = sorted_finite(samples);
   if (sorted.empty()) return curve;
 
-  const double bandwidth = std::max(silverman_bandwidth(sorted), spacing);
+  // Wider ones, of samples far beyond both ends, would be as flat, and take no end.
+  const double bandwidth = std::clamp(silverman_bandwidth(sorted), spacing, 2.0 * (upper - lower));
   const Vector counts = linear_counts(sorted, lower, spacing, num_points);
   const double peak =
       1.0 / (bandwidth * std::sqrt(2.0 * std::numbers::pi) * static_cast<double>(sorted.size()));

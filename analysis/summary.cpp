@@ -39,7 +39,11 @@ Summary summarize_periodic(const Eigen::Ref<const Vector>& values, double period
   const Vector differences =
       values.unaryExpr([&](double v) { return std::remainder(v - mean, period); });
   Summary summary = summarize(differences);
-  summary.mean += mean;
+  if (summary.n == 0) return summary;
+  summary.mean = mean;
+  const double squares =
+      differences.unaryExpr([](double d) { return std::isfinite(d) ? d * d : 0.0; }).sum();
+  if (summary.n > 1) summary.std = std::sqrt(squares / static_cast<double>(summary.n - 1));
   return summary;
 }
 

@@ -15,9 +15,13 @@ TemporaryFolder::TemporaryFolder(const std::string& name, const std::string& pur
   std::error_code error;
   const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
   if (error) {
-    const char* const given = std::getenv("TMPDIR");
-    throw InputError("TMPDIR = '" + std::string(given == nullptr ? "" : given) +
-                     "', must be an existing folder: " + purpose);
+    std::string found = "TMPDIR = ''";
+    for (const std::string variable :
+         {"TEMPDIR", "TEMP", "TMP", "TMPDIR"}) {  // the last one counts
+      if (const char* const value = std::getenv(variable.c_str()))
+        found = variable + " = '" + value + "'";
+    }
+    throw InputError(found + ", must be an existing folder: " + purpose);
   }
   remove_stale_temporaries_once(parent);
   do {

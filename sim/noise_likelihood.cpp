@@ -23,13 +23,13 @@ const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 // States are kept in single precision, so none is known better than to this share of the largest.
 constexpr double kRounding = 0x1p-24;
 
-// Errors of one channel over a(h, c): those of all states, each beside the one before it. No
-// likelihood takes them for smaller than the states' rounding: a simulation that meets a recording
-// exactly would have an unbounded one.
+// Errors of one channel over a(h, c): those of all states, each beside the one before it. Where the
+// scale of their noise may be unknown no likelihood takes them for smaller than the states'
+// rounding: a simulation that meets a recording exactly would have an unbounded one.
 struct Errors {
   Eigen::ArrayXd now;
   Eigen::ArrayXd before;     // 0 where a segment begins
-  double rounding = 0.0;     // squared, the mean
+  double rounding = 0.0;     // its square
   double now_squared = 0.0;  // sums
   double product = 0.0;
   double before_squared = 0.0;
@@ -109,7 +109,7 @@ Vector Integrand::guess() const {
   Vector z = Vector::Zero(dimension());
   Index next = 0;
   if (noise_.scale.is_unknown()) {
-    const double scale = std::max(tails * std::sqrt(errors_.squares(rho) / n), 1e-12);
+    const double scale = tails * std::sqrt(errors_.squares(rho) / n);
     z(next++) = std::log(scale / noise_.scale.median) / noise_.scale.deviation;
   }
   if (noise_.is_correlated && noise_.correlation.is_unknown()) {
@@ -231,13 +231,14 @@ Errors errors_of(const NoiseModel& model, std::span<const float> recorded,
   const Index steps = model.num_steps(), states = model.num_states();
   const Index rollouts = model.num_rollouts() - (left_out >= 0 ? 1 : 0);
   Errors errors{Eigen::ArrayXd(rollouts * steps), Eigen::ArrayXd(rollouts * steps)};
+  // A scale in the channel's unit is given.
+  const bool is_in_unit = model.channels()[static_cast<std::size_t>(c)].is_in_unit;
+  errors.rounding = is_in_unit ? 0.0 : kRounding * kRounding;
   Index next = 0;
   for (Index h = 0; h < model.num_rollouts(); ++h) {
     if (h == left_out) continue;
     const double unit = model.unit()(h, c);
-    const double measure = model.measure()(h, c) / unit;
-    errors.log_measure += static_cast<double>(steps) * std::log(measure);
-    errors.rounding += std::pow(kRounding * measure, 2) / static_cast<double>(rollouts);
+    errors.log_measure += static_cast<double>(steps) * std::log(model.measure()(h, c) / unit);
     double last = 0.0;
     for (Index k = 0; k < steps; ++k, ++next) {
       const auto i = static_cast<std::size_t>((h * steps + k) * states + c);

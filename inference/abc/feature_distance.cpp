@@ -9,15 +9,15 @@
 namespace npdr::inference {
 namespace {
 
-// Far enough that no two rows are as far by it, and near enough that distances are finite.
-constexpr float kFarthest = 1e30f;
+// So that squares of distances stay finite.
+constexpr float kLargest = 1e30f;
 
 // What distances are between: what lies far out is clamped for networks, and to keep it from
 // setting the directions of the others, but here it must go on telling near from far.
 void place(const FeatureTransform& transform, const RowMatrixF& x, RowMatrixF& z) {
   if (transform.basis.cols() > 0) return transform.apply(x, z);
   transform.standardize(x, z);
-  z = z.cwiseMax(-kFarthest).cwiseMin(kFarthest);
+  z = z.cwiseMax(-kLargest).cwiseMin(kLargest);
 }
 
 }  // namespace

@@ -31,13 +31,13 @@ std::vector<std::uint32_t> rows_of_last_round(const RoundData& data) {
 VectorF importance_weights(const RoundData& data) {
   if (data.posteriors.empty()) return {};
   const Vector log_prior = data.prior->log_prob(data.theta);
-  std::vector<Index> rows = data.num_simulated;
-  for (std::uint32_t r = 1; std::ssize(rows) <= std::ssize(data.posteriors); ++r) {
-    rows.push_back(std::ranges::count(data.round, r));
+  std::vector<Index> counts = data.num_simulated;
+  for (std::uint32_t r = 1; std::ssize(counts) <= std::ssize(data.posteriors); ++r) {
+    counts.push_back(std::ranges::count(data.round, r));
   }
-  const auto total = static_cast<double>(std::reduce(rows.begin(), rows.end()));
+  const auto total = static_cast<double>(std::reduce(counts.begin(), counts.end()));
   const auto share = [&](std::size_t round) {
-    return static_cast<double>(rows[round - 1]) / total;
+    return static_cast<double>(counts[round - 1]) / total;
   };
   Vector proposal = Vector::Constant(log_prior.size(), share(1));  // over the prior's density
   for (std::size_t r = 0; r < data.posteriors.size(); ++r) {

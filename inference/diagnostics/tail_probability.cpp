@@ -45,7 +45,7 @@ double tail_probability(const Vector& reference, double observed) {
   if (above >= fewest_above || n < kFewestForTail) return counted;
   const Index in_tail = std::max(fewest_above, n / 10);
   const double threshold = 0.5 * (sorted(in_tail - 1) + sorted(in_tail));
-  if (num_distinct(sorted.head(in_tail)) < in_tail / 2) return counted;
+  if (value <= sorted(0) && num_distinct(sorted.head(in_tail)) < in_tail / 2) return counted;
   const Eigen::ArrayXd excess = sorted.head(in_tail).array() - threshold;
   if (!excess.allFinite() || excess.maxCoeff() <= excess.minCoeff()) return counted;
   const double share = static_cast<double>(in_tail) / static_cast<double>(n);

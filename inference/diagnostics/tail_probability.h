@@ -14,9 +14,9 @@ namespace npdr::inference {
 ///   their mean and variance (Pickands 1975; Knijnenburg et al. 2009, "Fewer permutations, more
 ///   accurate P-values"). Its shape is taken as at least 0, so that no tail is said to end, and the
 ///   result as at least 1 / (1000 n).
-/// With n < 40, and where fewer than half of that tenth differ (counts, or zeros and ones, have no
-/// smooth tail), it is always one of the first two. NaN counts as infinite. Throws InputError for
-/// no reference.
+/// With n < 40 it is always one of the first two, and up to the largest draw also where fewer than
+/// half of that tenth differ: counts, or zeros and ones, have no smooth tail. NaN counts as
+/// infinite. Throws InputError for no reference.
 double tail_probability(const Vector& reference, double observed);
 
 /// The smallest that n reference values can give of a finite value: of fewer than 40 none is rare.

@@ -195,7 +195,8 @@ Plan StudyArguments::plan_here(const std::string& program) const {
 }
 
 std::vector<std::string> StudyArguments::words() const {
-  std::vector<std::string> words = {file};
+  // A name like an option's is one to whoever reads these words.
+  std::vector<std::string> words = {file.starts_with('-') ? "./" + file : file};
   for (const std::string& value : overrides) words.insert(words.end(), {"--set", value});
   if (work != "runs") words.insert(words.end(), {"--work", work});
   for (const std::string& method : methods) words.insert(words.end(), {"--only", method});

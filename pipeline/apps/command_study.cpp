@@ -121,7 +121,8 @@ void print_work(const Plan& plan) {
     const MethodConfig& method = study.method(node.uses.front().method);
     const Use& use = node.uses.front();
     const Index seen = num_rollouts_seen(method, use);
-    const Index h = seen > 0 ? seen : num_rollouts - num_left_out(study, use, num_rollouts);
+    const Index all = num_rollouts * std::max<Index>(1, use.iteration);
+    const Index h = seen > 0 ? seen : all - num_left_out(study, use, all);
     rows += num_rows(plan, node);
     rollouts += num_rows(plan, node) * h;
     bytes += num_rows(plan, node) * h * (num_steps / study.simulator.store_every) * num_states *

@@ -23,7 +23,8 @@ constexpr std::int64_t kMostRollouts = 1'000'000;
 
 void describe_numbers(Layout f, std::vector<std::int64_t>& numbers) {
   f("number", numbers, {{"H", "rollout"}},
-    "of a simulated truth's rollout, held-out ones and those that policies collect counted, too");
+    "of a simulated truth's rollout, held-out ones and those that policies collect counted, too; 0 "
+    "of a recording's");
 }
 
 void read_numbers(const h5::File& file, Target& target) {

@@ -2,11 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/error.h"
 #include "pipeline/config/checker.h"
+#include "pipeline/config/method_settings.h"
+#include "pipeline/config/simulator_info.h"
 
 namespace npdr::pipeline {
 namespace {
+
+// Distances of trajectories, and likelihoods of states, look at no embedding.
+bool sees_features(const MethodConfig& method) {
+  const bool is_abc =
+      inference::traits_of(method.algorithm.kind).family == inference::AlgorithmFamily::abc;
+  if (is_abc) return method.abc.distance == inference::AbcDistance::euclidean;
+  return reads_setting(method.algorithm.kind, "embedding");
+}
 
 class RolloutChecker : Checker {
  public:
@@ -71,6 +83,7 @@ class RolloutChecker : Checker {
       fail(path + ".refine.cross_validate", "true",
            "false: evaluate.leave_out leaves it a single rollout");
     }
+    if (!sees_features(method)) return;
     check_at_most(
         path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
         fmt::format("so that two of the {} states of a rollout are left", shape_.num_steps));
@@ -106,11 +119,30 @@ void check_rollouts(const Study& study, const RolloutShape& shape, Reading& read
   RolloutChecker(study, shape, reading).check();
 }
 
+namespace {
+
+// What a policy does is simulated at the simulator's own dt, in which delays are counted, too, and
+// collected rollouts stand beside recorded ones.
+void require_dt_of_policy(const Study& study, const Target& recording) {
+  constexpr double clock_error = 0.01;
+  if (!study.policy.is_used()) return;
+  const double dt = simulator_info(study).dt;
+  if (std::abs(recording.dt - dt) <= clock_error * dt) return;
+  const char* const key = study.target.recording ? "target.recording" : "target.inputs";
+  throw InputError(
+      fmt::format("{}: {}: dt = {:.6g} s, must be {:.6g} s with [policy]: that of the "
+                  "closed loop; import it with --resample {:.6g}, or leave out [policy]",
+                  study.places.of(key).str(), key, recording.dt, dt, dt));
+}
+
+}  // namespace
+
 void check_recording(const Study& study, const Target& recording) {
   Reading reading(study.places);
   check_rollouts(study, {recording.num_rollouts(), recording.num_steps(), recording.state_channels},
                  reading);
   reading.problems().throw_if_any();
+  require_dt_of_policy(study, recording);
 }
 
 void require_motion(const Study& study, const Target& rollouts) {

@@ -234,6 +234,10 @@ void StudyChecker::check_goal() {
   for (const auto& [label, value] : study_.external.goal.place) {
     require_known("simulator.goal.place", "simulator.goal.place", "state channel", label, labels);
   }
+  if (study_.external.goal.radius > 0.0 && study_.external.goal.place.empty()) {
+    reading_.fail("simulator.goal.radius",
+                  "simulator.goal.place is missing, must say where the goal is, by state channels");
+  }
 }
 
 void StudyChecker::check_metrics() {

@@ -33,16 +33,16 @@ bool is_printable(const std::string& line) {
 // Options of sbatch that ask for resources, or say when a job may start; all others may change what
 // a job runs, where it writes, or how it is found again.
 bool is_option(const std::string& text) {
-  static const std::regex form("--([a-z-]+)([= ][^ ]+)?|-([A-Za-z])([= ]?[^ =]+)?");
+  static const std::regex form("--([a-z-]+)(=[^ ]+)?|-([A-Za-z])([^ =]+)?");
   static const std::vector<std::string> allowed = split(
-      "account begin bb bbf clusters cluster-constraint constraint contiguous core-spec "
+      "account begin bb bbf constraint contiguous core-spec "
       "cores-per-socket cpu-freq cpus-per-gpu deadline delay-boot distribution exclude exclusive "
       "extra-node-info gpu-bind gpu-freq gpus gpus-per-node gpus-per-task gres gres-flags hint "
       "hold "
       "licenses mail-type mcs-label mem mem-bind mem-per-cpu mem-per-gpu mincpus network nice "
       "nodelist nodes oversubscribe partition power prefer priority profile propagate qos reboot "
       "reservation sockets-per-node spread-job switches thread-spec threads-per-core time-min tmp "
-      "tres-bind tres-per-task use-min-nodes wckey A B b C F G H L M m N p q S s w x",
+      "tres-bind tres-per-task use-min-nodes wckey A B b C F G H L m N p q S s w x",
       ' ');
   std::smatch parts;
   if (!is_printable(text) || !std::regex_match(text, parts, form)) return false;

@@ -208,7 +208,9 @@ Study parse_study(std::string_view text, const fs::path& file,
                   const std::vector<std::string>& overrides, const ClusterConfig& site) {
   toml::table document = parse_toml(text, file.string());
   Reading reading(file.string());
-  for (const std::string& assignment : overrides) apply_override(document, assignment, reading);
+  for (std::size_t i = 0; i < overrides.size(); ++i) {
+    apply_override(document, overrides[i], i, reading);
+  }
   Study study;
   study.cluster = site;
   TomlFields fields(&document, "", reading);

@@ -22,6 +22,7 @@ class StudyWarnings {
     if (study_.target.truth) warn_of_truth();
     for (std::size_t i = 0; i < study_.references.size(); ++i) warn_of_reference(i);
     warn_of_exact_recording();
+    warn_of_recorded_states();
     if (study_.source().calls_program) warn_of_program();
     return std::move(warnings_);
   }
@@ -64,6 +65,19 @@ class StudyWarnings {
                      fmt::format("reference[{}].parameters.{}", i, marginal.name),
                      fmt::format("{} of reference '{}'", marginal.name, reference.name));
     }
+  }
+
+  void warn_of_recorded_states() {
+    const auto& metrics = study_.evaluate.metrics;
+    const bool compares = std::ranges::any_of(
+        metrics, [](Metric m) { return m == Metric::rmse || m == Metric::dtw; });
+    if (!study_.source().gives_motion || study_.simulator.segment_length != 1 || !compares) return;
+    warn("simulator.segment_length",
+         "simulator.segment_length = 1: rmse and dtw compare the states before each action, and "
+         "with "
+         "segments of a step all of them are recorded ones: they are 0 for any parameters; "
+         "inference "
+         "and scores are not concerned");
   }
 
   // Simulators of the user's are asked whether they draw noise of their own (sources/row_check.h).

@@ -36,6 +36,7 @@ struct Assignment {
   std::string origin;  // "--set key=value"
   std::string key;
   std::string value;
+  std::size_t number = 0;  // among those of the command line
 };
 
 std::size_t find_equals_sign(const std::string& text) {
@@ -72,11 +73,13 @@ Path parse_key(const std::string& key) {
   }
   Path path;
   const toml::node* node = &parsed;
-  while (node->is_table()) {
+  while (node->is_table() && node->as_table()->size() == 1) {
     const auto first = node->as_table()->begin();
     path.emplace_back(first->first.str());
     node = &first->second;
   }
+  // A '#' makes the rest a comment, and brackets a table of what is before it.
+  if (!node->is_integer()) throw InputError(quoted(key) + " isn't a dotted key");
   return path;
 }
 
@@ -92,11 +95,13 @@ toml::table parse_text(const std::string& text, std::string_view origin) {
   }
 }
 
-// A table that holds the value under the key "value": toml++ has no free-standing values.
+// A table that holds the value under the key "value": toml++ has no free-standing values. Its line
+// is that of the assignment on the command line.
 toml::table parse_value(const Assignment& assignment) {
   const std::string_view origin = assignment.origin;
   try {
-    return toml::parse("value = " + assignment.value, origin);
+    return toml::parse(std::string(assignment.number, '\n') + "value = " + assignment.value,
+                       origin);
   } catch (const toml::parse_error& error) {
     const std::size_t begin = assignment.value.find_first_not_of(' ');
     const bool bare = begin != std::string::npos &&
@@ -108,7 +113,8 @@ toml::table parse_value(const Assignment& assignment) {
 
 // The source of keys that the command line adds.
 toml::source_region on_command_line(const Assignment& assignment) {
-  return {{}, {}, std::make_shared<const std::string>(assignment.origin)};
+  const toml::source_position line = {static_cast<toml::source_index>(assignment.number + 1), 1};
+  return {line, line, std::make_shared<const std::string>(assignment.origin)};
 }
 
 void assign(toml::table& table, std::span<const std::string> path, const Assignment& assignment);
@@ -179,7 +185,11 @@ void remove_rival(toml::table& document, const Path& path) {
   if (path[1] != "truth" && table->contains("truth") &&
       (path[1] == "recording" || path[1] == "observation")) {
     // They are of the truth: how many rollouts to simulate isn't how many to use of a recording.
-    for (const char* key : {"seed", "num_rollouts", "inputs"}) table->erase(key);
+    // What the command line says is said of both.
+    for (const char* key : {"seed", "num_rollouts", "inputs"}) {
+      const toml::node* const value = table->get(key);
+      if (value != nullptr && !is_override(place_of(value->source(), ""))) table->erase(key);
+    }
   }
   keep_only(*table, path[1], std::array{"recording", "truth", "observation"});
 }
@@ -204,9 +214,11 @@ toml::table parse_toml(std::string_view text, const std::string& origin) {
   }
 }
 
-void apply_override(toml::table& document, const std::string& assignment, Reading& reading) {
+void apply_override(toml::table& document, const std::string& assignment, std::size_t number,
+                    Reading& reading) {
   try {
-    const Assignment parts = split(assignment);
+    Assignment parts = split(assignment);
+    parts.number = number;
     const Path path = parse_key(parts.key);
     assign(document, path, parts);
     remove_rival(document, path);

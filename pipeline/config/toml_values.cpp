@@ -29,14 +29,15 @@ bool read_list(const TomlSlot& slot, std::vector<T>& values) {
   return true;
 }
 
-// Members of a table in the order of the file; those of the command line follow.
+// Members of a table in the order of the file; those of the command line follow in its order.
 std::vector<std::pair<const toml::key*, const toml::node*>> in_file_order(const toml::table& table,
                                                                           const Reading& reading) {
   std::vector<std::pair<const toml::key*, const toml::node*>> members;
   for (auto&& [key, node] : table) members.emplace_back(&key, &node);
   const auto rank = [&](const toml::key* key) {
-    const Place place = place_of(key->source(), reading.origin());
-    return std::tuple(is_override(place), place.line, place.column);
+    const toml::source_region& source = key->source();
+    return std::tuple(is_override(place_of(source, reading.origin())), source.begin.line,
+                      source.begin.column);
   };
   std::stable_sort(members.begin(), members.end(),
                    [&](const auto& a, const auto& b) { return rank(a.first) < rank(b.first); });

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "analysis/metrics.h"
 #include "pipeline/artefacts/schemas.h"
@@ -27,20 +26,14 @@ Target thinned(const Target& target, Index stride) {
   return result;
 }
 
-// Row j is the state after j strides; a segment begins there when that many steps are whole
-// segments.
-Index thinned_segment(Index segment_length, Index stride) {
-  return segment_length / std::gcd(segment_length, stride);
-}
-
 }  // namespace
 
 Vector metric_distances(const Plan& plan, const Node& node, const Target& target,
                         inference::AbcDistance metric) {
   const Index stride = plan.study.simulator.store_every;
-  analysis::MetricsConfig config;
-  config.segment_length = thinned_segment(plan.study.simulator.segment_length, stride);
-  const analysis::Metrics metrics(thinned(target, stride), config);
+  // Where a segment begins the last state of the one before counts, which is simulated: with few
+  // stored states in a segment few others would be left, or none.
+  const analysis::Metrics metrics(thinned(target, stride));
   const h5::File file = open_artefact(node.path, kSimulationSchema, node.key);
   const h5::Dataset trajectories = file.dataset("trajectories");
   const Index n = trajectories.num_rows(), steps = target.num_steps() / stride;

@@ -15,6 +15,7 @@
 #include "pipeline/import/rate_report.h"
 #include "pipeline/import/resample.h"
 #include "pipeline/import/rollout_length.h"
+#include "pipeline/store/column_labels.h"
 #include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
@@ -197,7 +198,8 @@ void append(const std::vector<std::string>& more, std::vector<std::string>& all)
 // What nobody asked for may be what the simulator is given.
 std::vector<std::string> notes_of_ignored(const CsvRows& rows) {
   if (rows.ignored.empty()) return {};
-  return {fmt::format("not imported: {}; --states and --actions name what is", join(rows.ignored))};
+  return {fmt::format("not imported: {}; --states and --actions name what is",
+                      join(few_shortened(rows.ignored)))};
 }
 
 std::vector<std::string> notes_of_ends(const std::vector<CsvRows>& files) {

@@ -54,7 +54,7 @@ double median_size(const Vector& values) {
 }
 
 // Of those above `least`: an encoder's count. 0: there is none.
-double smallest_step(const Vector& steps, double least = 0.0) {
+double smallest_step(const Vector& steps, double least) {
   double smallest = kInfinity;
   for (const double step : steps) {
     if (std::abs(step) > least) smallest = std::min(smallest, std::abs(step));
@@ -141,10 +141,10 @@ std::vector<Index> find_leaps(const Vector& position, const Vector& rate, double
   Vector left = steps - 0.5 * dt * (rate.head(n) + rate.tail(n));
   left.array() -= median({left.begin(), left.end()});
   const Vector size = left.cwiseAbs();
-  const std::vector<double> places(position.begin(), position.end());
-  const double range = quantile(places, 0.95) - quantile(places, 0.05);
-  const double least = std::max(
-      {0.25 * range, kLeapStandsOut * median_size(left), kFewestCounts * smallest_step(steps)});
+  const double range = position.maxCoeff() - position.minCoeff();
+  const double dust = 1e-9 * position.cwiseAbs().maxCoeff();  // as in noise_of()
+  const double least = std::max({0.25 * range, kLeapStandsOut * median_size(left),
+                                 kFewestCounts * smallest_step(steps, dust)});
   std::vector<Index> leaps;
   for (Index t = 0; t < n; ++t) {
     if (!(size(t) > least)) continue;

@@ -20,12 +20,12 @@ constexpr std::size_t kMostFiles = 3;
 
 struct CheckedPair {
   Channel position, rate;
-  std::vector<std::optional<RateFit>> fits;  // one a rollout
-  std::vector<std::string> leaps;            // of each, in words; "": none
-  std::optional<double> ratio;               // that all of them share that say anything; not 1
-  Index num_spikes = 0;                      // of the rate, where the position wraps
-  std::string slope;                         // label of another rate that is the slope; empty: none
-  bool is_swapped = false;                   // the position is the slope of the rate
+  std::vector<std::optional<RateFit>> fits = {};  // one a rollout
+  std::vector<std::string> leaps = {};            // of each, in words; "": none
+  std::optional<double> ratio = {};               // that all of them share that say anything; not 1
+  Index num_spikes = 0;                           // of the rate, where the position wraps
+  std::string slope = "";   // label of another rate that is the slope; empty: none
+  bool is_swapped = false;  // the position is the slope of the rate
 };
 
 bool are_near(double a, double b) { return std::abs(a - b) < kAlike * std::abs(b); }
@@ -56,37 +56,33 @@ std::optional<RateFit> fit_of(const Target& target, const RatePair& pair, const 
 
 std::string words_of_leaps(const Target& target, const RatePair& pair, const Rollout& rollout) {
   const Vector position = unwrapped_position(target, pair, rollout);
-  const std::vector<Index> leaps = find_leaps(position, rollout.states.col(pair.rate), target.dt);
+  const Vector rate = rollout.states.col(pair.rate);
+  const std::vector<Index> leaps = find_leaps(position, rate, target.dt);
   if (leaps.empty()) return "";
   const auto label = [&](Index c) {
     return target.state_channels[static_cast<std::size_t>(c)].label;
   };
   const Index t = leaps.front();
-  const std::string more =
-      leaps.size() > 1 ? fmt::format(", and {} times more", leaps.size() - 1) : "";
   return fmt::format(
-      "{} jumps by {:.3g} at {:.4g} s{}, while {} says that it doesn't: it wraps there, or samples "
+      "{} moves by {:.3g} from row {} to the next{}, {} says by {:.3g}: it wraps there, or samples "
       "are missing, stood still or stand for none; correct these rows, or cut the rollout there",
-      label(pair.position), position(t + 1) - position(t), static_cast<double>(t) * target.dt, more,
-      label(pair.rate));
+      label(pair.position), position(t + 1) - position(t), t + 1,
+      leaps.size() > 1 ? fmt::format(" (and {} times more)", leaps.size() - 1) : "",
+      label(pair.rate), 0.5 * target.dt * (rate(t) + rate(t + 1)));
 }
 
 CheckedPair checked(const Target& target, const RatePair& pair) {
-  CheckedPair result{target.state_channels[static_cast<std::size_t>(pair.position)],
-                     target.state_channels[static_cast<std::size_t>(pair.rate)],
-                     {},
-                     {},
-                     {},
-                     0,
-                     ""};
+  CheckedPair result{.position = target.state_channels[static_cast<std::size_t>(pair.position)],
+                     .rate = target.state_channels[static_cast<std::size_t>(pair.rate)]};
   std::vector<double> ratios;
   bool are_all_scaled = true;
   for (const Rollout& rollout : target.rollouts) {
     result.fits.push_back(fit_of(target, pair, rollout));
     result.num_spikes +=
         count_spikes(rollout.states.col(pair.rate), target.dt, result.position.unit);
-    result.leaps.push_back(words_of_leaps(target, pair, rollout));
+    result.leaps.emplace_back();
     if (!result.fits.back()) continue;
+    result.leaps.back() = words_of_leaps(target, pair, rollout);
     ratios.push_back(result.fits.back()->ratio);
     are_all_scaled &= verdict_of(*result.fits.back()) == RateVerdict::scaled;
   }

@@ -136,6 +136,8 @@ void ChildProcess::parse(const std::string& line) {
   State state;
   if (!(words >> state.done >> state.total)) return;
   std::getline(words >> std::ws, state.note);
+  const bool is_first = state_.total == 0 && state_.done == 0;
+  state.begun = is_first ? state.done : state_.begun;
   state_ = state;
 }
 

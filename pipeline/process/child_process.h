@@ -28,6 +28,7 @@ class ChildProcess {
   struct State {
     Index done = 0;
     Index total = 0;
+    Index begun = 0;  ///< `done` as it was first reported: what was there before counts, too
     std::string note;
   };
   /// Warnings, and why it failed, in its own words, line by line (report_error()).

@@ -15,7 +15,7 @@ namespace {
 
 bool is_last(const Plan& plan, const Use& use) {
   const MethodConfig& method = plan.study.method(use.method);
-  const Index iteration = use.iteration > 0 ? method.policy_iterations : 0;
+  const Index iteration = use.iteration > 0 ? plan.study.num_iterations_of(method) : 0;
   return use.fold == 0 && use.round == method.algorithm.num_rounds && use.iteration == iteration;
 }
 

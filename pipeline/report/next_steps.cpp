@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "pipeline/process/shell_text.h"
 #include "pipeline/report/verdicts.h"
@@ -26,9 +27,13 @@ std::string next_steps(const ReportData& data) {
     const std::string words = checks.contains(method) ? words_of(checks[method]) : method;
     text += fmt::format("{}    # {}\n", posterior_of(data, method), words);
   }
-  // That of which the fewest checks fail.
-  const std::string best = *std::ranges::min_element(
-      data.methods, {}, [&](const std::string& method) { return checks[method].failed.size(); });
+  // That of which the fewest checks fail, then can't tell, of those that were checked at all.
+  const std::string best =
+      *std::ranges::min_element(data.methods, {}, [&](const std::string& method) {
+        const auto found = checks.find(method);
+        if (found == checks.end()) return std::tuple(true, std::size_t{0}, std::size_t{0});
+        return std::tuple(false, found->second.failed.size(), found->second.unknown.size());
+      });
   return text + fmt::format(
                     "\n# Domain parameters for a simulator of yours: 1000 draws of the posterior, "
                     "one a line\n"

@@ -61,7 +61,8 @@ void note_copies(Table& table, const ReportData& data) {
   if (study.source().simulates) return;
   const DatasetFile dataset = open_dataset(study);
   const Index count = num_rows_of(data);
-  const auto rows = dataset_rows(data.seeds.front(), dataset.num_rows(), count);
+  auto rows = dataset_rows(data.seeds.front(), dataset.num_rows(), count);
+  std::ranges::sort(rows);          // as the file has them, which is faster read
   std::set<std::string> different;  // hashes: rows may have very many features
   constexpr Index block = 256;
   for (Index begin = 0; begin < count; begin += block) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/normal.h"
 #include "core/text.h"
@@ -53,25 +54,24 @@ Verdict judge_bounds(const ReportData& data, const std::string& method) {
     return too_few_samples(Check::bounds, runs.front()->evaluation.theta.rows());
   }
   std::vector<std::string> pressed;
-  std::size_t failed = 0;
+  std::set<const EvaluatedRun*> failed;
   for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
     if (!data.is_inferred(method, d)) continue;
     const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
-    std::size_t seeds = 0;
-    double bound = 0.0;
+    std::set<double> bounds;  // one, or that of one seed and that of another
     for (const EvaluatedRun* run : runs) {
       const std::optional<double> found = pressed_bound(data, *run, d);
       if (!found) continue;
-      bound = *found;
-      ++seeds;
+      bounds.insert(*found);
+      failed.insert(run);
     }
-    if (seeds == 0) continue;
-    failed = std::max(failed, seeds);
-    pressed.push_back(fmt::format("{} at {:.4g} {}", marginal.name, bound, marginal.unit));
+    for (const double bound : bounds) {
+      pressed.push_back(fmt::format("{} at {:.4g} {}", marginal.name, bound, marginal.unit));
+    }
   }
   if (pressed.empty()) return {Check::bounds, Judgment::passes, "passes", ""};
   return {Check::bounds, Judgment::fails,
-          std::string(traits_of(Check::bounds).failure) + seeds_text(failed, runs.size()),
+          std::string(traits_of(Check::bounds).failure) + seeds_text(failed.size(), runs.size()),
           fmt::format("its samples press against the end of the prior: {}; the prior may exclude "
                       "the truth: widen it, or look for what the simulator lacks",
                       join(pressed))};

@@ -271,9 +271,9 @@ double Scheduler::spent(const Job& job) {
 std::optional<double> Scheduler::left(const Job& job) const {
   const ChildProcess::State& state = job.process.state();
   // Where all is done and it goes on, it is at something that it doesn't count.
-  if (state.done > 0 && state.done < state.total) {
+  if (state.done > state.begun && state.done < state.total) {
     return spent(job) * static_cast<double>(state.total - state.done) /
-           static_cast<double>(state.done);
+           static_cast<double>(state.done - state.begun);
   }
   const std::optional<double> expected = costs_.expected(plan_.nodes[job.node]);
   if (!expected) return std::nullopt;

@@ -32,9 +32,12 @@ std::vector<std::string> words_of(const std::string& command) {
     word.clear();
   };
   for (const char c : command) {
-    if (is_escaped || (c == '\\' && quote != '\'')) {
-      is_escaped = !is_escaped;
-      if (!is_escaped) word.push_back(c);
+    if (is_escaped) {
+      const bool is_kept = quote == '"' && std::string("$`\"\\\n").find(c) == std::string::npos;
+      word += is_kept ? std::string{'\\', c} : std::string{c};
+      is_escaped = false;
+    } else if (c == '\\' && quote != '\'') {
+      is_escaped = true;
     } else if (quote != '\0') {
       c == quote ? void(quote = '\0') : word.push_back(c);
     } else if (c == '"' || c == '\'') {
@@ -49,15 +52,14 @@ std::vector<std::string> words_of(const std::string& command) {
   return words;
 }
 
-// The same, and those of words that are commands themselves, for `sh -c`.
-std::vector<std::string> all_words_of(const std::string& command) {
-  std::vector<std::string> all = words_of(command);
-  for (std::size_t i = 0; i < all.size(); ++i) {  // each of them shorter than what it is part of
-    if (all[i].find_first_of(kSeparators) == std::string::npos) continue;
-    const std::vector<std::string> inner = words_of(all[i]);
-    all.insert(all.end(), inner.begin(), inner.end());
-  }
-  return all;
+// Absolute paths only within the folder: not the interpreters of the system.
+bool is_in_folder(const std::string& word, const std::filesystem::path& folder) {
+  const std::filesystem::path path(word);
+  const std::filesystem::path inside =
+      path.is_absolute() ? path.lexically_normal().lexically_relative(folder) : path;
+  if (inside.empty() || *inside.begin() == "..") return false;
+  std::error_code error;
+  return std::filesystem::is_regular_file(folder / inside, error);
 }
 
 }  // namespace
@@ -75,14 +77,16 @@ std::string filled_command(const std::string& command, const std::filesystem::pa
 std::vector<std::string> named_paths(const std::string& command,
                                      const std::filesystem::path& folder) {
   std::vector<std::string> named;
-  for (const std::string& word : all_words_of(command)) {
-    const std::filesystem::path path(word);
-    std::error_code error;
-    // Takes absolute paths only within the folder: not the interpreters of the system.
-    const std::filesystem::path inside =
-        path.is_absolute() ? path.lexically_normal().lexically_relative(folder) : path;
-    if (inside.empty() || *inside.begin() == "..") continue;
-    if (std::filesystem::is_regular_file(folder / inside, error)) named.push_back(word);
+  std::vector<std::string> words = words_of(command);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string word = words[i];
+    if (is_in_folder(word, folder)) {
+      named.push_back(word);
+    } else if (word.find_first_of(kSeparators) != std::string::npos) {
+      // A command itself, for `sh -c`; its words are shorter.
+      const std::vector<std::string> inner = words_of(word);
+      words.insert(words.end(), inner.begin(), inner.end());
+    }
   }
   return named;
 }

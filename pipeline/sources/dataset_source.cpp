@@ -65,7 +65,7 @@ class DatasetRows final : public RowSimulator {
     return read_.middleRows(begin - read_begin_, count);
   }
 
-  static constexpr Index kNumbersRead = Index{1} << 22;
+  static constexpr Index kNumbersRead = Index{1} << 18;
 
   inference::Prior prior_;
   ParameterMap parameters_;
@@ -82,6 +82,7 @@ SourceKeys DatasetSource::keys() const {
   const std::string hash = file_hash(*study().external.dataset);
   nlohmann::ordered_json json, theta;
   theta["dataset"] = hash;
+  theta["order"] = "random";  // of the rows, in theta as in x
   json["files"] = theta;
   json["features"] = study().external.features;
   return {json, json, json, theta};

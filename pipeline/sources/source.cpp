@@ -47,8 +47,9 @@ Target Source::replay_truth(Target begun, const std::filesystem::path& log) cons
   const sim::Trajectories x = rows->simulate(parameters_.nominal(*target.truth).transpose(),
                                              {target.seed, kTruthStream, 0, 0, 0});
   if (x.status.front() != sim::RolloutStatus::ok) {
-    throw Error(fmt::format("target.truth: the simulation there ends as {}: {}",
-                            sim::to_string(x.status.front()), rows->last_failure()));
+    const std::string why = rows->last_failure();
+    throw Error(fmt::format("target.truth: the simulation there ends as {}{}",
+                            sim::to_string(x.status.front()), why.empty() ? "" : ": " + why));
   }
   for (Index h = 0; h < begun.num_rollouts(); ++h) {
     begun.rollouts[static_cast<std::size_t>(h)].states.bottomRows(begun.num_steps()) =

@@ -36,6 +36,7 @@ void predict(const Plan& plan, const Node& node, const Judge& judge, const Strea
   if (judge.held_out() != nullptr) {
     evaluation.held_out_bands = analysis::quantile_bands(view_of(held_out));
   }
+  // Not what the posterior has seen in all iterations: evaluations are by the first target.
   const std::string& method = node.uses.front().method;
   const Target target = read_target(plan, node, plan.study.method(method).num_rollouts);
   const NoiseOfSamples noise =

@@ -42,7 +42,9 @@ Target collect(const Plan& plan, const Node& node) {
   Target more = collect_rollouts(
       plan, target, read_policy(*plan.inputs(node, Stage::policy).front()), count,
       {use.seed, "policy_rollouts", static_cast<std::uint64_t>(use.iteration), 0, 0});
-  Index number = earlier.rollouts.back().number + plan.study.target.held_out;
+  // Those that are held out come after the first ones.
+  Index number = earlier.rollouts.back().number;
+  if (last.iteration <= 1) number += plan.study.target.held_out;
   for (Rollout& rollout : more.rollouts) rollout.number = ++number;
   target.rollouts.insert(target.rollouts.end(), more.rollouts.begin(), more.rollouts.end());
   return target;

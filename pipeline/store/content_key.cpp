@@ -37,7 +37,7 @@ std::string content_key(const nlohmann::ordered_json& document) {
 }
 
 bool nests_deeply(const std::string& json) {
-  constexpr int most = 32;
+  constexpr int most = 500;
   int depth = 0;
   bool in_text = false, is_escaped = false;
   for (const char c : json) {
@@ -54,7 +54,7 @@ bool nests_deeply(const std::string& json) {
 }
 
 nlohmann::ordered_json parse_json(const std::string& text, const std::string& where) {
-  if (nests_deeply(text)) throw InputError(where + ": its JSON nests deeper than any of ours");
+  if (nests_deeply(text)) throw InputError(where + ": its JSON nests too deeply");
   auto json = nlohmann::ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (json.is_discarded()) throw InputError(where + ": " + quoted(text) + " isn't JSON");
   return json;

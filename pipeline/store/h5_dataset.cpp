@@ -137,10 +137,6 @@ void Dataset::require_readable(ElementType type) const {
     throw InputError(
         fmt::format("{} holds {}, must hold {}", where(), describe(stored.id()), describe(type)));
   }
-  if (const std::string filter = missing_filter(id()); !filter.empty()) {
-    throw InputError(where() + ": is compressed by '" + filter +
-                     "', which the HDF5 library here can't undo; write it with gzip, or as it is");
-  }
   if (is_virtual(*this)) {
     parts_ = std::make_shared<VirtualParts>(*this);
   } else {
@@ -187,7 +183,12 @@ void Dataset::read_raw(ElementType type, Index begin, Index count, void* values)
   const Handle memory = select_rows(space.id(), shape_, begin, count);
   const Handle element = memory_type(type);
   if (H5Dread(id(), element.id(), memory.id(), space.id(), H5P_DEFAULT, values) < 0) {
-    fail_reading(where(), "be read");
+    const hid_t why = H5Eget_current_stack();
+    const std::string filter = missing_filter(id());
+    H5Eset_current_stack(why);
+    if (filter.empty()) fail_reading(where(), "be read");
+    throw InputError(where() + ": is compressed by '" + filter +
+                     "', which the HDF5 library here can't undo; write it with gzip, or as it is");
   }
 }
 

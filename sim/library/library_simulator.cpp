@@ -44,15 +44,16 @@ std::uint64_t least_size_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   Elf64_Ehdr head = {};
   if (!file.read(reinterpret_cast<char*>(&head), sizeof head)) return 0;
-  if (std::memcmp(head.e_ident, ELFMAG, SELFMAG) != 0 || head.e_ident[EI_CLASS] != ELFCLASS64) {
-    return 0;
+  const bool is_elf = std::memcmp(head.e_ident, ELFMAG, SELFMAG) == 0;
+  if (!is_elf || head.e_ident[EI_CLASS] != ELFCLASS64 || head.e_ident[EI_DATA] != ELFDATA2LSB) {
+    return 0;  // dlopen() says so
   }
   std::uint64_t size = head.e_phoff + std::uint64_t{head.e_phnum} * sizeof(Elf64_Phdr);
   file.seekg(static_cast<std::streamoff>(head.e_phoff));
   for (Elf64_Half i = 0; i < head.e_phnum; ++i) {
     Elf64_Phdr segment = {};
     if (!file.read(reinterpret_cast<char*>(&segment), sizeof segment)) break;
-    size = std::max(size, segment.p_offset + segment.p_filesz);
+    if (segment.p_type == PT_LOAD) size = std::max(size, segment.p_offset + segment.p_filesz);
   }
   return size;
 }
@@ -207,8 +208,8 @@ class LibrarySimulator::Instances {
     require_list("actions", found.num_actions, found.actions, 0);
     info_.name = found.name == nullptr ? config_.file.stem().string() : text_of(found.name, 100);
     info_.description = text_of(found.text);
-    fingerprint_ = text_of(found.fingerprint, kLongestFingerprint);
-    if (fingerprint_.size() >= kLongestFingerprint)
+    fingerprint_ = raw_text_of(found.fingerprint, kLongestFingerprint);
+    if (fingerprint_.size() == kLongestFingerprint)
       fail("describe() gives a fingerprint without end");
     for (std::int64_t p = 0; p < found.num_parameters; ++p) add_parameter(found.parameters[p]);
     info_.state_channels = channels("state", found.states, found.num_states);

@@ -69,6 +69,11 @@ TEST(DensityCurve, OfOneSampleIsOneKernel) {
   EXPECT_NEAR(curve(51, 1) / curve(50, 1), std::exp(-0.5), 1e-9);
 }
 
+TEST(DensityCurve, EndsHoweverFarSamplesLieBeyondTheRange) {
+  const Vector far = samples(1000, [](Stream& s) { return 1e30 * s.normal(); });
+  EXPECT_LT(density_curve(far, 0.0, 1.0).col(1).maxCoeff(), 1e-3);
+}
+
 TEST(DensityCurve, IsZeroWithoutSamples) {
   const Vector unusable = Vector::Constant(3, std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(density_curve(unusable, 0.0, 1.0).col(1).maxCoeff(), 0.0);

@@ -42,6 +42,18 @@ TEST(SummarizePeriodic, SeesThatBothEndsOfAPeriodAreOne) {
   EXPECT_EQ(summary.n, 4);
 }
 
+// 7 at -1.3 and 3 at 0: the mean of their directions, and the deviation around it.
+TEST(SummarizePeriodic, IsTheCircularMeanOfASkewedSet) {
+  constexpr double pi = 3.14159265358979323846;
+  Vector values = Vector::Constant(10, -1.3);
+  values.tail(3).setZero();
+  const double mean = 0.5 * std::atan2(7.0 * std::sin(-2.6), 7.0 * std::cos(-2.6) + 3.0);
+  const Summary summary = summarize_periodic(values, pi);
+  EXPECT_NEAR(summary.mean, mean, 1e-12);
+  EXPECT_NEAR(summary.std, std::sqrt((7.0 * std::pow(-1.3 - mean, 2) + 3.0 * mean * mean) / 9.0),
+              1e-12);
+}
+
 TEST(SummarizePeriodic, IsSummarizeForANarrowSetAndWithoutAPeriod) {
   Vector values(3);
   values << 0.1, 0.2, 0.3;

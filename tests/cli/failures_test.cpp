@@ -69,12 +69,12 @@ TEST_F(Failures, OfAllRowsAreAnError) {
 }
 
 TEST_F(Failures, OfPredictionsAreAVerdict) {
-  const std::string prints = "print (system(\\\"test -e fail\\\") == 0 ? \\\"nan\\\" : $1)";
+  const std::string prints = "print (system(\\\"test -d fail\\\") == 0 ? \\\"nan\\\" : $1)";
   std::vector<std::string> settings = {"diagnose={ checks = ['predictive'], num_samples = 40 }"};
   const Outcome first = run_study(prints, settings);
   ASSERT_EQ(first.status, 0) << first.err;
   std::filesystem::remove_all(folder_ / "runs/.cache/diagnose");
-  folder_.file("fail", "");
+  std::filesystem::create_directory(folder_ / "fail");  // of a file the study would know
   settings.push_back("report.title=again");
   const Outcome outcome = run_study(prints, settings);
   ASSERT_EQ(outcome.status, 0) << outcome.err;

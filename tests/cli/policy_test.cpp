@@ -1,6 +1,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "pipeline/artefacts/recording.h"
 #include "tests/cli/program.h"
 
 namespace npdr::pipeline {
@@ -210,8 +211,25 @@ TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
 TEST_F(Policies, AMethodMaySeeFewRolloutsOfEachIteration) {
   const Outcome outcome = npdr({"run", "searched.toml", "--work", "few", "--only", "Online",
                                 "--seeds", "1", "--set", "method.Online.num_rollouts=1", "--set",
-                                "target.num_rollouts=1", "--set", "observation_noise.scale=0.05"});
+                                "target.num_rollouts=2", "--set", "observation_noise.scale=0.05"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
+}
+
+TEST_F(Policies, PosteriorsOfTheLastIterationAreExported) {
+  const Outcome outcome = npdr({"export", "searched.toml", "--only", "Online", "-o", "online.nc"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+}
+
+// A loop closed every 4 ms has other delays than a recording of every 8 ms.
+TEST_F(Policies, InputsOfAnotherTimeStepAreRefused) {
+  Target slower = read_recording(file("runs/searched/target.h5"));
+  slower.dt *= 2.0;
+  write_recording(slower, file("slower.h5"));
+  const Outcome outcome =
+      npdr({"run", "searched.toml", "--set", "target.inputs=" + file("slower.h5").string()});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(says(outcome.err, {"npdr run: --set target.inputs=", "dt = 0.008 s",
+                                 "must be 0.004 s with [policy]"}));
 }
 
 TEST_F(Policies, SimulationsOfARefinementCount) {

@@ -63,6 +63,17 @@ TEST_F(PosteriorCommands, DensitiesOfAStudyAreTheMeanOverItsSeeds) {
     return npdr(words);
   };
   ASSERT_EQ(with_seeds({"run", "small.toml", "--only", "NPDR (MAF)"}).status, 0);
+  const auto samples = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"sample", "small.toml", "--method", "NPDR (MAF)"});
+    return with_seeds(words).out;
+  };
+  const std::string of_first = samples({"-n", "1", "--seeds", "1"}),
+                    of_second = samples({"-n", "1", "--seeds", "2"});
+  const std::string pooled = samples({"-n", "2"});
+  EXPECT_TRUE(pooled.starts_with(of_first)) << pooled;
+  const std::size_t line = of_second.find('\n') + 1;
+  EXPECT_EQ(pooled.find(of_second.substr(line)), std::string::npos)
+      << "each has random numbers of its own: " << pooled;
   std::ofstream(file("center.csv")) << "1,1\n9,9\n";
   const auto log_prob = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"log-prob"});

@@ -1,5 +1,5 @@
 """Compares what python/ makes of a posterior file with what npdr printed: densities of rows of theta to
-1e-5 (of pools and likelihoods, which the program sums in single precision over more numbers, to 5e-5), quartiles of samples within what their number allows.
+5e-5, as the program sums them in single precision, quartiles of samples within what their number allows.
 
     python3 python_reader.py FOLDER POSTERIOR THETA.csv LOG_PROB.csv
 
@@ -30,6 +30,5 @@ samples = posterior.sample(len(theta), np.random.default_rng(1))
 spread = theta.std(axis=0)
 moved = np.max(np.abs(np.quantile(samples, [0.25, 0.5, 0.75], axis=0) - np.quantile(theta, [0.25, 0.5, 0.75], axis=0)) / spread)
 print(f"{path}: densities differ by {error:.1e}, quartiles by {moved:.2f} deviations")
-limit = 5e-5 if getattr(posterior, "pool", None) else 1e-5
-if error > limit or moved > 10 / np.sqrt(len(theta)) or not np.all(outside == -np.inf):
+if error > 5e-5 or moved > 10 / np.sqrt(len(theta)) or not np.all(outside == -np.inf):
     sys.exit(1)

@@ -51,8 +51,8 @@ std::vector<double> peaks(Index num_rows, const std::vector<std::string>& progra
   return result;
 }
 
-// Memory that a row may cost: proposals hold theta, simulations the dataset's rows in ascending
-// order; training holds x, and theta as it is, over u, and twice while one is made of the other.
+// Memory that a row may cost: proposals hold theta, simulations the order of a dataset's rows;
+// training holds x, and theta as it is, over u, and twice while one is made of the other.
 TEST(Memory, GrowsByNoMoreThanThetaAndWhatTrainingHolds) {
   setenv("OMP_NUM_THREADS", "1", 1);
   constexpr Index few = 10'000, many = 40'000;

@@ -51,6 +51,10 @@ TEST(NpeA, GrowsInTheLastOfItsRoundsAlone) {
   const StreamId id{1, "training", (std::uint64_t{1} << 32) + 1, 0, 0};
   const auto first = estimate_posterior(c, data, id, states, never_stop);
   EXPECT_EQ(first->parts().estimator.num_components, 1);
+  c.algorithm.num_rounds = 1;
+  std::vector<TrainingState> last_states;
+  const auto last = estimate_posterior(c, data, id, last_states, never_stop);
+  EXPECT_EQ(last->parts().estimator.num_components, 4);
 }
 
 // Half of the first round's rows have failed.

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "pipeline/sources/command_text.h"
 
 namespace npdr::pipeline {
@@ -11,6 +13,8 @@ namespace {
 TEST(CommandLine, RangesAreExpanded) {
   EXPECT_EQ(parse_ranges("0-3,7"), (std::vector<Index>{0, 1, 2, 3, 7}));
   EXPECT_EQ(parse_ranges("5"), (std::vector<Index>{5}));
+  constexpr Index largest = std::numeric_limits<Index>::max();
+  EXPECT_EQ(parse_ranges("9223372036854775807"), (std::vector<Index>{largest}));
 }
 
 TEST(CommandLine, BadRangesAreRejected) {

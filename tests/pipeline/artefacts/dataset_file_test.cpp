@@ -54,7 +54,7 @@ TEST_F(DatasetFiles, RowsAreFoundAcrossBlocks) {
   }
   import(theta, x);
   const DatasetFile dataset(folder_ / "d.h5", {"a"});
-  const std::vector<Index> rows = {0, 1, 4095, 4096, 4097, 9000, 9999};
+  const std::vector<Index> rows = {9999, 4096, 0, 4097, 17, 1, 9000, 4095, 4096, 5};
   const RowMatrix found = dataset.theta(rows);
   const RowMatrix features = dataset.x(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -114,14 +114,31 @@ TEST(ClusterTable, OptionsAskForResourcesAlone) {
   const auto parse = [](const std::string& option) {
     parse_study(one_method(), "s.toml", {"cluster.sbatch=[\"" + option + "\"]"});
   };
-  for (const char* option :
-       {"--dependency=afterok:1", "--comment=x", "--comm=x", "-a 1-3", "-d1", "--output=x",
-        "--out=x", "-o/etc/x", "-Ho/etc/x", "--wrap=x", "--export=x", "--qos=long --output=x",
-        "-C big -ox", "qos=long", "--", "-"}) {
+  for (const char* option : {"--dependency=afterok:1",
+                             "--comment=x",
+                             "--comm=x",
+                             "-a 1-3",
+                             "-d1",
+                             "--output=x",
+                             "--out=x",
+                             "-o/etc/x",
+                             "-Ho/etc/x",
+                             "--wrap=x",
+                             "--export=x",
+                             "--qos=long --output=x",
+                             "-C big -ox",
+                             "qos=long",
+                             "--",
+                             "-",
+                             "--qos long",
+                             "-C big",
+                             "-C=big",
+                             "--clusters=big",
+                             "-Mbig"}) {
     EXPECT_THROW(parse(option), InputError) << option;
   }
-  for (const char* option : {"--qos=long", "--qos long", "--hold", "-H", "--exclusive",
-                             "--constraint=[a|b]", "-C big", "-Cbig", "--gres=gpu:1"}) {
+  for (const char* option : {"--qos=long", "--hold", "-H", "--exclusive", "--constraint=[a|b]",
+                             "-Cbig", "--gres=gpu:1"}) {
     EXPECT_NO_THROW(parse(option)) << option;
   }
 }

@@ -67,7 +67,7 @@ TEST(StudyJson, ReadsEveryKindOfPriorBack) {
   const Study study = parse_study(
       kStudyText, "s.toml",
       {"prior.gravity={ normal = [9.81, 0.05] }", "prior.damping={ lognormal = [-3.0, 0.5] }"});
-  EXPECT_EQ(study.prior[2].kind, inference::Marginal::Kind::log_normal) << "other spelling";
+  EXPECT_EQ(study.prior[3].kind, inference::Marginal::Kind::log_normal) << "other spelling";
   const auto prior = prior_from_json(to_json(study)["prior"], "p.h5");
   ASSERT_EQ(prior.size(), study.prior.size());
   for (std::size_t d = 0; d < prior.size(); ++d) {

@@ -261,6 +261,10 @@ TEST(StudyProblems, OfTheCommandLineNameTheOverride) {
 TEST(StudyProblems, OverridesThatCantBeReadSaySo) {
   EXPECT_TRUE(says(problems_of(kStudyText, {"shard_size"}),
                    {"--set shard_size:", "must be one line of the form key=value"}));
+  for (const std::string key : {"#x", "[a]#", "[[method]]#", "study.name#"}) {
+    EXPECT_TRUE(says(problems_of(kStudyText, {key + "=1"}),
+                     {"--set " + key + "=1: '" + key + "' isn't a dotted key"}));
+  }
   EXPECT_TRUE(says(problems_of(kStudyText, {"a=1\nb=2"}),
                    {"--set a=1", "\nb=2:", "must be one line of the form key=value"}));
   EXPECT_TRUE(says(

@@ -114,10 +114,17 @@ TEST(StudyReader, ATruthOfTheCommandLineReplacesTheRecordingOfTheFile) {
 
 TEST(StudyReader, ARecordingOfTheCommandLineTakesTheTruthsRolloutsAway) {
   const std::filesystem::path recording = NPDR_SOURCE_DIR "/CMakeLists.txt";  // has to exist
-  const Study study =
-      small_study({"target.num_rollouts=1", "target.recording=" + recording.string()});
+  const std::string text = edited(kStudyText, "truth = { pole_mass = 1.1 }",
+                                  "truth = { pole_mass = 1.1 }\nnum_rollouts = 5\nseed = 3");
+  const std::string set = "target.recording=" + recording.string();
+  const Study study = parse_study(text, "s.toml", {set});
   EXPECT_FALSE(study.target.truth);
   EXPECT_EQ(study.target.num_rollouts, 0);
+  // What the command line says is of the recording, whichever stands first.
+  for (const auto& overrides : {std::vector<std::string>{set, "target.num_rollouts=2"},
+                                std::vector<std::string>{"target.num_rollouts=2", set}}) {
+    EXPECT_EQ(parse_study(text, "s.toml", overrides).target.num_rollouts, 2);
+  }
 }
 
 TEST(StudyReader, OverridesEveryMethodOrOne) {
@@ -162,6 +169,21 @@ TEST(StudyReader, AppliesOverridesInTheirOrder) {
   EXPECT_EQ(small_study({"simulate.shard_size=64", "simulate.shard_size=32"}).simulate.shard_size,
             32);
   EXPECT_EQ(small_study({"prior.pole_mass={uniform=[0.5, 0.6]}"}).prior[0].b, 0.6);
+}
+
+// As in a file: the order of theta's columns.
+TEST(StudyReader, NewKeysHaveTheOrderOfTheCommandLine) {
+  const auto names = [](const std::vector<std::string>& overrides) {
+    std::string text;
+    for (const inference::Marginal& m : small_study(overrides).prior) text += m.name + " ";
+    return text;
+  };
+  EXPECT_EQ(
+      names({"prior={ pole_mass = { uniform = [0.5, 0.6] }, damping = { uniform = [0, 1] } }"}),
+      "pole_mass damping ");
+  EXPECT_EQ(
+      names({"prior.gravity={ uniform = [9.0, 10.0] }", "prior.damping={ uniform = [0, 1] }"}),
+      "pole_mass pole_length gravity damping ");
 }
 
 TEST(StudyReader, ABareWordOfAnOverrideIsText) {

@@ -68,9 +68,10 @@ TEST_F(CsvChecks, WarnsOfGlitches) {
   EXPECT_TRUE(says(notes(swing(2.0), options).at(0),
                    {"warning: ", "a.csv:59: theta = 2 alone, between -0.2827 and",
                     "largest magnitude: leave its row out and add --resample DT"}));
-  // Looks like a jump of whole turns, too.
-  EXPECT_TRUE(says(problem(swing(99.0), options),
-                   {"a.csv:59: theta = 99 alone", "\na.csv:59: theta jumps by 99.28",
+  EXPECT_TRUE(says(notes(swing(-999.0), options).at(0), {"warning: ", "a.csv:59: theta = -999"}));
+  // Looks like a jump of a turn, too.
+  EXPECT_TRUE(says(problem(swing(6.0), options),
+                   {"a.csv:59: theta = 6 alone", "\na.csv:59: theta jumps by 6.283",
                     "--unwrap theta", "\n--no-rate-check"}));
   options.check_rates = false;
   options.resample = 0.02;

@@ -112,6 +112,22 @@ TEST(RateCheck, StepsThatTheRateKnowsNothingOfAreFound) {
   }
 }
 
+// Falls from rest, and lies still for the rest of 20 s: a camera's millimetres, exact rates.
+TEST(RateCheck, AnImpactAfterRestIsNone) {
+  constexpr double dt = 0.01;
+  for (int begin = 0; begin < 40; ++begin) {
+    Vector height(2000), rate(2000);
+    for (Index t = 0; t < 2000; ++t) {
+      const double s = dt * (static_cast<double>(t) - 1900.0 - 0.1 * begin);
+      const bool falls = s > 0.0 && s < 0.45;
+      const double exact = s <= 0.0 ? 1.0 : falls ? 1.0 - 0.5 * 9.81 * s * s : 0.0;
+      height(t) = 1e-3 * std::round(1e3 * exact);
+      rate(t) = falls ? -9.81 * s : 0.0;
+    }
+    EXPECT_TRUE(find_leaps(height, rate, dt).empty()) << begin;
+  }
+}
+
 TEST(RateCheck, NothingIsSaidWithoutMotion) {
   const Vector rest = Vector::Zero(1000);
   EXPECT_FALSE(fit({rest, rest, 0.004}));

@@ -1,5 +1,7 @@
 #include "pipeline/import/rate_report.h"
 
+#include <fmt/format.h>
+
 #include "core/text.h"
 #include "tests/message_of.h"
 #include "tests/pipeline/import/encoder_motion.h"
@@ -143,6 +145,17 @@ TEST(RateReport, NamesRatesOfWrappedAngles) {
   }
   EXPECT_TRUE(says(problem(target), {"alpha_dot jumps in 4 rows", "an angle that wraps",
                                      "--unwrap alpha --differentiate"}));
+}
+
+TEST(RateReport, NamesStepsThatTheRateKnowsNothingOf) {
+  Target target = right_target();
+  target.rollouts[1].states.col(1).tail(600).array() += 3.0;
+  const Rollout& rollout = target.rollouts[1];
+  const double step = rollout.states(400, 1) - rollout.states(399, 1);
+  EXPECT_TRUE(says(problem(target), {fmt::format("b.csv: alpha moves by {:.3g} from row 400 to the "
+                                                 "next, alpha_dot says by ",
+                                                 step),
+                                     "samples are missing"}));
 }
 
 TEST(RateReport, WrapsDontHideAFactor) {

@@ -28,7 +28,7 @@ TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
     priors.push_back(std::get<std::string>(row.cells[1].value));
   }
   EXPECT_EQ(priors, (std::vector<std::string>{"[0.3, 1.7]", "[0.3, 1.7], log-uniform",
-                                              "exp N(-3, 0.5²)", "N(9.81, 0.05²)"}));
+                                              "N(9.81, 0.05²)", "exp N(-3, 0.5²)"}));
 }
 
 Plan golf_plan_of(const StudyText::Lines& prior) {

@@ -33,6 +33,12 @@ TEST(CommandText, FilesOfTheFolderAreFoundInItsWords) {
             std::vector<std::string>{"sim.py"});
   EXPECT_EQ(named_paths("python3 my\\ config.json \\", folder.path()),
             std::vector<std::string>{"my config.json"});
+  folder.file("config.json", "{}");
+  EXPECT_EQ(named_paths("sim 'my config.json'", folder.path()),
+            std::vector<std::string>{"my config.json"})
+      << "not that of its last word";
+  folder.file("a\\b.py", "");
+  EXPECT_EQ(named_paths("python3 \"a\\b.py\"", folder.path()), std::vector<std::string>{"a\\b.py"});
   EXPECT_EQ(named_paths(folder / "sim.py", folder.path()).size(), 1u) << "an absolute path into it";
 }
 
