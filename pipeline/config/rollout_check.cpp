@@ -12,14 +12,6 @@
 namespace npdr::pipeline {
 namespace {
 
-// Distances of trajectories, and likelihoods of states, look at no embedding.
-bool sees_features(const MethodConfig& method) {
-  const bool is_abc =
-      inference::traits_of(method.algorithm.kind).family == inference::AlgorithmFamily::abc;
-  if (is_abc) return method.abc.distance == inference::AbcDistance::euclidean;
-  return reads_setting(method.algorithm.kind, "embedding");
-}
-
 class RolloutChecker : Checker {
  public:
   RolloutChecker(const Study& study, const RolloutShape& shape, Reading& reading)
@@ -49,8 +41,10 @@ class RolloutChecker : Checker {
                     shape_.num_rollouts - study_.target.num_rollouts,
                     "what the recording holds after target.num_rollouts");
     }
-    check_at_most("simulator.store_every", study_.simulator.store_every, shape_.num_steps,
-                  "the steps of a rollout");
+    const bool any_infers = std::ranges::any_of(study_.methods, sees_stored_states);
+    check_at_most("simulator.store_every", study_.simulator.store_every,
+                  any_infers ? shape_.num_steps / 2 : shape_.num_steps,
+                  any_infers ? two_states_left() : "the steps of a rollout");
     check_at_most("evaluate.leave_out", study_.evaluate.leave_out, used_rollouts(),
                   "the rollouts that inference sees");
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
@@ -83,10 +77,19 @@ class RolloutChecker : Checker {
       fail(path + ".refine.cross_validate", "true",
            "false: evaluate.leave_out leaves it a single rollout");
     }
-    if (!sees_features(method)) return;
-    check_at_most(
-        path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
-        fmt::format("so that two of the {} states of a rollout are left", shape_.num_steps));
+    if (!reads_setting(method.algorithm.kind, "embedding")) return;
+    check_at_most(path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
+                  two_states_left());
+  }
+
+  static bool sees_stored_states(const MethodConfig& method) {
+    return infers(method) && inference::traits_of(method.algorithm.kind).family !=
+                                 inference::AlgorithmFamily::regression;
+  }
+
+  // Of a single one neither a likelihood nor a distance of trajectories says much.
+  std::string two_states_left() const {
+    return fmt::format("so that two of the {} states of a rollout are left", shape_.num_steps);
   }
 
   void check_features(const std::string& path, const MethodConfig& method) {
@@ -113,14 +116,6 @@ class RolloutChecker : Checker {
   Index num_recorded_;
 };
 
-}  // namespace
-
-void check_rollouts(const Study& study, const RolloutShape& shape, Reading& reading) {
-  RolloutChecker(study, shape, reading).check();
-}
-
-namespace {
-
 // What a policy does is simulated at the simulator's own dt, in which delays are counted, too, and
 // collected rollouts stand beside recorded ones.
 void require_dt_of_policy(const Study& study, const Target& recording) {
@@ -136,6 +131,10 @@ void require_dt_of_policy(const Study& study, const Target& recording) {
 }
 
 }  // namespace
+
+void check_rollouts(const Study& study, const RolloutShape& shape, Reading& reading) {
+  RolloutChecker(study, shape, reading).check();
+}
 
 void check_recording(const Study& study, const Target& recording) {
   Reading reading(study.places);

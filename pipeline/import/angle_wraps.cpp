@@ -42,9 +42,9 @@ std::vector<Index> jumps_of(const Vector& angle, double period) {
   const double quarter = 0.25 * period;
   std::vector<Index> rows;
   for (Index t = 0; t < steps.size(); ++t) {
-    if (std::abs(steps(t)) > 1.25 * period) continue;
+    const double size = std::abs(steps(t));
+    if (size < 0.5 * period || size > 1.25 * period || std::abs(rest(t)) > quarter) continue;
     const double around = median_of(steps_around(rest, t));
-    if (std::abs(steps(t)) < 0.5 * period || std::abs(rest(t)) > quarter) continue;
     if (std::abs(around) > quarter) continue;
     if (std::abs(rest(t) - around) > 0.15 * period) continue;
     // Who turns that fast all the time does turn. Noise at the end of a turn goes to and fro.

@@ -64,9 +64,10 @@ std::string words_of_leaps(const Target& target, const RatePair& pair, const Rol
   };
   const Index t = leaps.front();
   return fmt::format(
-      "{} moves by {:.3g} from row {} to the next{}, {} says by {:.3g}: it wraps there, or samples "
+      "{} moves by {:.3g} in the step after {:.6g} s{}, {} says by {:.3g}: it wraps there, or "
+      "samples "
       "are missing, stood still or stand for none; correct these rows, or cut the rollout there",
-      label(pair.position), position(t + 1) - position(t), t + 1,
+      label(pair.position), position(t + 1) - position(t), static_cast<double>(t) * target.dt,
       leaps.size() > 1 ? fmt::format(" (and {} times more)", leaps.size() - 1) : "",
       label(pair.rate), 0.5 * target.dt * (rate(t) + rate(t + 1)));
 }
@@ -80,9 +81,8 @@ CheckedPair checked(const Target& target, const RatePair& pair) {
     result.fits.push_back(fit_of(target, pair, rollout));
     result.num_spikes +=
         count_spikes(rollout.states.col(pair.rate), target.dt, result.position.unit);
-    result.leaps.emplace_back();
+    result.leaps.push_back(words_of_leaps(target, pair, rollout));
     if (!result.fits.back()) continue;
-    result.leaps.back() = words_of_leaps(target, pair, rollout);
     ratios.push_back(result.fits.back()->ratio);
     are_all_scaled &= verdict_of(*result.fits.back()) == RateVerdict::scaled;
   }

@@ -33,12 +33,12 @@ std::string clock_text(double seconds) {
   return fmt::format("{:02}:{:02}", whole / 60, whole % 60);
 }
 
-std::string progress_text(Index done, Index total, double seconds) {
-  const double rate = seconds > 0.0 ? static_cast<double>(done) / seconds : 0.0;
+std::string progress_text(Index done, Index total, double seconds, Index begun) {
+  const double rate = seconds > 0.0 ? static_cast<double>(done - begun) / seconds : 0.0;
   if (total == 0) return fmt::format("{} [{}, {:.3g}/s]", done, clock_text(seconds), rate);
   const double left = rate > 0.0 ? static_cast<double>(total - done) / rate : 0.0;
   return fmt::format("{}/{} [{}<{}, {:.3g}/s]", done, total, clock_text(seconds),
-                     done > 0 ? clock_text(left) : "?", rate);
+                     done > begun ? clock_text(left) : "?", rate);
 }
 
 void report_note(const std::string& note) noexcept {
@@ -60,12 +60,15 @@ void report_error(const std::string& program, const std::string& message) noexce
   }
 }
 
-Progress::Progress(std::string label, Index total)
+Progress::Progress(std::string label, Index total, Index begun)
     : label_(std::move(label)),
       total_(total),
+      begun_(begun),
       parent_(parent_descriptor()),
       start_(Clock::now()),
-      shown_(start_) {}
+      shown_(start_) {
+  if (parent_ >= 0) show(begun_, "");
+}
 
 void Progress::update(Index done, const std::string& note) {
   const auto now = Clock::now();
@@ -83,7 +86,7 @@ void Progress::show(Index done, const std::string& note) {
     return;
   }
   const std::string text = label_ + ": " +
-                           progress_text(done, total_, seconds_between(start_, shown_)) +
+                           progress_text(done, total_, seconds_between(start_, shown_), begun_) +
                            (note.empty() ? "" : ", " + note);
   line_.show({text});
   if (!line_.is_terminal()) std::fputs((text + "\n").c_str(), stderr);

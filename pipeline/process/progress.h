@@ -14,8 +14,9 @@ namespace npdr::pipeline {
 /// instead. Not thread-safe.
 class Progress {
  public:
-  /// total = 0: not known beforehand (training that stops by itself).
-  Progress(std::string label, Index total);
+  /// total = 0: not known beforehand (training that stops by itself). `begun`: what was done
+  /// before; it says nothing of how long the rest takes.
+  Progress(std::string label, Index total, Index begun = 0);
 
   void update(Index done, const std::string& note = "");
 
@@ -24,6 +25,7 @@ class Progress {
 
   std::string label_;
   Index total_;
+  Index begun_;
   int parent_;  ///< file descriptor, -1: none
   LiveLines line_;
   std::chrono::steady_clock::time_point start_;
@@ -38,8 +40,9 @@ void report_note(const std::string& note) noexcept;
 /// full, the log that stderr goes to stays empty. Never throws.
 void report_error(const std::string& program, const std::string& message) noexcept;
 
-/// "400/1000 [00:03<00:05, 120/s]"; without a total "400 [00:03, 120/s]".
-std::string progress_text(Index done, Index total, double seconds);
+/// "400/1000 [00:03<00:05, 120/s]"; without a total "400 [00:03, 120/s]". `begun` of `done` weren't
+/// done in these seconds.
+std::string progress_text(Index done, Index total, double seconds, Index begun = 0);
 
 /// "03:25", "1:02:03".
 std::string clock_text(double seconds);

@@ -57,7 +57,8 @@ class DatasetRows final : public RowSimulator {
   RowMatrix rows_from(Index begin, Index count) {
     if (begin < read_begin_ || begin + count > read_begin_ + read_.rows()) {
       const Index most = kNumbersRead / std::max<Index>(1, std::ssize(dataset_.features()));
-      const Index reads = std::min(std::max(count, most), std::ssize(rows_) - begin);
+      const Index blocks = std::max<Index>(1, most / count);  // whole ones: each is read once
+      const Index reads = std::min(blocks * count, std::ssize(rows_) - begin);
       read_ = dataset_.x(std::span(rows_).subspan(static_cast<std::size_t>(begin),
                                                   static_cast<std::size_t>(reads)));
       read_begin_ = begin;

@@ -105,7 +105,7 @@ class Search {
   }
 
   const PolicyHistory& run() {
-    Progress progress(node_.label(), num_iterations_);
+    Progress progress(node_.label(), num_iterations_, history_.num_rows());
     for (Index t = history_.num_rows(); t < num_iterations_; ++t) {
       iterate(t);
       save();

@@ -188,13 +188,21 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
   const std::vector<Shard> all = shards(plan, node);
   const std::vector<Index> numbers = shard_numbers.empty() ? all_shards(all.size()) : shard_numbers;
   Simulation simulation = make_simulation(plan, node);
-  Progress progress(node.label(), num_rows(plan, node));
+  std::vector<const Shard*> missing;
   Index done = 0;
   for (const Index number : numbers) {
     require_shard(plan, node, number);
     const Shard& shard = all[static_cast<std::size_t>(number)];
-    if (!std::filesystem::exists(shard.path)) simulate_shard(simulation, shard, done, progress);
-    done += shard.rows.size();
+    if (std::filesystem::exists(shard.path)) {
+      done += shard.rows.size();
+    } else {
+      missing.push_back(&shard);
+    }
+  }
+  Progress progress(node.label(), num_rows(plan, node), done);
+  for (const Shard* shard : missing) {
+    simulate_shard(simulation, *shard, done, progress);
+    done += shard->rows.size();
   }
   if (missing_shards(plan, node).empty()) {
     join_shards(node, node.identity, plan.study, simulation.target, all);

@@ -394,6 +394,8 @@ TEST_F(OwnSimulators, MistakesAreNamedAtTheirPlace) {
   expect("uniform = [10.0, 40.0]", "uniform = [-10.0, 40.0]", {"stiffness", "0"});
   expect("[prior]", "[simulator.goal]\nplace = { z = 0.0 }\nradius = 0.1\n\n[prior]",
          {"simulator.goal.place", "'z'"});
+  expect("[prior]", "[simulator.goal]\nradius = 0.1\n\n[prior]",
+         {"simulator.goal.place is missing"});
   expect("num_rollouts = 3", "num_rollouts = 3\nobservation = \"x.csv\"", {"observation"});
   expect("nominal = 1.0\nlower = 1e-6", "lower = 1e-6",
          {"simulator.parameter.nominal of 'mass' is missing", "simulator.parameters"});

@@ -211,9 +211,10 @@ TEST(StudyProblems, EmbeddingsFitTheRolloutsOfATruth) {
   EXPECT_EQ(problems_after(kMaf, "embedding = { downsample = 200 }"), "");
   EXPECT_TRUE(says(problems_after(kMaf, "embedding = { downsample = 201 }"),
                    {"s.toml:17:28: method.embedding.downsample = 201", "must be <= 200"}));
-  EXPECT_TRUE(problems_after("\"pendulum\"", "\"pendulum\"\nstore_every = 401")
-                  .starts_with("s.toml:10:15: simulator.store_every = 401, must be <= 400, the "
-                               "steps of a rollout\ns.toml:16:1: method.embedding"));
+  EXPECT_TRUE(problems_after("\"pendulum\"", "\"pendulum\"\nstore_every = 201")
+                  .starts_with("s.toml:10:15: simulator.store_every = 201, must be <= 200, so that "
+                               "two of the 400 states of a rollout are left\ns.toml:16:1: "
+                               "method.embedding"));
   EXPECT_TRUE(
       says(problems_after(kMaf, "embedding = { kind = 'convolution', principal_components = 5 }"),
            {"s.toml:17:60: method.embedding.principal_components = 5",

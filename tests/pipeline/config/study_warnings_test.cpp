@@ -35,6 +35,14 @@ TEST(StudyWarnings, NameTheReferenceThatThePriorExcludes) {
       << found[0];
 }
 
+TEST(StudyWarnings, SegmentsOfAStepLeaveNothingToCompare) {
+  const auto found = warnings_after({"simulator.segment_length=1"});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(says(found[0], {"--set simulator.segment_length=1: warning: ",
+                              "rmse and dtw compare the states before each action"}));
+  EXPECT_EQ(warnings_after({"simulator.segment_length=2"}).size(), 0u);
+}
+
 TEST(StudyWarnings, ARecordingHasNoise) {
   const TempFolder folder;
   folder.file("r.h5", "");

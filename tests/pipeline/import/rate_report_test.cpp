@@ -152,8 +152,8 @@ TEST(RateReport, NamesStepsThatTheRateKnowsNothingOf) {
   target.rollouts[1].states.col(1).tail(600).array() += 3.0;
   const Rollout& rollout = target.rollouts[1];
   const double step = rollout.states(400, 1) - rollout.states(399, 1);
-  EXPECT_TRUE(says(problem(target), {fmt::format("b.csv: alpha moves by {:.3g} from row 400 to the "
-                                                 "next, alpha_dot says by ",
+  EXPECT_TRUE(says(problem(target), {fmt::format("b.csv: alpha moves by {:.3g} in the step after "
+                                                 "1.596 s, alpha_dot says by ",
                                                  step),
                                      "samples are missing"}));
 }
