@@ -6,8 +6,8 @@
 #SBATCH --open-mode=append
 #SBATCH --signal=B:USR1@120
 #SBATCH --kill-on-invalid-dep=yes
-# Checks the posteriors of a study with a table [diagnose]. The simulations of its calibration are
-# among those of jobs/simulate.sh.
+# Checks the posteriors of a study. The simulations of its calibration are among those of
+# jobs/simulate.sh.
 #
 #   sbatch jobs/diagnose.sh STUDY [OPTION OF npdr-diagnose]...
 

@@ -109,7 +109,7 @@ void describe(Layout f, inference::NetworkParts& parts, Observed& observed) {
   describe_architecture(f, parts);
   describe(f, parts.x_o, observed);
   describe(f, parts.transform);
-  describe_json(f, "sampler", parts.sampler, "JSON: the same");
+  describe_json(f, "sampler", parts.sampler, "JSON: the method's table `sampler`");
   if (auto group = f.group("proposal", parts.proposal)) describe_proposal(*group, *parts.proposal);
 }
 
@@ -135,7 +135,7 @@ void describe_mixture(Layout f, inference::GaussianMixture mixture) {
 }
 
 void describe_embedding(Layout f, const inference::EmbeddingConfig& embedding) {
-  f.attribute("embedding", to_json(embedding).dump(), "JSON: the same");
+  f.attribute("embedding", to_json(embedding).dump(), "JSON: the method's table `embedding`");
 }
 
 // Networks have epochs of their own number.

@@ -64,8 +64,8 @@ Constraint<std::vector<std::string>> shell_lines();
 template <class Fields>
 void describe(Fields& f, inference::EmbeddingConfig& c) {
   choice(f, "kind", c.kind,
-         "how rollouts become features; `convolution` for networks of a posterior when left out "
-         "with features or average_rollouts");
+         "how rollouts become features; where it is left out and features or average_rollouts are "
+         "given, `convolution` for networks of a posterior");
   f("features", c.features, between(1, kMaxWidth),
     "width of the trained layer (\"convolution\": of the last, and \"linear\"); twice the "
     "parameters "
@@ -74,8 +74,8 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
     "\"convolution\" only: the last layer sees the mean over rollouts, not each by itself");
   f("principal_components", c.principal_components, count_from(0),
     "of the features, at most as many as there are, for the network to see; 0: the features "
-    "themselves; for networks four times the parameters, 20 to 50, when left out with kind, "
-    "features and average_rollouts");
+    "themselves; where none of kind, features, average_rollouts and this is given, networks have "
+    "four times the parameters, 20 to 50");
   f("downsample", c.downsample, count_from(1),
     "keep every k-th state; a multiple of simulator.store_every, which it is when left out");
   f("channels", c.channels, anything<std::vector<std::string>>(),
@@ -240,7 +240,7 @@ void describe(Fields& f, TargetConfig& c) {
   f("rollouts", c.rollouts, rollouts_constraint(),
     "those of the recording that are used, counted from 1: [3, 4, 5, 1]; all when left out");
   f("num_rollouts", c.num_rollouts, count_from(0),
-    "use the first k rollouts; 0: all of a recording; 5 for a truth when left out");
+    "use the first k rollouts; 0: all of a recording; 5 for a truth without inputs when left out");
   f("held_out", c.held_out, count_from(0),
     "rollouts after those, which only the evaluation sees; needs num_rollouts");
   f("seed", c.seed, not_negative(), "picks a truth's random behavior, and its observation noise");

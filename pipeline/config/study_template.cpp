@@ -148,7 +148,7 @@ num_samples = 100
 # ...
 
 # Checks of the posteriors: calibration over fresh simulations, and whether the observation is like
-# what was simulated. Without this table there are none.
+# what was simulated. Without this table those that cost little.
 #   [diagnose]
 #   checks = ["sbc", "coverage", "tarp", "local_c2st", "predictive", "ood", "training"]
 #   ...

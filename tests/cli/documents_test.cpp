@@ -29,6 +29,7 @@ const std::map<std::string, std::string> kNotRun = {
     {"simulate=$(sbatch", "wants a cluster"},
     {"infer=$(sbatch", "wants a cluster"},
     {"evaluate=$(sbatch", "wants a cluster"},
+    {"diagnose=$(sbatch", "wants a cluster"},
     {"sbatch", "wants a cluster"},
     {"jobs/one-machine-cluster", "starts a cluster, as root; tests/cluster does"},
     {"eval \"$(jobs/one-machine-cluster", "wants that cluster"},
