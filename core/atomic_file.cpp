@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -210,8 +211,11 @@ std::string find_process_space() {
   constexpr ino_t of_the_machine = 4026531836;  // Linux numbers its first namespaces so
   struct stat space = {};
   const bool is_known = ::stat("/proc/self/ns/pid", &space) == 0;
-  if (!is_known || space.st_ino == of_the_machine) return host_name();
-  return fmt::format("{}-{}", host_name(), space.st_ino);
+  std::string host = host_name();
+  // Points are between the parts of a temporary's name: "n1.cluster" would end like "cluster".
+  std::ranges::replace(host, '.', '~');
+  if (!is_known || space.st_ino == of_the_machine) return host;
+  return fmt::format("{}-{}", host, space.st_ino);
 }
 
 }  // namespace

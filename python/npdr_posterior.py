@@ -115,7 +115,8 @@ class Network:
         h = np.tanh(h + u @ self.w[name + "input.weight"])
         for layer in self.layers[:-1]:
             h = np.tanh(self.dense(f"{name}hidden_{layer}", h))
-        p = self.dense(name + "output", h).reshape(len(u), -1, u.shape[1])
+        p = self.dense(name + "output", h)
+        p = p.reshape(len(u), p.shape[1] // u.shape[1], u.shape[1])
         return positive(p[:, 0]), p[:, 1], p[:, 2:]
     def sample(self, z, n, rng):  # of a flow
         c = self.embed(z)

@@ -171,7 +171,6 @@ Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
   const auto start = std::chrono::steady_clock::now();
   Index at = 0;
   while_it_lasts([&] {
-    ArtefactWriter writer(path, kSimulatedRowsSchema, identity_of(asked, shard, node_.identity));
     SimulatedRows made;
     for (Index rows = 0; at < count; at += rows) {
       if (stop_requested() || fs::exists(path)) return;
@@ -189,11 +188,14 @@ Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
       return;
     }
     if (fs::exists(path)) return;  // which the refinement may be reading
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    const Cost cost = cost_of_seconds(elapsed.count());
+    // Not before: a writer that is given up leaves its file open.
+    ArtefactWriter writer(path, kSimulatedRowsSchema, identity_of(asked, shard, node_.identity));
+    writer.add_cost(cost);
     write_simulated_rows(writer.file(), std::move(made));
     writer.finish();
-    if (is_helper()) return;
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    own_[shard.file_name] = cost_of_seconds(elapsed.count()).core_seconds;
+    if (!is_helper()) own_[shard.file_name] = cost.core_seconds;
   });
   return at;
 }

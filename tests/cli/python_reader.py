@@ -27,8 +27,11 @@ error = np.max(np.abs(found - expected))
 
 outside = posterior.log_prob(np.outer([1e3, -1e3], np.isfinite(theta[0])))
 samples = posterior.sample(len(theta), np.random.default_rng(1))
+few = [posterior.sample(1, np.random.default_rng(seed)) for seed in range(10)]  # of one network each
 spread = theta.std(axis=0)
 moved = np.max(np.abs(np.quantile(samples, [0.25, 0.5, 0.75], axis=0) - np.quantile(theta, [0.25, 0.5, 0.75], axis=0)) / spread)
 print(f"{path}: densities differ by {error:.1e}, quartiles by {moved:.2f} deviations")
+if any(one.shape != (1, theta.shape[1]) for one in few):
+    sys.exit("a single sample has shape " + str([one.shape for one in few]))
 if error > 5e-5 or moved > 10 / np.sqrt(len(theta)) or not np.all(outside == -np.inf):
     sys.exit(1)

@@ -149,6 +149,7 @@ TEST(AtomicFile, RemovesWhatDeadProcessesOfThisHostLeftBehindAndNothingElse) {
       fmt::format(".a.h5.{}.1.0.tmp", process_space()),
       fmt::format(".a.h5.other-host.{}.0.tmp", dead_process()),
       fmt::format(".a.h5.{}.x.0.tmp", process_space()),
+      fmt::format(".a.h5.node~{}.{}.0.tmp", process_space(), dead_process()),
       fmt::format("a.h5.{}.{}.0.tmp", process_space(), dead_process()),
       fmt::format(".a.h5.{}.{}.0", process_space(), dead_process()),
       "results.h5",

@@ -28,6 +28,7 @@ A result must depend on nothing but these arguments. The protocol is in docs/wor
 import json
 import os
 import sys
+import sysconfig
 import traceback
 
 import numpy as np
@@ -68,14 +69,17 @@ def serve(simulate, batch=False):
 
 def _own_files():
     """Where the program's modules lie, but for those that are installed."""
-    installed = tuple(os.path.realpath(p) + os.sep for p in (sys.prefix, sys.base_prefix))
+    # Not all below sys.prefix: a project may hold its virtual environment, or lie in /usr itself.
+    libraries = [sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")]
+    installed = tuple(os.path.realpath(path) + os.sep for path in libraries)
     paths = set()
     for module in list(sys.modules.values()):
         try:  # asking a lazy module for an attribute would import it
             path = os.path.realpath(object.__getattribute__(module, "__dict__")["__file__"])
         except Exception:  # without a file, or none that has a path
             continue
-        if not path.startswith(installed) and "site-packages" not in path:
+        is_package = "site-packages" in path or "dist-packages" in path
+        if not path.startswith(installed) and not is_package:
             paths.add(path)
     return sorted(paths - {os.path.realpath(__file__)})
 

@@ -287,9 +287,11 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
   EXPECT_TRUE(says(problems({"method.A.embedding.downsample=21"}),
                    {"--set method.A.embedding.downsample=21: method.embedding.downsample = 21",
                     "must be <= 20"}));
-  EXPECT_TRUE(problems({"simulator.store_every=41", "method.embedding.downsample=41"})
-                  .starts_with("--set simulator.store_every=41: simulator.store_every = 41, must "
-                               "be <= 40, the steps of a rollout\n--set method.embedding"));
+  EXPECT_TRUE(
+      problems({"simulator.store_every=41", "method.embedding.downsample=41"})
+          .starts_with("--set simulator.store_every=41: simulator.store_every = 41, must "
+                       "be <= 20, so that two of the 40 states of a rollout are left\n--set "
+                       "method.embedding"));
   const std::string text = two_methods().method("C", {"embedding = { downsample = 30 }"});
   EXPECT_TRUE(says(message_of<InputError>([&] {
                      make_plan(parse_study(text, "two.toml",
