@@ -38,8 +38,7 @@ bool is_option(const std::string& text) {
       "account begin bb bbf constraint contiguous core-spec "
       "cores-per-socket cpu-freq cpus-per-gpu deadline delay-boot distribution exclude exclusive "
       "extra-node-info gpu-bind gpu-freq gpus gpus-per-node gpus-per-task gres gres-flags hint "
-      "hold "
-      "licenses mail-type mcs-label mem mem-bind mem-per-cpu mem-per-gpu mincpus network nice "
+      "hold licenses mail-type mcs-label mem mem-bind mem-per-cpu mem-per-gpu mincpus network nice "
       "nodelist nodes oversubscribe partition power prefer priority profile propagate qos reboot "
       "reservation sockets-per-node spread-job switches thread-spec threads-per-core time-min tmp "
       "tres-bind tres-per-task use-min-nodes wckey A B b C F G H L m N p q S s w x",

@@ -68,8 +68,7 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
          "given, `convolution` for networks of a posterior");
   f("features", c.features, between(1, kMaxWidth),
     "width of the trained layer (\"convolution\": of the last, and \"linear\"); twice the "
-    "parameters "
-    "when left out, if that is more");
+    "parameters when left out, if that is more");
   f("average_rollouts", c.average_rollouts, anything<bool>(),
     "\"convolution\" only: the last layer sees the mean over rollouts, not each by itself");
   f("principal_components", c.principal_components, count_from(0),

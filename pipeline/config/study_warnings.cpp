@@ -74,10 +74,8 @@ class StudyWarnings {
     if (!study_.source().gives_motion || study_.simulator.segment_length != 1 || !compares) return;
     warn("simulator.segment_length",
          "simulator.segment_length = 1: rmse and dtw compare the states before each action, and "
-         "with "
-         "segments of a step all of them are recorded ones: they are 0 for any parameters; "
-         "inference "
-         "and scores are not concerned");
+         "with segments of a step all of them are recorded ones: they are 0 for any parameters; "
+         "inference and scores are not concerned");
   }
 
   // Simulators of the user's are asked whether they draw noise of their own (sources/row_check.h).
