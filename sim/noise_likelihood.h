@@ -6,7 +6,9 @@
 /// A channel's integral, over one to three parameters in the space where their prior is N(0, I), is
 /// taken by Gauss-Hermite quadrature around the integrand's mode with its curvature there (Liu and
 /// Pierce 1994, "A note on Gauss-Hermite quadrature"; one node is Laplace's approximation). Without
-/// heavy tails the density follows from three sums, whatever the number of states.
+/// heavy tails the density follows from three sums, whatever the number of states. Where the scale
+/// is relative to the amplitude, errors (without heavy tails: their mean square) count for no less
+/// than the rounding of single precision, 2^-24: else it would be 0 where x meets y.
 #pragma once
 
 #include "sim/noise_model.h"

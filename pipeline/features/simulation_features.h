@@ -67,7 +67,7 @@ std::vector<float> picked_observation(const Plan& plan, const Target& target,
                                       const inference::Embedding& embedding);
 
 /// x_o: the target's own features. A simulated target domain is observed with the same noise as the
-/// simulations (its own random stream), a recording as it is.
+/// simulations (its own random stream), a recording, or an x_o that was measured, as it is.
 VectorF observation(const Plan& plan, const Target& target, const inference::Embedding& embedding);
 
 }  // namespace npdr::pipeline
