@@ -16,10 +16,10 @@ TemporaryFolder::TemporaryFolder(const std::string& name, const std::string& pur
   const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
   if (error) {
     std::string found = "TMPDIR = ''";
-    for (const std::string variable :
-         {"TEMPDIR", "TEMP", "TMP", "TMPDIR"}) {  // the last one counts
-      if (const char* const value = std::getenv(variable.c_str()))
-        found = variable + " = '" + value + "'";
+    // The last one counts.
+    for (const std::string variable : {"TEMPDIR", "TEMP", "TMP", "TMPDIR"}) {
+      const char* const value = std::getenv(variable.c_str());
+      if (value != nullptr) found = variable + " = '" + value + "'";
     }
     throw InputError(found + ", must be an existing folder: " + purpose);
   }

@@ -26,8 +26,8 @@ std::vector<std::uint32_t> rows_of_last_round(const RoundData& data) {
 
 // w = p(theta) / p~(theta), with p~ the mixture of all that the rounds were drawn from, in
 // proportion to their rows (Veach and Guibas 1995, the balance heuristic): bounded by N / N_1,
-// however far a proposal is from the prior. Rows that failed count: all that are left of theta's
-// were drawn from the same mixture, whatever share of them is.
+// however far a proposal is from the prior. Rows that failed count, too: it is the mixture of what
+// was drawn, whichever of it is left.
 VectorF importance_weights(const RoundData& data) {
   if (data.posteriors.empty()) return {};
   const Vector log_prior = data.prior->log_prob(data.theta);

@@ -20,7 +20,8 @@ struct RolloutShape {
 void check_rollouts(const Study& study, const RolloutShape& shape, Reading& reading);
 
 /// The same for the recording of a study that has been read: throws InputError with a line per
-/// problem, at the place where the key stands.
+/// problem, at the place where the key stands, and for a dt that isn't that of the study's
+/// [policy].
 void check_recording(const Study& study, const Target& recording);
 
 /// Throws InputError for a channel of the rollouts that is 0 throughout one of them, in which no

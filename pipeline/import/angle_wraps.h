@@ -20,9 +20,8 @@ struct AngleJumps {
 
 /// Jumps of a recorded angle (n) by about a whole turn: what is left of such a step without the
 /// turn is at most a quarter of one, as are the steps around it, from which it differs by less than
-/// 0.15 of one, and these don't go on as fast. In
-/// [rad], jumps of 360 are found, too, where no angle is larger: of degrees. No rows without jumps,
-/// or in another unit.
+/// 0.15 of one, and these don't go on as fast. In [rad], jumps of 360 are found, too, where no
+/// angle is larger: of degrees. No rows without jumps, or in another unit.
 AngleJumps find_jumps(const Vector& angle, const std::string& unit);
 
 /// Samples of a rate (n), `dt` [s] apart, that would move the angle by a whole turn in one step, or

@@ -54,8 +54,9 @@ std::optional<RateFit> fit_of(const Target& target, const RatePair& pair, const 
                   target.dt);
 }
 
-std::string words_of_leaps(const Target& target, const RatePair& pair, const Rollout& rollout) {
-  const Vector position = unwrapped_position(target, pair, rollout);
+// `position`: without jumps by whole turns.
+std::string words_of_leaps(const Target& target, const RatePair& pair, const Rollout& rollout,
+                           const Vector& position) {
   const Vector rate = rollout.states.col(pair.rate);
   const std::vector<Index> leaps = find_leaps(position, rate, target.dt);
   if (leaps.empty()) return "";
@@ -65,8 +66,8 @@ std::string words_of_leaps(const Target& target, const RatePair& pair, const Rol
   const Index t = leaps.front();
   return fmt::format(
       "{} moves by {:.3g} in the step after {:.6g} s{}, {} says by {:.3g}: it wraps there, or "
-      "samples "
-      "are missing, stood still or stand for none; correct these rows, or cut the rollout there",
+      "samples are missing, stood still or stand for none; correct these rows, or cut the rollout "
+      "there",
       label(pair.position), position(t + 1) - position(t), static_cast<double>(t) * target.dt,
       leaps.size() > 1 ? fmt::format(" (and {} times more)", leaps.size() - 1) : "",
       label(pair.rate), 0.5 * target.dt * (rate(t) + rate(t + 1)));
@@ -78,10 +79,11 @@ CheckedPair checked(const Target& target, const RatePair& pair) {
   std::vector<double> ratios;
   bool are_all_scaled = true;
   for (const Rollout& rollout : target.rollouts) {
-    result.fits.push_back(fit_of(target, pair, rollout));
+    const Vector position = unwrapped_position(target, pair, rollout);
+    result.fits.push_back(fit_rate(position, rollout.states.col(pair.rate), target.dt));
+    result.leaps.push_back(words_of_leaps(target, pair, rollout, position));
     result.num_spikes +=
         count_spikes(rollout.states.col(pair.rate), target.dt, result.position.unit);
-    result.leaps.push_back(words_of_leaps(target, pair, rollout));
     if (!result.fits.back()) continue;
     ratios.push_back(result.fits.back()->ratio);
     are_all_scaled &= verdict_of(*result.fits.back()) == RateVerdict::scaled;

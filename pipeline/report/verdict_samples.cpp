@@ -36,8 +36,8 @@ std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& 
   return std::nullopt;
 }
 
-// Two modes may be as wide as the prior. Draws of it are as far off with a
-// probability of 1 % at most.
+// Two modes may be as wide as the prior. Draws of it are as far off with a probability of 1 % at
+// most.
 bool looks_like_prior(const ReportData& data, const Runs& runs, Index d) {
   const auto n = static_cast<double>(runs.front()->evaluation.theta.rows());
   const double least = std::max(0.1, 1.63 / std::sqrt(n));

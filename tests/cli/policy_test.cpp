@@ -212,7 +212,10 @@ TEST_F(Policies, AMethodMaySeeFewRolloutsOfEachIteration) {
   const Outcome outcome = npdr({"run", "searched.toml", "--work", "few", "--only", "Online",
                                 "--seeds", "1", "--set", "method.Online.num_rollouts=1", "--set",
                                 "target.num_rollouts=2", "--set", "observation_noise.scale=0.05"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  // The first rollout of the target, and one after both.
+  const h5::File second = h5::File::open(file("few/searched/online/seed-1/iteration-2/target.h5"));
+  EXPECT_EQ(second.dataset("number").read<std::int64_t>(), (std::vector<std::int64_t>{0, 2}));
 }
 
 TEST_F(Policies, PosteriorsOfTheLastIterationAreExported) {

@@ -217,5 +217,37 @@ TEST_F(ExternalStudies, OfADatasetHaveOneRoundAndItsRows) {
             std::string::npos);
 }
 
+// More numbers than are read at once, asked for in any order: x stays with its theta.
+TEST_F(ExternalStudies, RowsOfALargeDatasetAreThoseOfTheirTheta) {
+  constexpr Index n = 3000, num_features = 200;
+  {
+    RowMatrix theta(n, 2), x(n, num_features);
+    for (Index i = 0; i < n; ++i) {
+      theta.row(i).setConstant(static_cast<double>(i) / n);
+      x.row(i).setLinSpaced(static_cast<double>(i), static_cast<double>(i + 1));
+    }
+    h5::File file = h5::File::create(folder_ / "large.h5");
+    file.write("theta", theta).set_attribute("labels", std::vector<std::string>{"a", "b"});
+    file.write("x", x);
+    file.close();
+    std::string x_o = "0";
+    for (Index f = 1; f < num_features; ++f) x_o += ",0";
+    folder_.file("large.csv", x_o + "\n");
+  }
+  const Plan plan = plan_of({"simulator.dataset=" + (folder_ / "large.h5").string(),
+                             "target.observation=" + (folder_ / "large.csv").string(),
+                             "prior={ a = { normal = [0, 1] }, b = { normal = [0, 1] } }"});
+  const RowMatrix theta = *plan.source->theta(1, n);
+  const auto rows = plan.source->open({.simulator = {}, .target = {}, .seed = 1, .num_rows = n});
+  for (const Index begin : {0, 64, 2500, 1200, 0, 1300}) {
+    const Index count = std::min<Index>(500, n - begin);
+    const RowMatrix some = plan.source->parameters().complete(theta.middleRows(begin, count));
+    const auto x = rows->simulate(some, {1, "x", 1, static_cast<std::uint64_t>(begin), 0});
+    for (Index i = 0; i < count; ++i) {
+      EXPECT_NEAR(x.row(i)[0], n * theta(begin + i, 0), 1e-3) << begin << " " << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace npdr::pipeline
