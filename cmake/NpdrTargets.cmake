@@ -15,6 +15,10 @@ target_compile_options(npdr_flags INTERFACE
 # system headers when they are precompiled.
 target_compile_options(npdr_flags INTERFACE -Wno-restrict -Wno-array-bounds
                        -Wno-stringop-overflow -Wno-stringop-overread)
+# GCC collects its garbage from 600 MB on, not again and again behind the precompiled headers, which
+# alone take 200 MB: a seventh of the time, and 0.1 GB more for the largest files.
+target_compile_options(npdr_flags INTERFACE
+  $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=600000>>)
 if(NPDR_NATIVE)
   # GCC 12 warns inside its own AVX-512 header (GCC bug 105593).
   target_compile_options(npdr_flags INTERFACE -Wno-uninitialized -Wno-maybe-uninitialized)

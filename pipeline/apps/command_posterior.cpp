@@ -26,6 +26,7 @@
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/forked_trial.h"
+#include "pipeline/store/hostile_json.h"
 #include "pipeline/store/number_table.h"
 #include "sim/observation_noise.h"
 

@@ -5,6 +5,7 @@
 
 #include "pipeline/artefacts/layout.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/store/hostile_json.h"
 
 namespace npdr::pipeline {
 

@@ -17,6 +17,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/store/hostile_json.h"
 
 namespace npdr::pipeline {
 namespace {

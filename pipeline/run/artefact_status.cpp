@@ -11,7 +11,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
-#include "pipeline/store/content_key.h"
+#include "pipeline/store/hostile_json.h"
 #include "pipeline/store/seal.h"
 
 namespace npdr::pipeline {
@@ -94,7 +94,7 @@ Json document_of(const fs::path& artefact) {
   if (artefact.extension() == ".json") {
     std::ifstream file(artefact);
     const std::string text(std::istreambuf_iterator<char>(file), {});
-    const Json json = nests_deeply(text) ? Json() : Json::parse(text, nullptr, false);
+    const Json json = json_in(text).value_or(Json());
     return json.is_object() ? json.value("key_document", Json::object()) : Json::object();
   }
   return read_artefact_info(artefact).identity.key_document;

@@ -15,7 +15,7 @@
 #include "pipeline/process/worker_process.h"
 #include "pipeline/sources/command_text.h"
 #include "pipeline/sources/program_call.h"
-#include "pipeline/store/content_key.h"
+#include "pipeline/store/hostile_json.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -73,7 +73,7 @@ std::string python_path() {
 }
 
 Json parse_header(const std::string& header) {
-  Json json = nests_deeply(header) ? Json() : Json::parse(header, nullptr, false);
+  Json json = json_in(header).value_or(Json());
   if (!json.is_object() || !json.contains("npdr_worker")) {
     throw InputError("it printed " + quoted(shortened(header)) +
                      "; what is for people belongs on standard error");

@@ -11,6 +11,7 @@
 #include "pipeline/process/task_mark.h"
 #include "pipeline/process/utc_time.h"
 #include "pipeline/store/content_key.h"
+#include "pipeline/store/hostile_json.h"
 #include "pipeline/store/seal.h"
 
 namespace npdr::pipeline {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "core/text.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
@@ -34,30 +33,6 @@ std::string content_key(const nlohmann::ordered_json& document) {
   Hasher hasher;
   hasher.add_bytes(text.data(), text.size());
   return hasher.hex();
-}
-
-bool nests_deeply(const std::string& json) {
-  constexpr int most = 500;
-  int depth = 0;
-  bool in_text = false, is_escaped = false;
-  for (const char c : json) {
-    if (is_escaped || (in_text && c == '\\')) {
-      is_escaped = !is_escaped;
-    } else if (c == '"') {
-      in_text = !in_text;
-    } else if (!in_text) {
-      depth += (c == '[' || c == '{') - (c == ']' || c == '}');
-      if (depth > most) return true;
-    }
-  }
-  return false;
-}
-
-nlohmann::ordered_json parse_json(const std::string& text, const std::string& where) {
-  if (nests_deeply(text)) throw InputError(where + ": its JSON nests too deeply");
-  auto json = nlohmann::ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded()) throw InputError(where + ": " + quoted(text) + " isn't JSON");
-  return json;
 }
 
 }  // namespace npdr::pipeline

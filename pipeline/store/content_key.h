@@ -14,11 +14,4 @@ std::string canonical_json(const nlohmann::ordered_json& document);
 /// 32 hexadecimal digits: XXH3-128 of the canonical text. Throws as canonical_json() does.
 std::string content_key(const nlohmann::ordered_json& document);
 
-/// Whether `json` nests so deeply that values, which are copied and printed by recursion, could end
-/// this process.
-bool nests_deeply(const std::string& json);
-
-/// `text` as JSON. Throws InputError, which begins with `where`, when it isn't, or nests deeply.
-nlohmann::ordered_json parse_json(const std::string& text, const std::string& where);
-
 }  // namespace npdr::pipeline

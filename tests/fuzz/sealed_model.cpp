@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "pipeline/store/content_key.h"
+#include "pipeline/store/hostile_json.h"
 #include "pipeline/store/seal.h"
 #include "tests/temp_folder.h"
 

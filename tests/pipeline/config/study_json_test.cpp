@@ -3,6 +3,7 @@
 #include <set>
 
 #include "pipeline/config/study_keys.h"
+#include "pipeline/store/hostile_json.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 

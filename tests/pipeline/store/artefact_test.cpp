@@ -229,12 +229,5 @@ TEST(BuildInfo, NamesTheBuild) {
   EXPECT_FALSE(instruction_set().empty());
 }
 
-TEST(ParseJson, RefusesWhatWouldEndTheProcess) {
-  EXPECT_TRUE(says(message_of<InputError>([] { parse_json(std::string(100'000, '['), "a.h5"); }),
-                   {"a.h5: its JSON nests too deeply"}));
-  const std::string brackets = "[\"" + std::string(1000, '[') + "\"]";
-  EXPECT_EQ(parse_json(brackets, "a.h5").size(), 1u) << "in a text they are none";
-}
-
 }  // namespace
 }  // namespace npdr::pipeline
