@@ -35,8 +35,9 @@ std::optional<nlohmann::ordered_json> json_in(const std::string& text) {
 nlohmann::ordered_json parse_json(const std::string& text, const std::string& where) {
   auto json = json_in(text);
   if (json) return *std::move(json);
-  throw InputError(where + ": " + (nests_deeply(text) ? "its JSON nests too deeply"
-                                                      : quoted(text) + " isn't JSON"));
+  throw InputError(
+      where + ": " +
+      (nests_deeply(text) ? "its JSON nests too deeply" : quoted(text) + " isn't JSON"));
 }
 
 }  // namespace npdr::pipeline

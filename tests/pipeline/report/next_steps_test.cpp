@@ -1,0 +1,55 @@
+#include "pipeline/report/next_steps.h"
+
+#include "tests/pipeline/report/verdict_fixture.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class NextSteps : public Verdicts {
+ protected:
+  NextSteps() {
+    data_.methods.push_back(kOther);
+    data_.runs.push_back(data_.runs.front());
+    data_.runs.back().use.method = kOther;
+    data_.diagnoses.push_back(data_.diagnoses.front());
+    data_.diagnoses.back().use.method = kOther;
+  }
+
+  void fail(const std::string& method) {
+    for (auto& diagnosis : data_.diagnoses) {
+      if (diagnosis.use.method == method) diagnosis.result.training->is_converged = false;
+    }
+  }
+
+  testing::AssertionResult has(const std::string& part) const {
+    const std::string text = next_steps(data_);
+    if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << part << " isn't in: " << text;
+  }
+
+  static constexpr const char* kOther = "NPDR (MoG)";
+};
+
+TEST_F(NextSteps, SayWhatTheChecksFoundOfEachPosterior) {
+  fail(kMethod);
+  EXPECT_TRUE(
+      has("npdr-maf/seed-1/round-1/infer.h5    # NPDR (MAF): 1 of 7 checks FAIL: Training\n"));
+  EXPECT_TRUE(has("npdr-mog/seed-1/round-1/infer.h5    # NPDR (MoG): all 7 checks pass\n"));
+}
+
+TEST_F(NextSteps, GoOnWithThatOfWhichTheFewestFail) {
+  EXPECT_TRUE(has("npdr sample runs/small/npdr-maf/seed-1/")) << "the first of equal ones";
+  fail(kMethod);
+  EXPECT_TRUE(has("npdr sample runs/small/npdr-mog/seed-1/"));
+}
+
+TEST_F(NextSteps, DontTakeWhatWasNeverCheckedForGood) {
+  plan_.study.diagnose.checks = {Check::training};
+  plan_.study.methods.back().algorithm.kind = inference::Algorithm::abc_smc;
+  fail(kMethod);
+  EXPECT_TRUE(has("infer.h5    # NPDR (MoG)\n"));
+  EXPECT_TRUE(has("npdr sample runs/small/npdr-maf/seed-1/"));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
