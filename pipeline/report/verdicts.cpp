@@ -83,8 +83,8 @@ Verdict judge(const ReportData& data, const std::string& method, Check check) {
   }
 }
 
-// What no check of a method that passes them all has looked at; "": nothing.
-std::string unseen(const ReportData& data, const MethodConfig& method) {
+// Why no check of a method looks at what held-out rollouts would show; "": one does, or needn't.
+std::string why_not_held_out(const ReportData& data, const MethodConfig& method) {
   const Study& study = data.plan.study;
   const bool any_left_out =
       study.target.held_out > 0 || study.evaluate.leave_out > 0 || method.num_rollouts > 0;
@@ -93,6 +93,19 @@ std::string unseen(const ReportData& data, const MethodConfig& method) {
       "{}: there are none, so nothing shows whether it is too sure because the simulator lacks "
       "something; set target.held_out = 1, or evaluate.leave_out = 2",
       traits_of(Check::held_out).title);
+}
+
+// The same of calibration, which costs more than some studies spend on inference.
+std::string why_not_calibrated(const ReportData& data, const MethodConfig& method) {
+  const Study& study = data.plan.study;
+  const bool could_be = study.why_unchecked(Check::coverage, method).empty();
+  if (!could_be || data.checks_of(method.name).calibrates()) return "";
+  return fmt::format(
+      "Calibration: it wasn't checked, so nothing shows whether it is too sure or too unsure; put "
+      "a "
+      "table [diagnose] with num_simulations = {} into the study: so many more are simulated, and "
+      "inferred from",
+      study.diagnose.num_simulations);
 }
 
 }  // namespace
@@ -122,9 +135,11 @@ std::vector<CheckSummary> check_summaries(const ReportData& data) {
       if (verdict.judgment == Judgment::unknown) summary.unknown.push_back(title);
       if (!verdict.reason.empty()) summary.reasons.push_back(title + ": " + verdict.reason);
     }
-    const std::string but = unseen(data, data.plan.study.method(method));
     const bool passes_all = summary.failed.empty() && summary.unknown.empty();
-    if (passes_all && !but.empty()) summary.reasons.push_back(but);
+    for (const auto& why_not : {why_not_held_out, why_not_calibrated}) {
+      const std::string but = why_not(data, data.plan.study.method(method));
+      if (passes_all && !but.empty()) summary.reasons.push_back(but);
+    }
     summaries.push_back(std::move(summary));
   }
   return summaries;

@@ -11,11 +11,14 @@ TEST_F(Verdicts, AMethodWithoutFaultPassesAll) {
   const auto summaries = check_summaries(data_);
   ASSERT_EQ(summaries.size(), 1u);
   EXPECT_EQ(words_of(summaries.front()), "NPDR (MAF): all 7 checks pass");
-  EXPECT_EQ(summaries.front().reasons.size(), 0u);
+  ASSERT_EQ(summaries.front().reasons.size(), 1u);
+  EXPECT_TRUE(says(summaries.front().reasons.front(),
+                   {"Calibration: it wasn't checked", "[diagnose] with num_simulations = 300"}));
   EXPECT_EQ(verdict_of(Check::failures).text, "passes, p = 1");
 }
 
 TEST_F(Verdicts, ThatNoRolloutIsHeldOutIsSaidWhereAllElsePasses) {
+  plan_.study.methods.front().algorithm.kind = inference::Algorithm::abc_smc;  // has no calibration
   const auto reasons = [&] { return check_summaries(data_).front().reasons; };
   data_.target.rollouts.resize(3);
   EXPECT_EQ(reasons().size(), 0u) << "a simulated truth";
@@ -115,6 +118,18 @@ TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
   const Verdict found = verdict_of(Check::bounds);
   EXPECT_EQ(found.judgment, Judgment::fails);
   EXPECT_NE(found.reason.find("pole_mass at 1.7 kg, pole_length at 1.7 m"), std::string::npos)
+      << found.reason;
+}
+
+TEST_F(Verdicts, SeedsAtOppositeEndsOfThePriorAreBothSaid) {
+  add_run(samples_around(1.75, 0.02), 0.02);
+  data_.runs.push_back(data_.runs.front());
+  data_.runs.back().use.seed = 2;
+  data_.runs.back().evaluation.theta.col(0) = samples_around(0.25, 0.02).col(0);
+  const Verdict found = verdict_of(Check::bounds);
+  EXPECT_TRUE(found.text.ends_with("in 2 of 2 seeds")) << found.text;
+  EXPECT_NE(found.reason.find("pole_mass at 0.3 kg, pole_mass at 1.7 kg, pole_length at 1.7 m;"),
+            std::string::npos)
       << found.reason;
 }
 
