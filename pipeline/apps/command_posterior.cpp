@@ -17,6 +17,7 @@
 #include "inference/particle_posterior.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/artefacts/feature_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/recording.h"
@@ -25,6 +26,7 @@
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/completeness.h"
+#include "pipeline/plan/report_marker.h"
 #include "pipeline/process/forked_trial.h"
 #include "pipeline/store/hostile_json.h"
 #include "pipeline/store/number_table.h"
@@ -238,6 +240,14 @@ std::vector<std::string> posteriors_of(const Plan& plan, const StudyArguments& a
   return paths;
 }
 
+// The plan whose report is there: of what is chosen, or of the whole study.
+Plan reported_plan(const Plan& chosen, StudyArguments arguments) {
+  if (report_is_current(chosen, chosen.nodes.back())) return chosen;
+  arguments.methods.clear();
+  arguments.seeds.clear();
+  return arguments.plan();
+}
+
 // A file holds one posterior, as it was trained.
 void require_nothing_chosen(const ChosenPosteriors& chosen) {
   const auto refuse = [&](const char* option, const auto& given) {
@@ -260,11 +270,13 @@ std::vector<PosteriorArguments> each_of(const ChosenPosteriors& chosen, const ch
   }
   StudyArguments study = chosen.study;
   study.file = chosen.posterior.posterior;
+  const Plan plan = study.plan_here(program);
   std::vector<PosteriorArguments> all;
-  for (const std::string& path : posteriors_of(study.plan_here(program), study)) {
+  for (const std::string& path : posteriors_of(plan, study)) {
     all.push_back(chosen.posterior);
     all.back().posterior = path;
   }
+  warn_of_failed_checks(reported_plan(plan, study), only_method(plan, study.methods).name);
   return all;
 }
 

@@ -38,4 +38,13 @@ void print_verdicts_if_made(const Plan& plan) {
   if (report_is_current(plan, plan.nodes.back())) print_verdicts(plan, VerdictDetail::line);
 }
 
+void warn_of_failed_checks(const Plan& plan, const std::string& method) {
+  if (!report_is_current(plan, plan.nodes.back())) return;
+  for (const CheckSummary& summary : read_check_summaries(plan.nodes.back())) {
+    if (summary.method != method || summary.failed.empty()) continue;
+    fmt::print(stderr, "warning: {}; what was found and what to do: {}\n",
+               printable_line(words_of(summary)), report_path(plan).string());
+  }
+}
+
 }  // namespace npdr::pipeline

@@ -52,6 +52,13 @@ TEST_F(Diagnose, ARunEndsWithVerdictsAndWhatToDo) {
   EXPECT_EQ(npdr(unchecked).status, 0);
 }
 
+TEST_F(Diagnose, SamplesOfWhatFailedCarryAWarning) {
+  const Outcome samples = npdr({"sample", "checked.toml", "--method", "NPE", "-n", "2"});
+  EXPECT_EQ(samples.status, 0);
+  EXPECT_TRUE(
+      says(samples.err, {"warning: NPE: ", " of 11 checks FAIL: ", "runs/checked/report.html"}));
+}
+
 TEST_F(Diagnose, TheReportHasATableAndFigures) {
   const std::string table = text_of(file("runs/checked/tables/diagnostics.md"));
   for (const char* words :
