@@ -46,7 +46,9 @@ const Node& Plan::node_by_key(const std::string& key) const {
     throw InputError(
         "key '" + key +
         "' is not in the plan of this study; was the study, a file that it names, or a "
-        "--set changed, maybe while it ran? Run it again");
+        "--set changed, maybe while it ran? Are npdr and this program of one build (--version)? "
+        "Run it "
+        "again");
   }
   return *found;
 }

@@ -20,7 +20,7 @@ std::string pooling_text(const Study& study) {
       "which parameters explain the {2} (neural posterior estimation, NPE), the other to which {2} "
       "parameters lead (neural likelihood estimation, NLE). Each counts as much as it has proved "
       "to predict simulations that neither had seen: its power in the table of experiments. Powers "
-      "that add up to more than 1 made what was too wide narrower.",
+      "that add up to more than 1 predicted them better by being narrower than the networks.",
       join(names, names.size() == 2 ? " and " : ", "), names.size() == 1 ? "s" : "", seen);
 }
 

@@ -66,7 +66,8 @@ Verdict judge_bounds(const ReportData& data, const std::string& method) {
       failed.insert(run);
     }
     for (const double bound : bounds) {
-      pressed.push_back(fmt::format("{} at {:.4g} {}", marginal.name, bound, marginal.unit));
+      const std::string unit = marginal.unit == "1" ? "" : " " + marginal.unit;
+      pressed.push_back(fmt::format("{} at {:.4g}{}", marginal.name, bound, unit));
     }
   }
   if (pressed.empty()) return {Check::bounds, Judgment::passes, "passes", ""};

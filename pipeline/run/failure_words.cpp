@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <csignal>
 #include <deque>
 #include <fstream>
 #include <sstream>
@@ -34,12 +35,18 @@ std::string without_numbers(const std::string& text) {
   return result;
 }
 
+std::string how_it_ended(int status) {
+  if (status <= 128) return fmt::format("exit status {}", status);
+  const char* const what_now =
+      status - 128 == SIGKILL ? ", as where memory runs out; run it again to go on" : "";
+  return fmt::format("killed by signal {}{}", status - 128, what_now);
+}
+
 }  // namespace
 
 std::string FailureWords::tell(const std::string& label, int status,
                                const std::vector<std::string>& said, const JobLog& log) {
-  const std::string how = status > 128 ? fmt::format("killed by signal {}", status - 128)
-                                       : fmt::format("exit status {}", status);
+  const std::string how = how_it_ended(status);
   std::string lines = said.empty() ? tail_of(log) : "";
   std::set<std::string> new_lines;
   const bool repeats = !said.empty() && told_.contains(without_numbers(said.front()));
