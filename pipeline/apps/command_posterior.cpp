@@ -26,7 +26,6 @@
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/plan/report_marker.h"
 #include "pipeline/process/forked_trial.h"
 #include "pipeline/store/hostile_json.h"
 #include "pipeline/store/number_table.h"
@@ -240,14 +239,6 @@ std::vector<std::string> posteriors_of(const Plan& plan, const StudyArguments& a
   return paths;
 }
 
-// The plan whose report is there: of what is chosen, or of the whole study.
-Plan reported_plan(const Plan& chosen, StudyArguments arguments) {
-  if (report_is_current(chosen, chosen.nodes.back())) return chosen;
-  arguments.methods.clear();
-  arguments.seeds.clear();
-  return arguments.plan();
-}
-
 // A file holds one posterior, as it was trained.
 void require_nothing_chosen(const ChosenPosteriors& chosen) {
   const auto refuse = [&](const char* option, const auto& given) {
@@ -276,7 +267,7 @@ std::vector<PosteriorArguments> each_of(const ChosenPosteriors& chosen, const ch
     all.push_back(chosen.posterior);
     all.back().posterior = path;
   }
-  warn_of_failed_checks(reported_plan(plan, study), only_method(plan, study.methods).name);
+  warn_of_failed_checks(plan, only_method(plan, study.methods).name);
   return all;
 }
 

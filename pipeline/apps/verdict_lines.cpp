@@ -39,12 +39,11 @@ void print_verdicts_if_made(const Plan& plan) {
 }
 
 void warn_of_failed_checks(const Plan& plan, const std::string& method) {
-  if (!report_is_current(plan, plan.nodes.back())) return;
-  for (const CheckSummary& summary : read_check_summaries(plan.nodes.back())) {
-    if (summary.method != method || summary.failed.empty()) continue;
-    fmt::print(stderr, "warning: {}; what was found and what to do: {}\n",
-               printable_line(words_of(summary)), report_path(plan).string());
-  }
+  const std::optional<CheckSummary> checks = reported_checks(plan, method);
+  if (!checks || checks->failed.empty()) return;
+  fmt::print(stderr, "warning: {}\n",
+             printable_line(words_of(*checks) +
+                            "; what was found and what to do: " + report_path(plan).string()));
 }
 
 }  // namespace npdr::pipeline

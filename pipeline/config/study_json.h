@@ -9,7 +9,6 @@
 #include <string>
 
 #include "pipeline/config/study.h"
-#include "pipeline/store/content_key.h"
 
 namespace npdr::pipeline {
 

@@ -45,10 +45,8 @@ const Node& Plan::node_by_key(const std::string& key) const {
   if (found == nullptr) {
     throw InputError(
         "key '" + key +
-        "' is not in the plan of this study; was the study, a file that it names, or a "
-        "--set changed, maybe while it ran? Are npdr and this program of one build (--version)? "
-        "Run it "
-        "again");
+        "' is not in the plan of this study; was the study, a file that it names, or a --set "
+        "changed, maybe while it ran, or is it of another build of npdr (--version)? Run it again");
   }
   return *found;
 }

@@ -4,16 +4,25 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "pipeline/store/hostile_json.h"
 
 namespace npdr::pipeline {
 
 namespace {
+
+// Null where there is none, or it can't be read.
+nlohmann::ordered_json marker_of(const Node& report) {
+  std::ifstream file(report.path);
+  return json_in({std::istreambuf_iterator<char>(file), {}}).value_or(nullptr);
+}
 
 // Names of files needn't be UTF-8, which JSON must be.
 std::string shown_name(const std::filesystem::path& study) {
@@ -24,8 +33,7 @@ std::string shown_name(const std::filesystem::path& study) {
 
 bool report_is_current(const Plan& plan, const Node& node) {
   if (!std::filesystem::exists(report_path(plan))) return false;
-  std::ifstream file(node.path);
-  const auto json = nlohmann::json::parse(file, nullptr, false);
+  const auto json = marker_of(node);
   if (!json.is_object() || !json.contains("key") || json["key"] != node.key) return false;
   const auto files = json.find("files");
   return files != json.end() && std::ranges::all_of(*files, [&](const auto& name) {
@@ -61,19 +69,34 @@ void mark_report(const Node& node, const std::filesystem::path& study,
 }
 
 std::vector<CheckSummary> read_check_summaries(const Node& node) {
-  std::ifstream file(node.path);
   std::vector<CheckSummary> summaries;
-  if (!file) return summaries;  // another run is making the report anew
+  if (!std::filesystem::exists(node.path)) return summaries;  // another run makes it anew
   try {
-    const auto json = nlohmann::json::parse(file);
-    for (const auto& verdict : json.at("checks")) {
+    const auto marker = marker_of(node);
+    for (const auto& verdict : marker.at("checks")) {
       summaries.push_back({verdict.at("method"), verdict.at("num_checks"), verdict.at("failed"),
                            verdict.at("unknown"), verdict.at("reasons")});
     }
-  } catch (const nlohmann::json::exception&) {
+  } catch (const nlohmann::ordered_json::exception&) {
     throw InputError(node.path.string() + ": is damaged; remove it and run the study again");
   }
   return summaries;
+}
+
+std::optional<CheckSummary> reported_checks(const Plan& plan, const std::string& method) try {
+  const Node& report = plan.nodes.back();
+  const std::map<std::string, std::string> shown =
+      marker_of(report).at("key_document").at("inputs");
+  const auto is_shown = [&](const auto& input) {
+    return std::ranges::count(shown | std::views::values, input.second) > 0;
+  };
+  if (!std::ranges::all_of(report.identity.inputs, is_shown)) return std::nullopt;
+  const std::vector<CheckSummary> all = read_check_summaries(report);
+  const auto found = std::ranges::find(all, method, &CheckSummary::method);
+  if (found == all.end()) return std::nullopt;
+  return *found;
+} catch (const std::exception&) {  // hostile, or gone meanwhile
+  return std::nullopt;
 }
 
 std::string words_of(const CheckSummary& summary) {
@@ -96,8 +119,7 @@ std::string words_of(const CheckSummary& summary) {
 std::string warning_of_replacement(const Plan& plan) {
   const Study& study = plan.study;
   const Node& report = plan.nodes.back();
-  std::ifstream file(report.path);
-  const auto json = nlohmann::json::parse(file, nullptr, false);
+  const auto json = marker_of(report);
   if (!json.is_object() || !json.contains("study") || !json["study"].is_string()) return "";
   const std::string other = json["study"];
   if (other == shown_name(study.places.origin()) || report_is_current(plan, report)) return "";

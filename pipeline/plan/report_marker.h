@@ -1,6 +1,8 @@
 /// Whether a study's report belongs to a plan: report.json in the study's folder holds its key.
 #pragma once
 
+#include <optional>
+
 #include "pipeline/plan/plan.h"
 
 namespace npdr::pipeline {
@@ -26,6 +28,9 @@ void mark_report(const Node& node, const std::filesystem::path& study,
                  const std::vector<CheckSummary>& checks);
 /// The verdicts of a report that is current. Throws InputError where it can't be read.
 std::vector<CheckSummary> read_check_summaries(const Node& node);
+/// What the report that is there says of `method`, where it is of all that `plan` selects, and
+/// maybe of more; nothing else, or where it can't be read.
+std::optional<CheckSummary> reported_checks(const Plan& plan, const std::string& method);
 /// Takes the mark away, where there is one. Throws std::filesystem::filesystem_error.
 void unmark_report(const Node& node);
 

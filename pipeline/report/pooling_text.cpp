@@ -19,8 +19,9 @@ std::string pooling_text(const Study& study) {
       "{0} combine{1} two kinds of neural networks that learn from the same simulations: one says "
       "which parameters explain the {2} (neural posterior estimation, NPE), the other to which {2} "
       "parameters lead (neural likelihood estimation, NLE). Each counts as much as it has proved "
-      "to predict simulations that neither had seen: its power in the table of experiments. Powers "
-      "that add up to more than 1 predicted them better by being narrower than the networks.",
+      "to predict simulations that neither had seen: its power in the table of experiments. Where "
+      "the powers add up to more than 1, both together are narrower than each, which such "
+      "simulations bore out.",
       join(names, names.size() == 2 ? " and " : ", "), names.size() == 1 ? "s" : "", seen);
 }
 

@@ -95,16 +95,17 @@ std::string why_not_held_out(const ReportData& data, const MethodConfig& method)
       traits_of(Check::held_out).title);
 }
 
-// The same of calibration, which costs more than some studies spend on inference.
+// The same of calibration, which costs more than some studies spend on inference; "" where the
+// study itself has chosen its checks.
 std::string why_not_calibrated(const ReportData& data, const MethodConfig& method) {
   const Study& study = data.plan.study;
   const bool could_be = study.why_unchecked(Check::coverage, method).empty();
-  if (!could_be || data.checks_of(method.name).calibrates()) return "";
+  const bool is_chosen = study.places.has("diagnose.checks");
+  if (!could_be || is_chosen || data.checks_of(method.name).calibrates()) return "";
   return fmt::format(
-      "Calibration: it wasn't checked, so nothing shows whether it is too sure or too unsure; put "
-      "a "
-      "table [diagnose] with num_simulations = {} into the study: so many more are simulated, and "
-      "inferred from",
+      "Calibration: it wasn't checked, so nothing shows whether posteriors are too sure, or too "
+      "unsure, over the prior; a table [diagnose] in the study checks it: for each seed {} more "
+      "are simulated, and a posterior is sampled for each",
       study.diagnose.num_simulations);
 }
 
@@ -135,10 +136,11 @@ std::vector<CheckSummary> check_summaries(const ReportData& data) {
       if (verdict.judgment == Judgment::unknown) summary.unknown.push_back(title);
       if (!verdict.reason.empty()) summary.reasons.push_back(title + ": " + verdict.reason);
     }
-    const bool passes_all = summary.failed.empty() && summary.unknown.empty();
-    for (const auto& why_not : {why_not_held_out, why_not_calibrated}) {
-      const std::string but = why_not(data, data.plan.study.method(method));
-      if (passes_all && !but.empty()) summary.reasons.push_back(but);
+    if (summary.failed.empty() && summary.unknown.empty()) {
+      for (const auto& why_not : {why_not_held_out, why_not_calibrated}) {
+        const std::string but = why_not(data, data.plan.study.method(method));
+        if (!but.empty()) summary.reasons.push_back(but);
+      }
     }
     summaries.push_back(std::move(summary));
   }

@@ -38,7 +38,10 @@ std::string without_numbers(const std::string& text) {
 std::string how_it_ended(int status) {
   if (status <= 128) return fmt::format("exit status {}", status);
   const char* const what_now =
-      status - 128 == SIGKILL ? ", as where memory runs out; run it again to go on" : "";
+      status - 128 == SIGKILL
+          ? ", often for want of memory; run it again to go on, if that happens again with a "
+            "smaller --jobs"
+          : "";
   return fmt::format("killed by signal {}{}", status - 128, what_now);
 }
 

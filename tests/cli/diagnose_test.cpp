@@ -53,10 +53,17 @@ TEST_F(Diagnose, ARunEndsWithVerdictsAndWhatToDo) {
 }
 
 TEST_F(Diagnose, SamplesOfWhatFailedCarryAWarning) {
-  const Outcome samples = npdr({"sample", "checked.toml", "--method", "NPE", "-n", "2"});
-  EXPECT_EQ(samples.status, 0);
-  EXPECT_TRUE(
-      says(samples.err, {"warning: NPE: ", " of 11 checks FAIL: ", "runs/checked/report.html"}));
+  const auto warning = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"sample", "checked.toml", "--method", "NPE", "-n", "2"});
+    const Outcome samples = npdr(words);
+    EXPECT_EQ(samples.status, 0);
+    return samples.err;
+  };
+  const std::vector<std::string> expected = {
+      "warning: NPE: ", " of 11 checks FAIL: ", "runs/checked/report.html"};
+  EXPECT_TRUE(says(warning({}), expected));
+  EXPECT_TRUE(says(warning({"--seeds", "1"}), expected));
+  EXPECT_EQ(warning({"--set", "evaluate.num_samples=31"}), "") << "not of what was reported";
 }
 
 TEST_F(Diagnose, TheReportHasATableAndFigures) {

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <fstream>
+#include <map>
+#include <string>
 
 #include "core/error.h"
 #include "tests/temp_folder.h"
@@ -13,11 +16,15 @@ namespace {
 class TemporaryFolders : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (const char* const value = std::getenv("TMPDIR")) before_ = value;
+    for (const char* const variable : {"TMPDIR", "TMP"}) {
+      if (const char* const value = std::getenv(variable)) before_[variable] = value;
+    }
   }
   void TearDown() override {
-    ::unsetenv("TMP");
-    before_.empty() ? ::unsetenv("TMPDIR") : ::setenv("TMPDIR", before_.c_str(), 1);
+    for (const std::string variable : {"TMPDIR", "TMP"}) {
+      ::unsetenv(variable.c_str());
+      if (before_.contains(variable)) ::setenv(variable.c_str(), before_[variable].c_str(), 1);
+    }
   }
 
   static std::string refusal() {
@@ -25,7 +32,7 @@ class TemporaryFolders : public ::testing::Test {
   }
 
  private:
-  std::string before_;
+  std::map<std::string, std::string> before_;
 };
 
 TEST_F(TemporaryFolders, AreRemovedWithAllThatIsInThem) {

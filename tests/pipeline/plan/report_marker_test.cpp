@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -20,6 +21,24 @@ TEST(ReportMarker, KeepsTheVerdicts) {
   EXPECT_THROW(read_check_summaries(node), InputError);
   std::filesystem::remove(node.path);
   EXPECT_TRUE(read_check_summaries(node).empty()) << "another run may be making it anew";
+}
+
+Plan plan_in(const TempFolder& folder, const std::vector<std::string>& overrides = {}) {
+  return make_plan(parse_study(kStudyText, "s.toml", overrides), WorkFolder(folder.path()));
+}
+
+TEST(ReportMarker, TellsOfAllThatItsReportShows) {
+  const TempFolder folder;
+  const Plan plan = plan_in(folder);
+  std::filesystem::create_directories(plan.work.study("small"));
+  mark_report(plan.nodes.back(), "s.toml", {}, {{"NPDR (MAF)", 7, {"Training"}, {}, {}}});
+  ASSERT_TRUE(reported_checks(plan, "NPDR (MAF)"));
+  EXPECT_EQ(reported_checks(plan, "NPDR (MAF)")->failed.size(), 1u);
+  EXPECT_FALSE(reported_checks(plan, "NPDR (MoG)")) << "was never checked";
+  EXPECT_TRUE(reported_checks(plan_in(folder, {"study.seeds=[2]"}), "NPDR (MAF)"));
+  EXPECT_FALSE(reported_checks(plan_in(folder, {"study.seeds=[2, 3]"}), "NPDR (MAF)"));
+  folder.file("small/report.json", R"({"key_document": [[]]})");
+  EXPECT_FALSE(reported_checks(plan, "NPDR (MAF)")) << "damaged";
 }
 
 }  // namespace

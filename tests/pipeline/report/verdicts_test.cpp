@@ -13,7 +13,9 @@ TEST_F(Verdicts, AMethodWithoutFaultPassesAll) {
   EXPECT_EQ(words_of(summaries.front()), "NPDR (MAF): all 7 checks pass");
   ASSERT_EQ(summaries.front().reasons.size(), 1u);
   EXPECT_TRUE(says(summaries.front().reasons.front(),
-                   {"Calibration: it wasn't checked", "[diagnose] with num_simulations = 300"}));
+                   {"Calibration: it wasn't checked", "[diagnose]", "for each seed 300 more"}));
+  plan_.study.places.add("diagnose.checks", {});
+  EXPECT_EQ(check_summaries(data_).front().reasons.size(), 0u) << "by choice";
   EXPECT_EQ(verdict_of(Check::failures).text, "passes, p = 1");
 }
 

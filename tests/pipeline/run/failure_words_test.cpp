@@ -29,9 +29,9 @@ TEST(FailureWords, AreTheEndOfTheLogWhereAJobSaysNothing) {
   for (int i = 1; i <= 21; ++i) lines += std::to_string(i) + "\n";
   const auto log = folder.file("log", lines);
   const std::string told = FailureWords().tell("infer", 137, {}, {log});
-  EXPECT_TRUE(
-      told.starts_with("npdr: infer failed (killed by signal 9, as where memory runs out; "
-                       "run it again to go on):\n    2\n    3\n"))
+  EXPECT_TRUE(told.starts_with(
+      "npdr: infer failed (killed by signal 9, often for want of memory; "
+      "run it again to go on, if that happens again with a smaller --jobs):\n    2\n    3\n"))
       << told;
   EXPECT_TRUE(told.ends_with("    21\n    log: " + log.string() + "\n")) << told;
   EXPECT_EQ(FailureWords().tell("infer", 139, {}, {log, std::filesystem::file_size(log)}),
