@@ -70,9 +70,10 @@ void mark_report(const Node& node, const std::filesystem::path& study,
 
 std::vector<CheckSummary> read_check_summaries(const Node& node) {
   std::vector<CheckSummary> summaries;
-  if (!std::filesystem::exists(node.path)) return summaries;  // another run makes it anew
+  const auto marker = marker_of(node);
+  // Another run is making the report anew.
+  if (marker.is_null() && !std::filesystem::exists(node.path)) return summaries;
   try {
-    const auto marker = marker_of(node);
     for (const auto& verdict : marker.at("checks")) {
       summaries.push_back({verdict.at("method"), verdict.at("num_checks"), verdict.at("failed"),
                            verdict.at("unknown"), verdict.at("reasons")});
