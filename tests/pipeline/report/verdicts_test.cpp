@@ -121,6 +121,10 @@ TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
   EXPECT_EQ(found.judgment, Judgment::fails);
   EXPECT_NE(found.reason.find("pole_mass at 1.7 kg, pole_length at 1.7 m"), std::string::npos)
       << found.reason;
+  plan_.study.prior.front().unit = "1";
+  const Verdict without_unit = verdict_of(Check::bounds);
+  EXPECT_NE(without_unit.reason.find("pole_mass at 1.7, pole_length"), std::string::npos)
+      << without_unit.reason;
 }
 
 TEST_F(Verdicts, SeedsAtOppositeEndsOfThePriorAreBothSaid) {

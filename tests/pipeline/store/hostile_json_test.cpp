@@ -16,6 +16,11 @@ TEST(HostileJson, ThatWouldEndTheProcessIsRefused) {
   const std::string nested(100'000, '[');
   EXPECT_TRUE(says(refusal_of(nested), {"a.h5: its JSON nests too deeply"}));
   EXPECT_FALSE(json_in(nested));
+  const auto nested_by = [](int depth) {
+    return std::string(depth, '[') + std::string(depth, ']');
+  };
+  EXPECT_TRUE(json_in(nested_by(500)));
+  EXPECT_FALSE(json_in(nested_by(501)));
 }
 
 TEST(HostileJson, MayHoldBracketsInItsTexts) {
