@@ -14,7 +14,6 @@
 #include "inference/diagnostics/two_samples.h"
 #include "inference/embeddings/embedding.h"
 #include "inference/estimators/gaussian_mixture.h"
-#include "inference/particle_posterior.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
@@ -177,14 +176,13 @@ void require_numbers(const PosteriorArguments& arguments, bool are_numbers) {
               "anew, with a smaller training.learning_rate where that may have made them so");
 }
 
-// Weighted particles are drawn again and again.
-void note_repeats(const inference::Posterior& posterior, const RowMatrix& theta) {
-  if (dynamic_cast<const inference::ParticlePosterior*>(&posterior) == nullptr) return;
+// Weighted particles, and weighted draws of a network, are drawn again and again.
+void note_repeats(const RowMatrix& theta) {
   const Index repeats = inference::num_repeated_rows(theta);
   if (repeats == 0) return;
   fmt::print(stderr,
-             "{} of {} rows repeat others: this posterior is of weighted particles; they are right "
-             "for means and predictions, but no {} different draws\n",
+             "{} of {} rows repeat others: this posterior is drawn from weighted points; they are "
+             "right for means and predictions, but no {} different draws\n",
              repeats, theta.rows(), theta.rows());
 }
 
@@ -197,7 +195,7 @@ void print_samples(const PosteriorArguments& arguments, Index k) {
   const RowMatrix& theta = samples.theta;
   require_numbers(arguments, theta.allFinite());
   print_sampler(samples);
-  note_repeats(*posterior, theta);
+  note_repeats(theta);
   std::vector<std::string> header;
   for (const auto& m : posterior->prior().marginals()) {
     header.push_back(analysis::quote_csv(fmt::format("{} [{}]", m.name, m.unit)));

@@ -82,5 +82,24 @@ TEST_F(Methods, PosteriorsOfALikelihoodCanBeSampledFromTheCommandLine) {
       << other.err;
 }
 
+TEST_F(Methods, SamplesThatRepeatOthersAreCounted) {
+  const std::string components =
+      "embedding = { kind = \"all_steps\", downsample = 20, principal_components = 4 }";
+  std::ofstream(folder_.path() / "weighted.toml")
+      << pendulum_study("weighted")
+             .with("observation_noise", {"scale = 0.1"})
+             .method("abc", {"algorithm = \"abc_rejection\"", "num_simulations = 100", components,
+                             "abc = { quantile = 0.2 }"})
+             .method("pool", {"algorithm = \"npe_nle\"", "num_simulations = 100", components,
+                              kSmallFlow, "training = { max_epochs = 10 }"});
+  ASSERT_EQ(run(folder_.path(), {"npdr", "run", "weighted.toml", "--until", "infer"}).status, 0);
+  for (const char* method : {"abc", "pool"}) {
+    const Outcome samples =
+        run(folder_.path(), {"npdr", "sample", "weighted.toml", "--method", method, "-n", "500"});
+    EXPECT_EQ(samples.status, 0) << samples.err;
+    EXPECT_NE(samples.err.find(" of 500 rows repeat others: "), std::string::npos) << samples.err;
+  }
+}
+
 }  // namespace
 }  // namespace npdr::pipeline
