@@ -5,9 +5,9 @@
 /// with w the pool's weights of draws of q: a concave function. u_i0 = u_i is a draw of the
 /// posterior given x_i as it is in simulations of the prior, u_i1, ..., u_iK are draws of q: the
 /// sum stands for the pool's normalizing constant. The last terms are a prior that few simulations
-/// don't outweigh. Sums up to 1 alone were tried: with 1000
-/// simulations posteriors were further from the known ones, with 10,000 as close, and closer on a
-/// mixture of a wide and a narrow Gaussian, whose weights sharpening shifts to the narrow one.
+/// don't outweigh. Sums up to 1 alone were tried: with 1000 simulations posteriors were further
+/// from the known ones, with 10,000 as close, and closer on a mixture of a wide and a narrow
+/// Gaussian, whose weights sharpening shifts to the narrow one.
 #pragma once
 
 #include "inference/algorithms/posterior_estimation.h"
