@@ -77,8 +77,8 @@ Metrics::Metrics(const Target& target, const MetricsConfig& config)
     for (Index c = 0; c < scale.size(); ++c) scale(c) = states.col(c).lpNorm<Eigen::Infinity>();
     check_scale(scale, channels_, target, rollout);
     for (Index c = 0; c < scale.size(); ++c) states.col(c) /= scale(c);
-    recorded_.push_back(
-        {std::move(states), scale, rollout.states.row(0), rollout.states(Eigen::last, channels_)});
+    recorded_.push_back({std::move(states), scale, rollout.states.row(num_steps_ - 1),
+                         rollout.states(Eigen::last, channels_)});
   }
 }
 
@@ -133,14 +133,16 @@ Vector Metrics::mean_over_ends(const TrajectoryView& simulated,
   check(simulated);
   Vector result = Vector::Constant(simulated.num_samples, kNaN);
   RowMatrix end(2, num_states_);
+  const Index of_last_segment =
+      segment_length_ > 0 ? (num_steps_ - 1) % segment_length_ + 1 : num_steps_;
+  const Index simulated_rows = std::min<Index>(2, of_last_segment);
   for (Index i = 0; i < result.size(); ++i) {
     if (!simulated.finite(i)) continue;
     double sum = 0.0;
     for (Index h = 0; h < simulated.num_rollouts; ++h) {
       const auto states = simulated.rollout(i, h);
-      end.row(0) = recorded_[static_cast<std::size_t>(h)].first;
-      end.bottomRows(std::min<Index>(2, num_steps_)) =
-          states.bottomRows(std::min<Index>(2, num_steps_)).cast<double>();
+      end.row(0) = recorded_[static_cast<std::size_t>(h)].restart;
+      end.bottomRows(simulated_rows) = states.bottomRows(simulated_rows).cast<double>();
       sum += score(end, h);
     }
     result(i) = sum / static_cast<double>(simulated.num_rollouts);

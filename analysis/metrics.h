@@ -55,10 +55,10 @@ class Metrics {
 
  private:
   struct Recorded {
-    RowMatrix states;  // (T, selected channels), normalized
-    Vector scale;      // (selected channels), SI
-    RowMatrix first;   // (1, C) state 0, SI
-    RowMatrix last;    // (1, selected channels) state T, SI
+    RowMatrix states;   // (T, selected channels), normalized
+    Vector scale;       // (selected channels), SI
+    RowMatrix restart;  // (1, C) where the last step begins a segment: its recorded state, SI
+    RowMatrix last;     // (1, selected channels) state T, SI
   };
 
   /// Mean over the rollouts h of score(end, h); NaN where a rollout failed. `end` (2, C) holds the

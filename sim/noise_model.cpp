@@ -79,11 +79,29 @@ bool NoiseModel::has_density(Index channel) const {
          unit_.col(channel).minCoeff() > 0.0;
 }
 
+double NoiseModel::growth(Index k, double correlation) const {
+  const double rho2 = correlation * correlation;
+  const auto age = static_cast<double>(age_[static_cast<std::size_t>(k)]);
+  return (1.0 - std::pow(rho2, age)) / (1.0 - rho2);
+}
+
+RowMatrix NoiseModel::relative_size() const {
+  RowMatrix size = unit_.cwiseQuotient(measure_);
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const ChannelNoise& noise = channels_[c];
+    double variance = 0.0;
+    for (Index k = 0; k < num_steps(); ++k) variance += growth(k, noise.correlation.median);
+    variance /= static_cast<double>(num_steps());
+    const double nu = noise.degrees_of_freedom.median;
+    if (noise.is_heavy_tailed && nu > 2.0) variance *= nu / (nu - 2.0);
+    size.col(static_cast<Index>(c)) *= noise.scale.median * std::sqrt(variance);
+  }
+  return size;
+}
+
 double NoiseModel::log_marginal(Index h, Index k, Index c, double error,
                                 const NoiseValues& values) const {
-  const double rho2 = values.correlation * values.correlation;
-  const auto age = static_cast<double>(age_[static_cast<std::size_t>(k)]);
-  const double variance = (1.0 - std::pow(rho2, age)) / (1.0 - rho2);
+  const double variance = growth(k, values.correlation);
   const double deviation = values.scale * unit_(h, c) * std::sqrt(variance);
   const double log_unit = std::log(deviation / measure_(h, c));
   const double e = error / deviation;

@@ -72,6 +72,10 @@ class NoiseModel {
   bool has_density(Index channel) const;
   bool has_unknown() const;  ///< some parameter has a prior
 
+  /// Root mean square of the noise over a rollout's states, over measure(), (H, C); of what isn't
+  /// known with its median. Student's t without a variance, nu <= 2, counts as Gaussian.
+  RowMatrix relative_size() const;
+
   /// Parameters of all channels (C), the unknown ones drawn from their priors.
   std::vector<NoiseValues> draw_values(Stream& stream) const;
   /// Values (C) whose scales are `factor` times as large where they are unknown.
@@ -92,6 +96,7 @@ class NoiseModel {
   void add(std::span<float> series, const std::vector<NoiseValues>& values, Stream& stream) const;
 
  private:
+  double growth(Index k, double correlation) const;  // sum_i rho^2i over the states since a restart
   void add_dependent(std::span<float> series, Index stride, const std::vector<NoiseValues>& values,
                      Stream& stream) const;
 

@@ -8,7 +8,9 @@
 /// - balls around a random point (Lemos et al. 2023, "Sampling-based accuracy testing of posterior
 ///   estimators for general inference", TARP): at the share of samples that are nearer to it.
 /// Over many theta* from the prior these levels are uniform when the posterior is right. Coverage
-/// below the level: too narrow, or beside the truth; above: too wide.
+/// below a level above 1/2: too narrow, or beside the truth; above it: too wide. At levels below
+/// 1/2 the same holds for regions of highest density, and for balls the opposite: a ball that a
+/// tenth of the samples lie in misses all of a posterior that is too wide.
 #pragma once
 
 #include "inference/diagnostics/uniformity.h"
@@ -26,7 +28,7 @@ struct Coverage {
   Vector level;     ///< (101) 0, 0.01, ..., 1
   Vector coverage;  ///< (101)
   /// Mean of coverage - level over the levels above 1/2 ("area to curve"): > 0 where the posterior
-  /// is too wide, < 0 where it is too narrow.
+  /// is too wide, < 0 where it is too narrow, or beside the truth.
   double area = 0.0;
   KolmogorovSmirnov kolmogorov_smirnov;
 };

@@ -22,6 +22,24 @@ Vector with_ties(Vector predicted, double observed) {
   return predicted;
 }
 
+double quantile(Vector values, double level) {
+  std::ranges::sort(values);
+  return values(static_cast<Index>(level * static_cast<double>(values.size() - 1)));
+}
+
+// How far each value lies from their median, over the distance of the quartile of its side, or over
+// the mean distance where a quarter of the values and more are the median.
+Vector excursions(const Vector& values) {
+  const Vector from_median = values.array() - quantile(values, 0.5);
+  const double usual = from_median.cwiseAbs().mean();
+  if (usual == 0.0) return Vector::Zero(values.size());
+  const double below = -quantile(from_median, 0.25), above = quantile(from_median, 0.75);
+  return from_median.unaryExpr([&](double d) {
+    const double quartile = d < 0.0 ? below : above;
+    return std::abs(d) / (quartile > 0.0 ? quartile : usual);
+  });
+}
+
 }  // namespace
 
 PredictiveCheck check_prediction(const RowMatrix& summaries, const Vector& observed_summaries,
@@ -33,16 +51,21 @@ PredictiveCheck check_prediction(const RowMatrix& summaries, const Vector& obser
   if (!summaries.allFinite() || !observed_summaries.allFinite()) {
     throw InputError("predictive check: summaries hold NaN or infinity, must be finite");
   }
+  const Index n = summaries.rows();
   PredictiveCheck result;
   result.overall = test_out_of_distribution(features, observed_features);
   result.summary_p_value.resize(count);
+  Vector farthest = Vector::Zero(n + 1);  // of the predictions, and of the observation
   for (Index s = 0; s < count; ++s) {
     const Vector predicted = with_ties(summaries.col(s), observed_summaries(s));
     const double above = tail_probability(predicted, observed_summaries(s));
     const double below = tail_probability(-predicted, -observed_summaries(s));
     result.summary_p_value(s) = corrected(std::min(above, below), 2);
+    Vector all(n + 1);
+    all << predicted, observed_summaries(s);
+    farthest = farthest.cwiseMax(excursions(all));
   }
-  const double of_summaries = corrected(result.summary_p_value.minCoeff(), count);
+  const double of_summaries = tail_probability(farthest.head(n), farthest(n));
   result.p_value = corrected(std::min(of_summaries, result.overall.p_value), 2);
   return result;
 }

@@ -3,6 +3,7 @@
 #include "analysis/calibration_plot.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
+#include "pipeline/report/table_parts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -14,8 +15,8 @@ struct Panel {
   RowMatrix PredictionScores::*coverage;
 };
 constexpr Panel kPanels[] = {
-    {"seen", &RolloutScores::seen, &PredictionScores::coverage},
-    {"seen, with noise", &RolloutScores::seen, &PredictionScores::noisy_coverage},
+    {"target rollouts", &RolloutScores::seen, &PredictionScores::coverage},
+    {"target rollouts, with noise", &RolloutScores::seen, &PredictionScores::noisy_coverage},
     {"held out", &RolloutScores::held_out, &PredictionScores::coverage},
     {"held out, with noise", &RolloutScores::held_out, &PredictionScores::noisy_coverage}};
 
@@ -47,7 +48,7 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
           "channels, seed " +
               std::to_string(data.seeds.front()) +
               ". Below the diagonal: too sure of itself, above: too vague." +
-              left_out_methods(data.methods)};
+              noiseless_bands_text(data.plan.study) + left_out_methods(data.methods)};
 }
 
 }  // namespace

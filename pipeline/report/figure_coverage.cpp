@@ -30,12 +30,14 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
     }
     if (!panel.curves.empty()) plot.panels.push_back(std::move(panel));
   }
-  return {
-      analysis::write_coverage_plot(plot, folder).svg,
-      fmt::format("Share of true parameters within the credible regions of each level, seed {}. "
-                  "Below the diagonal: too narrow, above: too wide. Gray: 99 % of the curves of "
-                  "a posterior without fault, level by level.{}",
-                  data.seeds.front(), left_out_methods(data.methods))};
+  return {analysis::write_coverage_plot(plot, folder).svg,
+          fmt::format(
+              "Share of true parameters within the credible regions of each level, seed {}. "
+              "Of levels above 1/2: below the diagonal posteriors are too narrow, or beside the "
+              "truth, above it too wide; of levels below 1/2 so are regions of highest density, "
+              "and balls the other way round. Gray: 99 % of the curves of a posterior without "
+              "fault, level by level.{}",
+              data.seeds.front(), left_out_methods(data.methods))};
 }
 
 bool exists(const ReportData& data) {

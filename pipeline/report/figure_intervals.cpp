@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "analysis/interval_plot.h"
 #include "core/normal.h"
 #include "inference/prior.h"
@@ -23,14 +25,31 @@ std::string tip_of(const ReportData& data, Index d) {
   const inference::Marginal& parameter = data.plan.study.prior[static_cast<std::size_t>(d)];
   std::string words = fmt::format("{} [{}]", parameter.name, parameter.unit);
   for (const std::string& method : data.methods) {
-    const RowMatrix samples = pooled(data.runs_of(method), [d](const EvaluatedRun* run) -> Vector {
+    const Vector samples = pooled(data.runs_of(method), [d](const EvaluatedRun* run) -> Vector {
       return run->evaluation.theta.col(d);
     });
-    const RowMatrix quantiles = interval_quantiles(samples);
+    const RowMatrix quantiles = interval_quantiles(unwrapped(samples, data.period_of(d)));
     words += fmt::format("\n{}: {:.3g}, 90 % in [{:.3g}, {:.3g}]", method, quantiles(0, 2),
                          quantiles(0, 0), quantiles(0, 4));
   }
   return words;
+}
+
+// Samples of all seeds; a periodic parameter's lie on the side of their mean, up to the border.
+RowMatrix samples_within(const ReportData& data, const std::string& method) {
+  RowMatrix theta(0, std::ssize(data.plan.study.prior));
+  for (const EvaluatedRun* run : data.runs_of(method)) {
+    const RowMatrix& samples = run->evaluation.theta;
+    theta.conservativeResize(theta.rows() + samples.rows(), Eigen::NoChange);
+    theta.bottomRows(samples.rows()) = samples;
+  }
+  for (Index d = 0; d < theta.cols(); ++d) {
+    const inference::Marginal& parameter = data.plan.study.prior[static_cast<std::size_t>(d)];
+    theta.col(d) = unwrapped(theta.col(d), data.period_of(d))
+                       .cwiseMax(parameter.lower())
+                       .cwiseMin(parameter.upper());
+  }
+  return theta;
 }
 
 analysis::IntervalPlot plot_of(const ReportData& data) {
@@ -45,19 +64,20 @@ analysis::IntervalPlot plot_of(const ReportData& data) {
     plot.tips.push_back(tip_of(data, d));
   }
   for (const std::string& method : drawn_methods(data.methods)) {
-    RowMatrix samples(0, std::ssize(shown));
-    for (const EvaluatedRun* run : data.runs_of(method)) {
-      const RowMatrix place = place_in_prior(prior, run->evaluation.theta, shown);
-      samples.conservativeResize(samples.rows() + place.rows(), Eigen::NoChange);
-      samples.bottomRows(place.rows()) = place;
-    }
-    plot.sets.push_back({method, interval_quantiles(samples)});
+    plot.sets.push_back(
+        {method, interval_quantiles(place_in_prior(prior, samples_within(data, method), shown))});
   }
   for (const MarkedPoint& point : marked_points(data)) {
     const RowMatrix place = place_in_prior(prior, point.theta.transpose(), shown);
     plot.points.push_back({point.name, place.transpose(), point.mark, point.color});
   }
   return plot;
+}
+
+std::string note_on_periods(const ReportData& data) {
+  const std::vector<Index> shown = shown_parameters(data.plan.study);
+  const bool has_any = std::ranges::any_of(shown, [&](Index d) { return data.period_of(d) > 0.0; });
+  return has_any ? " Of a periodic parameter, up to the border of its range." : "";
 }
 
 analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
@@ -67,8 +87,9 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
   plot.width = analysis::kNarrowWidth;
   return {svg,
           fmt::format("What the posteriors say of each parameter, all seeds: median, 50 % interval "
-                      "(thick) and 90 % interval, within what the prior allows (grey).{}{}",
-                      left_out_methods(data.methods), left_out_parameters(data.plan.study)),
+                      "(thick) and 90 % interval, within what the prior allows (grey).{}{}{}",
+                      note_on_periods(data), left_out_methods(data.methods),
+                      left_out_parameters(data.plan.study)),
           analysis::write_interval_plot(plot, folder).svg};
 }
 

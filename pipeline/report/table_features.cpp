@@ -26,8 +26,8 @@ Row feature_row(const ReportData& data, const std::string& method, Index f) {
 
 Table make(const ReportData& data) {
   Table table = empty_table(
-      "Posterior predictive distribution of each feature, all seeds. P(x < x_o): near 0 or 1 where "
-      "the observation is a surprise.",
+      "Posterior predictive distribution of each feature, all seeds. P(x < x_o), and half of P(x = "
+      "x_o): near 0 or 1 where the observation is a surprise.",
       "Feature, method", {"x_o", "predicted", "5 %", "50 %", "95 %", "P(x < x_o)"});
   table.is_folded = data.target.num_states() > kMostUnfolded;
   for (Index f = 0; f < data.target.num_states(); ++f) {

@@ -112,10 +112,11 @@ Row fit_row(Table& table, const ReportData& data, const std::string& metric) {
   return row;
 }
 
-Row seed_means_row(const ReportData& data, const std::string& metric) {
+Row seed_means_row(Table& table, const ReportData& data, const std::string& metric) {
   Row row{title_of(data, metric) + ", seed means", {}};
   for (const std::string& method : data.methods) {
-    row.cells.emplace_back(summary_of_means(data.runs_of(method), metric_samples(metric)));
+    row.cells.push_back(
+        cell_of_seeds(table, summary_of_means(data.runs_of(method), metric_samples(metric))));
     if (!data.plan.study.method(method).published.empty()) row.cells.emplace_back();
   }
   row.cells.resize(row.cells.size() + baseline_names(data).size());
@@ -144,7 +145,7 @@ Table make(const ReportData& data) {
   add_fit_columns(table, data);
   for (const std::string& metric : measured_names(study)) {
     table.rows.push_back(fit_row(table, data, metric));
-    if (data.seeds.size() > 1) table.rows.push_back(seed_means_row(data, metric));
+    if (data.seeds.size() > 1) table.rows.push_back(seed_means_row(table, data, metric));
   }
   note_failed_rows(table, data);
   note_regressions(table, data);

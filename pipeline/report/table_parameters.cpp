@@ -124,16 +124,11 @@ Cell posterior_cell(Table& table, const ReportData& data, const std::string& met
   return cell;
 }
 
-// 5 % and 95 % quantiles, of a periodic parameter those of the differences from its mean.
+// 5 % and 95 % quantiles.
 Cell interval_cell(const ReportData& data, const std::string& method, Index d) {
   if (!data.is_inferred(method, d)) return {};
-  const Vector samples = samples_of(data, method, d);
-  const double period = data.period_of(d);
-  const double mean = analysis::summarize_periodic(samples, period).mean;
+  const Vector samples = unwrapped(samples_of(data, method, d), data.period_of(d));
   std::vector<double> sorted(samples.begin(), samples.end());
-  if (period > 0.0) {
-    for (double& value : sorted) value = mean + std::remainder(value - mean, period);
-  }
   std::ranges::sort(sorted);
   return fmt::format("[{:.4g}, {:.4g}]", analysis::quantile_of_sorted(sorted, 0.05),
                      analysis::quantile_of_sorted(sorted, 0.95));

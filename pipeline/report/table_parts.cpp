@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/text.h"
 
@@ -59,6 +60,27 @@ void note_failed(Table& table, Cell& cell, const analysis::Summary& summary) {
   cell.notes.push_back(
       table.footnote(fmt::format("{} of {} samples left out: their simulations failed",
                                  summary.n_failed, summary.n + summary.n_failed)));
+}
+
+Cell cell_of_seeds(Table& table, const analysis::Summary& summary) {
+  Cell cell(summary);
+  if (summary.n_failed > 0) {
+    cell.notes.push_back(table.footnote(
+        fmt::format("of {} of {} seeds: of the others every rollout failed, in one part at least",
+                    summary.n, summary.n + summary.n_failed)));
+  }
+  return cell;
+}
+
+std::string noiseless_bands_text(const Study& study) {
+  if (!study.target.recording || study.observation_noise.is_silent()) return "";
+  return " The recording has noise: without it bands are of what lies below, and hold less.";
+}
+
+Vector unwrapped(Vector samples, double period) {
+  if (!(period > 0.0)) return samples;
+  const double mean = analysis::summarize_periodic(samples, period).mean;
+  return samples.unaryExpr([&](double v) { return mean + std::remainder(v - mean, period); });
 }
 
 void note_known(Table& table, Cell& cell) {

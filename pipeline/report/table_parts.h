@@ -35,6 +35,13 @@ Cell cell_of(Table& table, const analysis::Summary& summary);
 /// Says how many samples of `cell` failed, where any did.
 void note_failed(Table& table, Cell& cell, const analysis::Summary& summary);
 
+/// Mean and standard deviation over seeds; a footnote says of how many, where all rollouts of
+/// others failed.
+Cell cell_of_seeds(Table& table, const analysis::Summary& summary);
+
+/// Why bands without noise hold less of a recording, which has some; empty where that isn't so.
+std::string noiseless_bands_text(const Study& study);
+
 /// Says that the method takes the parameter of `cell` as known.
 void note_known(Table& table, Cell& cell);
 
@@ -42,6 +49,10 @@ void note_known(Table& table, Cell& cell);
 /// be compared with those of all parameters; references that set parameters beyond the prior's.
 void note_known_parameters(Table& table, const ReportData& data);
 void note_fixed_parameters(Table& table, const ReportData& data);
+
+/// Samples (n) of a parameter that are the same system modulo `period`, moved to where they lie
+/// around their mean; as they are for a period of 0.
+Vector unwrapped(Vector samples, double period);
 
 /// Adds a row with a cell for each item.
 template <class Items, class CellOf>

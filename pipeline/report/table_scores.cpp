@@ -41,13 +41,13 @@ Cell baseline_cell(const RolloutScores& scores, const Part& part, const Number& 
 template <class Number>
 void add(Table& table, const ReportData& data, const std::string& label, const Part& part,
          const Number& number) {
-  add_row(table, label + part.where, data.methods, [&](const std::string& method) -> Cell {
+  add_row(table, label + part.where, data.methods, [&](const std::string& method) {
     const Vector of_seeds = each(data.runs_of(method), [&](const EvaluatedRun* run) {
       return each(part.of_run(*run), [&](const PredictionScores* s) { return number(*s); }).mean();
     });
     // A log score of what was held to be impossible; summaries are of finite numbers.
-    if (of_seeds.size() > 0 && of_seeds.minCoeff() == -HUGE_VAL) return "-inf";
-    return analysis::summarize(of_seeds);
+    if (of_seeds.size() > 0 && of_seeds.minCoeff() == -HUGE_VAL) return Cell("-inf");
+    return cell_of_seeds(table, analysis::summarize(of_seeds));
   });
   std::vector<Cell>& cells = table.rows.back().cells;
   if (const auto& prior = data.baseline.prior) {
@@ -119,6 +119,7 @@ std::string caption(const ReportData& data) {
       "probability score over the channel's largest recorded magnitude, smaller is better; log "
       "score: of the density with noise of a state, over the same [nats], larger is better; bands: "
       "share of the recorded states that they hold, best as much as they are called.";
+  text += noiseless_bands_text(data.plan.study);
   if (data.folds.empty()) return text;
   return text + fmt::format(
                     " Left out: {} times the method was repeated without a part of the rollouts, "

@@ -7,6 +7,7 @@
 
 #include "analysis/quantiles.h"
 #include "inference/diagnostics/bound_pressure.h"
+#include "pipeline/features/noise.h"
 #include "pipeline/report/verdict_parts.h"
 #include "pipeline/report/verdicts.h"
 
@@ -41,6 +42,13 @@ double median_of(const Vector& values) {
   return analysis::quantile_of_sorted(finite, 0.5);
 }
 
+// What noise of a known scale leaves of the observation at the truth, in RMSE's unit; 0 without it.
+double known_noise(const ReportData& data) {
+  const ObservationNoise& stated = data.plan.study.observation_noise;
+  if (stated.scale_prior || !(stated.scale > 0.0 || stated.std)) return 0.0;
+  return noise_model(data.plan.study, data.plan.target).relative_size().mean();
+}
+
 std::optional<Yardstick> yardstick(const ReportData& data) {
   const std::string rmse = name_of(Metric::rmse);
   const double of_prior = median_of(data.baseline.prior->metrics.at(rmse));
@@ -53,8 +61,8 @@ std::optional<Yardstick> yardstick(const ReportData& data) {
       found = {3.0 * reached, reached, "times the " + point.name + "'s"};
     }
   }
-  const double noise = std::min(data.plan.study.observation_noise.scale, kFarFloor);
-  if (noise > found.limit) found = {noise, noise, "times the noise's scale"};
+  const double noise = std::min(known_noise(data), kFarFloor);
+  if (noise > found.limit) found = {noise, noise, "times the noise"};
   if (found.limit > 0.0) return found;
   return std::nullopt;
 }
@@ -82,23 +90,20 @@ double floor_of(const ReportData& data) {
 }
 
 // What the best parameters leave of the observation, where noise doesn't say that they leave it.
-std::string understated_noise(double scale, double of_floor) {
+std::string understated_noise(double noise, double of_floor) {
   constexpr double far_more = 3.0;
-  if (of_floor < far_more * scale) return "";
+  if (of_floor < far_more * noise) return "";
   return fmt::format(
       "no parameters explain the observation better than the floor's {:.2g}, {:.0f} times the "
-      "noise's scale: raise observation_noise.scale towards it, or look for what the simulator "
-      "lacks",
-      of_floor, of_floor / scale);
+      "noise: raise observation_noise towards it, or look for what the simulator lacks",
+      of_floor, of_floor / noise);
 }
 
 // The same where no noise is stated; one whose scale is inferred takes up what the simulator lacks.
 std::string unexplained_rest(const ReportData& data, double of_floor) {
   constexpr double of_usual_sensors = 0.05;
   const Study& study = data.plan.study;
-  if (!study.target.recording || study.observation_noise.std || of_floor < of_usual_sensors) {
-    return "";
-  }
+  if (!study.target.recording || of_floor < of_usual_sensors) return "";
   const bool may_hold_out = data.plan.target.num_rollouts() > 1 && study.target.held_out == 0 &&
                             study.evaluate.leave_out == 0;
   return fmt::format(
@@ -108,8 +113,8 @@ std::string unexplained_rest(const ReportData& data, double of_floor) {
 }
 
 std::string what_the_best_leave(const ReportData& data, double of_floor) {
-  const double scale = data.plan.study.observation_noise.scale;
-  return scale > 0.0 ? understated_noise(scale, of_floor) : unexplained_rest(data, of_floor);
+  const double noise = known_noise(data);
+  return noise > 0.0 ? understated_noise(noise, of_floor) : unexplained_rest(data, of_floor);
 }
 
 Verdict unexplained(double rmse) {

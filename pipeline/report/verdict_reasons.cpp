@@ -64,13 +64,20 @@ std::string unpredicted_reason(const PredictiveResult& predictive, Index num_sam
 constexpr const char* kCalibrationAdvice =
     "more simulations, another embedding or density estimator may mend that";
 
+// The area's standard error is 0.32 / sqrt(n); nearer to 0 it says nothing of the width.
 std::string coverage_reason(const CoverageResult& result, std::uint64_t seed) {
   const double area = result.coverage.area;
+  const bool has_sign = std::abs(area) > 1.0 / std::sqrt(static_cast<double>(result.levels.size()));
+  std::string often = "too often at some levels and too seldom at others";
+  std::string fault = "of the wrong place or shape";
+  if (has_sign) {
+    often = area < 0.0 ? "too seldom" : "too often";
+    fault = area < 0.0 ? "too narrow, or beside the truth" : "too wide";
+  }
   return fmt::format(
-      "credible regions hold the truth of fresh simulations too {} (seed {}, area {:+.2f}): "
-      "posteriors are too {}; {}",
-      area < 0.0 ? "seldom" : "often", seed, area, area < 0.0 ? "narrow" : "wide",
-      kCalibrationAdvice);
+      "credible regions hold the truth of fresh simulations {} (seed {}, area {:+.2f}): "
+      "posteriors are {}; {}",
+      often, seed, area, fault, kCalibrationAdvice);
 }
 
 // The smallest error of a distribution function that Kolmogorov-Smirnov finds in n values.

@@ -82,6 +82,20 @@ TEST(Metrics, GoalIsTheShareOfTheRolloutsThatComeToRestThere) {
   EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 5.0, 5.0}), 0.0);
 }
 
+// The last of three steps begins a segment: in the recorded state.
+TEST(Metrics, SpeedAtTheEndIsThatFromWhereTheSegmentBegan) {
+  const RowMatrix recorded = small_target().rollouts.front().states;
+  std::vector<float> simulated(12, 0.0f);
+  for (std::size_t c = 0; c < 2; ++c) {
+    simulated[4 + c] = simulated[10 + c] = static_cast<float>(recorded(2, static_cast<Index>(c)));
+  }
+  const Goal rest{"", {0, 1}, recorded.row(2).transpose(), 1.0, 1e-3};
+  MetricsConfig config;
+  EXPECT_EQ(Metrics(small_target(), config).goal(view_of(simulated, 1), rest)(0), 0.0);
+  config.segment_length = 2;
+  EXPECT_GE(Metrics(small_target(), config).goal(view_of(simulated, 1), rest)(0), 0.5);
+}
+
 TEST(Metrics, FailedRolloutsHaveNoEnd) {
   std::vector<float> simulated = kSimulated;
   simulated[3] = kNaN;

@@ -62,6 +62,17 @@ TEST(NoiseModel, CorrelatedNoiseHasItsVarianceAndCorrelation) {
   EXPECT_NEAR(squares / steps, 1.0 / (1.0 - 0.64), 0.05 / (1.0 - 0.64));
 }
 
+TEST(NoiseModel, SizeIsTheRootMeanSquareOfTheNoise) {
+  EXPECT_DOUBLE_EQ(dependent(0.0, 0.0, 12, 4).relative_size()(0, 0), 0.5);
+  const double variances = (1.0 + 1.81 + (1.81 * 0.81 + 1.0) + ((1.81 * 0.81 + 1.0) * 0.81 + 1.0));
+  EXPECT_NEAR(dependent(0.9, 0.0, 12, 4).relative_size()(0, 0), 0.5 * std::sqrt(variances / 4.0),
+              1e-12);
+  EXPECT_NEAR(dependent(0.0, 6.0, 12, 4).relative_size()(0, 0), 0.5 * std::sqrt(1.5), 1e-12);
+  const NoiseModel in_unit({{.scale = {0.3, 0.0}, .is_in_unit = true}, {}},
+                           RowMatrix{{2.0, 5.0}, {0.0, 5.0}}, stored_restarts(12, 4, 1));
+  EXPECT_TRUE(in_unit.relative_size().isApprox(RowMatrix{{0.15, 0.0}, {0.3, 0.0}}));
+}
+
 TEST(NoiseModel, CorrelatedNoiseStartsAnewInEachSegment) {
   constexpr Index steps = 40'000;
   const std::vector<float> error = draw(dependent(0.9, 0.0, steps, 4));

@@ -200,8 +200,10 @@ TEST_F(Verdicts, AFloorFarAboveTheNoiseIsSaid) {
   EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::passes);
   EXPECT_TRUE(says(verdict_of(Check::fit).reason,
                    {"no parameters explain the observation better than the floor's 0.4, 20 times "
-                    "the noise's scale: raise observation_noise.scale"}));
-  plan_.study.observation_noise.scale = 0.0;
+                    "the noise: raise observation_noise towards it"}));
+  plan_.study.observation_noise.correlation = 0.99;
+  EXPECT_EQ(verdict_of(Check::fit).reason, "") << "it adds up to far more";
+  plan_.study.observation_noise = {};
   EXPECT_EQ(verdict_of(Check::fit).reason, "") << "a simulated target";
   plan_.study.target.recording = "recording.h5";
   EXPECT_TRUE(says(verdict_of(Check::fit).reason,
@@ -300,7 +302,7 @@ TEST_F(Verdicts, AnErrorBelowTheNoisePasses) {
   data_.baseline.points = {{"truth", Vector(), {{"rmse", 1e-8}}}};
   plan_.study.observation_noise.scale = 0.2;
   add_run(samples_around(1.0, 0.02), 0.19);
-  EXPECT_EQ(verdict_of(Check::fit).text, "passes, 0.95 times the noise's scale");
+  EXPECT_EQ(verdict_of(Check::fit).text, "passes, 0.95 times the noise");
   add_run(samples_around(1.0, 0.02), 0.22);
   EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::fails);
 }
