@@ -90,14 +90,15 @@ TEST_F(Methods, SamplesThatRepeatOthersAreCounted) {
              .with("observation_noise", {"scale = 0.1"})
              .method("abc", {"algorithm = \"abc_rejection\"", "num_simulations = 100", components,
                              "abc = { quantile = 0.2 }"})
-             .method("pool", {"algorithm = \"npe_nle\"", "num_simulations = 100", components,
-                              kSmallFlow, "training = { max_epochs = 10 }"});
+             .method("pool", {"algorithm = \"npe_nle\"", "num_simulations = 400", components,
+                              kSmallFlow, "training = { max_epochs = 60 }"});
   ASSERT_EQ(run(folder_.path(), {"npdr", "run", "weighted.toml", "--until", "infer"}).status, 0);
   for (const char* method : {"abc", "pool"}) {
     const Outcome samples =
         run(folder_.path(), {"npdr", "sample", "weighted.toml", "--method", method, "-n", "500"});
     EXPECT_EQ(samples.status, 0) << samples.err;
-    EXPECT_NE(samples.err.find(" of 500 rows repeat others: "), std::string::npos) << samples.err;
+    EXPECT_NE(samples.err.find(" of 500 rows repeat others: "), std::string::npos)
+        << method << ": " << samples.err;
   }
 }
 
