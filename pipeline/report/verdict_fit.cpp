@@ -46,7 +46,7 @@ double median_of(const Vector& values) {
 double known_noise(const ReportData& data) {
   const ObservationNoise& stated = data.plan.study.observation_noise;
   if (stated.scale_prior || !(stated.scale > 0.0 || stated.std)) return 0.0;
-  return noise_model(data.plan.study, data.plan.target).relative_size().mean();
+  return noise_model(data.plan.study, data.target).relative_size().mean();
 }
 
 std::optional<Yardstick> yardstick(const ReportData& data) {
