@@ -201,7 +201,7 @@ TEST_F(Verdicts, AFloorFarAboveTheNoiseIsSaid) {
   EXPECT_TRUE(says(verdict_of(Check::fit).reason,
                    {"no parameters explain the observation better than the floor's 0.4, 20 times "
                     "the noise: raise observation_noise towards it"}));
-  plan_.study.observation_noise.correlation = 0.99;
+  plan_.study.observation_noise.correlation = 0.999;
   EXPECT_EQ(verdict_of(Check::fit).reason, "") << "it adds up to far more";
   plan_.study.observation_noise = {};
   EXPECT_EQ(verdict_of(Check::fit).reason, "") << "a simulated target";
