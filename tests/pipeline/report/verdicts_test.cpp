@@ -218,8 +218,11 @@ TEST_F(Verdicts, AFloorFarAboveTheNoiseIsSaid) {
   EXPECT_TRUE(asks_for_more());
   plan_.study.target.held_out = 1;
   EXPECT_FALSE(asks_for_more());
-  plan_.study.observation_noise.std = {{"theta", 0.01}};
+  plan_.study.observation_noise.std = {{"theta", 0.3}};
   EXPECT_EQ(verdict_of(Check::fit).reason, "") << "noise is stated, by channel";
+  plan_.study.observation_noise.std = {{"theta", 0.01}};
+  EXPECT_TRUE(says(verdict_of(Check::fit).reason,
+                   {"no parameters explain the observation better", "80 times the noise"}));
   plan_.study.observation_noise.std.reset();
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.04}}}};
   data_.runs.front().evaluation.metrics["rmse"].setConstant(0.045);
