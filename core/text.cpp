@@ -104,7 +104,8 @@ std::string with_guess(std::string_view kind, std::string_view name,
 
 std::string unknown_name(std::string_view kind, std::string_view name,
                          const std::vector<std::string>& known) {
-  return "unknown " + with_guess(kind, name, known) + "; known: " + join(known);
+  return "unknown " + with_guess(kind, name, known) +
+         (known.empty() ? "; there is none" : "; known: " + join(known));
 }
 
 std::string missing_name(std::string_view kind, std::string_view name,

@@ -186,7 +186,7 @@ class Writer {
   static std::string marginal(const sim::Parameter& p) {
     double low = p.nominal - 0.5 * std::abs(p.nominal),
            high = p.nominal + 0.5 * std::abs(p.nominal);
-    if (p.nominal == 0.0) high = std::min(p.upper, 1.0);
+    if (p.nominal == 0.0) (p.upper > 0.0 ? high : low) = p.upper > 0.0 ? 1.0 : -1.0;
     low = std::clamp(low, p.lower, p.upper);
     high = std::clamp(high, p.lower, p.upper);
     return fmt::format("{{ uniform = [{}, {}] }}", number(low), number(high));

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "core/text.h"
 #include "pipeline/config/checker.h"
 
 namespace npdr::pipeline {
@@ -36,8 +39,28 @@ class NoiseChecker : Checker {
     for (const char* key :
          {"correlation", "correlation_prior", "degrees_of_freedom", "degrees_of_freedom_prior"}) {
       must_be_left_out(std::string("observation_noise.") + key,
-                       "there is no noise: its scale is 0");
+                       "there is no noise without observation_noise.scale, scale_prior or std");
     }
+  }
+
+  // The likelihood of a refinement is that of every channel's noise.
+  void require_all(const std::map<std::string, double>& deviations,
+                   const std::vector<std::string>& labels) {
+    if (study_.observation_noise.scale > 0.0 || study_.observation_noise.scale_prior) return;
+    if (std::ranges::none_of(study_.methods, [](const MethodConfig& method) {
+          return method.algorithm.kind == inference::Algorithm::refine;
+        })) {
+      return;
+    }
+    std::vector<std::string> missing = labels;
+    std::erase_if(missing, [&](const std::string& label) {
+      const auto found = deviations.find(label);
+      return found != deviations.end() && found->second != 0.0;
+    });
+    if (missing.empty()) return;
+    fail("observation_noise.std", "without " + join(missing),
+         "of all channels, or beside a scale or scale_prior of the others: algorithm 'refine' "
+         "needs noise in each");
   }
 
   void check_channels(const std::map<std::string, double>& deviations) {
@@ -51,6 +74,7 @@ class NoiseChecker : Checker {
       if (labels.empty()) continue;  // features may not be known yet
       require_known(key, "observation_noise.std", "channel", label, labels);
     }
+    require_all(deviations, labels);
   }
 
   const Study& study_;

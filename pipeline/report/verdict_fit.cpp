@@ -99,6 +99,21 @@ std::string understated_noise(double noise, double of_floor) {
       of_floor, of_floor / noise);
 }
 
+// White noise of a recording is what the best parameters leave of it, but for what so many numbers
+// as there are parameters take away.
+std::string overstated_noise(const Study& study, double noise, double of_floor) {
+  constexpr double far_more = 3.0;
+  const ObservationNoise& stated = study.observation_noise;
+  const bool is_white = !stated.correlation && !stated.correlation_prior;
+  if (!study.target.recording || !is_white || of_floor == 0.0 || noise < far_more * of_floor) {
+    return "";
+  }
+  return fmt::format(
+      "the best parameters leave {:.2g} of the recording, the noise is {:.0f} times as large: "
+      "lower observation_noise, or posteriors say less than the recording does",
+      of_floor, noise / of_floor);
+}
+
 // The same where no noise is stated; one whose scale is inferred takes up what the simulator lacks.
 std::string unexplained_rest(const ReportData& data, double of_floor) {
   constexpr double of_usual_sensors = 0.05;
@@ -114,7 +129,9 @@ std::string unexplained_rest(const ReportData& data, double of_floor) {
 
 std::string what_the_best_leave(const ReportData& data, double of_floor) {
   const double noise = known_noise(data);
-  return noise > 0.0 ? understated_noise(noise, of_floor) : unexplained_rest(data, of_floor);
+  if (noise == 0.0) return unexplained_rest(data, of_floor);
+  const std::string understated = understated_noise(noise, of_floor);
+  return understated.empty() ? overstated_noise(data.plan.study, noise, of_floor) : understated;
 }
 
 Verdict unexplained(double rmse) {

@@ -70,11 +70,17 @@ std::string words_of(double power) {
       power);
 }
 
+std::string text_of_powers(double smallest, double largest) {
+  if (!(smallest < 1.0)) return "";
+  const std::string first = fmt::format(", power {:.2g}", smallest);
+  return smallest == largest ? first : first + fmt::format(" to {:.2g}", largest);
+}
+
 // Of refined posteriors: the certificates of their draws.
 Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   std::vector<std::string> faults, remedies;
   std::size_t failed = 0;
-  double smallest = HUGE_VAL, heaviest = -HUGE_VAL, power = 1.0;
+  double smallest = HUGE_VAL, heaviest = -HUGE_VAL, power = 1.0, largest_power = 0.0;
   bool has_pool = false;
   for (const EvaluatedRun* run : runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
@@ -89,11 +95,12 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
     smallest = std::min(smallest, certificate.ess);
     heaviest = std::max(heaviest, certificate.pareto_k);
     power = std::min(power, certificate.power);
+    largest_power = std::max(largest_power, certificate.power);
     has_pool |= certificate.pool_ess > 0.0;
   }
   const std::string text =
       fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest) +
-      (power < 1.0 ? fmt::format(", power {:.2g}", power) : "");
+      text_of_powers(power, largest_power);
   if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, words_of(power)};
   return {Check::sampling, Judgment::fails,
           "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,

@@ -19,6 +19,8 @@ TEST_F(NewStudies, FitWhatTheyAreFor) {
   const Outcome built_in = npdr({"new", "swing", "--simulator", "pendulum"});
   ASSERT_EQ(built_in.status, 0) << built_in.err;
   EXPECT_EQ(npdr({"validate", "swing.toml"}).status, 0) << text_of(folder_ / "swing.toml");
+  ASSERT_EQ(npdr({"new", "arm", "--simulator", "furuta"}).status, 0);
+  EXPECT_EQ(text_of(folder_ / "arm.toml").find("[0.0, 0.0]"), std::string::npos) << "no range";
   for (const char* option : {"--worker", "--command"}) {
     const Outcome outcome =
         npdr({"new", std::string("by") + option, option, "python3 \"my sim\".py"});

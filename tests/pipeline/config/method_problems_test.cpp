@@ -71,6 +71,12 @@ TEST(MethodProblems, RefinementNeedsADensityOfTheNoise) {
                     "give scale, scale_prior or std"}));
   const std::string noisy =
       edited(kStudyText, "[simulator]", "[observation_noise]\nscale = 0.1\n[simulator]");
+  const std::string in_part =
+      edited(kStudyText, "[simulator]", "[observation_noise]\nstd = { theta = 0.1 }\n[simulator]");
+  EXPECT_TRUE(
+      says(problems_of(edited(in_part, kMaf, refine)),
+           {"s.toml:9:7: observation_noise.std = without theta_dot, must be of all channels",
+            "'refine' needs noise in each"}));
   const auto problems = [&](const std::string& settings) {
     return problems_of(edited(noisy, kMaf, refine + "\nrefine = { " + settings + " }"));
   };

@@ -35,7 +35,7 @@ TEST(StudyProblems, NoiseIsGivenOrHasAPrior) {
                     "observation_noise.scale is given"}));
   EXPECT_TRUE(says(problems("correlation = 0.5"),
                    {"s.toml:9:15: observation_noise.correlation", "must be left out",
-                    "there is no noise: its scale is 0"}));
+                    "there is no noise without observation_noise.scale"}));
   EXPECT_TRUE(says(problems("std = { theta = -1.0 }"),
                    {"s.toml:9:17: observation_noise.std.theta = -1", "must be >= 0"}));
   EXPECT_TRUE(says(problems("std = { thet = 1.0 }"),

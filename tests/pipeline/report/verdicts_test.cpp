@@ -86,6 +86,7 @@ TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
   data_.runs.back().notes.certificate->power = 0.5;
   EXPECT_TRUE(says(verdict_of(Check::sampling).reason,
                    {"power 0.5, not 1", ", or let refine.cross_validate choose a smaller power"}));
+  EXPECT_NE(verdict_of(Check::sampling).text.find("power 0.5 to 1"), std::string::npos);
   data_.runs.back().notes.certificate->power = 1.0;
   data_.runs.back().notes.certificate->pool_ess = 2000.0;
   EXPECT_TRUE(
@@ -223,6 +224,9 @@ TEST_F(Verdicts, AFloorFarAboveTheNoiseIsSaid) {
   plan_.study.observation_noise.std = {{"theta", 0.01}};
   EXPECT_TRUE(says(verdict_of(Check::fit).reason,
                    {"no parameters explain the observation better", "80 times the noise"}));
+  plan_.study.observation_noise.std = {{"theta", 3.0}};
+  EXPECT_TRUE(says(verdict_of(Check::fit).reason,
+                   {"the best parameters leave 0.4 of the recording, the noise is 4 times"}));
   plan_.study.observation_noise.std.reset();
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.04}}}};
   data_.runs.front().evaluation.metrics["rmse"].setConstant(0.045);
