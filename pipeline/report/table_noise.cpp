@@ -58,6 +58,24 @@ Cell inferred_cell(Table& table, const Vector& samples) {
   return cell;
 }
 
+// Says by what a refinement that chose its power has multiplied the scales.
+void note_factor(Table& table, Cell& cell, const std::vector<const EvaluatedRun*>& runs) {
+  double smallest = HUGE_VAL, largest = 0.0;
+  for (const EvaluatedRun* run : runs) {
+    if (!run->notes.certificate) return;
+    const double factor = run->notes.powers.noise_factor_at(run->notes.certificate->power);
+    smallest = std::min(smallest, factor);
+    largest = std::max(largest, factor);
+  }
+  if (smallest == 1.0 && largest == 1.0) return;
+  std::string factors = fmt::format("{:.2g}", smallest);
+  if (smallest < largest) factors += fmt::format(" to {:.2g}", largest);
+  cell.notes.push_back(table.footnote(
+      factors +
+      " times the scale of what its parameters leave: so much noise predicts left-out "
+      "rollouts best"));
+}
+
 // One row a channel with noise whose parameter has a prior.
 void add_rows(Table& table, const ReportData& data, const NoiseRow& parameter) {
   const sim::NoiseModel model = noise_model(data.plan.study, data.target);
@@ -68,10 +86,12 @@ void add_rows(Table& table, const ReportData& data, const NoiseRow& parameter) {
     Row row{fmt::format("{} of {}", parameter.name, data.info.state_channels[channel].label),
             {prior_text(noise, parameter.value)}};
     for (const std::string& method : data.methods) {
+      const auto runs = data.runs_of(method);
       row.cells.push_back(
-          inferred_cell(table, pooled(data.runs_of(method), [&](const EvaluatedRun* run) -> Vector {
+          inferred_cell(table, pooled(runs, [&](const EvaluatedRun* run) -> Vector {
                           return ((*run->evaluation.noise).*parameter.inferred).col(c);
                         })));
+      if (parameter.inferred == &InferredNoise::scale) note_factor(table, row.cells.back(), runs);
     }
     table.rows.push_back(std::move(row));
   }
@@ -83,8 +103,7 @@ Table make(const ReportData& data) {
       "predictions are given, all seeds. Scale: of a stored state, or where noise is correlated "
       "of what is new in it, over the channel's largest recorded magnitude; correlation: of "
       "neighboring stored states' noise. What a method's parameters leave unexplained counts as "
-      "noise. A refinement that has chosen its power of the likelihood "
-      "has chosen a factor of the scales, too.",
+      "noise.",
       "Noise", {"prior"});
   add_columns(table, data.methods);
   for (const NoiseRow& parameter : kRows) add_rows(table, data, parameter);
