@@ -46,7 +46,8 @@ class NoiseChecker : Checker {
   // The likelihood of a refinement is that of every channel's noise.
   void require_all(const std::map<std::string, double>& deviations,
                    const std::vector<std::string>& labels) {
-    if (study_.observation_noise.scale > 0.0 || study_.observation_noise.scale_prior) return;
+    const ObservationNoise& noise = study_.observation_noise;
+    const bool others_have = noise.scale > 0.0 || noise.scale_prior;
     if (std::ranges::none_of(study_.methods, [](const MethodConfig& method) {
           return method.algorithm.kind == inference::Algorithm::refine;
         })) {
@@ -55,7 +56,7 @@ class NoiseChecker : Checker {
     std::vector<std::string> missing = labels;
     std::erase_if(missing, [&](const std::string& label) {
       const auto found = deviations.find(label);
-      return found != deviations.end() && found->second != 0.0;
+      return found == deviations.end() ? others_have : found->second != 0.0;
     });
     if (missing.empty()) return;
     fail("observation_noise.std", "without " + join(missing),
