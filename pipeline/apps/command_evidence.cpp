@@ -10,6 +10,7 @@
 
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/simulation_features.h"
@@ -94,6 +95,17 @@ void add_models(const Plan& plan, const std::string& file, std::optional<Data>& 
                    file + "'; what a run was given by --set must be given here, too");
 }
 
+// The evidence of a model doesn't say that it predicts what nobody has seen.
+void warn_of_models(const Plan& plan, const Evidence& evidence) {
+  for (const MethodConfig& method : plan.study.methods) {
+    if (std::ranges::any_of(evidence.models, [&](const Model& model) {
+          return model.study == plan.study.name && model.method == method.name;
+        })) {
+      warn_of_failed_checks(plan, method.name);
+    }
+  }
+}
+
 Evidence collect(const EvidenceArguments& arguments) {
   Evidence evidence;
   std::optional<Data> data;
@@ -102,7 +114,9 @@ Evidence collect(const EvidenceArguments& arguments) {
     study.file = file;
     study.overrides = arguments.overrides;
     study.work = arguments.work;
-    add_models(study.plan(), file, data, evidence);
+    const Plan plan = study.plan();
+    add_models(plan, file, data, evidence);
+    warn_of_models(plan, evidence);
   }
   evidence.num_values = std::ssize(data->stored);
   std::ranges::stable_sort(evidence.models, std::greater<>(),

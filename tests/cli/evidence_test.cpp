@@ -85,5 +85,17 @@ TEST_F(Evidence, RefusesOtherData) {
   }
 }
 
+// The truth, 1 m, lies outside of the prior.
+TEST_F(Evidence, WarnsOfModelsWhoseChecksFail) {
+  const auto with_narrow_prior = [&](const std::string& command) {
+    return npdr({command, "noise-0.05.toml", "--set", "prior.pole_length={ uniform = [0.5, 0.9] }",
+                 "--set", "evaluate.num_samples=200"});
+  };
+  ASSERT_EQ(with_narrow_prior("run").status, 0);
+  const Outcome outcome = with_narrow_prior("evidence");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_TRUE(says(outcome.err, {"warning: Refined: ", "FAIL", "Bounds of the prior"}));
+}
+
 }  // namespace
 }  // namespace npdr::pipeline
