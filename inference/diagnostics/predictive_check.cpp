@@ -22,18 +22,17 @@ Vector with_ties(Vector predicted, double observed) {
   return predicted;
 }
 
-double quantile(Vector values, double level) {
-  std::ranges::sort(values);
-  return values(static_cast<Index>(level * static_cast<double>(values.size() - 1)));
-}
-
 // How far each value lies from their median, over the distance of the quartile of its side, or over
 // the mean distance where a quarter of the values and more are the median.
 Vector excursions(const Vector& values) {
-  const Vector from_median = values.array() - quantile(values, 0.5);
+  Vector sorted = values;
+  std::ranges::sort(sorted);
+  const Index last = sorted.size() - 1;
+  const double median = sorted(last / 2);
+  const Vector from_median = values.array() - median;
   const double usual = from_median.cwiseAbs().mean();
   if (usual == 0.0) return Vector::Zero(values.size());
-  const double below = -quantile(from_median, 0.25), above = quantile(from_median, 0.75);
+  const double below = median - sorted(last / 4), above = sorted(3 * last / 4) - median;
   return from_median.unaryExpr([&](double d) {
     const double quartile = d < 0.0 ? below : above;
     return std::abs(d) / (quartile > 0.0 ? quartile : usual);

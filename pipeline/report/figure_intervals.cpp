@@ -25,10 +25,7 @@ std::string tip_of(const ReportData& data, Index d) {
   const inference::Marginal& parameter = data.plan.study.prior[static_cast<std::size_t>(d)];
   std::string words = fmt::format("{} [{}]", parameter.name, parameter.unit);
   for (const std::string& method : data.methods) {
-    const Vector samples = pooled(data.runs_of(method), [d](const EvaluatedRun* run) -> Vector {
-      return run->evaluation.theta.col(d);
-    });
-    const RowMatrix quantiles = interval_quantiles(unwrapped(samples, data.period_of(d)));
+    const RowMatrix quantiles = interval_quantiles(unwrapped_samples_of(data, method, d));
     words += fmt::format("\n{}: {:.3g}, 90 % in [{:.3g}, {:.3g}]", method, quantiles(0, 2),
                          quantiles(0, 0), quantiles(0, 4));
   }
@@ -37,17 +34,12 @@ std::string tip_of(const ReportData& data, Index d) {
 
 // Samples of all seeds; a periodic parameter's lie on the side of their mean, up to the border.
 RowMatrix samples_within(const ReportData& data, const std::string& method) {
-  RowMatrix theta(0, std::ssize(data.plan.study.prior));
-  for (const EvaluatedRun* run : data.runs_of(method)) {
-    const RowMatrix& samples = run->evaluation.theta;
-    theta.conservativeResize(theta.rows() + samples.rows(), Eigen::NoChange);
-    theta.bottomRows(samples.rows()) = samples;
-  }
-  for (Index d = 0; d < theta.cols(); ++d) {
+  RowMatrix theta;
+  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
     const inference::Marginal& parameter = data.plan.study.prior[static_cast<std::size_t>(d)];
-    theta.col(d) = unwrapped(theta.col(d), data.period_of(d))
-                       .cwiseMax(parameter.lower())
-                       .cwiseMin(parameter.upper());
+    const Vector samples = unwrapped_samples_of(data, method, d);
+    theta.conservativeResize(samples.size(), d + 1);
+    theta.col(d) = samples.cwiseMax(parameter.lower()).cwiseMin(parameter.upper());
   }
   return theta;
 }

@@ -107,11 +107,6 @@ std::string period_note(double period) {
   return fmt::format("modulo {:.4g}: values that far apart are the same system", period);
 }
 
-Vector samples_of(const ReportData& data, const std::string& method, Index d) {
-  return pooled(data.runs_of(method),
-                [d](const EvaluatedRun* run) -> Vector { return run->evaluation.theta.col(d); });
-}
-
 Cell posterior_cell(Table& table, const ReportData& data, const std::string& method, Index d) {
   const double period = data.period_of(d);
   const Vector samples = samples_of(data, method, d);
@@ -127,7 +122,7 @@ Cell posterior_cell(Table& table, const ReportData& data, const std::string& met
 // 5 % and 95 % quantiles.
 Cell interval_cell(const ReportData& data, const std::string& method, Index d) {
   if (!data.is_inferred(method, d)) return {};
-  const Vector samples = unwrapped(samples_of(data, method, d), data.period_of(d));
+  const Vector samples = unwrapped_samples_of(data, method, d);
   std::vector<double> sorted(samples.begin(), samples.end());
   std::ranges::sort(sorted);
   return fmt::format("[{:.4g}, {:.4g}]", analysis::quantile_of_sorted(sorted, 0.05),

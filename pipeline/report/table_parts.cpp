@@ -77,7 +77,14 @@ std::string noiseless_bands_text(const Study& study) {
   return " The recording has noise: without it bands are of what lies below, and hold less.";
 }
 
-Vector unwrapped(Vector samples, double period) {
+Vector samples_of(const ReportData& data, const std::string& method, Index d) {
+  return pooled(data.runs_of(method),
+                [d](const EvaluatedRun* run) -> Vector { return run->evaluation.theta.col(d); });
+}
+
+Vector unwrapped_samples_of(const ReportData& data, const std::string& method, Index d) {
+  Vector samples = samples_of(data, method, d);
+  const double period = data.period_of(d);
   if (!(period > 0.0)) return samples;
   const double mean = analysis::summarize_periodic(samples, period).mean;
   return samples.unaryExpr([&](double v) { return mean + std::remainder(v - mean, period); });

@@ -50,9 +50,10 @@ void note_known(Table& table, Cell& cell);
 void note_known_parameters(Table& table, const ReportData& data);
 void note_fixed_parameters(Table& table, const ReportData& data);
 
-/// Samples (n) of a parameter that are the same system modulo `period`, moved to where they lie
-/// around their mean; as they are for a period of 0.
-Vector unwrapped(Vector samples, double period);
+/// A method's samples (n) of parameter d, of all seeds.
+Vector samples_of(const ReportData& data, const std::string& method, Index d);
+/// The same of a periodic parameter moved by periods to where they lie around their mean.
+Vector unwrapped_samples_of(const ReportData& data, const std::string& method, Index d);
 
 /// Adds a row with a cell for each item.
 template <class Items, class CellOf>

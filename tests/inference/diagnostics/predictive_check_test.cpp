@@ -46,8 +46,8 @@ TEST(PredictiveCheck, ASummaryThatHardlyVariesIsNotUnusualByItself) {
 
 // Deviations of series whose noise has a scale of its own prior: summaries with heavy tails, many
 // at once. Of 1000 trials 10 may say p < 0.01, and as many more by chance: the limit is at 4
-// standard errors, false alarms of this test 1 in 10,000. Multiplied by their number, each
-// summary's own p-value gives 40 and more.
+// standard errors, false alarms of this test 1 in 10,000. The smallest p-value of a summary times
+// their number gives 60.
 TEST(PredictiveCheck, FalseAlarmsOfManyHeavyTailsAreRare) {
   constexpr Index trials = 1000, n = 200, count = 80;
   const RowMatrix features = gaussian(n + 1, 1, 1);
