@@ -21,7 +21,7 @@ void describe(Layout group, PowerScores& scores) {
   group("power", scores.power, {{"k"}}, "powers of the likelihood, where they were tried",
         {.unless_empty = true});
   group("noise_factor", scores.noise_factor, {{"k"}},
-        "of the noise's unknown scales, that predicts best", {.unless_empty = true});
+        "of the noise's unknown scales, that predicts left-out rollouts", {.unless_empty = true});
   group("crps", scores.crps, {{"k"}, {"H"}}, "CRPS with noise of each rollout, left out",
         {.unless_empty = true});
   const Index k = scores.power.size();

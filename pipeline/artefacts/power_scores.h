@@ -9,7 +9,7 @@ namespace npdr::pipeline {
 /// predicts that one.
 struct PowerScores {
   Vector power;         ///< (k), ascending
-  Vector noise_factor;  ///< (k) of the noise's unknown scales, that predicts best
+  Vector noise_factor;  ///< (k) of the noise's unknown scales, that predicts left-out rollouts
   RowMatrix crps;       ///< (k, H) with noise of each rollout, mean over channels
 
   /// The number of the power whose mean over rollouts is least, of one or more.

@@ -13,7 +13,7 @@ inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
 inline const Schema kPosteriorSchema{"posterior", 16, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 4, "infer"};
-inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 11, "infer"};
+inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 12, "infer"};
 inline const Schema kAskedRowsSchema{"asked_rows", 1, "infer"};
 inline const Schema kSimulatedRowsSchema{"simulated_rows", 1, "infer"};
 inline const Schema kBaselineSchema{"baseline", 5, "baseline"};
@@ -22,6 +22,6 @@ inline const Schema kDiagnosisSchema{"diagnosis", 5, "diagnose"};
 inline const Schema kPolicySchema{"policy", 1, "policy"};
 inline const Schema kPolicyCheckpointSchema{"policy_checkpoint", 1, "policy"};
 inline const Schema kPolicyTestSchema{"policy_test", 1, "policy_test"};
-inline const Schema kReportSchema{"report", 5, "report"};
+inline const Schema kReportSchema{"report", 6, "report"};
 
 }  // namespace npdr::pipeline

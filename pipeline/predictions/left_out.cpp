@@ -13,6 +13,8 @@ namespace npdr::pipeline {
 namespace {
 
 constexpr Index kEnsemble = 500;  // resampled draws that predict a rollout
+constexpr double kLevel = 0.9;    // of the bands that noise is to make right
+constexpr double kAsGood = 0.01;  // of a score
 // The first is the one where all are as good.
 constexpr std::array kNoiseFactors = {1.0, 0.70711, 0.5, 0.35355, 0.25, 1.41421, 2.0};
 
@@ -66,6 +68,26 @@ bool has_unknown_scale(const sim::NoiseModel& model) {
       model.channels(), [](const sim::ChannelNoise& noise) { return noise.scale.is_unknown(); });
 }
 
+// Of each factor (F) and left-out rollout (H), means over channels.
+struct FactorScores {
+  RowMatrix crps;
+  RowMatrix coverage;  // of the bands of kLevel
+
+  // The score hardly tells factors whose bands hold far more or less than they should, and its
+  // least is at too small a one where errors are large here and small there.
+  Index best() const {
+    const Vector score = crps.rowwise().mean();
+    const Vector off = (coverage.rowwise().mean().array() - kLevel).abs();
+    Index best = 0;
+    score.minCoeff(&best);
+    const double bound = (1.0 + kAsGood) * score(best);
+    for (Index f = 0; f < score.size(); ++f) {
+      if (score(f) <= bound && off(f) < off(best)) best = f;
+    }
+    return best;
+  }
+};
+
 }  // namespace
 
 LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
@@ -74,7 +96,8 @@ LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector
   const Vector all = log_likelihoods(noise, rows, -1);
   const Index num_factors =
       has_unknown_scale(noise.model()) ? static_cast<Index>(kNoiseFactors.size()) : 1;
-  RowMatrix crps(num_factors, rows.num_rollouts);
+  FactorScores scores{RowMatrix(num_factors, rows.num_rollouts),
+                      RowMatrix(num_factors, rows.num_rollouts)};
   for (Index h = 0; h < rows.num_rollouts; ++h) {
     const Vector others = log_likelihoods(noise, rows, h);
     const Vector without = weights_at_power(weights, others - all, power);
@@ -84,14 +107,14 @@ LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector
     for (Index f = 0; f < num_factors; ++f) {
       draws.noise_factor = kNoiseFactors[static_cast<std::size_t>(f)];
       const sim::Trajectories ensemble = ensemble_of(draws, noise, rows, id);
-      crps(f, h) = analysis::predictive_scores(view_of(ensemble), {observed.cast<double>()},
-                                               noise.model().measure().row(h))
-                       .crps.mean();
+      const analysis::PredictiveScores of_rollout = analysis::predictive_scores(
+          view_of(ensemble), {observed.cast<double>()}, noise.model().measure().row(h), {kLevel});
+      scores.crps(f, h) = of_rollout.crps.mean();
+      scores.coverage(f, h) = of_rollout.coverage.mean();
     }
   }
-  Index best = 0;
-  crps.rowwise().mean().minCoeff(&best);
-  return {kNoiseFactors[static_cast<std::size_t>(best)], crps.row(best).transpose()};
+  const Index best = scores.best();
+  return {kNoiseFactors[static_cast<std::size_t>(best)], scores.crps.row(best).transpose()};
 }
 
 }  // namespace npdr::pipeline

@@ -40,7 +40,9 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
   for (const std::string& method : drawn) {
     const PosteriorNotes& notes = data.runs_of(method).front()->notes;
     plot.curves.push_back(curve_of(method, notes.powers));
-    taken.push_back(fmt::format("{:.3g} ({})", notes.certificate->wanted_power, method));
+    const double chosen = notes.certificate->wanted_power;
+    taken.push_back(fmt::format("{:.3g} ({}{})", chosen, method,
+                                chosen <= notes.powers.power(0) ? ", none smaller was tried" : ""));
   }
   return {analysis::write_curve_plot(plot, folder).svg,
           fmt::format(

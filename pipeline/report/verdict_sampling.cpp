@@ -61,13 +61,22 @@ void add_new(std::vector<std::string>& all, const std::vector<std::string>& more
 }
 
 // What a power says of the simulator, where the recording hardly counts.
-std::string words_of(double power) {
+std::string words_of(double power, bool is_smallest) {
   constexpr double small = 0.05;
   if (power >= small) return "";
   return fmt::format(
-      "it believes the recording to a power of {:.2g}: simulator or noise are far from it; look "
+      "it believes the recording to a power of {:.2g}{}: simulator or noise are far from it; look "
       "for what they lack",
-      power);
+      power,
+      is_smallest ? ", the smallest that was tried, which predicts rollouts that are left out "
+                    "about as well as any (figures/powers)"
+                  : "");
+}
+
+// Whether larger powers than the first one predict hardly better.
+bool is_smallest_tried(const EvaluatedRun& run) {
+  const Vector& tried = run.notes.powers.power;
+  return tried.size() > 1 && run.notes.certificate->wanted_power <= tried(0);
 }
 
 std::string text_of_powers(double smallest, double largest) {
@@ -81,7 +90,7 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   std::vector<std::string> faults, remedies;
   std::size_t failed = 0;
   double smallest = HUGE_VAL, heaviest = -HUGE_VAL, power = 1.0, largest_power = 0.0;
-  bool has_pool = false;
+  bool has_pool = false, is_smallest = false;
   for (const EvaluatedRun* run : runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
     std::vector<std::string> its = faults_of(certificate);
@@ -97,11 +106,14 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
     power = std::min(power, certificate.power);
     largest_power = std::max(largest_power, certificate.power);
     has_pool |= certificate.pool_ess > 0.0;
+    is_smallest |= is_smallest_tried(*run);
   }
   const std::string text =
       fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest) +
       text_of_powers(power, largest_power);
-  if (failed == 0) return {Check::sampling, Judgment::passes, "passes" + text, words_of(power)};
+  if (failed == 0) {
+    return {Check::sampling, Judgment::passes, "passes" + text, words_of(power, is_smallest)};
+  }
   return {Check::sampling, Judgment::fails,
           "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,
           fmt::format("{}: {}{}", join(faults), join(remedies, ", or "),

@@ -73,6 +73,10 @@ TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
             "passes, effective size 1200, Pareto k 0.5, power 0.003");
   EXPECT_TRUE(says(verdict_of(Check::sampling).reason,
                    {"it believes the recording to a power of 0.003: simulator or noise are far"}));
+  data_.runs.front().notes.powers.power = (Vector(2) << 0.003, 0.01).finished();
+  EXPECT_TRUE(says(verdict_of(Check::sampling).reason,
+                   {"it believes the recording to a power of 0.003, the smallest that was tried"}));
+  data_.runs.front().notes.powers = {};
   own = good;
   data_.runs.push_back(data_.runs.front());
   data_.runs.back().notes.certificate->pareto_k = 0.8;
@@ -259,7 +263,9 @@ TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
     scores.coverage = RowMatrix::Zero(std::ssize(kBandLevels), 2);
     scores.noisy_coverage = RowMatrix::Constant(std::ssize(kBandLevels), 2, 1.0);
     scores.noisy_coverage.row(8) << covered - 0.1, covered + 0.1;
+    scores.crps = Vector::Constant(2, 0.12);
     scores.noisy_crps = Vector::Constant(2, 0.11);
+    scores.log_score = Vector::Constant(2, 0.2);
     scores.share_as_seldom_within = share_as_seldom;
     scores.num_compared = num_compared;
     return judge_held_out(data_, kMethod);
@@ -272,7 +278,15 @@ TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
   EXPECT_EQ(judge(0.3, 0.002).judgment, Judgment::unknown);
   EXPECT_EQ(judge(0.3, 0.002).text, "can't tell, bands of 90 % hold 30 %");
   data_.baseline.prior->scores.held_out.emplace().noisy_crps = Vector::Constant(2, 0.1);
+  data_.baseline.prior->scores.held_out->crps = Vector::Constant(2, 0.101);
   EXPECT_EQ(judge(0.8, 0.002).judgment, Judgment::passes);
+  EXPECT_EQ(judge(0.8, 0.002).reason, "");
+  data_.baseline.prior->scores.held_out->crps = Vector::Constant(2, 0.09);
+  data_.baseline.prior->scores.held_out->log_score = Vector::Constant(2, 0.5);
+  EXPECT_EQ(judge(0.8, 0.002).judgment, Judgment::passes);
+  EXPECT_EQ(judge(0.8, 0.002).reason,
+            "of rollouts that inference hasn't seen, the prior's predictions have the better CRPS "
+            "without noise (0.12, not 0.09), log score (0.2, not 0.5)");
   data_.baseline.prior->scores.held_out->noisy_crps.setConstant(0.08);
   EXPECT_EQ(judge(0.8, 0.002).text,
             "predictions are WORSE than the prior's, bands of 90 % hold 80 %");
