@@ -53,15 +53,16 @@ class NoiseChecker : Checker {
         })) {
       return;
     }
+    const std::string needed = "algorithm 'refine' needs noise in each channel";
+    for (const auto& [label, deviation] : deviations) {
+      if (deviation == 0.0) fail("observation_noise.std." + label, "0", "> 0: " + needed);
+    }
+    if (others_have) return;
     std::vector<std::string> missing = labels;
-    std::erase_if(missing, [&](const std::string& label) {
-      const auto found = deviations.find(label);
-      return found == deviations.end() ? others_have : found->second != 0.0;
-    });
+    std::erase_if(missing, [&](const std::string& label) { return deviations.contains(label); });
     if (missing.empty()) return;
     fail("observation_noise.std", "without " + join(missing),
-         "of all channels, or beside a scale or scale_prior of the others: algorithm 'refine' "
-         "needs noise in each");
+         "of all channels, or beside a scale or scale_prior of the others: " + needed);
   }
 
   void check_channels(const std::map<std::string, double>& deviations) {

@@ -15,7 +15,8 @@ namespace {
 constexpr Index kEnsemble = 500;  // resampled draws that predict a rollout
 constexpr double kLevel = 0.9;    // of the bands that noise is to make right
 constexpr double kAsGood = 0.01;  // of a score
-// The first is the one where all are as good.
+constexpr double kNearer = 0.02;  // to kLevel, of bands that are worth another factor
+// The first is the one where all are about as good.
 constexpr std::array kNoiseFactors = {1.0, 0.70711, 0.5, 0.35355, 0.25, 1.41421, 2.0};
 
 // log p of all rollouts but `left_out` (-1: of all), of each row (n).
@@ -73,18 +74,24 @@ struct FactorScores {
   RowMatrix crps;
   RowMatrix coverage;  // of the bands of kLevel
 
+  Index least() const {
+    Index least = 0;
+    crps.rowwise().mean().minCoeff(&least);
+    return least;
+  }
+
   // The score hardly tells factors whose bands hold far more or less than they should, and its
   // least is at too small a one where errors are large here and small there.
-  Index best() const {
+  Index chosen() const {
     const Vector score = crps.rowwise().mean();
     const Vector off = (coverage.rowwise().mean().array() - kLevel).abs();
-    Index best = 0;
-    score.minCoeff(&best);
-    const double bound = (1.0 + kAsGood) * score(best);
+    const double bound = (1.0 + kAsGood) * score(least());
+    const Index first = score(0) <= bound ? 0 : least();
+    Index nearest = first;
     for (Index f = 0; f < score.size(); ++f) {
-      if (score(f) <= bound && off(f) < off(best)) best = f;
+      if (score(f) <= bound && off(f) < off(nearest)) nearest = f;
     }
-    return best;
+    return off(nearest) < off(first) - kNearer ? nearest : first;
   }
 };
 
@@ -113,8 +120,8 @@ LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector
       scores.coverage(f, h) = of_rollout.coverage.mean();
     }
   }
-  const Index best = scores.best();
-  return {kNoiseFactors[static_cast<std::size_t>(best)], scores.crps.row(best).transpose()};
+  return {kNoiseFactors[static_cast<std::size_t>(scores.chosen())],
+          scores.crps.row(scores.least()).transpose()};
 }
 
 }  // namespace npdr::pipeline

@@ -9,7 +9,7 @@ namespace npdr::pipeline {
 
 struct LeftOutScore {
   double noise_factor = 1.0;  ///< of the noise's unknown scales
-  Vector crps;                ///< (H) with noise, mean over channels
+  Vector crps;                ///< (H) with the noise that makes it least, mean over channels
 };
 
 /// How well the posterior at the likelihood's power a given the other rollouts predicts each
@@ -18,7 +18,8 @@ struct LeftOutScore {
 ///   w_i p(y_h | y_others, theta_i)^-a,
 /// and noise is as their errors of the other rollouts say at power 1 (weights_at_power()), its
 /// unknown scales times a power of sqrt(2), from 1/4 to 2: of those whose score is within a
-/// hundredth of the least, the one whose bands of 90 % hold a share nearest to that.
+/// hundredth of the least, 1 or the least's, unless another's bands of 90 % hold a share that is
+/// nearer to that by more than two points.
 /// `recorded`: (H, K, C).
 LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
                             const sim::Trajectories& rows, const Vector& weights, double power,

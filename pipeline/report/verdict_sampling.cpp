@@ -69,7 +69,7 @@ std::string words_of(double power, bool is_smallest) {
       "for what they lack",
       power,
       is_smallest ? ", the smallest that was tried, which predicts rollouts that are left out "
-                    "about as well as any (figures/powers)"
+                    "about as well as any"
                   : "");
 }
 
@@ -81,8 +81,8 @@ bool is_smallest_tried(const EvaluatedRun& run) {
 
 std::string text_of_powers(double smallest, double largest) {
   if (!(smallest < 1.0)) return "";
-  const std::string first = fmt::format(", power {:.2g}", smallest);
-  return smallest == largest ? first : first + fmt::format(" to {:.2g}", largest);
+  const std::string first = fmt::format("{:.2g}", smallest), last = fmt::format("{:.2g}", largest);
+  return ", power " + (first == last ? first : first + " to " + last);
 }
 
 // Of refined posteriors: the certificates of their draws.
@@ -103,10 +103,10 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
     add_new(faults, its);
     smallest = std::min(smallest, certificate.ess);
     heaviest = std::max(heaviest, certificate.pareto_k);
+    if (certificate.power <= power) is_smallest = is_smallest_tried(*run);
     power = std::min(power, certificate.power);
     largest_power = std::max(largest_power, certificate.power);
     has_pool |= certificate.pool_ess > 0.0;
-    is_smallest |= is_smallest_tried(*run);
   }
   const std::string text =
       fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest) +

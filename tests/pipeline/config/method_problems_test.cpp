@@ -77,6 +77,13 @@ TEST(MethodProblems, RefinementNeedsADensityOfTheNoise) {
       says(problems_of(edited(in_part, kMaf, refine)),
            {"s.toml:9:7: observation_noise.std = without theta_dot, must be of all channels",
             "'refine' needs noise in each"}));
+  const std::string none_of_theta =
+      edited(kStudyText, "[simulator]",
+             "[observation_noise]\nscale = 0.1\nstd = { theta = 0.0 }\n[simulator]");
+  EXPECT_TRUE(
+      says(problems_of(edited(none_of_theta, kMaf, refine)),
+           {"s.toml:10:17: observation_noise.std.theta = 0, must be > 0: algorithm 'refine' "
+            "needs noise in each channel"}));
   const auto problems = [&](const std::string& settings) {
     return problems_of(edited(noisy, kMaf, refine + "\nrefine = { " + settings + " }"));
   };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 namespace npdr::pipeline {
@@ -27,7 +28,8 @@ std::vector<float> white(double deviation, std::uint64_t row) {
 }
 
 LeftOutScore score_of(double spread_of_rows, double prior_deviation,
-                      const std::vector<float>& recorded = white(0.2, 0)) {
+                      const std::vector<float>& recorded = white(0.2, 0),
+                      const std::vector<float>& first_row = {}) {
   constexpr Index count = 400;
   sim::Trajectories rows;
   rows.resize(count, kRollouts, kSteps, 1);
@@ -36,6 +38,7 @@ LeftOutScore score_of(double spread_of_rows, double prior_deviation,
                       rows.row(i).begin());
     rows.status[static_cast<std::size_t>(i)] = sim::RolloutStatus::ok;
   }
+  std::ranges::copy(first_row, rows.row(0).begin());
   return left_out_score(sim::NoiseLikelihood(model_of(prior_deviation), recorded), recorded, rows,
                         Vector::Ones(count), 0.0, {1, "test", 0, 0, 0});
 }
@@ -56,12 +59,21 @@ TEST(LeftOut, NoiseThatRowsShowThemselvesIsLess) {
 }
 
 // Every fifth error has a deviation of 0.5, others of 0.1; together of 0.24. By the integrals of
-// normal distributions, factors of 1/2, 0.71 and 1 have scores of 1, 1.003 and 1.045 times the
-// least, and bands that hold .82, .88 and .91.
+// normal distributions, factors of 1/2, 0.71 and 1 have scores in the ratio of 1, 1.002 and 1.045,
+// and bands that hold .82, .88 and .91.
 TEST(LeftOut, OfNoisesThatScoreAlikeTheOneWithTheRightBandsIsTaken) {
   std::vector<float> recorded = white(0.1, 0);
   for (std::size_t i = 0; i < recorded.size(); i += 5) recorded[i] *= 5.0F;
   EXPECT_EQ(score_of(0.0, 1.0, recorded).noise_factor, 0.70711);
+}
+
+// A row that is off by 0.02 says that noise is that small; the others, which predict the recording
+// with it, are off by 1.4.
+TEST(LeftOut, WhereNoiseHardlyMattersItIsKept) {
+  std::vector<float> near = white(0.02, 1000);
+  const std::vector<float> recorded = white(1.0, 0);
+  std::ranges::transform(near, recorded, near.begin(), std::plus());
+  EXPECT_EQ(score_of(1.0, 1.0, recorded, near).noise_factor, 1.0);
 }
 
 }  // namespace
