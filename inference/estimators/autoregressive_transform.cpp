@@ -113,33 +113,32 @@ ColumnMatrixX<S> AutoregressiveTransform<S>::inverse(const Parameters<S>& parame
   const auto b_out = view(parameters, output_bias_);
   const Index m = z.rows();
   ColumnMatrixX<S> u(m, dimension_), raw(m, map_->num_parameters());
-  std::vector<RowMatrixX<S>> hidden(hidden_weight_.size() + 1, RowMatrixX<S>(m, hidden_));
+  // By columns, so that a degree's units lie together.
+  std::vector<ColumnMatrixX<S>> hidden(hidden_weight_.size() + 1, ColumnMatrixX<S>(m, hidden_));
   for (Index d = 0; d < dimension_; ++d) {
     // u_1..u_d are known, so the hidden units of degree d can be computed, and they never change.
     const Index begin = first_of_degree(d);
     const Index end = first_of_degree(d + 1);
     const Index width = end - begin;
+    const auto finish = [&](auto&& units, const auto& bias) {
+      units.rowwise() += bias.row(0).segment(begin, width);
+      units = units.array().tanh();
+    };
     if (width > 0) {
-      hidden[0].middleCols(begin, width) =
-          ((u.leftCols(d) * w_in.block(0, begin, d, width)).rowwise() +
-           context.row(0).segment(begin, width))
-              .array()
-              .tanh();
+      auto first = hidden[0].middleCols(begin, width);
+      first.noalias() = u.leftCols(d) * w_in.block(0, begin, d, width);
+      finish(first, context);
       for (std::size_t l = 0; l < hidden_weight_.size(); ++l) {
         const auto w = view(parameters, hidden_weight_[l]);
-        const auto b = view(parameters, hidden_bias_[l]);
-        hidden[l + 1].middleCols(begin, width) =
-            ((hidden[l].leftCols(end) * w.block(0, begin, end, width)).rowwise() +
-             b.row(0).segment(begin, width))
-                .array()
-                .tanh();
+        auto units = hidden[l + 1].middleCols(begin, width);
+        units.noalias() = hidden[l].leftCols(end) * w.block(0, begin, end, width);
+        finish(units, view(parameters, hidden_bias_[l]));
       }
     }
-    const auto& top = hidden.back();
-    for (Index p = 0; p < raw.cols(); ++p) {
-      const Index column = p * dimension_ + d;
-      raw.col(p) = (top.leftCols(end) * w_out.block(0, column, end, 1)).array() + b_out(0, column);
-    }
+    const auto own = Eigen::seqN(d, raw.cols(), dimension_);
+    const RowMatrixX<S> w = w_out(Eigen::seqN(0, end), own), b = b_out(Eigen::seqN(0, 1), own);
+    raw.noalias() = hidden.back().leftCols(end) * w;
+    raw.rowwise() += b.row(0);
     u.col(d) = map_->inverse(z.col(d), raw);
   }
   return u;

@@ -249,15 +249,18 @@ VectorX<S> SplineMap<S>::inverse(const VectorX<S>& z, const ColumnMatrixX<S>& ra
   shape(scratch, 1);
   SplineBins<S>& bin = scratch.bins;
   find_bins<Axis::z>(scratch, z.data(), bin);
-  VectorX<S> v = z;
+  VectorX<S> v(z.size());
+  const S *value = z.data(), *knot_v = bin.v.data(), *knot_z = bin.z.data(), *w = bin.w.data(),
+          *h = bin.h.data(), *d0 = bin.d0.data(), *d1 = bin.d1.data();
+  S* moved = v.data();
+#pragma omp simd
   for (Index i = 0; i < z.size(); ++i) {
-    if (!is_inside(z(i))) continue;
-    const S s = bin.h(i) / bin.w(i), y = z(i) - bin.z(i), bend = bin.d1(i) + bin.d0(i) - 2 * s;
-    const S a = bin.h(i) * (s - bin.d0(i)) + y * bend;
-    const S b = bin.h(i) * bin.d0(i) - y * bend;
+    const S s = h[i] / w[i], y = value[i] - knot_z[i], bend = d1[i] + d0[i] - 2 * s;
+    const S a = h[i] * (s - d0[i]) + y * bend;
+    const S b = h[i] * d0[i] - y * bend;
     const S c = -s * y;
     const S root = std::sqrt(std::max(S(0), b * b - 4 * a * c));
-    v(i) = bin.v(i) + bin.w(i) * 2 * c / (-b - root);
+    moved[i] = is_inside(value[i]) ? knot_v[i] + w[i] * 2 * c / (-b - root) : value[i];
   }
   return affine_.inverse(v, raw.leftCols(2));
 }

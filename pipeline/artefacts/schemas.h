@@ -7,7 +7,7 @@
 namespace npdr::pipeline {
 
 inline const Schema kTargetSchema{"target", 2, "target"};
-inline const Schema kProposalSchema{"proposal", 1, "propose"};
+inline const Schema kProposalSchema{"proposal", 2, "propose"};
 /// Shards lie in a folder with the key of their simulation: raise both versions together.
 inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
@@ -17,9 +17,9 @@ inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 12, "in
 inline const Schema kAskedRowsSchema{"asked_rows", 1, "infer"};
 inline const Schema kSimulatedRowsSchema{"simulated_rows", 1, "infer"};
 inline const Schema kBaselineSchema{"baseline", 5, "baseline"};
-inline const Schema kEvaluationSchema{"evaluation", 9, "evaluate"};
-inline const Schema kDiagnosisSchema{"diagnosis", 5, "diagnose"};
-inline const Schema kPolicySchema{"policy", 1, "policy"};
+inline const Schema kEvaluationSchema{"evaluation", 10, "evaluate"};
+inline const Schema kDiagnosisSchema{"diagnosis", 6, "diagnose"};
+inline const Schema kPolicySchema{"policy", 2, "policy"};
 inline const Schema kPolicyCheckpointSchema{"policy_checkpoint", 1, "policy"};
 inline const Schema kPolicyTestSchema{"policy_test", 1, "policy_test"};
 inline const Schema kReportSchema{"report", 6, "report"};
