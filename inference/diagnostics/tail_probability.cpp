@@ -6,19 +6,12 @@
 #include <limits>
 
 #include "core/error.h"
+#include "inference/pareto_tail.h"
 
 namespace npdr::inference {
 namespace {
 
 constexpr Index kFewestForTail = 40;
-
-// P(excess >= y) of a generalized Pareto distribution with the mean and variance of `excess`.
-double pareto_tail(const Eigen::ArrayXd& excess, double y) {
-  const double mean = excess.mean(), variance = (excess - mean).square().mean();
-  const double shape = std::max(0.0, 0.5 * (1.0 - mean * mean / variance));
-  const double scale = mean * (1.0 - shape);
-  return shape > 1e-6 ? std::pow(1.0 + shape * y / scale, -1.0 / shape) : std::exp(-y / scale);
-}
 
 // Of sorted values: counts, or zeros and ones, have no smooth tail.
 Index num_distinct(const Vector& sorted) {
@@ -43,14 +36,18 @@ double tail_probability(const Vector& reference, double observed) {
   const Index n = sorted.size(), above = (sorted.array() >= value).count();
   const double counted = static_cast<double>(1 + above) / static_cast<double>(1 + n);
   if (above >= fewest_above || n < kFewestForTail) return counted;
-  const Index in_tail = std::max(fewest_above, n / 10);
+  Index in_tail = std::max(fewest_above, n / 10);
+  while (in_tail < n && sorted(in_tail) == sorted(in_tail - 1)) ++in_tail;
+  if (in_tail == n) return counted;
   const double threshold = 0.5 * (sorted(in_tail - 1) + sorted(in_tail));
   if (value <= sorted(0) && num_distinct(sorted.head(in_tail)) < in_tail / 2) return counted;
-  const Eigen::ArrayXd excess = sorted.head(in_tail).array() - threshold;
-  if (!excess.allFinite() || excess.maxCoeff() <= excess.minCoeff()) return counted;
+  const Vector excess = sorted.head(in_tail).reverse().array() - threshold;
+  if (!excess.allFinite() || excess(in_tail - 1) <= excess(0)) return counted;
+  ParetoTail tail = fit_pareto_tail(excess);
+  tail.k = std::max(tail.k, 0.0);
   const double share = static_cast<double>(in_tail) / static_cast<double>(n);
-  const double fitted = share * pareto_tail(excess, std::max(0.0, value - threshold));
-  return std::clamp(fitted, smallest, counted);
+  const double fitted = share * tail.probability_beyond(std::max(0.0, value - threshold));
+  return std::isfinite(fitted) ? std::clamp(fitted, smallest, counted) : counted;
 }
 
 double smallest_tail_probability(Index n) {

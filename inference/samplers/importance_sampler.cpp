@@ -9,8 +9,8 @@
 #include <string>
 
 #include "core/error.h"
+#include "inference/pareto_tail.h"
 #include "inference/samplers/importance_weights.h"
-#include "inference/samplers/pareto_tail.h"
 #include "inference/standard_normal.h"
 #include "inference/weighted_moments.h"
 

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "inference/samplers/pareto_tail.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {
@@ -399,24 +398,6 @@ TEST(ImportanceSampler, RefusesALikelihoodThatIsZeroEverywhere) {
   ImportanceSampler sampler(kSmall, kDimension, {}, {1, "refinement", 1, 0, 0});
   const Vector none = Vector::Constant(2000, -std::numeric_limits<double>::infinity());
   EXPECT_THROW(sampler.tell(none), InputError);
-}
-
-TEST(ParetoTail, FindsTheShapeOfTheTail) {
-  // w = U^-k has the tail shape k. Its estimate from 3 sqrt(n) = 424 weights has standard error
-  // (1 + k) / sqrt(424) = 0.08 at most; the prior draws it to 0.5 by 10 of 434 weights' worth.
-  Stream stream({1, "start", 0, 0, 0});
-  for (const double k : {0.2, 0.5, 1.0}) {
-    Vector weights(20'000);
-    for (double& weight : weights) weight = std::pow(stream.uniform(), -k);
-    EXPECT_NEAR(pareto_k(weights), k, 4.0 * (1.0 + k) / std::sqrt(424.0));
-  }
-}
-
-TEST(ParetoTail, OfWeightsThatTellNothing) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(pareto_k(Vector::Ones(10)), infinity);
-  EXPECT_EQ(pareto_k(Vector::Zero(1000)), infinity);
-  EXPECT_EQ(pareto_k(Vector::Ones(1000)), -infinity);
 }
 
 }  // namespace

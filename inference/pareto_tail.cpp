@@ -1,4 +1,4 @@
-#include "inference/samplers/pareto_tail.h"
+#include "inference/pareto_tail.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,25 +15,31 @@ double mean_log(const Eigen::ArrayXd& excess, double theta) {
   return (1.0 - theta * excess).log().mean();
 }
 
-// k of the excesses (m), ascending and > 0.
-double fit(const Eigen::ArrayXd& excess) {
-  const auto m = static_cast<double>(excess.size());
-  const auto count = static_cast<Index>(30.0 + std::floor(std::sqrt(m)));
-  const double quartile = excess(static_cast<Index>(std::floor(m / 4.0 + 0.5)) - 1);
+}  // namespace
+
+double ParetoTail::probability_beyond(double y) const {
+  constexpr double exponential = 1e-6;
+  return k > exponential ? std::pow(1.0 + k * y / scale, -1.0 / k) : std::exp(-y / scale);
+}
+
+ParetoTail fit_pareto_tail(const Vector& excess) {
   const double largest = excess(excess.size() - 1);
+  const Eigen::ArrayXd x = (excess.array() / largest).max(std::numeric_limits<double>::epsilon());
+  const auto m = static_cast<double>(x.size());
+  const auto count = static_cast<Index>(30.0 + std::floor(std::sqrt(m)));
+  const double quartile = x(static_cast<Index>(std::floor(m / 4.0 + 0.5)) - 1);
   Vector theta(count), log_likelihood(count);
   for (Index i = 0; i < count; ++i) {
     const double share = static_cast<double>(count) / (static_cast<double>(i) + 0.5);
-    theta(i) = 1.0 / largest + (1.0 - std::sqrt(share)) / (3.0 * quartile);
-    const double k = mean_log(excess, theta(i));
+    theta(i) = 1.0 + (1.0 - std::sqrt(share)) / (3.0 * quartile);
+    const double k = mean_log(x, theta(i));
     log_likelihood(i) = m * (std::log(-theta(i) / k) - k - 1.0);
   }
   const Eigen::ArrayXd weights = (log_likelihood.array() - log_likelihood.maxCoeff()).exp();
   const double mean = (weights * theta.array()).sum() / weights.sum();
-  return (m * mean_log(excess, mean) + 5.0) / (m + 10.0);
+  const double k = mean_log(x, mean);
+  return {(m * k + 5.0) / (m + 10.0), -k / mean * largest};
 }
-
-}  // namespace
 
 double pareto_k(const Vector& weights) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -43,15 +49,11 @@ double pareto_k(const Vector& weights) {
   std::vector<double> sorted(weights.begin(), weights.end());
   std::ranges::sort(sorted);
   const double threshold = sorted[sorted.size() - static_cast<std::size_t>(tail) - 1];
-  const double largest = sorted.back();
-  if (!(largest > 0.0)) return infinity;
-  Eigen::ArrayXd excess(tail);
-  for (Index i = 0; i < tail; ++i) {
-    excess(i) = (sorted[sorted.size() - static_cast<std::size_t>(tail - i)] - threshold) / largest;
-  }
-  if (excess(excess.size() - 1) == 0.0) return -infinity;  // they all weigh the same
-  excess = excess.max(std::numeric_limits<double>::epsilon());
-  const double k = fit(excess);
+  if (!(sorted.back() > 0.0)) return infinity;
+  const Vector excess =
+      Eigen::Map<const Vector>(sorted.data(), std::ssize(sorted)).tail(tail).array() - threshold;
+  if (excess(tail - 1) == 0.0) return -infinity;  // they all weigh the same
+  const double k = fit_pareto_tail(excess).k;
   return std::isfinite(k) ? k : infinity;
 }
 
