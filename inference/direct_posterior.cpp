@@ -54,6 +54,7 @@ Samples DirectPosterior::draw(Index n, const StreamId& id) const {
     drawn.middleRows(b * kBlockRows, kBlockRows) =
         member.network.sample(member.weights, z_, kBlockRows, block);
   });
+  if (networks == 1) return {prior().to_theta(drawn.topRows(n).cast<double>())};
   RowMatrix u(drawn.rows(), drawn.cols());
   for (Index first = 0; first < n; first += networks) {
     StreamId order = within(id, "networks");

@@ -10,9 +10,13 @@ namespace {
 
 constexpr Index kFewest = 5;
 
-// Mean over x of log(1 - theta x): -k of the fit whose other parameter is theta.
-double mean_log(const Eigen::ArrayXd& excess, double theta) {
-  return (1.0 - theta * excess).log().mean();
+// Of the fit whose other parameter is theta: k, the mean of log(1 - theta x), and the scale
+// -k / theta, which is the mean of x for an exponential tail.
+ParetoTail tail_at(const Eigen::ArrayXd& x, double theta) {
+  constexpr double exponential = 1e-9;
+  if (std::abs(theta) < exponential) return {0.0, x.mean()};
+  const double k = (-theta * x).log1p().mean();
+  return {k, -k / theta};
 }
 
 }  // namespace
@@ -27,18 +31,17 @@ ParetoTail fit_pareto_tail(const Vector& excess) {
   const Eigen::ArrayXd x = (excess.array() / largest).max(std::numeric_limits<double>::epsilon());
   const auto m = static_cast<double>(x.size());
   const auto count = static_cast<Index>(30.0 + std::floor(std::sqrt(m)));
-  const double quartile = x(static_cast<Index>(std::floor(m / 4.0 + 0.5)) - 1);
+  const double quartile = x(std::max<Index>(static_cast<Index>(m / 4.0 + 0.5) - 1, 0));
   Vector theta(count), log_likelihood(count);
   for (Index i = 0; i < count; ++i) {
     const double share = static_cast<double>(count) / (static_cast<double>(i) + 0.5);
     theta(i) = 1.0 + (1.0 - std::sqrt(share)) / (3.0 * quartile);
-    const double k = mean_log(x, theta(i));
-    log_likelihood(i) = m * (std::log(-theta(i) / k) - k - 1.0);
+    const ParetoTail tail = tail_at(x, theta(i));
+    log_likelihood(i) = m * (-std::log(tail.scale) - tail.k - 1.0);
   }
   const Eigen::ArrayXd weights = (log_likelihood.array() - log_likelihood.maxCoeff()).exp();
-  const double mean = (weights * theta.array()).sum() / weights.sum();
-  const double k = mean_log(x, mean);
-  return {(m * k + 5.0) / (m + 10.0), -k / mean * largest};
+  const ParetoTail tail = tail_at(x, (weights * theta.array()).sum() / weights.sum());
+  return {(m * tail.k + 5.0) / (m + 10.0), tail.scale * largest};
 }
 
 double pareto_k(const Vector& weights) {
@@ -52,7 +55,8 @@ double pareto_k(const Vector& weights) {
   if (!(sorted.back() > 0.0)) return infinity;
   const Vector excess =
       Eigen::Map<const Vector>(sorted.data(), std::ssize(sorted)).tail(tail).array() - threshold;
-  if (excess(tail - 1) == 0.0) return -infinity;  // they all weigh the same
+  constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
+  if (excess(tail - 1) <= rounding * sorted.back()) return -infinity;  // they all weigh the same
   const double k = fit_pareto_tail(excess).k;
   return std::isfinite(k) ? k : infinity;
 }

@@ -14,10 +14,10 @@ struct ParetoTail {
   double probability_beyond(double y) const;
 };
 
-/// Fit to excesses (m) >= 0, ascending, at least one of them above 0 (Zhang and Stephens 2009, "A
-/// new and efficient estimation method for the generalized Pareto distribution", with the prior of
-/// Vehtari et al. 2024, "Pareto smoothed importance sampling": ten more excesses whose k is 0.5).
-/// k may not be finite.
+/// Fit to one excess or more, (m) >= 0, ascending, the last one above 0 (Zhang and Stephens 2009,
+/// "A new and efficient estimation method for the generalized Pareto distribution", with the prior
+/// of Vehtari et al. 2024, "Pareto smoothed importance sampling": ten more excesses whose k is
+/// 0.5). k may not be finite.
 ParetoTail fit_pareto_tail(const Vector& excess);
 
 /// k of the generalized Pareto distribution that fits the largest min(0.2 n, 3 sqrt n) of the

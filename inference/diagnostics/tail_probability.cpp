@@ -20,6 +20,15 @@ Index num_distinct(const Vector& sorted) {
   return count;
 }
 
+// At least `fewest` of the largest `wanted` values: those above its last one where it goes on
+// beyond them, or all that are as large.
+Index size_of_tail(const Vector& sorted, Index wanted, Index fewest) {
+  const double last = sorted(wanted - 1);
+  if (sorted(wanted) != last) return wanted;
+  const Index above = (sorted.array() > last).count();
+  return above >= fewest ? above : (sorted.array() >= last).count();
+}
+
 }  // namespace
 
 double tail_probability(const Vector& reference, double observed) {
@@ -36,8 +45,7 @@ double tail_probability(const Vector& reference, double observed) {
   const Index n = sorted.size(), above = (sorted.array() >= value).count();
   const double counted = static_cast<double>(1 + above) / static_cast<double>(1 + n);
   if (above >= fewest_above || n < kFewestForTail) return counted;
-  Index in_tail = std::max(fewest_above, n / 10);
-  while (in_tail < n && sorted(in_tail) == sorted(in_tail - 1)) ++in_tail;
+  const Index in_tail = size_of_tail(sorted, std::max(fewest_above, n / 10), fewest_above);
   if (in_tail == n) return counted;
   const double threshold = 0.5 * (sorted(in_tail - 1) + sorted(in_tail));
   if (value <= sorted(0) && num_distinct(sorted.head(in_tail)) < in_tail / 2) return counted;

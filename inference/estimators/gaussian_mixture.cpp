@@ -2,9 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 namespace npdr::inference {
 
@@ -29,22 +31,19 @@ Vector GaussianMixture::log_prob(const RowMatrix& u) const {
   return result;
 }
 
-Vector GaussianMixture::sample(Stream& stream) const {
-  const double p = stream.uniform();
-  Index k = 0;
-  double cumulative = std::exp(log_weights(0));
-  while (cumulative < p && k + 1 < num_components()) cumulative += std::exp(log_weights(++k));
-  Vector z(dimension());
-  for (double& value : z) value = stream.normal();
-  const auto i = static_cast<std::size_t>(k);
-  return means[i] + precision_factors[i].triangularView<Eigen::Upper>().solve(z);
-}
-
 RowMatrix GaussianMixture::sample(Index n, StreamId id) const {
+  Vector cumulative = log_weights.array().exp();
+  std::partial_sum(cumulative.begin(), cumulative.end(), cumulative.begin());
   RowMatrix u(n, dimension());
+  Vector z(dimension());
   for (Index i = 0; i < n; ++i, ++id.row) {
     Stream stream(id);
-    u.row(i) = sample(stream).transpose();
+    const double p = stream.uniform();
+    const Index k = std::ranges::lower_bound(cumulative, p) - cumulative.begin();
+    for (double& value : z) value = stream.normal();
+    const auto component = static_cast<std::size_t>(std::min(k, num_components() - 1));
+    precision_factors[component].triangularView<Eigen::Upper>().solveInPlace(z);
+    u.row(i) = (means[component] + z).transpose();
   }
   return u;
 }

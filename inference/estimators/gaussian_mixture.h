@@ -21,7 +21,6 @@ struct GaussianMixture {
 
   /// log p(u), u: (n, D).
   Vector log_prob(const RowMatrix& u) const;
-  Vector sample(Stream& stream) const;
   /// (n, D). Sample i has the stream of row id.row + i.
   RowMatrix sample(Index n, StreamId id) const;
 };

@@ -329,15 +329,7 @@ RowMatrixX<S> MixtureDensityNetwork<S>::sample(const Parameters<S>& parameters,
   MixtureScratch<S> scratch;
   scratch.hidden.resize(weights_.size() - 1);
   forward_heads(parameters, context, scratch);
-  const GaussianMixture q = mixture(scratch, 0);
-  RowMatrixX<S> u(count, dimension_);
-  for (Index i = 0; i < count; ++i) {
-    StreamId row = id;
-    row.row += static_cast<std::uint64_t>(i);
-    Stream stream(row);
-    u.row(i) = q.sample(stream).transpose().template cast<S>();
-  }
-  return u;
+  return mixture(scratch, 0).sample(count, id).template cast<S>();
 }
 
 template class MixtureDensityNetwork<float>;

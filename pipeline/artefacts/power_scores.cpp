@@ -21,8 +21,9 @@ void describe(Layout group, PowerScores& scores) {
   group("power", scores.power, {{"k"}}, "powers of the likelihood, where they were tried",
         {.unless_empty = true});
   group("noise_factor", scores.noise_factor, {{"k"}},
-        "of the noise's unknown scales, that predicts left-out rollouts", {.unless_empty = true});
-  group("crps", scores.crps, {{"k"}, {"H"}}, "CRPS with noise of each rollout, left out",
+        "of the noise's unknown scales, for predictions", {.unless_empty = true});
+  group("crps", scores.crps, {{"k"}, {"H"}},
+        "CRPS of each rollout, left out, with noise by the factor that makes it least",
         {.unless_empty = true});
   const Index k = scores.power.size();
   if (group.reads() && (scores.noise_factor.size() != k || scores.crps.rows() != k)) {

@@ -9,8 +9,9 @@ namespace npdr::pipeline {
 /// predicts that one.
 struct PowerScores {
   Vector power;         ///< (k), ascending
-  Vector noise_factor;  ///< (k) of the noise's unknown scales, that predicts left-out rollouts
-  RowMatrix crps;       ///< (k, H) with noise of each rollout, mean over channels
+  Vector noise_factor;  ///< (k) of the noise's unknown scales, for predictions
+  RowMatrix
+      crps;  ///< (k, H) of each rollout, mean over channels, with the factor that makes it least
 
   /// The number of the power whose mean over rollouts is least, of one or more.
   Index least() const;

@@ -72,8 +72,8 @@ void note_factor(Table& table, Cell& cell, const std::vector<const EvaluatedRun*
   if (smallest < largest) factors += fmt::format(" to {:.2g}", largest);
   cell.notes.push_back(table.footnote(
       factors +
-      " times the scale of what its parameters leave: with so much noise, predictions of left-out "
-      "rollouts are as wide as they should be"));
+      " times the scale of what its parameters leave: so much noise predicts left-out rollouts "
+      "best, or hardly worse with bands that hold more nearly what they should"));
 }
 
 // One row a channel with noise whose parameter has a prior.

@@ -90,7 +90,7 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   std::vector<std::string> faults, remedies;
   std::size_t failed = 0;
   double smallest = HUGE_VAL, heaviest = -HUGE_VAL, power = 1.0, largest_power = 0.0;
-  bool has_pool = false, is_smallest = false;
+  bool has_pool = false;
   for (const EvaluatedRun* run : runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
     std::vector<std::string> its = faults_of(certificate);
@@ -103,7 +103,6 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
     add_new(faults, its);
     smallest = std::min(smallest, certificate.ess);
     heaviest = std::max(heaviest, certificate.pareto_k);
-    if (certificate.power <= power) is_smallest = is_smallest_tried(*run);
     power = std::min(power, certificate.power);
     largest_power = std::max(largest_power, certificate.power);
     has_pool |= certificate.pool_ess > 0.0;
@@ -112,6 +111,9 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
       fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest) +
       text_of_powers(power, largest_power);
   if (failed == 0) {
+    const bool is_smallest = std::ranges::all_of(runs, [&](const EvaluatedRun* run) {
+      return run->notes.certificate->power > power || is_smallest_tried(*run);
+    });
     return {Check::sampling, Judgment::passes, "passes" + text, words_of(power, is_smallest)};
   }
   return {Check::sampling, Judgment::fails,

@@ -38,11 +38,21 @@ TEST(ParetoTail, FindsShapeAndScaleOfExcesses) {
   EXPECT_NEAR(ParetoTail({0.0, scale}).probability_beyond(y), std::exp(-y / scale), 1e-12);
 }
 
+TEST(ParetoTail, OfFewExcesses) {
+  for (const Index count : {1, 2, 3}) {
+    const ParetoTail tail = fit_pareto_tail(Vector::LinSpaced(count, 1.0, 2.0));
+    EXPECT_TRUE(std::isfinite(tail.k) && tail.scale > 0.0) << count;
+  }
+}
+
 TEST(ParetoTail, OfWeightsThatTellNothing) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(pareto_k(Vector::Ones(10)), infinity);
   EXPECT_EQ(pareto_k(Vector::Zero(1000)), infinity);
   EXPECT_EQ(pareto_k(Vector::Ones(1000)), -infinity);
+  Vector rounded = Vector::Ones(1000);
+  rounded.head(500).array() += std::numeric_limits<double>::epsilon();
+  EXPECT_EQ(pareto_k(rounded), -infinity) << "but for rounding";
 }
 
 }  // namespace

@@ -65,6 +65,18 @@ TEST(TailProbability, OfDiscreteValuesIsCounted) {
   EXPECT_LT(tail_probability(counts, 100.0), 1e-4) << "none was ever as far out";
 }
 
+TEST(TailProbability, OfEqualValuesIsThatOfTheOthers) {
+  Vector mostly_zero = Vector::Zero(1000);
+  mostly_zero.head(50) = exponentials(50, 1);
+  EXPECT_LT(tail_probability(mostly_zero, 1e6), 1e-5);
+  // A quartile of a third of the largest excess, where the fit's other parameter may be 0.
+  Vector counts = Vector::Zero(200);
+  counts.head(110).setOnes();
+  counts.head(23).setConstant(2.0);
+  counts.head(3).setConstant(3.0);
+  EXPECT_LT(tail_probability(counts, 1e6), 1e-4);
+}
+
 TEST(TailProbability, WhatIsNoNumberIsFarOut) {
   const Vector reference = exponentials(100, 1);
   const double nan = std::numeric_limits<double>::quiet_NaN();

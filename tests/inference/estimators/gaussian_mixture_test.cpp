@@ -28,9 +28,8 @@ TEST(GaussianMixture, SamplesHaveTheMomentsOfTheMixture) {
   constexpr int n = 40'000;
   Vector sum = Vector::Zero(2);
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(2, 2);
-  for (std::uint64_t i = 0; i < n; ++i) {
-    Stream stream({1, "mixture", 0, i, 0});
-    const Vector u = mixture.sample(stream);
+  const RowMatrix samples = mixture.sample(n, {1, "mixture", 0, 0, 0});
+  for (const Vector u : samples.rowwise()) {
     sum += u;
     products += u * u.transpose();
   }
