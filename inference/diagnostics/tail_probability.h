@@ -9,11 +9,10 @@ namespace npdr::inference {
 /// - Where ten or more reach `observed`, (1 + their number) / (1 + n): the p-value of a permutation
 ///   test.
 /// - What is infinite where no draw is can't be any of them: 1 / (1000 n), the smallest result.
-/// - Beyond, fewer say too little: the excesses of the largest tenth (at least ten) over
-///   a threshold are described by a generalized Pareto
-///   distribution (Pickands 1975; Knijnenburg et al. 2009, "Fewer permutations, more accurate
-///   P-values"; inference/pareto_tail.h). Its shape is taken as at least 0, so that no tail is said
-///   to end, and the result as at least 1 / (1000 n).
+/// - Beyond, fewer say too little: the excesses of the largest tenth (at least ten) over a
+///   threshold are described by a generalized Pareto distribution (Pickands 1975; Knijnenburg et
+///   al. 2009, "Fewer permutations, more accurate P-values"; inference/pareto_tail.h). Its shape is
+///   taken as at least 0, so that no tail is said to end, and the result as at least 1 / (1000 n).
 /// With n < 40 it is always one of the first two, and up to the largest draw also where fewer than
 /// half of that tenth differ: counts, or zeros and ones, have no smooth tail. Equal values aren't
 /// torn apart by the threshold: the tail is those above them, or of ten or fewer those as well, and

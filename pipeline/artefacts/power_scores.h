@@ -10,8 +10,7 @@ namespace npdr::pipeline {
 struct PowerScores {
   Vector power;         ///< (k), ascending
   Vector noise_factor;  ///< (k) of the noise's unknown scales, for predictions
-  RowMatrix
-      crps;  ///< (k, H) of each rollout, mean over channels, with the factor that makes it least
+  RowMatrix crps;       ///< (k, H) of each rollout, mean over channels, with the best factor
 
   /// The number of the power whose mean over rollouts is least, of one or more.
   Index least() const;
