@@ -53,7 +53,8 @@ class AutoregressiveTransform {
                 Eigen::Ref<RowMatrixX<S>> d_context) const;
 
   /// u(z), (m, D), for one context (1, hidden) of all rows: one variable after the other, each
-  /// hidden unit once.
+  /// hidden unit once. Products of matrices: a row's last bits may depend on m, so that callers
+  /// take blocks of the same size.
   ColumnMatrixX<S> inverse(const Parameters<S>& parameters,
                            const Eigen::Ref<const RowMatrixX<S>>& context,
                            const ColumnMatrixX<S>& z) const;

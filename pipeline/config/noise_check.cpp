@@ -47,7 +47,6 @@ class NoiseChecker : Checker {
   void require_all(const std::map<std::string, double>& deviations,
                    const std::vector<std::string>& labels) {
     const ObservationNoise& noise = study_.observation_noise;
-    const bool others_have = noise.scale > 0.0 || noise.scale_prior;
     if (std::ranges::none_of(study_.methods, [](const MethodConfig& method) {
           return method.algorithm.kind == inference::Algorithm::refine;
         })) {
@@ -57,7 +56,7 @@ class NoiseChecker : Checker {
     for (const auto& [label, deviation] : deviations) {
       if (deviation == 0.0) fail("observation_noise.std." + label, "0", "> 0: " + needed);
     }
-    if (others_have) return;
+    if (noise.scale > 0.0 || noise.scale_prior) return;
     std::vector<std::string> missing = labels;
     std::erase_if(missing, [&](const std::string& label) { return deviations.contains(label); });
     if (missing.empty()) return;
