@@ -16,42 +16,54 @@ namespace {
 constexpr Index kRowsForBounds = 500;
 constexpr Index kFirstRows = 2000;
 constexpr float kUsualRanges = 20.0f;
+constexpr float kRounding = 1e-6f;  // of a constant feature
 
 /// Bounds of what is usual, feature by feature, (F).
 struct Bounds {
   Eigen::ArrayXf lower, upper;
 };
 
-// Bounds from the quantiles of the first rows. A feature that hardly varies there has no
-// bounds.
-Bounds usual_bounds(const FeatureSource& x) {
+// Compresses the features that have a scale.
+template <class Values>
+void compress(const FeatureTransform& transform, Values&& x) {
+  for (Index f = 0; f < transform.center.size(); ++f) {
+    if (transform.inverse_scale(f) == 0.0f) continue;
+    x.col(f) = x.col(f).unaryExpr([&](float value) {
+      return compressed(value, transform.center(f), transform.inverse_scale(f));
+    });
+  }
+}
+
+// Bounds from the quantiles of the first rows, of compressed features of what they are compressed
+// to. A feature that hardly varies there has no bounds.
+Bounds usual_bounds(const FeatureSource& x, const FeatureTransform& transform) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   Bounds bounds{Eigen::ArrayXf::Constant(x.num_features(), -infinity),
                 Eigen::ArrayXf::Constant(x.num_features(), infinity)};
-  for_each_block(x, std::min(kRowsForBounds, x.num_rows()), [&](Index, const RowMatrixF& rows) {
+  for_each_block(x, std::min(kRowsForBounds, x.num_rows()), [&](Index, RowMatrixF& rows) {
+    compress(transform, rows);
     for (Index f = 0; f < rows.cols(); ++f) {
       std::vector<float> values(rows.col(f).begin(), rows.col(f).end());
       std::sort(values.begin(), values.end());
       const auto quantile = [&](double p) {
         return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1))];
       };
-      const float range = quantile(0.95) - quantile(0.05);
-      if (!(range > 0.0f)) continue;
-      bounds.lower(f) = quantile(0.05) - kUsualRanges * range;
-      bounds.upper(f) = quantile(0.95) + kUsualRanges * range;
+      const float low = quantile(0.05), high = quantile(0.95), range = high - low;
+      if (!(range > kRounding * std::max(std::abs(low), std::abs(high)))) continue;
+      bounds.lower(f) = low - kUsualRanges * range;
+      bounds.upper(f) = high + kUsualRanges * range;
     }
   });
   return bounds;
 }
 
-// Compresses the features that have a scale.
-template <class Values>
-void compress(const FeatureTransform& transform, Values&& x) {
-  for (Index f = 0; f < transform.center.size(); ++f) {
-    if (transform.inverse_scale(f) == 0.0f) continue;
-    x.col(f) = ((x.col(f).array() - transform.center(f)) * transform.inverse_scale(f))
-                   .unaryExpr([](float v) { return std::asinh(v); });
-  }
+// What lies far out keeps its order.
+float slowed(float z) {
+  constexpr float most = 1e36f;
+  const float size = std::abs(z);
+  if (!(size > FeatureTransform::kFarthest)) return z;
+  const float beyond = std::log(std::min(size, most) / FeatureTransform::kFarthest);
+  return std::copysign(FeatureTransform::kFarthest + beyond, z);
 }
 
 RowMatrixF first_rows(const FeatureSource& x) {
@@ -92,17 +104,21 @@ void find_heavy_tails(const FeatureSource& x, FeatureTransform& transform) {
 FeatureTransform standardization(const FeatureSource& x, Tails tails) {
   FeatureTransform transform;
   if (tails == Tails::compressed) find_heavy_tails(x, transform);
-  const Bounds bounds = usual_bounds(x);
+  const Bounds bounds = usual_bounds(x, transform);
   Vector mean = Vector::Zero(x.num_features());
   Vector squares = Vector::Zero(x.num_features());
   double count = 0.0;
-  for_each_block(x, x.num_rows(), [&](Index, const RowMatrixF& rows) {
+  for_each_block(x, x.num_rows(), [&](Index, RowMatrixF& rows) {
+    compress(transform, rows);
     for (Index i = 0; i < rows.rows(); ++i) {
       count += 1.0;
-      Eigen::RowVectorXf usual =
-          rows.row(i).array().max(bounds.lower.transpose()).min(bounds.upper.transpose());
-      compress(transform, usual);
-      const Vector value = usual.transpose().cast<double>();
+      const Vector value = rows.row(i)
+                               .transpose()
+                               .array()
+                               .max(bounds.lower)
+                               .min(bounds.upper)
+                               .matrix()
+                               .cast<double>();
       const Vector before = value - mean;
       mean += before / count;
       squares.array() += before.array() * (value - mean).array();
@@ -110,7 +126,8 @@ FeatureTransform standardization(const FeatureSource& x, Tails tails) {
   });
   const Eigen::ArrayXd deviation = (squares.array() / count).sqrt();
   // Rounding leaves a little variance in a constant feature of single precision.
-  const Eigen::ArrayXd smallest = 1e-6 * mean.array().abs() + FeatureTransform::kLeastDeviation;
+  const Eigen::ArrayXd smallest =
+      double{kRounding} * mean.array().abs() + FeatureTransform::kLeastDeviation;
   transform.mean = mean.cast<float>();
   transform.inverse_deviation = (deviation > smallest).select(1.0 / deviation, 0.0).cast<float>();
   return transform;
@@ -164,7 +181,7 @@ void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {
   RowMatrixF unprojected;
   RowMatrixF& standardized = projects ? unprojected : z;
   standardize(x, standardized);
-  standardized = standardized.cwiseMax(-kFarthest).cwiseMin(kFarthest);
+  standardized = standardized.unaryExpr(&slowed);
   if (projects) z.noalias() = standardized * basis;
 }
 

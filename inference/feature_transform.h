@@ -13,9 +13,9 @@
 ///
 /// A few simulations that all but diverged (a resonance, a stiff parameter) must not set the scale
 /// for all others: mean and deviation are those of x clamped to bounds far outside of the usual, 20
-/// times the distance of the 5 % and 95 % quantiles beyond them, and (x - mean) / deviation is
-/// clamped to
-/// +-100. Where nothing is that far out, as in every well-posed study, neither changes a bit.
+/// times the distance of the 5 % and 95 % quantiles beyond them, and a standardized s beyond +-100
+/// becomes +-(100 + log(|s| / 100)): it can still be told from others. Where nothing is that far
+/// out neither changes a bit.
 #pragma once
 
 #include <vector>
@@ -26,7 +26,7 @@
 namespace npdr::inference {
 
 struct FeatureTransform {
-  static constexpr float kFarthest = 100.0f;        ///< the clamp of standardized features
+  static constexpr float kFarthest = 100.0f;        ///< standardized value that counts in full
   static constexpr double kLeastDeviation = 1e-36;  ///< of a feature that varies
 
   VectorF mean;                ///< (F)

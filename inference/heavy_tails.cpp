@@ -9,14 +9,16 @@ namespace npdr::inference {
 namespace {
 
 constexpr std::size_t kFewestValues = 100;
-constexpr double kLeastGain = 0.2;                    // nats
-constexpr int kHalvings = 12;                         // of the range
-constexpr double kHeavy = 2.0;                        // of the whole range to the usual one
-constexpr double kWide = 30.0;                        // of magnitudes
-constexpr double kSmallest = 1e-30, kLargest = 1e30;  // scale, and values over it: floats
-constexpr double kUsualRanges = 20.0;                 // beyond the quantiles, where values end
+constexpr double kLeastGain = 0.2;    // nats
+constexpr int kHalvings = 10;         // of the share of distances
+constexpr double kHeavy = 2.0;        // of the whole range to the usual one
+constexpr double kWide = 30.0;        // of magnitudes
+constexpr double kFewOfOther = 0.05;  // values of the other sign
+constexpr double kOutliers = 0.002;   // at either end
+constexpr double kSmallest = 1e-30;   // scale
+constexpr double kRounding = 1e-6;    // of numbers near the center
 
-double quantile_of(const std::vector<float>& sorted, double p) {
+double quantile_of(const std::vector<double>& sorted, double p) {
   return sorted[static_cast<std::size_t>(p * static_cast<double>(sorted.size() - 1))];
 }
 
@@ -31,39 +33,85 @@ double log_likelihood(const Eigen::ArrayXd& values, double center, double scale)
   return -log_deviation(t) - 0.5 * v.square().log1p().mean() - std::log(scale);
 }
 
+// Distances from the center but 0, ascending.
+std::vector<double> distances_from(double center, const std::vector<double>& values) {
+  std::vector<double> distances;
+  for (const double value : values) {
+    if (value != center) distances.push_back(std::abs(value - center));
+  }
+  std::ranges::sort(distances);
+  return distances;
+}
+
+// The best compression of sorted values, and by how much.
+class Search {
+ public:
+  explicit Search(const std::vector<double>& sorted)
+      : usual_(Eigen::Map<const Eigen::ArrayXd>(sorted.data(), std::ssize(sorted))
+                   .max(quantile_of(sorted, kOutliers))
+                   .min(quantile_of(sorted, 1.0 - kOutliers))),
+        best_(kLeastGain - log_deviation(usual_)) {}
+
+  const std::optional<Compression>& found() const { return found_; }
+
+  void look_around(double center) {
+    const auto distances = distances_from(center, {usual_.begin(), usual_.end()});
+    if (distances.size() < kFewestValues) return;
+    const double least = std::max({kSmallest, kRounding * std::abs(center),
+                                   distances.back() / Compression::kLargestRatio});
+    consider(center, std::max(least, distances.front()));
+    for (int k = 0; k <= kHalvings; ++k) {
+      consider(center, std::max(least, quantile_of(distances, std::ldexp(1.0, -k))));
+    }
+  }
+
+ private:
+  void consider(double center, double scale) {
+    const double here = log_likelihood(usual_, center, scale);
+    if (!(here > best_)) return;
+    best_ = here;
+    found_ = Compression{static_cast<float>(center), static_cast<float>(scale)};
+  }
+
+  Eigen::ArrayXd usual_;
+  double best_;
+  std::optional<Compression> found_;
+};
+
+bool is_of_one_sign(const std::vector<double>& values) {
+  const auto positive = std::ranges::count_if(values, [](double v) { return v > 0.0; });
+  const auto negative = std::ranges::count_if(values, [](double v) { return v < 0.0; });
+  return static_cast<double>(std::min(positive, negative)) <=
+         kFewOfOther * static_cast<double>(positive + negative);
+}
+
+bool is_wide(const std::vector<double>& magnitudes) {
+  return !magnitudes.empty() &&
+         quantile_of(magnitudes, 0.95) >= kWide * quantile_of(magnitudes, 0.05);
+}
+
 }  // namespace
 
 std::optional<Compression> compression_of(std::vector<float> values) {
-  std::ranges::sort(values);
-  values.erase(std::ranges::unique(values).begin(), values.end());
   if (values.size() < kFewestValues) return std::nullopt;
-  const double low = quantile_of(values, 0.05), high = quantile_of(values, 0.95);
-  const double range = high - low;
-  const Eigen::ArrayXd usual = Eigen::Map<const VectorF>(values.data(), std::ssize(values))
-                                   .cast<double>()
-                                   .array()
-                                   .max(low - kUsualRanges * range)
-                                   .min(high + kUsualRanges * range);
-  double best = -log_deviation(usual) + kLeastGain;
-  std::optional<Compression> found;
-  const auto consider = [&](double center, double scale) {
-    const double farthest = (usual - center).abs().maxCoeff();
-    if (!(scale > kSmallest && farthest < kLargest * scale)) return;
-    const double here = log_likelihood(usual, center, scale);
-    if (!(here > best)) return;
-    best = here;
-    found = Compression{static_cast<float>(center), static_cast<float>(scale)};
-  };
-  const double whole = quantile_of(values, 0.995) - quantile_of(values, 0.005);
-  if (whole >= kHeavy * range) {
-    for (const double center : {low, quantile_of(values, 0.5), high}) {
-      for (int k = 0; k <= kHalvings; ++k) consider(center, std::ldexp(range, -k));
-    }
+  std::ranges::sort(values);
+  const std::vector<double> sorted(values.begin(), values.end());
+  const double low = quantile_of(sorted, 0.05), high = quantile_of(sorted, 0.95);
+  const double whole = quantile_of(sorted, 0.995) - quantile_of(sorted, 0.005);
+  const bool is_heavy = whole > 0.0 && whole >= kHeavy * (high - low);
+  Search search(sorted);
+  if (is_heavy) {
+    for (const double center : {low, quantile_of(sorted, 0.5), high}) search.look_around(center);
   }
-  // Of one sign, the smallest magnitude.
-  const double least = std::max(values.front(), -values.back());
-  if (least > 0.0 && std::max(high / low, low / high) >= kWide) consider(0.0, least);
-  return found;
+  if (is_of_one_sign(sorted) && (is_heavy || is_wide(distances_from(0.0, sorted)))) {
+    search.look_around(0.0);
+  }
+  return search.found();
+}
+
+float compressed(float value, float center, float inverse_scale) {
+  constexpr auto most = static_cast<float>(Compression::kLargestRatio);
+  return std::asinh(std::clamp((value - center) * inverse_scale, -most, most));
 }
 
 }  // namespace npdr::inference

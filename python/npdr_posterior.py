@@ -29,7 +29,9 @@ def transformed(x, t):  # (1, F or k)
     if "center" in t:
         scale = t["inverse_scale"]
         x = np.where(scale > 0, np.arcsinh((x - t["center"]) * scale), x)
-    z = np.clip((x - t["mean"]) * t["inverse_deviation"], -t["farthest"], t["farthest"])[None]
+    z = ((x - t["mean"]) * t["inverse_deviation"])[None]
+    far = t["farthest"]
+    z = np.where(abs(z) > far, np.sign(z) * (far + np.log(np.clip(abs(z), far, 1e36) / far)), z)
     return z @ t["basis"] if "basis" in t else z
 
 def positive(a):  # 1 at 0, at least 1e-3
@@ -132,7 +134,7 @@ class Network:
 class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l, or of both, pooled
     def __init__(self, path):
         with h5py.File(path) as f:
-            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 17] or "network_1" not in f:
+            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 18] or "network_1" not in f:
                 raise ValueError(f"{path}: not a trained posterior of schema 17; npdr run makes one")
             embedding = json.loads(f.attrs["trained_embedding"])
             config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]

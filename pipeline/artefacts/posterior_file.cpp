@@ -266,7 +266,7 @@ void describe(Layout f, std::vector<inference::Marginal>& prior) {
 
 void describe(Layout f, RowCounts& rows) {
   f.attribute("num_simulations", rows.used, "rows of all rounds that were used");
-  f.attribute("num_failed", rows.failed, "those that were left out because they failed");
+  f.attribute("num_failed", rows.failed, "those that failed: left out, or of likelihood 0");
 }
 
 void describe(Layout f, inference::FeatureTransform& transform) {
@@ -295,7 +295,8 @@ void describe(Layout f, inference::FeatureTransform& transform) {
     return;
   }
   group.attribute("farthest", double{inference::FeatureTransform::kFarthest},
-                  "standardized features beyond +- it are set to it, before the basis");
+                  "standardized features beyond it become it + log(|s| / it), with their sign, before the "
+                  "basis");
 }
 
 std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefact) {

@@ -73,9 +73,12 @@ class RolloutChecker : Checker {
                     shape_.num_steps + 1, "the states of a rollout");
       return;
     }
-    if (fewest_rollouts() == 1 && used_rollouts() > 1 && method.refine.sampling.cross_validate) {
-      fail(path + ".refine.cross_validate", "true",
-           "false: evaluate.leave_out leaves it a single rollout");
+    const std::string cross_validate = path + ".refine.cross_validate";
+    if (method.refine.sampling.cross_validate && fewest_rollouts() == 1 &&
+        reading_.good(cross_validate)) {
+      fail(cross_validate, "true",
+           used_rollouts() > 1 ? "false: evaluate.leave_out leaves it a single rollout"
+                               : "false with a single rollout: none can be left out");
     }
     if (!reads_setting(method.algorithm.kind, "embedding")) return;
     check_at_most(path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
@@ -147,11 +150,15 @@ void check_recording(const Study& study, const Target& recording) {
 void require_motion(const Study& study, const Target& rollouts) {
   for (const Rollout& rollout : rollouts.rollouts) {
     for (std::size_t c = 0; c < rollouts.state_channels.size(); ++c) {
-      const auto states = rollout.states.col(static_cast<Index>(c)).head(rollout.num_steps());
-      if (states.lpNorm<Eigen::Infinity>() > 0.0) continue;
+      // Distances leave the last state out, noise the first.
+      const Vector size = rollout.states.col(static_cast<Index>(c)).cwiseAbs();
+      if (size.head(rollout.num_steps()).maxCoeff() > 0.0 &&
+          size.tail(rollout.num_steps()).maxCoeff() > 0.0) {
+        continue;
+      }
       throw InputError(fmt::format(
-          "{}: target.recording: channel '{}' of rollout '{}' is 0 throughout, and errors are in "
-          "units of its maximum; leave out the rollout (target.rollouts){}",
+          "{}: target.recording: channel '{}' of rollout '{}' is 0 throughout, but perhaps for its "
+          "first or last state, and errors are in units of its maximum; leave out the rollout (target.rollouts){}",
           study.places.of("target.recording").str(), rollouts.state_channels[c].label, rollout.name,
           study.source().is_built_in ? "" : ", or the channel (simulator.states)"));
     }

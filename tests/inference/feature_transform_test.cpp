@@ -27,7 +27,32 @@ TEST(FeatureTransform, AFewSimulationsThatAllButDivergedDontSetTheScale) {
   fit_feature_transform(MatrixFeatures(x), 0).apply(x, with_outliers);
   // Two of 1000 rows at the bounds, about 70 deviations away, widen the deviation threefold.
   EXPECT_GT(with_outliers.row(0).norm(), 0.2f * usual.row(0).norm());
-  EXPECT_LE(with_outliers.cwiseAbs().maxCoeff(), 100.0f);
+  EXPECT_LE(with_outliers.cwiseAbs().maxCoeff(), 200.0f);
+}
+
+// What few simulations have can be told apart, however far from all others.
+TEST(FeatureTransform, WhatLiesFarOutKeepsItsOrder) {
+  RowMatrixF x = random_matrix(1000, 1, 1).cast<float>();
+  x.topRows(3) << 1e4f, 1e6f, -1e36f;
+  RowMatrixF z;
+  fit_feature_transform(MatrixFeatures(x), 0).apply(x, z);
+  EXPECT_GT(z(0, 0), 100.0f);
+  EXPECT_NEAR(z(1, 0) - z(0, 0), std::log(100.0f), 1e-3f);
+  EXPECT_LT(z(2, 0), -150.0f);
+  EXPECT_TRUE(z.allFinite());
+}
+
+// Equal but for rounding in nearly all simulations: the others tell something.
+TEST(FeatureTransform, RoundingIsNoScale) {
+  RowMatrixF x = RowMatrixF::Ones(1000, 1);
+  for (Index i = 0; i < 1000; i += 3) x(i, 0) -= 1.2e-7f;
+  x.topRows(30) = 0.5f * RowMatrixF::Ones(30, 1) + 0.1f * random_matrix(30, 1, 1).cast<float>();
+  RowMatrixF z;
+  for (const Tails tails : {Tails::kept, Tails::compressed}) {
+    fit_feature_transform(MatrixFeatures(x), 0, tails).apply(x, z);
+    EXPECT_GT(std::abs(z(0, 0) - z(1, 0)), 1e-2f);
+    EXPECT_GT(std::abs(z(0, 0) - z(999, 0)), 1.0f);
+  }
 }
 
 TEST(FeatureTransform, LeavesOutAConstantFeature) {

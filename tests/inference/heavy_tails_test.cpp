@@ -28,6 +28,44 @@ TEST(HeavyTails, AreOfWhatSpansOrdersOfMagnitude) {
   EXPECT_TRUE(compression_of(values_of(2000, [](double z) { return std::sinh(3.0 * z) + 1e3; })));
 }
 
+// The scale is the smallest of the numbers that follow each other closely: a count of 1, not 0.
+TEST(HeavyTails, ZerosAndStraySignsLeaveTheLogarithm) {
+  const auto counts = values_of(2000, [](double z) {
+    return std::floor(std::pow(10.0, -1.0 + 5.0 * uniform(z)));
+  });
+  const auto of_counts = compression_of(counts);
+  ASSERT_TRUE(of_counts);
+  EXPECT_EQ(of_counts->center, 0.0f);
+  EXPECT_EQ(of_counts->scale, 1.0f);
+  auto decades = values_of(2000, [](double z) { return std::pow(10.0, 10.0 * uniform(z) - 10.0); });
+  const auto whole = compression_of(decades);
+  ASSERT_TRUE(whole);
+  decades.front() = 0.0f;
+  decades.back() = -1e-9f;
+  decades[7] = 1e-32f;
+  const auto with_strays = compression_of(decades);
+  ASSERT_TRUE(with_strays);
+  for (const auto& found : {*whole, *with_strays}) EXPECT_LT(found.scale, 1e-9f);
+}
+
+// Nearly all are a few counts, one of thirty is a catastrophe of any size.
+TEST(HeavyTails, AreOfARareRegime) {
+  const auto values = values_of(2000, [](double z) {
+    return uniform(z) > 0.97 ? std::pow(10.0, 4.0 + 66.0 * (uniform(z) - 0.97))
+                             : std::round(std::abs(2.0 * std::sin(99.0 * z)));
+  });
+  const auto found = compression_of(values);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->scale, 10.0f);
+}
+
+TEST(HeavyTails, ArentOfAFewOutliers) {
+  auto values = values_of(2000, [](double z) { return z; });
+  values[3] = 1e30f;
+  values[4] = -1e20f;
+  EXPECT_FALSE(compression_of(values));
+}
+
 TEST(HeavyTails, ArentOfWhatHasAScale) {
   EXPECT_FALSE(compression_of(values_of(2000, [](double z) { return z; })));
   EXPECT_FALSE(compression_of(values_of(2000, [](double z) { return uniform(z); })));

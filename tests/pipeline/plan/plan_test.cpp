@@ -243,6 +243,26 @@ TEST(Plan, AStudyPicksRolloutsOfItsRecording) {
                     "must be <= 2, what the recording holds"}));
 }
 
+TEST(Plan, ARefinementThatLeavesRolloutsOutNeedsTwo) {
+  const TempFolder folder;
+  write_constant(folder / "r.h5");
+  const std::string text =
+      StudyText("one")
+          .with("target", {"recording = \"" + (folder / "r.h5").string() + "\""})
+          .with("simulator", {"name = \"pendulum\""})
+          .with("prior", {"pole_mass = { uniform = [0.3, 1.7] }"})
+          .with("observation_noise", {"scale = 0.1"})
+          .method("A", {"algorithm = \"refine\"", "refine = { cross_validate = true }"});
+  const auto plan = [&](const std::string& rollouts) {
+    make_plan(parse_study(text, "one.toml", {"target.rollouts=" + rollouts}), WorkFolder("runs"));
+  };
+  EXPECT_NO_THROW(plan("[2, 1]"));
+  EXPECT_NE(message_of<InputError>([&] { plan("[2]"); })
+                .find("refine.cross_validate = true, must be false with a single rollout"),
+            std::string::npos)
+      << message_of<InputError>([&] { plan("[2]"); });
+}
+
 TEST(Plan, AChannelThatIsZeroThroughoutIsNamed) {
   const TempFolder folder;
   write_constant(folder / "r.h5");
@@ -253,6 +273,9 @@ TEST(Plan, AChannelThatIsZeroThroughoutIsNamed) {
   EXPECT_TRUE(says(message_of<InputError>([&] { require_motion(plan.study, plan.target); }),
                    {"--set target.recording=", "channel 'theta_dot' of rollout 'second' is 0",
                     "leave out the rollout (target.rollouts)"}));
+  plan.target.rollouts[1].states.col(1).setZero();
+  plan.target.rollouts[1].states(0, 1) = 1.0;  // the first one, of which there is no noise
+  EXPECT_THROW(require_motion(plan.study, plan.target), InputError);
 }
 
 TEST(Plan, ARecordingHasTwoStepsAtLeast) {
@@ -387,10 +410,10 @@ TEST(Plan, KeysOfStudiesWithoutPoliciesStay) {
   const auto report_key = [](const std::vector<std::string>& overrides) {
     return plan_of(overrides).node(Stage::report, {}).key;
   };
-  EXPECT_EQ(report_key({}), "c25c4f109254af60a89e138772b09448");
-  EXPECT_EQ(report_key({"diagnose={}"}), "f8ed263d5170c2de98fe2a8a0aef4a3e");
+  EXPECT_EQ(report_key({}), "1be0bd4798f6d755efb791eb429f5552");
+  EXPECT_EQ(report_key({"diagnose={}"}), "19f308f040ee87c2f3d0d06d0c0893e9");
   EXPECT_EQ(report_key({"method.A.algorithm=abc_smc", "target.held_out=1", "evaluate.rounds=all"}),
-            "878b86f96ec02d92b2403474fe532200");
+            "b4e5e8c60ac6857e4c2cafc4a57d9a7e");
 }
 
 // The last round's posterior holds all that a population needs of the rounds before it.
