@@ -29,6 +29,15 @@ Index size_of_tail(const Vector& sorted, Index wanted, Index fewest) {
   return above >= fewest ? above : (sorted.array() >= last).count();
 }
 
+// The number that is expected of a Poisson variable which is `count` or more with a probability of
+// 10 %.
+double fewest_expected(Index count) {
+  constexpr double quantile = 1.2816;  // of the normal distribution
+  const auto k = static_cast<double>(count);
+  if (count == 0) return 0.0;
+  return k * std::pow(1.0 - 1.0 / (9.0 * k) - quantile / (3.0 * std::sqrt(k)), 3);
+}
+
 }  // namespace
 
 double tail_probability(const Vector& reference, double observed) {
@@ -55,7 +64,8 @@ double tail_probability(const Vector& reference, double observed) {
   tail.k = std::max(tail.k, 0.0);
   const double share = static_cast<double>(in_tail) / static_cast<double>(n);
   const double fitted = share * tail.probability_beyond(std::max(0.0, value - threshold));
-  return std::isfinite(fitted) ? std::clamp(fitted, smallest, counted) : counted;
+  const double least = std::max(smallest, fewest_expected(above) / static_cast<double>(n));
+  return std::isfinite(fitted) ? std::clamp(fitted, least, counted) : counted;
 }
 
 double smallest_tail_probability(Index n) {

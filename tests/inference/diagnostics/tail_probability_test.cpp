@@ -55,6 +55,16 @@ TEST(TailProbability, FalseAlarmsOfHeavyTailsAreRare) {
   EXPECT_LT(alarms, 15);
 }
 
+// Five of 1000 that lie together far from all others. Ten are expected to be five or fewer with a
+// probability of 7 %, two to be five or more with 5 %.
+TEST(TailProbability, OfWhatOtherValuesReachIsBorneOutByThem) {
+  Vector values = exponentials(1000, 1);
+  values.head(5) = Vector{{500.0, 501.0, 502.5, 503.0, 505.0}};
+  const double found = tail_probability(values, 500.0);
+  EXPECT_GT(found, 2.0 / 1000.0);
+  EXPECT_LE(found, 6.0 / 1001.0);
+}
+
 TEST(TailProbability, OfDiscreteValuesIsCounted) {
   Vector binary = Vector::Zero(1000);
   binary.head(5).setOnes();
