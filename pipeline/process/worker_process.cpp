@@ -49,17 +49,25 @@ class Exchange {
            const std::function<std::size_t(const std::string&)>& body_size, std::vector<char>& body)
       : shell_(shell), unsent_(request), body_size_(body_size), body_(body) {}
 
-  bool is_complete() const { return has_header_ && num_read_ == body_.size(); }
+  bool is_complete() const { return has_reply() && unsent_.empty(); }
   bool has_failed() const { return !reply_.problem.empty(); }
   bool is_closed() const { return is_closed_; }
   bool has_begun() const { return has_header_; }
   WorkerReply& reply() { return reply_; }
 
+  // What is there before a request is sent is no reply to it.
+  void require_silence() {
+    pollfd output{shell_.output_stream(), POLLIN, 0};
+    if (poll(&output, 1, 0) > 0 && (output.revents & POLLIN) != 0) {
+      reject("it goes on after the last one, which was a whole one: each request has one reply");
+    }
+  }
+
   // Waits until something can be done, and does it. False when nothing could for a while.
   bool go_on() {
     std::array<pollfd, 3> events = {
         pollfd{unsent_.empty() ? -1 : shell_.input_stream(), POLLOUT, 0},
-        pollfd{is_closed_ ? -1 : shell_.output_stream(), POLLIN, 0},
+        pollfd{is_closed_ || has_reply() ? -1 : shell_.output_stream(), POLLIN, 0},
         pollfd{shell_.output_descriptor(), POLLIN, 0}};
     const bool is_quiet = poll(events.data(), events.size(), kPollMilliseconds) == 0;
     if (events[2].revents != 0) shell_.read_output();
@@ -69,6 +77,8 @@ class Exchange {
   }
 
  private:
+  bool has_reply() const { return has_header_ && num_read_ == body_.size(); }
+
   void send() {
     const ssize_t count = write_quietly(shell_.input_stream(), unsent_);
     if (count >= 0) unsent_ = unsent_.subspan(static_cast<std::size_t>(count));
@@ -76,7 +86,7 @@ class Exchange {
   }
 
   void receive() {
-    while (!is_complete() && !has_failed()) {
+    while (!has_reply() && !has_failed()) {
       const ssize_t count = has_header_ ? receive_body() : receive_header();
       if (count < 0 && errno == EINTR) continue;
       if (count == 0) is_closed_ = true;
@@ -144,6 +154,7 @@ WorkerReply WorkerProcess::exchange(std::span<const char> request, double time_l
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   Exchange exchange(shell_, request, body_size, body);
   WorkerReply& reply = exchange.reply();
+  exchange.require_silence();
   std::optional<double> closed;
   while (!exchange.is_complete() && !exchange.has_failed()) {
     stop_here_if_requested();

@@ -1,5 +1,7 @@
 // Workers that do what they shouldn't, spoken to as the pipeline does. They are shell scripts
 // around a program that speaks the protocol, so that nothing has to be installed.
+#include <unistd.h>
+
 #include <cmath>
 #include <fstream>
 
@@ -77,6 +79,11 @@ while True:
         replies.write(json.dumps(reply).encode() + b"\n")
         replies.write(struct.pack("<%dd" % len(states), *states) + bytes(status))
     replies.flush()
+    if what == "twice" and bad in arrays["theta"]:
+        time.sleep(0.05)
+        replies.write(json.dumps(reply).encode() + b"\n")
+        replies.write(struct.pack("<%dd" % len(states), *states) + bytes(status))
+        replies.flush()
 )py";
 
 class Workers : public ::testing::Test {
@@ -175,6 +182,21 @@ TEST_F(Workers, OnlyTheCulpritOfABadReplyIsLost) {
   expect_only_five_is(run(12, "prints"), RolloutStatus::bad_output);
   expect_only_five_is(run(12, "shape"), RolloutStatus::bad_output);
   expect_only_five_is(run(12, "nests"), RolloutStatus::bad_output);
+}
+
+// A reply to nothing isn't taken for that to the next request, whose rows it would shift.
+TEST_F(Workers, AReplyTooManyIsNoneToTheNextRequest) {
+  ExternalSimulator simulator = Workers::simulator("twice", "5");
+  const auto value = [&](double a) {
+    return simulator.simulate(RowMatrix::Constant(1, 1, a), {1, "test", 0, 0, 0}).rollout(0, 0)(0, 0);
+  };
+  EXPECT_EQ(value(5.0), 5.0f);
+  usleep(500'000);
+  EXPECT_TRUE(std::isnan(value(6.0))) << "without retries";
+  EXPECT_NE(simulator.last_failure().find("each request has one reply"), std::string::npos)
+      << simulator.last_failure();
+  EXPECT_EQ(value(7.0), 7.0f);
+  EXPECT_EQ(lines_of("starts"), 2);
 }
 
 TEST_F(Workers, AClosedOutputIsNotWaitedFor) {
