@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -18,8 +19,8 @@ namespace {
 
 using sim::RolloutStatus;
 
-// So many rows that fail first, and none that doesn't: the fault isn't theirs. With half of all
-// rows failing that happens by chance to one simulation of 2^32.
+// So many rows in a row that fail: perhaps the fault isn't theirs. With half of all rows failing
+// that happens by chance once in 2^33 rows.
 constexpr Index kHopelessRows = 32;
 
 constexpr std::size_t kLargestLog = 1 << 20;
@@ -150,21 +151,36 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
 void ExternalSimulator::take(Task& task, Index begin, const sim::Trajectories& rows) {
   std::ranges::copy(rows.values, task.result.row(begin).begin());
   std::ranges::copy(rows.status, task.result.status.begin() + begin);
-  const Index crashed = std::ranges::count(rows.status, RolloutStatus::crashed);
-  num_done_ += rows.num_rows - crashed;
-  count_lost(crashed);
+  Index end = rows.num_rows;  // of all before those that are lost at the end
+  while (end > 0 && rows.status[static_cast<std::size_t>(end - 1)] == RolloutStatus::crashed) --end;
+  if (end > 0) keep_as_good(task, begin + end - 1);
+  for (Index i = end; i < rows.num_rows; ++i) count_lost();
+}
+
+void ExternalSimulator::keep_as_good(const Task& task, Index row) {
+  const auto i = static_cast<std::size_t>(row);
+  good_ = Task{task.theta.row(row), task.num_rows, {task.seeds[i]}, {task.rows[i]}, {}};
+  num_lost_ = 0;
 }
 
 void ExternalSimulator::give_up(Task& task, Index row, RolloutStatus status) {
   sim::lose_row(row, status, task.result);
   ++task.num_lost;
-  count_lost(1);
+  count_lost();
 }
 
-void ExternalSimulator::count_lost(Index count) {
-  num_lost_ += count;
-  if (num_done_ > 0 || num_lost_ < kHopelessRows) return;
-  fail(fmt::format("failed for each of {} rows", num_lost_), last_failure_);
+// Of many rows in a row a good one tells whether they fail, or the program, its licence, the disk.
+void ExternalSimulator::count_lost() {
+  if (++num_lost_ < kHopelessRows) return;
+  const Index num_lost = std::exchange(num_lost_, 0);
+  if (!good_) fail(fmt::format("failed for each of {} rows", num_lost), last_failure_);
+  Task again = *std::exchange(good_, std::nullopt);
+  again.result = program_->empty(1);
+  RolloutStatus status = RolloutStatus::ok;
+  if (repeat(again, 0, 1, status) && good_) return;
+  fail(fmt::format("failed for the last {} rows, and then for one that it had simulated before",
+                   num_lost),
+       last_failure_);
 }
 
 // Keeps the first failure: those after it are its repetitions, of fewer and fewer rows.

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,8 @@ class ExternalSimulator {
   /// of row 0. `num_rows`: what the time limit is for; a call has its share of it. Row i is NaN
   /// where its status isn't ok; where a value isn't finite, the row diverged. Rows outside of their
   /// parameters' limits aren't simulated. Throws Error with the
-  /// program and the end of its output when it can't be run or fails for each of many rows;
-  /// Checkpointed when this process is asked to stop.
+  /// program and the end of its output when it can't be run, or fails for each of many rows and for
+  /// one that went well before; Checkpointed when this process is asked to stop.
   sim::Trajectories simulate(const RowMatrix& theta, const StreamId& first, Index num_rows = 0);
 
   /// The time limit [s] of a call with `count` of `num_rows` rows: the share of the whole one, and
@@ -69,7 +70,8 @@ class ExternalSimulator {
   bool call(Task& task, Index begin, Index end, sim::RolloutStatus& status);
   void take(Task& task, Index begin, const sim::Trajectories& rows);
   void give_up(Task& task, Index row, sim::RolloutStatus status);
-  void count_lost(Index count);
+  void keep_as_good(const Task& task, Index row);
+  void count_lost();
   void note(const std::string& heading, const ProgramOutcome& outcome, Task& task);
   void write_log();
   [[noreturn]] void fail(const std::string& what, const std::string& why) const;
@@ -85,8 +87,8 @@ class ExternalSimulator {
   std::string last_failure_;
   std::string last_warning_;
   Index num_calls_ = 0;
-  Index num_done_ = 0;  ///< rows that have a result, of all calls
-  Index num_lost_ = 0;  ///< and that haven't
+  std::optional<Task> good_;  ///< the last row that has a result
+  Index num_lost_ = 0;        ///< rows since then
 };
 
 }  // namespace npdr::pipeline

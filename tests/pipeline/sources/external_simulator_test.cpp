@@ -177,6 +177,29 @@ TEST_F(ExternalSimulators, AProgramThatAlwaysFailsIsAnErrorAfterSomeRows) {
   EXPECT_LT(simulator.num_calls(), 100);
 }
 
+// The licence goes after some rows. Rows that fail are theirs as long as one that went well before
+// still does.
+TEST_F(ExternalSimulators, AProgramThatFailsFromSomeTimeOnIsAnError) {
+  study_.external.command = "test -e gone && exit 5; BAD='' WHAT=none sh sim.sh";
+  ExternalSimulator simulator = program(folder_ / "log");
+  RowMatrix theta = RowMatrix::Zero(100, 2);
+  simulator.simulate(theta, {1, "test", 0, 0, 0});
+  folder_.file("gone", "");
+  const std::string message =
+      message_of<Error>([&] { simulator.simulate(theta, {1, "test", 0, 100, 0}); });
+  EXPECT_NE(message.find("failed for the last 32 rows, and then for one that it had simulated "
+                         "before: exit status 5"),
+            std::string::npos)
+      << message;
+}
+
+TEST_F(ExternalSimulators, ManyRowsInARowMayFail) {
+  std::string bad;
+  for (int a = 10; a < 90; ++a) bad += std::to_string(a) + " ";
+  const sim::Trajectories x = run(100, bad, "crash");
+  EXPECT_EQ(failed_rows(x, RolloutStatus::crashed).size(), 80u);
+}
+
 TEST_F(ExternalSimulators, TheLogHoldsWhatWasPrinted) {
   {
     study_.external.command = "echo hello; sh sim.sh {theta} {x}";
