@@ -32,6 +32,11 @@ void describe(Layout group, PowerScores& scores) {
   }
 }
 
+bool PowerScores::ends_at_least(double most) const {
+  const Index k = power.size();
+  return k > 0 && power(k - 1) < most && k - 1 == least();
+}
+
 Index PowerScores::least() const {
   Index least = 0;
   crps.rowwise().mean().minCoeff(&least);

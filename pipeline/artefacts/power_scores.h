@@ -14,6 +14,8 @@ struct PowerScores {
 
   /// The number of the power whose mean over rollouts is least, of one or more.
   Index least() const;
+  /// Whether powers up to `most` that are larger than all of these might be better still.
+  bool ends_at_least(double most) const;
   /// The standard error of a power's mean over rollouts, of two or more.
   double standard_error(Index power_number) const;
   /// The factor at the largest of these powers that isn't above `wanted`; 1 where there is none.

@@ -18,10 +18,12 @@ void note_failed_rows(Table& table, const ReportData& data) {
       used += run->notes.rows.used;
       failed += run->notes.rows.failed;
     }
-    if (failed > 0) {
-      table.footnote(fmt::format("{}: {} of {} simulations failed and were left out of training",
-                                 method, failed, used + failed));
-    }
+    if (failed == 0) continue;
+    const bool is_refined =
+        data.plan.study.method(method).algorithm.kind == inference::Algorithm::refine;
+    table.footnote(fmt::format(
+        "{}: {} of {} simulations failed and {}", method, failed, used + failed,
+        is_refined ? "count as impossible parameters" : "were left out of training"));
   }
 }
 

@@ -79,6 +79,15 @@ bool is_smallest_tried(const EvaluatedRun& run) {
   return tried.size() > 1 && run.notes.certificate->wanted_power <= tried(0);
 }
 
+// Whether a method's search for the power ended before it had seen enough.
+bool is_search_cut(const ReportData& data, const Runs& runs) {
+  const Study& study = data.plan.study;
+  return std::ranges::any_of(runs, [&](const EvaluatedRun* run) {
+    return run->notes.powers.ends_at_least(
+        study.method(run->use.method).refine.sampling.likelihood_power);
+  });
+}
+
 std::string text_of_powers(double smallest, double largest) {
   if (!(smallest < 1.0)) return "";
   const std::string first = fmt::format("{:.2g}", smallest), last = fmt::format("{:.2g}", largest);
@@ -110,6 +119,11 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   const std::string text =
       fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest) +
       text_of_powers(power, largest_power);
+  if (failed == 0 && is_search_cut(data, runs)) {
+    return {Check::sampling, Judgment::passes, "passes" + text,
+            "the largest power that was reached predicts rollouts that are left out best, and "
+            "larger ones may do better: raise refine.max_simulations"};
+  }
   if (failed == 0) {
     const bool is_smallest = std::ranges::all_of(runs, [&](const EvaluatedRun* run) {
       return run->notes.certificate->power > power || is_smallest_tried(*run);

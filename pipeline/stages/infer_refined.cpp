@@ -74,6 +74,7 @@ class Refinement {
       if (const std::optional<Vector> log_likelihood = simulate_next(failed)) {
         const Index level = sampler_.state().num_levels;
         sampler_.tell(*log_likelihood);
+        require_simulations(failed);
         if (sampler_.state().num_levels != level) cross_validate();
         show(sampler_.state().num_draws);
       }
@@ -86,15 +87,35 @@ class Refinement {
   inference::ImportanceSample sample() const { return sampler_.particles(kMostParticles); }
   const inference::Prior& prior() const { return prior_; }
   const PowerScores& powers() const { return search_.scores(); }
-  bool is_search_cut() const { return search_.ends_at_least(config_.likelihood_power); }
+  // "; the last: ..."; "": nothing is known of any.
+  std::string words_of_failure() const {
+    const std::string last = likelihood_.last_failure();
+    return last.empty() ? "" : "; the last: " + last;
+  }
+  bool is_search_cut() const { return search_.scores().ends_at_least(config_.likelihood_power); }
 
  private:
+  // As of other simulations. What failed since the last checkpoint is simulated again by who goes on
+  // from there: perhaps the fault was the machine's.
+  void require_simulations(Index failed) {
+    const Index n = std::max(sampler_.state().num_draws, config_.level_size);
+    const double limit = plan_.study.limits.max_failed_fraction;
+    if (static_cast<double>(failed) <= limit * static_cast<double>(n)) return;
+    rows_.forget(sampler_.state().num_draws);
+    throw FailedRolloutsError(fmt::format(
+        "{}: {} of {} simulations failed, limits.max_failed_fraction = {} allows {} of {}; a "
+        "refinement takes their parameters for impossible: {}, or raise the limit{}",
+        node_.label(), failed, sampler_.state().num_draws, limit,
+        static_cast<Index>(limit * static_cast<double>(n)), n, plan_.study.source().advice,
+        words_of_failure()));
+  }
+
   // Log likelihoods of the points that the sampler wants next: those of a block or, where there are
   // helpers, of all that it knows by now. None: a stop was requested.
   std::optional<Vector> simulate_next(Index& failed) {
     const Index first = sampler_.state().num_draws;
     if (!rows_.has_helpers()) {
-      const RowMatrix theta = prior_.to_theta(sampler_.next(block_));
+      const RowMatrix theta = prior_.to_theta(sampler_.next(block_size()));
       return likelihood_.of(likelihood_.simulate(theta, first), failed);
     }
     const RowMatrix u = sampler_.next(std::numeric_limits<Index>::max());
@@ -103,6 +124,12 @@ class Refinement {
     if (!rows) return std::nullopt;
     failed += rows->num_failed;
     return std::move(rows->log_likelihood);
+  }
+
+  // No more at once than a program that doesn't stay is called with: between two blocks a
+  // checkpoint can be written.
+  Index block_size() const {
+    return likelihood_.block_size(std::min(config_.level_size, plan_.study.simulate.shard_size));
   }
 
   // Rollouts of draws of the posterior. In the middle of planning a level there is no state to
@@ -170,12 +197,18 @@ class Refinement {
   PowerSearch search_;
   Sampler sampler_;
   SimulatedLikelihood likelihood_;
-  Index block_ = likelihood_.block_size(config_.level_size);
   RefinedRows rows_;
   Progress progress_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point saved_ = start_;
 };
+
+void warn_of_failures(const Node& node, Index failed, Index num_draws, const std::string& why) {
+  report_error(node.label(),
+               fmt::format("warning: {} of {} simulations failed, and their parameters count as "
+                           "impossible, which cuts the posterior where they are possible{}",
+                           failed, num_draws, why));
+}
 
 void warn(const Node& node, const inference::ImportanceCertificate& certificate,
           bool is_search_cut) {
@@ -202,6 +235,9 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const inference::ImportanceSample sample = refinement.sample();
   const MethodConfig& method = plan.study.method(node.uses.front().method);
   warn(node, sample.certificate, refinement.is_search_cut());
+  if (failed > 0 && plan.study.source().takes_seeds) {
+    warn_of_failures(node, failed, sample.certificate.num_draws, refinement.words_of_failure());
+  }
   write_particles(writer.file(), name_of(method.algorithm.kind),
                   {.prior = refinement.prior(),
                    .theta = refinement.prior().to_theta(sample.u),

@@ -48,9 +48,4 @@ bool PowerSearch::is_over(double most) const {
   return is_stuck || is_far || highest >= most;
 }
 
-bool PowerSearch::ends_at_least(double most) const {
-  const Index k = scores_.power.size();
-  return k > 0 && scores_.power(k - 1) < most && k - 1 == scores_.least();
-}
-
 }  // namespace npdr::pipeline

@@ -25,8 +25,6 @@ class PowerSearch {
   /// have been, up to twice as large or more, or `most`, or ten levels have raised it by less than
   /// a fifth. Levels may raise the power tenfold, and the first ones know little of the posterior.
   bool is_over(double most) const;
-  /// Whether powers that are larger than all that were tried might be better still.
-  bool ends_at_least(double most) const;
 
  private:
   PowerScores scores_;

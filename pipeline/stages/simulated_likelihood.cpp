@@ -15,7 +15,7 @@ namespace npdr::pipeline {
 namespace {
 
 // The first channel in which two rows differ by more than rounding does, relative to how much it
-// varies; -1: none, or one of them failed.
+// varies; -1: none.
 Index different_channel(const sim::Trajectories& rows, Index i, Index j) {
   constexpr double rounding = 1e-3;  // of chaotic motion, too
   const auto view = [&](Index row) {
@@ -24,7 +24,6 @@ Index different_channel(const sim::Trajectories& rows, Index i, Index j) {
         .cast<double>();
   };
   const RowMatrix one = view(i), other = view(j);
-  if (!one.allFinite() || !other.allFinite()) return -1;
   for (Index c = 0; c < rows.num_states; ++c) {
     const double varies = (one.col(c).array() - one.col(c).mean()).matrix().norm();
     const double exact = 1e-6 * one.col(c).norm();  // of floats
@@ -60,15 +59,29 @@ Vector SimulatedLikelihood::of(const sim::Trajectories& rows, Index& failed) con
 
 void SimulatedLikelihood::require_deterministic() const {
   if (!plan_.study.source().takes_seeds) return;
-  constexpr Index count = 4;
+  constexpr Index count = 4, most_trials = 10;
   const inference::Prior prior(plan_.study.prior);
   Stream stream(within(id_, "deterministic"));
   RowMatrix u(2 * count, prior.dimension());
-  for (Index i = 0; i < 2 * count; i += 2) {
-    for (Index d = 0; d < u.cols(); ++d) u(i, d) = u(i + 1, d) = stream.normal();
+  Index num_compared = 0;
+  for (Index trial = 0; trial < most_trials && num_compared < count; ++trial) {
+    for (Index i = 0; i < 2 * count; i += 2) {
+      for (Index d = 0; d < u.cols(); ++d) u(i, d) = u(i + 1, d) = stream.normal();
+    }
+    num_compared += num_equal_pairs(simulate(prior.to_theta(u), static_cast<Index>(kNoRow)));
   }
-  const sim::Trajectories twice = simulate(prior.to_theta(u), static_cast<Index>(kNoRow));
-  for (Index i = 0; i < 2 * count; i += 2) {
+}
+
+// Throws InputError where rows 0 and 1, 2 and 3, ... differ. Returns how many pairs could be
+// compared: neither of them failed.
+Index SimulatedLikelihood::num_equal_pairs(const sim::Trajectories& twice) const {
+  const auto succeeded = [&](Index i) {
+    return twice.status[static_cast<std::size_t>(i)] == sim::RolloutStatus::ok;
+  };
+  Index count = 0;
+  for (Index i = 0; i < twice.num_rows; i += 2) {
+    if (!succeeded(i) || !succeeded(i + 1)) continue;
+    ++count;
     const Index channel = different_channel(twice, i, i + 1);
     if (channel < 0) continue;
     throw InputError(fmt::format(
@@ -78,6 +91,7 @@ void SimulatedLikelihood::require_deterministic() const {
         "the simulator, or choose another algorithm, such as 'npe_nle'",
         target_.state_channels[static_cast<std::size_t>(channel)].label));
   }
+  return count;
 }
 
 LeftOutScore SimulatedLikelihood::left_out(const sim::Trajectories& rows, const Vector& weights,

@@ -26,9 +26,12 @@ class SimulatedLikelihood {
   /// Rows that are worth simulating at once, of `num_rows`.
   Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
 
+  /// The words of a call of a program that failed; "": none has.
+  std::string last_failure() const { return simulator_->last_failure(); }
+
   /// Throws InputError when rollouts of a simulator of the user's don't follow from theta: those of
-  /// a few draws of the prior, each simulated twice with other seeds, differ by more than 0.1 % of
-  /// a channel's deviation.
+  /// a few draws of the prior that don't fail, each simulated twice with other seeds, differ by
+  /// more than 0.1 % of a channel's deviation.
   void require_deterministic() const;
 
   /// Rollouts of rows of theta (n, D), number `first` and those after it. Throws as
@@ -42,6 +45,8 @@ class SimulatedLikelihood {
   LeftOutScore left_out(const sim::Trajectories& rows, const Vector& weights, double power) const;
 
  private:
+  Index num_equal_pairs(const sim::Trajectories& twice) const;
+
   const Plan& plan_;
   Target target_;
   std::vector<float> recorded_;

@@ -16,9 +16,9 @@ TEST(PowerSearch, TakesTheSmallestThatIsAboutAsGoodAsTheBest) {
   EXPECT_EQ(search.scores().power, (Vector{{0.1, 0.2, 0.3, 0.4}}));
   EXPECT_EQ(search.scores().crps(1, 0), 0.145);
   EXPECT_EQ(search.best(), 0.2);
-  EXPECT_TRUE(search.ends_at_least(1.0));
+  EXPECT_TRUE(search.scores().ends_at_least(1.0));
   search.add(0.5, crps(0.11, 0.21));
-  EXPECT_FALSE(search.ends_at_least(1.0));
+  EXPECT_FALSE(search.scores().ends_at_least(1.0));
 }
 
 TEST(PowerSearch, RolloutsThatAgreeTellPowersApart) {
@@ -29,8 +29,8 @@ TEST(PowerSearch, RolloutsThatAgreeTellPowersApart) {
   EXPECT_EQ(search.best(), 0.15);
   search.add(0.4, crps(0.09, 0.09));
   EXPECT_EQ(search.best(), 0.4);
-  EXPECT_TRUE(search.ends_at_least(1.0));
-  EXPECT_FALSE(search.ends_at_least(0.4));
+  EXPECT_TRUE(search.scores().ends_at_least(1.0));
+  EXPECT_FALSE(search.scores().ends_at_least(0.4));
 }
 
 TEST(PowerSearch, EndsWhereMoreCantHelpOrIsOutOfReach) {
@@ -49,7 +49,7 @@ TEST(PowerSearch, EndsWhereMoreCantHelpOrIsOutOfReach) {
   unsure.add(0.2, crps(0.0, 0.22));
   EXPECT_EQ(unsure.best(), 0.1);
   EXPECT_FALSE(unsure.is_over(1.0)) << "scores are still falling";
-  EXPECT_TRUE(unsure.ends_at_least(1.0));
+  EXPECT_TRUE(unsure.scores().ends_at_least(1.0));
   PowerSearch stuck({});
   for (int i = 0; i <= 10; ++i) {
     EXPECT_FALSE(stuck.is_over(1.0)) << i;
