@@ -18,32 +18,40 @@ constexpr Index kFirstRows = 2000;
 constexpr float kUsualRanges = 20.0f;
 constexpr float kRounding = 1e-6f;  // of a constant feature
 
-/// Bounds of what is usual, feature by feature, (F).
+/// Bounds of what is usual, column by column, (F + K).
 struct Bounds {
   Eigen::ArrayXf lower, upper;
 };
 
-// Compresses the features that have a scale.
-template <class Values>
-void compress(const FeatureTransform& transform, Values&& x) {
+Index num_compressed(const FeatureTransform& transform) {
+  return (transform.inverse_scale.array() > 0.0f).count();
+}
+
+// Features and copies (n, F + K) of x (n, F): those that have a scale are compressed.
+RowMatrixF columns_of(const FeatureTransform& transform, const RowMatrixF& x, bool has_copies) {
+  RowMatrixF columns(x.rows(), x.cols() + (has_copies ? num_compressed(transform) : 0));
+  columns.leftCols(x.cols()) = x;
+  Index copy = x.cols();
   for (Index f = 0; f < transform.center.size(); ++f) {
     if (transform.inverse_scale(f) == 0.0f) continue;
-    x.col(f) = x.col(f).unaryExpr([&](float value) {
+    if (has_copies) columns.col(copy++) = x.col(f);
+    columns.col(f) = x.col(f).unaryExpr([&](float value) {
       return compressed(value, transform.center(f), transform.inverse_scale(f));
     });
   }
+  return columns;
 }
 
-// Bounds from the quantiles of the first rows, of compressed features of what they are compressed
-// to. A feature that hardly varies there has no bounds.
-Bounds usual_bounds(const FeatureSource& x, const FeatureTransform& transform) {
+// Bounds from the quantiles of the first columns. One that hardly varies there has no bounds.
+template <class Columns>
+Bounds usual_bounds(const FeatureSource& x, Index num_columns, const Columns& columns_of_rows) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
-  Bounds bounds{Eigen::ArrayXf::Constant(x.num_features(), -infinity),
-                Eigen::ArrayXf::Constant(x.num_features(), infinity)};
-  for_each_block(x, std::min(kRowsForBounds, x.num_rows()), [&](Index, RowMatrixF& rows) {
-    compress(transform, rows);
-    for (Index f = 0; f < rows.cols(); ++f) {
-      std::vector<float> values(rows.col(f).begin(), rows.col(f).end());
+  Bounds bounds{Eigen::ArrayXf::Constant(num_columns, -infinity),
+                Eigen::ArrayXf::Constant(num_columns, infinity)};
+  for_each_block(x, std::min(kRowsForBounds, x.num_rows()), [&](Index, const RowMatrixF& rows) {
+    const RowMatrixF columns = columns_of_rows(rows);
+    for (Index f = 0; f < num_columns; ++f) {
+      std::vector<float> values(columns.col(f).begin(), columns.col(f).end());
       std::sort(values.begin(), values.end());
       const auto quantile = [&](double p) {
         return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1))];
@@ -103,16 +111,21 @@ void find_heavy_tails(const FeatureSource& x, FeatureTransform& transform) {
 // Mean and deviation by Welford's algorithm (1962), which doesn't cancel.
 FeatureTransform standardization(const FeatureSource& x, Tails tails) {
   FeatureTransform transform;
-  if (tails == Tails::compressed) find_heavy_tails(x, transform);
-  const Bounds bounds = usual_bounds(x, transform);
-  Vector mean = Vector::Zero(x.num_features());
-  Vector squares = Vector::Zero(x.num_features());
+  if (tails != Tails::kept) find_heavy_tails(x, transform);
+  const bool has_copies = tails == Tails::both;
+  const auto columns_of_rows = [&](const RowMatrixF& rows) {
+    return columns_of(transform, rows, has_copies);
+  };
+  const Index num_columns = x.num_features() + (has_copies ? num_compressed(transform) : 0);
+  const Bounds bounds = usual_bounds(x, num_columns, columns_of_rows);
+  Vector mean = Vector::Zero(num_columns);
+  Vector squares = Vector::Zero(num_columns);
   double count = 0.0;
-  for_each_block(x, x.num_rows(), [&](Index, RowMatrixF& rows) {
-    compress(transform, rows);
-    for (Index i = 0; i < rows.rows(); ++i) {
+  for_each_block(x, x.num_rows(), [&](Index, const RowMatrixF& rows) {
+    const RowMatrixF columns = columns_of_rows(rows);
+    for (Index i = 0; i < columns.rows(); ++i) {
       count += 1.0;
-      const Vector value = rows.row(i)
+      const Vector value = columns.row(i)
                                .transpose()
                                .array()
                                .max(bounds.lower)
@@ -171,8 +184,7 @@ std::vector<Index> varying_columns(const FeatureTransform& transform) {
 }  // namespace
 
 void FeatureTransform::standardize(const RowMatrixF& x, RowMatrixF& z) const {
-  z = x;
-  compress(*this, z);
+  z = columns_of(*this, x, num_copies() > 0);
   z = (z.rowwise() - mean.transpose()).array().rowwise() * inverse_deviation.transpose().array();
 }
 
@@ -189,6 +201,13 @@ Index num_varying_outputs(const FeatureTransform& transform) {
   return std::ssize(varying_columns(transform));
 }
 
+FeatureTransform without_copies(FeatureTransform transform) {
+  const Index inputs = transform.num_inputs();
+  transform.mean.conservativeResize(inputs);
+  transform.inverse_deviation.conservativeResize(inputs);
+  return transform;
+}
+
 FeatureTransform selected_outputs(const FeatureTransform& transform,
                                   const std::vector<Index>& outputs) {
   const Index count = std::ssize(outputs);
@@ -197,7 +216,7 @@ FeatureTransform selected_outputs(const FeatureTransform& transform,
     result.basis = transform.basis(Eigen::all, outputs);
     return result;
   }
-  result.basis = RowMatrixF::Zero(transform.num_inputs(), count);
+  result.basis = RowMatrixF::Zero(transform.mean.size(), count);
   for (Index k = 0; k < count; ++k) result.basis(outputs[static_cast<std::size_t>(k)], k) = 1.0f;
   return result;
 }

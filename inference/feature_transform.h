@@ -9,7 +9,9 @@
 /// to overfit. Of an observation that no simulation reproduces, z keeps what lies in their span.
 ///
 /// With Tails::compressed, features that span orders of magnitude are compressed before all that
-/// (heavy_tails.h): x above is then asinh((x - center) / scale).
+/// (heavy_tails.h): x above is then asinh((x - center) / scale). With Tails::both, which is for
+/// networks that are given x, they are there twice: K copies, as they are, follow the F features.
+/// Small values differ in the former, sums of large ones can be learned from the latter.
 ///
 /// A few simulations that all but diverged (a resonance, a stiff parameter) must not set the scale
 /// for all others: mean and deviation are those of x clamped to bounds far outside of the usual, 20
@@ -29,29 +31,34 @@ struct FeatureTransform {
   static constexpr float kFarthest = 100.0f;        ///< standardized value that counts in full
   static constexpr double kLeastDeviation = 1e-36;  ///< of a feature that varies
 
-  VectorF mean;                ///< (F)
-  VectorF inverse_deviation;   ///< (F); 0 for a feature that doesn't vary: it carries nothing
-  RowMatrixF basis;            ///< (F, k); (0, 0): no projection
+  VectorF mean;                ///< (F + K)
+  VectorF inverse_deviation;   ///< (F + K); 0: the feature doesn't vary, and carries nothing
+  RowMatrixF basis;            ///< (F + K, k); (0, 0): no projection
   VectorF center = {};         ///< (F) of compressed features; empty: none is
   VectorF inverse_scale = {};  ///< (F) theirs; 0: this one isn't
 
-  Index num_inputs() const { return mean.size(); }
+  Index num_inputs() const { return center.size() > 0 ? center.size() : mean.size(); }
+  /// K: 0, or how many features are compressed.
+  Index num_copies() const { return mean.size() - num_inputs(); }
   Index num_outputs() const { return basis.cols() > 0 ? basis.cols() : mean.size(); }
 
-  /// Features as far as they are standardized, (n, F) -> (n, F), not clamped.
+  /// Features as far as they are standardized, (n, F) -> (n, F + K), however large.
   void standardize(const RowMatrixF& x, RowMatrixF& z) const;
-  /// z of every row of x: (n, F) -> (n, F or k).
+  /// z of every row of x: (n, F) -> (n, F + K or k).
   void apply(const RowMatrixF& x, RowMatrixF& z) const;
 };
 
 /// What becomes of features that span orders of magnitude.
-enum class Tails { kept, compressed };
+enum class Tails { kept, compressed, both };
 
 /// The transform for the rows of `x`, from their mean and deviation and, for components > 0, from
 /// the correlation of the first 2000 of them, which has no more components than features or rows.
 /// Reads x in blocks: memory doesn't grow with its rows.
 FeatureTransform fit_feature_transform(const FeatureSource& x, Index components,
                                        Tails tails = Tails::kept);
+
+/// `transform`, which has no components, without copies: for the density of x itself.
+FeatureTransform without_copies(FeatureTransform transform);
 
 /// `transform` with those of its outputs alone, in that order.
 FeatureTransform selected_outputs(const FeatureTransform& transform,

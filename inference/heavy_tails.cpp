@@ -57,8 +57,8 @@ class Search {
   void look_around(double center) {
     const auto distances = distances_from(center, {usual_.begin(), usual_.end()});
     if (distances.size() < kFewestValues) return;
-    const double least = std::max({kSmallest, kRounding * std::abs(center),
-                                   distances.back() / Compression::kLargestRatio});
+    const double least = std::max(
+        {kSmallest, kRounding * std::abs(center), distances.back() / Compression::kLargestRatio});
     consider(center, std::max(least, distances.front()));
     for (int k = 0; k <= kHalvings; ++k) {
       consider(center, std::max(least, quantile_of(distances, std::ldexp(1.0, -k))));

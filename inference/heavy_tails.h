@@ -22,7 +22,8 @@ struct Compression {
 
 /// The compression of a feature with these values, in any order, or none: where a normal
 /// distribution fits t better than the values themselves by 0.2 nats each. It is looked for
-///  - around 0, of values that are zero or of one sign but for 5 %, where magnitudes are a factor of
+///  - around 0, of values that are zero or of one sign but for 5 %, where magnitudes are a factor
+///  of
 ///    30 apart (5 % and 95 % quantiles of those that aren't zero) or tails are heavy: a logarithm;
 ///  - around the 5 %, 50 % and 95 % quantile where tails are heavy, which is where the 0.5 % and
 ///    99.5 % quantiles are twice as far apart as those of 5 % and 95 % (1.6 times of normal values,

@@ -27,8 +27,9 @@ def log_mean(networks, u, z):  # of their densities
 
 def transformed(x, t):  # (1, F or k)
     if "center" in t:
-        scale = t["inverse_scale"]
+        scale, copies = t["inverse_scale"], x[t["inverse_scale"] > 0]
         x = np.where(scale > 0, np.arcsinh((x - t["center"]) * scale), x)
+        x = np.concatenate([x, copies]) if len(t["mean"]) > len(x) else x
     z = ((x - t["mean"]) * t["inverse_deviation"])[None]
     far = t["farthest"]
     z = np.where(abs(z) > far, np.sign(z) * (far + np.log(np.clip(abs(z), far, 1e36) / far)), z)
@@ -135,7 +136,7 @@ class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l
     def __init__(self, path):
         with h5py.File(path) as f:
             if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 18] or "network_1" not in f:
-                raise ValueError(f"{path}: not a trained posterior of schema 17; npdr run makes one")
+                raise ValueError(f"{path}: not a trained posterior of schema 18; npdr run makes one")
             embedding = json.loads(f.attrs["trained_embedding"])
             config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]
             names = [f"network_{m + 1}" for m in range(config["num_networks"])]

@@ -10,8 +10,10 @@ FeatureTransform components_of(const PosteriorEstimationConfig& config, const Fe
 }
 
 FeatureTransform transform_of(const PosteriorEstimationConfig& config, const RoundData& training,
-                              const FeatureTransform& seen) {
+                              const FeatureTransform& of_posterior) {
   if (config.embedding.features > 0) return components_of(config, *training.x);
+  const FeatureTransform seen =
+      config.principal_components > 0 ? of_posterior : without_copies(of_posterior);
   const FeatureTransform varying = varying_outputs(seen, *training.x);
   if (varying.num_outputs() <= kMostPooledFeatures) return varying;
   if (config.principal_components > 0) return components_of(config, *training.x);

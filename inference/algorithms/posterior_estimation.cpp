@@ -24,6 +24,12 @@ EstimatorConfig estimator_of_round(const PosteriorEstimationConfig& config, cons
   return estimator;
 }
 
+// What a network is given as x may be there twice; the density of x must not, nor components.
+Tails tails_of(const PosteriorEstimationConfig& config, NetworkRole role) {
+  const bool may_be_twice = role != NetworkRole::likelihood && config.principal_components == 0;
+  return config.tails == Tails::compressed && may_be_twice ? Tails::both : config.tails;
+}
+
 // Parts that `data` and the last round's posterior give: all but the weights.
 NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const RoundData& data,
                              const StreamId& id) {
@@ -38,7 +44,8 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
                      .x_o = data.x_o};
   parts.sampler = config.sampler;
   if (data.posteriors.empty()) {
-    parts.transform = fit_feature_transform(*data.x, config.principal_components, config.tails);
+    parts.transform =
+        fit_feature_transform(*data.x, config.principal_components, tails_of(config, parts.role));
     if (parts.role == NetworkRole::likelihood) {
       parts.transform = varying_outputs(parts.transform, *data.x);
     }

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "inference/algorithms/likelihood_objective.h"
 #include "inference/algorithms/ratio_objective.h"
+#include "inference/dequantized_features.h"
 
 namespace npdr::inference {
 namespace {
@@ -101,11 +102,15 @@ class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
 class LikelihoodTask : public TaskOf<EmbeddedEstimator<float>> {
  public:
   LikelihoodTask(const RoundData& data, const NetworkParts& parts)
-      : TaskOf(make_network(parts), data, parts) {
+      : TaskOf(make_network(parts), data, parts), features_(*data.x, parts.structure_seed) {
+    data_.x = &features_;
     objective_ =
         std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::z_given_u, network_,
                                               parts.transform, data_, all_rows(data), VectorF());
   }
+
+ private:
+  DequantizedFeatures features_;
 };
 
 class RatioTask : public TaskOf<RatioEstimator<float>> {

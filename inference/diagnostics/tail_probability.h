@@ -12,11 +12,11 @@ namespace npdr::inference {
 /// - Beyond, fewer say too little: the excesses of the largest tenth (at least ten) over a
 ///   threshold are described by a generalized Pareto distribution (Pickands 1975; Knijnenburg et
 ///   al. 2009, "Fewer permutations, more accurate P-values"; inference/pareto_tail.h). Its shape is
-///   taken as at least 0, so that no tail is said to end, and the result as at least 1 / (1000 n). Nor is it less
-///   than those that reach `observed` bear out, k (1 - 1 / (9 k) - 1.28 / (3 sqrt(k)))^3 / n of k
-///   of them: the lower end of an interval for what is expected (Garwood 1936, by Wilson and
-///   Hilferty 1931) that is above the truth in 10 % of cases. Rare values that lie together far out
-///   have no Pareto tail.
+///   taken as at least 0, so that no tail is said to end, and the result as at least 1 / (1000 n).
+///   Nor is it less than those that reach `observed` bear out, k (1 - 1 / (9 k) - 1.28 / (3
+///   sqrt(k)))^3 / n of k of them: the lower end of an interval for what is expected (Garwood 1936,
+///   by Wilson and Hilferty 1931) that is above the truth in 10 % of cases. Rare values that lie
+///   together far out have no Pareto tail.
 /// With n < 40 it is always one of the first two, and up to the largest draw also where fewer than
 /// half of that tenth differ: counts, or zeros and ones, have no smooth tail. Equal values aren't
 /// torn apart by the threshold: the tail is those above them, or of ten or fewer those as well, and

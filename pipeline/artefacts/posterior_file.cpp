@@ -270,7 +270,9 @@ void describe(Layout f, RowCounts& rows) {
 }
 
 void describe(Layout f, inference::FeatureTransform& transform) {
-  f.forget("k");  // that of a likelihood has components of its own number
+  // That of a likelihood has components of its own number, and no copies.
+  f.forget("k");
+  f.forget("G");
   Layout group = f.group("transform");
   group("center", transform.center, {kFeature},
         "of features that span orders of magnitude; missing when none does",
@@ -278,10 +280,15 @@ void describe(Layout f, inference::FeatureTransform& transform) {
   group("inverse_scale", transform.inverse_scale, {kFeature},
         "such an x becomes asinh((x - center) inverse_scale) before all that follows; 0: x stays",
         {.allowed = h5::Values::finite, .unless_empty = true});
-  group("mean", transform.mean, {kFeature}, "that is subtracted from features", kFinite);
-  group("inverse_deviation", transform.inverse_deviation, {kFeature},
+  const bool has_none = f.reads() && transform.center.size() == 0;
+  const Dim column = has_none ? kFeature : Dim{"G", "feature, then copies"};
+  group("mean", transform.mean, {column},
+        "that is subtracted from features, and from copies of those with an inverse_scale above 0 "
+        "as they were, if there are G - F of them",
+        kFinite);
+  group("inverse_deviation", transform.inverse_deviation, {column},
         "that they are multiplied by; 0: the feature doesn't vary and is left out", kFinite);
-  group("basis", transform.basis, {kFeature, {"k", "component"}},
+  group("basis", transform.basis, {column, {"k", "component"}},
         "principal components; missing when there are none",
         {.allowed = h5::Values::finite, .unless_empty = true, .storage = kFastest});
   if (f.reads()) {
@@ -292,11 +299,17 @@ void describe(Layout f, inference::FeatureTransform& transform) {
     if ((transform.inverse_scale.array() < 0.0f).any()) {
       throw InputError(group.where() + ": an inverse_scale below 0; must be 0 or more");
     }
+    const Index compressed = (transform.inverse_scale.array() > 0.0f).count();
+    if (transform.num_copies() != 0 && transform.num_copies() != compressed) {
+      throw InputError(fmt::format("{}: {} copies of features, must be 0 or {}", group.where(),
+                                   transform.num_copies(), compressed));
+    }
     return;
   }
-  group.attribute("farthest", double{inference::FeatureTransform::kFarthest},
-                  "standardized features beyond it become it + log(|s| / it), with their sign, before the "
-                  "basis");
+  group.attribute(
+      "farthest", double{inference::FeatureTransform::kFarthest},
+      "standardized features beyond it become it + log(|s| / it), with their sign, before the "
+      "basis");
 }
 
 std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefact) {

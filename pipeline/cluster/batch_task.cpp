@@ -120,7 +120,8 @@ int run_batch_task(const std::vector<std::string>& command) {
   const std::chrono::duration<double> elapsed = Clock::now() - start_time;
   const bool is_out_of_time = !slurm_task_id().empty() && ran_out_of_time(status);
   if (is_out_of_time && !mark.was_made() && !is_first_attempt()) {
-    say("npdr task: nothing got done within the time limit of an attempt that isn't the first; raise 'time' in the study's "
+    say("npdr task: nothing got done within the time limit of an attempt that isn't the first; "
+        "raise 'time' in the study's "
         "[cluster], or lower simulate.shard_size");
     say(end_line(static_cast<int>(ExitStatus::failed), elapsed.count()));
     return static_cast<int>(ExitStatus::failed);

@@ -158,7 +158,8 @@ void require_motion(const Study& study, const Target& rollouts) {
       }
       throw InputError(fmt::format(
           "{}: target.recording: channel '{}' of rollout '{}' is 0 throughout, but perhaps for its "
-          "first or last state, and errors are in units of its maximum; leave out the rollout (target.rollouts){}",
+          "first or last state, and errors are in units of its maximum; leave out the rollout "
+          "(target.rollouts){}",
           study.places.of("target.recording").str(), rollouts.state_channels[c].label, rollout.name,
           study.source().is_built_in ? "" : ", or the channel (simulator.states)"));
     }

@@ -21,9 +21,9 @@ void note_failed_rows(Table& table, const ReportData& data) {
     if (failed == 0) continue;
     const bool is_refined =
         data.plan.study.method(method).algorithm.kind == inference::Algorithm::refine;
-    table.footnote(fmt::format(
-        "{}: {} of {} simulations failed and {}", method, failed, used + failed,
-        is_refined ? "count as impossible parameters" : "were left out of training"));
+    table.footnote(
+        fmt::format("{}: {} of {} simulations failed and {}", method, failed, used + failed,
+                    is_refined ? "count as impossible parameters" : "were left out of training"));
   }
 }
 

@@ -95,8 +95,8 @@ class Refinement {
   bool is_search_cut() const { return search_.scores().ends_at_least(config_.likelihood_power); }
 
  private:
-  // As of other simulations. What failed since the last checkpoint is simulated again by who goes on
-  // from there: perhaps the fault was the machine's.
+  // As of other simulations. What failed since the last checkpoint is simulated again by who goes
+  // on from there: perhaps the fault was the machine's.
   void require_simulations(Index failed) {
     const Index n = std::max(sampler_.state().num_draws, config_.level_size);
     const double limit = plan_.study.limits.max_failed_fraction;

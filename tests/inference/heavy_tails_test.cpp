@@ -30,9 +30,8 @@ TEST(HeavyTails, AreOfWhatSpansOrdersOfMagnitude) {
 
 // The scale is the smallest of the numbers that follow each other closely: a count of 1, not 0.
 TEST(HeavyTails, ZerosAndStraySignsLeaveTheLogarithm) {
-  const auto counts = values_of(2000, [](double z) {
-    return std::floor(std::pow(10.0, -1.0 + 5.0 * uniform(z)));
-  });
+  const auto counts =
+      values_of(2000, [](double z) { return std::floor(std::pow(10.0, -1.0 + 5.0 * uniform(z))); });
   const auto of_counts = compression_of(counts);
   ASSERT_TRUE(of_counts);
   EXPECT_EQ(of_counts->center, 0.0f);
@@ -130,6 +129,27 @@ TEST(HeavyTails, ATransformCompressesThoseFeaturesAlone) {
   const FeatureTransform plain =
       fit_feature_transform(MatrixFeatures(x.leftCols(1)), 0, Tails::compressed);
   EXPECT_EQ(plain.center.size(), 0);
+}
+
+TEST(HeavyTails, ATransformMayShowThoseFeaturesTwice) {
+  RowMatrixF x = random_matrix(2000, 3, 1).cast<float>();
+  x.col(1) = (3.0f * x.col(1).array()).exp();
+  const MatrixFeatures source(x);
+  const FeatureTransform both = fit_feature_transform(source, 0, Tails::both);
+  EXPECT_EQ(both.num_inputs(), 3);
+  EXPECT_EQ(both.num_copies(), 1);
+  EXPECT_EQ(both.num_outputs(), 4);
+  RowMatrixF kept, compressed, z, once;
+  fit_feature_transform(source, 0).apply(x, kept);
+  fit_feature_transform(source, 0, Tails::compressed).apply(x, compressed);
+  both.apply(x, z);
+  EXPECT_EQ(z.leftCols(3), compressed);
+  EXPECT_EQ(z.col(3), kept.col(1));
+  without_copies(both).apply(x, once);
+  EXPECT_EQ(once, compressed);
+  const FeatureTransform none =
+      fit_feature_transform(MatrixFeatures(x.leftCols(1)), 0, Tails::both);
+  EXPECT_EQ(none.num_copies(), 0);
 }
 
 }  // namespace

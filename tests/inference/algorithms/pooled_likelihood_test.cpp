@@ -68,6 +68,12 @@ TEST_F(PooledLikelihoodOf, ManyFeaturesThatSpanOrdersOfMagnitudeSeesTheirLogarit
     return (3.0F * simulator(kMany, kMany)(theta, stream).array()).exp();
   };
   EXPECT_EQ(likelihood(wide, kMany).transform.center.size(), kMany) << "of components, too";
+  const PooledLikelihood few = likelihood(
+      [](const Vector& theta, Stream& stream) -> VectorF {
+        return (3.0F * simulator(4, 4)(theta, stream).array()).exp();
+      },
+      4);
+  EXPECT_EQ(few.transform.num_outputs(), 4) << "once each, though the posterior sees them twice";
 }
 
 TEST_F(PooledLikelihoodOf, ManyFeaturesThatTellOrDontSeesComponentsByAffineFlows) {

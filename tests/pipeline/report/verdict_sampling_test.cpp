@@ -122,8 +122,9 @@ TEST_F(Verdicts, ASearchForThePowerThatEndedTooEarlyIsSaid) {
   notes.powers.power = Vector{{0.1, 0.2}};
   notes.powers.crps = RowMatrix{{0.3, 0.3}, {0.1, 0.2}};
   EXPECT_EQ(verdict_of(Check::sampling).judgment, Judgment::passes);
-  EXPECT_TRUE(says(verdict_of(Check::sampling).reason,
-                   {"the largest power that was reached predicts", "raise refine.max_simulations"}));
+  EXPECT_TRUE(
+      says(verdict_of(Check::sampling).reason,
+           {"the largest power that was reached predicts", "raise refine.max_simulations"}));
   notes.powers.crps.row(0).swap(notes.powers.crps.row(1));
   EXPECT_EQ(verdict_of(Check::sampling).reason, "") << "smaller ones are better";
 }

@@ -185,8 +185,9 @@ TEST_F(ExternalSimulators, AProgramThatFailsFromSomeTimeOnIsAnError) {
   RowMatrix theta = RowMatrix::Zero(100, 2);
   simulator.simulate(theta, {1, "test", 0, 0, 0});
   folder_.file("gone", "");
-  const std::string message =
-      message_of<Error>([&] { simulator.simulate(theta, {1, "test", 0, 100, 0}); });
+  const std::string message = message_of<Error>([&] {
+    simulator.simulate(theta, {1, "test", 0, 100, 0});
+  });
   EXPECT_NE(message.find("failed for the last 32 rows, and then for one that it had simulated "
                          "before: exit status 5"),
             std::string::npos)

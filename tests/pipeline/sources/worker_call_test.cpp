@@ -188,7 +188,8 @@ TEST_F(Workers, OnlyTheCulpritOfABadReplyIsLost) {
 TEST_F(Workers, AReplyTooManyIsNoneToTheNextRequest) {
   ExternalSimulator simulator = Workers::simulator("twice", "5");
   const auto value = [&](double a) {
-    return simulator.simulate(RowMatrix::Constant(1, 1, a), {1, "test", 0, 0, 0}).rollout(0, 0)(0, 0);
+    return simulator.simulate(RowMatrix::Constant(1, 1, a), {1, "test", 0, 0, 0})
+        .rollout(0, 0)(0, 0);
   };
   EXPECT_EQ(value(5.0), 5.0f);
   usleep(500'000);
