@@ -66,12 +66,14 @@ Bounds usual_bounds(const FeatureSource& x, Index num_columns, const Columns& co
 }
 
 // What lies far out keeps its order.
-float slowed(float z) {
-  constexpr float most = 1e36f;
-  const float size = std::abs(z);
-  if (!(size > FeatureTransform::kFarthest)) return z;
-  const float beyond = std::log(std::min(size, most) / FeatureTransform::kFarthest);
-  return std::copysign(FeatureTransform::kFarthest + beyond, z);
+void slow_down(RowMatrixF& z) {
+  constexpr float farthest = FeatureTransform::kFarthest, most = 1e36f;
+  if (z.size() == 0 || z.cwiseAbs().maxCoeff() <= farthest) return;
+  z = z.unaryExpr([](float value) {
+    const float size = std::abs(value);
+    if (size <= farthest) return value;
+    return std::copysign(farthest + std::log(std::min(size, most) / farthest), value);
+  });
 }
 
 RowMatrixF first_rows(const FeatureSource& x) {
@@ -193,7 +195,7 @@ void FeatureTransform::apply(const RowMatrixF& x, RowMatrixF& z) const {
   RowMatrixF unprojected;
   RowMatrixF& standardized = projects ? unprojected : z;
   standardize(x, standardized);
-  standardized = standardized.unaryExpr(&slowed);
+  slow_down(standardized);
   if (projects) z.noalias() = standardized * basis;
 }
 

@@ -24,9 +24,11 @@ EstimatorConfig estimator_of_round(const PosteriorEstimationConfig& config, cons
   return estimator;
 }
 
-// What a network is given as x may be there twice; the density of x must not, nor components.
+// What a network is given as x may be there twice; the density of x must not, nor components, nor
+// series.
 Tails tails_of(const PosteriorEstimationConfig& config, NetworkRole role) {
-  const bool may_be_twice = role != NetworkRole::likelihood && config.principal_components == 0;
+  const bool may_be_twice = role != NetworkRole::likelihood && config.principal_components == 0 &&
+                            config.embedding.features == 0;
   return config.tails == Tails::compressed && may_be_twice ? Tails::both : config.tails;
 }
 

@@ -126,7 +126,7 @@ void warn_of_far_features(const std::string& recording, const VectorF& x,
   Index feature = 0;
   RowMatrixF z;
   transform.standardize(x.transpose(), z);
-  const float largest = z.row(0).cwiseAbs().maxCoeff(&feature);
+  const float largest = z.row(0).head(transform.num_inputs()).cwiseAbs().maxCoeff(&feature);
   if (!(largest > far)) return;
   fmt::print(
       stderr,
