@@ -18,7 +18,9 @@ namespace npdr::inference {
 /// Numbers of the features that are integers in each of the first 2000 rows, ascending.
 std::vector<Index> integer_features(const FeatureSource& x);
 
-/// x with such noise on its integer features, drawn anew in each epoch.
+/// x (N, F) with such noise on its integer features, drawn anew in each epoch: a function of seed,
+/// row and epoch, so that several threads may ask. Features that are integers no more after those
+/// rows have the noise all the same.
 class DequantizedFeatures final : public FeatureSource {
  public:
   /// Keeps a reference to `x`.

@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::size_t kFewestValues = 100;
 constexpr double kLeastGain = 0.2;    // nats
-constexpr int kHalvings = 10;         // of the share of distances
+constexpr int kHalvings = 7;          // of the share of distances
+constexpr double kStrays = 0.01;      // of distances, too small to be a scale
 constexpr double kHeavy = 2.0;        // of the whole range to the usual one
 constexpr double kWide = 30.0;        // of magnitudes
 constexpr double kFewOfOther = 0.05;  // values of the other sign
@@ -49,32 +50,32 @@ class Search {
   explicit Search(const std::vector<double>& sorted)
       : usual_(Eigen::Map<const Eigen::ArrayXd>(sorted.data(), std::ssize(sorted))
                    .max(quantile_of(sorted, kOutliers))
-                   .min(quantile_of(sorted, 1.0 - kOutliers))),
-        best_(kLeastGain - log_deviation(usual_)) {}
+                   .min(quantile_of(sorted, 1.0 - kOutliers))) {}
 
   const std::optional<Compression>& found() const { return found_; }
 
+  // Of values at the center itself, as many as they may be, every scale makes the same.
   void look_around(double center) {
     const auto distances = distances_from(center, {usual_.begin(), usual_.end()});
     if (distances.size() < kFewestValues) return;
-    const double least = std::max(
-        {kSmallest, kRounding * std::abs(center), distances.back() / Compression::kLargestRatio});
-    consider(center, std::max(least, distances.front()));
+    Eigen::ArrayXd values(std::ssize(distances));
+    std::ranges::copy_if(usual_, values.begin(), [&](double v) { return v != center; });
+    const double before = -log_deviation(values);
+    const double least =
+        std::max({kSmallest, kRounding * std::abs(center),
+                  distances.back() / Compression::kLargestRatio, quantile_of(distances, kStrays)});
     for (int k = 0; k <= kHalvings; ++k) {
-      consider(center, std::max(least, quantile_of(distances, std::ldexp(1.0, -k))));
+      const double scale = std::max(least, quantile_of(distances, std::ldexp(1.0, -k)));
+      const double gain = log_likelihood(values, center, scale) - before;
+      if (!(gain > best_)) continue;
+      best_ = gain;
+      found_ = Compression{static_cast<float>(center), static_cast<float>(scale)};
     }
   }
 
  private:
-  void consider(double center, double scale) {
-    const double here = log_likelihood(usual_, center, scale);
-    if (!(here > best_)) return;
-    best_ = here;
-    found_ = Compression{static_cast<float>(center), static_cast<float>(scale)};
-  }
-
   Eigen::ArrayXd usual_;
-  double best_;
+  double best_ = kLeastGain;
   std::optional<Compression> found_;
 };
 

@@ -22,18 +22,18 @@ struct Compression {
 
 /// The compression of a feature with these values, in any order, or none: where a normal
 /// distribution fits t better than the values themselves by 0.2 nats each. It is looked for
-///  - around 0, of values that are zero or of one sign but for 5 %, where magnitudes are a factor
-///  of
-///    30 apart (5 % and 95 % quantiles of those that aren't zero) or tails are heavy: a logarithm;
+///  - around 0, of values of which at most 5 % are of the other sign, zeros apart, and whose
+///    magnitudes are a factor of 30 apart (5 % and 95 % quantiles, zeros apart) or tails are heavy:
+///    a logarithm;
 ///  - around the 5 %, 50 % and 95 % quantile where tails are heavy, which is where the 0.5 % and
 ///    99.5 % quantiles are twice as far apart as those of 5 % and 95 % (1.6 times of normal values,
 ///    1 of two modes).
-/// The scale is that of the largest likelihood among the smallest distance from the center, but 0,
-/// and the quantiles of such distances at 1, 1/2, 1/4, ..., 1/1024, as far as single precision
-/// holds their ratios. Values beyond the 0.2 % and 99.8 % quantiles count as these. Log-normal
-/// values of a deviation of 1 and 2 gain 0.7 and 2.5, exponential ones 0.3, counts whose rate is
-/// log-uniform from 0.01 to 10,000 3; normal, uniform and bimodal ones, and those of Laplace, have
-/// none. With fewer than 100 values, or 100 off the center, there is none.
+/// The scale is that of the largest likelihood of the values off the center, among the quantiles of
+/// their distances from it at 1, 1/2, 1/4, ..., 1/128 and 1/100, as far as single precision holds
+/// ratios. Values beyond the 0.2 % and 99.8 % quantiles count as these. Log-normal values of a
+/// deviation of 1 and 2 gain 0.7 and 2.5, exponential ones 0.3, counts whose rate is log-uniform
+/// from 0.01 to 10,000 3; normal, uniform and bimodal ones, and those of Laplace, have none. With
+/// fewer than 100 values, or 100 off the center, there is none.
 std::optional<Compression> compression_of(std::vector<float> values);
 
 /// t of a value, that of the largest ratio for those beyond it.

@@ -25,10 +25,11 @@ def log_normal(u):
 def log_mean(networks, u, z):  # of their densities
     return np.logaddexp.reduce([network.log_prob(u, z) for network in networks]) - math.log(len(networks))
 
-def transformed(x, t):  # (1, F or k)
+def transformed(x, t):  # (1, F + K or k)
+    x = np.asarray(x, float)
     if "center" in t:
         scale, copies = t["inverse_scale"], x[t["inverse_scale"] > 0]
-        x = np.where(scale > 0, np.arcsinh((x - t["center"]) * scale), x)
+        x = np.where(scale > 0, np.arcsinh(np.clip((x - t["center"]) * scale, -1e30, 1e30)), x)
         x = np.concatenate([x, copies]) if len(t["mean"]) > len(x) else x
     z = ((x - t["mean"]) * t["inverse_deviation"])[None]
     far = t["farthest"]

@@ -12,8 +12,8 @@ namespace {
 // So that squares of distances stay finite.
 constexpr float kLargest = 1e30f;
 
-// What distances are between: what lies far out is clamped for networks, and to keep it from
-// setting the directions of the others, but here it must go on telling near from far.
+// What distances are between: what lies far out counts by its logarithm for networks, and to
+// keep it from setting the directions of the others, but here in full.
 void place(const FeatureTransform& transform, const RowMatrixF& x, RowMatrixF& z) {
   if (transform.basis.cols() > 0) return transform.apply(x, z);
   transform.standardize(x, z);

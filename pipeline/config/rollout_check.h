@@ -24,8 +24,8 @@ void check_rollouts(const Study& study, const RolloutShape& shape, Reading& read
 /// [policy].
 void check_recording(const Study& study, const Target& recording);
 
-/// Throws InputError for a channel of the rollouts that is 0 throughout one of them, in which no
-/// error can be given in units of its maximum.
+/// Throws InputError for a channel of the rollouts that is 0 throughout one of them, but perhaps
+/// for its first or last state: no error can be given in units of its maximum.
 void require_motion(const Study& study, const Target& rollouts);
 
 }  // namespace npdr::pipeline

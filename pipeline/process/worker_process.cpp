@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/process/shell_call.h"
 #include "pipeline/process/stop_request.h"
 
@@ -58,9 +59,14 @@ class Exchange {
   // What is there before a request is sent is no reply to it.
   void require_silence() {
     pollfd output{shell_.output_stream(), POLLIN, 0};
-    if (poll(&output, 1, 0) > 0 && (output.revents & POLLIN) != 0) {
-      reject("it goes on after the last one, which was a whole one: each request has one reply");
-    }
+    if (poll(&output, 1, 0) <= 0 || (output.revents & POLLIN) == 0) return;
+    std::array<char, 4096> chunk;
+    const ssize_t count = read(shell_.output_stream(), chunk.data(), chunk.size());
+    if (count <= 0) return;
+    const std::string found(chunk.begin(), std::find(chunk.begin(), chunk.begin() + count, '\n'));
+    reject("it wrote " + quoted(shortened(found)) +
+           " before it was asked; each request has one reply, and what is for people belongs on "
+           "standard error");
   }
 
   // Waits until something can be done, and does it. False when nothing could for a while.
@@ -154,7 +160,7 @@ WorkerReply WorkerProcess::exchange(std::span<const char> request, double time_l
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   Exchange exchange(shell_, request, body_size, body);
   WorkerReply& reply = exchange.reply();
-  exchange.require_silence();
+  if (num_requests_++ > 0) exchange.require_silence();
   std::optional<double> closed;
   while (!exchange.is_complete() && !exchange.has_failed()) {
     stop_here_if_requested();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -29,6 +30,7 @@ class WorkerProcess {
 
   /// Writes a request and reads a reply: a line, and as many bytes as `body_size` says for it, into
   /// `body`, whose memory is best kept from one request to the next.
+  /// What it has written before it is asked is a problem, too, as far as it is there by then.
   /// body_size() throws InputError for a line that isn't a reply's. After a problem the program is
   /// of no use: nobody knows what it will write. Throws Checkpointed when this process is asked to
   /// stop.
@@ -41,6 +43,7 @@ class WorkerProcess {
 
  private:
   ShellProcess shell_;
+  std::uint64_t num_requests_ = 0;
 };
 
 }  // namespace npdr::pipeline

@@ -94,6 +94,20 @@ std::string text_of_powers(double smallest, double largest) {
   return ", power " + (first == last ? first : first + " to " + last);
 }
 
+// Where all certificates hold. `power`: the smallest.
+Verdict pass_certificates(const ReportData& data, const Runs& runs, const std::string& text,
+                          double power) {
+  if (is_search_cut(data, runs)) {
+    return {Check::sampling, Judgment::passes, text,
+            "the largest power that was reached predicts rollouts that are left out best, and "
+            "larger ones may do better: raise refine.max_simulations"};
+  }
+  const bool is_smallest = std::ranges::all_of(runs, [&](const EvaluatedRun* run) {
+    return run->notes.certificate->power > power || is_smallest_tried(*run);
+  });
+  return {Check::sampling, Judgment::passes, text, words_of(power, is_smallest)};
+}
+
 // Of refined posteriors: the certificates of their draws.
 Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   std::vector<std::string> faults, remedies;
@@ -119,17 +133,7 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   const std::string text =
       fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest) +
       text_of_powers(power, largest_power);
-  if (failed == 0 && is_search_cut(data, runs)) {
-    return {Check::sampling, Judgment::passes, "passes" + text,
-            "the largest power that was reached predicts rollouts that are left out best, and "
-            "larger ones may do better: raise refine.max_simulations"};
-  }
-  if (failed == 0) {
-    const bool is_smallest = std::ranges::all_of(runs, [&](const EvaluatedRun* run) {
-      return run->notes.certificate->power > power || is_smallest_tried(*run);
-    });
-    return {Check::sampling, Judgment::passes, "passes" + text, words_of(power, is_smallest)};
-  }
+  if (failed == 0) return pass_certificates(data, runs, "passes" + text, power);
   return {Check::sampling, Judgment::fails,
           "its draws DON'T hold" + seeds_text(failed, runs.size()) + text,
           fmt::format("{}: {}{}", join(faults), join(remedies, ", or "),

@@ -37,7 +37,7 @@ class ExternalSimulator {
   /// where its status isn't ok; where a value isn't finite, the row diverged. Rows outside of their
   /// parameters' limits aren't simulated. Throws Error with the
   /// program and the end of its output when it can't be run, or fails for each of many rows and for
-  /// one that went well before; Checkpointed when this process is asked to stop.
+  /// one that went well before, if there was any; Checkpointed when this process is asked to stop.
   sim::Trajectories simulate(const RowMatrix& theta, const StreamId& first, Index num_rows = 0);
 
   /// The time limit [s] of a call with `count` of `num_rows` rows: the share of the whole one, and

@@ -74,7 +74,8 @@ class Refinement {
       if (const std::optional<Vector> log_likelihood = simulate_next(failed)) {
         const Index level = sampler_.state().num_levels;
         sampler_.tell(*log_likelihood);
-        require_simulations(failed);
+        const bool is_end = sampler_.state().num_levels != level || sampler_.is_done();
+        if (is_end || level == 0) require_simulations(failed);
         if (sampler_.state().num_levels != level) cross_validate();
         show(sampler_.state().num_draws);
       }
@@ -95,8 +96,9 @@ class Refinement {
   bool is_search_cut() const { return search_.scores().ends_at_least(config_.likelihood_power); }
 
  private:
-  // As of other simulations. What failed since the last checkpoint is simulated again by who goes
-  // on from there: perhaps the fault was the machine's.
+  // As of other simulations, at the end of a level, however its rows came here; in the first one as
+  // soon as they are too many for all of it. What failed since the last checkpoint is simulated
+  // again by who goes on from there: perhaps the fault was the machine's.
   void require_simulations(Index failed) {
     const Index n = std::max(sampler_.state().num_draws, config_.level_size);
     const double limit = plan_.study.limits.max_failed_fraction;

@@ -65,10 +65,12 @@ void SimulatedLikelihood::require_deterministic() const {
   RowMatrix u(2 * count, prior.dimension());
   Index num_compared = 0;
   for (Index trial = 0; trial < most_trials && num_compared < count; ++trial) {
+    const Index before = num_compared;
     for (Index i = 0; i < 2 * count; i += 2) {
       for (Index d = 0; d < u.cols(); ++d) u(i, d) = u(i + 1, d) = stream.normal();
     }
     num_compared += num_equal_pairs(simulate(prior.to_theta(u), static_cast<Index>(kNoRow)));
+    if (num_compared == before) return;  // all fail, perhaps for a long time each
   }
 }
 

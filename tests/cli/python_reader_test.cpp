@@ -120,6 +120,7 @@ TEST_F(PythonReader, CompressesFeaturesThatSpanOrdersOfMagnitude) {
   ASSERT_EQ(scale.size(), 2u);
   EXPECT_EQ(scale[0], 0.0f);
   EXPECT_GT(scale[1], 0.0f);
+  EXPECT_EQ(file.dataset("transform/mean").read<float>().size(), 3u) << "with a copy";
   expect_reads(posterior);
 }
 

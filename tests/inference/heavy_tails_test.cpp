@@ -47,6 +47,22 @@ TEST(HeavyTails, ZerosAndStraySignsLeaveTheLogarithm) {
   for (const auto& found : {*whole, *with_strays}) EXPECT_LT(found.scale, 1e-9f);
 }
 
+// Residues of solvers among many zeros.
+TEST(HeavyTails, StraysAmongZerosAreNoScale) {
+  for (const double share : {0.1, 0.5}) {
+    auto values = values_of(2000, [&](double z) {
+      return std::sin(99.0 * z) > 1.0 - 2.0 * share ? 0.0 : std::exp(2.0 * z);
+    });
+    const auto clean = compression_of(values);
+    values[3] = 1e-28f;
+    const auto found = compression_of(values);
+    ASSERT_TRUE(clean && found);
+    EXPECT_GT(found->scale, 0.5f * clean->scale);
+    EXPECT_GT(found->scale, 1e-3f);
+  }
+  EXPECT_FALSE(compression_of(values_of(2000, [](double z) { return std::max(0.0, z); })));
+}
+
 // Nearly all are a few counts, one of thirty is a catastrophe of any size.
 TEST(HeavyTails, AreOfARareRegime) {
   const auto values = values_of(2000, [](double z) {
