@@ -203,6 +203,21 @@ Observed read_observed(const std::filesystem::path& posterior) {
   return observed;
 }
 
+// Throws InputError for parts of a transform that don't go together.
+void require_transform(const std::string& where, const inference::FeatureTransform& transform) {
+  if (transform.center.size() != transform.inverse_scale.size()) {
+    throw InputError(where + ": a center without an inverse_scale, or the other way round");
+  }
+  if ((transform.inverse_scale.array() < 0.0f).any()) {
+    throw InputError(where + ": an inverse_scale below 0; must be 0 or more");
+  }
+  const Index compressed = (transform.inverse_scale.array() > 0.0f).count();
+  if (transform.num_copies() != 0 && transform.num_copies() != compressed) {
+    throw InputError(fmt::format("{}: {} copies of features, must be 0 or {}", where,
+                                 transform.num_copies(), compressed));
+  }
+}
+
 }  // namespace
 
 inference::PosteriorEstimationConfig estimation_config(const MethodConfig& method,
@@ -291,21 +306,7 @@ void describe(Layout f, inference::FeatureTransform& transform) {
   group("basis", transform.basis, {column, {"k", "component"}},
         "principal components; missing when there are none",
         {.allowed = h5::Values::finite, .unless_empty = true, .storage = kFastest});
-  if (f.reads()) {
-    if (transform.center.size() != transform.inverse_scale.size()) {
-      throw InputError(group.where() +
-                       ": a center without an inverse_scale, or the other way round");
-    }
-    if ((transform.inverse_scale.array() < 0.0f).any()) {
-      throw InputError(group.where() + ": an inverse_scale below 0; must be 0 or more");
-    }
-    const Index compressed = (transform.inverse_scale.array() > 0.0f).count();
-    if (transform.num_copies() != 0 && transform.num_copies() != compressed) {
-      throw InputError(fmt::format("{}: {} copies of features, must be 0 or {}", group.where(),
-                                   transform.num_copies(), compressed));
-    }
-    return;
-  }
+  if (f.reads()) return require_transform(group.where(), transform);
   group.attribute(
       "farthest", double{inference::FeatureTransform::kFarthest},
       "standardized features beyond it become it + log(|s| / it), with their sign, before the "
