@@ -67,12 +67,12 @@ Bounds usual_bounds(const FeatureSource& x, Index num_columns, const Columns& co
 
 // What lies far out keeps its order.
 void slow_down(RowMatrixF& z) {
-  constexpr float farthest = FeatureTransform::kFarthest, most = 1e36f;
+  constexpr float farthest = FeatureTransform::kFarthest;
   if (z.size() == 0 || z.cwiseAbs().maxCoeff() <= farthest) return;
   z = z.unaryExpr([](float value) {
     const float size = std::abs(value);
     if (size <= farthest) return value;
-    return std::copysign(farthest + std::log(std::min(size, most) / farthest), value);
+    return std::copysign(farthest + std::log(std::min(size, 1e36f) / farthest), value);
   });
 }
 
