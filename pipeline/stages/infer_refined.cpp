@@ -96,10 +96,12 @@ class Refinement {
   bool is_search_cut() const { return search_.scores().ends_at_least(config_.likelihood_power); }
 
  private:
-  // As of other simulations, at the end of a level, however its rows came here; in the first one as
-  // soon as they are too many for all of it. What failed since the last checkpoint is simulated
-  // again by who goes on from there: perhaps the fault was the machine's.
+  // Of programs, as for other simulations (where a simulator of ours fails, parameters are
+  // impossible indeed), at the end of a level, however its rows came here; in the first one as soon
+  // as they are too many for all of it. What failed since the last checkpoint is simulated again by
+  // who goes on from there: perhaps the fault was the machine's.
   void require_simulations(Index failed) {
+    if (!plan_.study.source().takes_seeds) return;
     const Index n = std::max(sampler_.state().num_draws, config_.level_size);
     const double limit = plan_.study.limits.max_failed_fraction;
     if (static_cast<double>(failed) <= limit * static_cast<double>(n)) return;
