@@ -309,8 +309,7 @@ void describe(Layout f, inference::FeatureTransform& transform) {
   if (f.reads()) return require_transform(group.where(), transform);
   group.attribute(
       "farthest", double{inference::FeatureTransform::kFarthest},
-      "standardized features beyond it become it + log(|s| / it), with their sign, before the "
-      "basis");
+      "beyond +-f of it a standardized feature s becomes +-(f + log(+-s / f)), before the basis");
 }
 
 std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefact) {
