@@ -96,7 +96,7 @@ std::vector<Observation> own_observations(const KnownPosterior& task, Index coun
   std::vector<Observation> observations;
   for (Index i = 1; i <= count; ++i) {
     VectorF x_o = observation(task, i);
-    RowMatrix exact = exact_samples(task, x_o, num_samples, seed);
+    RowMatrix exact = task.exact_samples(x_o, num_samples, seed);
     observations.push_back({std::move(x_o), std::move(exact)});
   }
   return observations;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/likelihood_tasks.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/text.h"
@@ -19,13 +20,19 @@ using inference::Prior;
 
 constexpr Index kLinearDimension = 10;
 
-// Independent marginals of one kind: theta_1, theta_2, ...
-Prior same_marginals(Index dimension, Marginal::Kind kind, double a, double b) {
-  std::vector<Marginal> marginals;
-  for (Index d = 0; d < dimension; ++d) {
-    marginals.push_back({fmt::format("theta_{}", d + 1), "1", kind, a, b});
-  }
-  return Prior(std::move(marginals));
+// A task with `draw(x_o, stream)` for one sample; each has a stream of its own.
+template <class Draw>
+KnownPosterior drawn_task(const std::string& name, const Prior& prior,
+                          inference::SimulatorFunction simulator, Draw draw) {
+  return {name, prior, std::move(simulator),
+          [draw, dimension = prior.dimension()](const VectorF& x_o, Index n, std::uint64_t seed) {
+            RowMatrix theta(n, dimension);
+            parallel_for(n, [&](Index i) {
+              Stream stream({seed, "exact_posterior", 0, static_cast<std::uint64_t>(i), 0});
+              theta.row(i) = draw(x_o, stream).transpose();
+            });
+            return theta;
+          }};
 }
 
 // Draws until one lies in the prior.
@@ -71,9 +78,9 @@ Vector two_moons_theta(const VectorF& x_o, Stream& stream) {
 
 KnownPosterior two_moons() {
   const Prior prior = same_marginals(2, Marginal::Kind::uniform, -1.0, 1.0);
-  return {"two_moons", prior, two_moons_x, [prior](const VectorF& x_o, Stream& stream) {
-            return inside(prior, [&] { return two_moons_theta(x_o, stream); });
-          }};
+  return drawn_task("two_moons", prior, two_moons_x, [prior](const VectorF& x_o, Stream& stream) {
+    return inside(prior, [&] { return two_moons_theta(x_o, stream); });
+  });
 }
 
 // "Simple likelihood, complex posterior": x is four points ~ N(m, S) with m = (t1, t2),
@@ -121,8 +128,9 @@ Vector slcp_theta(const Prior& prior, const VectorF& x_o, Stream& stream) {
 
 KnownPosterior slcp() {
   const Prior prior = same_marginals(5, Marginal::Kind::uniform, -3.0, 3.0);
-  return {"slcp", prior, slcp_x,
-          [prior](const VectorF& x_o, Stream& stream) { return slcp_theta(prior, x_o, stream); }};
+  return drawn_task("slcp", prior, slcp_x, [prior](const VectorF& x_o, Stream& stream) {
+    return slcp_theta(prior, x_o, stream);
+  });
 }
 
 // The same, with 92 features behind it that say nothing: Student t with two degrees of freedom.
@@ -146,25 +154,26 @@ VectorF linear_x(const Vector& theta, Stream& stream) {
 
 // theta ~ N(0, 0.1 I), x ~ N(theta, 0.1 I): p(theta | x) = N(x / 2, 0.05 I).
 KnownPosterior gaussian_linear() {
-  return {"gaussian_linear",
-          same_marginals(kLinearDimension, Marginal::Kind::normal, 0.0, std::sqrt(0.1)), linear_x,
-          [](const VectorF& x_o, Stream& stream) {
-            return Vector(0.5 * x_o.cast<double>() + std::sqrt(0.05) * normals(x_o.size(), stream));
-          }};
+  return drawn_task(
+      "gaussian_linear",
+      same_marginals(kLinearDimension, Marginal::Kind::normal, 0.0, std::sqrt(0.1)), linear_x,
+      [](const VectorF& x_o, Stream& stream) {
+        return Vector(0.5 * x_o.cast<double>() + std::sqrt(0.05) * normals(x_o.size(), stream));
+      });
 }
 
 // The same likelihood, theta ~ U(-1, 1)^10: p(theta | x) = N(x, 0.1 I) inside of the box, which
 // each dimension is in or not by itself.
 KnownPosterior gaussian_linear_uniform() {
-  return {"gaussian_linear_uniform",
-          same_marginals(kLinearDimension, Marginal::Kind::uniform, -1.0, 1.0), linear_x,
-          [](const VectorF& x_o, Stream& stream) {
-            return Vector(x_o.cast<double>().unaryExpr([&](double x) {
-              double theta = x + std::sqrt(0.1) * stream.normal();
-              while (std::abs(theta) > 1.0) theta = x + std::sqrt(0.1) * stream.normal();
-              return theta;
-            }));
-          }};
+  return drawn_task("gaussian_linear_uniform",
+                    same_marginals(kLinearDimension, Marginal::Kind::uniform, -1.0, 1.0), linear_x,
+                    [](const VectorF& x_o, Stream& stream) {
+                      return Vector(x_o.cast<double>().unaryExpr([&](double x) {
+                        double theta = x + std::sqrt(0.1) * stream.normal();
+                        while (std::abs(theta) > 1.0) theta = x + std::sqrt(0.1) * stream.normal();
+                        return theta;
+                      }));
+                    });
 }
 
 // theta ~ U(-10, 10)^2, x ~ N(theta, I) or N(theta, 0.01 I), as likely.
@@ -175,18 +184,19 @@ Vector two_scales(Stream& stream) {
 
 KnownPosterior gaussian_mixture() {
   const Prior prior = same_marginals(2, Marginal::Kind::uniform, -10.0, 10.0);
-  return {"gaussian_mixture", prior,
-          [](const Vector& theta, Stream& stream) {
-            return VectorF((theta + two_scales(stream)).cast<float>());
-          },
-          [prior](const VectorF& x_o, Stream& stream) {
-            return inside(prior, [&] { return Vector(x_o.cast<double>() + two_scales(stream)); });
-          }};
+  const auto simulator = [](const Vector& theta, Stream& stream) {
+    return VectorF((theta + two_scales(stream)).cast<float>());
+  };
+  return drawn_task(
+      "gaussian_mixture", prior, simulator, [prior](const VectorF& x_o, Stream& stream) {
+        return inside(prior, [&] { return Vector(x_o.cast<double>() + two_scales(stream)); });
+      });
 }
 
 using Maker = KnownPosterior (*)();
 constexpr Maker kTasks[] = {
-    two_moons, slcp, gaussian_linear, gaussian_linear_uniform, gaussian_mixture, slcp_with_noise};
+    two_moons,     slcp, gaussian_linear, gaussian_linear_uniform, gaussian_mixture,
+    bernoulli_glm, sir,  lotka_volterra,  slcp_with_noise};
 
 }  // namespace
 
@@ -209,14 +219,12 @@ VectorF observation(const KnownPosterior& task, Index number) {
   return task.simulator(theta, stream);
 }
 
-RowMatrix exact_samples(const KnownPosterior& task, const VectorF& x_o, Index n,
-                        std::uint64_t seed) {
-  RowMatrix theta(n, task.prior.dimension());
-  parallel_for(n, [&](Index i) {
-    Stream stream({seed, "exact_posterior", 0, static_cast<std::uint64_t>(i), 0});
-    theta.row(i) = task.exact(x_o, stream).transpose();
-  });
-  return theta;
+Prior same_marginals(Index dimension, Marginal::Kind kind, double a, double b) {
+  std::vector<Marginal> marginals;
+  for (Index d = 0; d < dimension; ++d) {
+    marginals.push_back({fmt::format("theta_{}", d + 1), "1", kind, a, b});
+  }
+  return Prior(std::move(marginals));
 }
 
 }  // namespace npdr::bench

@@ -1,7 +1,6 @@
-/// Inference tasks whose posterior can be sampled exactly, given any observation. The first four
-/// are those of the benchmark of Lueckmann et al. (2021, "Benchmarking Simulation-Based Inference")
-/// with the same names there; the fifth is there, too, and the last one is slcp with 92 more
-/// features that say nothing.
+/// Inference tasks whose posterior can be sampled, given any observation: those of the benchmark of
+/// Lueckmann et al. (2021, "Benchmarking Simulation-Based Inference") with the same names there,
+/// and slcp with 92 more features that say nothing. Exactly, but for three (likelihood_tasks.h).
 #pragma once
 
 #include <functional>
@@ -16,12 +15,12 @@ struct KnownPosterior {
   std::string name;
   inference::Prior prior;
   inference::SimulatorFunction simulator;
-  /// One exact sample (D) of p(theta | x_o).
-  std::function<Vector(const VectorF& x_o, Stream& stream)> exact;
+  /// n samples (n, D) of p(theta | x_o). Throws Error where they can't be trusted.
+  std::function<RowMatrix(const VectorF& x_o, Index n, std::uint64_t seed)> exact_samples;
 };
 
 /// "two_moons", "slcp", "gaussian_linear", "gaussian_linear_uniform", "gaussian_mixture",
-/// "slcp_with_noise".
+/// "bernoulli_glm", "sir", "lotka_volterra", "slcp_with_noise".
 std::vector<std::string> known_posterior_names();
 /// Throws InputError for another name.
 KnownPosterior known_posterior(const std::string& name);
@@ -29,8 +28,8 @@ KnownPosterior known_posterior(const std::string& name);
 /// x_o (F) of a theta of the prior; another one for each number.
 VectorF observation(const KnownPosterior& task, Index number);
 
-/// (n, D) exact samples given x_o; row i has a stream of its own.
-RowMatrix exact_samples(const KnownPosterior& task, const VectorF& x_o, Index n,
-                        std::uint64_t seed);
+/// Independent marginals of one kind: theta_1, theta_2, ...
+inference::Prior same_marginals(Index dimension, inference::Marginal::Kind kind, double a,
+                                double b);
 
 }  // namespace npdr::bench
