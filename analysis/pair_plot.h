@@ -41,7 +41,7 @@ struct PairPlot {
   std::vector<PairParameter> parameters;
   std::vector<SampleSet> sets;  ///< blue, orange, purple, ...; the first is drawn on top
   std::vector<PairPoint> points = {};
-  std::vector<Index> selection = {};  ///< parameters to show, 2 to 15; empty: the first 15
+  std::vector<Index> selection = {};  ///< parameters to show, 1 to 15; empty: the first 15
   Index num_points = 200;             ///< of each set in an off-diagonal panel
 };
 

@@ -26,7 +26,7 @@ Summary summarize(const Eigen::Ref<const Vector>& values) {
   return summary;
 }
 
-Summary summarize_periodic(const Eigen::Ref<const Vector>& values, double period) {
+Summary summarize_periodic(const Eigen::Ref<const Vector>& values, double period, double center) {
   if (period <= 0.0) return summarize(values);
   const double to_angle = 2.0 * std::numbers::pi / period;
   double sine = 0.0, cosine = 0.0;
@@ -35,7 +35,7 @@ Summary summarize_periodic(const Eigen::Ref<const Vector>& values, double period
     sine += std::sin(v * to_angle);
     cosine += std::cos(v * to_angle);
   }
-  const double mean = std::atan2(sine, cosine) / to_angle;
+  const double mean = center + std::remainder(std::atan2(sine, cosine) / to_angle - center, period);
   const Vector differences =
       values.unaryExpr([&](double v) { return std::remainder(v - mean, period); });
   Summary summary = summarize(differences);

@@ -17,8 +17,9 @@ struct Summary {
 Summary summarize(const Eigen::Ref<const Vector>& values);
 
 /// The same of values of which those a `period` apart are equal: the circular mean
-/// (period / 2 pi) arg sum_i exp(2 pi i x_i / period), in the period around 0, and the deviation of
-/// the differences from it, each taken within half a period. period = 0: summarize().
-Summary summarize_periodic(const Eigen::Ref<const Vector>& values, double period);
+/// (period / 2 pi) arg sum_i exp(2 pi i x_i / period), in the period around `center`, and the
+/// deviation of the differences from it, each taken within half a period. period = 0: summarize().
+Summary summarize_periodic(const Eigen::Ref<const Vector>& values, double period,
+                           double center = 0.0);
 
 }  // namespace npdr::analysis

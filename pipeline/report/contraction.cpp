@@ -21,12 +21,11 @@ Vector quantiles_of(const inference::Marginal& marginal) {
 
 double prior_deviation(const ReportData& data, Index d) {
   const Vector quantiles = quantiles_of(data.plan.study.prior[static_cast<std::size_t>(d)]);
-  return analysis::summarize_periodic(quantiles, data.period_of(d)).std;
+  return data.summary_of(d, quantiles).std;
 }
 
 double contraction(const ReportData& data, const EvaluatedRun& run, Index d, double prior_std) {
-  const double std =
-      analysis::summarize_periodic(run.evaluation.theta.col(d), data.period_of(d)).std;
+  const double std = data.summary_of(d, run.evaluation.theta.col(d)).std;
   return 1.0 - std * std / (prior_std * prior_std);
 }
 

@@ -75,6 +75,12 @@ double ReportData::period_of(Index d) const {
   return info.parameters[static_cast<std::size_t>(sim::parameter_index(info, name))].period;
 }
 
+analysis::Summary ReportData::summary_of(Index d, const Eigen::Ref<const Vector>& samples) const {
+  const inference::Prior prior({plan.study.prior[static_cast<std::size_t>(d)]});
+  const double median = prior.to_theta(RowMatrix::Zero(1, 1))(0, 0);
+  return analysis::summarize_periodic(samples, period_of(d), median);
+}
+
 bool has_posteriors(const ReportData& data) { return !data.methods.empty(); }
 
 bool predicts_features(const ReportData& data) {

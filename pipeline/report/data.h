@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "analysis/summary.h"
 #include "pipeline/artefacts/baseline_file.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/evaluation_file.h"
@@ -65,6 +66,9 @@ struct ReportData {
   bool is_inferred(const std::string& method, Index d) const;
   /// Values of parameter d of the prior that far apart are the same system; 0: none are.
   double period_of(Index d) const;
+  /// Mean and deviation of samples of that parameter; of a periodic one in the period around the
+  /// prior's median.
+  analysis::Summary summary_of(Index d, const Eigen::Ref<const Vector>& samples) const;
 };
 
 /// Conditions under which several tables and figures exist.

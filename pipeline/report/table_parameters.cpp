@@ -110,7 +110,7 @@ std::string period_note(double period) {
 Cell posterior_cell(Table& table, const ReportData& data, const std::string& method, Index d) {
   const double period = data.period_of(d);
   const Vector samples = samples_of(data, method, d);
-  Cell cell(analysis::summarize_periodic(samples, period));
+  Cell cell(data.summary_of(d, samples));
   if (!data.is_inferred(method, d)) {
     cell = Cell(samples(0));
     note_known(table, cell);

@@ -86,7 +86,7 @@ Vector unwrapped_samples_of(const ReportData& data, const std::string& method, I
   Vector samples = samples_of(data, method, d);
   const double period = data.period_of(d);
   if (!(period > 0.0)) return samples;
-  const double mean = analysis::summarize_periodic(samples, period).mean;
+  const double mean = data.summary_of(d, samples).mean;
   return samples.unaryExpr([&](double v) { return mean + std::remainder(v - mean, period); });
 }
 

@@ -37,8 +37,8 @@ SeedMoments moments_of_seeds(const ReportData& data, const Runs& runs, Index d) 
   const auto num_seeds = static_cast<Index>(runs.size());
   SeedMoments moments{Vector(num_seeds), Vector(num_seeds)};
   for (Index s = 0; s < num_seeds; ++s) {
-    const auto found = analysis::summarize_periodic(
-        runs[static_cast<std::size_t>(s)]->evaluation.theta.col(d), period);
+    const auto found =
+        data.summary_of(d, runs[static_cast<std::size_t>(s)]->evaluation.theta.col(d));
     const double first = s == 0 ? found.mean : moments.means(0);
     moments.means(s) = first + difference_of(found.mean, first, period);
     moments.variances(s) = found.std * found.std;

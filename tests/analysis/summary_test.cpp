@@ -64,6 +64,16 @@ TEST(SummarizePeriodic, IsSummarizeForANarrowSetAndWithoutAPeriod) {
   EXPECT_EQ(summarize_periodic(values, 0.0).mean, plain.mean);
 }
 
+TEST(SummarizePeriodic, LiesInThePeriodAroundTheCenter) {
+  Vector values(3);
+  values << 2.8, 2.9, 3.0;
+  constexpr double pi = 3.14159265358979323846;
+  EXPECT_NEAR(summarize_periodic(values, pi).mean, 2.9 - pi, 1e-12);
+  EXPECT_NEAR(summarize_periodic(values, pi, 0.5 * pi).mean, 2.9, 1e-12);
+  EXPECT_NEAR(summarize_periodic(values, pi, 20.0).mean, 2.9 + 5.0 * pi, 1e-12);
+  EXPECT_NEAR(summarize_periodic(values, pi, 20.0).std, 0.1, 1e-12);
+}
+
 TEST(SummarizePeriodic, ShiftingByPeriodsChangesNothing) {
   Vector values(3), shifted(3);
   values << 0.1, 0.9, 1.4;
