@@ -52,14 +52,16 @@ std::vector<std::string> words_of(const std::string& command) {
   return words;
 }
 
-// Absolute paths only within the folder: not the interpreters of the system.
-bool is_in_folder(const std::string& word, const std::filesystem::path& folder) {
-  const std::filesystem::path path(word);
-  const std::filesystem::path inside =
-      path.is_absolute() ? path.lexically_normal().lexically_relative(folder) : path;
-  if (inside.empty() || *inside.begin() == "..") return false;
+// But for interpreters: programs in a folder `bin` elsewhere, of the system or an environment.
+bool is_of_simulator(const std::string& word, const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
   std::error_code error;
-  return std::filesystem::is_regular_file(folder / inside, error);
+  const fs::path path = folder / word;
+  if (!fs::is_regular_file(path, error)) return false;
+  const fs::path inside =
+      fs::canonical(path, error).lexically_relative(fs::canonical(folder, error));
+  const bool is_outside = inside.empty() || *inside.begin() == "..";
+  return !(is_outside && path.lexically_normal().parent_path().filename() == "bin");
 }
 
 }  // namespace
@@ -80,7 +82,7 @@ std::vector<std::string> named_paths(const std::string& command,
   std::vector<std::string> words = words_of(command);
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string word = words[i];
-    if (is_in_folder(word, folder)) {
+    if (is_of_simulator(word, folder)) {
       named.push_back(word);
     } else if (word.find_first_of(kSeparators) != std::string::npos) {
       // A command itself, for `sh -c`; its words are shorter.

@@ -12,7 +12,8 @@ namespace npdr::pipeline {
 std::string filled_command(const std::string& command, const std::filesystem::path& theta,
                            const std::filesystem::path& x);
 
-/// Words of the command that are files in `folder`, such as a script.
+/// Words of the command that are files, such as a script, by their paths from `folder`; but for
+/// programs in a folder `bin` that isn't in it, such as /usr/bin/python3.
 std::vector<std::string> named_paths(const std::string& command,
                                      const std::filesystem::path& folder);
 

@@ -130,7 +130,7 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
       task.theta.middleRows(begin, count),
       std::span(task.seeds)
           .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)),
-      task.rows[static_cast<std::size_t>(begin)], time_limit(count, task.num_rows)};
+      task.rows[static_cast<std::size_t>(begin)] % kNoRow, time_limit(count, task.num_rows)};
   ++num_calls_;
   sim::Trajectories result = program_->empty(count);
   const ProgramOutcome outcome = program_->call(rows, result);

@@ -15,7 +15,7 @@ inline constexpr const char* kSimulationStream = "external_simulation";
 /// The same of a simulated target domain.
 inline constexpr const char* kTruthStream = "external_truth";
 
-/// The number of no row: for simulations beside a study's own.
+/// The number of no row: for simulations beside a study's own, whose rows count on from there.
 inline constexpr std::uint64_t kNoRow = std::uint64_t{1} << 62;
 
 class RowSimulator {

@@ -103,10 +103,8 @@ std::string unnamed_imports(const Json& hello, const ExternalConfig& external) {
   for (const Json& file : hello.value("files", Json::array())) {
     if (!file.is_string()) continue;
     const std::filesystem::path path = real(file.get<std::string>());
-    const std::filesystem::path inside = path.lexically_relative(folder);
-    if (inside.empty() || *inside.begin() == ".." || named.contains(path)) continue;
-    if (!std::filesystem::is_regular_file(path, error)) continue;
-    unnamed.push_back(quoted(inside.string()));
+    if (named.contains(path) || !std::filesystem::is_regular_file(path, error)) continue;
+    unnamed.push_back(quoted(path.lexically_proximate(folder).string()));
   }
   if (unnamed.empty()) return "";
   if (unnamed.size() > most) {

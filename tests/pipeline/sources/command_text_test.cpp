@@ -18,6 +18,23 @@ TEST(CommandText, FilesWithoutAPlaceholderAreAppended) {
   EXPECT_EQ(filled_command("sim {x}", "/a", "/b"), "sim /b /a");
 }
 
+TEST(CommandText, FilesElsewhereAreFoundButForInterpreters) {
+  const TempFolder folder;
+  for (const char* path : {"study", "env/bin", "sim"}) {
+    std::filesystem::create_directories(folder / path);
+  }
+  folder.file("sim/run.py", "print()");
+  folder.file("env/bin/python3", "");
+  folder.file("study/own.py", "print()");
+  std::filesystem::create_directory_symlink(folder / "study", folder / "link");
+  using Words = std::vector<std::string>;
+  const std::string absolute = folder / "sim/run.py", linked = folder / "link/own.py";
+  EXPECT_EQ(named_paths("../env/bin/python3 ../sim/run.py", folder.path() / "study"),
+            Words{"../sim/run.py"});
+  EXPECT_EQ(named_paths("/bin/sh " + absolute, folder.path() / "study"), Words{absolute});
+  EXPECT_EQ(named_paths("sh " + linked, folder.path() / "study"), Words{linked});
+}
+
 TEST(CommandText, FilesOfTheFolderAreFoundInItsWords) {
   const TempFolder folder;
   folder.file("sim.py", "print()");
