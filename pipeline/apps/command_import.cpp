@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <strings.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -15,6 +16,7 @@
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/import/csv_import.h"
 #include "pipeline/process/shell_text.h"
+#include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -42,10 +44,23 @@ struct ImportArguments {
   }
 };
 
+// Where a link to a file leads, which is there or not: that is written, and the link stays one.
+std::string past_links(const std::string& output) {
+  namespace fs = std::filesystem;
+  constexpr int most = 40;
+  std::error_code error;
+  if (fs::is_other(fs::status(output, error))) return output;
+  fs::path path = output;
+  for (int i = 0; i < most && fs::is_symlink(path, error); ++i) {
+    path = path.parent_path() / fs::read_symlink(path, error);
+  }
+  return path.string();
+}
+
 // Nothing that was measured may get lost: `-o run_*.csv` names a CSV file first.
 void check_output(const ImportArguments& arguments) {
   const std::filesystem::path output = arguments.output;
-  if (output.extension() == ".csv") {
+  if (::strcasecmp(output.extension().c_str(), ".csv") == 0) {
     throw InputError(output.string() + ": is to hold HDF5, must not end in .csv");
   }
   std::error_code error;
@@ -185,6 +200,7 @@ void import_simulations(const ImportArguments& arguments) {
   const DatasetCounts counts =
       import_dataset(arguments.theta, arguments.x, arguments.output,
                      parse_csv_format(arguments.delimiter, arguments.decimal_comma));
+  for (const std::string& file : counts.unended) print_line("{}", warning_of_end(file));
   print_line(
       "wrote {}: {} rows; theta {}; x {}{}", arguments.output, counts.num_rows,
       fmt::join(feature_names(counts.parameters), ", "),
@@ -213,7 +229,8 @@ void import_recording(const ImportArguments& arguments) {
       shell_word(arguments.output));
 }
 
-void import(const ImportArguments& arguments) {
+void import(ImportArguments arguments) {
+  arguments.output = past_links(arguments.output);
   check_output(arguments);
   if (!arguments.theta.empty() || !arguments.x.empty()) return import_simulations(arguments);
   import_recording(arguments);

@@ -23,6 +23,7 @@
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_warnings.h"
+#include "pipeline/import/recording_warnings.h"
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/progress.h"
@@ -207,6 +208,12 @@ std::vector<std::string> StudyArguments::words() const {
 
 void print_warnings(const std::string& program, const Plan& plan) {
   const sim::SimulatorInfo& info = plan.source->info();
+  if (plan.study.target.recording && plan.study.source().gives_motion) {
+    for (const std::string& warning : recording_warnings(plan.target)) {
+      report_error(program, fmt::format("{}: warning: {}",
+                                        plan.study.places.of("target.recording").str(), warning));
+    }
+  }
   for (const std::string& warning : warnings_of(plan.study, info)) report_error(program, warning);
   for (const std::string& warning :
        {unused_actions(plan.study, info), warning_of_replacement(plan)}) {

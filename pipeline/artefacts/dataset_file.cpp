@@ -227,6 +227,9 @@ DatasetCounts import_dataset(const std::filesystem::path& theta, const std::file
   });
   file.close();
   atomic.commit();
+  for (const NumberTable* table : {&theta_table, &x_table}) {
+    if (!table->has_line_end()) counts.unended.push_back(table->name());
+  }
   return counts;
 }
 

@@ -50,6 +50,7 @@ struct DatasetCounts {
   Index num_failed = 0;  ///< rows of x that hold NaN or infinities
   std::vector<Channel> parameters;
   std::vector<Channel> features;
+  std::vector<std::string> unended;  ///< files whose last line has no end: perhaps they were cut
 };
 
 /// Writes a dataset of two CSV files with as many rows, as a whole or not at all: theta, whose

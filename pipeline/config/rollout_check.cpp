@@ -148,6 +148,9 @@ void check_recording(const Study& study, const Target& recording) {
 }
 
 void require_motion(const Study& study, const Target& rollouts) {
+  const std::string path = study.target.recording ? "target.recording" : "target.truth";
+  const char* remedy = study.target.recording ? "leave out the rollout (target.rollouts)"
+                                              : "let it move, by its actions or where it begins";
   for (const Rollout& rollout : rollouts.rollouts) {
     for (std::size_t c = 0; c < rollouts.state_channels.size(); ++c) {
       // Distances leave the last state out, noise the first.
@@ -157,10 +160,9 @@ void require_motion(const Study& study, const Target& rollouts) {
         continue;
       }
       throw InputError(fmt::format(
-          "{}: target.recording: channel '{}' of rollout '{}' is 0 throughout, but perhaps for its "
-          "first or last state, and errors are in units of its maximum; leave out the rollout "
-          "(target.rollouts){}",
-          study.places.of("target.recording").str(), rollouts.state_channels[c].label, rollout.name,
+          "{}: {}: channel '{}' of rollout '{}' is 0 throughout, but perhaps for its first or last "
+          "state, and errors are in units of its maximum; {}{}",
+          study.places.of(path).str(), path, rollouts.state_channels[c].label, rollout.name, remedy,
           study.source().is_built_in ? "" : ", or the channel (simulator.states)"));
     }
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/error.h"
@@ -14,8 +15,10 @@
 #include "pipeline/import/glitch_report.h"
 #include "pipeline/import/rate_report.h"
 #include "pipeline/import/resample.h"
+#include "pipeline/import/rollout_copies.h"
 #include "pipeline/import/rollout_length.h"
 #include "pipeline/store/column_labels.h"
+#include "pipeline/store/number_table.h"
 #include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
@@ -87,9 +90,20 @@ Target even_target(const std::vector<CsvRows>& files, const CsvOptions& options)
     target.rollouts.push_back(options.resample
                                   ? resampled_rollout(rows, *options.resample)
                                   : Rollout{"", rows.state_values, rows.action_values});
-    target.rollouts.back().name = std::filesystem::path(rows.name).stem().string();
   }
   return target;
+}
+
+// Those of the files; where two are the same, with the folder before it.
+void name_rollouts(const std::vector<std::filesystem::path>& paths, Target& target) {
+  std::map<std::string, int> count;
+  for (const auto& path : paths) ++count[path.stem().string()];
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const auto stem = paths[i].stem();
+    const bool is_unique = count[stem.string()] == 1;
+    target.rollouts[i].name =
+        (is_unique ? stem : paths[i].parent_path().filename() / stem).string();
+  }
 }
 
 std::string note_of_resampling(const std::vector<CsvRows>& files, double dt) {
@@ -127,19 +141,11 @@ void require_distinct(const std::vector<std::filesystem::path>& paths) {
   throw InputError(twice->string() + ": is named twice; name each rollout once");
 }
 
-bool is_copy(const Rollout& one, const Rollout& other) {
-  return one.states.rows() == other.states.rows() && one.states == other.states &&
-         one.actions == other.actions;
-}
-
 // Files may be copies of each other.
 void require_no_copies(const Target& target, const std::vector<std::filesystem::path>& paths) {
-  for (std::size_t i = 1; i < paths.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!is_copy(target.rollouts[j], target.rollouts[i])) continue;
-      throw InputError(fmt::format("{}: holds the same numbers as {}; name each rollout once",
-                                   paths[i].string(), paths[j].string()));
-    }
+  for (const auto& [one, other] : copies_of(target)) {
+    throw InputError(fmt::format("{}: holds the same numbers as {}; name each rollout once",
+                                 paths[other].string(), paths[one].string()));
   }
 }
 
@@ -206,10 +212,7 @@ std::vector<std::string> notes_of_ends(const std::vector<CsvRows>& files) {
   std::vector<std::string> notes;
   for (const CsvRows& rows : files) {
     if (rows.has_line_end) continue;
-    notes.push_back(fmt::format(
-        "warning: {}: its last line has no end: if the file was cut, maybe within a number, "
-        "copy it again",
-        rows.name));
+    notes.push_back(warning_of_end(rows.name));
   }
   return notes;
 }
@@ -266,6 +269,7 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   for (const std::string& glitch : glitches) result.notes.push_back("warning: " + glitch);
   append(unwrap_turns(files, options.unwrap), result.notes);
   Target& target = result.target = even_target(files, options);
+  name_rollouts(paths, target);
   require_no_copies(target, paths);
   if (options.resample) result.notes.push_back(note_of_resampling(files, *options.resample));
   if (options.differentiate) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <functional>
 #include <iterator>
 #include <optional>
 
@@ -49,6 +50,7 @@ struct Column {
   std::optional<std::size_t> index;
   double factor = 1.0;
   Channel channel;
+  bool is_guess = false;  // of a clock: it is none unless it increases
 
   double number(const NumberTable& table) const {
     return index ? factor * table.finite_number(*index, kNoHoles) : 0.0;
@@ -151,36 +153,56 @@ class ColumnFinder {
             {channel.label, channel.unit.empty() ? found.unit : channel.unit}};
   }
 
-  // A clock by its unit and name, such as 'Time [s]' or 'timestamp [s]'.
-  bool is_clock(const Channel& found) const {
+  bool is_channel(const std::string& label) const {
+    const auto has_label = [&](const Channel& channel) { return channel.label == label; };
+    return std::ranges::any_of(options_.channels.states, has_label) ||
+           std::ranges::any_of(options_.channels.actions, has_label);
+  }
+
+  // By its name, such as 'Time' or 'timestamp'; no state or action.
+  bool is_called_clock(const Channel& found) const {
+    constexpr std::array words = {"time", "clock", "stamp", "zeit"};
     std::string name = found.label;
     std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-    const auto has_label = [&](const Channel& channel) { return channel.label == found.label; };
-    if (found.unit != "s" || std::ranges::any_of(options_.channels.states, has_label) ||
-        std::ranges::any_of(options_.channels.actions, has_label)) {
-      return false;
-    }
-    constexpr std::array words = {"time", "clock", "stamp", "zeit"};
-    return name == "t" || std::ranges::any_of(words, [&](const char* word) {
-             return name.find(word) != std::string::npos;
-           });
+    const bool has_word = std::ranges::any_of(
+        words, [&](const char* word) { return name.find(word) != std::string::npos; });
+    return (name == "t" || has_word) && !is_channel(found.label);
+  }
+
+  // In [s], as it is or by its scale.
+  bool is_in_seconds(const Channel& found) const {
+    return found.unit == "s" || scale_of(found.label) != nullptr;
   }
 
   std::optional<Column> time() const {
     for (const char* label : {"t", "time"}) {
-      if (has(label)) return column({label, "s"});
+      if (has(label) && !is_channel(label)) return column({label, "s"});
     }
-    std::vector<Channel> clocks;
+    std::vector<Channel> clocks, in_seconds;
     std::ranges::copy_if(table_.columns(), std::back_inserter(clocks),
-                         [&](const Channel& found) { return is_clock(found); });
-    if (clocks.size() == 1) return column(clocks.front());
-    if (options_.resample) {
-      throw InputError(table_.name() +
-                       ":1: no column 't [s]' or 'time [s]', which --resample needs");
+                         [&](const Channel& found) { return is_called_clock(found); });
+    std::ranges::copy_if(clocks, std::back_inserter(in_seconds),
+                         [&](const Channel& found) { return is_in_seconds(found); });
+    if (in_seconds.size() == 1) {
+      Column clock = column({in_seconds.front().label, "s"});
+      clock.is_guess = options_.dt.has_value();
+      return clock;
     }
     if (options_.dt) return std::nullopt;
-    throw InputError(table_.name() + ":1: no column 't [s]' or 'time [s]'; give the time between " +
-                     "two rows with --dt");
+    const std::string remedy = options_.resample ? ", which --resample needs"
+                                                 : "; give the time between two rows with --dt";
+    throw InputError(table_.name() + ":1: no column 't [s]' or 'time [s]'" +
+                     words_of_candidates(clocks) + remedy);
+  }
+
+  // Columns that may be the clock, and what would make one of them it.
+  static std::string words_of_candidates(const std::vector<Channel>& clocks) {
+    if (clocks.empty()) return "";
+    if (clocks.size() == 1) {
+      return fmt::format(" ('{}' is in [{}]: --scale {}=FACTOR makes it seconds)",
+                         clocks.front().label, clocks.front().unit, clocks.front().label);
+    }
+    return fmt::format(" (call that one of {} so that is the clock)", join(labels_of(clocks)));
   }
 
   static std::vector<std::string> taken_by(const Columns& columns) {
@@ -246,6 +268,10 @@ std::vector<RatePair> lacking_rates(const std::vector<Column>& states) {
   return pairs;
 }
 
+bool increases(const std::vector<double>& times) {
+  return std::ranges::adjacent_find(times, std::greater_equal()) == times.end();
+}
+
 RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t width) {
   return Eigen::Map<const RowMatrix>(values.data(), rows, static_cast<Index>(width));
 }
@@ -255,8 +281,12 @@ RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t widt
 CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& options) {
   NumberTable table(path, Header::with_units, options.format);
   const ColumnFinder finder(table, options);
-  const Columns columns = finder.all();
-  const Values values = read_values(table, columns);
+  Columns columns = finder.all();
+  Values values = read_values(table, columns);
+  if (columns.time && columns.time->is_guess && !increases(values.times)) {
+    columns.time.reset();
+    values.times.clear();
+  }
   CsvRows rows;
   rows.name = table.name();
   rows.states = channels_of_columns(columns.states);

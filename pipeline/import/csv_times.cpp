@@ -12,6 +12,8 @@ namespace {
 
 // Rounded times (0.033, 0.067, 0.1) are fine, a lost sample is not.
 constexpr double kTimeTolerance = 0.05;
+// Means of clocks that are the same, but for what rounded times at both ends leave open.
+constexpr double kStepTolerance = 1e-3;
 // A straight line may stand for a few lost samples, not for more of the motion.
 constexpr double kLongestGap = 10.0;
 
@@ -47,6 +49,11 @@ void check_steps(const CsvRows& rows) {
   }
 }
 
+bool is_same_step(const CsvRows& rows, double step, double dt) {
+  const double rounding = 2.0 * kTimeTolerance / static_cast<double>(rows.times.size() - 1);
+  return std::abs(step - dt) <= (kStepTolerance + rounding) * dt;
+}
+
 // Mean step of equally spaced times.
 double mean_step(const CsvRows& rows) {
   check_steps(rows);
@@ -73,16 +80,18 @@ TimeSteps steps_of(const std::vector<double>& times) {
 double even_step(const CsvRows& rows, const std::optional<double>& given) {
   if (rows.times.empty()) return given.value();
   const double dt = mean_step(rows);
-  if (given && std::abs(dt - *given) > kTimeTolerance * *given) {
+  if (given && !is_same_step(rows, dt, *given)) {
     throw InputError(
-        fmt::format("{}: its times are {:.6g} s apart, but --dt says {} s", rows.name, dt, *given));
+        fmt::format("{}: its times are {:.6g} s apart, but --dt says {} s: leave out --dt, or "
+                    "rename {} if it is no clock",
+                    rows.name, dt, *given, rows.time_place));
   }
   return given.value_or(dt);
 }
 
 void require_step(const CsvRows& rows, const std::optional<double>& given, double dt) {
   const double step = even_step(rows, given);
-  if (std::abs(step - dt) <= kTimeTolerance * dt) return;
+  if (rows.times.empty() || is_same_step(rows, step, dt)) return;
   throw InputError(fmt::format(
       "{}: its times are {:.6g} s apart, those of the first file {:.6g} s; --resample {:.3g} makes "
       "them alike",

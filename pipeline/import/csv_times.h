@@ -16,11 +16,13 @@ struct TimeSteps {
 TimeSteps steps_of(const std::vector<double>& times);
 
 /// Time between two rows [s]: `given`, else the mean of equally spaced times. None of them may be
-/// further than 5 % of it from where it belongs, and both must agree to 5 %. Throws InputError,
-/// which says how uneven the clock is, and the option that helps.
+/// further than 5 % of it from where it belongs, and both must agree to 0.1 %, and what rounded
+/// times leave open: 10 % of a step over the whole rollout. Throws InputError, which says how
+/// uneven the clock is, and the option that helps.
 double even_step(const CsvRows& rows, const std::optional<double>& given);
 
-/// Throws InputError unless the file's step agrees with `dt` [s], that of the first file, to 5 %.
+/// Throws InputError unless the file's step agrees with `dt` [s], that of the first file, as
+/// well as that.
 void require_step(const CsvRows& rows, const std::optional<double>& given, double dt);
 
 /// Throws InputError unless the times increase, without a gap of more than ten steps: `dt` [s], or

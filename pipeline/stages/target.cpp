@@ -57,7 +57,7 @@ void write_part(const Plan& plan, const Node& node, const Target& all, h5::File&
   if (!plan.study.source().gives_motion) {
     write_observation(file, all);
   } else {
-    if (plan.study.target.recording) require_motion(plan.study, all);
+    require_motion(plan.study, all);
     const Target used = all.first(num_seen), seen = without_fold(plan.study, used, fold);
     if (node.stage == Stage::target) return write_rollouts(file, seen);
     const Target rest = fold > 0 ? of_fold(plan.study, used, fold) : all.after(num_seen);

@@ -96,4 +96,7 @@ std::vector<Index> find_columns(const std::string& where, const std::vector<Chan
 std::vector<Index> match_columns(const std::string& where, const std::vector<Channel>& found,
                                  const std::vector<Channel>& expected);
 
+/// The warning of a file without has_line_end().
+std::string warning_of_end(const std::string& file);
+
 }  // namespace npdr::pipeline

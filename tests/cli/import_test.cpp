@@ -143,6 +143,21 @@ TEST_F(ImportOfLabs, NothingCountsTwiceAndNothingElseIsReplaced) {
   EXPECT_EQ(text_of(program), "#!/bin/sh\n");
 }
 
+TEST_F(ImportOfLabs, LinksStayLinks) {
+  write({});
+  std::filesystem::create_directory(folder_ / "big");
+  std::filesystem::create_symlink("big/real.h5", folder_ / "r.h5");
+  EXPECT_EQ(import({}).status, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "r.h5"));
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder_ / "big/real.h5"));
+  const auto refused = [&](const std::string& output) {
+    return run(folder_.path(), {"npdr", "import", "a.csv", "-o", output}).err;
+  };
+  EXPECT_TRUE(says(refused("r.h5"), {"npdr import: big/real.h5: is there already"}));
+  EXPECT_TRUE(
+      says(refused("out.CSV"), {"npdr import: out.CSV: is to hold HDF5, must not end in .csv"}));
+}
+
 TEST_F(ImportOfLabs, WindowsAreOddNumbers) {
   write({.has_rates = false});
   for (const char* word : {"--differentiate=4", "--differentiate=3", "--differentiate=x"}) {
@@ -239,6 +254,10 @@ TEST_F(ImportOfLabs, DatasetsKnowTheFormatButNoMotion) {
   }
   const Outcome outcome = dataset({"--delimiter", ";", "--decimal-comma"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(says(dataset({"--delimiter", ";", "--decimal-comma", "--force"}).out, {"wrote"}));
+  folder_.file("x.csv", "1,25\n2,2");
+  EXPECT_TRUE(says(dataset({"--delimiter", ";", "--decimal-comma", "--force"}).out,
+                   {"warning: x.csv: its last line has no end", "\nwrote d.h5"}));
   EXPECT_TRUE(says(outcome.out, {"wrote d.h5: 2 rows",
                                  "\nnext: npdr run STUDY.toml --set "
                                  "simulator.dataset=d.h5"}));

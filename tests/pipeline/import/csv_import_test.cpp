@@ -59,6 +59,19 @@ TEST_F(CsvImport, JoinsFilesAsRollouts) {
   EXPECT_EQ(target.source, "a.csv, b.csv");
 }
 
+TEST_F(CsvImport, FilesOfOneNameAreToldApartByTheirFolders) {
+  for (const char* day : {"monday", "friday"}) {
+    std::filesystem::create_directory(folder_ / day);
+  }
+  const Target target =
+      import_csv({folder_.file("monday/run.csv", kCsv),
+                  folder_.file("friday/run.csv", replaced(kCsv, "0.2,0.3", "0.2,0.4"))},
+                 pendulum_options())
+          .target;
+  EXPECT_EQ(target.rollouts[0].name, "monday/run");
+  EXPECT_EQ(target.rollouts[1].name, "friday/run");
+}
+
 TEST_F(CsvImport, FilesMustBeAlike) {
   const auto second = [&](const std::string& text, const CsvOptions& options) {
     return message_of<InputError>(

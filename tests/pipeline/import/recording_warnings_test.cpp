@@ -1,0 +1,61 @@
+#include "pipeline/import/recording_warnings.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/text.h"
+#include "tests/message_of.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// An angle that turns and swings, and its rate.
+Target turning() {
+  Target target{0.01, {{"alpha", "rad"}, {"alpha_dot", "rad/s"}}, {}, {}, "test"};
+  for (const double phase : {0.0, 1.0}) {
+    RowMatrix states(500, 2);
+    for (Index t = 0; t < states.rows(); ++t) {
+      const double time = 0.01 * static_cast<double>(t);
+      states.row(t) << 2.0 * time + 0.5 * std::sin(3.0 * time + phase),
+          2.0 + 1.5 * std::cos(3.0 * time + phase);
+    }
+    target.rollouts.push_back({phase == 0.0 ? "a" : "b", states, RowMatrix(499, 0)});
+  }
+  return target;
+}
+
+// The only one.
+std::string warning(const Target& target) {
+  const std::vector<std::string> all = recording_warnings(target);
+  EXPECT_EQ(all.size(), 1u) << join(all, "\n");
+  return all.empty() ? "" : all.front();
+}
+
+TEST(RecordingWarnings, ThereAreNoneOfARightOne) {
+  EXPECT_EQ(recording_warnings(turning()), std::vector<std::string>{});
+}
+
+TEST(RecordingWarnings, AnglesThatWrap) {
+  Target target = turning();
+  for (double& angle : target.rollouts[1].states.col(0)) {
+    angle = std::remainder(angle, 2.0 * std::numbers::pi);
+  }
+  EXPECT_TRUE(says(warning(target), {"alpha jumps by -6.2", "of rollout b", "it wraps"}));
+}
+
+TEST(RecordingWarnings, RatesInDegrees) {
+  Target target = turning();
+  for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / std::numbers::pi;
+  EXPECT_NE(warning(target).find("degrees"), std::string::npos) << warning(target);
+  EXPECT_NE(warning(target).find("in an HDF5 file, correct the numbers"), std::string::npos);
+}
+
+TEST(RecordingWarnings, Copies) {
+  Target target = turning();
+  target.rollouts[1] = target.rollouts[0];
+  target.rollouts[1].name = "b";
+  EXPECT_TRUE(says(warning(target), {"rollout b holds the same numbers as a"}));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline

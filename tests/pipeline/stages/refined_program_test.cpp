@@ -1,0 +1,70 @@
+/// Refinements whose simulator is a program of the user's: rows at once, rows that fail.
+#include <algorithm>
+#include <sstream>
+
+#include "core/error.h"
+#include "pipeline/plan/plan.h"
+#include "pipeline/run/run_stage.h"
+#include "tests/message_of.h"
+#include "tests/pipeline/small_study.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// x = a, and no number where a > 0.8; a line with the number of its rows for each call.
+constexpr const char* kScript = R"sh(
+awk -F, 'NR > 1 { if ($1 > 0.8) print "nan"; else print $1 } END { print NR - 1 >> "calls" }' "$1" > "$2"
+)sh";
+
+class RefinedPrograms : public ::testing::Test {
+ protected:
+  RefinedPrograms() {
+    folder_.file("x_o.csv", "x\n0.5\n");
+    folder_.file("simulate.sh", kScript);
+  }
+
+  Plan plan_of(const std::string& max_failed_fraction) const {
+    const std::string text = command_study("program")
+                                 .only("prior", {"a = { uniform = [0.0, 1.0] }"})
+                                 .with("observation_noise", {"std = { x = 0.1 }"})
+                                 .with("simulate", {"shard_size = 100"})
+                                 .with("limits", {"max_failed_fraction = " + max_failed_fraction})
+                                 .method("Prior", {"algorithm = \"refine\"",
+                                                   "refine = { level_size = 250, min_ess = 100 }"})
+                                 .with("evaluate", {"num_samples = 20"});
+    return make_plan(parse_study(text, folder_ / "s.toml"), WorkFolder(folder_ / "work"));
+  }
+  static void run(const Plan& plan) {
+    for (const Node& node : plan.nodes) run_stage(plan, node);
+  }
+
+  TempFolder folder_;
+};
+
+// A fifth of the prior fails: the first level, 250 draws, has too many of them.
+TEST_F(RefinedPrograms, StopAtTooManyFailures) {
+  const std::string message =
+      message_of<FailedRolloutsError>([&] { run(plan_of("0.05")); }, &folder_);
+  EXPECT_NE(message.find("limits.max_failed_fraction = 0.05 allows 12 of 250"), std::string::npos)
+      << message;
+}
+
+TEST_F(RefinedPrograms, SayHowManyFailed) {
+  const Plan plan = plan_of("1");
+  run(plan);
+  const std::string report = text_of(folder_ / "work/program/report.html");
+  EXPECT_NE(report.find("count as impossible parameters"), std::string::npos);
+}
+
+// Between two calls a checkpoint can be written.
+TEST_F(RefinedPrograms, AreCalledWithAShardAtMost) {
+  run(plan_of("1"));
+  std::istringstream calls(text_of(folder_ / "calls"));
+  Index most = 0;
+  for (Index rows = 0; calls >> rows;) most = std::max(most, rows);
+  EXPECT_EQ(most, 100);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
