@@ -10,7 +10,7 @@ namespace {
 
 AbcPopulation first_population(const AbcConfig& config, const Prior& prior, const AbcRound& round) {
   const Accepted accepted = accept_first(round.distances, config);
-  require_enough(accepted, round.distances.size(), prior.dimension());
+  require_enough(accepted, round.distances, prior.dimension());
   const auto n = static_cast<Index>(accepted.rows.size());
   return {.theta = round.theta(accepted.rows, Eigen::all),
           .weights = Vector::Constant(n, 1.0 / static_cast<double>(n)),

@@ -51,7 +51,7 @@ AbcPopulation next_population(const AbcConfig& config, const Prior& prior, const
                               const AbcPopulation& previous) {
   const double quantile = accept_nearest(previous.distances, config.quantile).epsilon;
   const Accepted accepted = accept_within(round.distances, std::max(quantile, config.epsilon));
-  require_enough(accepted, round.distances.size(), prior.dimension());
+  require_enough(accepted, round.distances, prior.dimension());
   AbcPopulation next{.theta = round.theta(accepted.rows, Eigen::all),
                      .weights = {},
                      .distances = round.distances(accepted.rows),

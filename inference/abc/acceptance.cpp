@@ -41,13 +41,19 @@ Accepted accept_first(const Vector& distances, const AbcConfig& config) {
                               : accept_nearest(distances, config.quantile);
 }
 
-void require_enough(const Accepted& accepted, Index count, Index dimension) {
+void require_enough(const Accepted& accepted, const Vector& distances, Index dimension) {
   const auto found = static_cast<Index>(accepted.rows.size());
   if (found > dimension) return;
+  const Index num_good = distances.array().isFinite().count();
   std::ostringstream message;
-  message << "ABC accepted " << found << " of " << count
+  message << "ABC accepted " << found << " of " << distances.size()
           << " simulations (epsilon = " << accepted.epsilon << "), must be > " << dimension
-          << ", the number of parameters; raise abc.quantile, abc.epsilon or num_simulations";
+          << ", the number of parameters; ";
+  if (num_good > dimension) {
+    message << "raise abc.quantile, abc.epsilon or num_simulations";
+  } else {
+    message << distances.size() - num_good << " failed: narrow the prior to where they don't";
+  }
   throw Error(message.str());
 }
 

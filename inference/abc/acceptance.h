@@ -24,8 +24,8 @@ Accepted accept_within(const Vector& distances, double epsilon);
 /// Accepts simulations of the prior: within config.epsilon if that is > 0, else the nearest.
 Accepted accept_first(const Vector& distances, const AbcConfig& config);
 
-/// Throws Error unless more than `dimension` rows were accepted of `count`: fewer don't span the
-/// space. Says what to change.
-void require_enough(const Accepted& accepted, Index count, Index dimension);
+/// Throws Error unless more than `dimension` rows were accepted of all `distances`, which aren't
+/// finite of failed ones: fewer don't span the space. Says what to change.
+void require_enough(const Accepted& accepted, const Vector& distances, Index dimension);
 
 }  // namespace npdr::inference

@@ -289,7 +289,8 @@ void ImportanceSampler::plan_next_level() {
   const Pool pool = this->pool(state_.levels.size());
   note_evidence(pool);
   if (!(exponentials(pool.log_weights(state_.wanted_power)).sum() > 0.0)) {
-    throw InputError("no simulation has a likelihood above 0");
+    throw InputError(
+        "no simulation has a likelihood above 0: all have failed, or the noise is far too small");
   }
   if (has_learned()) return begin_last_levels();
   if (!has_enough_points(pool)) {

@@ -174,6 +174,7 @@ class Group : public Object {
   std::string read_text(const std::string& name) const;
 
  private:
+  std::string lack_of(std::string_view kind, const std::string& name) const;
   template <class Array>
   static std::size_t size_of(const Array& values) {
     return static_cast<std::size_t>(values.size());

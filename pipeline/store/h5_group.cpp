@@ -81,10 +81,18 @@ bool Group::is_group(const std::string& name) const {
          info.type == H5O_TYPE_GROUP;
 }
 
+// Why a member can't be used that there is no object for.
+std::string Group::lack_of(std::string_view kind, const std::string& name) const {
+  const bool is_link = is_true(H5Lexists(id(), name.c_str(), H5P_DEFAULT), where()) && !has(name);
+  if (!is_link) return where() + ": " + missing_name(kind, name, names());
+  return where() + ": '" + name +
+         "' is a link that leads nowhere in this file, must be in the file itself";
+}
+
 Group Group::group(const std::string& name) const {
   const std::string path = path_.empty() ? name : path_ + "/" + name;
   if (!is_group(name)) {
-    throw InputError(where() + ": " + missing_name("group", name, names()));
+    throw InputError(lack_of("group", name));
   }
   return {
       opened(H5Gopen2(id(), name.c_str(), H5P_DEFAULT), located(file_, "group", path), "be opened"),
@@ -94,7 +102,7 @@ Group Group::group(const std::string& name) const {
 Dataset Group::dataset(const std::string& name) const {
   const std::string at = located(file_, "dataset", path_.empty() ? name : path_ + "/" + name);
   if (!has(name) || is_group(name)) {
-    throw InputError(where() + ": " + missing_name("dataset", name, names()));
+    throw InputError(lack_of("dataset", name));
   }
   return {opened(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), at, "be opened"), at};
 }

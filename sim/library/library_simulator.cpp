@@ -3,10 +3,13 @@
 #include <dlfcn.h>
 #include <elf.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -72,6 +75,32 @@ npdr_batch batch_of(const Segments& segments, const RowMatrix& theta,
           segments.actions.data()};
 }
 
+// While this thread is in the library's code: a library that calls exit() there would end the
+// program as if all were done.
+class InLibrary {
+ public:
+  explicit InLibrary(const std::filesystem::path& file) : before_(file_) {
+    static const bool is_registered = std::atexit(&refuse_exit) == 0;
+    static_cast<void>(is_registered);
+    file_ = file.c_str();
+  }
+  ~InLibrary() { file_ = before_; }
+  InLibrary(const InLibrary&) = delete;
+  InLibrary& operator=(const InLibrary&) = delete;
+
+ private:
+  static void refuse_exit() {
+    if (file_ == nullptr) return;
+    std::fprintf(stderr, "%s: calls exit(), which ends the program; must return an error\n", file_);
+    _exit(EXIT_FAILURE);
+  }
+
+  static thread_local const char* file_;
+  const char* before_;
+};
+
+thread_local const char* InLibrary::file_ = nullptr;
+
 }  // namespace
 
 // The loaded library, and instances of its simulator that no thread uses at the moment.
@@ -134,6 +163,7 @@ class LibrarySimulator::Instances {
     if (size < least) {
       fail(fmt::format("has {} bytes of {}: it was cut; compile or copy it again", size, least));
     }
+    const InLibrary in_library(config_.file);
     // It stays loaded: threads that it may have started, and exit handlers, are in its code.
     void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) fail("can't be loaded: " + text_of(dlerror()));
@@ -165,6 +195,7 @@ class LibrarySimulator::Instances {
   void call(const char* name, const Function& function) const {
     std::array<char, NPDR_ERROR_SIZE> error = {};
     std::string problem;
+    const InLibrary in_library(config_.file);
     try {
       if (function(error.data()) == 0) return;
       error.back() = '\0';

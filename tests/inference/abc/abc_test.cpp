@@ -33,10 +33,14 @@ TEST(Acceptance, TakesTheNearestAndOfTiesTheFirst) {
 
 TEST(Acceptance, TooFewSayWhatToChange) {
   EXPECT_TRUE(says(message_of<Error>([] {
-                     require_enough({{3, 5}, 0.25}, 100, 2);
+                     require_enough({{3, 5}, 0.25}, Vector::Ones(100), 2);
                    }),
                    {"ABC accepted 2 of 100 simulations (epsilon = 0.25)", "must be > 2",
                     "raise abc.quantile, abc.epsilon or num_simulations"}));
+  EXPECT_TRUE(says(message_of<Error>([] {
+                     require_enough({{}, 0.0}, Vector::Constant(4, kInfinity), 2);
+                   }),
+                   {"ABC accepted 0 of 4 simulations", "4 failed: narrow the prior"}));
 }
 
 /// d(x, x_o) of theta, with the stream of its row.

@@ -61,6 +61,15 @@ class Libraries : public ::testing::Test {
 };
 TempFolder* Libraries::folder_ = nullptr;
 
+TEST_F(Libraries, DontEndTheProgram) {
+  const auto source = folder_->file("exits.c", R"c(#include <stdlib.h>
+#include "npdr_simulator.h"
+const npdr_library* npdr_simulator(void) { exit(0); })c");
+  const auto library = compile_library(source, *folder_ / "exits.so");
+  EXPECT_EXIT(LibrarySimulator({library}), ::testing::ExitedWithCode(1),
+              "exits.so: calls exit\\(\\), which ends the program");
+}
+
 TEST_F(Libraries, DescribeThemselves) {
   const LibrarySimulator simulator({spring()});
   const SimulatorInfo& info = simulator.info();
