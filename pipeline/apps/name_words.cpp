@@ -151,6 +151,8 @@ std::string words_of(Check check) {
              "large as the prior's?";
     case Check::held_out:
       return "do bands of predictions hold rollouts that inference hasn't seen?";
+    case Check::dataset:
+      return "is the dataset's theta of the prior, and no row there twice?";
   }
   return "";
 }

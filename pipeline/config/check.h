@@ -9,7 +9,7 @@
 namespace npdr::pipeline {
 
 /// Checks of a network over many simulations, then those at x_o, of its simulations and training,
-/// then those of evaluated samples.
+/// then those of evaluated samples, then that of a dataset.
 enum class Check {
   sbc,
   coverage,
@@ -23,7 +23,8 @@ enum class Check {
   bounds,
   contraction,
   fit,
-  held_out
+  held_out,
+  dataset
 };
 
 /// Conditions that a method must meet for a check to mean something to it.
@@ -44,7 +45,7 @@ struct CheckTraits : EnumRow<Check> {
   bool calibrates = false;
   bool has_p_value = true;
   std::string_view failure = "FAILS";  ///< the verdict where p is too small, or where it has none
-  bool is_of_evaluation = false;  ///< judged by evaluated samples, without a diagnosis of its own
+  bool is_of_evaluation = false;       ///< judged for the report, without a diagnosis of its own
 };
 
 /// Every check, in the documented order.
@@ -99,6 +100,14 @@ constexpr auto enum_table(Check) {
        false,
        false,
        "predictions are TOO NARROW",
+       true},
+      {{dataset, "dataset"},
+       "Dataset",
+       simulations,
+       false,
+       false,
+       false,
+       "its rows AREN'T what they should be",
        true},
   });
 }

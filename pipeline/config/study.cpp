@@ -81,6 +81,7 @@ std::string Study::why_unchecked(Check check, const MethodConfig& method) const 
     return "evaluate.floor is off";
   }
   if (check == Check::held_out && target.held_out == 0) return "no rollouts are held out";
+  if (check == Check::dataset && source().simulates) return "there is no dataset";
   return "";
 }
 

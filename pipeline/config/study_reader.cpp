@@ -171,6 +171,7 @@ void resolve_checks(Study& study, const Reading& reading) {
   if (reading.has("diagnose.checks")) return;
   diagnose.checks = values_of<Check>();
   if (study.target.held_out == 0) std::erase(diagnose.checks, Check::held_out);
+  if (study.source().simulates) std::erase(diagnose.checks, Check::dataset);
   if (reading.has("diagnose")) return;
   diagnose.num_samples = 200;
   const bool calibrates = can_calibrate_cheaply(study);

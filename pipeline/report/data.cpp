@@ -145,6 +145,9 @@ ReportData read_report_data(const Plan& plan, const Node& node) {
                   {},   read_baseline(*plan.inputs(node, Stage::baseline).front())};
   read_artefacts(plan, node, data);
   list_methods_and_seeds(plan.study, data);
+  if (has_posteriors(data)) {
+    data.dataset = faults_of_dataset(plan, data.methods.front(), data.seeds.front());
+  }
   return data;
 }
 

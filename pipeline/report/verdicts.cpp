@@ -63,6 +63,13 @@ Verdict judge_p_value(Check check, const DiagnosisRuns& runs, double level) {
   return {check, Judgment::passes, "passes" + p_text, ""};
 }
 
+Verdict judge_dataset(const ReportData& data) {
+  const DatasetFaults& found = data.dataset;
+  if (!found.are_grave) return {Check::dataset, Judgment::passes, "passes", ""};
+  return {Check::dataset, Judgment::fails, std::string(traits_of(Check::dataset).failure),
+          join(found.faults, "; ")};
+}
+
 Verdict judge(const ReportData& data, const std::string& method, Check check) {
   switch (check) {
     case Check::sampling:
@@ -75,6 +82,8 @@ Verdict judge(const ReportData& data, const std::string& method, Check check) {
       return judge_fit(data, method);
     case Check::held_out:
       return judge_held_out(data, method);
+    case Check::dataset:
+      return judge_dataset(data);
     case Check::training:
       return judge_training(data, method, data.diagnoses_of(method));
     default:

@@ -12,10 +12,13 @@
 #include "pipeline/features/failures.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/plan/shards.h"
+#include "pipeline/predictions/prediction.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
+#include "pipeline/sources/late_states.h"
 #include "pipeline/sources/precision.h"
 #include "pipeline/sources/repeated_outlier.h"
+#include "pipeline/sources/repeated_rows.h"
 #include "pipeline/sources/row_check.h"
 #include "pipeline/stages/stages.h"
 
@@ -71,13 +74,22 @@ std::string lost_precision(const Simulation& simulation) {
   return precision_problem(states, target.state_channels);
 }
 
-// What features hold in place of a failure.
+// What others' rows hold in place of a failure.
 std::string outliers_of(const Simulation& simulation, const GivenRows& rows) {
-  if (simulation.plan.study.source().gives_motion) return "";
-  const sim::Trajectories& x = rows.result;
-  return repeated_outliers(
-      Eigen::Map<const RowMatrixF>(x.values.data(), x.num_rows, x.row_size()).cast<double>(),
-      simulation.plan.source->info().state_channels);
+  const SourceTraits& traits = simulation.plan.study.source();
+  if (traits.is_built_in) return "";
+  const Eigen::Map<const RowMatrixF> x = features_of(rows.result);
+  const std::string outliers =
+      traits.gives_motion
+          ? ""
+          : repeated_outliers(x.cast<double>(), simulation.plan.source->info().state_channels);
+  return outliers.empty() ? repeated_rows(rows.complete, x) : outliers;
+}
+
+std::string late_states_of(const Simulation& simulation, const GivenRows& rows) {
+  const SourceTraits& traits = simulation.plan.study.source();
+  const bool is_asked = traits.gives_motion && !traits.is_built_in;
+  return is_asked ? late_states(rows.result, simulation.target) : "";
 }
 
 // Tells people at once, and the report for good, what is probably wrong with rows.
@@ -88,8 +100,9 @@ void check_block(h5::File& file, const Simulation& simulation, const GivenRows& 
     const bool has_noise = !study.observation_noise.is_silent();
     warnings = check_rows(*simulation.simulator, rows, has_noise);
   }
-  for (const std::string& warning : {lost_precision(simulation), outliers_of(simulation, rows),
-                                     simulation.simulator->last_warning()}) {
+  for (const std::string& warning :
+       {lost_precision(simulation), outliers_of(simulation, rows), late_states_of(simulation, rows),
+        simulation.simulator->last_warning()}) {
     if (!warning.empty()) warnings.push_back(warning);
   }
   for (const std::string& warning : warnings) warn(simulation.node, warning);

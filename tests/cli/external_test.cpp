@@ -238,6 +238,10 @@ TEST_F(External, ADatasetOfAnotherPriorIsNoticed) {
   const std::string text = table("external-dataset", "parameters");
   EXPECT_NE(text.find("a of the dataset isn't distributed as the prior says"), std::string::npos);
   EXPECT_EQ(text.find("b of the dataset"), std::string::npos);
+  const Outcome strict =
+      npdr({"run", "dataset.toml", "--set", "prior.a.normal=[0.0, 2.0]", "--strict"});
+  EXPECT_EQ(strict.status, 4) << strict.out;
+  EXPECT_NE(strict.out.find("Dataset"), std::string::npos) << strict.out;
 }
 
 // Those of theta alone may have been simulated anew.
