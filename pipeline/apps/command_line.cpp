@@ -57,6 +57,7 @@ void choose_signals() {
 
 // Commands that only read would find every artefact missing below a file.
 void require_folder(const std::string& work) {
+  if (work.empty()) throw InputError("--work = '', must be the folder of results, such as runs");
   std::error_code error;
   const auto status = std::filesystem::status(work, error);
   if (!std::filesystem::exists(status) || std::filesystem::is_directory(status)) return;

@@ -232,6 +232,7 @@ std::vector<std::string> posteriors_of(const Plan& plan, const StudyArguments& a
       throw InputError(
           fmt::format("{}: isn't there yet; run it first: {}", node.label(), plan.command));
     }
+    open_artefact(node, kPosteriorSchema);  // of this key
     paths.push_back(node.path);
   }
   return paths;

@@ -177,6 +177,14 @@ void keep_only(toml::table& table, const std::string& set, std::span<const char*
   }
 }
 
+// But for those that the command line says.
+void erase_of_file(toml::table* table, std::initializer_list<const char*> keys) {
+  for (const char* key : keys) {
+    const toml::node* const value = table == nullptr ? nullptr : table->get(key);
+    if (value != nullptr && !is_override(place_of(value->source(), ""))) table->erase(key);
+  }
+}
+
 void remove_rival(toml::table& document, const Path& path) {
   toml::table* table = document[path.front()].as_table();
   if (path.size() < 2 || table == nullptr) return;
@@ -186,10 +194,8 @@ void remove_rival(toml::table& document, const Path& path) {
       (path[1] == "recording" || path[1] == "observation")) {
     // They are of the truth: how many rollouts to simulate isn't how many to use of a recording.
     // What the command line says is said of both.
-    for (const char* key : {"seed", "num_rollouts", "inputs"}) {
-      const toml::node* const value = table->get(key);
-      if (value != nullptr && !is_override(place_of(value->source(), ""))) table->erase(key);
-    }
+    erase_of_file(table, {"seed", "num_rollouts", "inputs"});
+    erase_of_file(document["simulator"].as_table(), {"dt", "num_steps", "initial_states"});
   }
   keep_only(*table, path[1], std::array{"recording", "truth", "observation"});
 }

@@ -117,6 +117,21 @@ std::string note_of_resampling(const std::vector<CsvRows>& files, double dt) {
                      all.longest);
 }
 
+// Lines over gaps count as measured.
+std::vector<std::string> notes_of_gaps(const std::vector<CsvRows>& files, double dt) {
+  constexpr double most = 0.05;
+  std::vector<std::string> notes;
+  for (const CsvRows& rows : files) {
+    const double share = share_of_gaps(rows.times, dt);
+    if (share <= most) continue;
+    notes.push_back(
+        fmt::format("warning: {}: {:.0f} % of its time lies between samples that are further apart "
+                    "than twice the usual: straight lines there, which count as measured",
+                    rows.name, 100.0 * share));
+  }
+  return notes;
+}
+
 // Simulations start from the first states, whose slopes are the least certain.
 std::string words_of_first(const Target& target, Index rate, bool at_rest) {
   if (at_rest) return "0 at the first states";
@@ -271,7 +286,10 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   Target& target = result.target = even_target(files, options);
   name_rollouts(paths, target);
   require_no_copies(target, paths);
-  if (options.resample) result.notes.push_back(note_of_resampling(files, *options.resample));
+  if (options.resample) {
+    result.notes.push_back(note_of_resampling(files, *options.resample));
+    append(notes_of_gaps(files, *options.resample), result.notes);
+  }
   if (options.differentiate) {
     append(differentiate(target, files, *options.differentiate, options.at_rest), result.notes);
   }

@@ -31,6 +31,10 @@ std::string place_of(const CsvRows& rows, std::size_t row) {
 // Advice where times increase, but unevenly.
 std::string resample_hint(const TimeSteps& steps) {
   if (!(steps.shortest > 0.0)) return "";
+  if (steps.longest > kLongestGap * steps.median) {
+    return fmt::format("; its steps are {:.4g} to {:.4g} s: cut the file where too much is missing",
+                       steps.shortest, steps.longest);
+  }
   return fmt::format("; its steps are {:.4g} to {:.4g} s: --resample {:.3g} interpolates",
                      steps.shortest, steps.longest, steps.median);
 }
@@ -75,6 +79,13 @@ TimeSteps steps_of(const std::vector<double>& times) {
   std::vector<double> steps = differences(times);
   std::ranges::sort(steps);
   return {steps.front(), steps[steps.size() / 2], steps.back()};
+}
+
+double share_of_gaps(const std::vector<double>& times, double dt) {
+  const double usual = std::max(steps_of(times).median, dt);
+  double gaps = 0.0;
+  for (const double step : differences(times)) gaps += step > 2.0 * usual ? step : 0.0;
+  return gaps / (times.back() - times.front());
 }
 
 double even_step(const CsvRows& rows, const std::optional<double>& given) {

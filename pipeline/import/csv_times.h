@@ -15,6 +15,10 @@ struct TimeSteps {
 
 TimeSteps steps_of(const std::vector<double>& times);
 
+/// Share of the whole time in steps that are longer than twice the usual one or, where that is
+/// longer, `dt` [s].
+double share_of_gaps(const std::vector<double>& times, double dt);
+
 /// Time between two rows [s]: `given`, else the mean of equally spaced times. None of them may be
 /// further than 5 % of it from where it belongs, and both must agree to 0.1 %, and what rounded
 /// times leave open: 10 % of a step over the whole rollout. Throws InputError, which says how

@@ -176,7 +176,12 @@ void check_artefact(const Plan& plan, const Node& node, Scrutiny scrutiny, Artef
     if (!status.detail.empty()) status.state = ArtefactState::failed;
     shards = simulated_values(file).part_files();
   } else {
-    status.cost = read_artefact_info(node.path).provenance.cost;
+    const ArtefactInfo info = read_artefact_info(node.path);
+    if (info.key != node.key) {
+      throw InputError(fmt::format("{}: is another artefact, key {} of stage '{}', must be {}",
+                                   node.path.string(), info.key, info.schema.stage, node.key));
+    }
+    status.cost = info.provenance.cost;
   }
   if (scrutiny == Scrutiny::quick) return;
   check_shards(shards);

@@ -183,6 +183,20 @@ TEST_F(ImportOfLabs, ClocksThatJitter) {
   EXPECT_TRUE(says(rejected({"--resample", "0"}), {"npdr import: --resample = 0", "> 0"}));
 }
 
+TEST_F(ImportOfLabs, GapsAreTold) {
+  write({});
+  for (const char* file : {"a.csv", "b.csv"}) {  // three of four lines are lost in the middle
+    EXPECT_EQ(
+        std::system(fmt::format("cd '{}' && awk 'NR < 40 || NR > 100 || NR % 4 == 0' {} > cut "
+                                "&& mv cut {}",
+                                folder_.path().string(), file, file)
+                        .c_str()),
+        0);
+  }
+  EXPECT_NE(imported({"--resample", "0.02"}).find("warning: a.csv: "), std::string::npos);
+  EXPECT_NE(imported({"--resample", "0.02"}).find("straight lines there"), std::string::npos);
+}
+
 TEST_F(ImportOfLabs, AnglesThatWrap) {
   write({.wraps = true});
   EXPECT_TRUE(says(rejected({}), {"npdr import: a.csv:", "theta jumps by", "such jumps in 2 files",

@@ -127,6 +127,14 @@ TEST(StudyReader, ARecordingOfTheCommandLineTakesTheTruthsRolloutsAway) {
   }
 }
 
+TEST(StudyReader, ARecordingOfTheCommandLineTakesTheTruthsBeginningAway) {
+  const std::string text = edited(
+      kStudyText, "name = \"pendulum\"",
+      "worker = \"true\"\nstates = [\"q\"]\ndt = 0.1\nnum_steps = 9\ninitial_states = [[1.0]]");
+  const std::filesystem::path recording = NPDR_SOURCE_DIR "/CMakeLists.txt";  // has to exist
+  EXPECT_EQ(problems_of(text, {"target.recording=" + recording.string()}), "");
+}
+
 TEST(StudyReader, OverridesEveryMethodOrOne) {
   Study study = small_study({"method.num_rounds=2"});
   EXPECT_EQ(study.methods[0].algorithm.num_rounds, 2);
