@@ -65,7 +65,7 @@ TEST_F(CsvClock, HasTheMeanStepThatIsGiven) {
                    {"a.csv: its times are 0.0208 s apart", "--dt says 0.02 s", "leave out --dt"}));
   EXPECT_EQ(imported(text, with_dt(0.02081)).dt, 0.02081) << "to 0.1 %";
   EXPECT_EQ(imported("t [s],theta [rad],theta_dot [rad/s],torque [N m]\n"
-                     "0.0,0.1,1,5\n0.3,0.2,2,6\n0.7,0.3,3,7\n1.0,0.4,4,8\n",
+                     "0.0,0.1,1,5\n0.33,0.2,2,6\n0.67,0.3,3,7\n1.0,0.4,4,8\n",
                      with_dt(1.0 / 3.0))
                 .dt,
             1.0 / 3.0)

@@ -40,7 +40,7 @@ TEST(RecordingWarnings, AnglesThatWrap) {
   for (double& angle : target.rollouts[1].states.col(0)) {
     angle = std::remainder(angle, 2.0 * std::numbers::pi);
   }
-  EXPECT_TRUE(says(warning(target), {"alpha jumps by -6.2", "of rollout b", "it wraps"}));
+  EXPECT_TRUE(says(warning(target), {"alpha jumps by -6.249", "of rollout b", "it wraps"}));
 }
 
 TEST(RecordingWarnings, RatesInDegrees) {

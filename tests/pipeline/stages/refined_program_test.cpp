@@ -31,7 +31,7 @@ class RefinedPrograms : public ::testing::Test {
                                  .with("simulate", {"shard_size = 100"})
                                  .with("limits", {"max_failed_fraction = " + max_failed_fraction})
                                  .method("Prior", {"algorithm = \"refine\"",
-                                                   "refine = { level_size = 250, min_ess = 100 }"})
+                                                   "refine = { level_size = 1000, min_ess = 300 }"})
                                  .with("evaluate", {"num_samples = 20"});
     return make_plan(parse_study(text, folder_ / "s.toml"), WorkFolder(folder_ / "work"));
   }
@@ -42,11 +42,11 @@ class RefinedPrograms : public ::testing::Test {
   TempFolder folder_;
 };
 
-// A fifth of the prior fails: the first level, 250 draws, has too many of them.
+// A fifth of the prior fails: the first level, 1000 draws, has too many of them.
 TEST_F(RefinedPrograms, StopAtTooManyFailures) {
   const std::string message =
       message_of<FailedRolloutsError>([&] { run(plan_of("0.05")); }, &folder_);
-  EXPECT_NE(message.find("limits.max_failed_fraction = 0.05 allows 12 of 250"), std::string::npos)
+  EXPECT_NE(message.find("limits.max_failed_fraction = 0.05 allows 50 of 1000"), std::string::npos)
       << message;
 }
 
