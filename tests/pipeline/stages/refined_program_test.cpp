@@ -12,15 +12,15 @@
 namespace npdr::pipeline {
 namespace {
 
-// x = a, and no number where a > 0.8; a line with the number of its rows for each call.
+// x = a, and no number where a > 0.97; a line with the number of its rows for each call.
 constexpr const char* kScript = R"sh(
-awk -F, 'NR > 1 { if ($1 > 0.8) print "nan"; else print $1 } END { print NR - 1 >> "calls" }' "$1" > "$2"
+awk -F, 'NR > 1 { if ($1 > 0.97) print "nan"; else print $1 } END { print NR - 1 >> "calls" }' "$1" > "$2"
 )sh";
 
 class RefinedPrograms : public ::testing::Test {
  protected:
   RefinedPrograms() {
-    folder_.file("x_o.csv", "x\n0.5\n");
+    folder_.file("x_o.csv", "x\n0.96\n");
     folder_.file("simulate.sh", kScript);
   }
 
@@ -42,11 +42,11 @@ class RefinedPrograms : public ::testing::Test {
   TempFolder folder_;
 };
 
-// A fifth of the prior fails: the first level, 1000 draws, has too many of them.
+// A 33rd of the prior fails, but nearly one half of the posterior at x_o without failures.
 TEST_F(RefinedPrograms, StopAtTooManyFailures) {
   const std::string message =
       message_of<FailedRolloutsError>([&] { run(plan_of("0.05")); }, &folder_);
-  EXPECT_NE(message.find("limits.max_failed_fraction = 0.05 allows 50 of 1000"), std::string::npos)
+  EXPECT_NE(message.find("a refinement takes their parameters for impossible"), std::string::npos)
       << message;
 }
 
@@ -63,7 +63,8 @@ TEST_F(RefinedPrograms, AreCalledWithAShardAtMost) {
   std::istringstream calls(text_of(folder_ / "calls"));
   Index most = 0;
   for (Index rows = 0; calls >> rows;) most = std::max(most, rows);
-  EXPECT_EQ(most, 100);
+  EXPECT_GT(most, 0);
+  EXPECT_LE(most, 100);
 }
 
 }  // namespace
