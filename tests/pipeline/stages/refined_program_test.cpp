@@ -12,9 +12,11 @@
 namespace npdr::pipeline {
 namespace {
 
-// x = a, and no number where a > 0.97; a line with the number of its rows for each call.
+// x = a, and no number where a > 0.97, or 0.5 once there is a file `bad`; a line with the number of
+// its rows for each call.
 constexpr const char* kScript = R"sh(
-awk -F, 'NR > 1 { if ($1 > 0.97) print "nan"; else print $1 } END { print NR - 1 >> "calls" }' "$1" > "$2"
+most=0.97; test ! -e bad || most=0.5
+awk -F, -v most=$most 'NR > 1 { if ($1 > most) print "nan"; else print $1 } END { print NR - 1 >> "calls" }' "$1" > "$2"
 )sh";
 
 class RefinedPrograms : public ::testing::Test {
@@ -42,10 +44,17 @@ class RefinedPrograms : public ::testing::Test {
   TempFolder folder_;
 };
 
-// A 33rd of the prior fails, but nearly one half of the posterior at x_o without failures.
+// They begin after the simulations of the prior, which were fine.
 TEST_F(RefinedPrograms, StopAtTooManyFailures) {
-  const std::string message =
-      message_of<FailedRolloutsError>([&] { run(plan_of("0.05")); }, &folder_);
+  const Plan plan = plan_of("0.05");
+  const std::string message = message_of<FailedRolloutsError>(
+      [&] {
+        for (const Node& node : plan.nodes) {
+          if (node.stage == Stage::infer) folder_.file("bad", "");
+          run_stage(plan, node);
+        }
+      },
+      &folder_);
   EXPECT_NE(message.find("a refinement takes their parameters for impossible"), std::string::npos)
       << message;
 }
