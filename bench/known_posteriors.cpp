@@ -194,9 +194,15 @@ KnownPosterior gaussian_mixture() {
 }
 
 using Maker = KnownPosterior (*)();
-constexpr Maker kTasks[] = {
-    two_moons,     slcp, gaussian_linear, gaussian_linear_uniform, gaussian_mixture,
-    bernoulli_glm, sir,  lotka_volterra,  slcp_with_noise};
+constexpr Maker kTasks[] = {two_moons,
+                            slcp,
+                            gaussian_linear,
+                            gaussian_linear_uniform,
+                            gaussian_mixture,
+                            bernoulli_glm_whitened,
+                            sir,
+                            lotka_volterra,
+                            slcp_with_noise};
 
 }  // namespace
 

@@ -20,7 +20,7 @@ struct KnownPosterior {
 };
 
 /// "two_moons", "slcp", "gaussian_linear", "gaussian_linear_uniform", "gaussian_mixture",
-/// "bernoulli_glm", "sir", "lotka_volterra", "slcp_with_noise".
+/// "bernoulli_glm_whitened", "sir", "lotka_volterra", "slcp_with_noise".
 std::vector<std::string> known_posterior_names();
 /// Throws InputError for another name.
 KnownPosterior known_posterior(const std::string& name);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -18,7 +19,7 @@ using LogLikelihood = std::function<double(const Vector& theta, const VectorF& x
 RowMatrix importance_samples(const Prior& prior, const LogLikelihood& log_likelihood,
                              const VectorF& x_o, Index n, std::uint64_t seed) {
   const inference::ImportanceConfig config{.min_ess = 5.0 * static_cast<double>(n),
-                                           .max_simulations = 100 * n};
+                                           .max_simulations = std::max<Index>(1'000'000, 100 * n)};
   inference::ImportanceSampler sampler(config, prior.dimension(), {}, {seed, "exact", 0, 0, 0});
   while (!sampler.is_done()) {
     const RowMatrix theta = prior.to_theta(sampler.next(config.level_size));
@@ -126,7 +127,7 @@ Neuron neuron() {
 
 }  // namespace
 
-KnownPosterior bernoulli_glm() {
+KnownPosterior bernoulli_glm_whitened() {
   const Neuron cell = neuron();
   const auto simulator = [cell](const Vector& theta, Stream& stream) {
     const Vector spikes = cell.logits(theta).unaryExpr([&](double logit) {
@@ -146,8 +147,9 @@ KnownPosterior bernoulli_glm() {
     }
     return value;
   };
-  return likelihood_task("bernoulli_glm", same_marginals(10, Marginal::Kind::normal, 0.0, 1.0),
-                         simulator, log_likelihood);
+  return likelihood_task("bernoulli_glm_whitened",
+                         same_marginals(10, Marginal::Kind::normal, 0.0, 1.0), simulator,
+                         log_likelihood);
 }
 
 KnownPosterior sir() {

@@ -1,7 +1,8 @@
 /// Tasks of the benchmark of Lueckmann et al. (2021) whose likelihood is known, but no way to draw
 /// from the posterior: samples are those of importance sampling (inference/samplers/
 /// importance_sampler.h) of an effective size of five times their number, without replacement but
-/// where a weight is large. Names are those of that benchmark.
+/// where a weight is large. Names are those of that benchmark, but for
+/// the first.
 #pragma once
 
 #include "bench/known_posteriors.h"
@@ -12,7 +13,7 @@ namespace npdr::bench {
 /// v_t (9). x (10): their number, and the mean stimulus of a spike. theta (10) ~ N(0, I) are
 /// whitened: beta = sqrt(2) theta_1, f = L theta_2...10, L L' = (F'F)^-1 with F of second
 /// differences. The stimulus is a draw of our own.
-KnownPosterior bernoulli_glm();
+KnownPosterior bernoulli_glm_whitened();
 
 /// An epidemic: dS/dt = -beta S I / N, dI/dt = beta S I / N - gamma I with N = 1e6, I(0) = 1.
 /// x (10) ~ Binomial(1000, I / N) at t = 0, 17, ..., 153. log beta ~ N(log 0.4, 0.5),

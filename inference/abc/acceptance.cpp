@@ -49,7 +49,7 @@ void require_enough(const Accepted& accepted, const Vector& distances, Index dim
   message << "ABC accepted " << found << " of " << distances.size()
           << " simulations (epsilon = " << accepted.epsilon << "), must be > " << dimension
           << ", the number of parameters; ";
-  if (num_good > dimension) {
+  if (num_good > dimension || num_good == distances.size()) {
     message << "raise abc.quantile, abc.epsilon or num_simulations";
   } else {
     message << distances.size() - num_good << " failed: narrow the prior to where they don't";

@@ -194,7 +194,8 @@ void StudyChecker::check_diagnose() {
   if (!any_means_something) {
     fail("diagnose.checks", fmt::format("[{}]", join(to_names(study_.diagnose.checks))),
          "such that one of them means something to a method: calibration needs a network, and "
-         "more simulations than a dataset holds; 'held_out' needs target.held_out");
+         "more simulations than a dataset holds; 'held_out' needs target.held_out, 'dataset' a "
+         "dataset");
   }
   for (std::size_t i = 0; i < study_.methods.size(); ++i) {
     const std::string path = fmt::format("method[{}].num_simulations", i);

@@ -265,7 +265,7 @@ std::vector<std::string> check_rates(const Target& target, const std::vector<Csv
   problems.insert(problems.begin(), glitches.begin(), glitches.end());
   problems.emplace_back(
       "--no-rate-check imports the files as they are; simulations then start from, and are "
-      "compared with, angles and rates that contradict each other, and nothing else will tell");
+      "compared with, angles and rates that contradict each other, of which every run warns");
   throw InputError(join(problems, "\n"));
 }
 

@@ -178,9 +178,11 @@ class ColumnFinder {
     for (const char* label : {"t", "time"}) {
       if (has(label) && !is_channel(label)) return column({label, "s"});
     }
+    constexpr std::array times = {"s", "ms", "us", "ns", "min", "h", ""};
     std::vector<Channel> clocks, in_seconds;
-    std::ranges::copy_if(table_.columns(), std::back_inserter(clocks),
-                         [&](const Channel& found) { return is_called_clock(found); });
+    std::ranges::copy_if(table_.columns(), std::back_inserter(clocks), [&](const Channel& found) {
+      return is_called_clock(found) && std::ranges::find(times, found.unit) != times.end();
+    });
     std::ranges::copy_if(clocks, std::back_inserter(in_seconds),
                          [&](const Channel& found) { return is_in_seconds(found); });
     if (in_seconds.size() == 1) {

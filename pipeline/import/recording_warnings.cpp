@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "pipeline/import/angle_wraps.h"
 #include "pipeline/import/rate_pairs.h"
 #include "pipeline/import/rate_report.h"
 #include "pipeline/import/rollout_copies.h"
+#include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -33,6 +36,30 @@ std::string words_of_jumps(const Target& recording, std::size_t c) {
   return "";
 }
 
+// As --differentiate makes it: over windows so wide that it may look wrong.
+bool is_computed(const Rollout& rollout, const RatePair& pair, double dt) {
+  constexpr Index widest = 201, enough = 1000;
+  const Index n = rollout.states.rows(), m = std::min(n, enough);
+  const Vector position = rollout.states.col(pair.position).head(m);
+  const Vector rate = rollout.states.col(pair.rate).head(m);
+  const double rounding = 1e-9 * rate.cwiseAbs().maxCoeff();
+  for (Index window = 5; window <= std::min(m, widest); window += 2) {
+    // --at-rest sets the first one to 0; at a cut the window lacks what follows.
+    const Index count = m - 1 - (m < n ? window / 2 : 0);
+    const Vector errors = sim::slopes(position, window, dt) - rate;
+    if (errors.segment(1, count).cwiseAbs().maxCoeff() <= rounding) return true;
+  }
+  return false;
+}
+
+std::vector<RatePair> measured_pairs(const Target& recording) {
+  std::vector<RatePair> pairs = rate_pairs(recording.state_channels);
+  std::erase_if(pairs, [&](const RatePair& pair) {
+    return is_computed(recording.rollouts.front(), pair, recording.dt);
+  });
+  return pairs;
+}
+
 }  // namespace
 
 std::vector<std::string> recording_warnings(const Target& recording) {
@@ -41,8 +68,8 @@ std::vector<std::string> recording_warnings(const Target& recording) {
     std::string jumps = words_of_jumps(recording, c);
     if (!jumps.empty()) warnings.push_back(std::move(jumps));
   }
-  const RateReport report = report_rates(recording, rate_pairs(recording.state_channels),
-                                         names_of_rollouts(recording), "");
+  const RateReport report =
+      report_rates(recording, measured_pairs(recording), names_of_rollouts(recording), "");
   for (const std::string& problem : report.problems) {
     const bool names_option = problem.find("--") != std::string::npos;
     warnings.push_back(

@@ -14,7 +14,9 @@ std::vector<std::pair<std::size_t, std::size_t>> copies_of(const Target& recordi
   std::vector<std::pair<std::size_t, std::size_t>> copies;
   for (std::size_t j = 1; j < recording.rollouts.size(); ++j) {
     for (std::size_t i = 0; i < j; ++i) {
-      if (is_copy(recording.rollouts[i], recording.rollouts[j])) copies.emplace_back(i, j);
+      if (!is_copy(recording.rollouts[i], recording.rollouts[j])) continue;
+      copies.emplace_back(i, j);
+      break;
     }
   }
   return copies;

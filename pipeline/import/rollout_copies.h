@@ -8,7 +8,7 @@
 
 namespace npdr::pipeline {
 
-/// Pairs of rollouts (i, j), i < j, that hold the same numbers.
+/// Pairs of rollouts (i, j), i < j, that hold the same numbers: of each j the first i.
 std::vector<std::pair<std::size_t, std::size_t>> copies_of(const Target& recording);
 
 }  // namespace npdr::pipeline

@@ -146,7 +146,7 @@ ReportData read_report_data(const Plan& plan, const Node& node) {
   read_artefacts(plan, node, data);
   list_methods_and_seeds(plan.study, data);
   if (has_posteriors(data)) {
-    data.dataset = faults_of_dataset(plan, data.methods.front(), data.seeds.front());
+    data.dataset = faults_of_dataset(plan, data.methods, data.seeds.front());
   }
   return data;
 }

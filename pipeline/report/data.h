@@ -43,7 +43,7 @@ struct ReportData {
   Target target = {};  ///< all rollouts that inference may see, or x_o
   std::optional<Target> held_out = {};
   std::vector<EvaluatedRun> folds = {};  ///< where the study leaves any out
-  DatasetFaults dataset = {};            ///< of the first method's rows with the first seed
+  DatasetFaults dataset = {};            ///< of the rows of the first seed
 
   /// Runs of the method, in the order of seeds: of its last round, or of `round` when that is > 0.
   std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;

@@ -13,12 +13,14 @@ struct DatasetFaults {
   bool are_grave = false;           ///< posteriors are those of something else
 };
 
-/// Looks at the rows that the first method and `seed` train on; at 10,000 of them at most for theta
-/// that isn't distributed as the prior: Kolmogorov-Smirnov of F(theta), which is uniform for draws
-/// of the prior; one without fault is accused with probability 1e-4. Grave where F is off by 0.05.
-/// And for rows that are there twice, grave where they are a twentieth: they count several times,
-/// and judge as validation what they have taught. Nothing of a source that simulates. Throws
+/// Looks at the rows that `methods` train on with `seed`: at 10,000 of them at most for theta that
+/// isn't distributed as the prior, by Kolmogorov-Smirnov of F(theta), which is uniform for draws of
+/// the prior; one without fault is accused with probability 1e-4. Grave where F is off by 0.05, and
+/// half of a step of theta that has few values. At 100,000 for rows that are there twice: they
+/// count several times, and judge as validation what they have taught. Grave where they are a
+/// twentieth, and theta isn't rounded to six digits. Nothing of a source that simulates. Throws
 /// InputError for a damaged dataset.
-DatasetFaults faults_of_dataset(const Plan& plan, const std::string& method, std::uint64_t seed);
+DatasetFaults faults_of_dataset(const Plan& plan, const std::vector<std::string>& methods,
+                                std::uint64_t seed);
 
 }  // namespace npdr::pipeline

@@ -1,5 +1,6 @@
 #include "pipeline/sources/command_text.h"
 
+#include <algorithm>
 #include <system_error>
 #include <vector>
 
@@ -21,14 +22,17 @@ bool replace_all(std::string& text, const std::string& from, const std::string& 
 
 constexpr const char* kSeparators = " \t\n;&|<>()=";
 
-// Words between what separates words for a shell, without their quotes.
+// Words between what separates words for a shell, without their quotes, but for files that are
+// written: after '>'.
 std::vector<std::string> words_of(const std::string& command) {
   std::vector<std::string> words;
   std::string word;
   char quote = '\0';
   bool is_escaped = false;
+  bool is_output = false;
   const auto end_word = [&] {
-    if (!word.empty()) words.push_back(word);
+    if (!word.empty() && !is_output) words.push_back(word);
+    is_output = is_output && word.empty();
     word.clear();
   };
   for (const char c : command) {
@@ -44,6 +48,7 @@ std::vector<std::string> words_of(const std::string& command) {
       quote = c;
     } else if (std::string(kSeparators).find(c) != std::string::npos) {
       end_word();
+      is_output = is_output || c == '>';
     } else {
       word.push_back(c);
     }
@@ -52,16 +57,31 @@ std::vector<std::string> words_of(const std::string& command) {
   return words;
 }
 
+// Of the machine, not of a simulator: its system, its devices, and what programs leave for a while.
+bool is_of_machine(const std::filesystem::path& path) {
+  const std::string text = path.lexically_normal().string();
+  const std::string temporary = std::filesystem::temp_directory_path().string() + "/";
+  return std::ranges::any_of(std::vector<std::string>{"/dev/", "/proc/", "/sys/", "/run/", "/etc/",
+                                                      "/usr/", "/var/", temporary},
+                             [&](const std::string& folder) { return text.starts_with(folder); });
+}
+
 // But for interpreters: programs in a folder `bin` elsewhere, of the system or an environment.
 bool is_of_simulator(const std::string& word, const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path path = folder / word;
   if (!fs::is_regular_file(path, error)) return false;
-  const fs::path inside =
-      fs::canonical(path, error).lexically_relative(fs::canonical(folder, error));
-  const bool is_outside = inside.empty() || *inside.begin() == "..";
-  return !(is_outside && path.lexically_normal().parent_path().filename() == "bin");
+  const auto is_below = [](const fs::path& inside) {
+    return !inside.empty() && *inside.begin() != "..";
+  };
+  // By its name or, where that leads through links, by where it lies.
+  if (is_below(path.lexically_normal().lexically_relative(folder.lexically_normal())) ||
+      is_below(fs::canonical(path, error).lexically_relative(fs::canonical(folder, error)))) {
+    return true;
+  }
+  if (fs::path(word).is_absolute() && is_of_machine(path) && !is_of_machine(folder)) return false;
+  return path.lexically_normal().parent_path().filename() != "bin";
 }
 
 }  // namespace

@@ -12,8 +12,9 @@ namespace npdr::pipeline {
 std::string filled_command(const std::string& command, const std::filesystem::path& theta,
                            const std::filesystem::path& x);
 
-/// Words of the command that are files, such as a script, by their paths from `folder`; but for
-/// programs in a folder `bin` that isn't in it, such as /usr/bin/python3.
+/// Words of the command that are files, such as a script, by their paths from `folder`; but not
+/// those that it writes (after '>') and, where they aren't in it, programs in a folder `bin`, such
+/// as an environment's python3, and files of the machine (/usr, /etc, /tmp, ...).
 std::vector<std::string> named_paths(const std::string& command,
                                      const std::filesystem::path& folder);
 

@@ -5,8 +5,19 @@
 namespace npdr::pipeline {
 namespace {
 
+// Its first step is at least half of the usual one in each channel, as floats see it: not at rest.
 bool moves_at_once(const Rollout& rollout) {
-  return rollout.states.rows() > 1 && rollout.states.row(0) != rollout.states.row(1);
+  const RowMatrixF states = rollout.states.cast<float>();
+  if (states.rows() < 2) return false;
+  const RowMatrixF steps =
+      (states.bottomRows(states.rows() - 1) - states.topRows(states.rows() - 1)).cwiseAbs();
+  for (Index c = 0; c < steps.cols(); ++c) {
+    VectorF sorted = steps.col(c);
+    std::ranges::sort(sorted);
+    const float usual = sorted(sorted.size() / 2);
+    if (!(steps(0, c) > 0.0f && steps(0, c) >= 0.5f * usual)) return false;
+  }
+  return true;
 }
 
 bool begins_late(const sim::Trajectories& x, Index row, const Target& recorded) {

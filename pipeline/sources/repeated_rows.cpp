@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace npdr::pipeline {
@@ -24,6 +25,8 @@ Index count_theta(const RowMatrix& theta, const std::vector<Index>& rows) {
 }  // namespace
 
 std::string repeated_rows(const RowMatrix& theta, const RowMatrixF& x) {
+  const auto is_count = [](float value) { return !(std::abs(value - std::round(value)) > 0.0f); };
+  if (x.cols() == 1 || std::ranges::all_of(x.reshaped(), is_count)) return "";
   std::vector<std::vector<Index>> groups;  // rows of the same x
   Index num_finite = 0, unique = 0, most = 0, largest = 0;
   for (Index i = 0; i < x.rows(); ++i) {

@@ -57,7 +57,8 @@ void write_part(const Plan& plan, const Node& node, const Target& all, h5::File&
   if (!plan.study.source().gives_motion) {
     write_observation(file, all);
   } else {
-    require_motion(plan.study, all);
+    const bool is_measured = !plan.study.evaluate.metrics.empty();
+    if (plan.study.target.recording || is_measured) require_motion(plan.study, all);
     const Target used = all.first(num_seen), seen = without_fold(plan.study, used, fold);
     if (node.stage == Stage::target) return write_rollouts(file, seen);
     const Target rest = fold > 0 ? of_fold(plan.study, used, fold) : all.after(num_seen);

@@ -83,6 +83,7 @@ class InLibrary {
     static const bool is_registered = std::atexit(&refuse_exit) == 0;
     static_cast<void>(is_registered);
     file_ = file.c_str();
+    process_ = getpid();
   }
   ~InLibrary() { file_ = before_; }
   InLibrary(const InLibrary&) = delete;
@@ -90,16 +91,19 @@ class InLibrary {
 
  private:
   static void refuse_exit() {
-    if (file_ == nullptr) return;
+    if (file_ == nullptr || getpid() != process_) return;  // a child of the library may exit
+    std::fflush(nullptr);                                  // what the library has said
     std::fprintf(stderr, "%s: calls exit(), which ends the program; must return an error\n", file_);
     _exit(EXIT_FAILURE);
   }
 
   static thread_local const char* file_;
+  static thread_local pid_t process_;
   const char* before_;
 };
 
 thread_local const char* InLibrary::file_ = nullptr;
+thread_local pid_t InLibrary::process_ = 0;
 
 }  // namespace
 
@@ -144,6 +148,7 @@ class LibrarySimulator::Instances {
 
  private:
   void close_all() {
+    const InLibrary in_library(config_.file);
     for (const Instance& instance : free_) library_->close(instance.made);
   }
 

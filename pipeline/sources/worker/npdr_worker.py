@@ -72,14 +72,16 @@ def _own_files():
     # Not all below sys.prefix: a project may hold its virtual environment, or lie in /usr itself.
     libraries = [sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")]
     installed = tuple(os.path.realpath(path) + os.sep for path in libraries)
+    links = tuple(path + os.sep for path in libraries)  # Debian has one to /etc there
     paths = set()
     for module in list(sys.modules.values()):
         try:  # asking a lazy module for an attribute would import it
-            path = os.path.realpath(object.__getattribute__(module, "__dict__")["__file__"])
+            name = object.__getattribute__(module, "__dict__")["__file__"]
+            path = os.path.realpath(name)
         except Exception:  # without a file, or none that has a path
             continue
         is_package = "site-packages" in path or "dist-packages" in path
-        if not path.startswith(installed) and not is_package:
+        if not path.startswith(installed) and not name.startswith(links) and not is_package:
             paths.add(path)
     return sorted(paths - {os.path.realpath(__file__)})
 

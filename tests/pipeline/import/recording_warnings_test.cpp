@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/text.h"
+#include "sim/savitzky_golay.h"
 #include "tests/message_of.h"
 
 namespace npdr::pipeline {
@@ -48,6 +49,16 @@ TEST(RecordingWarnings, RatesInDegrees) {
   for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / std::numbers::pi;
   EXPECT_NE(warning(target).find("degrees"), std::string::npos) << warning(target);
   EXPECT_NE(warning(target).find("in an HDF5 file, correct the numbers"), std::string::npos);
+}
+
+// By a window so wide that it shortens the swings by a third.
+TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {
+  Target target = turning();
+  for (Rollout& rollout : target.rollouts) {
+    rollout.states.col(1) = sim::slopes(rollout.states.col(0), 151, target.dt);
+    rollout.states(0, 1) = 0.0;
+  }
+  EXPECT_EQ(recording_warnings(target), std::vector<std::string>{});
 }
 
 TEST(RecordingWarnings, Copies) {

@@ -33,6 +33,21 @@ TEST(CommandText, FilesElsewhereAreFoundButForInterpreters) {
             Words{"../sim/run.py"});
   EXPECT_EQ(named_paths("/bin/sh " + absolute, folder.path() / "study"), Words{absolute});
   EXPECT_EQ(named_paths("sh " + linked, folder.path() / "study"), Words{linked});
+  EXPECT_EQ(named_paths("sh ../sim/run.py > own.py 2>> own.py", folder.path() / "study"),
+            Words{"../sim/run.py"})
+      << "what is written is no source";
+  EXPECT_EQ(named_paths(". /etc/passwd; sh own.py", folder.path() / "study"), Words{"own.py"});
+}
+
+TEST(CommandText, ProgramsInABinOfTheFolderAreTheSimulators) {
+  const TempFolder folder;
+  for (const char* path : {"study/bin", "build"}) {
+    std::filesystem::create_directories(folder / path);
+  }
+  folder.file("build/mysim", "");
+  std::filesystem::create_symlink("../../build/mysim", folder / "study/bin/mysim");
+  EXPECT_EQ(named_paths("bin/mysim {theta} {x}", folder.path() / "study"),
+            std::vector<std::string>{"bin/mysim"});
 }
 
 TEST(CommandText, FilesOfTheFolderAreFoundInItsWords) {
