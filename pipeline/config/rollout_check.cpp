@@ -147,7 +147,7 @@ void check_recording(const Study& study, const Target& recording) {
   require_dt_of_policy(study, recording);
 }
 
-void require_motion(const Study& study, const Target& rollouts) {
+std::string motion_problem(const Study& study, const Target& rollouts) {
   const std::string path = study.target.recording ? "target.recording" : "target.truth";
   const char* remedy = study.target.recording ? "leave out the rollout (target.rollouts)"
                                               : "let it move, by its actions or where it begins";
@@ -159,13 +159,19 @@ void require_motion(const Study& study, const Target& rollouts) {
           size.tail(rollout.num_steps()).maxCoeff() > 0.0) {
         continue;
       }
-      throw InputError(fmt::format(
+      return fmt::format(
           "{}: {}: channel '{}' of rollout '{}' is 0 throughout, but perhaps for its first or last "
           "state, and errors are in units of its maximum; {}{}",
           study.places.of(path).str(), path, rollouts.state_channels[c].label, rollout.name, remedy,
-          study.source().is_built_in ? "" : ", or the channel (simulator.states)"));
+          study.source().is_built_in ? "" : ", or leave out the channel (simulator.states)");
     }
   }
+  return "";
+}
+
+void require_motion(const Study& study, const Target& rollouts) {
+  const std::string problem = motion_problem(study, rollouts);
+  if (!problem.empty()) throw InputError(problem);
 }
 
 }  // namespace npdr::pipeline

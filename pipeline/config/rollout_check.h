@@ -24,8 +24,10 @@ void check_rollouts(const Study& study, const RolloutShape& shape, Reading& read
 /// [policy].
 void check_recording(const Study& study, const Target& recording);
 
-/// Throws InputError for a channel of the rollouts that is 0 throughout one of them, but perhaps
-/// for its first or last state: no error can be given in units of its maximum.
+/// Says which channel of the rollouts is 0 throughout one of them, but perhaps for its first or
+/// last state: no error can be given in units of its maximum. "": none.
+std::string motion_problem(const Study& study, const Target& rollouts);
+/// Throws InputError with that.
 void require_motion(const Study& study, const Target& rollouts);
 
 }  // namespace npdr::pipeline

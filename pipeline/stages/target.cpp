@@ -11,6 +11,7 @@
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/policy_rollouts.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -50,6 +51,13 @@ Target collect(const Plan& plan, const Node& node) {
   return target;
 }
 
+// What isn't measured, or only simulated, may well rest.
+void warn_of_rest(const Study& study, const Node& node, const Target& truth) {
+  const std::string problem = motion_problem(study, truth);
+  if (problem.empty() || study.evaluate.metrics.empty()) return;
+  report_error(node.label(), "warning: no evaluation can measure this: " + problem);
+}
+
 // The rollouts that inference sees, or those that are held out, of a fold or of all; or x_o.
 void write_part(const Plan& plan, const Node& node, const Target& all, h5::File& file) {
   const Index num_seen = all.num_rollouts() - plan.study.target.held_out;
@@ -57,8 +65,8 @@ void write_part(const Plan& plan, const Node& node, const Target& all, h5::File&
   if (!plan.study.source().gives_motion) {
     write_observation(file, all);
   } else {
-    const bool is_measured = !plan.study.evaluate.metrics.empty();
-    if (plan.study.target.recording || is_measured) require_motion(plan.study, all);
+    if (plan.study.target.recording) require_motion(plan.study, all);
+    if (plan.study.target.truth) warn_of_rest(plan.study, node, all);
     const Target used = all.first(num_seen), seen = without_fold(plan.study, used, fold);
     if (node.stage == Stage::target) return write_rollouts(file, seen);
     const Target rest = fold > 0 ? of_fold(plan.study, used, fold) : all.after(num_seen);

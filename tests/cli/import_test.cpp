@@ -268,10 +268,11 @@ TEST_F(ImportOfLabs, DatasetsKnowTheFormatButNoMotion) {
   }
   const Outcome outcome = dataset({"--delimiter", ";", "--decimal-comma"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_TRUE(says(dataset({"--delimiter", ";", "--decimal-comma", "--force"}).out, {"wrote"}));
+  EXPECT_TRUE(
+      says(dataset({"--delimiter", ";", "--decimal-comma", "--force"}).out, {"wrote", "\nnext"}));
   folder_.file("x.csv", "1,25\n2,2");
   EXPECT_TRUE(says(dataset({"--delimiter", ";", "--decimal-comma", "--force"}).out,
-                   {"warning: x.csv: its last line has no end", "\nwrote d.h5"}));
+                   {"warning: x.csv: its last line has no end", "\nwrote d.h5", "\nnext"}));
   EXPECT_TRUE(says(outcome.out, {"wrote d.h5: 2 rows",
                                  "\nnext: npdr run STUDY.toml --set "
                                  "simulator.dataset=d.h5"}));
