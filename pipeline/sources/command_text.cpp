@@ -1,6 +1,7 @@
 #include "pipeline/sources/command_text.h"
 
 #include <algorithm>
+#include <array>
 #include <system_error>
 #include <vector>
 
@@ -57,13 +58,21 @@ std::vector<std::string> words_of(const std::string& command) {
   return words;
 }
 
-// Of the machine, not of a simulator: its system, its devices, and what programs leave for a while.
-bool is_of_machine(const std::filesystem::path& path) {
-  const std::string text = path.lexically_normal().string();
-  const std::string temporary = std::filesystem::temp_directory_path().string() + "/";
-  return std::ranges::any_of(std::vector<std::string>{"/dev/", "/proc/", "/sys/", "/run/", "/etc/",
-                                                      "/usr/", "/var/", temporary},
-                             [&](const std::string& folder) { return text.starts_with(folder); });
+bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  const auto inside = path.lexically_normal().lexically_relative(folder.lexically_normal());
+  return !inside.empty() && *inside.begin() != "..";
+}
+
+// Of the machine, not of a simulator: its system, its devices and, unless the study itself lies
+// there, what programs leave for a while.
+bool is_of_machine(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  const auto holds_it = [&](const std::filesystem::path& place) { return is_below(path, place); };
+  if (std::ranges::any_of(std::array{"/dev", "/proc", "/sys", "/run", "/etc", "/usr", "/var"},
+                          holds_it)) {
+    return true;
+  }
+  const std::filesystem::path temporary = std::filesystem::temp_directory_path();
+  return is_below(path, temporary) && !is_below(folder, temporary);
 }
 
 // But for interpreters: programs in a folder `bin` elsewhere, of the system or an environment.
@@ -72,15 +81,12 @@ bool is_of_simulator(const std::string& word, const std::filesystem::path& folde
   std::error_code error;
   const fs::path path = folder / word;
   if (!fs::is_regular_file(path, error)) return false;
-  const auto is_below = [](const fs::path& inside) {
-    return !inside.empty() && *inside.begin() != "..";
-  };
   // By its name or, where that leads through links, by where it lies.
-  if (is_below(path.lexically_normal().lexically_relative(folder.lexically_normal())) ||
-      is_below(fs::canonical(path, error).lexically_relative(fs::canonical(folder, error)))) {
+  if (is_below(path, folder) ||
+      is_below(fs::canonical(path, error), fs::canonical(folder, error))) {
     return true;
   }
-  if (fs::path(word).is_absolute() && is_of_machine(path) && !is_of_machine(folder)) return false;
+  if (fs::path(word).is_absolute() && is_of_machine(path, folder)) return false;
   return path.lexically_normal().parent_path().filename() != "bin";
 }
 
