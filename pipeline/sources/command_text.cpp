@@ -71,7 +71,8 @@ bool is_of_machine(const std::filesystem::path& path, const std::filesystem::pat
                           holds_it)) {
     return true;
   }
-  const std::filesystem::path temporary = std::filesystem::temp_directory_path();
+  std::error_code none;
+  const std::filesystem::path temporary = std::filesystem::temp_directory_path(none);
   return is_below(path, temporary) && !is_below(folder, temporary);
 }
 
