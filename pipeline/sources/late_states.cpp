@@ -5,7 +5,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// Its first step is at least half of the usual one in each channel, as floats see it: not at rest.
+// Its first step is at least half of the usual one in some channel, as floats see it: not at rest.
 bool moves_at_once(const Rollout& rollout) {
   const RowMatrixF states = rollout.states.cast<float>();
   if (states.rows() < 2) return false;
@@ -15,9 +15,9 @@ bool moves_at_once(const Rollout& rollout) {
     VectorF sorted = steps.col(c);
     std::ranges::sort(sorted);
     const float usual = sorted(sorted.size() / 2);
-    if (!(steps(0, c) > 0.0f && steps(0, c) >= 0.5f * usual)) return false;
+    if (steps(0, c) > 0.0f && steps(0, c) >= 0.5f * usual) return true;
   }
-  return true;
+  return false;
 }
 
 bool begins_late(const sim::Trajectories& x, Index row, const Target& recorded) {

@@ -9,7 +9,7 @@
 namespace npdr::pipeline {
 
 /// Says that every rollout of x (n, H, T, C), in all rows, begins with the state that the recorded
-/// one began in, though that moves in its first step, about as far as in others, in all channels;
+/// one began in, though that moves in its first step, in some channel about as far as in others;
 /// "": it doesn't. Wanted are the states after each action. Rows that aren't finite don't count.
 std::string late_states(const sim::Trajectories& x, const Target& recorded);
 
