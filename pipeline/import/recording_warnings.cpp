@@ -30,7 +30,7 @@ std::string words_of_jumps(const Target& recording, std::size_t c) {
     return fmt::format(
         "{} jumps by {:.4g} after state {} of rollout {}, a whole turn: it wraps; add turns to "
         "what "
-        "follows, so that it goes on",
+        "follows",
         label, angle(t + 1) - angle(t), t, rollout.name);
   }
   return "";
@@ -39,15 +39,14 @@ std::string words_of_jumps(const Target& recording, std::size_t c) {
 // As --differentiate makes it: over windows so wide that it may look wrong.
 bool is_computed(const Rollout& rollout, const RatePair& pair, double dt) {
   constexpr Index widest = 201, enough = 1000;
-  const Index n = rollout.states.rows(), m = std::min(n, enough);
+  const Index m = std::min(rollout.states.rows(), enough);
   const Vector position = rollout.states.col(pair.position).head(m);
   const Vector rate = rollout.states.col(pair.rate).head(m);
   const double rounding = 1e-9 * rate.cwiseAbs().maxCoeff();
   for (Index window = 5; window <= std::min(m, widest); window += 2) {
-    // --at-rest sets the first one to 0; at a cut the window lacks what follows.
-    const Index count = m - 1 - (m < n ? window / 2 : 0);
+    // Within half a window of an end, the rollout may have been cut there since.
     const Vector errors = sim::slopes(position, window, dt) - rate;
-    if (errors.segment(1, count).cwiseAbs().maxCoeff() <= rounding) return true;
+    if (errors.segment(window / 2, m - window + 1).cwiseAbs().maxCoeff() <= rounding) return true;
   }
   return false;
 }
