@@ -28,10 +28,8 @@ std::string words_of_jumps(const Target& recording, std::size_t c) {
     if (jumps.rows.empty()) continue;
     const Index t = jumps.rows.front();
     return fmt::format(
-        "{} jumps by {:.4g} after state {} of rollout {}, a whole turn: it wraps; add turns to "
-        "what "
-        "follows",
-        label, angle(t + 1) - angle(t), t, rollout.name);
+        "{} jumps by {:.4g} after state {} of rollout {}, a whole turn: it wraps; unwrap it", label,
+        angle(t + 1) - angle(t), t, rollout.name);
   }
   return "";
 }
