@@ -100,7 +100,8 @@ std::string why_not_held_out(const ReportData& data, const MethodConfig& method)
   if (!study.target.recording || any_left_out || data.target.num_rollouts() < 2) return "";
   return fmt::format(
       "{}: there are none, so nothing shows whether it is too sure because the simulator lacks "
-      "something; set target.held_out = 1, or evaluate.leave_out = 2",
+      "something; set target.held_out = 1 with target.num_rollouts for the others, or "
+      "evaluate.leave_out = 2",
       traits_of(Check::held_out).title);
 }
 
