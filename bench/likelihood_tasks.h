@@ -1,8 +1,7 @@
 /// Tasks of the benchmark of Lueckmann et al. (2021) whose likelihood is known, but no way to draw
 /// from the posterior: samples are those of importance sampling (inference/samplers/
 /// importance_sampler.h) of an effective size of five times their number, without replacement but
-/// where a weight is large. Names are those of that benchmark, but for
-/// the first.
+/// where a weight is large. Names are those of that benchmark, but for the first.
 #pragma once
 
 #include "bench/known_posteriors.h"

@@ -51,14 +51,21 @@ TEST(RecordingWarnings, RatesInDegrees) {
   EXPECT_NE(warning(target).find("in an HDF5 file, correct the numbers"), std::string::npos);
 }
 
-// By a window so wide that it shortens the swings by a third.
+// By a window that is longer than a swing, whose rates are far too small.
 TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {
   Target target = turning();
+  target.dt = 0.004;
   for (Rollout& rollout : target.rollouts) {
-    rollout.states.col(1) = sim::slopes(rollout.states.col(0), 151, target.dt);
+    for (Index t = 0; t < rollout.states.rows(); ++t) {
+      rollout.states(t, 0) = 0.5 * std::sin(50.0 * target.dt * static_cast<double>(t));
+    }
+    rollout.states.col(0) *= rollout.name == "a" ? 1.0 : 0.8;
+    rollout.states.col(1) = sim::slopes(rollout.states.col(0), 51, target.dt);
     rollout.states(0, 1) = 0.0;
   }
   EXPECT_EQ(recording_warnings(target), std::vector<std::string>{});
+  for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 1.001;  // measured, then
+  EXPECT_NE(recording_warnings(target), std::vector<std::string>{});
 }
 
 TEST(RecordingWarnings, Copies) {
