@@ -22,7 +22,8 @@ std::string rate_unit(const std::string& unit);
 /// empty unit may be any.
 bool is_rate_of(const Channel& rate, const Channel& position);
 
-/// All pairs, in the order of the rates.
+/// All pairs, in the order of the rates; also of rates that are named otherwise, whose name begins
+/// with the position's, and whose unit is that per second: "swing [rad]", "swing speed [rad/s]".
 std::vector<RatePair> rate_pairs(const std::vector<Channel>& states);
 
 }  // namespace npdr::pipeline
