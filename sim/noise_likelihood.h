@@ -11,6 +11,7 @@
 /// than the rounding of single precision, 2^-24: else it would be 0 where x meets y.
 #pragma once
 
+#include "sim/error_memory.h"
 #include "sim/noise_model.h"
 
 namespace npdr::sim {
@@ -18,29 +19,41 @@ namespace npdr::sim {
 /// Const calls are thread-safe.
 class NoiseLikelihood {
  public:
-  /// `recorded`: (H, K, C) stored states. Throws ShapeError for another size.
-  NoiseLikelihood(NoiseModel model, std::vector<float> recorded);
+  /// `recorded`: (H, K, C) stored states. `first_state_moves`: (H, C), of first_states.h, where
+  /// first states are inferred; empty: they are exact. Throws ShapeError for another size.
+  NoiseLikelihood(NoiseModel model, std::vector<float> recorded, RowMatrix first_state_moves = {});
 
   const NoiseModel& model() const { return model_; }
+  bool infers_first_states() const { return moves_.size() > 0; }
 
   /// Throws InputError where a channel has no noise, so that recordings have no density: its scale
-  /// is 0, or relative to an amplitude of 0.
+  /// is 0, or relative to an amplitude of 0; and for heavy tails where first states are inferred.
   void require_density() const;
 
-  /// log p(y | x) [nats] of one simulation (H, K, C); -infinity unless all of it is finite.
+  /// log p(y | x) [nats] of one simulation (H, K, C), or (H (1 + C), K, C) where first states are
+  /// inferred; -infinity unless all of it is finite.
   double log_likelihood(std::span<const float> simulated) const;
   /// The same of the rollouts but number `left_out`; -1: of all.
   double log_likelihood_without(Index left_out, std::span<const float> simulated) const;
 
   /// Parameters of all channels (C) given y and x: the unknown ones drawn from the Gaussian that
   /// has the posterior's mode and curvature, or from the prior where the channel has no noise.
-  /// Rollout `left_out` isn't looked at.
+  /// Rollout `left_out` isn't looked at, and first states count as exact: so noise includes what
+  /// theirs does to simulations.
   std::vector<NoiseValues> draw_values(std::span<const float> simulated, Stream& stream,
                                        Index left_out = -1) const;
 
+  /// How far errors are from the independence that the noise gives them, with its parameters, and
+  /// first states where they are inferred, at the mode given x.
+  ErrorMemory error_memory(std::span<const float> simulated) const;
+
  private:
+  double sum_of_channels(Index left_out, std::span<const float> simulated) const;
+  double joint_log_likelihood(Index left_out, std::span<const float> simulated) const;
+
   NoiseModel model_;
   std::vector<float> recorded_;
+  RowMatrix moves_;
 };
 
 }  // namespace npdr::sim

@@ -21,6 +21,9 @@
 
 namespace npdr::sim {
 
+/// States are kept in single precision, so none is known better than to this share of the largest.
+inline constexpr double kStateRounding = 0x1p-24;
+
 /// A number that is given, or unknown.
 struct NoiseParameter {
   double median = 0.0;     ///< the number itself where it is given

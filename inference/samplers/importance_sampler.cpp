@@ -380,6 +380,20 @@ void ImportanceSampler::begin_last_levels() {
   begin_level(std::move(proposal), power, LevelKind::last);
 }
 
+Vector ImportanceSampler::best_point() const {
+  double highest = -std::numeric_limits<double>::infinity();
+  Vector best;
+  for (const ImportanceLevel& level : state_.levels) {
+    for (Index i = 0; i < level.log_likelihood.size(); ++i) {
+      if (!(level.log_likelihood(i) > highest)) continue;
+      highest = level.log_likelihood(i);
+      best = level.u.row(i).transpose();
+    }
+  }
+  if (best.size() == 0) throw Error("importance sampler: no point has a likelihood above 0");
+  return best;
+}
+
 ImportanceSample ImportanceSampler::sample() const {
   const double power = state_.levels.back().power;
   const std::size_t first = num_before_last();

@@ -109,6 +109,9 @@ class ImportanceSampler {
   /// a
   double wanted_power() const { return state_.wanted_power; }
 
+  /// The point (D) of the highest L(u) so far, of those that are kept. Throws Error without any.
+  Vector best_point() const;
+
   /// The draws of the last levels. Only when it is done.
   ImportanceSample sample() const;
   /// At most about `most` of them, which are as good to take means of: those that weigh less than

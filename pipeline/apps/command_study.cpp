@@ -45,18 +45,22 @@ void print_judging(const Plan& plan) {
 
 void print_refinements(const Plan& plan) {
   Index count = 0, simulations = 0;
-  bool tries_powers = false;
+  bool tries_powers = false, infers_first_states = false;
   for (const Node& node : plan.nodes) {
     if (!is_refinement(plan, node)) continue;
     ++count;
-    const auto& config = plan.study.method(node.uses.front().method).refine.sampling;
-    simulations += config.max_simulations;
-    tries_powers |= config.cross_validate;
+    const RefineConfig& config = plan.study.method(node.uses.front().method).refine;
+    simulations += config.sampling.max_simulations;
+    tries_powers |= config.sampling.cross_validate;
+    infers_first_states |= config.infer_first_states;
   }
   if (count == 0) return;
-  fmt::print("{}: at most {} more simulations, until they are worth refine.min_ess draws{}\n",
+  fmt::print("{}: at most {} more simulations, until they are worth refine.min_ess draws{}{}\n",
              counted(count, "refinement"), simulations,
-             tries_powers ? ", and some for each power that is tried" : "");
+             tries_powers ? ", and 1000 for each power that is tried" : "",
+             infers_first_states ? "; each has a rollout more for every state channel where first "
+                                   "states are inferred"
+                                 : "");
 }
 
 void print_policy_searches(const Plan& plan) {

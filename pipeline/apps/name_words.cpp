@@ -142,6 +142,8 @@ std::string words_of(Check check) {
       return "has training ended, and not far below the validation loss?";
     case Check::sampling:
       return "do its chains agree, or enough of its weighted draws count?";
+    case Check::residuals:
+      return "does a refinement leave of the recording what its noise model says?";
     case Check::bounds:
       return "does the posterior press against the prior's bounds?";
     case Check::contraction:

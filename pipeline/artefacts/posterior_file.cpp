@@ -357,7 +357,8 @@ PosteriorNotes read_posterior_notes(const ArtefactFile& artefact) {
                        .certificate = read_certificate(file),
                        .losses = {},
                        .pool = {},
-                       .powers = read_power_scores(file)};
+                       .powers = read_power_scores(file),
+                       .residuals = read_residuals(file)};
   Layout f = Layout::reader(file);
   describe(f, notes.rows);
   if (auto group = f.group("likelihood", notes.pool)) describe(*group, *notes.pool);

@@ -8,6 +8,7 @@
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study.h"
 #include "pipeline/store/artefact.h"
+#include "sim/error_memory.h"
 
 namespace npdr::pipeline {
 
@@ -76,7 +77,8 @@ struct PosteriorNotes {
   std::optional<inference::ImportanceCertificate> certificate;
   std::vector<TrainingLosses> losses;  ///< one a network
   std::optional<PoolNotes> pool;
-  PowerScores powers;  ///< empty where none was chosen
+  PowerScores powers;                         ///< empty where none was chosen
+  std::optional<sim::ErrorMemory> residuals;  ///< of refinements
 };
 /// Throws InputError.
 PosteriorNotes read_posterior_notes(const ArtefactFile& artefact);

@@ -31,6 +31,16 @@ void describe(Layout f, std::optional<inference::ImportanceCertificate>& certifi
                    "have too few; or 0");
 }
 
+void describe(Layout f, std::optional<sim::ErrorMemory>& residuals) {
+  auto group = f.group("residuals", residuals);
+  if (!group) return;
+  group->attribute("num_errors", residuals->num_errors, "of a channel");
+  (*group)("memory", residuals->memory, {{"C"}}, "tau: how many errors in a row say what one does",
+           kFinite);
+  (*group)("size", residuals->size, {{"C"}}, "mean square of the errors, in units of the noise's",
+           kFinite);
+}
+
 void describe(Layout f, inference::FlowParts& flow) {
   f("mean", flow.mean, {{"D"}}, "m", kFinite);
   f("factor", flow.factor, {{"D"}, {"D"}}, "L", kFinite);
@@ -126,6 +136,17 @@ std::optional<inference::ImportanceCertificate> read_certificate(const h5::File&
   return certificate;
 }
 
+void write_residuals(h5::File& file, const sim::ErrorMemory& residuals) {
+  std::optional<sim::ErrorMemory> copy = residuals;
+  describe(Layout::writer(file), copy);
+}
+
+std::optional<sim::ErrorMemory> read_residuals(const h5::File& file) {
+  std::optional<sim::ErrorMemory> residuals;
+  describe(Layout::reader(file), residuals);
+  return residuals;
+}
+
 void write_refinement(const std::filesystem::path& path, const Identity& identity,
                       RefinementCheckpoint checkpoint) {
   ArtefactWriter writer(path, kRefinementCheckpointSchema, identity);
@@ -149,6 +170,8 @@ RefinementCheckpoint read_refinement(const ArtefactFile& artefact) {
 void list_certificate(Layout f) {
   std::optional<inference::ImportanceCertificate> certificate;
   describe(f, certificate);
+  std::optional<sim::ErrorMemory> residuals;
+  describe(f, residuals);
   list_power_scores(f);
 }
 

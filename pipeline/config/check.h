@@ -20,6 +20,7 @@ enum class Check {
   failures,
   training,
   sampling,
+  residuals,
   bounds,
   contraction,
   fit,
@@ -32,7 +33,8 @@ enum class CheckNeeds {
   posterior,    ///< which all have that infer
   simulations,  ///< among which an observation can lie
   network,
-  sampler,  ///< since the density is only known up to a constant
+  sampler,     ///< since the density is only known up to a constant
+  likelihood,  ///< of the observation noise
 };
 
 /// Everything about a check that others than its own files need.
@@ -75,6 +77,14 @@ constexpr auto enum_table(Check) {
        false,
        false,
        "chains DON'T agree",
+       true},
+      {{residuals, "residuals"},
+       "Residuals",
+       likelihood,
+       false,
+       false,
+       false,
+       "they AREN'T like the noise",
        true},
       {{bounds, "bounds"},
        "Bounds of the prior",

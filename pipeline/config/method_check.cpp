@@ -45,6 +45,7 @@ class MethodChecker : Checker {
   void check_abc(const std::string& path, const MethodConfig& method);
   void check_regression(const std::string& path);
   void check_refine(const std::string& path, const MethodConfig& method);
+  void check_first_states(const std::string& key, const MethodConfig& method);
   void check_start(const std::string& path, const MethodConfig& method);
   void check_unused_settings(const std::string& path, const MethodConfig& method);
   void check_iterations(const std::string& path, const MethodConfig& method);
@@ -293,7 +294,20 @@ void MethodChecker::check_refine(const std::string& path, const MethodConfig& me
     fail(path + ".refine.cross_validate", "true",
          "false with a single rollout: none can be left out");
   }
+  check_first_states(path + ".refine.infer_first_states", method);
   check_start(path, method);
+}
+
+void MethodChecker::check_first_states(const std::string& key, const MethodConfig& method) {
+  if (!method.refine.infer_first_states || !reading_.good(key)) return;
+  const ObservationNoise& noise = study_.observation_noise;
+  if (!study_.source().gives_motion) {
+    fail(key, "true", "false where a simulator gives features: they have no first states");
+  } else if (noise.degrees_of_freedom || noise.degrees_of_freedom_prior) {
+    fail(key, "true",
+         "false with observation_noise.degrees_of_freedom: first states are integrated out of "
+         "Gaussian noise, white or correlated");
+  }
 }
 
 void MethodChecker::check_start(const std::string& path, const MethodConfig& method) {

@@ -70,6 +70,9 @@ std::string Study::why_unchecked(Check check, const MethodConfig& method) const 
   if (traits.needs == CheckNeeds::sampler && !is_weighted && (!has_network || has_density)) {
     return "its samples need no chains";
   }
+  if (traits.needs == CheckNeeds::likelihood && !is_weighted) {
+    return "it has no likelihood whose noise could be unlike what is left of the recording";
+  }
   if (traits.needs == CheckNeeds::simulations && !has_network && family != AlgorithmFamily::abc) {
     return "there are no simulations that it has learned from";
   }

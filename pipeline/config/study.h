@@ -119,7 +119,8 @@ struct PublishedFigure {
 
 /// Settings of the algorithm "refine".
 struct RefineConfig {
-  std::string start;  ///< the method whose posterior is refined; "": the prior alone
+  std::string start;                ///< the method whose posterior is refined; "": the prior alone
+  bool infer_first_states = false;  ///< they are as noisy as the others
   inference::ImportanceConfig sampling;
 };
 

@@ -163,6 +163,8 @@ void describe(Fields& f, RefineConfig& c) {
     "of the likelihood; below 1 for simulators that can't reproduce the recording");
   f("cross_validate", c.sampling.cross_validate, anything<bool>(),
     "choose the power, at most likelihood_power, that predicts left-out rollouts best");
+  f("infer_first_states", c.infer_first_states, anything<bool>(),
+    "integrate the noise of recorded first states out, by a rollout more for each state channel");
   f("level_size", c.sampling.level_size, between(1000, 10'000'000),
     "simulations from one proposal");
   f("min_ess", c.sampling.min_ess, between(100, 1'000'000),

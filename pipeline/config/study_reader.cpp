@@ -172,6 +172,10 @@ void resolve_checks(Study& study, const Reading& reading) {
   diagnose.checks = values_of<Check>();
   if (study.target.held_out == 0) std::erase(diagnose.checks, Check::held_out);
   if (study.source().simulates) std::erase(diagnose.checks, Check::dataset);
+  const bool refines = std::ranges::any_of(study.methods, [](const MethodConfig& method) {
+    return method.algorithm.kind == inference::Algorithm::refine;
+  });
+  if (!refines) std::erase(diagnose.checks, Check::residuals);
   if (reading.has("diagnose")) return;
   diagnose.num_samples = 200;
   const bool calibrates = can_calibrate_cheaply(study);

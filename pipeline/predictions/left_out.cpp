@@ -51,7 +51,8 @@ sim::Trajectories ensemble_of(const LeftOut& draws, const sim::NoiseLikelihood& 
     own.epoch = static_cast<std::uint64_t>(h);
     Stream stream(own);
     const auto row = rows.row(resampler.draw(stream.uniform()));
-    std::vector<float> series(row.begin(), row.end());
+    const Index size_of_all = noise.model().num_rollouts() * ensemble.row_size();
+    std::vector<float> series(row.begin(), row.begin() + size_of_all);
     const auto noisy = rows.row(noise_resampler.draw(stream.uniform()));
     const auto values = noise.model().with_unknown_scales_times(
         draws.noise_factor, noise.draw_values(noisy, stream, h));
@@ -103,9 +104,9 @@ LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector
   const Vector all = log_likelihoods(noise, rows, -1);
   const Index num_factors =
       has_unknown_scale(noise.model()) ? static_cast<Index>(kNoiseFactors.size()) : 1;
-  FactorScores scores{RowMatrix(num_factors, rows.num_rollouts),
-                      RowMatrix(num_factors, rows.num_rollouts)};
-  for (Index h = 0; h < rows.num_rollouts; ++h) {
+  const Index num_rollouts = noise.model().num_rollouts();
+  FactorScores scores{RowMatrix(num_factors, num_rollouts), RowMatrix(num_factors, num_rollouts)};
+  for (Index h = 0; h < num_rollouts; ++h) {
     const Vector others = log_likelihoods(noise, rows, h);
     const Vector without = weights_at_power(weights, others - all, power);
     LeftOut draws{h, without, weights_at_power(without, others, 1.0 - power), 1.0};

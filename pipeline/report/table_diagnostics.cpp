@@ -31,8 +31,9 @@ void note_left_out(const ReportData& data, const std::string& method, Table& tab
   std::vector<std::pair<std::string, std::vector<std::string>>> left_out;  // by reason
   for (const Check check : study.diagnose.checks) {
     const std::string why = study.why_unchecked(check, study.method(method));
-    // Nothing is missing where there is no sampler.
-    if (why.empty() || traits_of(check).needs == CheckNeeds::sampler) continue;
+    // Nothing is missing where there is no sampler, or no likelihood.
+    const CheckNeeds needs = traits_of(check).needs;
+    if (why.empty() || needs == CheckNeeds::sampler || needs == CheckNeeds::likelihood) continue;
     if (left_out.empty() || left_out.back().first != why) left_out.push_back({why, {}});
     left_out.back().second.push_back(name_of(check));
   }

@@ -100,10 +100,14 @@ Verdict judge_contraction(const ReportData& data, const std::string& method) {
     }
   }
   if (std::ssize(unchanged) == num_inferred) {
-    return {Check::contraction, Judgment::fails, std::string(traits_of(Check::contraction).failure),
-            "no parameter's samples differ from the prior: the observation says nothing of them "
-            "(other inputs, or longer rollouts, would), or nothing was learned (" +
-                advice_to_learn(data, method) + ")"};
+    const SourceTraits& source = data.plan.study.source();
+    return {
+        Check::contraction, Judgment::fails, std::string(traits_of(Check::contraction).failure),
+        fmt::format("no parameter's samples differ from the prior: the observation says "
+                    "nothing of them ({} would), {}or nothing was learned ({})",
+                    source.gives_motion ? "other inputs, or longer rollouts," : "other features",
+                    source.simulates ? "" : "rows of theta and x don't belong together, ",
+                    advice_to_learn(data, method))};
   }
   std::vector<std::string> but;
   if (!unchanged.empty()) but.push_back(fmt::format("says little of {}", join(unchanged)));

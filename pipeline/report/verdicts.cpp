@@ -74,6 +74,8 @@ Verdict judge(const ReportData& data, const std::string& method, Check check) {
   switch (check) {
     case Check::sampling:
       return judge_sampling(data, method);
+    case Check::residuals:
+      return judge_residuals(data, method);
     case Check::bounds:
       return judge_bounds(data, method);
     case Check::contraction:

@@ -25,6 +25,7 @@ std::vector<Verdict> verdicts_of(const ReportData& data, const std::string& meth
 
 /// The same of one check of evaluated samples.
 Verdict judge_sampling(const ReportData& data, const std::string& method);
+Verdict judge_residuals(const ReportData& data, const std::string& method);
 Verdict judge_bounds(const ReportData& data, const std::string& method);
 Verdict judge_contraction(const ReportData& data, const std::string& method);
 Verdict judge_fit(const ReportData& data, const std::string& method);

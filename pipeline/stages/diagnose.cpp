@@ -18,6 +18,7 @@
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
+#include "sim/noise_likelihood.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -155,12 +156,39 @@ struct Predictions {
   Index num_failed = 0;
 };
 
+// Observes simulations as the target is.
+class Observer {
+ public:
+  explicit Observer(const Case& c)
+      : selection_(c.embedding->selection()),
+        noise_(noise_model(c.plan.study, c.target, selection_)),
+        likelihood_(noise_model(c.plan.study, c.target), stored_observation(c.plan, c.target)) {}
+
+  // The states (H, K, C') of a simulation that the embedding picks, with noise. What isn't known of
+  // it is drawn given the simulation's own errors: its prior would let anything pass.
+  void observe(std::span<const float> row, Stream& stream, std::span<float> picked) const {
+    if (!noise_.has_unknown()) {
+      selection_.pick(row, picked);
+      if (!noise_.is_silent()) noise_.add(picked, selection_.stride, stream);
+      return;
+    }
+    std::vector<float> noisy(row.begin(), row.end());
+    likelihood_.model().add(noisy, likelihood_.draw_values(row, stream), stream);
+    selection_.pick(noisy, picked);
+  }
+
+ private:
+  const inference::SeriesSelection& selection_;
+  sim::NoiseModel noise_;
+  sim::NoiseLikelihood likelihood_;
+};
+
 Predictions predict(const Case& c, const RowMatrix& theta) {
   constexpr Index block = 256;
   const auto simulator =
       c.plan.source->open({c.plan.study.simulator, c.target, log_of(c.node.path)});
   const inference::SeriesSelection& selection = c.embedding->selection();
-  const sim::NoiseModel noise = noise_model(c.plan.study, c.target, selection);
+  const Observer observer(c);
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
   Predictions result{{}, {theta.rows(), c.embedding->num_features()}, 0};
   Index next = 0;
@@ -173,11 +201,10 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
         c.plan.source->parameters().complete(theta.middleRows(begin, count)), first);
     for (Index i = 0; i < count; ++i) {
       if (trajectories.status[static_cast<std::size_t>(i)] != sim::RolloutStatus::ok) continue;
-      selection.pick(trajectories.row(i), picked);
       StreamId id = c.stream("diagnose_predictive_noise");
       id.row = static_cast<std::uint64_t>(begin + i);
       Stream stream(id);
-      if (!noise.is_silent()) noise.add(picked, selection.stride, stream);
+      observer.observe(trajectories.row(i), stream, picked);
       const Vector summary = summarize(picked, selection);
       if (next == 0) result.summaries.resize(theta.rows(), summary.size());
       result.summaries.row(next) = summary.transpose();
@@ -280,6 +307,7 @@ void run_check(Check check, const Case& c, Diagnosis& diagnosis) {
       diagnosis.max_epochs = c.method.training.max_epochs;
       break;
     case Check::sampling:
+    case Check::residuals:
     case Check::bounds:
     case Check::contraction:
     case Check::fit:

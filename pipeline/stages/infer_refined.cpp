@@ -86,6 +86,11 @@ class Refinement {
 
   const Cost& cost_of_helpers() const { return rows_.cost_of_others(); }
   inference::ImportanceSample sample() const { return sampler_.particles(kMostParticles); }
+  // At its likeliest draw.
+  sim::ErrorMemory residuals() const {
+    const RowMatrix u = sampler_.best_point().transpose();
+    return likelihood_.residuals(prior_.to_theta(u).row(0).transpose());
+  }
   const inference::Prior& prior() const { return prior_; }
   const PowerScores& powers() const { return search_.scores(); }
   // "; the last: ..."; "": nothing is known of any.
@@ -248,6 +253,7 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
                    .weights = sample.weights},
                   {.used = sample.certificate.num_draws - failed, .failed = failed});
   write_certificate(writer.file(), sample.certificate);
+  write_residuals(writer.file(), refinement.residuals());
   if (method.refine.sampling.cross_validate) {
     write_power_scores(writer.file(), refinement.powers());
   }

@@ -10,6 +10,7 @@
 #include "inference/prior.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/features/simulation_features.h"
+#include "sim/first_states.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -32,6 +33,18 @@ Index different_channel(const sim::Trajectories& rows, Index i, Index j) {
   return -1;
 }
 
+const RefineConfig& config_of(const Plan& plan, const Node& node) {
+  return plan.study.method(node.uses.front().method).refine;
+}
+
+sim::NoiseLikelihood likelihood_of(const Plan& plan, const Node& node, const Target& target,
+                                   const std::vector<float>& recorded) {
+  sim::NoiseModel model = noise_model(plan.study, target);
+  const bool infers = config_of(plan, node).infer_first_states;
+  RowMatrix moves = infers ? sim::first_state_moves(model.measure()) : RowMatrix();
+  return {std::move(model), recorded, std::move(moves)};
+}
+
 }  // namespace
 
 SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
@@ -39,14 +52,30 @@ SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
     : plan_(plan),
       target_(read_seen_target(plan, node)),
       recorded_(stored_observation(plan, target_)),
-      noise_(noise_model(plan.study, target_), recorded_),
-      simulator_(plan.source->open(
-          {.simulator = plan.study.simulator,
-           .target = target_,
-           .log = log,
-           .num_rows = plan.study.method(node.uses.front().method).refine.sampling.level_size})),
+      noise_(likelihood_of(plan, node, target_, recorded_)),
       id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {
   noise_.require_density();
+  Target simulated = target_;
+  if (noise_.infers_first_states()) {
+    simulated = sim::with_moved_states(target_, sim::first_state_moves(noise_.model().measure()));
+  }
+  simulator_ = plan.source->open({.simulator = plan.study.simulator,
+                                  .target = simulated,
+                                  .log = log,
+                                  .num_rows = config_of(plan, node).sampling.level_size});
+}
+
+Index SimulatedLikelihood::num_values() const {
+  return (noise_.infers_first_states() ? 1 + target_.num_states() : 1) * std::ssize(recorded_);
+}
+
+sim::ErrorMemory SimulatedLikelihood::residuals(const Vector& theta) const {
+  const sim::Trajectories rows = simulate(theta.transpose(), static_cast<Index>(kNoRow));
+  if (rows.status.front() != sim::RolloutStatus::ok) {
+    throw Error("the likeliest parameters can't be simulated again: the simulation " +
+                std::string(to_string(rows.status.front())));
+  }
+  return noise_.error_memory(rows.row(0));
 }
 
 Vector SimulatedLikelihood::of(const sim::Trajectories& rows, Index& failed) const {

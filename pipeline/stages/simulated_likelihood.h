@@ -21,8 +21,8 @@ class SimulatedLikelihood {
   SimulatedLikelihood(const Plan& plan, const Node& node, const std::filesystem::path& log);
 
   Index num_rollouts() const { return target_.num_rollouts(); }
-  /// Numbers of a row's rollouts, H K C.
-  Index num_values() const { return std::ssize(recorded_); }
+  /// Numbers of a row's rollouts, H K C, or H (1 + C) K C where first states are inferred.
+  Index num_values() const;
   /// Rows that are worth simulating at once, of `num_rows`.
   Index block_size(Index num_rows) const { return simulator_->block_size(num_rows); }
 
@@ -39,6 +39,9 @@ class SimulatedLikelihood {
   sim::Trajectories simulate(const RowMatrix& theta, Index first) const;
   /// log p of each row (n) [nats]. Adds to `failed` how many couldn't be simulated.
   Vector of(const sim::Trajectories& rows, Index& failed) const;
+
+  /// What is left of the recording by theta (D). Throws Error where it can't be simulated.
+  sim::ErrorMemory residuals(const Vector& theta) const;
 
   /// Score of the posterior at that power, by rollouts of its weighted draws; with the same random
   /// numbers for each power.

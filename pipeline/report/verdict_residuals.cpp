@@ -1,0 +1,85 @@
+// Verdict on what a refinement leaves of its recording.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.h"
+#include "pipeline/report/verdict_parts.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// By how much its posterior's variances are too small, at its power of the likelihood.
+double excess_of(const EvaluatedRun& run) {
+  return run.notes.certificate->power * run.notes.residuals->excess();
+}
+
+bool is_excessive(const EvaluatedRun& run) {
+  return !(excess_of(run) <= sim::largest_excess(run.notes.residuals->num_errors));
+}
+
+// What was found of the run whose residuals are farthest from the noise.
+std::string words_of(const ReportData& data, const EvaluatedRun& run) {
+  const sim::ErrorMemory& found = *run.notes.residuals;
+  const Index c = found.worst_channel();
+  std::string words = fmt::format(
+      "what its likeliest parameters leave of channel '{}' is not noise of [observation_noise]",
+      data.target.state_channels[static_cast<std::size_t>(c)].label);
+  std::vector<std::string> details;
+  if (found.memory(c) > 1.5) {
+    details.push_back(fmt::format("{:.3g} errors in a row say the same", found.memory(c)));
+  }
+  if (found.size(c) > 1.5) {
+    details.push_back(fmt::format("they are {:.3g} times as large", std::sqrt(found.size(c))));
+  }
+  if (!details.empty()) words += ": " + join(details, ", and ");
+  return words +
+         fmt::format("; its posterior is about {:.2g} times too narrow, or beside the truth",
+                     std::sqrt(excess_of(run)));
+}
+
+// What a study may do that it doesn't yet.
+std::string advice(const ReportData& data, const MethodConfig& method) {
+  const ObservationNoise& noise = data.plan.study.observation_noise;
+  const bool is_correlated = noise.correlation || noise.correlation_prior;
+  const bool is_heavy = noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
+  std::vector<std::string> ways;
+  if (!method.refine.infer_first_states && !is_heavy) {
+    ways.emplace_back(
+        "refine.infer_first_states = true where the first states are as noisy as "
+        "the others");
+  }
+  if (!is_correlated) {
+    ways.emplace_back("observation_noise.correlation_prior for errors that last");
+  }
+  if (!noise.scale_prior) ways.emplace_back("observation_noise.scale_prior for their size");
+  if (!method.refine.sampling.cross_validate) {
+    ways.emplace_back(
+        data.target.num_rollouts() > 1
+            ? "refine.cross_validate = true where the simulator isn't quite right"
+            : "refine.likelihood_power below 1 where the simulator isn't quite right");
+  }
+  ways.emplace_back("a simulator that has what is missing");
+  return join(ways, ", ");
+}
+
+}  // namespace
+
+Verdict judge_residuals(const ReportData& data, const std::string& method) {
+  const Runs runs = data.runs_of(method);
+  const auto worst = std::ranges::max_element(runs, {}, [](const EvaluatedRun* run) {
+    return std::isnan(excess_of(*run)) ? HUGE_VAL : excess_of(*run);
+  });
+  const auto failed = static_cast<std::size_t>(
+      std::ranges::count_if(runs, [](const EvaluatedRun* run) { return is_excessive(*run); }));
+  const std::string text = fmt::format("variance {:.2g} of the noise's", excess_of(**worst));
+  if (failed == 0) return {Check::residuals, Judgment::passes, "passes, " + text, ""};
+  return {
+      Check::residuals, Judgment::fails,
+      std::string(traits_of(Check::residuals).failure) + seeds_text(failed, runs.size()) + ", " +
+          text,
+      fmt::format("{}: {}", words_of(data, **worst), advice(data, data.plan.study.method(method)))};
+}
+
+}  // namespace npdr::pipeline

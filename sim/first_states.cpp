@@ -1,0 +1,190 @@
+#include "sim/first_states.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+
+namespace npdr::sim {
+namespace {
+
+// Of the largest recorded value: far above the rounding of single precision, 6e-8, and small beside
+// noise.
+constexpr double kMove = 0x1p-9;
+const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
+
+// Calls visit(k, s, now, before) for the stored states of channel c in rollout h, s the segment of
+// the rollout that state k is of, with v_k and v_{k-1}.
+class ErrorSeries {
+ public:
+  ErrorSeries(const NoiseModel& model, std::span<const float> recorded,
+              std::span<const float> simulated, const RowMatrix& moves)
+      : model_(model), recorded_(recorded), simulated_(simulated), moves_(moves) {}
+
+  template <class Visit>
+  void visit(Index h, Index c, Visit&& visit) const {
+    const Index channels = model_.num_states(), rollouts = model_.num_rollouts();
+    Vector now(1 + channels), before(1 + channels);
+    Index segment = -1;
+    for (Index k = 0; k < model_.num_steps(); ++k) {
+      if (model_.restarts()[static_cast<std::size_t>(k)] != 0) {
+        ++segment;
+        before.setZero();
+        before(1 + c) = 1.0;
+      }
+      const double unit = model_.unit()(h, c), base = value(simulated_, h, k, c);
+      now(0) = (value(recorded_, h, k, c) - base) / unit;
+      for (Index m = 0; m < channels; ++m) {
+        const double change = value(simulated_, (1 + m) * rollouts + h, k, c) - base;
+        now(1 + m) = change / unit * (model_.unit()(h, m) / moves_(h, m));
+      }
+      visit(k, segment, now, before);
+      before = now;
+    }
+  }
+
+ private:
+  double value(std::span<const float> series, Index h, Index k, Index c) const {
+    const Index i = (h * model_.num_steps() + k) * model_.num_states() + c;
+    return static_cast<double>(series[static_cast<std::size_t>(i)]);
+  }
+
+  const NoiseModel& model_;
+  std::span<const float> recorded_, simulated_;
+  const RowMatrix& moves_;
+};
+
+}  // namespace
+
+RowMatrix first_state_moves(const RowMatrix& measure) { return kMove * measure; }
+
+Target with_moved_states(const Target& target, const RowMatrix& moves) {
+  Target result = target;
+  for (Index c = 0; c < target.num_states(); ++c) {
+    for (Index h = 0; h < target.num_rollouts(); ++h) {
+      Rollout moved = target.rollouts[static_cast<std::size_t>(h)];
+      moved.states.col(c).array() += moves(h, c);
+      result.rollouts.push_back(std::move(moved));
+    }
+  }
+  return result;
+}
+
+FirstStateErrors::FirstStateErrors(const NoiseModel& model, std::span<const float> recorded,
+                                   std::span<const float> simulated, const RowMatrix& moves,
+                                   Index left_out)
+    : num_channels_(model.num_states()), num_states_(Vector::Zero(model.num_states())) {
+  const Index channels = num_channels_;
+  if (std::ssize(simulated) != (1 + channels) * std::ssize(recorded)) {
+    throw ShapeError("first states: simulations don't have a rollout for each channel's moves");
+  }
+  const ErrorSeries series(model, recorded, simulated, moves);
+  const Index per_rollout =
+      std::ranges::count_if(model.restarts(), [](char is) { return is != 0; });
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(1 + channels, 1 + channels);
+  for (Index h = 0; h < model.num_rollouts(); ++h) {
+    if (h == left_out) continue;
+    const Index first = num_segments();
+    sums_.resize(static_cast<std::size_t>((first + per_rollout) * channels), {none, none, none});
+    for (Index c = 0; c < channels; ++c) {
+      const auto steps = static_cast<double>(model.num_steps());
+      log_measure_ += steps * std::log(model.measure()(h, c) / model.unit()(h, c));
+      num_states_(c) += steps;
+      series.visit(h, c, [&](Index, Index segment, const Vector& now, const Vector& before) {
+        sums_[static_cast<std::size_t>((first + segment) * channels + c)].add(now, before);
+      });
+    }
+  }
+}
+
+bool FirstStateErrors::are_finite() const {
+  return std::ranges::all_of(sums_, [](const Sums& sums) { return sums.now.allFinite(); });
+}
+
+FirstStateErrors::Gaussian FirstStateErrors::gaussian(Index segment,
+                                                      const std::vector<NoiseValues>& values,
+                                                      double* squares) const {
+  const Index channels = num_channels_;
+  Gaussian result{Eigen::MatrixXd::Zero(channels, channels), Vector::Zero(channels)};
+  for (Index c = 0; c < channels; ++c) {
+    const NoiseValues& at = values[static_cast<std::size_t>(c)];
+    const double weight = 1.0 / (at.scale * at.scale);
+    const Eigen::MatrixXd whitened = sums(segment, c).whitened(at.correlation);
+    result.precision += weight * whitened.bottomRightCorner(channels, channels);
+    result.precision(c, c) += weight * (1.0 - at.correlation * at.correlation);
+    result.shift -= weight * whitened.col(0).tail(channels);
+    if (squares != nullptr) *squares += weight * whitened(0, 0);
+  }
+  return result;
+}
+
+double FirstStateErrors::log_density(const std::vector<NoiseValues>& values) const {
+  double sum = log_measure_, squares = 0.0;
+  for (Index c = 0; c < num_channels_; ++c) {
+    const NoiseValues& at = values[static_cast<std::size_t>(c)];
+    sum -= num_states_(c) * (std::log(at.scale) + 0.5 * kLogTwoPi);
+    squares += num_states_(c) * kStateRounding * kStateRounding / (at.scale * at.scale);
+    sum += static_cast<double>(num_segments()) *
+           (0.5 * std::log(1.0 - at.correlation * at.correlation) - std::log(at.scale));
+  }
+  for (Index s = 0; s < num_segments(); ++s) {
+    const Gaussian first = gaussian(s, values, &squares);
+    const Eigen::LLT<Eigen::MatrixXd> factor(first.precision);
+    const Vector half = factor.matrixL().solve(first.shift);
+    sum += 0.5 * half.squaredNorm() - factor.matrixLLT().diagonal().array().log().sum();
+  }
+  return sum - 0.5 * squares;
+}
+
+Vector FirstStateErrors::size() const {
+  Vector squares = Vector::Zero(num_channels_);
+  for (Index s = 0; s < num_segments(); ++s) {
+    for (Index c = 0; c < num_channels_; ++c) squares(c) += sums(s, c).now(0, 0);
+  }
+  return (squares.array() / num_states_.array()).sqrt().max(kStateRounding);
+}
+
+Vector FirstStateErrors::correlation() const {
+  Vector product = Vector::Zero(num_channels_), before = product;
+  for (Index s = 0; s < num_segments(); ++s) {
+    for (Index c = 0; c < num_channels_; ++c) {
+      product(c) += 0.5 * sums(s, c).product(0, 0);
+      before(c) += sums(s, c).before(0, 0);
+    }
+  }
+  return (before.array() > 0.0).select(product.array() / before.array(), 0.0);
+}
+
+RowMatrix FirstStateErrors::first_errors(const std::vector<NoiseValues>& values) const {
+  RowMatrix errors(num_segments(), num_channels_);
+  for (Index s = 0; s < num_segments(); ++s) {
+    const Gaussian first = gaussian(s, values, nullptr);
+    errors.row(s) = first.precision.llt().solve(first.shift).transpose();
+  }
+  return errors;
+}
+
+std::vector<float> from_first_states(const NoiseModel& model, std::span<const float> simulated,
+                                     const RowMatrix& moves, const RowMatrix& first_errors) {
+  const auto size =
+      static_cast<std::size_t>(model.num_rollouts() * model.num_steps() * model.num_states());
+  std::vector<float> result(simulated.begin(),
+                            simulated.begin() + static_cast<std::ptrdiff_t>(size));
+  const ErrorSeries series(model, simulated, simulated, moves);
+  const Index per_rollout = first_errors.rows() / model.num_rollouts();
+  for (Index h = 0; h < model.num_rollouts(); ++h) {
+    for (Index c = 0; c < model.num_states(); ++c) {
+      series.visit(h, c, [&](Index k, Index segment, const Vector& now, const Vector&) {
+        const double change =
+            -first_errors.row(h * per_rollout + segment).dot(now.tail(now.size() - 1));
+        result[static_cast<std::size_t>((h * model.num_steps() + k) * model.num_states() + c)] +=
+            static_cast<float>(model.unit()(h, c) * change);
+      });
+    }
+  }
+  return result;
+}
+
+}  // namespace npdr::sim

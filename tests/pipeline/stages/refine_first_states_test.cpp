@@ -1,0 +1,131 @@
+// Refinement of recordings whose first states are as noisy as the others.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "inference/weighted_moments.h"
+#include "pipeline/artefacts/particle_file.h"
+#include "pipeline/artefacts/recording.h"
+#include "pipeline/artefacts/refinement_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/config/study_reader.h"
+#include "pipeline/features/targets.h"
+#include "pipeline/run/run_stage.h"
+#include "sim/observation_noise.h"
+#include "tests/pipeline/small_study.h"
+#include "tests/temp_folder.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr double kLength = 0.9, kDamping = 0.3, kNoise = 0.02;
+
+class FirstStates : public ::testing::Test {
+ protected:
+  Plan plan_of(const std::string& text) const {
+    return make_plan(parse_study(text, (folder_.path() / "s.toml").string()),
+                     WorkFolder(folder_.path() / "runs"));
+  }
+
+  // Two rollouts of the pendulum with noise on all of their states.
+  void record() const {
+    const Plan plan = plan_of(
+        pendulum_study("truth")
+            .with("target", {"truth = { pole_length = 0.9, damping = 0.3 }", "num_rollouts = 2"})
+            .only("prior", {"pole_length = { uniform = [0.5, 1.5] }"})
+            .method("ABC", {"algorithm = \"abc\"", "num_simulations = 500"}));
+    for (const Node& node : plan.nodes) {
+      if (node.stage != Stage::target) continue;
+      run_stage(plan, node);
+    }
+    Target target = read_target(plan, plan.nodes.back());
+    const RowMatrix amplitude = sim::reference_amplitude(target);
+    Stream stream({11, "first_states_test", 0, 0, 0});
+    for (Index h = 0; h < target.num_rollouts(); ++h) {
+      for (auto state : target.rollouts[static_cast<std::size_t>(h)].states.rowwise()) {
+        for (Index c = 0; c < state.size(); ++c) {
+          state(c) += kNoise * amplitude(h, c) * stream.normal();
+        }
+      }
+    }
+    write_recording(target, folder_.path() / "recording.h5");
+  }
+
+  Plan study_with(const std::string& noise, const std::string& refine) const {
+    return plan_of(
+        pendulum_study("noisy")
+            .only("target", {"recording = \"recording.h5\"", "num_rollouts = 2"})
+            .with("simulator", {"store_every = 4", "segment_length = 200"})
+            .only("prior",
+                  {"pole_length = { uniform = [0.5, 1.5] }", "damping = { uniform = [0.0, 1.0] }"})
+            .with("observation_noise", {noise})
+            .method("Refined", {"algorithm = \"refine\"",
+                                "refine = { level_size = 2000, min_ess = 1000" + refine + " }"})
+            .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]", "floor = false"}));
+  }
+
+  struct Found {
+    Vector off;  // of the truth, in deviations
+    double excess;
+  };
+
+  Found refine(const std::string& noise, const std::string& more) const {
+    const Plan plan = study_with(noise, more);
+    const Node& node = plan.node(Stage::infer, {"Refined", 1, 1});
+    for (const Node& each : plan.nodes) {
+      if (each.stage <= Stage::infer) run_stage(plan, each);
+    }
+    const h5::File file = open_artefact(node, kPosteriorSchema);
+    EXPECT_EQ(inference::verdict(*read_certificate(file)), "holds");
+    const auto posterior = read_particles(file);
+    const RowMatrix theta = posterior->sample(2000, {1, "test", 0, 0, 0});
+    const Vector mean = theta.colwise().mean();
+    const Vector deviation =
+        ((theta.rowwise() - mean.transpose()).array().square().colwise().sum() /
+         static_cast<double>(theta.rows()))
+            .sqrt();
+    const Vector truth{{kLength, kDamping}};
+    return {(mean - truth).array() / deviation.array(), read_residuals(file)->excess()};
+  }
+
+  TempFolder folder_;
+};
+
+// Both parameters are within four deviations: false alarms have a probability of 1e-4.
+TEST_F(FirstStates, ThatAreInferredLeaveWhiteErrorsAndTheTruth) {
+  record();
+  for (const char* noise : {"scale = 0.02", "scale_prior = [0.1, 1.0]"}) {
+    const Found found = refine(noise, ", infer_first_states = true");
+    EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << noise << ": " << found.off.transpose();
+    EXPECT_LT(found.excess, 1.6) << noise;
+    EXPECT_GT(refine(noise, "").excess, 2.0) << noise << ": errors of first states stay";
+  }
+}
+
+TEST_F(FirstStates, OfCorrelatedNoiseAreInferred) {
+  record();
+  const Found found = refine("scale_prior = [0.1, 1.0]\ncorrelation_prior = [0.5, 1.0]",
+                             ", infer_first_states = true");
+  EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << found.off.transpose();
+  EXPECT_LT(found.excess, 1.6);
+}
+
+TEST_F(FirstStates, CanBeInferredBesideThePower) {
+  record();
+  const Found found =
+      refine("scale_prior = [0.1, 1.0]", ", infer_first_states = true, cross_validate = true");
+  EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << found.off.transpose();
+}
+
+TEST(FirstStatesOfStudies, NeedGaussianNoise) {
+  const std::string text =
+      pendulum_study("s")
+          .with("observation_noise", {"scale = 0.1", "degrees_of_freedom = 4"})
+          .method("Refined", {"algorithm = \"refine\"", "refine = { infer_first_states = true }"});
+  EXPECT_TRUE(says(problems_of(text), {"s.toml:",
+                                       "infer_first_states = true, must be false with "
+                                       "observation_noise.degrees_of_freedom"}));
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
