@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/error.h"
@@ -10,9 +11,6 @@
 namespace npdr::sim {
 namespace {
 
-// Of the largest recorded value: far above the rounding of single precision, 6e-8, and small beside
-// noise.
-constexpr double kMove = 0x1p-9;
 const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 
 // Calls visit(k, s, now, before) for the stored states of channel c in rollout h, s the segment of
@@ -58,7 +56,10 @@ class ErrorSeries {
 
 }  // namespace
 
-RowMatrix first_state_moves(const RowMatrix& measure) { return kMove * measure; }
+RowMatrix first_state_moves(const NoiseModel& model) {
+  const RowMatrix size = model.relative_size().array().max(0x1p-13).min(0x1p-9);
+  return size.cwiseProduct(model.measure());
+}
 
 Target with_moved_states(const Target& target, const RowMatrix& moves) {
   Target result = target;
@@ -75,10 +76,16 @@ Target with_moved_states(const Target& target, const RowMatrix& moves) {
 FirstStateErrors::FirstStateErrors(const NoiseModel& model, std::span<const float> recorded,
                                    std::span<const float> simulated, const RowMatrix& moves,
                                    Index left_out)
-    : num_channels_(model.num_states()), num_states_(Vector::Zero(model.num_states())) {
+    : num_channels_(model.num_states()),
+      num_states_(Vector::Zero(model.num_states())),
+      rounding_(model.num_states()) {
   const Index channels = num_channels_;
   if (std::ssize(simulated) != (1 + channels) * std::ssize(recorded)) {
     throw ShapeError("first states: simulations don't have a rollout for each channel's moves");
+  }
+  for (Index c = 0; c < channels; ++c) {
+    const bool is_in_unit = model.channels()[static_cast<std::size_t>(c)].is_in_unit;
+    rounding_(c) = is_in_unit ? 0.0 : kStateRounding * kStateRounding;
   }
   const ErrorSeries series(model, recorded, simulated, moves);
   const Index per_rollout =
@@ -125,13 +132,14 @@ double FirstStateErrors::log_density(const std::vector<NoiseValues>& values) con
   for (Index c = 0; c < num_channels_; ++c) {
     const NoiseValues& at = values[static_cast<std::size_t>(c)];
     sum -= num_states_(c) * (std::log(at.scale) + 0.5 * kLogTwoPi);
-    squares += num_states_(c) * kStateRounding * kStateRounding / (at.scale * at.scale);
+    squares += num_states_(c) * rounding_(c) / (at.scale * at.scale);
     sum += static_cast<double>(num_segments()) *
            (0.5 * std::log(1.0 - at.correlation * at.correlation) - std::log(at.scale));
   }
   for (Index s = 0; s < num_segments(); ++s) {
     const Gaussian first = gaussian(s, values, &squares);
     const Eigen::LLT<Eigen::MatrixXd> factor(first.precision);
+    if (factor.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
     const Vector half = factor.matrixL().solve(first.shift);
     sum += 0.5 * half.squaredNorm() - factor.matrixLLT().diagonal().array().log().sum();
   }

@@ -4,7 +4,8 @@
 /// noise's error eta_0. To first order in it, with x_k(y_0) simulated and J_k = dx_k / dy_0,
 ///   y_k - x_k(y_0) = eta_k - J_k eta_0,
 /// so that the errors of a segment's states have eta_0 in common, and channels depend on each
-/// other. eta is the noise of noise_model.h without heavy tails,
+/// other. eta is the noise of noise_model.h without heavy tails, but stationary, as it doesn't
+/// begin with the segment:
 ///   eta_k = rho_c eta_{k-1} + s_c a_c e_k,    eta_0 ~ N(0, s_c^2 a_c^2 / (1 - rho_c^2)),
 /// and eta_0, whose density given all others is Gaussian, is integrated out in closed form. J comes
 /// from differences: further rollouts whose first states are moved a little, one for each channel.
@@ -20,8 +21,9 @@
 
 namespace npdr::sim {
 
-/// How far states are moved for differences, (H, C), given measure() of their noise.
-RowMatrix first_state_moves(const RowMatrix& measure);
+/// How far states are moved for differences, (H, C): by the noise's size, but at most 2^-9 of the
+/// largest recorded value, and by no less than 2^-13 of it, above the rounding of single precision.
+RowMatrix first_state_moves(const NoiseModel& model);
 
 /// H (1 + C) rollouts: those of `target`, then for each channel c again, with the states of channel
 /// c moved by moves(h, c).
@@ -38,7 +40,8 @@ class FirstStateErrors {
 
   /// All values are finite.
   bool are_finite() const;
-  /// log p [nats] of the recorded states over measure(), given values (C) of the noise.
+  /// log p [nats] of the recorded states over measure(), given values (C) of the noise; NaN where
+  /// channels are so alike that rounding hides how they differ.
   double log_density(const std::vector<NoiseValues>& values) const;
   /// Root mean square of the errors (C), over a.
   Vector size() const;
@@ -79,6 +82,7 @@ class FirstStateErrors {
   Index num_channels_;
   std::vector<Sums> sums_;    // (S, C)
   Vector num_states_;         // (C) that are looked at
+  Vector rounding_;           // (C) of a state, its square over a^2; 0 of channels in their unit
   double log_measure_ = 0.0;  // log |d y / d error|
 };
 

@@ -127,10 +127,11 @@ double NoiseLikelihood::joint_log_likelihood(Index left_out,
 
 std::vector<NoiseValues> NoiseLikelihood::draw_values(std::span<const float> simulated,
                                                       Stream& stream, Index left_out) const {
+  const NoiseModel model = infers_first_states() ? model_.with_unknown_scales() : model_;
   std::vector<NoiseValues> values;
   for (Index c = 0; c < model_.num_states(); ++c) {
-    const ChannelErrors errors = channel_errors(model_, recorded_, simulated, c, left_out);
-    const ChannelIntegrand f(model_.channels()[static_cast<std::size_t>(c)], errors);
+    const ChannelErrors errors = channel_errors(model, recorded_, simulated, c, left_out);
+    const ChannelIntegrand f(model.channels()[static_cast<std::size_t>(c)], errors);
     Vector z(f.dimension());
     for (double& normal : z) normal = stream.normal();
     if (z.size() > 0 && model_.has_density(c)) {
@@ -175,7 +176,12 @@ ErrorMemory NoiseLikelihood::error_memory(std::span<const float> simulated) cons
         (errors.now - values[i].correlation * errors.before) / values[i].scale;
     scores_of_states.col(c) = scores(noise, values[i], independent);
   }
-  return memory_of(scores_of_states, restarts);
+  ErrorMemory result = memory_of(scores_of_states, restarts);
+  // As many errors of a channel as there are first states have gone into them.
+  const double share =
+      static_cast<double>(first_errors.rows()) / static_cast<double>(restarts.size());
+  result.size /= 1.0 - std::min(share, 0.5);
+  return result;
 }
 
 }  // namespace npdr::sim

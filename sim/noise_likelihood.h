@@ -38,8 +38,9 @@ class NoiseLikelihood {
 
   /// Parameters of all channels (C) given y and x: the unknown ones drawn from the Gaussian that
   /// has the posterior's mode and curvature, or from the prior where the channel has no noise.
-  /// Rollout `left_out` isn't looked at, and first states count as exact: so noise includes what
-  /// theirs does to simulations.
+  /// Rollout `left_out` isn't looked at. Where first states are inferred, simulations from recorded
+  /// ones are off by what their noise does, which counts as noise here: scales that are given are
+  /// drawn, too.
   std::vector<NoiseValues> draw_values(std::span<const float> simulated, Stream& stream,
                                        Index left_out = -1) const;
 

@@ -85,6 +85,14 @@ double NoiseModel::growth(Index k, double correlation) const {
   return (1.0 - std::pow(rho2, age)) / (1.0 - rho2);
 }
 
+NoiseModel NoiseModel::with_unknown_scales() const {
+  NoiseModel result = *this;
+  for (ChannelNoise& channel : result.channels_) {
+    if (!channel.scale.is_unknown() && channel.scale.median > 0.0) channel.scale.deviation = 1.0;
+  }
+  return result;
+}
+
 RowMatrix NoiseModel::relative_size() const {
   RowMatrix size = unit_.cwiseQuotient(measure_);
   for (std::size_t c = 0; c < channels_.size(); ++c) {

@@ -9,7 +9,8 @@
 ///   logit rho ~ N(logit median, deviation^2),      0 < rho < 1
 ///   log(nu - 1) ~ N(log(median - 1), deviation^2), nu > 1
 /// Unknown ones are drawn anew for every simulation, and integrated out of the likelihood: there
-/// are three at most in a channel, and given a simulation channels are independent.
+/// are three at most in a channel, and given a simulation channels are independent, unless first
+/// states are inferred (first_states.h).
 #pragma once
 
 #include <array>
@@ -74,6 +75,9 @@ class NoiseModel {
   /// Whether the channel has noise in every rollout, so that its states have a density.
   bool has_density(Index channel) const;
   bool has_unknown() const;  ///< some parameter has a prior
+
+  /// The same noise, whose scales that are given, but for 0, are medians of priors one e-fold wide.
+  NoiseModel with_unknown_scales() const;
 
   /// Root mean square of the noise over a rollout's states, over measure(), (H, C); of what isn't
   /// known with its median. Student's t without a variance, nu <= 2, counts as Gaussian.

@@ -55,12 +55,13 @@ void print_refinements(const Plan& plan) {
     infers_first_states |= config.infer_first_states;
   }
   if (count == 0) return;
-  fmt::print("{}: at most {} more simulations, until they are worth refine.min_ess draws{}{}\n",
-             counted(count, "refinement"), simulations,
-             tries_powers ? ", and 1000 for each power that is tried" : "",
-             infers_first_states ? "; each has a rollout more for every state channel where first "
-                                   "states are inferred"
-                                 : "");
+  fmt::print(
+      "{}: at most {} more simulations, until they are worth refine.min_ess draws{}{}\n",
+      counted(count, "refinement"), simulations,
+      tries_powers ? fmt::format(", and {} for each power that is tried", kLeftOutDraws) : "",
+      infers_first_states ? "; each has a rollout more for every state channel where first "
+                            "states are inferred"
+                          : "");
 }
 
 void print_policy_searches(const Plan& plan) {

@@ -136,9 +136,8 @@ std::optional<inference::ImportanceCertificate> read_certificate(const h5::File&
   return certificate;
 }
 
-void write_residuals(h5::File& file, const sim::ErrorMemory& residuals) {
-  std::optional<sim::ErrorMemory> copy = residuals;
-  describe(Layout::writer(file), copy);
+void write_residuals(h5::File& file, std::optional<sim::ErrorMemory> residuals) {
+  describe(Layout::writer(file), residuals);
 }
 
 std::optional<sim::ErrorMemory> read_residuals(const h5::File& file) {

@@ -11,9 +11,9 @@ void write_certificate(h5::File& file, const inference::ImportanceCertificate& c
 /// None: the posterior wasn't refined. Throws InputError.
 std::optional<inference::ImportanceCertificate> read_certificate(const h5::File& file);
 
-/// What a refinement leaves of its recording. Throws Error.
-void write_residuals(h5::File& file, const sim::ErrorMemory& residuals);
-/// None: the posterior wasn't refined. Throws InputError.
+/// What a refinement leaves of its recording, where that is known. Throws Error.
+void write_residuals(h5::File& file, std::optional<sim::ErrorMemory> residuals);
+/// None: it isn't, or the posterior wasn't refined. Throws InputError.
 std::optional<sim::ErrorMemory> read_residuals(const h5::File& file);
 
 /// State that an interrupted refinement goes on from.

@@ -303,10 +303,20 @@ void MethodChecker::check_first_states(const std::string& key, const MethodConfi
   const ObservationNoise& noise = study_.observation_noise;
   if (!study_.source().gives_motion) {
     fail(key, "true", "false where a simulator gives features: they have no first states");
+  } else if (study_.target.truth) {
+    fail(key, "true", "false with target.truth: first states of a simulated target are exact");
   } else if (noise.degrees_of_freedom || noise.degrees_of_freedom_prior) {
     fail(key, "true",
          "false with observation_noise.degrees_of_freedom: first states are integrated out of "
          "Gaussian noise, white or correlated");
+  } else if (const Index length = study_.simulator.segment_length,
+             every = study_.simulator.store_every;
+             length > 0 && (length < 2 * every || length % every != 0)) {
+    fail(key, "true",
+         fmt::format("false, or simulator.segment_length = {} two or more times "
+                     "simulator.store_every = {}: segments need stored states beside their first, "
+                     "at equal distances",
+                     length, every));
   }
 }
 

@@ -76,6 +76,10 @@ std::string Study::why_unchecked(Check check, const MethodConfig& method) const 
   if (traits.needs == CheckNeeds::simulations && !has_network && family != AlgorithmFamily::abc) {
     return "there are no simulations that it has learned from";
   }
+  if (check == Check::predictive && is_weighted && method.refine.infer_first_states) {
+    return "its predictions begin in recorded first states, whose noise only 'residuals' takes "
+           "away";
+  }
   if (check == Check::fit && !source().gives_motion) return "features have no RMSE";
   if (check == Check::fit && std::ranges::count(evaluate.metrics, Metric::rmse) == 0) {
     return "evaluate.metrics lacks rmse";

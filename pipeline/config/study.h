@@ -117,6 +117,9 @@ struct PublishedFigure {
   double std = 0.0;
 };
 
+/// Draws that predict left-out rollouts, for each power of the likelihood that is tried.
+inline constexpr Index kLeftOutDraws = 1000;
+
 /// Settings of the algorithm "refine".
 struct RefineConfig {
   std::string start;                ///< the method whose posterior is refined; "": the prior alone

@@ -22,32 +22,16 @@ bool may_be_rate_of(const Channel& rate, const Channel& position) {
          !position.unit.empty() && rate.unit == rate_unit(position.unit);
 }
 
-bool has_rate(const std::vector<RatePair>& pairs, Index position) {
-  return std::ranges::find(pairs, position, &RatePair::position) != pairs.end();
-}
-
-bool has_position(const std::vector<RatePair>& pairs, Index rate) {
-  return std::ranges::find(pairs, rate, &RatePair::rate) != pairs.end();
-}
-
-// Pairs whose rate is named otherwise: it goes with the longest name that it begins with.
-void add_pairs_by_unit(const std::vector<Channel>& states, std::vector<RatePair>& pairs) {
-  const std::vector<RatePair> named = pairs;
-  for (Index rate = 0; rate < std::ssize(states); ++rate) {
-    if (has_position(named, rate)) continue;
-    const Channel& channel = states[static_cast<std::size_t>(rate)];
-    std::vector<Index> positions;
-    for (Index i = 0; i < std::ssize(states); ++i) {
-      const bool may_be = may_be_rate_of(channel, states[static_cast<std::size_t>(i)]);
-      if (may_be && !has_rate(pairs, i)) positions.push_back(i);
-    }
-    if (positions.empty()) continue;
-    pairs.push_back({*std::ranges::max_element(
-                         positions, {},
-                         [&](Index i) { return states[static_cast<std::size_t>(i)].label.size(); }),
-                     rate});
+// Of the state whose name is the longest that the rate's begins with; -1: there is none.
+Index likely_position_of(const Channel& rate, const std::vector<Channel>& states) {
+  Index found = -1;
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (!may_be_rate_of(rate, states[i]) || states[i].label.size() <= longest) continue;
+    longest = states[i].label.size();
+    found = static_cast<Index>(i);
   }
-  std::ranges::sort(pairs, {}, &RatePair::rate);
+  return found;
 }
 
 }  // namespace
@@ -60,7 +44,20 @@ std::vector<RatePair> rate_pairs(const std::vector<Channel>& states) {
       pairs.push_back({static_cast<Index>(position), static_cast<Index>(rate)});
     }
   }
-  add_pairs_by_unit(states, pairs);
+  return pairs;
+}
+
+std::vector<RatePair> likely_rate_pairs(const std::vector<Channel>& states) {
+  const std::vector<RatePair> named = rate_pairs(states);
+  const auto has = [&](Index channel, Index RatePair::*part) {
+    return std::ranges::find(named, channel, part) != named.end();
+  };
+  std::vector<RatePair> pairs;
+  for (Index rate = 0; rate < std::ssize(states); ++rate) {
+    if (has(rate, &RatePair::rate)) continue;
+    const Index position = likely_position_of(states[static_cast<std::size_t>(rate)], states);
+    if (position >= 0 && !has(position, &RatePair::position)) pairs.push_back({position, rate});
+  }
   return pairs;
 }
 

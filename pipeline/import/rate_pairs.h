@@ -22,8 +22,11 @@ std::string rate_unit(const std::string& unit);
 /// empty unit may be any.
 bool is_rate_of(const Channel& rate, const Channel& position);
 
-/// All pairs, in the order of the rates; also of rates that are named otherwise, whose name begins
-/// with the position's, and whose unit is that per second: "swing [rad]", "swing speed [rad/s]".
+/// All pairs, in the order of the rates.
 std::vector<RatePair> rate_pairs(const std::vector<Channel>& states);
+
+/// Pairs whose rate is named otherwise: its name begins with the position's, and its unit is that
+/// per second, as of "swing [rad]" and "swing speed [rad/s]".
+std::vector<RatePair> likely_rate_pairs(const std::vector<Channel>& states);
 
 }  // namespace npdr::pipeline

@@ -51,6 +51,7 @@ bool is_computed(const Rollout& rollout, const RatePair& pair, double dt) {
 
 std::vector<RatePair> measured_pairs(const Target& recording) {
   std::vector<RatePair> pairs = rate_pairs(recording.state_channels);
+  std::ranges::copy(likely_rate_pairs(recording.state_channels), std::back_inserter(pairs));
   std::erase_if(pairs, [&](const RatePair& pair) {
     return is_computed(recording.rollouts.front(), pair, recording.dt);
   });

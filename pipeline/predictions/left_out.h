@@ -13,9 +13,9 @@ struct LeftOutScore {
 };
 
 /// How well the posterior at the likelihood's power a given the other rollouts predicts each
-/// rollout h. `rows`: rollouts (n, H, K, C), or those of a
-/// likelihood that infers first states, of weighted draws of the posterior given all; those of
-/// the posterior without h have the weights
+/// rollout h. `rows`: rollouts (n, H, K, C) of weighted draws of the posterior given all, or
+/// (n, H (1 + C), K, C) where the likelihood infers first states. Those of the posterior without h
+/// have the weights
 ///   w_i p(y_h | y_others, theta_i)^-a,
 /// and noise is as their errors of the other rollouts say at power 1 (weights_at_power()), its
 /// unknown scales times a power of sqrt(2), from 1/4 to 2: of those whose score is within a

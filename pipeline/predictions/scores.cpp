@@ -6,6 +6,9 @@
 #include "analysis/predictive_scores.h"
 #include "core/parallel.h"
 #include "inference/samplers/resampler.h"
+#include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/refinement_file.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/predictions/power_weights.h"
@@ -126,20 +129,36 @@ PredictionScores score_part(const Plan& plan, const Target& target,
 
 }  // namespace
 
+NoiseSource noise_source(const Plan& plan, const Node& posterior) {
+  const h5::File file = open_artefact(posterior, kPosteriorSchema);
+  const auto certificate = read_certificate(file);
+  if (!certificate) return {};
+  return {certificate->power, read_power_scores(file).noise_factor_at(certificate->power),
+          plan.study.method(posterior.uses.front().method).refine.infer_first_states};
+}
+
 NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
                           const sim::Trajectories& all_states, const NoiseSource& source,
                           const StreamId& id) {
   if (plan.study.observation_noise.is_silent()) return {};
-  const sim::NoiseModel model = noise_model(plan.study, target);
-  NoiseOfSamples noise(static_cast<std::size_t>(all_states.num_rows));
+  return draw_noise_of_stored(
+      plan, target, stored(all_states, target.num_rollouts(), plan.study.simulator.store_every),
+      source, id);
+}
+
+NoiseOfSamples draw_noise_of_stored(const Plan& plan, const Target& target,
+                                    const sim::Trajectories& rows, const NoiseSource& source,
+                                    const StreamId& id) {
+  if (plan.study.observation_noise.is_silent()) return {};
+  const sim::NoiseModel given = noise_model(plan.study, target);
+  const sim::NoiseModel model = source.infers_first_states ? given.with_unknown_scales() : given;
+  NoiseOfSamples noise(static_cast<std::size_t>(rows.num_rows));
   if (!model.has_unknown()) {
     Stream unused(id);
     std::ranges::fill(noise, model.draw_values(unused));
     return noise;
   }
   const sim::NoiseLikelihood likelihood(model, stored_observation(plan, target));
-  const sim::Trajectories rows =
-      stored(all_states, target.num_rollouts(), plan.study.simulator.store_every);
   const std::optional<inference::Resampler> others = other_samples(likelihood, rows, source.power);
   parallel_for(rows.num_rows, [&](Index i) {
     Stream stream(row_of(within(id, "noise_values"), i));

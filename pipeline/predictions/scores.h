@@ -19,7 +19,13 @@ using NoiseOfSamples = std::vector<std::vector<sim::NoiseValues>>;
 struct NoiseSource {
   double power = 1.0;   ///< of the likelihood in the posterior
   double factor = 1.0;  ///< of the noise's unknown scales: PowerScores::noise_factor
+  /// Predictions begin in recorded first states, which aren't exact: what that does to them counts
+  /// as noise, whose scale so isn't known even where it is given.
+  bool infers_first_states = false;
 };
+
+/// Of the posterior of a node. Throws InputError.
+NoiseSource noise_source(const Plan& plan, const Node& posterior);
 
 /// `target`: the rollouts that the posterior has seen; `all_states`: the samples' rollouts, every
 /// state, which begin with those. At a power below 1 a value is drawn given the rollouts of another
@@ -28,6 +34,11 @@ struct NoiseSource {
 NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
                           const sim::Trajectories& all_states, const NoiseSource& source,
                           const StreamId& id);
+
+/// The same of `rows`: the stored states of those rollouts.
+NoiseOfSamples draw_noise_of_stored(const Plan& plan, const Target& target,
+                                    const sim::Trajectories& rows, const NoiseSource& source,
+                                    const StreamId& id);
 
 /// The same of `num_samples` draws of the noise's own prior, which no recording informs.
 NoiseOfSamples draw_prior_noise(const Plan& plan, const Target& target, Index num_samples,

@@ -16,7 +16,8 @@ double excess_of(const EvaluatedRun& run) {
 }
 
 bool is_excessive(const EvaluatedRun& run) {
-  return !(excess_of(run) <= sim::largest_excess(run.notes.residuals->num_errors));
+  const sim::ErrorMemory& found = *run.notes.residuals;
+  return !(excess_of(run) <= sim::largest_excess(found.num_errors, found.memory.size()));
 }
 
 // What was found of the run whose residuals are farthest from the noise.
@@ -45,12 +46,13 @@ std::string advice(const ReportData& data, const MethodConfig& method) {
   const bool is_correlated = noise.correlation || noise.correlation_prior;
   const bool is_heavy = noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
   std::vector<std::string> ways;
-  if (!method.refine.infer_first_states && !is_heavy) {
+  const bool moves = data.plan.study.source().gives_motion;
+  if (moves && data.plan.study.target.recording && !method.refine.infer_first_states && !is_heavy) {
     ways.emplace_back(
         "refine.infer_first_states = true where the first states are as noisy as "
         "the others");
   }
-  if (!is_correlated) {
+  if (moves && !is_correlated) {
     ways.emplace_back("observation_noise.correlation_prior for errors that last");
   }
   if (!noise.scale_prior) ways.emplace_back("observation_noise.scale_prior for their size");
@@ -68,6 +70,11 @@ std::string advice(const ReportData& data, const MethodConfig& method) {
 
 Verdict judge_residuals(const ReportData& data, const std::string& method) {
   const Runs runs = data.runs_of(method);
+  if (std::ranges::any_of(runs, [](const EvaluatedRun* run) { return !run->notes.residuals; })) {
+    return {
+        Check::residuals, Judgment::unknown, "can't tell",
+        "its likeliest parameters couldn't be simulated again; see why in the log of stage infer"};
+  }
   const auto worst = std::ranges::max_element(runs, {}, [](const EvaluatedRun* run) {
     return std::isnan(excess_of(*run)) ? HUGE_VAL : excess_of(*run);
   });

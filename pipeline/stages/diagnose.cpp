@@ -15,10 +15,10 @@
 #include "pipeline/features/series_summary.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
+#include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
-#include "sim/noise_likelihood.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -156,62 +156,55 @@ struct Predictions {
   Index num_failed = 0;
 };
 
-// Observes simulations as the target is.
-class Observer {
- public:
-  explicit Observer(const Case& c)
-      : selection_(c.embedding->selection()),
-        noise_(noise_model(c.plan.study, c.target, selection_)),
-        likelihood_(noise_model(c.plan.study, c.target), stored_observation(c.plan, c.target)) {}
-
-  // The states (H, K, C') of a simulation that the embedding picks, with noise. What isn't known of
-  // it is drawn given the simulation's own errors: its prior would let anything pass.
-  void observe(std::span<const float> row, Stream& stream, std::span<float> picked) const {
-    if (!noise_.has_unknown()) {
-      selection_.pick(row, picked);
-      if (!noise_.is_silent()) noise_.add(picked, selection_.stride, stream);
-      return;
-    }
-    std::vector<float> noisy(row.begin(), row.end());
-    likelihood_.model().add(noisy, likelihood_.draw_values(row, stream), stream);
-    selection_.pick(noisy, picked);
-  }
-
- private:
-  const inference::SeriesSelection& selection_;
-  sim::NoiseModel noise_;
-  sim::NoiseLikelihood likelihood_;
-};
-
-Predictions predict(const Case& c, const RowMatrix& theta) {
+sim::Trajectories simulate(const Case& c, const RowMatrix& theta) {
   constexpr Index block = 256;
   const auto simulator =
       c.plan.source->open({c.plan.study.simulator, c.target, log_of(c.node.path)});
-  const inference::SeriesSelection& selection = c.embedding->selection();
-  const Observer observer(c);
-  std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
-  Predictions result{{}, {theta.rows(), c.embedding->num_features()}, 0};
-  Index next = 0;
+  sim::Trajectories rows;
   for (Index begin = 0; begin < theta.rows(); begin += block) {
     stop_here_if_requested();
     const Index count = std::min(block, theta.rows() - begin);
     StreamId first = c.stream("diagnose_predictive_simulation");
     first.row = static_cast<std::uint64_t>(begin);
-    const sim::Trajectories trajectories = simulator->simulate(
-        c.plan.source->parameters().complete(theta.middleRows(begin, count)), first);
-    for (Index i = 0; i < count; ++i) {
-      if (trajectories.status[static_cast<std::size_t>(i)] != sim::RolloutStatus::ok) continue;
-      StreamId id = c.stream("diagnose_predictive_noise");
-      id.row = static_cast<std::uint64_t>(begin + i);
-      Stream stream(id);
-      observer.observe(trajectories.row(i), stream, picked);
-      const Vector summary = summarize(picked, selection);
-      if (next == 0) result.summaries.resize(theta.rows(), summary.size());
-      result.summaries.row(next) = summary.transpose();
-      c.embedding->embed(picked, {result.features.row(next).data(),
-                                  static_cast<std::size_t>(result.features.cols())});
-      ++next;
+    rows.append(simulator->simulate(
+        c.plan.source->parameters().complete(theta.middleRows(begin, count)), first));
+  }
+  return rows;
+}
+
+Predictions predict(const Case& c, const RowMatrix& theta) {
+  const sim::Trajectories rows = simulate(c, theta);
+  const inference::SeriesSelection& selection = c.embedding->selection();
+  const sim::NoiseModel noise = noise_model(c.plan.study, c.target),
+                        picked_noise = noise_model(c.plan.study, c.target, selection);
+  // Its prior would let anything pass.
+  NoiseOfSamples unknown;
+  if (noise.has_unknown()) {
+    unknown = draw_noise_of_stored(c.plan, c.target, rows, noise_source(c.plan, c.last_posterior()),
+                                   c.stream("diagnose_predictive_noise"));
+  }
+  std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
+  Predictions result{{}, {theta.rows(), c.embedding->num_features()}, 0};
+  Index next = 0;
+  for (Index i = 0; i < rows.num_rows; ++i) {
+    if (rows.status[static_cast<std::size_t>(i)] != sim::RolloutStatus::ok) continue;
+    StreamId id = c.stream("diagnose_predictive_noise");
+    id.row = static_cast<std::uint64_t>(i);
+    Stream stream(id);
+    if (unknown.empty()) {
+      selection.pick(rows.row(i), picked);
+      if (!picked_noise.is_silent()) picked_noise.add(picked, selection.stride, stream);
+    } else {
+      std::vector<float> noisy(rows.row(i).begin(), rows.row(i).end());
+      noise.add(noisy, unknown[static_cast<std::size_t>(i)], stream);
+      selection.pick(noisy, picked);
     }
+    const Vector summary = summarize(picked, selection);
+    if (next == 0) result.summaries.resize(theta.rows(), summary.size());
+    result.summaries.row(next) = summary.transpose();
+    c.embedding->embed(picked, {result.features.row(next).data(),
+                                static_cast<std::size_t>(result.features.cols())});
+    ++next;
   }
   result.num_failed = theta.rows() - next;
   result.summaries.conservativeResize(next, Eigen::NoChange);

@@ -1,6 +1,5 @@
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
-#include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/features/targets.h"
@@ -11,13 +10,6 @@
 
 namespace npdr::pipeline {
 namespace {
-
-NoiseSource noise_source(const Node& posterior) {
-  const h5::File file = open_artefact(posterior, kPosteriorSchema);
-  const auto certificate = read_certificate(file);
-  if (!certificate) return {};
-  return {certificate->power, read_power_scores(file).noise_factor_at(certificate->power)};
-}
 
 // Simulates the posterior's samples.
 void predict(const Plan& plan, const Node& node, const Judge& judge, const StreamId& first,
@@ -39,8 +31,8 @@ void predict(const Plan& plan, const Node& node, const Judge& judge, const Strea
   // Not what the posterior has seen in all iterations: evaluations are by the first target.
   const std::string& method = node.uses.front().method;
   const Target target = read_target(plan, node, plan.study.method(method).num_rollouts);
-  const NoiseOfSamples noise =
-      draw_noise(plan, target, seen, noise_source(*plan.inputs(node, Stage::infer).front()), first);
+  const NoiseSource source = noise_source(plan, *plan.inputs(node, Stage::infer).front());
+  const NoiseOfSamples noise = draw_noise(plan, target, seen, source, first);
   evaluation.noise = inferred_noise(noise_model(plan.study, target), noise, seen);
   evaluation.scores = score(plan, judge, seen, held_out, noise, first);
 }

@@ -19,7 +19,6 @@ namespace {
 
 constexpr Index kStartDraws = 5000;     // of the posterior that is refined
 constexpr Index kMostParticles = 5000;  // of the refined posterior
-constexpr Index kLeftOutDraws = 1000;   // that predict left-out rollouts
 constexpr double kSearchShare = 0.7;    // of the simulations, for finding the power
 constexpr double kSecondsBetweenCheckpoints = 60.0;
 
@@ -87,7 +86,7 @@ class Refinement {
   const Cost& cost_of_helpers() const { return rows_.cost_of_others(); }
   inference::ImportanceSample sample() const { return sampler_.particles(kMostParticles); }
   // At its likeliest draw.
-  sim::ErrorMemory residuals() const {
+  std::optional<sim::ErrorMemory> residuals() const {
     const RowMatrix u = sampler_.best_point().transpose();
     return likelihood_.residuals(prior_.to_theta(u).row(0).transpose());
   }

@@ -41,7 +41,7 @@ sim::NoiseLikelihood likelihood_of(const Plan& plan, const Node& node, const Tar
                                    const std::vector<float>& recorded) {
   sim::NoiseModel model = noise_model(plan.study, target);
   const bool infers = config_of(plan, node).infer_first_states;
-  RowMatrix moves = infers ? sim::first_state_moves(model.measure()) : RowMatrix();
+  RowMatrix moves = infers ? sim::first_state_moves(model) : RowMatrix();
   return {std::move(model), recorded, std::move(moves)};
 }
 
@@ -57,7 +57,7 @@ SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
   noise_.require_density();
   Target simulated = target_;
   if (noise_.infers_first_states()) {
-    simulated = sim::with_moved_states(target_, sim::first_state_moves(noise_.model().measure()));
+    simulated = sim::with_moved_states(target_, sim::first_state_moves(noise_.model()));
   }
   simulator_ = plan.source->open({.simulator = plan.study.simulator,
                                   .target = simulated,
@@ -69,12 +69,9 @@ Index SimulatedLikelihood::num_values() const {
   return (noise_.infers_first_states() ? 1 + target_.num_states() : 1) * std::ssize(recorded_);
 }
 
-sim::ErrorMemory SimulatedLikelihood::residuals(const Vector& theta) const {
+std::optional<sim::ErrorMemory> SimulatedLikelihood::residuals(const Vector& theta) const {
   const sim::Trajectories rows = simulate(theta.transpose(), static_cast<Index>(kNoRow));
-  if (rows.status.front() != sim::RolloutStatus::ok) {
-    throw Error("the likeliest parameters can't be simulated again: the simulation " +
-                std::string(to_string(rows.status.front())));
-  }
+  if (rows.status.front() != sim::RolloutStatus::ok) return std::nullopt;
   return noise_.error_memory(rows.row(0));
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "pipeline/features/targets.h"
@@ -40,8 +41,8 @@ class SimulatedLikelihood {
   /// log p of each row (n) [nats]. Adds to `failed` how many couldn't be simulated.
   Vector of(const sim::Trajectories& rows, Index& failed) const;
 
-  /// What is left of the recording by theta (D). Throws Error where it can't be simulated.
-  sim::ErrorMemory residuals(const Vector& theta) const;
+  /// What is left of the recording by theta (D); none where it can't be simulated.
+  std::optional<sim::ErrorMemory> residuals(const Vector& theta) const;
 
   /// Score of the posterior at that power, by rollouts of its weighted draws; with the same random
   /// numbers for each power.

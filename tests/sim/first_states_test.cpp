@@ -60,7 +60,7 @@ void add_motion(const Target& target, std::vector<float>& series) {
 
 Case make_case(const NoiseModel& model, std::uint64_t seed) {
   Case made;
-  made.moves = first_state_moves(model.measure());
+  made.moves = first_state_moves(model);
   made.target.state_channels.resize(kChannels);
   Stream stream({seed, "first_states_test", 0, 0, 0});
   for (Index h = 0; h < kRollouts; ++h) {

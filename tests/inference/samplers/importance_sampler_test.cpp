@@ -93,6 +93,21 @@ TEST(ImportanceSampler, ForgetsAWrongStart) {
   expect_posterior(sample, 1.0);
 }
 
+TEST(ImportanceSampler, KnowsItsBestPoint) {
+  const LinearGaussian problem;
+  double highest = -HUGE_VAL;
+  const auto noting = [&](const RowMatrix& u) {
+    Vector values = problem.log_likelihood(u);
+    values(0) = -HUGE_VAL;
+    highest = std::max(highest, values.maxCoeff());
+    return values;
+  };
+  ImportanceSampler sampler(kSmall, 3, {}, {1, "refinement", 1, 0, 0});
+  EXPECT_THROW((void)sampler.best_point(), Error);
+  const ImportanceSampler done = run(std::move(sampler), noting, 2000);
+  EXPECT_NEAR(problem.log_likelihood(done.best_point().transpose())(0), highest, 1e-9);
+}
+
 TEST(ImportanceSampler, RaisesTheLikelihoodToAPower) {
   ImportanceConfig config = kSmall;
   config.likelihood_power = 0.1;

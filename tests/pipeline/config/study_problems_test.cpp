@@ -341,7 +341,7 @@ TEST(StudyProblems, ChecksAreKnownAndDistinct) {
   };
   const std::string all =
       "distinct, each one of sbc, coverage, tarp, local_c2st, predictive, ood, "
-      "failures, training, sampling, bounds, contraction, fit, held_out";
+      "failures, training, sampling, residuals, bounds, contraction, fit, held_out";
   EXPECT_NE(problem("checks = ['sbc', 'sbc']").find(all), std::string::npos);
   EXPECT_NE(problem("checks = ['rank']").find(all), std::string::npos);
   EXPECT_NE(problem("num_simulations = 39").find("diagnose.num_simulations = 39"),

@@ -9,19 +9,20 @@ TEST(RatePairs, HaveTheSameNameAndAUnitPerSecond) {
   EXPECT_EQ(rate_pairs({{"theta", "rad"}, {"theta_dot", "rad/s"}, {"x_dot", "m/s"}, {"x", "m"}}),
             (std::vector<RatePair>{{0, 1}, {3, 2}}));
   EXPECT_TRUE(rate_pairs({{"theta", "deg"}, {"theta_dot", "rad/s"}}).empty());
+  EXPECT_TRUE(rate_pairs({{"theta", "rad"}, {"thetadot", "rad/s"}}).empty());
 }
 
 TEST(RatePairs, MayBeNamedOtherwise) {
-  const auto by_unit = rate_pairs({{"swing speed", "rad/s"}, {"swing", "rad"}});
-  EXPECT_EQ(by_unit, (std::vector<RatePair>{{1, 0}}));
-  EXPECT_EQ(rate_pairs({{"q", "rad"}, {"q1", "rad"}, {"qd", "rad/s"}, {"q1d", "rad/s"}}),
-            (std::vector<RatePair>{{0, 2}, {1, 3}}));
-  EXPECT_TRUE(rate_pairs({{"swing", "deg"}, {"swing speed", "rad/s"}}).empty());
-  EXPECT_TRUE(rate_pairs({{"swing", ""}, {"swing speed", ""}}).empty());
-  EXPECT_TRUE(rate_pairs({{"angle", "rad"}, {"speed", "rad/s"}}).empty());
-  EXPECT_EQ(rate_pairs({{"q", "rad"}, {"q_dot", "rad/s"}, {"q_wanted", "rad/s"}}),
-            (std::vector<RatePair>{{0, 1}}))
-      << "it has its rate";
+  using Pairs = std::vector<RatePair>;
+  EXPECT_EQ(likely_rate_pairs({{"swing speed", "rad/s"}, {"swing", "rad"}}), (Pairs{{1, 0}}));
+  EXPECT_EQ(likely_rate_pairs({{"q", "rad"}, {"q1", "rad"}, {"qd", "rad/s"}, {"q1d", "rad/s"}}),
+            (Pairs{{0, 2}, {1, 3}}));
+  EXPECT_TRUE(likely_rate_pairs({{"swing", "deg"}, {"swing speed", "rad/s"}}).empty());
+  EXPECT_TRUE(likely_rate_pairs({{"swing", ""}, {"swing speed", ""}}).empty());
+  EXPECT_TRUE(likely_rate_pairs({{"angle", "rad"}, {"speed", "rad/s"}}).empty());
+  const std::vector<Channel> with_wanted = {
+      {"q", "rad"}, {"q1", "rad"}, {"q1_dot", "rad/s"}, {"q1_wanted", "rad/s"}};
+  EXPECT_TRUE(likely_rate_pairs(with_wanted).empty()) << "q1 has its rate";
 }
 
 TEST(RatePairs, MayBeRatesOfRates) {

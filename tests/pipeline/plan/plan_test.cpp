@@ -267,7 +267,7 @@ TEST(Plan, KeysOfStudiesWithoutPoliciesStay) {
     return plan_of(overrides).node(Stage::report, {}).key;
   };
   EXPECT_EQ(report_key({}), "1be0bd4798f6d755efb791eb429f5552");
-  EXPECT_EQ(report_key({"diagnose={}"}), "19f308f040ee87c2f3d0d06d0c0893e9");
+  EXPECT_EQ(report_key({"diagnose={}"}), "2524cc8f44650e63b05047bbe784dc91");
   EXPECT_EQ(report_key({"method.A.algorithm=abc_smc", "target.held_out=1", "evaluate.rounds=all"}),
             "b4e5e8c60ac6857e4c2cafc4a57d9a7e");
 }

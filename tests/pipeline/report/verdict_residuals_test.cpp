@@ -21,6 +21,8 @@ class ResidualVerdicts : public Verdicts {
     notes.residuals = {1000, Vector::Ones(channels), Vector::Ones(channels)};
     notes.residuals->memory(channels - 1) = memory;
     notes.residuals->size(channels - 1) = size;
+    plan_.study.target.truth.reset();
+    plan_.study.target.recording = "recording.h5";
     return verdict_of(Check::residuals);
   }
 
@@ -65,6 +67,18 @@ TEST_F(ResidualVerdicts, AdviseWhatIsNotDoneYet) {
 
 TEST_F(ResidualVerdicts, NoNumberFails) {
   EXPECT_EQ(verdict_at(std::nan(""), 1.0, 1.0).judgment, Judgment::fails);
+}
+
+TEST_F(ResidualVerdicts, DontAdviseWhatIsRefused) {
+  (void)verdict_at(16.0, 1.0, 1.0);
+  plan_.study.target.recording.reset();
+  EXPECT_EQ(verdict_of(Check::residuals).reason.find("infer_first_states"), std::string::npos);
+}
+
+TEST_F(ResidualVerdicts, CantTellWithoutThem) {
+  (void)verdict_at(1.0, 1.0, 1.0);
+  data_.runs.front().notes.residuals.reset();
+  EXPECT_EQ(verdict_of(Check::residuals).judgment, Judgment::unknown);
 }
 
 TEST_F(ResidualVerdicts, MeanNothingToNetworks) {

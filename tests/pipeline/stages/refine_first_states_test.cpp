@@ -117,14 +117,40 @@ TEST_F(FirstStates, CanBeInferredBesideThePower) {
   EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << found.off.transpose();
 }
 
-TEST(FirstStatesOfStudies, NeedGaussianNoise) {
-  const std::string text =
+TEST_F(FirstStates, NeedGaussianNoiseStatesBesideThemAndARecording) {
+  record();
+  const std::string place = (folder_.path() / "s.toml").string() + ":";
+  // What is wrong with a study whose refinement infers first states.
+  const auto problem = [&](const std::string& noise, const std::string& segments) {
+    const std::string text =
+        pendulum_study("s")
+            .only("target", {"recording = \"recording.h5\"", "num_rollouts = 1"})
+            .with("simulator", {segments})
+            .with("observation_noise", {noise})
+            .method("Refined",
+                    {"algorithm = \"refine\"", "refine = { infer_first_states = true }"});
+    return message_of<InputError>([&] { plan_of(text); });
+  };
+  EXPECT_EQ(problem("scale = 0.1", "segment_length = 8\nstore_every = 4"), "");
+  EXPECT_TRUE(says(problem("scale = 0.1\ndegrees_of_freedom = 4", "segment_length = 0"),
+                   {place,
+                    "infer_first_states = true, must be false with "
+                    "observation_noise.degrees_of_freedom"}));
+  for (const char* segments : {"segment_length = 4\nstore_every = 4",  //
+                               "segment_length = 10\nstore_every = 4"}) {
+    EXPECT_TRUE(
+        says(problem("scale = 0.1", segments), {place,
+                                                "infer_first_states = true, must be false, or "
+                                                "simulator.segment_length"}));
+  }
+}
+
+TEST(FirstStatesOfStudies, OfSimulatedTargetsAreExact) {
+  const std::string of_truth =
       pendulum_study("s")
-          .with("observation_noise", {"scale = 0.1", "degrees_of_freedom = 4"})
+          .with("observation_noise", {"scale = 0.1"})
           .method("Refined", {"algorithm = \"refine\"", "refine = { infer_first_states = true }"});
-  EXPECT_TRUE(says(problems_of(text), {"s.toml:",
-                                       "infer_first_states = true, must be false with "
-                                       "observation_noise.degrees_of_freedom"}));
+  EXPECT_TRUE(says(problems_of(of_truth), {"s.toml:", "must be false with target.truth"}));
 }
 
 }  // namespace
