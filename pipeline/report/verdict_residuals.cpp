@@ -80,7 +80,7 @@ Verdict judge_residuals(const ReportData& data, const std::string& method) {
   });
   const auto failed = static_cast<std::size_t>(
       std::ranges::count_if(runs, [](const EvaluatedRun* run) { return is_excessive(*run); }));
-  const std::string text = fmt::format("variance {:.2g} of the noise's", excess_of(**worst));
+  const std::string text = fmt::format("variance {:.2g} times the noise's", excess_of(**worst));
   if (failed == 0) return {Check::residuals, Judgment::passes, "passes, " + text, ""};
   return {
       Check::residuals, Judgment::fails,

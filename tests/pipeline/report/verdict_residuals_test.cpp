@@ -30,14 +30,14 @@ class ResidualVerdicts : public Verdicts {
 };
 
 TEST_F(ResidualVerdicts, IndependentErrorsPass) {
-  EXPECT_EQ(verdict_at(1.2, 1.0, 1.0).text, "passes, variance 1.2 of the noise's");
+  EXPECT_EQ(verdict_at(1.2, 1.0, 1.0).text, "passes, variance 1.2 times the noise's");
   EXPECT_EQ(verdict_at(1.2, 1.0, 1.0).reason, "");
 }
 
 TEST_F(ResidualVerdicts, ErrorsThatFollowEachOtherFail) {
   const Verdict found = verdict_at(16.0, 1.0, 1.0);
   EXPECT_EQ(found.judgment, Judgment::fails);
-  EXPECT_EQ(found.text, "they AREN'T like the noise, variance 16 of the noise's");
+  EXPECT_EQ(found.text, "they AREN'T like the noise, variance 16 times the noise's");
   EXPECT_TRUE(says(found.reason, {"what its likeliest parameters leave of channel '" +
                                       last_channel() + "' is not noise",
                                   ": 16 errors in a row say the same; its posterior is about 4 "
