@@ -63,10 +63,10 @@ ErrorMemory memory_of(const RowMatrix& scores, const std::vector<char>& restarts
   return result;
 }
 
-double largest_excess(Index num_errors, Index num_channels) {
+double largest_by_chance(Index num_errors, Index num_channels) {
   const double standard_error = std::sqrt(6.0 / static_cast<double>(num_errors));
   const double count = 8.0 + std::log(static_cast<double>(num_channels));
-  return std::max(2.0, 1.0 + count * standard_error);
+  return 1.0 + count * standard_error;
 }
 
 }  // namespace npdr::sim

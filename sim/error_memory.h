@@ -31,8 +31,8 @@ struct ErrorMemory {
 /// its segment. A score that is 0 throughout has memory 1.
 ErrorMemory memory_of(const RowMatrix& scores, const std::vector<char>& restarts);
 
-/// The excess above which n errors of the worst of C channels aren't independent draws of the
-/// noise: 2, or 1 and 8 + log C of its standard errors where they are few.
-double largest_excess(Index num_errors, Index num_channels);
+/// The excess above which n errors of the worst of C channels hardly are independent draws of the
+/// noise: 1 and 8 + log C of its standard errors.
+double largest_by_chance(Index num_errors, Index num_channels);
 
 }  // namespace npdr::sim

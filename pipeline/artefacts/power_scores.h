@@ -14,6 +14,11 @@ struct PowerScores {
 
   /// The number of the power whose mean over rollouts is least, of one or more.
   Index least() const;
+  /// The score up to which a power predicts about as well as the best: worse by its standard error,
+  /// or by 1 %. Of two or more rollouts.
+  double as_good_as_any() const;
+  /// The largest power of such a score.
+  double largest_as_good() const;
   /// Whether powers up to `most` that are larger than all of these might be better still.
   bool ends_at_least(double most) const;
   /// The standard error of a power's mean over rollouts, of two or more.

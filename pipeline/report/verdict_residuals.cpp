@@ -15,9 +15,14 @@ double excess_of(const EvaluatedRun& run) {
   return run.notes.certificate->power * run.notes.residuals->excess();
 }
 
-bool is_excessive(const EvaluatedRun& run) {
+bool is_by_chance(const EvaluatedRun& run) {
   const sim::ErrorMemory& found = *run.notes.residuals;
-  return !(excess_of(run) <= sim::largest_excess(found.num_errors, found.memory.size()));
+  return excess_of(run) <= sim::largest_by_chance(found.num_errors, found.memory.size());
+}
+
+bool is_excessive(const EvaluatedRun& run) {
+  constexpr double most = 2.0;
+  return !is_by_chance(run) && !(excess_of(run) <= most);
 }
 
 // What was found of the run whose residuals are farthest from the noise.
@@ -28,10 +33,10 @@ std::string words_of(const ReportData& data, const EvaluatedRun& run) {
       "what its likeliest parameters leave of channel '{}' is not noise of [observation_noise]",
       data.target.state_channels[static_cast<std::size_t>(c)].label);
   std::vector<std::string> details;
-  if (found.memory(c) > 1.5) {
+  if (found.memory(c) > 1.3) {
     details.push_back(fmt::format("{:.3g} errors in a row say the same", found.memory(c)));
   }
-  if (found.size(c) > 1.5) {
+  if (found.size(c) > 1.3) {
     details.push_back(fmt::format("they are {:.3g} times as large", std::sqrt(found.size(c))));
   }
   if (!details.empty()) words += ": " + join(details, ", and ");
@@ -47,10 +52,11 @@ std::string advice(const ReportData& data, const MethodConfig& method) {
   const bool is_heavy = noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
   std::vector<std::string> ways;
   const bool moves = data.plan.study.source().gives_motion;
-  if (moves && data.plan.study.target.recording && !method.refine.infer_first_states && !is_heavy) {
+  if (moves && data.plan.study.target.recording && !method.refine.infer_first_states) {
     ways.emplace_back(
-        "refine.infer_first_states = true where the first states are as noisy as "
-        "the others");
+        fmt::format("refine.infer_first_states = true{} where the first states are as "
+                    "noisy as the others",
+                    is_heavy ? ", without degrees of freedom," : ""));
   }
   if (moves && !is_correlated) {
     ways.emplace_back("observation_noise.correlation_prior for errors that last");
@@ -81,12 +87,16 @@ Verdict judge_residuals(const ReportData& data, const std::string& method) {
   const auto failed = static_cast<std::size_t>(
       std::ranges::count_if(runs, [](const EvaluatedRun* run) { return is_excessive(*run); }));
   const std::string text = fmt::format("variance {:.2g} times the noise's", excess_of(**worst));
-  if (failed == 0) return {Check::residuals, Judgment::passes, "passes, " + text, ""};
-  return {
-      Check::residuals, Judgment::fails,
-      std::string(traits_of(Check::residuals).failure) + seeds_text(failed, runs.size()) + ", " +
-          text,
-      fmt::format("{}: {}", words_of(data, **worst), advice(data, data.plan.study.method(method)))};
+  const std::string reason =
+      fmt::format("{}: {}", words_of(data, **worst), advice(data, data.plan.study.method(method)));
+  if (failed == 0) {
+    return {Check::residuals, Judgment::passes, "passes, " + text,
+            is_by_chance(**worst) ? "" : reason};
+  }
+  return {Check::residuals, Judgment::fails,
+          std::string(traits_of(Check::residuals).failure) + seeds_text(failed, runs.size()) +
+              ", " + text,
+          reason};
 }
 
 }  // namespace npdr::pipeline

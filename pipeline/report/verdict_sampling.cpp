@@ -31,14 +31,17 @@ Verdict judge_weights(const Runs& runs) {
 }
 
 // What mends the faults of a refined posterior.
-std::vector<std::string> remedies_of(const inference::ImportanceCertificate& certificate) {
+std::vector<std::string> remedies_of(const ReportData& data,
+                                     const inference::ImportanceCertificate& certificate) {
   const bool is_heavy = has_heavy_weights(certificate);
   std::vector<std::string> remedies;
   if (std::ssize(faults_of(certificate)) > (is_heavy ? 1 : 0)) {
     remedies.emplace_back("raise refine.max_simulations");
   }
   if (certificate.power < certificate.wanted_power) {
-    remedies.emplace_back("let refine.cross_validate choose a smaller power");
+    remedies.emplace_back(data.plan.study.source().gives_motion && data.target.num_rollouts() > 1
+                              ? "let refine.cross_validate choose a smaller power"
+                              : "lower refine.likelihood_power");
   }
   if (is_heavy) remedies.emplace_back("raise refine.level_size for heavy weights");
   return remedies;
@@ -60,10 +63,31 @@ void add_new(std::vector<std::string>& all, const std::vector<std::string>& more
   });
 }
 
+// Power below which the recording hardly counts.
+constexpr double kSmallPower = 0.05;
+
+// The largest power that predicts left-out rollouts about as well as that of every run.
+double largest_as_good(const Runs& runs) {
+  double largest = 1.0;
+  for (const EvaluatedRun* run : runs) {
+    const bool has_chosen = run->notes.powers.power.size() > 0;
+    largest = std::min(
+        largest, has_chosen ? run->notes.powers.largest_as_good() : run->notes.certificate->power);
+  }
+  return largest;
+}
+
 // What a power says of the simulator, where the recording hardly counts.
-std::string words_of(double power, bool is_smallest) {
-  constexpr double small = 0.05;
-  if (power >= small) return "";
+std::string words_of(double power, double as_good, bool is_smallest) {
+  if (power >= kSmallPower) return "";
+  if (as_good >= kSmallPower) {
+    return fmt::format(
+        "powers from {:.2g} to {:.2g} predict rollouts that are left out about as well, and the "
+        "smallest of them is taken: so few rollouts don't tell whether the simulator lacks "
+        "something; more of them do, and where it is known to be right, likelihood_power = 1 "
+        "without cross_validate",
+        power, as_good);
+  }
   return fmt::format(
       "it believes the recording to a power of {:.2g}{}: simulator or noise are far from it; look "
       "for what they lack",
@@ -105,7 +129,8 @@ Verdict pass_certificates(const ReportData& data, const Runs& runs, const std::s
   const bool is_smallest = std::ranges::all_of(runs, [&](const EvaluatedRun* run) {
     return run->notes.certificate->power > power || is_smallest_tried(*run);
   });
-  return {Check::sampling, Judgment::passes, text, words_of(power, is_smallest)};
+  return {Check::sampling, Judgment::passes, text,
+          words_of(power, largest_as_good(runs), is_smallest)};
 }
 
 // Of refined posteriors: the certificates of their draws.
@@ -117,7 +142,7 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   for (const EvaluatedRun* run : runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
     std::vector<std::string> its = faults_of(certificate);
-    add_new(remedies, remedies_of(certificate));
+    add_new(remedies, remedies_of(data, certificate));
     if (misses_a_mode(data, *run, runs)) {
       its.emplace_back("its log Z is less than another seed's, so it has missed a mode");
       add_new(remedies, {"raise refine.level_size for modes"});

@@ -5,7 +5,6 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr double kAsGood = 0.01;  // of a score
 constexpr double kFarther = 2.0;
 constexpr Index kMorePowers = 3;
 constexpr Index kPatience = 10;  // levels
@@ -31,9 +30,7 @@ void PowerSearch::add(double power, const LeftOutScore& score) {
 
 double PowerSearch::best() const {
   const Vector means = scores_.crps.rowwise().mean();
-  const Index least = scores_.least();
-  const double bound =
-      means(least) + std::max(kAsGood * means(least), scores_.standard_error(least));
+  const double bound = scores_.as_good_as_any();
   return scores_.power(std::ranges::find_if(means, [&](double m) { return m <= bound; }) -
                        means.begin());
 }

@@ -45,6 +45,16 @@ TEST_F(ResidualVerdicts, ErrorsThatFollowEachOtherFail) {
                                   "refine.infer_first_states = true"}));
 }
 
+// Of 1000 errors of two channels 1.67 may be chance.
+TEST_F(ResidualVerdicts, ErrorsThatFollowEachOtherALittleAreSaid) {
+  const Verdict found = verdict_at(1.8, 1.0, 1.0);
+  EXPECT_EQ(found.judgment, Judgment::passes);
+  EXPECT_TRUE(says(found.reason, {"what its likeliest",
+                                  ": 1.8 errors in a row say the same; its "
+                                  "posterior is about 1.3 times too narrow"}));
+  EXPECT_EQ(verdict_at(1.5, 1.0, 1.0).reason, "");
+}
+
 TEST_F(ResidualVerdicts, APowerMakesUpForThem) {
   EXPECT_EQ(verdict_at(16.0, 1.0, 0.1).judgment, Judgment::passes);
 }

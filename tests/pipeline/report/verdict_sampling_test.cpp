@@ -94,6 +94,19 @@ TEST_F(Verdicts, APowerThatIsTheSmallestTriedIsSaid) {
       << "the seed whose power is least has tried a smaller one";
 }
 
+TEST_F(Verdicts, ASmallPowerThatLargerOnesAreAsGoodAsBlamesNoSimulator) {
+  plan_.study.methods.front().algorithm.kind = inference::Algorithm::refine;
+  PosteriorNotes& notes = data_.runs.front().notes;
+  notes.certificate = inference::ImportanceCertificate{
+      .power = 0.01, .wanted_power = 0.01, .ess = 1200.0, .wanted_ess = 1000.0, .pareto_k = 0.5};
+  notes.powers.power = Vector{{0.01, 0.1, 1.0}};
+  notes.powers.crps = RowMatrix{{0.11, 0.15}, {0.1, 0.14}, {0.2, 0.3}};
+  EXPECT_TRUE(says(verdict_of(Check::sampling).reason,
+                   {"powers from 0.01 to 0.1 predict rollouts that are left out about as well"}));
+  notes.powers.crps.row(1) *= 2.0;
+  EXPECT_TRUE(says(verdict_of(Check::sampling).reason, {"it believes the recording to a power"}));
+}
+
 TEST_F(Verdicts, ARefinementThatMissesTheModeOfAnotherSeedFails) {
   plan_.study.methods.front().algorithm.kind = inference::Algorithm::refine;
   data_.runs.front().notes.certificate = inference::ImportanceCertificate{
