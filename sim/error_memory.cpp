@@ -47,7 +47,7 @@ Index ErrorMemory::worst_channel() const {
   const Vector all = memory.array() * size.array();
   Index worst = 0;
   for (Index c = 1; c < all.size(); ++c) {
-    if (!(all(c) <= all(worst))) worst = c;  // also NaN
+    if (!(all(c) <= all(worst)) && !std::isnan(all(worst))) worst = c;
   }
   return worst;
 }

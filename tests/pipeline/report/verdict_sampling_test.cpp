@@ -60,6 +60,9 @@ TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
                                   "refine.level_size for heavy weights"}));
   data_.runs.back().notes.certificate->power = 0.5;
   EXPECT_TRUE(says(verdict_of(Check::sampling).reason,
+                   {"power 0.5, not 1", ", or lower refine.likelihood_power"}));
+  data_.target.rollouts.push_back(data_.target.rollouts.front());
+  EXPECT_TRUE(says(verdict_of(Check::sampling).reason,
                    {"power 0.5, not 1", ", or let refine.cross_validate choose a smaller power"}));
   EXPECT_NE(verdict_of(Check::sampling).text.find("power 0.5 to 1"), std::string::npos);
   data_.runs.back().notes.certificate->power = 1.0;
