@@ -45,18 +45,41 @@ std::string words_of(const ReportData& data, const EvaluatedRun& run) {
                      std::sqrt(excess_of(run)));
 }
 
+// Whether first states that were recorded count as exact.
+bool trusts_first_states(const ReportData& data, const MethodConfig& method) {
+  const Study& study = data.plan.study;
+  return study.source().gives_motion && study.target.recording && !method.refine.infer_first_states;
+}
+
+bool is_heavy_tailed(const ObservationNoise& noise) {
+  return noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
+}
+
+// Parameters may make up for what first states do, and leave nothing of it, at the full power of
+// the likelihood.
+std::string word_of_first_states(const ReportData& data, const MethodConfig& method,
+                                 const Runs& runs) {
+  const bool is_full = std::ranges::any_of(
+      runs, [](const EvaluatedRun* run) { return run->notes.certificate->power == 1.0; });
+  if (!is_full || !trusts_first_states(data, method) ||
+      is_heavy_tailed(data.plan.study.observation_noise)) {
+    return "";
+  }
+  return "it takes recorded first states for exact, and parameters may make up for the noise that "
+         "they have; unless the device began at rest, refine.infer_first_states = true";
+}
+
 // What a study may do that it doesn't yet.
 std::string advice(const ReportData& data, const MethodConfig& method) {
   const ObservationNoise& noise = data.plan.study.observation_noise;
   const bool is_correlated = noise.correlation || noise.correlation_prior;
-  const bool is_heavy = noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
   std::vector<std::string> ways;
   const bool moves = data.plan.study.source().gives_motion;
-  if (moves && data.plan.study.target.recording && !method.refine.infer_first_states) {
+  if (trusts_first_states(data, method)) {
     ways.emplace_back(
         fmt::format("refine.infer_first_states = true{} where the first states are as "
                     "noisy as the others",
-                    is_heavy ? ", without degrees of freedom," : ""));
+                    is_heavy_tailed(noise) ? ", without degrees of freedom," : ""));
   }
   if (moves && !is_correlated) {
     ways.emplace_back("observation_noise.correlation_prior for errors that last");
@@ -87,11 +110,11 @@ Verdict judge_residuals(const ReportData& data, const std::string& method) {
   const auto failed = static_cast<std::size_t>(
       std::ranges::count_if(runs, [](const EvaluatedRun* run) { return is_excessive(*run); }));
   const std::string text = fmt::format("variance {:.2g} times the noise's", excess_of(**worst));
-  const std::string reason =
-      fmt::format("{}: {}", words_of(data, **worst), advice(data, data.plan.study.method(method)));
+  const MethodConfig& config = data.plan.study.method(method);
+  const std::string reason = fmt::format("{}: {}", words_of(data, **worst), advice(data, config));
   if (failed == 0) {
     return {Check::residuals, Judgment::passes, "passes, " + text,
-            is_by_chance(**worst) ? "" : reason};
+            is_by_chance(**worst) ? word_of_first_states(data, config, runs) : reason};
   }
   return {Check::residuals, Judgment::fails,
           std::string(traits_of(Check::residuals).failure) + seeds_text(failed, runs.size()) +
