@@ -66,7 +66,7 @@ TEST_F(Interruption, StoppedPoolsGoOnWithTheSameBits) {
               .with("study", {"seeds = [1]"})
               .method("Pool", {"num_simulations = 200", "embedding = { downsample = 20 }",
                                "density_estimator = { num_networks = 2, hidden_features = 8 }",
-                               "training = { max_epochs = 6 }"}));
+                               "training = { max_epochs = 10 }"}));
   const std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", "pool"};
   int num_interrupted = 0;
   for (int i = 0; i < 40; ++i) {
@@ -78,7 +78,7 @@ TEST_F(Interruption, StoppedPoolsGoOnWithTheSameBits) {
     if (outcome.status != 75) break;
     ++num_interrupted;
   }
-  EXPECT_GE(num_interrupted, 3);
+  EXPECT_GE(num_interrupted, 2) << "on a machine that is busy a run may get far";
   EXPECT_EQ(run(folder_.path(), words).status, 0);
   EXPECT_EQ(digests(folder_.path() / "pool" / "small"), reference_);
 }
