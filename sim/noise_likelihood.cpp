@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "core/error.h"
@@ -58,6 +59,24 @@ class JointIntegrand {
   const NoiseModel& model_;
   const FirstStateErrors& errors_;
 };
+
+// Whether a state is the first of its segment, of all rollouts (H K).
+std::vector<char> restarts_of_rollouts(const NoiseModel& model) {
+  std::vector<char> restarts;
+  for (Index h = 0; h < model.num_rollouts(); ++h) {
+    restarts.insert(restarts.end(), model.restarts().begin(), model.restarts().end());
+  }
+  return restarts;
+}
+
+// Puts the errors of first states (S) before those of the states that they restart.
+void begin_with(const Eigen::Ref<const Vector>& first_errors, const std::vector<char>& restarts,
+                ChannelErrors& errors) {
+  Index segment = 0;
+  for (Index k = 0; k < errors.before.size(); ++k) {
+    if (restarts[static_cast<std::size_t>(k)] != 0) errors.before(k) = first_errors(segment++);
+  }
+}
 
 Vector mode_of(const LogIntegrand& f, const Vector& guess) {
   return guess.size() == 0 ? guess : find_peak(f, guess).mode;
@@ -127,7 +146,9 @@ double NoiseLikelihood::joint_log_likelihood(Index left_out,
 
 std::vector<NoiseValues> NoiseLikelihood::draw_values(std::span<const float> simulated,
                                                       Stream& stream, Index left_out) const {
-  const NoiseModel model = infers_first_states() ? model_.with_unknown_scales() : model_;
+  std::optional<NoiseModel> of_predictions;
+  if (infers_first_states()) of_predictions = model_.with_unknown_scales();
+  const NoiseModel& model = of_predictions ? *of_predictions : model_;
   std::vector<NoiseValues> values;
   for (Index c = 0; c < model_.num_states(); ++c) {
     const ChannelErrors errors = channel_errors(model, recorded_, simulated, c, left_out);
@@ -155,22 +176,17 @@ ErrorMemory NoiseLikelihood::error_memory(std::span<const float> simulated) cons
     first_errors = errors.first_errors(values);
     series = from_first_states(model_, simulated, moves_, first_errors);
   }
-  std::vector<char> restarts;
-  for (Index h = 0; h < model_.num_rollouts(); ++h) {
-    restarts.insert(restarts.end(), model_.restarts().begin(), model_.restarts().end());
-  }
+  const std::vector<char> restarts = restarts_of_rollouts(model_);
   RowMatrix scores_of_states(std::ssize(restarts), channels);
   for (Index c = 0; c < channels; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const ChannelNoise& noise = model_.channels()[i];
     ChannelErrors errors = channel_errors(model_, recorded_, series, c, -1);
-    if (!infers_first_states()) {
+    if (infers_first_states()) {
+      begin_with(first_errors.col(c), restarts, errors);
+    } else {
       const ChannelIntegrand f(noise, errors);
       values[i] = f.values(mode_of(f, f.guess()));
-    }
-    for (Index k = 0, segment = 0; k < errors.before.size() && infers_first_states(); ++k) {
-      if (restarts[static_cast<std::size_t>(k)] == 0) continue;
-      errors.before(k) = first_errors(segment++, c);
     }
     const Eigen::ArrayXd independent =
         (errors.now - values[i].correlation * errors.before) / values[i].scale;

@@ -52,6 +52,14 @@ TEST(RecordingWarnings, RatesInDegrees) {
 }
 
 // By a window that is longer than a swing, whose rates are far too small.
+TEST(RecordingWarnings, RatesInDegreesThatAreNamedOtherwise) {
+  Target target = turning();
+  target.state_channels[1].label = "alpha speed";
+  EXPECT_EQ(recording_warnings(target), std::vector<std::string>{});
+  for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / std::numbers::pi;
+  EXPECT_NE(warning(target).find("degrees"), std::string::npos) << warning(target);
+}
+
 TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {
   Target target = turning();
   target.dt = 0.004;
