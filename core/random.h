@@ -53,6 +53,9 @@ class Stream {
   std::vector<std::uint32_t> permutation(std::uint32_t n);
 
  private:
+  // The next words of bits(), many at once.
+  void fill_bits(std::span<std::uint32_t, 64> words);
+
   std::array<std::uint32_t, 2> key_;
   std::array<std::uint32_t, 4> counter_;
   std::array<std::uint32_t, 4> block_{};

@@ -90,6 +90,24 @@ TEST(Random, BulkNormalsOfAPrefixAreAPrefix) {
   EXPECT_TRUE(std::equal(shorter.begin(), shorter.end(), longer.begin()));
 }
 
+TEST(Random, BulkNormalsAreOfTheWordsThatFollow) {
+  // Words one at a time, where some of a block are used, and many at once: normal i of the bulk is
+  // of words i and i + 32.
+  std::vector<float> single(64), many(64);
+  Stream offset(stream_id());
+  offset.bits();
+  offset.fill_normal(single);
+  Stream fresh(stream_id());
+  fresh.fill_normal(many);
+  for (const std::size_t half : {0u, 32u}) {
+    EXPECT_TRUE(
+        std::equal(many.begin() + half + 1, many.begin() + half + 32, single.begin() + half));
+  }
+  Stream words(stream_id());
+  for (int i = 0; i < 64; ++i) words.bits();
+  EXPECT_EQ(fresh.bits(), words.bits());
+}
+
 TEST(Random, BelowIsUniform) {
   constexpr std::uint32_t sides = 6;
   constexpr int n = 60'000;
