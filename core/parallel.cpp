@@ -7,6 +7,8 @@
 
 namespace npdr {
 
+int num_cores() { return omp_get_num_procs(); }
+
 int num_threads() { return omp_get_max_threads(); }
 
 void parallel_for(Index count, const std::function<void(Index)>& body) {

@@ -7,6 +7,10 @@
 
 namespace npdr {
 
+/// Cores that this process may use: those of the machine, less what taskset or a job's allocation
+/// keeps from it. At least 1.
+int num_cores();
+
 /// Number of threads that parallel work uses (OMP_NUM_THREADS, or the cores of the machine).
 int num_threads();
 

@@ -7,8 +7,8 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
-#include <thread>
 
+#include "core/parallel.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/fitted_table.h"
@@ -26,7 +26,7 @@ namespace {
 struct RunArguments {
   StudyArguments study;
   UntilOption until;
-  int num_jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // 0: unknown
+  int num_jobs = num_cores();
   std::vector<std::string> artefacts;
   bool dry_run = false;
   bool strict = false;
