@@ -5,6 +5,13 @@
 #include "inference/estimators/dense.h"
 
 namespace npdr::inference {
+namespace {
+
+// Units that a block has at least: narrower products take longer than the masked ones they leave
+// out.
+constexpr Index kSmallestBlock = 16;
+
+}  // namespace
 
 template <typename S>
 AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidden_features,
@@ -18,6 +25,7 @@ AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidde
     while (first < hidden_ && degree(first) < g) ++first;
     first_.push_back(first);
   }
+  blocks_ = unit_blocks();
   const Size width{hidden_, "h"};
   std::vector<Index> degrees;
   for (Index unit = 0; unit < hidden_; ++unit) degrees.push_back(degree(unit));
@@ -42,6 +50,20 @@ AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidde
 }
 
 template <typename S>
+std::vector<UnitBlock> AutoregressiveTransform<S>::unit_blocks() const {
+  std::vector<UnitBlock> blocks;
+  Index begin = 0;
+  for (Index g = 1; g <= dimension_; ++g) {
+    const Index end = first_of_degree(g);
+    const bool last = g == dimension_;
+    if (!last && (end - begin < kSmallestBlock || hidden_ - end < kSmallestBlock)) continue;
+    blocks.push_back({begin, end});
+    begin = end;
+  }
+  return blocks;
+}
+
+template <typename S>
 void AutoregressiveTransform<S>::initialize(Parameters<S>& parameters, Stream& stream) const {
   RowMatrixX<S> no_bias;  // the bias of the first layer comes with the context
   initialize_dense(view(parameters, input_weight_), no_bias, stream);
@@ -63,17 +85,51 @@ void AutoregressiveTransform<S>::forward(const Parameters<S>& parameters,
                                          VectorX<S>& log_det) const {
   const ColumnMatrixX<S>& u = scratch.input;
   scratch.hidden.resize(hidden_weight_.size() + 1);
-  RowMatrixX<S>& first = scratch.hidden.front();
+  ColumnMatrixX<S>& first = scratch.hidden.front();
   repeat_groups(context, u.rows(), first);
   first.noalias() += u * view(parameters, input_weight_);
   first = first.array().tanh();
-  for (std::size_t l = 0; l < hidden_weight_.size(); ++l) {
-    dense_tanh(scratch.hidden[l], view(parameters, hidden_weight_[l]),
-               view(parameters, hidden_bias_[l]), scratch.hidden[l + 1]);
-  }
+  for (std::size_t l = 0; l < hidden_weight_.size(); ++l) hidden_forward(parameters, l, scratch);
   dense(scratch.hidden.back(), view(parameters, output_weight_), view(parameters, output_bias_),
         scratch.element.raw);
   map_->forward(u, scratch.element, z, log_det);
+}
+
+template <typename S>
+void AutoregressiveTransform<S>::hidden_forward(const Parameters<S>& parameters, std::size_t l,
+                                                AutoregressiveScratch<S>& scratch) const {
+  const auto weight = view(parameters, hidden_weight_[l]);
+  const ColumnMatrixX<S>& below = scratch.hidden[l];
+  ColumnMatrixX<S>& units = scratch.hidden[l + 1];
+  repeat_groups(view(parameters, hidden_bias_[l]), below.rows(), units);
+  for (const UnitBlock& b : blocks_) {
+    units.middleCols(b.begin, b.size()).noalias() +=
+        below.leftCols(b.end) * weight.block(0, b.begin, b.end, b.size());
+  }
+  units = units.array().tanh();
+}
+
+template <typename S>
+void AutoregressiveTransform<S>::hidden_backward(const Parameters<S>& parameters, std::size_t l,
+                                                 AutoregressiveScratch<S>& scratch,
+                                                 Parameters<S>& gradient) const {
+  tanh_backward(scratch.hidden[l + 1], scratch.d_hidden);
+  const auto weight = view(parameters, hidden_weight_[l]);
+  auto d_weight = view(gradient, hidden_weight_[l]);
+  d_weight.setZero();
+  scratch.d_below.resize(scratch.d_hidden.rows(), hidden_);
+  for (const UnitBlock& b : blocks_) {
+    const Index seen_by = hidden_ - b.begin;
+    d_weight.block(0, b.begin, b.end, b.size()).noalias() =
+        scratch.hidden[l].leftCols(b.end).transpose() *
+        scratch.d_hidden.middleCols(b.begin, b.size());
+    scratch.d_below.middleCols(b.begin, b.size()).noalias() =
+        scratch.d_hidden.rightCols(seen_by) *
+        weight.block(b.begin, b.begin, b.size(), seen_by).transpose();
+  }
+  d_weight.array() *= hidden_mask_.array();
+  view(gradient, hidden_bias_[l]).row(0) = scratch.d_hidden.colwise().sum();
+  scratch.d_hidden.swap(scratch.d_below);
 }
 
 template <typename S>
@@ -90,12 +146,7 @@ void AutoregressiveTransform<S>::backward(const Parameters<S>& parameters,
   view(gradient, output_weight_).array() *= output_mask_.array();
   scratch.d_hidden.noalias() = d_raw * view(parameters, output_weight_).transpose();
   for (std::size_t l = hidden_weight_.size(); l-- > 0;) {
-    tanh_backward(scratch.hidden[l + 1], scratch.d_hidden);
-    dense_gradient(scratch.hidden[l], scratch.d_hidden, view(gradient, hidden_weight_[l]),
-                   view(gradient, hidden_bias_[l]));
-    view(gradient, hidden_weight_[l]).array() *= hidden_mask_.array();
-    scratch.d_below.noalias() = scratch.d_hidden * view(parameters, hidden_weight_[l]).transpose();
-    scratch.d_hidden.swap(scratch.d_below);
+    hidden_backward(parameters, l, scratch, gradient);
   }
   tanh_backward(scratch.hidden.front(), scratch.d_hidden);
   view(gradient, input_weight_).noalias() = scratch.input.transpose() * scratch.d_hidden;

@@ -19,14 +19,22 @@
 
 namespace npdr::inference {
 
-/// Memory of a forward pass of one transform for the backward pass. m = n k rows.
+/// Memory of a forward pass of one transform for the backward pass. m = n k rows; by columns, so
+/// that the units of some degrees lie together.
 template <typename S>
 struct AutoregressiveScratch {
-  ColumnMatrixX<S> input;             ///< (m, D)
-  std::vector<RowMatrixX<S>> hidden;  ///< L x (m, hidden)
+  ColumnMatrixX<S> input;                ///< (m, D)
+  std::vector<ColumnMatrixX<S>> hidden;  ///< L x (m, hidden)
   ElementScratch<S> element;
-  RowMatrixX<S> d_hidden;  ///< (m, hidden)
-  RowMatrixX<S> d_below;   ///< (m, hidden)
+  ColumnMatrixX<S> d_hidden;  ///< (m, hidden)
+  ColumnMatrixX<S> d_below;   ///< (m, hidden)
+};
+
+/// Hidden units [begin, end) of whole degrees: they see the units [0, end) of the layer below, and
+/// are seen by the units [begin, hidden) of the layer above.
+struct UnitBlock {
+  Index begin, end;
+  Index size() const { return end - begin; }
 };
 
 template <typename S>
@@ -62,10 +70,18 @@ class AutoregressiveTransform {
  private:
   /// First hidden unit of degree >= g; hidden_ for g = D.
   Index first_of_degree(Index g) const { return first_[static_cast<std::size_t>(g)]; }
+  std::vector<UnitBlock> unit_blocks() const;
+  // h_(l + 2) from h_(l + 1), and the way back: a block at a time, without the units that it
+  // doesn't see.
+  void hidden_forward(const Parameters<S>& parameters, std::size_t l,
+                      AutoregressiveScratch<S>& scratch) const;
+  void hidden_backward(const Parameters<S>& parameters, std::size_t l,
+                       AutoregressiveScratch<S>& scratch, Parameters<S>& gradient) const;
 
   Index dimension_;
   Index hidden_;
   std::vector<Index> first_;          ///< D + 1
+  std::vector<UnitBlock> blocks_;     ///< of all hidden units
   Block input_weight_;                ///< (D, hidden)
   std::vector<Block> hidden_weight_;  ///< L - 1 x (hidden, hidden)
   std::vector<Block> hidden_bias_;    ///< L - 1 x (1, hidden)

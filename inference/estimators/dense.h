@@ -12,21 +12,26 @@ namespace npdr::inference {
 template <typename G, typename R>
 void repeat_groups(const G& groups, Index m, R& rows) {
   const Index k = m / groups.rows();
+  if (k == 1) {
+    rows = groups;
+    return;
+  }
   rows.resize(m, groups.cols());
-  for (Index g = 0; g < groups.rows(); ++g) {
-    for (Index a = 0; a < k; ++a) rows.row(g * k + a) = groups.row(g);
+  for (Index outer = 0; outer < rows.outerSize(); ++outer) {
+    if constexpr (R::IsRowMajor) {
+      rows.row(outer) = groups.row(outer / k);
+    } else {
+      for (Index g = 0; g < groups.rows(); ++g) {
+        rows.col(outer).segment(g * k, k).setConstant(groups(g, outer));
+      }
+    }
   }
 }
 
-/// y = x W + b; y may be column-major.
+/// y = x W + b.
 template <typename X, typename W, typename B, typename Y>
 void dense(const X& x, const W& weight, const B& bias, Y& y) {
-  if constexpr (Y::IsRowMajor) {
-    repeat_groups(bias, x.rows(), y);
-  } else {
-    y.resize(x.rows(), bias.cols());
-    for (Index c = 0; c < y.cols(); ++c) y.col(c).setConstant(bias(0, c));
-  }
+  repeat_groups(bias, x.rows(), y);
   y.noalias() += x * weight;
 }
 
@@ -74,6 +79,10 @@ void relu_backward(const RowMatrixX<S>& y, RowMatrixX<S>& d) {
 template <typename R, typename G>
 void sum_groups(const R& rows, G&& groups) {
   const Index k = rows.rows() / groups.rows();
+  if (k == 1) {
+    groups = rows;
+    return;
+  }
   for (Index g = 0; g < groups.rows(); ++g) {
     groups.row(g) = rows.middleRows(g * k, k).colwise().sum();
   }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "core/error.h"
 #include "core/normal.h"
 #include "inference/estimators/affine_map.h"
@@ -44,6 +46,15 @@ TEST_P(Flow, BackwardPassHoldsForOneVariableAndForMoreVariablesThanHiddenUnits) 
   }
 }
 
+TEST_P(Flow, BackwardPassHoldsWhereLayersAreWideEnoughForSeveralBlocks) {
+  EstimatorConfig config = small_config();
+  config.num_transforms = 1;
+  config.hidden_features = 60;  // three blocks of two degrees
+  ParameterLayout layout;
+  const MaskedAutoregressiveFlow<double> maf(config, 6, 2, kStructure, layout);
+  expect_gradients_of(maf, layout.size(), 3, 2);
+}
+
 TEST_P(Flow, DensityIntegratesToOne) {
   ParameterLayout layout;
   const MaskedAutoregressiveFlow<double> maf(small_config(), 2, 3, kStructure, layout);
@@ -72,16 +83,17 @@ TEST_P(Flow, StartsNearThePrior) {
 }
 
 TEST_P(Flow, InverseOfATransformUndoesForward) {
-  for (const Index dimension : {1, 3, 9}) {
+  // The last has layers of several blocks.
+  for (const auto& [dimension, hidden] : {std::pair<Index, Index>{1, 7}, {3, 7}, {9, 7}, {6, 60}}) {
     ParameterLayout layout;
     std::shared_ptr<const ElementMap<double>> map = std::make_shared<AffineMap<double>>();
     if (GetParam() == EstimatorKind::nsf) map = std::make_shared<SplineMap<double>>(5);
-    const AutoregressiveTransform<double> transform(dimension, 7, 2, map, layout);
+    const AutoregressiveTransform<double> transform(dimension, hidden, 2, map, layout);
     Vector parameters = Vector::Zero(layout.size());
     Stream stream({1, "initial", 0, 0, 0});
     transform.initialize(parameters, stream);
     parameters *= 5.0;
-    const RowMatrix context = random_matrix(1, 7, 6);
+    const RowMatrix context = random_matrix(1, hidden, 6);
     AutoregressiveScratch<double> scratch;
     scratch.input = random_matrix(20, dimension, 2);
     ColumnMatrixX<double> z;
