@@ -7,11 +7,11 @@
 
 namespace npdr {
 
-/// Cores that this process may use: those of the machine, less what taskset or a job's allocation
-/// keeps from it. At least 1.
+/// Cores that this process may use, at least 1: those of its CPU affinity, which taskset and most
+/// batch systems set. Quotas of time, as of containers, aren't seen.
 int num_cores();
 
-/// Number of threads that parallel work uses (OMP_NUM_THREADS, or the cores of the machine).
+/// Number of threads that parallel work uses (OMP_NUM_THREADS, or num_cores()).
 int num_threads();
 
 /// Calls body(i) for i = 0, ..., count - 1 on num_threads() threads, in no particular order. The

@@ -31,35 +31,6 @@ std::uint64_t stream_key(const StreamId& id) {
 constexpr std::uint32_t low(std::uint64_t v) { return static_cast<std::uint32_t>(v); }
 constexpr std::uint32_t high(std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); }
 
-// Philox4x32-10 of as many counters in a row, one beside the other for vector registers: the words
-// of Random123, which takes one counter at a time.
-template <std::uint32_t kBlocks>
-struct PhiloxBlocks {
-  std::array<std::array<std::uint32_t, kBlocks>, 4> words;
-
-  explicit PhiloxBlocks(const std::array<std::uint32_t, 4>& first) {
-    for (std::size_t i = 0; i < 4; ++i) words[i].fill(first[i]);
-    for (std::uint32_t b = 0; b < kBlocks; ++b) words[0][b] += b;
-  }
-
-  void scramble(std::array<std::uint32_t, 2> key) {
-    auto& [a, b, c, d] = words;
-    for (int round = 0; round < 10; ++round) {
-#pragma omp simd
-      for (std::uint32_t i = 0; i < kBlocks; ++i) {
-        const std::uint64_t even = std::uint64_t{PHILOX_M4x32_0} * a[i];
-        const std::uint64_t odd = std::uint64_t{PHILOX_M4x32_1} * c[i];
-        a[i] = high(odd) ^ b[i] ^ key[0];
-        b[i] = low(odd);
-        c[i] = high(even) ^ d[i] ^ key[1];
-        d[i] = low(even);
-      }
-      key[0] += PHILOX_W32_0;
-      key[1] += PHILOX_W32_1;
-    }
-  }
-};
-
 // log(v) for v in (0, 1], cos and sin of 2 pi w for w in [0, 1): polynomials without branches, so
 // that loops over them vectorize and give the same bits in every lane. Absolute errors below 1e-6.
 float fast_log(float v) {
@@ -149,22 +120,18 @@ std::uint32_t Stream::below(std::uint32_t n) {
   return high(product);
 }
 
-void Stream::fill_bits(std::span<std::uint32_t, 64> words) {
-  constexpr std::uint32_t num_blocks = 16;
-  if (used_ != 4 || counter_[0] > std::numeric_limits<std::uint32_t>::max() - num_blocks) {
-    for (auto& word : words) word = bits();
-    return;
-  }
-  PhiloxBlocks<num_blocks> blocks(counter_);
-  blocks.scramble(key_);
-  for (std::uint32_t b = 0; b < num_blocks; ++b) {
-    for (std::size_t i = 0; i < 4; ++i) words[4 * b + i] = blocks.words[i][b];
-  }
-  counter_[0] += num_blocks;
+void Stream::fill_bits(std::span<std::uint32_t, kPhiloxWords> words) {
+  std::array<std::uint32_t, kPhiloxWords> fresh;
+  philox(counter_, key_, fresh);
+  advance_philox(counter_);
+  // First what is left of the last block; as much is left of the new last one.
+  const auto rest = std::copy(block_.begin() + used_, block_.end(), words.begin());
+  std::copy_n(fresh.begin(), words.end() - rest, rest);
+  std::copy_n(fresh.end() - 4, 4, block_.begin());
 }
 
 void Stream::fill_normal(std::span<float> values) {
-  constexpr std::size_t chunk = 64;
+  constexpr std::size_t chunk = kPhiloxWords;
   std::array<std::uint32_t, chunk> raw;
   std::array<float, chunk> normals;
   for (std::size_t begin = 0; begin < values.size(); begin += chunk) {

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/philox.h"
+
 namespace npdr {
 
 /// Identity of a stream of random numbers: what it is for.
@@ -54,7 +56,7 @@ class Stream {
 
  private:
   // The next words of bits(), many at once.
-  void fill_bits(std::span<std::uint32_t, 64> words);
+  void fill_bits(std::span<std::uint32_t, kPhiloxWords> words);
 
   std::array<std::uint32_t, 2> key_;
   std::array<std::uint32_t, 4> counter_;

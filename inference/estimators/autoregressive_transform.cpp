@@ -8,7 +8,7 @@ namespace npdr::inference {
 namespace {
 
 // Units that a block has at least: narrower products take longer than the masked ones they leave
-// out.
+// out. Another number changes the last bits of trainings.
 constexpr Index kSmallestBlock = 16;
 
 }  // namespace
@@ -25,7 +25,7 @@ AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidde
     while (first < hidden_ && degree(first) < g) ++first;
     first_.push_back(first);
   }
-  blocks_ = unit_blocks();
+  unit_blocks_ = make_unit_blocks();
   const Size width{hidden_, "h"};
   std::vector<Index> degrees;
   for (Index unit = 0; unit < hidden_; ++unit) degrees.push_back(degree(unit));
@@ -50,7 +50,8 @@ AutoregressiveTransform<S>::AutoregressiveTransform(Index dimension, Index hidde
 }
 
 template <typename S>
-std::vector<UnitBlock> AutoregressiveTransform<S>::unit_blocks() const {
+std::vector<typename AutoregressiveTransform<S>::UnitBlock>
+AutoregressiveTransform<S>::make_unit_blocks() const {
   std::vector<UnitBlock> blocks;
   Index begin = 0;
   for (Index g = 1; g <= dimension_; ++g) {
@@ -102,7 +103,7 @@ void AutoregressiveTransform<S>::hidden_forward(const Parameters<S>& parameters,
   const ColumnMatrixX<S>& below = scratch.hidden[l];
   ColumnMatrixX<S>& units = scratch.hidden[l + 1];
   repeat_groups(view(parameters, hidden_bias_[l]), below.rows(), units);
-  for (const UnitBlock& b : blocks_) {
+  for (const UnitBlock& b : unit_blocks_) {
     units.middleCols(b.begin, b.size()).noalias() +=
         below.leftCols(b.end) * weight.block(0, b.begin, b.end, b.size());
   }
@@ -116,18 +117,19 @@ void AutoregressiveTransform<S>::hidden_backward(const Parameters<S>& parameters
   tanh_backward(scratch.hidden[l + 1], scratch.d_hidden);
   const auto weight = view(parameters, hidden_weight_[l]);
   auto d_weight = view(gradient, hidden_weight_[l]);
-  d_weight.setZero();
   scratch.d_below.resize(scratch.d_hidden.rows(), hidden_);
-  for (const UnitBlock& b : blocks_) {
+  for (const UnitBlock& b : unit_blocks_) {
     const Index seen_by = hidden_ - b.begin;
-    d_weight.block(0, b.begin, b.end, b.size()).noalias() =
-        scratch.hidden[l].leftCols(b.end).transpose() *
-        scratch.d_hidden.middleCols(b.begin, b.size());
+    auto d_columns = d_weight.middleCols(b.begin, b.size());
+    d_columns.topRows(b.end).noalias() = scratch.hidden[l].leftCols(b.end).transpose() *
+                                         scratch.d_hidden.middleCols(b.begin, b.size());
+    d_columns.middleRows(b.begin, b.size()).array() *=
+        hidden_mask_.block(b.begin, b.begin, b.size(), b.size()).array();
+    d_columns.bottomRows(hidden_ - b.end).setZero();
     scratch.d_below.middleCols(b.begin, b.size()).noalias() =
         scratch.d_hidden.rightCols(seen_by) *
         weight.block(b.begin, b.begin, b.size(), seen_by).transpose();
   }
-  d_weight.array() *= hidden_mask_.array();
   view(gradient, hidden_bias_[l]).row(0) = scratch.d_hidden.colwise().sum();
   scratch.d_hidden.swap(scratch.d_below);
 }

@@ -30,13 +30,6 @@ struct AutoregressiveScratch {
   ColumnMatrixX<S> d_below;   ///< (m, hidden)
 };
 
-/// Hidden units [begin, end) of whole degrees: they see the units [0, end) of the layer below, and
-/// are seen by the units [begin, hidden) of the layer above.
-struct UnitBlock {
-  Index begin, end;
-  Index size() const { return end - begin; }
-};
-
 template <typename S>
 class AutoregressiveTransform {
  public:
@@ -68,9 +61,16 @@ class AutoregressiveTransform {
                            const ColumnMatrixX<S>& z) const;
 
  private:
+  // Hidden units [begin, end) of whole degrees: they see no units of the layer below but [0, end),
+  // and are seen by none of the layer above but [begin, hidden).
+  struct UnitBlock {
+    Index begin, end;
+    Index size() const { return end - begin; }
+  };
+
   /// First hidden unit of degree >= g; hidden_ for g = D.
   Index first_of_degree(Index g) const { return first_[static_cast<std::size_t>(g)]; }
-  std::vector<UnitBlock> unit_blocks() const;
+  std::vector<UnitBlock> make_unit_blocks() const;
   // h_(l + 2) from h_(l + 1), and the way back: a block at a time, without the units that it
   // doesn't see.
   void hidden_forward(const Parameters<S>& parameters, std::size_t l,
@@ -80,11 +80,11 @@ class AutoregressiveTransform {
 
   Index dimension_;
   Index hidden_;
-  std::vector<Index> first_;          ///< D + 1
-  std::vector<UnitBlock> blocks_;     ///< of all hidden units
-  Block input_weight_;                ///< (D, hidden)
-  std::vector<Block> hidden_weight_;  ///< L - 1 x (hidden, hidden)
-  std::vector<Block> hidden_bias_;    ///< L - 1 x (1, hidden)
+  std::vector<Index> first_;            ///< D + 1
+  std::vector<UnitBlock> unit_blocks_;  ///< a partition of the hidden units
+  Block input_weight_;                  ///< (D, hidden)
+  std::vector<Block> hidden_weight_;    ///< L - 1 x (hidden, hidden)
+  std::vector<Block> hidden_bias_;      ///< L - 1 x (1, hidden)
   std::shared_ptr<const ElementMap<S>> map_;
   Block output_weight_;  ///< (hidden, P D)
   Block output_bias_;    ///< (1, P D)

@@ -1,6 +1,7 @@
 /// Dense layers on batches: y = x W + b, with x (m, in), W (in, out), b (1, out).
 #pragma once
 
+#include <cassert>
 #include <cmath>
 
 #include "core/random.h"
@@ -8,14 +9,16 @@
 
 namespace npdr::inference {
 
-/// Row i of `rows` (m, w) = row i n / m of `groups` (n, w): each as often as the others.
+/// Row i of `rows` (m, w) = row i n / m of `groups` (n, w): each as often as the others. m: a
+/// multiple of n.
 template <typename G, typename R>
 void repeat_groups(const G& groups, Index m, R& rows) {
-  const Index k = m / groups.rows();
-  if (k == 1) {
+  assert(m % groups.rows() == 0);
+  if (m == groups.rows()) {
     rows = groups;
     return;
   }
+  const Index k = m / groups.rows();
   rows.resize(m, groups.cols());
   for (Index outer = 0; outer < rows.outerSize(); ++outer) {
     if constexpr (R::IsRowMajor) {
@@ -78,11 +81,12 @@ void relu_backward(const RowMatrixX<S>& y, RowMatrixX<S>& d) {
 /// Row g of `groups` (n, w) = sum of the rows g k, ..., g k + k - 1 of `rows` (n k, w).
 template <typename R, typename G>
 void sum_groups(const R& rows, G&& groups) {
-  const Index k = rows.rows() / groups.rows();
-  if (k == 1) {
+  assert(rows.rows() % groups.rows() == 0);
+  if (rows.rows() == groups.rows()) {
     groups = rows;
     return;
   }
+  const Index k = rows.rows() / groups.rows();
   for (Index g = 0; g < groups.rows(); ++g) {
     groups.row(g) = rows.middleRows(g * k, k).colwise().sum();
   }

@@ -91,21 +91,22 @@ TEST(Random, BulkNormalsOfAPrefixAreAPrefix) {
 }
 
 TEST(Random, BulkNormalsAreOfTheWordsThatFollow) {
-  // Words one at a time, where some of a block are used, and many at once: normal i of the bulk is
-  // of words i and i + 32.
-  std::vector<float> single(64), many(64);
-  Stream offset(stream_id());
-  offset.bits();
-  offset.fill_normal(single);
-  Stream fresh(stream_id());
-  fresh.fill_normal(many);
-  for (const std::size_t half : {0u, 32u}) {
-    EXPECT_TRUE(
-        std::equal(many.begin() + half + 1, many.begin() + half + 32, single.begin() + half));
+  constexpr std::size_t chunk = kPhiloxWords, n = 3 * chunk;
+  std::vector<float> fresh(n);
+  Stream(stream_id()).fill_normal(fresh);
+  for (std::size_t used = 1; used < 4; ++used) {
+    Stream stream(stream_id()), words(stream_id());
+    for (std::size_t i = 0; i < used; ++i) stream.bits();
+    std::vector<float> later(n);
+    stream.fill_normal(later);
+    for (std::size_t i = 0; i < n + used; ++i) words.bits();
+    EXPECT_EQ(stream.bits(), words.bits());
+    // Normals i and i + chunk / 2 of a chunk are of its words i and i + chunk / 2.
+    for (std::size_t half = 0; half < n; half += chunk / 2) {
+      EXPECT_TRUE(std::equal(fresh.begin() + half + used, fresh.begin() + half + chunk / 2,
+                             later.begin() + half));
+    }
   }
-  Stream words(stream_id());
-  for (int i = 0; i < 64; ++i) words.bits();
-  EXPECT_EQ(fresh.bits(), words.bits());
 }
 
 TEST(Random, BelowIsUniform) {

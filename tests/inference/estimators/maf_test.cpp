@@ -50,9 +50,12 @@ TEST_P(Flow, BackwardPassHoldsWhereLayersAreWideEnoughForSeveralBlocks) {
   EstimatorConfig config = small_config();
   config.num_transforms = 1;
   config.hidden_features = 60;  // three blocks of two degrees
-  ParameterLayout layout;
-  const MaskedAutoregressiveFlow<double> maf(config, 6, 2, kStructure, layout);
-  expect_gradients_of(maf, layout.size(), 3, 2);
+  for (const Index layers : {2, 3}) {
+    config.num_hidden_layers = layers;
+    ParameterLayout layout;
+    const MaskedAutoregressiveFlow<double> maf(config, 6, 2, kStructure, layout);
+    for (const Index k : {1, 2}) expect_gradients_of(maf, layout.size(), 3, k);
+  }
 }
 
 TEST_P(Flow, DensityIntegratesToOne) {
