@@ -62,7 +62,7 @@ class Dataset : public Object {
   std::vector<std::string> dimension_labels() const;
 
   /// Rows begin to begin + count - 1, count * row_size() values. A number is read as a type that
-  /// holds it exactly. Throws ShapeError for rows that don't exist.
+  /// holds it exactly, or an integer as a double. Throws ShapeError for rows that don't exist.
   template <class T>
   void read_rows(Index begin, Index count, std::span<T> values) const {
     check_rows(begin, count, static_cast<Index>(values.size()));
@@ -94,8 +94,8 @@ class Dataset : public Object {
   template <class T>
   void require_finite(std::span<const T> values) const;
 
-  /// Throws InputError unless the elements can be read as `type` without loss and the file can hold
-  /// as many as it claims.
+  /// Throws InputError unless the elements can be read as `type`, as read_rows() does, and the file
+  /// can hold as many as it claims.
   void require_readable(ElementType type) const;
 
  private:

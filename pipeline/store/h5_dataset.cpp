@@ -133,7 +133,7 @@ std::vector<std::string> Dataset::dimension_labels() const {
 void Dataset::require_readable(ElementType type) const {
   if (readable_as_ == type) return;
   const Handle stored = type_of(*this);
-  if (!fits(stored.id(), type)) {
+  if (!can_be_read_as(stored.id(), type)) {
     throw InputError(
         fmt::format("{} holds {}, must hold {}", where(), describe(stored.id()), describe(type)));
   }

@@ -45,6 +45,9 @@ std::string describe(hid_t stored);
 std::string describe(ElementType type);
 /// True when every value of the stored type is a value of `type`.
 bool fits(hid_t stored, ElementType type);
+/// The same, or integers where doubles are wanted: programs that count write them. Beyond 2^53 they
+/// are rounded.
+bool can_be_read_as(hid_t stored, ElementType type);
 
 /// The smallest of our types that holds a stored type's values; throws InputError when none does.
 ElementType our_type(hid_t stored, const std::string& where);

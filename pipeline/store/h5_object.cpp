@@ -27,8 +27,7 @@ struct Attribute {
   }
 
   void require(ElementType wanted) const {
-    if (fits(type.id(), wanted)) return;
-    if (wanted == ElementType::f64 && H5Tget_class(type.id()) == H5T_INTEGER) return;
+    if (can_be_read_as(type.id(), wanted)) return;
     throw InputError(fmt::format("{} holds {}, must hold {}", where, h5::describe(type.id()),
                                  h5::describe(wanted)));
   }

@@ -109,6 +109,10 @@ bool fits(hid_t stored, ElementType type) {
   return size < 8 || (size == 8 && !is_unsigned(stored));
 }
 
+bool can_be_read_as(hid_t stored, ElementType type) {
+  return fits(stored, type) || (type == ElementType::f64 && H5Tget_class(stored) == H5T_INTEGER);
+}
+
 ElementType our_type(hid_t stored, const std::string& where) {
   for (const ElementType type :
        {ElementType::text, ElementType::f32, ElementType::f64, ElementType::u8, ElementType::i64}) {

@@ -196,8 +196,8 @@ TEST_F(EditedRecording, ChecksRankShapeAndType) {
                    {"a.h5: dataset 'states' has shape (51, 4)", "must be (any, any, any)"}));
   EXPECT_TRUE(says(replaced("actions", H5T_IEEE_F64LE, {3, 51, 1}),
                    {"a.h5: dataset 'actions' has shape (3, 51, 1)", "must be (3, 50, any)"}));
-  EXPECT_TRUE(says(replaced("actions", H5T_STD_I64LE, {3, 50, 1}),
-                   {"a.h5: dataset 'actions' holds 64-bit integers", "must hold 64-bit floats"}));
+  EXPECT_TRUE(says(replaced("actions", H5T_C_S1, {3, 50, 1}),
+                   {"a.h5: dataset 'actions' holds texts", "must hold 64-bit floats"}));
   EXPECT_TRUE(says(
       replaced("actions", H5T_IEEE_F64LE, {3, 50, 1000}),
       {"a.h5: dataset 'actions' claims shape (3, 50, 1000)", "nothing was ever written to it"}));

@@ -186,6 +186,16 @@ TEST(H5, SaysWhichShapeTypeAndCountWereFound) {
                    {"a.h5: attribute 'count' holds 64-bit integers", "must hold texts"}));
 }
 
+TEST(H5, IntegersAreReadAsDoublesButNotTheOtherWayAround) {
+  const TempFolder folder;
+  File file = File::create(folder / "a.h5");
+  const VectorX<std::int64_t> counts{{-3, 0, (std::int64_t{1} << 53) - 1}};
+  file.write("counts", counts);
+  EXPECT_EQ(file.read_vector<double>("counts"), counts.cast<double>());
+  EXPECT_TRUE(says(message_of<InputError>([&] { file.read_vector<float>("counts"); }, &folder),
+                   {"a.h5: dataset 'counts' holds 64-bit integers", "must hold 32-bit floats"}));
+}
+
 TEST(H5, SaysWhereAValueIsntFinite) {
   const TempFolder folder;
   File file = File::create(folder / "a.h5");
