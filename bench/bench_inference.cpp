@@ -1,6 +1,7 @@
-// Training steps/s and posterior samples/s of the networks of tables A3 and A5, single-threaded.
+// Training steps/s and posterior samples/s of the networks of tables A3 to A5, single-threaded.
 // GFLOP/s counts the multiplications and additions of the matrix products of a step (forward and
-// backward), of whole matrices, also where masked parts are left out; bm_sgemm is the same machine's rate at n = 1024.
+// backward), of whole matrices, also where masked parts are left out; bm_sgemm is the same
+// machine's rate at n = 1024.
 #include <benchmark/benchmark.h>
 
 #include "core/flush_subnormals.h"

@@ -192,6 +192,9 @@ TEST(H5, IntegersAreReadAsDoublesButNotTheOtherWayAround) {
   const VectorX<std::int64_t> counts{{-3, 0, (std::int64_t{1} << 53) - 1}};
   file.write("counts", counts);
   EXPECT_EQ(file.read_vector<double>("counts"), counts.cast<double>());
+  const VectorX<std::uint8_t> bytes{{0, 255}};
+  file.write("bytes", bytes);
+  EXPECT_EQ(file.read_vector<double>("bytes"), bytes.cast<double>());
   EXPECT_TRUE(says(message_of<InputError>([&] { file.read_vector<float>("counts"); }, &folder),
                    {"a.h5: dataset 'counts' holds 64-bit integers", "must hold 32-bit floats"}));
 }
