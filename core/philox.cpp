@@ -8,9 +8,6 @@ namespace {
 // One word of all counters: a vector register of an AVX-512 machine.
 using Lanes = std::array<std::uint32_t, kPhiloxCounters>;
 
-constexpr std::uint32_t low(std::uint64_t v) { return static_cast<std::uint32_t>(v); }
-constexpr std::uint32_t high(std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); }
-
 std::uint64_t count_of(const std::array<std::uint32_t, 4>& counter) {
   return (std::uint64_t{counter[1]} << 32) | counter[0];
 }
@@ -22,8 +19,8 @@ void philox(const std::array<std::uint32_t, 4>& counter, std::array<std::uint32_
   Lanes a, b, c, d;
   for (std::size_t i = 0; i < kPhiloxCounters; ++i) {
     const std::uint64_t count = count_of(counter) + i;
-    a[i] = low(count);
-    b[i] = high(count);
+    a[i] = low_word(count);
+    b[i] = high_word(count);
     c[i] = counter[2];
     d[i] = counter[3];
   }
@@ -32,10 +29,10 @@ void philox(const std::array<std::uint32_t, 4>& counter, std::array<std::uint32_
     for (std::size_t i = 0; i < kPhiloxCounters; ++i) {
       const std::uint64_t even = std::uint64_t{PHILOX_M4x32_0} * a[i];
       const std::uint64_t odd = std::uint64_t{PHILOX_M4x32_1} * c[i];
-      a[i] = high(odd) ^ b[i] ^ key[0];
-      b[i] = low(odd);
-      c[i] = high(even) ^ d[i] ^ key[1];
-      d[i] = low(even);
+      a[i] = high_word(odd) ^ b[i] ^ key[0];
+      b[i] = low_word(odd);
+      c[i] = high_word(even) ^ d[i] ^ key[1];
+      d[i] = low_word(even);
     }
     key[0] += PHILOX_W32_0;
     key[1] += PHILOX_W32_1;
@@ -50,8 +47,8 @@ void philox(const std::array<std::uint32_t, 4>& counter, std::array<std::uint32_
 
 void advance_philox(std::array<std::uint32_t, 4>& counter) {
   const std::uint64_t count = count_of(counter) + kPhiloxCounters;
-  counter[0] = low(count);
-  counter[1] = high(count);
+  counter[0] = low_word(count);
+  counter[1] = high_word(count);
 }
 
 }  // namespace npdr

@@ -9,6 +9,10 @@
 
 namespace npdr {
 
+/// Halves of `v`.
+constexpr std::uint32_t low_word(std::uint64_t v) { return static_cast<std::uint32_t>(v); }
+constexpr std::uint32_t high_word(std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); }
+
 /// Counters that philox() takes at once, each with four words.
 inline constexpr std::size_t kPhiloxCounters = 16;
 inline constexpr std::size_t kPhiloxWords = 4 * kPhiloxCounters;

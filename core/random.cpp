@@ -28,9 +28,6 @@ std::uint64_t stream_key(const StreamId& id) {
   return mix(h ^ mix(id.epoch + 0x632be59bd9b4e019ULL));
 }
 
-constexpr std::uint32_t low(std::uint64_t v) { return static_cast<std::uint32_t>(v); }
-constexpr std::uint32_t high(std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); }
-
 // log(v) for v in (0, 1], cos and sin of 2 pi w for w in [0, 1): polynomials without branches, so
 // that loops over them vectorize and give the same bits in every lane. Absolute errors below 1e-6.
 float fast_log(float v) {
@@ -86,8 +83,8 @@ StreamId within(StreamId id, std::string_view name) {
 
 Stream::Stream(const StreamId& id) {
   const std::uint64_t key = stream_key(id);
-  key_ = {low(key), high(key)};
-  counter_ = {0, 0, low(id.row), high(id.row)};
+  key_ = {low_word(key), high_word(key)};
+  counter_ = {0, 0, low_word(id.row), high_word(id.row)};
 }
 
 std::uint32_t Stream::bits() {
@@ -113,11 +110,11 @@ double Stream::normal() { return normal_quantile(uniform()); }
 
 std::uint32_t Stream::below(std::uint32_t n) {
   std::uint64_t product = std::uint64_t{bits()} * n;
-  if (low(product) < n) {
+  if (low_word(product) < n) {
     const std::uint32_t threshold = (0u - n) % n;
-    while (low(product) < threshold) product = std::uint64_t{bits()} * n;
+    while (low_word(product) < threshold) product = std::uint64_t{bits()} * n;
   }
-  return high(product);
+  return high_word(product);
 }
 
 void Stream::fill_bits(std::span<std::uint32_t, kPhiloxWords> words) {

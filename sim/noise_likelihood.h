@@ -24,6 +24,8 @@ class NoiseLikelihood {
   NoiseLikelihood(NoiseModel model, std::vector<float> recorded, RowMatrix first_state_moves = {});
 
   const NoiseModel& model() const { return model_; }
+  /// (H, C); empty where first states are exact.
+  const RowMatrix& first_state_moves() const { return moves_; }
   bool infers_first_states() const { return moves_.size() > 0; }
 
   /// Throws InputError where a channel has no noise, so that recordings have no density: its scale

@@ -22,7 +22,11 @@ class NoiseChecker : Checker {
               noise.correlation_prior.has_value());
     check_one("degrees_of_freedom", noise.degrees_of_freedom.has_value(),
               "degrees_of_freedom_prior", noise.degrees_of_freedom_prior.has_value());
-    if (noise.is_silent()) check_silent();
+    if (noise.is_silent()) {
+      check_silent();
+    } else if (!study_.source().gives_motion) {
+      check_features();
+    }
     if (noise.std) check_channels(*noise.std);
   }
 
@@ -40,6 +44,13 @@ class NoiseChecker : Checker {
          {"correlation", "correlation_prior", "degrees_of_freedom", "degrees_of_freedom_prior"}) {
       must_be_left_out(std::string("observation_noise.") + key,
                        "there is no noise without observation_noise.scale, scale_prior or std");
+    }
+  }
+
+  void check_features() {
+    for (const char* key : {"correlation", "correlation_prior"}) {
+      must_be_left_out(std::string("observation_noise.") + key,
+                       "the simulator gives features, which have no neighbors in time");
     }
   }
 

@@ -57,7 +57,7 @@ SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
   noise_.require_density();
   Target simulated = target_;
   if (noise_.infers_first_states()) {
-    simulated = sim::with_moved_states(target_, sim::first_state_moves(noise_.model()));
+    simulated = sim::with_moved_states(target_, noise_.first_state_moves());
   }
   simulator_ = plan.source->open({.simulator = plan.study.simulator,
                                   .target = simulated,

@@ -129,6 +129,17 @@ TEST_F(ExternalStudies, NeedAnObservationOrAWholeTruth) {
       std::string::npos);
 }
 
+TEST_F(ExternalStudies, HaveNoNeighborsThatNoiseCouldBeCorrelatedWith) {
+  EXPECT_EQ(problems({"observation_noise.scale=0.1"}), "");
+  EXPECT_TRUE(says(
+      problems({"observation_noise.scale=0.1", "observation_noise.correlation=0.5"}),
+      {"--set observation_noise.correlation=0.5", "must be left out: the simulator gives features"}));
+  EXPECT_TRUE(says(
+      problems({"observation_noise.scale=0.1", "observation_noise.correlation_prior=[0.5, 1.5]"}),
+      {"--set observation_noise.correlation_prior",
+       "must be left out: the simulator gives features"}));
+}
+
 TEST_F(ExternalStudies, HaveNamesThatCanHeadAColumn) {
   EXPECT_NE(problems({"simulator.features=[\"pe,ak\", \"mean\"]"}).find("'pe,ak', must be made of"),
             std::string::npos);
