@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <string_view>
 
+#include "analysis/ensembles.h"
 #include "analysis/quantiles.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -59,37 +59,8 @@ void check_levels(const std::vector<double>& levels) {
   }
 }
 
-std::vector<Index> usable_samples(const TrajectoryView& simulated) {
-  std::vector<Index> usable;
-  for (Index i = 0; i < simulated.num_samples; ++i) {
-    if (simulated.finite(i)) usable.push_back(i);
-  }
-  return usable;
-}
-
-// One state that an ensemble predicts.
-struct Place {
-  Index h;
-  Index t;
-  Index c;
-  Index time;  // h T + t, among all H T
-};
-
-// Calls score(place, ensemble) for each state, in parallel over times. The ensemble, whose order is
-// that of the samples, may be changed.
-void for_each_ensemble(const TrajectoryView& simulated, const std::vector<Index>& usable,
-                       const std::function<void(const Place&, std::span<double>)>& score) {
-  parallel_for(simulated.num_rollouts * simulated.num_steps, [&](Index time) {
-    const Index h = time / simulated.num_steps;
-    const Index t = time % simulated.num_steps;
-    std::vector<double> ensemble(usable.size());
-    for (Index c = 0; c < simulated.num_states; ++c) {
-      for (std::size_t k = 0; k < usable.size(); ++k) {
-        ensemble[k] = double{simulated.rollout(usable[k], h)(t, c)};
-      }
-      score({h, t, c, time}, ensemble);
-    }
-  });
+double state_at(const std::vector<RowMatrix>& observed, const Place& at) {
+  return observed[static_cast<std::size_t>(at.rollout)](at.time, at.channel);
 }
 
 struct Band {
@@ -139,20 +110,19 @@ PredictiveScores predictive_scores(const TrajectoryView& simulated,
   const Index num_times = simulated.num_rollouts * simulated.num_steps;
   const Index num_channels = simulated.num_states;
   const auto num_levels = static_cast<Index>(levels.size());
-  const std::vector<Index> usable = usable_samples(simulated);
+  const std::vector<Index> usable = simulated.finite_samples();
   if (usable.empty()) {
     return {Vector::Constant(num_channels, kNaN),
             RowMatrix::Constant(num_levels, num_channels, kNaN), 0};
   }
   RowMatrix crps(num_times, num_channels);
   RowMatrixX<bool> within(num_times, num_levels * num_channels);
-  for_each_ensemble(simulated, usable, [&](const Place& at, std::span<double> ensemble) {
-    std::ranges::sort(ensemble);
-    const double y = observed[static_cast<std::size_t>(at.h)](at.t, at.c);
-    crps(at.time, at.c) = crps_of_sorted(ensemble, y) / amplitude(at.h, at.c);
+  for_each_sorted_ensemble(simulated, usable, [&](const Place& at, std::span<double> sorted) {
+    const double y = state_at(observed, at);
+    crps(at.row, at.channel) = crps_of_sorted(sorted, y) / amplitude(at.rollout, at.channel);
     for (Index l = 0; l < num_levels; ++l) {
-      within(at.time, l * num_channels + at.c) =
-          band_of_sorted(ensemble, levels[static_cast<std::size_t>(l)]).holds(y);
+      within(at.row, l * num_channels + at.channel) =
+          band_of_sorted(sorted, levels[static_cast<std::size_t>(l)]).holds(y);
     }
   });
   const Vector num_within = within.colwise().count().transpose().cast<double>();
@@ -167,34 +137,27 @@ ComparedCoverage compare_coverage(const TrajectoryView& simulated,
   simulated.check();
   check_observed(observed, simulated);
   check_levels({level});
-  const std::vector<Index> usable = usable_samples(simulated);
-  const Index num_channels = simulated.num_states;
-  std::vector<Band> bands(
-      static_cast<std::size_t>(simulated.num_rollouts * simulated.num_steps * num_channels));
-  const auto value = [&](const Place& at) {
-    return observed[static_cast<std::size_t>(at.h)](at.t, at.c);
-  };
-  for_each_ensemble(simulated, usable, [&](const Place& at, std::span<double> ensemble) {
-    std::vector<double> all(ensemble.begin(), ensemble.end());
-    all.push_back(value(at));
-    std::ranges::sort(all);
-    bands[static_cast<std::size_t>(at.time * num_channels + at.c)] = band_of_sorted(all, level);
+  const std::vector<Index> usable = simulated.finite_samples();
+  const Index size = simulated.row_size();
+  Vector y(size);
+  std::vector<Band> bands(static_cast<std::size_t>(size));
+  for_each_sorted_ensemble(simulated, usable, [&](const Place& at, std::span<double> sorted) {
+    const Index k = at.row * simulated.num_states + at.channel;
+    y(k) = state_at(observed, at);
+    std::vector<double> all(sorted.begin(), sorted.end());
+    all.insert(std::ranges::upper_bound(all, y(k)), y(k));
+    bands[static_cast<std::size_t>(k)] = band_of_sorted(all, level);
   });
-  const auto share_held = [&](const auto& state) {
+  const auto share_held = [&](const auto& states) {
     Index held = 0;
-    auto band = bands.begin();
-    for (Index time = 0; time < simulated.num_rollouts * simulated.num_steps; ++time) {
-      const Index h = time / simulated.num_steps, t = time % simulated.num_steps;
-      for (Index c = 0; c < num_channels; ++c, ++band) held += band->holds(state({h, t, c, time}));
-    }
-    return static_cast<double>(held) / static_cast<double>(bands.size());
+    for (Index k = 0; k < size; ++k) held += bands[static_cast<std::size_t>(k)].holds(states[k]);
+    return static_cast<double>(held) / static_cast<double>(size);
   };
-  ComparedCoverage found{share_held(value), Vector::Constant(simulated.num_samples, kNaN),
+  ComparedCoverage found{share_held(y), Vector::Constant(simulated.num_samples, kNaN),
                          std::ssize(usable)};
   parallel_for(found.num_samples, [&](Index k) {
     const Index i = usable[static_cast<std::size_t>(k)];
-    found.samples(i) =
-        share_held([&](const Place& at) { return double{simulated.rollout(i, at.h)(at.t, at.c)}; });
+    found.samples(i) = share_held(simulated.values.data() + i * size);
   });
   return found;
 }
@@ -203,15 +166,15 @@ Vector log_score(const TrajectoryView& simulated, const std::vector<RowMatrix>& 
                  const ErrorDensity& log_density) {
   simulated.check();
   check_observed(observed, simulated);
-  const std::vector<Index> usable = usable_samples(simulated);
+  const std::vector<Index> usable = simulated.finite_samples();
   if (usable.empty()) return Vector::Constant(simulated.num_states, kNaN);
   RowMatrix scores(simulated.num_rollouts * simulated.num_steps, simulated.num_states);
   for_each_ensemble(simulated, usable, [&](const Place& at, std::span<double> ensemble) {
-    const double y = observed[static_cast<std::size_t>(at.h)](at.t, at.c);
+    const double y = state_at(observed, at);
     for (std::size_t k = 0; k < usable.size(); ++k) {
-      ensemble[k] = log_density({usable[k], at.h, at.t, at.c}, y - ensemble[k]);
+      ensemble[k] = log_density({usable[k], at.rollout, at.time, at.channel}, y - ensemble[k]);
     }
-    scores(at.time, at.c) = log_mean_exp(ensemble);
+    scores(at.row, at.channel) = log_mean_exp(ensemble);
   });
   return scores.colwise().mean();
 }

@@ -46,7 +46,7 @@ struct PredictiveScores {
 /// Scores of rollouts (n, H, T, C) whose samples with a value that isn't finite are left out.
 /// `observed`: entry h is rollout h, (T, C), states 1 to T in the unit of `simulated`; `amplitude`:
 /// (H, C), the largest recorded magnitudes; `levels`: (L) of central bands, in any order, whose
-/// ends are quantile_of_sorted(). Each ensemble is sorted once: O(H T C (n log n + L)). Parallel,
+/// ends are quantile_of_sorted(). Each ensemble is sorted once: O(H T C (n log^2 n + L)). Parallel,
 /// with the same bits for any number of threads. Throws ShapeError when shapes don't go together
 /// and as TrajectoryView::check(); InputError for an observed state that isn't finite, an amplitude
 /// that isn't finite and > 0, and a level outside (0, 1).

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "analysis/ensembles.h"
 #include "core/error.h"
-#include "core/parallel.h"
 
 namespace npdr::analysis {
 
@@ -24,27 +24,15 @@ Bands quantile_bands(const TrajectoryView& simulated, double coverage) {
   if (!(coverage > 0.0 && coverage < 1.0)) {
     throw InputError(fmt::format("band coverage = {}, must be in (0, 1)", coverage));
   }
-  std::vector<Index> usable;
-  for (Index i = 0; i < simulated.num_samples; ++i) {
-    if (simulated.finite(i)) usable.push_back(i);
-  }
+  const std::vector<Index> usable = simulated.finite_samples();
   const RowMatrix blank = RowMatrix::Zero(simulated.num_steps, simulated.num_states);
   const std::vector<RowMatrix> blanks(static_cast<std::size_t>(simulated.num_rollouts), blank);
-  Bands bands{blanks, blanks, blanks, coverage, static_cast<Index>(usable.size())};
-  parallel_for(simulated.num_rollouts * simulated.num_steps, [&](Index item) {
-    const Index h = item / simulated.num_steps;
-    const Index t = item % simulated.num_steps;
-    const auto rollout = static_cast<std::size_t>(h);
-    std::vector<double> values(usable.size());
-    for (Index c = 0; c < simulated.num_states; ++c) {
-      for (std::size_t k = 0; k < usable.size(); ++k) {
-        values[k] = double{simulated.rollout(usable[k], h)(t, c)};
-      }
-      std::sort(values.begin(), values.end());
-      bands.lower[rollout](t, c) = quantile_of_sorted(values, 0.5 * (1.0 - coverage));
-      bands.median[rollout](t, c) = quantile_of_sorted(values, 0.5);
-      bands.upper[rollout](t, c) = quantile_of_sorted(values, 0.5 * (1.0 + coverage));
-    }
+  Bands bands{blanks, blanks, blanks, coverage, std::ssize(usable)};
+  for_each_sorted_ensemble(simulated, usable, [&](const Place& at, std::span<double> sorted) {
+    const auto h = static_cast<std::size_t>(at.rollout);
+    bands.lower[h](at.time, at.channel) = quantile_of_sorted(sorted, 0.5 * (1.0 - coverage));
+    bands.median[h](at.time, at.channel) = quantile_of_sorted(sorted, 0.5);
+    bands.upper[h](at.time, at.channel) = quantile_of_sorted(sorted, 0.5 * (1.0 + coverage));
   });
   return bands;
 }

@@ -19,6 +19,14 @@ bool TrajectoryView::finite(Index i) const {
   return std::all_of(row.begin(), row.end(), [](float v) { return std::isfinite(v); });
 }
 
+std::vector<Index> TrajectoryView::finite_samples() const {
+  std::vector<Index> samples;
+  for (Index i = 0; i < num_samples; ++i) {
+    if (finite(i)) samples.push_back(i);
+  }
+  return samples;
+}
+
 void TrajectoryView::check() const {
   if (num_samples >= 0 && num_rollouts > 0 && num_steps > 0 && num_states > 0 &&
       num_samples * row_size() == static_cast<Index>(values.size())) {

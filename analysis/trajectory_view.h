@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "core/types.h"
 
@@ -20,6 +21,8 @@ struct TrajectoryView {
   Eigen::Map<const RowMatrixF> rollout(Index i, Index h) const;
   /// True when every value of sample i is finite, in every channel.
   bool finite(Index i) const;
+  /// Samples whose values are all finite, in ascending order.
+  std::vector<Index> finite_samples() const;
   /// Throws ShapeError unless the counts multiply to the number of values.
   void check() const;
 };

@@ -131,9 +131,9 @@ TEST_F(ExternalStudies, NeedAnObservationOrAWholeTruth) {
 
 TEST_F(ExternalStudies, HaveNoNeighborsThatNoiseCouldBeCorrelatedWith) {
   EXPECT_EQ(problems({"observation_noise.scale=0.1"}), "");
-  EXPECT_TRUE(says(
-      problems({"observation_noise.scale=0.1", "observation_noise.correlation=0.5"}),
-      {"--set observation_noise.correlation=0.5", "must be left out: the simulator gives features"}));
+  EXPECT_TRUE(says(problems({"observation_noise.scale=0.1", "observation_noise.correlation=0.5"}),
+                   {"--set observation_noise.correlation=0.5",
+                    "must be left out: the simulator gives features"}));
   EXPECT_TRUE(says(
       problems({"observation_noise.scale=0.1", "observation_noise.correlation_prior=[0.5, 1.5]"}),
       {"--set observation_noise.correlation_prior",
