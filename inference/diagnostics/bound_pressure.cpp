@@ -20,7 +20,13 @@ BoundPressure test_bounds(Vector v) {
   const auto share = [&](const auto& is_inside) {
     return static_cast<double>(is_inside.count()) / static_cast<double>(n);
   };
-  return {share(v.array() < edge), share(v.array() > 1.0 - edge), below, above, width < 0.2};
+  return {.lower = share(v.array() < edge),
+          .upper = share(v.array() > 1.0 - edge),
+          .below = below,
+          .above = above,
+          .lowest = share(v.array() < BoundPressure::kTail),
+          .highest = share(v.array() > 1.0 - BoundPressure::kTail),
+          .is_narrow = width < 0.2};
 }
 
 }  // namespace npdr::inference

@@ -20,8 +20,14 @@ bool has_too_few(const Runs& runs) {
   return runs.front()->evaluation.theta.rows() < inference::kFewestForBounds;
 }
 
+struct PressedBound {
+  double value;
+  bool leaks;  // samples lie where hardly any of the prior's do
+};
+
 // The bound of parameter d that a run presses against; none where there is no such bound.
-std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& run, Index d) {
+std::optional<PressedBound> pressed_bound(const ReportData& data, const EvaluatedRun& run,
+                                          Index d) {
   const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
   const double period = data.period_of(d);
   const bool is_whole_period = period > 0.0 && marginal.b - marginal.a >= 0.999 * period;
@@ -31,8 +37,9 @@ std::optional<double> pressed_bound(const ReportData& data, const EvaluatedRun& 
                        .col(0)
                        .unaryExpr(&normal_cdf);
   const inference::BoundPressure found = inference::test_bounds(v);
-  if (found.presses_lower()) return marginal.lower();
-  if (found.presses_upper()) return marginal.upper();
+  const bool leaks = found.leaks_lower() || found.leaks_upper();
+  if (found.presses_lower()) return PressedBound{marginal.lower(), leaks};
+  if (found.presses_upper()) return PressedBound{marginal.upper(), leaks};
   return std::nullopt;
 }
 
@@ -46,6 +53,14 @@ bool looks_like_prior(const ReportData& data, const Runs& runs, Index d) {
          }).mean() < least;
 }
 
+// The atomic loss compares densities at parameters that were simulated, and sees no others.
+bool may_leak(const MethodConfig& method) {
+  const inference::AlgorithmConfig& algorithm = method.algorithm;
+  return algorithm.kind == inference::Algorithm::npe_c && algorithm.num_rounds > 1 &&
+         !algorithm.combined_loss &&
+         !inference::is_analytic(algorithm, method.density_estimator.kind);
+}
+
 }  // namespace
 
 Verdict judge_bounds(const ReportData& data, const std::string& method) {
@@ -55,14 +70,16 @@ Verdict judge_bounds(const ReportData& data, const std::string& method) {
   }
   std::vector<std::string> pressed;
   std::set<const EvaluatedRun*> failed;
+  bool leaks = false;
   for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
     if (!data.is_inferred(method, d)) continue;
     const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
     std::set<double> bounds;  // one, or that of one seed and that of another
     for (const EvaluatedRun* run : runs) {
-      const std::optional<double> found = pressed_bound(data, *run, d);
+      const std::optional<PressedBound> found = pressed_bound(data, *run, d);
       if (!found) continue;
-      bounds.insert(*found);
+      bounds.insert(found->value);
+      leaks |= found->leaks;
       failed.insert(run);
     }
     for (const double bound : bounds) {
@@ -74,8 +91,11 @@ Verdict judge_bounds(const ReportData& data, const std::string& method) {
   return {Check::bounds, Judgment::fails,
           std::string(traits_of(Check::bounds).failure) + seeds_text(failed.size(), runs.size()),
           fmt::format("its samples press against the end of the prior: {}; the prior may exclude "
-                      "the truth: widen it, or look for what the simulator lacks",
-                      join(pressed))};
+                      "the truth: widen it, or look for what the simulator lacks{}",
+                      join(pressed),
+                      leaks && may_leak(data.plan.study.method(method))
+                          ? "; or its density has leaked there: try combined_loss = true"
+                          : "")};
 }
 
 Verdict judge_contraction(const ReportData& data, const std::string& method) {

@@ -40,6 +40,18 @@ TEST(BoundPressure, FindsSamplesThatLeaveAGap) {
   EXPECT_TRUE(test_bounds(1.0 - v.array()).presses_upper());
 }
 
+TEST(BoundPressure, FindsAFewSamplesThatHaveLeaked) {
+  Stream stream = stream_of(0);
+  Vector v = cut_gaussian(0.5, 0.3, stream);
+  v.head(20).setConstant(1e-9);  // of 1000
+  EXPECT_TRUE(test_bounds(v).leaks_lower());
+  EXPECT_TRUE(test_bounds(v).presses_lower());
+  EXPECT_FALSE(test_bounds(v).presses_upper());
+  EXPECT_TRUE(test_bounds(1.0 - v.array()).leaks_upper());
+  v.head(20).setConstant(1e-4);
+  EXPECT_FALSE(test_bounds(v).presses_lower());
+}
+
 TEST(BoundPressure, FindsNothingInThePriorNorWellInside) {
   Stream stream = stream_of(0);
   Vector prior(1000);
@@ -47,6 +59,7 @@ TEST(BoundPressure, FindsNothingInThePriorNorWellInside) {
   for (const Vector& v : {prior, cut_gaussian(0.1, 0.05, stream), cut_gaussian(0.5, 0.3, stream)}) {
     const BoundPressure found = test_bounds(v);
     EXPECT_FALSE(found.presses_lower() || found.presses_upper());
+    EXPECT_FALSE(found.leaks_lower() || found.leaks_upper());
   }
 }
 
