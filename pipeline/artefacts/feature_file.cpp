@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -28,6 +29,19 @@ struct Expected {
   FeatureDemands demands;
 };
 
+// Where nobody has named the columns of x_o, a file that names its own can't be matched.
+void require_named_observation(const std::string& where, const std::vector<Channel>& named,
+                               const std::vector<Channel>& expected) {
+  if (named.size() != expected.size() || expected != numbered_features(std::ssize(expected)) ||
+      std::ranges::is_permutation(named, expected)) {
+    return;
+  }
+  throw InputError(fmt::format(
+      "{}: its columns are named {}, those of x_o have no names, must both have the same or none; "
+      "give x_o a header, or say the columns' order with simulator.features",
+      where, join(few_shortened(feature_names(named)))));
+}
+
 Layout layout_of(const std::string& where, Index num_columns, const std::vector<Channel>& named,
                  const Expected& wanted) {
   const std::vector<Channel>& expected = wanted.features;
@@ -38,6 +52,7 @@ Layout layout_of(const std::string& where, Index num_columns, const std::vector<
         where, join(few_shortened(feature_names(expected)))));
   }
   if (!named.empty() && !expected.empty()) {
+    require_named_observation(where, named, expected);
     return {expected, match_columns(where, named, expected)};
   }
   Layout layout{expected, {}};

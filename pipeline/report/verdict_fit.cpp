@@ -126,7 +126,8 @@ std::string unexplained_rest(const ReportData& data, double of_floor) {
                             study.evaluate.leave_out == 0;
   return fmt::format(
       "no parameters explain the recording better than the floor's {:.2g} of its largest "
-      "magnitudes: unless its sensors are that noisy, look for what the simulator lacks{}",
+      "magnitudes: unless its sensors are that noisy, or the simulator draws at random, look for "
+      "what the simulator lacks{}",
       of_floor, may_hold_out ? "; target.held_out shows what that costs predictions" : "");
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/feature_names.h"
 #include "pipeline/store/h5.h"
 #include "tests/temp_folder.h"
 
@@ -41,6 +42,17 @@ TEST_F(FeatureFiles, NamedColumnsMayBeInAnyOrder) {
 TEST_F(FeatureFiles, NameThemselvesWhereNobodyElseHas) {
   EXPECT_EQ(read("b [s],a\n1,2\n", 1, {}).features, (std::vector<Channel>{{"b", "s"}, {"a", "1"}}));
   EXPECT_EQ(read("1,2\n", 1, {}).features, (std::vector<Channel>{{"x0", "1"}, {"x1", "1"}}));
+}
+
+TEST_F(FeatureFiles, WithNamesNeedAnObservationWithNames) {
+  const auto problem = [&](const std::string& text) {
+    return message_of<InputError>([&] { read(text, 1, numbered_features(2)); }, &folder_);
+  };
+  EXPECT_EQ(problem("x1,x0\n1,2\n"), "");
+  EXPECT_EQ(problem("1,2\n"), "");
+  EXPECT_TRUE(says(problem("x1,x2\n1,2\n"),
+                   {"x.csv: its columns are named x1, x2", "those of x_o have no names",
+                    "give x_o a header, or say the columns' order with simulator.features"}));
 }
 
 TEST_F(FeatureFiles, MustHaveTheRowsAndColumnsThatAreExpected) {
