@@ -48,11 +48,13 @@ TEST_F(Verdicts, DensityThatHasLeakedIsHeldBackByTheCombinedLoss) {
   RowMatrix theta = samples_around(1.0, 0.02);
   theta.col(0).head(20).setConstant(1.7);  // 5 %
   add_run(theta, 0.02);
-  plan_.study.methods.front().algorithm.num_rounds = 2;
+  inference::AlgorithmConfig& algorithm = plan_.study.methods.front().algorithm;
+  algorithm.kind = inference::Algorithm::npe_c;
+  algorithm.num_rounds = 2;
   const Verdict found = verdict_of(Check::bounds);
   EXPECT_EQ(found.judgment, Judgment::fails);
   EXPECT_TRUE(found.reason.ends_with("leaked there: try combined_loss = true")) << found.reason;
-  plan_.study.methods.front().algorithm.combined_loss = true;
+  algorithm.combined_loss = true;
   EXPECT_TRUE(verdict_of(Check::bounds).reason.ends_with("what the simulator lacks"));
 }
 
