@@ -20,6 +20,10 @@ std::vector<Channel> parse_features(const std::vector<std::string>& names);
 std::string feature_name(const Channel& feature);
 std::vector<std::string> feature_names(const std::vector<Channel>& features);
 
+/// Who has named the features of x that a study has: without `features` of its own these are called
+/// as the columns of x_o, or x0, x1, ... where these have no names.
+enum class NamesFrom { study, observation, nobody };
+
 /// x0, x1, ...: features that nobody has named.
 std::vector<Channel> numbered_features(Index count);
 

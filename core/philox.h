@@ -9,7 +9,7 @@
 
 namespace npdr {
 
-/// Halves of `v`.
+/// The lower and the upper half of `v`.
 constexpr std::uint32_t low_word(std::uint64_t v) { return static_cast<std::uint32_t>(v); }
 constexpr std::uint32_t high_word(std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); }
 

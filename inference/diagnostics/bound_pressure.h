@@ -16,7 +16,7 @@
 /// 3 % for the widest, since w must be below a quarter of the prior's. The mass of exact posteriors
 /// below v = 0.005 is 0.005 in the mean, so it is 90 % with probability of at most 0.005 / 0.9, and
 /// 1.1 % at any of the two bounds. So is that below v = 1e-5: 2 % with a probability of at most
-/// 5e-4, and 0.1 % at any of the two.
+/// 5e-4, and 0.1 % of a parameter at any of the two.
 #pragma once
 
 #include "core/types.h"

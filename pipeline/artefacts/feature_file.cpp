@@ -29,13 +29,10 @@ struct Expected {
   FeatureDemands demands;
 };
 
-// Where nobody has named the columns of x_o, a file that names its own can't be matched.
-void require_named_observation(const std::string& where, const std::vector<Channel>& named,
-                               const std::vector<Channel>& expected) {
-  if (named.size() != expected.size() || expected != numbered_features(std::ssize(expected)) ||
-      std::ranges::is_permutation(named, expected)) {
-    return;
-  }
+// Where x_o has no names, a file that names its columns can't be matched.
+void require_numbered(const std::string& where, const std::vector<Channel>& named,
+                      const std::vector<Channel>& expected) {
+  if (std::ranges::is_permutation(named, expected, {}, &Channel::label, &Channel::label)) return;
   throw InputError(fmt::format(
       "{}: its columns are named {}, those of x_o have no names, must both have the same or none; "
       "give x_o a header, or say the columns' order with simulator.features",
@@ -45,14 +42,15 @@ void require_named_observation(const std::string& where, const std::vector<Chann
 Layout layout_of(const std::string& where, Index num_columns, const std::vector<Channel>& named,
                  const Expected& wanted) {
   const std::vector<Channel>& expected = wanted.features;
-  if (wanted.demands.needs_names && named.empty() && expected.size() > 1) {
+  if (wanted.demands.names_from == NamesFrom::observation && named.empty() && expected.size() > 1) {
     throw InputError(fmt::format(
         "{}: its columns have no names, must be named {}, as those of x_o, in any order; or say "
         "their order with simulator.features",
         where, join(few_shortened(feature_names(expected)))));
   }
   if (!named.empty() && !expected.empty()) {
-    require_named_observation(where, named, expected);
+    const bool is_numbered = wanted.demands.names_from == NamesFrom::nobody;
+    if (is_numbered && named.size() == expected.size()) require_numbered(where, named, expected);
     return {expected, match_columns(where, named, expected)};
   }
   Layout layout{expected, {}};

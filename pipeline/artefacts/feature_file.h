@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/feature_names.h"
 #include "core/target.h"
 #include "core/types.h"
 #include "pipeline/store/file_format.h"
@@ -21,7 +22,7 @@ struct FeatureRows {
 
 /// Demands on a file beyond its rows and columns.
 struct FeatureDemands {
-  bool needs_names = false;      ///< of several columns
+  NamesFrom names_from = NamesFrom::study;  ///< observation: several columns need names
   bool needs_line_ends = false;  ///< of CSV: of its last line, too, which a cut file lacks
 };
 

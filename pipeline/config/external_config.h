@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/feature_names.h"
 #include "core/types.h"
 #include "pipeline/config/source_traits.h"
 #include "pipeline/store/file_format.h"
@@ -56,14 +57,14 @@ struct ExternalConfig {
   Index num_steps = 0;                              ///< of a truth's rollouts
   std::vector<std::vector<double>> initial_states;  ///< of a truth's rollouts, in turn
   GoalConfig goal;
-  FileFormat format = FileFormat::csv;    ///< format of the files that the command reads and writes
-  std::string folder;                     ///< where the program runs; resolved: an absolute path
-  double time_limit = 3600.0;             ///< [s] of a call with all rows of a shard
-  double start_time = 2.0;                ///< [s] that a call with fewer rows has besides its share
-  Index retries = 1;                      ///< repetitions of a call that failed
-  Index parallel_calls = 0;               ///< at once, of a stage; 0: as many as it has threads
-  std::vector<std::string> features;      ///< columns of x, as `label` or `label [unit]`
-  bool has_names_of_observation = false;  ///< resolved: the features are called as x_o's columns
+  FileFormat format = FileFormat::csv;  ///< format of the files that the command reads and writes
+  std::string folder;                   ///< where the program runs; resolved: an absolute path
+  double time_limit = 3600.0;           ///< [s] of a call with all rows of a shard
+  double start_time = 2.0;              ///< [s] that a call with fewer rows has besides its share
+  Index retries = 1;                    ///< repetitions of a call that failed
+  Index parallel_calls = 0;             ///< at once, of a stage; 0: as many as it has threads
+  std::vector<std::string> features;    ///< columns of x, as `label` or `label [unit]`
+  NamesFrom names_from = NamesFrom::study;  ///< resolved: who has named the features
 
   SourceKind kind() const;
 };

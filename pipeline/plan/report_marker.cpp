@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "pipeline/process/build_info.h"
 #include "pipeline/store/hostile_json.h"
 
 namespace npdr::pipeline {
@@ -35,6 +36,7 @@ bool report_is_current(const Plan& plan, const Node& node) {
   if (!std::filesystem::exists(report_path(plan))) return false;
   const auto json = marker_of(node);
   if (!json.is_object() || !json.contains("key") || json["key"] != node.key) return false;
+  if (json.value("revision", nlohmann::ordered_json()) != git_revision()) return false;
   const auto files = json.find("files");
   return files != json.end() && std::ranges::all_of(*files, [&](const auto& name) {
            return name.is_string() && std::filesystem::exists(node.path.parent_path() /
@@ -60,6 +62,7 @@ void mark_report(const Node& node, const std::filesystem::path& study,
                         {"reasons", summary.reasons}});
   }
   const nlohmann::ordered_json json = {{"key", node.key},
+                                       {"revision", git_revision()},
                                        {"study", shown_name(study)},
                                        {"files", names},
                                        {"checks", verdicts},

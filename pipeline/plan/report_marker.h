@@ -19,7 +19,8 @@ struct CheckSummary {
 /// "NPE: 2 of 7 checks FAIL: Training, RMSE"; "NPE: all 7 checks pass".
 std::string words_of(const CheckSummary& summary);
 
-/// The key is the plan's, and all files of the report are there.
+/// The key is the plan's, this build made the report, whose verdicts another one may find
+/// otherwise, and all files of it are there.
 bool report_is_current(const Plan& plan, const Node& node);
 /// `study`: the file that it was made of; `files`: of the report, besides report.html; below the
 /// study's folder. Throws Error.

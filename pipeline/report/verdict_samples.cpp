@@ -25,22 +25,21 @@ struct PressedBound {
   bool leaks;  // samples lie where hardly any of the prior's do
 };
 
-// The bound of parameter d that a run presses against; none where there is no such bound.
-std::optional<PressedBound> pressed_bound(const ReportData& data, const EvaluatedRun& run,
-                                          Index d) {
+// The bounds of parameter d that a run presses against; none where it has no bounds.
+std::vector<PressedBound> pressed_bounds(const ReportData& data, const EvaluatedRun& run, Index d) {
   const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
   const double period = data.period_of(d);
   const bool is_whole_period = period > 0.0 && marginal.b - marginal.a >= 0.999 * period;
-  if (marginal.is_unbounded() || is_whole_period) return std::nullopt;
+  if (marginal.is_unbounded() || is_whole_period) return {};
   const Vector v = inference::Prior({marginal})
                        .to_normal(run.evaluation.theta.col(d))
                        .col(0)
                        .unaryExpr(&normal_cdf);
   const inference::BoundPressure found = inference::test_bounds(v);
-  const bool leaks = found.leaks_lower() || found.leaks_upper();
-  if (found.presses_lower()) return PressedBound{marginal.lower(), leaks};
-  if (found.presses_upper()) return PressedBound{marginal.upper(), leaks};
-  return std::nullopt;
+  std::vector<PressedBound> pressed;
+  if (found.presses_lower()) pressed.push_back({marginal.lower(), found.leaks_lower()});
+  if (found.presses_upper()) pressed.push_back({marginal.upper(), found.leaks_upper()});
+  return pressed;
 }
 
 // Two modes may be as wide as the prior. Draws of it are as far off with a probability of 1 % at
@@ -74,13 +73,13 @@ Verdict judge_bounds(const ReportData& data, const std::string& method) {
   for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
     if (!data.is_inferred(method, d)) continue;
     const inference::Marginal& marginal = data.plan.study.prior[static_cast<std::size_t>(d)];
-    std::set<double> bounds;  // one, or that of one seed and that of another
+    std::set<double> bounds;  // of all seeds
     for (const EvaluatedRun* run : runs) {
-      const std::optional<PressedBound> found = pressed_bound(data, *run, d);
-      if (!found) continue;
-      bounds.insert(found->value);
-      leaks |= found->leaks;
-      failed.insert(run);
+      for (const PressedBound& bound : pressed_bounds(data, *run, d)) {
+        bounds.insert(bound.value);
+        leaks |= bound.leaks;
+        failed.insert(run);
+      }
     }
     for (const double bound : bounds) {
       const std::string unit = marginal.unit == "1" ? "" : " " + marginal.unit;

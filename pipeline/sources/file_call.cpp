@@ -110,7 +110,7 @@ class FileCall final : public ProgramCall {
     const FeatureRows read = [&] {
       const std::unique_lock lock = lock_files(external_.format);
       return read_features(folder.x(), external_.format, lines, info_.state_channels,
-                           {external_.has_names_of_observation, true});
+                           {external_.names_from, true});
     }();
     if (!inputs_) {
       take_features(read.x, result);

@@ -100,8 +100,10 @@ std::optional<Target> resolve_source(Study& study) {
   std::optional<Target> x_o;
   if (study.target.observation) {
     x_o = read_observation(*study.target.observation, features);
-    const bool names_them = x_o->state_channels != numbered_features(x_o->num_states());
-    study.external.has_names_of_observation = features.empty() && names_them;
+    const bool has_names = x_o->state_channels != numbered_features(x_o->num_states());
+    if (features.empty()) {
+      study.external.names_from = has_names ? NamesFrom::observation : NamesFrom::nobody;
+    }
     features = x_o->state_channels;
     check_recording(study, *x_o);
   }

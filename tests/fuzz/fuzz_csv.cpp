@@ -73,7 +73,7 @@ void fuzz_csv(std::string_view input, const std::filesystem::path& folder) {
   if (reader == observation) read_observation(path, {});
   if (reader == command_output) {
     read_features(path, FileFormat::csv, 2, {{"a", "1"}, {"b", "1"}},
-                  {options.dt.has_value(), true});
+                  {options.dt ? NamesFrom::observation : NamesFrom::nobody, true});
   }
 }
 

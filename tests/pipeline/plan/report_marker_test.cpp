@@ -41,5 +41,17 @@ TEST(ReportMarker, TellsOfAllThatItsReportShows) {
   EXPECT_FALSE(reported_checks(plan, "NPDR (MAF)")) << "damaged";
 }
 
+TEST(ReportMarker, OfAnotherBuildIsNotCurrent) {
+  const TempFolder folder;
+  const Plan plan = plan_in(folder);
+  std::filesystem::create_directories(plan.work.study("small"));
+  folder.file("small/report.html", "");
+  mark_report(plan.nodes.back(), "s.toml", {}, {});
+  EXPECT_TRUE(report_is_current(plan, plan.nodes.back()));
+  const std::string marker = text_of(folder / "small/report.json");
+  folder.file("small/report.json", edited(marker, "\"revision\": \"", "\"revision\": \"other"));
+  EXPECT_FALSE(report_is_current(plan, plan.nodes.back()));
+}
+
 }  // namespace
 }  // namespace npdr::pipeline

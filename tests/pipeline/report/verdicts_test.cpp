@@ -47,6 +47,7 @@ TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
 TEST_F(Verdicts, DensityThatHasLeakedIsHeldBackByTheCombinedLoss) {
   RowMatrix theta = samples_around(1.0, 0.02);
   theta.col(0).head(20).setConstant(1.7);  // 5 %
+  theta.col(0).tail(20).setConstant(0.3);
   add_run(theta, 0.02);
   inference::AlgorithmConfig& algorithm = plan_.study.methods.front().algorithm;
   algorithm.kind = inference::Algorithm::npe_c;
@@ -54,8 +55,18 @@ TEST_F(Verdicts, DensityThatHasLeakedIsHeldBackByTheCombinedLoss) {
   const Verdict found = verdict_of(Check::bounds);
   EXPECT_EQ(found.judgment, Judgment::fails);
   EXPECT_TRUE(found.reason.ends_with("leaked there: try combined_loss = true")) << found.reason;
+  EXPECT_NE(found.reason.find("pole_mass at 0.3 kg, pole_mass at 1.7 kg;"), std::string::npos);
+  const auto names_remedy = [&] {
+    return verdict_of(Check::bounds).reason.find("combined_loss") != std::string::npos;
+  };
   algorithm.combined_loss = true;
-  EXPECT_TRUE(verdict_of(Check::bounds).reason.ends_with("what the simulator lacks"));
+  EXPECT_FALSE(names_remedy());
+  algorithm.combined_loss = false;
+  algorithm.num_rounds = 1;
+  EXPECT_FALSE(names_remedy()) << "maximum likelihood";
+  algorithm.num_rounds = 2;
+  plan_.study.methods.front().density_estimator.kind = inference::EstimatorKind::mdn;
+  EXPECT_FALSE(names_remedy()) << "the analytic loss";
 }
 
 TEST_F(Verdicts, SeedsAtOppositeEndsOfThePriorAreBothSaid) {

@@ -213,7 +213,7 @@ TEST_F(ExternalSimulators, TheLogHoldsWhatWasPrinted) {
 }
 
 TEST_F(ExternalSimulators, ColumnsMustBeNamedWhereOnlyTheObservationNamesThem) {
-  study_.external.has_names_of_observation = true;
+  study_.external.names_from = NamesFrom::observation;
   study_.external.command = "WHAT=none BAD= sh sim.sh";
   ExternalSimulator nameless = program(folder_ / "log");
   const std::string message = message_of<Error>([&] {
