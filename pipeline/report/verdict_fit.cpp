@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "analysis/quantiles.h"
+#include "analysis/scatter.h"
+#include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/report/verdict_parts.h"
@@ -117,18 +119,36 @@ std::string overstated_noise(const Study& study, double noise, double of_floor) 
       of_floor, noise / of_floor);
 }
 
-// The same where no noise is stated; one whose scale is inferred takes up what the simulator lacks.
+// The same where no noise is stated; one whose scale is inferred takes up what the simulator lacks,
+// as one that is much larger than what the recording scatters by shows.
 std::string unexplained_rest(const ReportData& data, double of_floor) {
-  constexpr double of_usual_sensors = 0.05;
+  constexpr double of_usual_sensors = 0.05, far_more = 3.0;
   const Study& study = data.plan.study;
-  if (!study.target.recording || of_floor < of_usual_sensors) return "";
+  const ObservationNoise& noise = study.observation_noise;
+  if (!study.target.recording) return "";
+  const bool is_white = !noise.correlation && !noise.correlation_prior;
+  const double scatter = is_white ? analysis::scatter_of(data.target) : 0.0;
+  const bool is_structured = scatter > 0.0 && of_floor > far_more * scatter;
+  if (of_floor < of_usual_sensors && !is_structured) return "";
+  const std::string found = fmt::format(
+      "no parameters explain the recording better than the floor's {:.2g} of its largest "
+      "magnitudes",
+      of_floor);
   const bool may_hold_out = data.plan.target.num_rollouts() > 1 && study.target.held_out == 0 &&
                             study.evaluate.leave_out == 0;
+  const std::string hint =
+      may_hold_out ? "; target.held_out shows what that costs predictions" : "";
+  if (!is_structured) {
+    return fmt::format(
+        "{}: unless its sensors are that noisy, or the simulator draws at random, look for what "
+        "the simulator lacks{}",
+        found, hint);
+  }
   return fmt::format(
-      "no parameters explain the recording better than the floor's {:.2g} of its largest "
-      "magnitudes: unless its sensors are that noisy, or the simulator draws at random, look for "
-      "what the simulator lacks{}",
-      of_floor, may_hold_out ? "; target.held_out shows what that costs predictions" : "");
+      "{}, {:.0f} times what neighboring samples scatter by: unless the noise lasts for many "
+      "samples, or first states are noisy, the simulator lacks something (a delay, friction), "
+      "parameters make up for it, and the truth may be many deviations away{}",
+      found, of_floor / scatter, hint);
 }
 
 std::string what_the_best_leave(const ReportData& data, double of_floor) {
@@ -136,6 +156,19 @@ std::string what_the_best_leave(const ReportData& data, double of_floor) {
   if (noise == 0.0) return unexplained_rest(data, of_floor);
   const std::string understated = understated_noise(noise, of_floor);
   return understated.empty() ? overstated_noise(data.plan.study, noise, of_floor) : understated;
+}
+
+// Networks leave what more simulations near the recording would find.
+std::string room_to_learn(const ReportData& data, const std::string& method, double rmse,
+                          double of_floor) {
+  constexpr double more = 2.0;
+  const Study& study = data.plan.study;
+  const bool is_refined = study.method(method).algorithm.kind == inference::Algorithm::refine;
+  if (!study.target.recording || is_refined || of_floor == 0.0 || rmse < more * of_floor) return "";
+  return fmt::format(
+      "its samples are {:.2g} times as far from the recording as the best parameters: a method "
+      "with algorithm = \"refine\" and refine.start = \"{}\" finds what is between",
+      rmse / of_floor, method);
 }
 
 Verdict unexplained(double rmse) {
@@ -253,7 +286,10 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
                     size, advice)};
   }
   if (astray == 0) {
-    return {Check::fit, Judgment::passes, "passes, " + size, what_the_best_leave(data, of_floor)};
+    std::vector<std::string> notes = {what_the_best_leave(data, of_floor),
+                                      room_to_learn(data, method, worst, of_floor)};
+    std::erase(notes, "");
+    return {Check::fit, Judgment::passes, "passes, " + size, join(notes, "; ")};
   }
   return {
       Check::fit, Judgment::fails,
@@ -269,7 +305,7 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
 // 1 / (n + 1). Its bands hold a share that is 0.9 in expectation, and so below one half with a
 // probability of (1 - 0.9) / (1 - 0.5) at most (Markov).
 Verdict judge_held_out(const ReportData& data, const std::string& method) {
-  constexpr double few = 0.5;
+  constexpr double few = 0.5, less = 0.15;
   const Runs runs = data.runs_of(method);
   for (const EvaluatedRun* run : runs) {
     const Index count = run->evaluation.scores.held_out->num_compared;
@@ -281,7 +317,8 @@ Verdict judge_held_out(const ReportData& data, const std::string& method) {
       fmt::format("bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand, 100.0 * least);
   const std::string unseen = " of rollouts that inference hasn't seen";
   const std::string advice = advice_to_widen(data, method);
-  if (narrow > 0) {
+  const bool begins_with_noise = data.plan.study.method(method).refine.infer_first_states;
+  if (narrow > 0 && !begins_with_noise) {
     return {Check::held_out, Judgment::fails,
             std::string(traits_of(Check::held_out).failure) + seeds_text(narrow, runs.size()) +
                 ", " + bands,
@@ -296,11 +333,25 @@ Verdict judge_held_out(const ReportData& data, const std::string& method) {
             fmt::format("the CRPS of its predictions{} is {:.2g}, that of {} {:.2g}: {}", unseen,
                         worst, whose, of_uninformed, advice)};
   }
+  if (narrow > 0) {
+    return {Check::held_out, Judgment::unknown, "can't tell, " + bands,
+            bands + unseen +
+                ", but predictions begin in recorded first states, whose noise moves all of a "
+                "rollout: a right posterior's bands hold too few as well; the check of residuals "
+                "tells more"};
+  }
   if (least < few) {
     return {Check::held_out, Judgment::unknown, "can't tell, " + bands,
             bands + unseen +
                 ", a right posterior's less than half with a probability of 0.2 at most; but some "
                 "of its samples' own predictions are held as seldom: " +
+                advice};
+  }
+  if (least < kJudgedBand - less) {
+    return {Check::held_out, Judgment::passes, "passes, " + bands,
+            bands + unseen +
+                ", as those of some of its own samples' predictions do: chance, or it is a little "
+                "too sure; more held-out rollouts tell, and " +
                 advice};
   }
   return {Check::held_out, Judgment::passes, "passes, " + bands, ""};

@@ -55,7 +55,9 @@ std::string unpredicted_reason(const PredictiveResult& predictive, Index num_sam
   predictive.check.summary_p_value.minCoeff(&worst);
   return fmt::format(
       "what its samples predict is unlike the observation (seed {}), most in {}: observed {:.3g}, "
-      "predicted median {:.3g}, p = {:.2g} (of all features together p = {:.2g})",
+      "predicted median {:.3g}, p = {:.2g} (of all features together p = {:.2g}): simulator or "
+      "noise lack something (observation_noise.correlation, degrees_of_freedom), or more "
+      "simulations find parameters that predict it",
       seed, predictive.names[static_cast<std::size_t>(worst)], predictive.observed(worst),
       predictive.median(worst), predictive.check.summary_p_value(worst),
       predictive.check.overall.p_value);

@@ -40,8 +40,9 @@ std::string words_of(const ReportData& data, const EvaluatedRun& run) {
     details.push_back(fmt::format("they are {:.3g} times as large", std::sqrt(found.size(c))));
   }
   if (!details.empty()) words += ": " + join(details, ", and ");
-  return words +
-         fmt::format("; its posterior is about {:.2g} times too narrow, or beside the truth",
+  return words + fmt::format(
+                     "; its posterior is at least about {:.2g} times too narrow, and where the "
+                     "simulator lacks something any number of deviations beside the truth",
                      std::sqrt(excess_of(run)));
 }
 

@@ -84,8 +84,8 @@ std::string words_of(double power, double as_good, bool is_smallest) {
     return fmt::format(
         "powers from {:.2g} to {:.2g} predict rollouts that are left out about as well, and the "
         "smallest of them is taken: so few rollouts don't tell whether the simulator lacks "
-        "something; more of them do, and where it is known to be right, likelihood_power = 1 "
-        "without cross_validate",
+        "something; more of them do, and where it is known to be right, and first states are exact "
+        "or inferred, likelihood_power = 1 without cross_validate",
         power, as_good);
   }
   return fmt::format(

@@ -1,5 +1,6 @@
 #include "pipeline/report/verdicts.h"
 
+#include "core/random.h"
 #include "pipeline/report/registry.h"
 #include "tests/message_of.h"
 #include "tests/pipeline/report/verdict_fixture.h"
@@ -22,7 +23,7 @@ TEST_F(Verdicts, AMethodWithoutFaultPassesAll) {
 TEST_F(Verdicts, ThatNoRolloutIsHeldOutIsSaidWhereAllElsePasses) {
   plan_.study.methods.front().algorithm.kind = inference::Algorithm::abc_smc;  // has no calibration
   const auto reasons = [&] { return check_summaries(data_).front().reasons; };
-  data_.target.rollouts.resize(3);
+  data_.target.rollouts.resize(3, data_.target.rollouts.front());
   EXPECT_EQ(reasons().size(), 0u) << "a simulated truth";
   plan_.study.target.recording = "r.h5";
   ASSERT_EQ(reasons().size(), 1u);
@@ -133,6 +134,34 @@ TEST_F(Verdicts, AnErrorFarAboveTheFloorFails) {
       << "what it has already";
 }
 
+// A noise that is inferred takes up what the simulator lacks, and every check passes.
+TEST_F(Verdicts, AFloorFarAboveTheScatterOfARecordingIsSaid) {
+  plan_.study.target.recording = "recording.h5";
+  Stream stream({5, "verdicts_test", 0, 0, 0});
+  auto& states = data_.target.rollouts.front().states;
+  for (double& value : states.reshaped()) value += 0.01 * stream.normal();
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.02}}}};
+  EXPECT_EQ(verdict_of(Check::fit).reason, "");
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.04}}}};
+  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::passes);
+  EXPECT_TRUE(says(verdict_of(Check::fit).reason,
+                   {"no parameters explain the recording better than the floor's 0.04", "4 times",
+                    "what neighboring samples scatter by", "the simulator lacks something"}));
+  plan_.study.observation_noise.correlation_prior = {0.5, 1.0};
+  EXPECT_EQ(verdict_of(Check::fit).reason, "") << "it may be noise";
+}
+
+TEST_F(Verdicts, WhatARefinementWouldFindIsSaid) {
+  plan_.study.target.recording = "recording.h5";
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.04}}}};
+  add_run(samples_around(1.0, 0.02), 0.1);
+  EXPECT_TRUE(says(verdict_of(Check::fit).reason,
+                   {"its samples are 2.5 times as far from the recording as the best parameters",
+                    "algorithm = \"refine\"", "refine.start = \"NPDR (MAF)\""}));
+  add_run(samples_around(1.0, 0.02), 0.07);
+  EXPECT_EQ(verdict_of(Check::fit).reason, "");
+}
+
 TEST_F(Verdicts, AFloorFarAboveTheNoiseIsSaid) {
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.4}}}};
   add_run(samples_around(1.0, 0.02), 0.45);
@@ -219,6 +248,8 @@ TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
     return judge_held_out(data_, kMethod);
   };
   EXPECT_EQ(judge(0.8, 0.002).text, "passes, bands of 90 % hold 80 %");
+  EXPECT_EQ(judge(0.8, 0.002).reason, "");
+  EXPECT_TRUE(says(judge(0.7, 0.002).reason, {"bands of 90 % hold 70 %", "a little too sure"}));
   EXPECT_EQ(judge(0.8, 0.0).text, "predictions are TOO NARROW, bands of 90 % hold 80 %");
   EXPECT_TRUE(says(judge(0.8, 0.0).reason,
                    {"bands of 90 % hold 80 % of rollouts that inference hasn't seen, and more of",
@@ -252,6 +283,10 @@ TEST_F(Verdicts, PredictionsThatAreTooNarrowForHeldOutRolloutsFail) {
                    {"bands of 90 %", "let refine.cross_validate choose the power"}));
   plan_.study.methods.front().refine.sampling.cross_validate = true;
   EXPECT_EQ(judge(0.8, 0.0).reason.find("cross_validate"), std::string::npos) << "it does already";
+  plan_.study.methods.front().refine.infer_first_states = true;
+  EXPECT_EQ(judge(0.8, 0.0).judgment, Judgment::unknown);
+  EXPECT_TRUE(says(judge(0.8, 0.0).reason,
+                   {"bands of 90 % hold 80 %", "predictions begin in recorded first states"}));
   num_compared = 99;
   EXPECT_EQ(judge(0.8, 0.0).judgment, Judgment::unknown);
   EXPECT_EQ(plan_.study.why_unchecked(Check::held_out, plan_.study.methods.front()), "");

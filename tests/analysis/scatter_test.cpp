@@ -1,0 +1,45 @@
+#include "analysis/scatter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+
+namespace npdr::analysis {
+namespace {
+
+Vector swing_with_noise(Index n, double noise) {
+  Stream stream({3, "scatter_test", 0, 0, 0});
+  Vector series(n);
+  for (Index t = 0; t < n; ++t) {
+    series(t) = std::sin(0.05 * static_cast<double>(t)) + noise * stream.normal();
+  }
+  return series;
+}
+
+// The mean of n squares of the 5th differences is off by less than 4 * 3 / sqrt(n): false alarms
+// have a probability of about 1e-4.
+TEST(Scatter, IsTheNoiseOfASmoothMotion) {
+  for (const double noise : {0.001, 0.01, 0.1}) {
+    EXPECT_NEAR(scatter(swing_with_noise(4000, noise)), noise, 0.1 * noise);
+  }
+  EXPECT_LT(scatter(swing_with_noise(4000, 0.0)), 1e-6);
+  EXPECT_EQ(scatter(Vector::Ones(100)), 0.0);
+  EXPECT_EQ(scatter(swing_with_noise(9, 0.1)), 0.0) << "too short";
+}
+
+TEST(Scatter, OfARecordingIsOverMagnitudes) {
+  Target recording{0.01, {{"q", "m"}, {"v", "m/s"}}, {}, {}, "test"};
+  for (const double size : {1.0, 10.0}) {
+    RowMatrix states(2000, 2);
+    states.col(0) = size * swing_with_noise(2000, 0.01);
+    states.col(1).setZero();
+    recording.rollouts.push_back({"", states, RowMatrix(1999, 0)});
+  }
+  const double largest = recording.rollouts[0].states.col(0).cwiseAbs().maxCoeff();
+  EXPECT_NEAR(scatter_of(recording), 0.5 * 0.01 / largest, 0.1 * 0.5 * 0.01);
+}
+
+}  // namespace
+}  // namespace npdr::analysis
