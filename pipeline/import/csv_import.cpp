@@ -191,9 +191,8 @@ std::vector<std::string> differentiate(Target& target, const std::vector<CsvRows
   return notes;
 }
 
-// Rates that were measured; computed ones are right.
-std::vector<RatePair> measured_rates(const CsvRows& rows) {
-  std::vector<RatePair> pairs = rate_pairs(rows.states);
+// Of some, those that were measured; computed ones are right.
+std::vector<RatePair> measured(std::vector<RatePair> pairs, const CsvRows& rows) {
   std::erase_if(pairs, [&](const RatePair& pair) {
     return std::ranges::find(rows.lacking, pair) != rows.lacking.end();
   });
@@ -249,24 +248,64 @@ void note_far_beginnings(const Target& target, const std::vector<std::string>& f
   }
 }
 
+// Of positions that no measured rate explains, in the first file that has any.
+void note_leaps(const Target& target, const std::vector<CsvRows>& files,
+                const std::vector<RatePair>& pairs, std::vector<std::string>& notes) {
+  for (const Index c : positions_alone(target.state_channels, pairs)) {
+    for (std::size_t h = 0; h < files.size(); ++h) {
+      const std::string words =
+          words_of_leap(target.state_channels[static_cast<std::size_t>(c)].label,
+                        target.rollouts[h].states.col(c), target.dt);
+      if (words.empty()) continue;
+      notes.push_back(fmt::format("warning: {}: {}", files[h].name, words));
+      break;
+    }
+  }
+}
+
+// Motions are recorded faster than that; measured rates would contradict another clock.
+void note_slow_clock(const Target& target, const CsvRows& rows, std::vector<std::string>& notes) {
+  constexpr double slow = 1.0;  // [s]
+  if (target.dt < slow || rate_pairs(target.state_channels).empty()) return;
+  notes.push_back(fmt::format(
+      "warning: {}: steps of {:.6g} s, which are long for a motion: if times are in ms, {}",
+      rows.name, target.dt,
+      rows.time.empty() ? fmt::format("give --dt {:.3g}", 1e-3 * target.dt)
+                        : fmt::format("add --scale {}=0.001", rows.time)));
+}
+
 // Throws what is wrong with angles and rates, all at once, after glitches, which may be the cause;
-// otherwise says what was checked.
+// otherwise says what was checked, and what is probably wrong.
 std::vector<std::string> check_rates(const Target& target, const std::vector<CsvRows>& files,
                                      const std::vector<std::string>& glitches) {
+  const CsvRows& first = files.front();
+  const std::vector<std::string> names = names_of_files(files);
   std::vector<std::string> problems = turn_problems(files);
-  const RateReport report = report_rates(target, measured_rates(files.front()),
-                                         names_of_files(files), files.front().time);
+  std::vector<RatePair> pairs = measured(rate_pairs(first.states), first);
+  const RateReport report = report_rates(target, pairs, names, first.time);
   append(report.problems, problems);
-  if (problems.empty()) {
-    std::vector<std::string> notes = report.notes;
-    note_far_beginnings(target, names_of_files(files), notes);
-    return notes;
+  if (!problems.empty()) {
+    problems.insert(problems.begin(), glitches.begin(), glitches.end());
+    problems.emplace_back(
+        "--no-rate-check imports the files as they are; simulations then start from, and are "
+        "compared with, angles and rates that contradict each other, of which every run warns");
+    throw InputError(join(problems, "\n"));
   }
-  problems.insert(problems.begin(), glitches.begin(), glitches.end());
-  problems.emplace_back(
-      "--no-rate-check imports the files as they are; simulations then start from, and are "
-      "compared with, angles and rates that contradict each other, of which every run warns");
-  throw InputError(join(problems, "\n"));
+  std::vector<std::string> notes = report.notes;
+  const std::vector<RatePair> likely = measured(likely_rate_pairs(first.states), first);
+  const RateReport of_likely = report_rates(target, likely, names, first.time);
+  for (const std::string& problem : of_likely.problems) notes.push_back("warning: " + problem);
+  if (of_likely.problems.empty()) append(of_likely.notes, notes);
+  pairs.insert(pairs.end(), likely.begin(), likely.end());
+  note_leaps(target, files, pairs, notes);
+  note_slow_clock(target, first, notes);
+  note_far_beginnings(target, names, notes);
+  if (pairs.empty()) {
+    notes.emplace_back(
+        "not checked: units, signs and the order of columns, since none of them is the measured "
+        "rate of another");
+  }
+  return notes;
 }
 
 }  // namespace

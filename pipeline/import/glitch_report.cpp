@@ -12,6 +12,13 @@ std::string remedy_of_glitches(const CsvRows& rows, const CsvOptions& options) {
   return options.resample ? "leave its row out" : "leave its row out and add --resample DT";
 }
 
+// Samples before t, and it, that are the same.
+Index num_still(const Vector& values, Index t) {
+  Index count = 1;
+  while (count <= t && values(t - count) == values(t)) ++count;
+  return count;
+}
+
 }  // namespace
 
 std::vector<std::string> words_of_glitches(const std::vector<CsvRows>& files,
@@ -33,6 +40,20 @@ std::vector<std::string> words_of_glitches(const std::vector<CsvRows>& files,
     }
   }
   return words;
+}
+
+std::string words_of_leap(const std::string& label, const Vector& position, double dt) {
+  constexpr Index at_rest = 5;  // fewer may be an encoder's, which goes slowly
+  const std::vector<Index> lone = find_lone_steps(position);
+  if (lone.empty()) return "";
+  const Index t = lone.front(), still = num_still(position, t);
+  return fmt::format(
+      "{} leaps by {:.3g} in the step after {:.6g} s{}{}, several times further than elsewhere: "
+      "{}? Put these rows right, or cut the rollout there",
+      label, position(t + 1) - position(t), static_cast<double>(t) * dt,
+      still >= at_rest ? fmt::format(", after {} samples that are the same", still) : "",
+      lone.size() > 1 ? fmt::format(" (and {} times more)", lone.size() - 1) : "",
+      still >= at_rest ? "did the sensor stand still" : "are samples missing, or wrong");
 }
 
 }  // namespace npdr::pipeline

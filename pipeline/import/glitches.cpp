@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace npdr::pipeline {
 namespace {
@@ -27,6 +28,26 @@ std::vector<Index> find_glitches(const Vector& values) {
     if (distance > far * range && std::abs(after - before) < near * distance) glitches.push_back(t);
   }
   return glitches;
+}
+
+std::vector<Index> find_lone_steps(const Vector& position) {
+  constexpr Index fewest = 30;
+  constexpr double larger = 4.0, share = 0.02;
+  const Index n = position.size() - 1;
+  if (n + 1 < fewest) return {};
+  const Vector steps = (position.tail(n) - position.head(n)).cwiseAbs();
+  Vector sorted = steps;
+  std::sort(sorted.begin(), sorted.end(), std::greater());
+  double least = HUGE_VAL;
+  for (Index k = 1; k <= std::max<Index>(n / 100, 3); ++k) {
+    if (sorted(k) > 0.0 && sorted(k - 1) > larger * sorted(k)) least = sorted(k - 1);
+  }
+  least = std::max(least, share * (position.maxCoeff() - position.minCoeff()));
+  std::vector<Index> lone;
+  for (Index t = 0; t < n; ++t) {
+    if (steps(t) >= least) lone.push_back(t);
+  }
+  return lone;
 }
 
 }  // namespace npdr::pipeline

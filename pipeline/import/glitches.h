@@ -1,4 +1,4 @@
-/// Samples that a sensor got wrong: single ones far beyond all others.
+/// Samples that a sensor got wrong, or lost: single ones far beyond all others, and leaps.
 #pragma once
 
 #include <vector>
@@ -13,5 +13,11 @@ namespace npdr::pipeline {
 /// where the usual values are all the same. Steps are none, nor is what comes more often than once
 /// in a hundred samples, such as contacts; a rare contact of one sample looks like a glitch.
 std::vector<Index> find_glitches(const Vector& values);
+
+/// Steps t -> t + 1 of a recorded position (n) that has no recorded rate: more than four times as
+/// large as all others, but for the hundredth (at least three) that they are at most, and at least
+/// a fiftieth of the range. Positions don't leap: samples are missing there, or the sensor stood
+/// still. Ascending; empty for fewer than 30 samples, and where all other steps are 0.
+std::vector<Index> find_lone_steps(const Vector& position);
 
 }  // namespace npdr::pipeline

@@ -16,10 +16,17 @@ bool is_rate_of(const Channel& rate, const Channel& position) {
 
 namespace {
 
-// "swing speed [rad/s]" of "swing [rad]".
-bool may_be_rate_of(const Channel& rate, const Channel& position) {
-  return rate.label != position.label && rate.label.starts_with(position.label) &&
-         !position.unit.empty() && rate.unit == rate_unit(position.unit);
+// "swing speed [rad/s]" of "swing [rad]"; "v [m/s]" of "q [m]" where both units are theirs alone.
+bool may_be_rate_of(const Channel& rate, const Channel& position,
+                    const std::vector<Channel>& states) {
+  if (position.unit.empty() || rate.unit != rate_unit(position.unit)) return false;
+  const bool are_alone = std::ranges::count(states, rate.unit, &Channel::unit) == 1 &&
+                         std::ranges::count(states, position.unit, &Channel::unit) == 1;
+  return are_alone || (rate.label != position.label && rate.label.starts_with(position.label));
+}
+
+bool has(const std::vector<RatePair>& pairs, Index channel, Index RatePair::*part) {
+  return std::ranges::find(pairs, channel, part) != pairs.end();
 }
 
 // Of the state whose name is the longest that the rate's begins with; -1: there is none.
@@ -27,7 +34,7 @@ Index likely_position_of(const Channel& rate, const std::vector<Channel>& states
   Index found = -1;
   std::size_t longest = 0;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    if (!may_be_rate_of(rate, states[i]) || states[i].label.size() <= longest) continue;
+    if (!may_be_rate_of(rate, states[i], states) || states[i].label.size() <= longest) continue;
     longest = states[i].label.size();
     found = static_cast<Index>(i);
   }
@@ -49,16 +56,25 @@ std::vector<RatePair> rate_pairs(const std::vector<Channel>& states) {
 
 std::vector<RatePair> likely_rate_pairs(const std::vector<Channel>& states) {
   const std::vector<RatePair> named = rate_pairs(states);
-  const auto has = [&](Index channel, Index RatePair::*part) {
-    return std::ranges::find(named, channel, part) != named.end();
-  };
   std::vector<RatePair> pairs;
   for (Index rate = 0; rate < std::ssize(states); ++rate) {
-    if (has(rate, &RatePair::rate)) continue;
+    if (has(named, rate, &RatePair::rate)) continue;
     const Index position = likely_position_of(states[static_cast<std::size_t>(rate)], states);
-    if (position >= 0 && !has(position, &RatePair::position)) pairs.push_back({position, rate});
+    if (position < 0 || has(named, position, &RatePair::position)) continue;
+    pairs.push_back({position, rate});
   }
   return pairs;
+}
+
+std::vector<Index> positions_alone(const std::vector<Channel>& states,
+                                   const std::vector<RatePair>& measured) {
+  const std::vector<RatePair> named = rate_pairs(states), likely = likely_rate_pairs(states);
+  std::vector<Index> alone;
+  for (Index c = 0; c < std::ssize(states); ++c) {
+    const bool is_rate = has(named, c, &RatePair::rate) || has(likely, c, &RatePair::rate);
+    if (!is_rate && !has(measured, c, &RatePair::position)) alone.push_back(c);
+  }
+  return alone;
 }
 
 }  // namespace npdr::pipeline

@@ -25,8 +25,13 @@ bool is_rate_of(const Channel& rate, const Channel& position);
 /// All pairs, in the order of the rates.
 std::vector<RatePair> rate_pairs(const std::vector<Channel>& states);
 
-/// Pairs whose rate is named otherwise: its name begins with the position's, and its unit is that
-/// per second, as of "swing [rad]" and "swing speed [rad/s]".
+/// Pairs whose rate is named otherwise: its unit is the position's per second, and its name begins
+/// with the position's, as of "swing [rad]" and "swing speed [rad/s]", or no other state has either
+/// unit, as of "q [m]" and "v [m/s]".
 std::vector<RatePair> likely_rate_pairs(const std::vector<Channel>& states);
+
+/// States that are no other's rate, and have no measured one: none of `measured` is.
+std::vector<Index> positions_alone(const std::vector<Channel>& states,
+                                   const std::vector<RatePair>& measured);
 
 }  // namespace npdr::pipeline

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pipeline/import/angle_wraps.h"
+#include "pipeline/import/glitch_report.h"
 #include "pipeline/import/rate_pairs.h"
 #include "pipeline/import/rate_report.h"
 #include "pipeline/import/rollout_copies.h"
@@ -20,10 +21,10 @@ std::vector<std::string> names_of_rollouts(const Target& recording) {
 }
 
 // Of the first rollout that has any; "": none.
-std::string words_of_jumps(const Target& recording, std::size_t c) {
-  const auto& [label, unit] = recording.state_channels[c];
+std::string words_of_jumps(const Target& recording, Index c) {
+  const auto& [label, unit] = recording.state_channels[static_cast<std::size_t>(c)];
   for (const Rollout& rollout : recording.rollouts) {
-    const Vector angle = rollout.states.col(static_cast<Index>(c));
+    const Vector angle = rollout.states.col(c);
     const AngleJumps jumps = find_jumps(angle, unit);
     if (jumps.rows.empty()) continue;
     const Index t = jumps.rows.front();
@@ -49,6 +50,16 @@ bool is_computed(const Rollout& rollout, const RatePair& pair, double dt) {
   return false;
 }
 
+// Of the first rollout that has any; "": none.
+std::string first_leap(const Target& recording, Index c) {
+  for (const Rollout& rollout : recording.rollouts) {
+    const std::string& label = recording.state_channels[static_cast<std::size_t>(c)].label;
+    const std::string words = words_of_leap(label, rollout.states.col(c), recording.dt);
+    if (!words.empty()) return fmt::format("rollout {}: {}", rollout.name, words);
+  }
+  return "";
+}
+
 std::vector<RatePair> measured_pairs(const Target& recording) {
   std::vector<RatePair> pairs = rate_pairs(recording.state_channels);
   std::ranges::copy(likely_rate_pairs(recording.state_channels), std::back_inserter(pairs));
@@ -62,12 +73,15 @@ std::vector<RatePair> measured_pairs(const Target& recording) {
 
 std::vector<std::string> recording_warnings(const Target& recording) {
   std::vector<std::string> warnings;
-  for (std::size_t c = 0; c < recording.state_channels.size(); ++c) {
-    std::string jumps = words_of_jumps(recording, c);
-    if (!jumps.empty()) warnings.push_back(std::move(jumps));
+  const std::vector<RatePair> pairs = measured_pairs(recording);
+  const std::vector<Index> alone = positions_alone(recording.state_channels, pairs);
+  for (Index c = 0; c < recording.num_states(); ++c) {
+    std::string words = words_of_jumps(recording, c);
+    const bool may_leap = words.empty() && std::ranges::find(alone, c) != alone.end();
+    if (may_leap) words = first_leap(recording, c);
+    if (!words.empty()) warnings.push_back(std::move(words));
   }
-  const RateReport report =
-      report_rates(recording, measured_pairs(recording), names_of_rollouts(recording), "");
+  const RateReport report = report_rates(recording, pairs, names_of_rollouts(recording), "");
   for (const std::string& problem : report.problems) {
     const bool names_option = problem.find("--") != std::string::npos;
     warnings.push_back(

@@ -79,6 +79,52 @@ TEST_F(CsvChecks, WarnsOfGlitches) {
                    {"warning: ", "a.csv:59: theta = 2 alone", "magnitude: leave its row out"}));
 }
 
+// A swing that an encoder recorded, which stood still from sample 40 to 39 + `still`.
+std::string swing_csv(Index still, double dt, const std::string& header, double rate = 0.0) {
+  std::string text = header;
+  for (Index i = 0; i < 200; ++i) {
+    const double t = 0.01 * static_cast<double>(i >= 40 && i < 40 + still ? 40 : i);
+    text += fmt::format("{:.3f},{:.6f}", dt * static_cast<double>(i), 0.3 * std::cos(5.0 * t));
+    if (rate != 0.0) text += fmt::format(",{:.6f}", -rate * std::sin(5.0 * t));
+    text += "\n";
+  }
+  return text;
+}
+
+TEST_F(CsvChecks, WarnsOfLeaps) {
+  const CsvOptions options{.channels = {{{"q", "m"}}, {}}, .dt = {}, .source = ""};
+  const std::string header = "t [s],q [m]\n";
+  const auto of_none = notes(swing_csv(0, 0.01, header), options);
+  ASSERT_EQ(of_none.size(), 1u) << join(of_none);
+  EXPECT_TRUE(says(of_none.at(0), {"not checked: units, signs and the order of columns"}));
+  EXPECT_TRUE(says(notes(swing_csv(30, 0.01, header), options).at(0),
+                   {"warning: ", "a.csv: q leaps by",
+                    "in the step after 0.69 s, after 30 samples "
+                    "that are the same",
+                    "did the sensor stand still?"}));
+}
+
+TEST_F(CsvChecks, WarnsOfSlowClocks) {
+  CsvOptions options = pendulum_options();
+  options.channels.actions.clear();
+  options.differentiate = 5;
+  const std::string header = "t [s],theta [rad]\n";
+  EXPECT_EQ(join(notes(swing_csv(0, 0.01, header), options)).find("warning"), std::string::npos);
+  EXPECT_TRUE(
+      says(notes(swing_csv(0, 10.0, header), options).at(1),
+           {"warning: ", "a.csv: steps of 10 s", "if times are in ms, add --scale t=0.001"}));
+}
+
+// Nobody has said that v is the rate of q.
+TEST_F(CsvChecks, WarnsOfLikelyRates) {
+  const CsvOptions options{.channels = {{{"q", "m"}, {"v", "m/s"}}, {}}, .dt = {}, .source = ""};
+  const std::string header = "t [s],q [m],v [m/s]\n";
+  EXPECT_TRUE(says(notes(swing_csv(0, 0.01, header, 1.5), options).at(0),
+                   {"checked: v is the slope of q"}));
+  EXPECT_TRUE(says(notes(swing_csv(0, 0.01, header, 3.0), options).at(0),
+                   {"warning: q changes 0.5 times as fast as v says"}));
+}
+
 TEST_F(CsvChecks, UnwrapsAnglesOnly) {
   CsvOptions options = pendulum_options();
   options.unwrap = {"thet"};

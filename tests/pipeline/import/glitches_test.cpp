@@ -60,5 +60,33 @@ TEST(Glitches, WhatLabsRecordHasNone) {
   }
 }
 
+// Of 20 samples that are missing, and of a sensor that stands still for 30.
+TEST(LoneSteps, AreWhereSamplesAreMissingOrStoodStill) {
+  const Vector all = swing(500);
+  EXPECT_TRUE(find_lone_steps(all).empty());
+  Vector missing(480);
+  missing << all.head(88), all.tail(392);
+  EXPECT_EQ(find_lone_steps(missing), std::vector<Index>{87});
+  Vector still = all;
+  still.segment(200, 30).setConstant(all(200));
+  EXPECT_EQ(find_lone_steps(still), std::vector<Index>{229});
+  EXPECT_EQ(find_lone_steps(rounded(still, 0.01)), std::vector<Index>{229}) << "by an encoder";
+  still(400) += 0.2;
+  EXPECT_EQ(find_lone_steps(still), (std::vector<Index>{229, 399, 400}));
+}
+
+TEST(LoneSteps, AreNoneOfRestsAndSlowEncoders) {
+  Vector step = Vector::Zero(100);
+  step.tail(50).setConstant(5.0);
+  EXPECT_TRUE(find_lone_steps(step).empty()) << "it is all there is";
+  EXPECT_TRUE(find_lone_steps(rounded(0.1 * swing(500), 0.01)).empty());
+  EXPECT_TRUE(find_lone_steps(swing(29)).empty());
+  for (std::uint64_t row = 1; row <= 25; ++row) {
+    for (const Motion& motion : recorded(smooth_motion(1000, 0.004, row), row)) {
+      EXPECT_TRUE(find_lone_steps(motion.position).empty()) << row;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace npdr::pipeline

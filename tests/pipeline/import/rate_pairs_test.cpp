@@ -19,10 +19,18 @@ TEST(RatePairs, MayBeNamedOtherwise) {
             (Pairs{{0, 2}, {1, 3}}));
   EXPECT_TRUE(likely_rate_pairs({{"swing", "deg"}, {"swing speed", "rad/s"}}).empty());
   EXPECT_TRUE(likely_rate_pairs({{"swing", ""}, {"swing speed", ""}}).empty());
-  EXPECT_TRUE(likely_rate_pairs({{"angle", "rad"}, {"speed", "rad/s"}}).empty());
+  EXPECT_EQ(likely_rate_pairs({{"v", "m/s"}, {"q", "m"}, {"load", "N"}}), (Pairs{{1, 0}}));
+  EXPECT_TRUE(likely_rate_pairs({{"angle", "rad"}, {"arm", "rad"}, {"speed", "rad/s"}}).empty());
   const std::vector<Channel> with_wanted = {
       {"q", "rad"}, {"q1", "rad"}, {"q1_dot", "rad/s"}, {"q1_wanted", "rad/s"}};
   EXPECT_TRUE(likely_rate_pairs(with_wanted).empty()) << "q1 has its rate";
+}
+
+TEST(RatePairs, LeavePositionsAlone) {
+  const std::vector<Channel> states = {
+      {"x", "m"}, {"x_dot", "m/s"}, {"q", "rad"}, {"v", "rad/s"}, {"load", "N"}};
+  EXPECT_EQ(positions_alone(states, {{0, 1}}), (std::vector<Index>{2, 4})) << "v is q's";
+  EXPECT_EQ(positions_alone(states, {{2, 3}}), (std::vector<Index>{0, 4})) << "x_dot is computed";
 }
 
 TEST(RatePairs, MayBeRatesOfRates) {

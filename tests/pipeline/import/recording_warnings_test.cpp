@@ -76,6 +76,17 @@ TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {
   EXPECT_NE(recording_warnings(target), std::vector<std::string>{});
 }
 
+TEST(RecordingWarnings, LeapsOfWhatHasNoMeasuredRate) {
+  Target target = turning();
+  for (Rollout& rollout : target.rollouts) {
+    rollout.states.col(1) = sim::slopes(rollout.states.col(0), 11, target.dt);
+  }
+  auto& states = target.rollouts[1].states;
+  states.col(0).tail(300).array() += 1.0;
+  states.col(1) = sim::slopes(states.col(0), 11, target.dt);
+  EXPECT_TRUE(says(warning(target), {"rollout b: alpha leaps by 1.03 in the step after 1.99 s"}));
+}
+
 TEST(RecordingWarnings, Copies) {
   Target target = turning();
   target.rollouts[1] = target.rollouts[0];
