@@ -1,15 +1,18 @@
 /// First states that are recorded with noise, as all others are.
 ///
-/// A simulation of a segment begins in its recorded first state y_0, which is the true one plus the
-/// noise's error eta_0. To first order in it, with x_k(y_0) simulated and J_k = dx_k / dy_0,
-///   y_k - x_k(y_0) = eta_k - J_k eta_0,
+/// The recorded first state y_0 of a segment is the true one plus the noise's error eta_0. The
+/// segment is simulated from y_0 - epsilon. To first order around there, with x_k simulated and J_k
+/// its derivative by the first state,
+///   y_k - x_k = eta_k - J_k (eta_0 - epsilon),
 /// so that the errors of a segment's states have eta_0 in common, and channels depend on each
 /// other. eta is the noise of noise_model.h without heavy tails, but stationary, as it doesn't
 /// begin with the segment:
 ///   eta_k = rho_c eta_{k-1} + s_c a_c e_k,    eta_0 ~ N(0, s_c^2 a_c^2 / (1 - rho_c^2)),
 /// and eta_0, whose density given all others is Gaussian, is integrated out in closed form. J comes
 /// from differences: further rollouts whose first states are moved a little, one for each channel.
-/// Segments count as independent, although one begins where another ends.
+/// epsilon = 0 unless first order is too coarse there, as next to a kink: a device with dry
+/// friction that is let go at rest answers to a push otherwise than to a pull. Then it is the
+/// likeliest eta_0. Segments count as independent, although one begins where another ends.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,18 +28,29 @@ namespace npdr::sim {
 /// largest recorded value, and by no less than 2^-13 of it, above the rounding of single precision.
 RowMatrix first_state_moves(const NoiseModel& model);
 
-/// H (1 + C) rollouts: those of `target`, then for each channel c again, with the states of channel
-/// c moved by moves(h, c).
-Target with_moved_states(const Target& target, const RowMatrix& moves);
+/// Where segments are simulated from.
+struct FirstStates {
+  RowMatrix moves;   ///< (H, C) to the further rollouts
+  RowMatrix errors;  ///< epsilon over a, (S, C), row after row of a rollout's segments
+};
 
-/// Errors y_k - x_k(y_0) of a simulation as sums over the states of a segment, and what follows
+/// epsilon = 0.
+FirstStates recorded_first_states(const NoiseModel& model);
+
+/// H (1 + C) rollouts: those of `target` without the errors of their segments' first states, then
+/// for each channel c again, with its states moved by moves(h, c). `segment_length` as of the
+/// simulations.
+Target begun_at(const FirstStates& first, const NoiseModel& model, const Target& target,
+                Index segment_length);
+
+/// Errors y_k - x_k of a simulation as sums over the states of a segment, and what follows
 /// from them for any values of the noise.
 class FirstStateErrors {
  public:
-  /// `recorded`: (H, K, C). `simulated`: (H (1 + C), K, C), of with_moved_states(). Rollout
-  /// `left_out` isn't looked at; -1: all are.
+  /// `recorded`: (H, K, C). `simulated`: (H (1 + C), K, C), of begun_at(). Rollout `left_out` isn't
+  /// looked at; -1: all are. Throws ShapeError.
   FirstStateErrors(const NoiseModel& model, std::span<const float> recorded,
-                   std::span<const float> simulated, const RowMatrix& moves, Index left_out = -1);
+                   std::span<const float> simulated, const FirstStates& first, Index left_out = -1);
 
   /// All values are finite.
   bool are_finite() const;
@@ -53,7 +67,8 @@ class FirstStateErrors {
 
  private:
   // Sums over the states of a segment of products of v_k = (r_k, J_k), r the error of one channel
-  // and J (C) its derivatives; v_0 = (0, 1 at the channel) is that of the first state itself.
+  // and J (C) its derivatives: eta_k = r_k + J_k (eta_0 - epsilon). v_0 = (epsilon, 1 at the
+  // channel) is that of the first state itself.
   struct Sums {
     Eigen::MatrixXd now;      // v_k v_k^T
     Eigen::MatrixXd product;  // v_k v_{k-1}^T + v_{k-1} v_k^T
@@ -67,7 +82,7 @@ class FirstStateErrors {
     // The same of v_k - rho v_{k-1}.
     Eigen::MatrixXd whitened(double rho) const { return now - rho * product + rho * rho * before; }
   };
-  // The Gaussian of a segment's eta_0: its precision, and that times its mean.
+  // The Gaussian of a segment's eta_0 - epsilon: its precision, and that times its mean.
   struct Gaussian {
     Eigen::MatrixXd precision;
     Vector shift;
@@ -81,14 +96,15 @@ class FirstStateErrors {
 
   Index num_channels_;
   std::vector<Sums> sums_;    // (S, C)
+  RowMatrix begun_;           // epsilon over a, (S, C)
   Vector num_states_;         // (C) that are looked at
   Vector rounding_;           // (C) of a state, its square over a^2; 0 of channels in their unit
   double log_measure_ = 0.0;  // log |d y / d error|
 };
 
-/// What the simulation (H, K, C) would be from first states without `first_errors` (S, C) of
-/// FirstStateErrors, to first order. `simulated` and `moves` as there.
+/// What the simulation (H, K, C) would be from first states without `errors` (S, C) of
+/// FirstStateErrors, to first order. `simulated` and `first` as there.
 std::vector<float> from_first_states(const NoiseModel& model, std::span<const float> simulated,
-                                     const RowMatrix& moves, const RowMatrix& first_errors);
+                                     const FirstStates& first, const RowMatrix& errors);
 
 }  // namespace npdr::sim

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <string>
 
 #include "core/error.h"
 #include "sim/channel_errors.h"
-#include "sim/first_states.h"
 #include "sim/noise_integral.h"
 
 namespace npdr::sim {
@@ -85,10 +83,10 @@ Vector mode_of(const LogIntegrand& f, const Vector& guess) {
 }  // namespace
 
 NoiseLikelihood::NoiseLikelihood(NoiseModel model, std::vector<float> recorded,
-                                 RowMatrix first_state_moves)
+                                 std::optional<FirstStates> first_states)
     : model_(std::move(model)),
       recorded_(std::move(recorded)),
-      moves_(std::move(first_state_moves)) {
+      first_states_(std::move(first_states)) {
   if (std::ssize(recorded_) != model_.num_rollouts() * model_.num_steps() * model_.num_states()) {
     throw ShapeError("likelihood: " + std::to_string(recorded_.size()) +
                      " recorded values are not those of the noise's rollouts, steps and channels");
@@ -138,7 +136,7 @@ double NoiseLikelihood::sum_of_channels(Index left_out, std::span<const float> s
 
 double NoiseLikelihood::joint_log_likelihood(Index left_out,
                                              std::span<const float> simulated) const {
-  const FirstStateErrors errors(model_, recorded_, simulated, moves_, left_out);
+  const FirstStateErrors errors(model_, recorded_, simulated, *first_states_, left_out);
   if (!errors.are_finite()) return -kInfinity;
   const JointIntegrand f(model_, errors);
   return log_integral(f, f.guess());
@@ -164,38 +162,57 @@ std::vector<NoiseValues> NoiseLikelihood::draw_values(std::span<const float> sim
   return values;
 }
 
+NoiseLikelihood::FirstStateFit NoiseLikelihood::fit_first_states(
+    std::span<const float> simulated) const {
+  const FirstStateErrors errors(model_, recorded_, simulated, first_states());
+  const JointIntegrand f(model_, errors);
+  FirstStateFit fit;
+  fit.values = f.values(mode_of(f, f.guess()));
+  fit.errors = errors.first_errors(fit.values);
+  fit.states = from_first_states(model_, simulated, first_states(), fit.errors);
+  return fit;
+}
+
+double NoiseLikelihood::distance(std::span<const float> one, std::span<const float> other,
+                                 const std::vector<NoiseValues>& values) const {
+  double sum = 0.0;
+  for (Index c = 0; c < model_.num_states(); ++c) {
+    const NoiseValues& at = values[static_cast<std::size_t>(c)];
+    const ChannelErrors errors = channel_errors(model_, one, other, c, -1);
+    sum += ((errors.now - at.correlation * errors.before) / at.scale).square().sum();
+  }
+  return std::sqrt(sum);
+}
+
 ErrorMemory NoiseLikelihood::error_memory(std::span<const float> simulated) const {
   const Index channels = model_.num_states();
-  std::vector<NoiseValues> values(static_cast<std::size_t>(channels));
-  std::vector<float> series(simulated.begin(), simulated.begin() + std::ssize(recorded_));
-  RowMatrix first_errors;
+  FirstStateFit fit;
   if (infers_first_states()) {
-    const FirstStateErrors errors(model_, recorded_, simulated, moves_);
-    const JointIntegrand f(model_, errors);
-    values = f.values(mode_of(f, f.guess()));
-    first_errors = errors.first_errors(values);
-    series = from_first_states(model_, simulated, moves_, first_errors);
+    fit = fit_first_states(simulated);
+  } else {
+    fit.values.resize(static_cast<std::size_t>(channels));
+    fit.states.assign(simulated.begin(), simulated.end());
   }
   const std::vector<char> restarts = restarts_of_rollouts(model_);
   RowMatrix scores_of_states(std::ssize(restarts), channels);
   for (Index c = 0; c < channels; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const ChannelNoise& noise = model_.channels()[i];
-    ChannelErrors errors = channel_errors(model_, recorded_, series, c, -1);
+    ChannelErrors errors = channel_errors(model_, recorded_, fit.states, c, -1);
     if (infers_first_states()) {
-      begin_with(first_errors.col(c), restarts, errors);
+      begin_with(fit.errors.col(c), restarts, errors);
     } else {
       const ChannelIntegrand f(noise, errors);
-      values[i] = f.values(mode_of(f, f.guess()));
+      fit.values[i] = f.values(mode_of(f, f.guess()));
     }
-    const Eigen::ArrayXd independent =
-        (errors.now - values[i].correlation * errors.before) / values[i].scale;
-    scores_of_states.col(c) = scores(noise, values[i], independent);
+    const NoiseValues& at = fit.values[i];
+    const Eigen::ArrayXd independent = (errors.now - at.correlation * errors.before) / at.scale;
+    scores_of_states.col(c) = scores(noise, at, independent);
   }
   ErrorMemory result = memory_of(scores_of_states, restarts);
   // As many errors of a channel as there are first states have gone into them.
   const double share =
-      static_cast<double>(first_errors.rows()) / static_cast<double>(restarts.size());
+      static_cast<double>(fit.errors.rows()) / static_cast<double>(restarts.size());
   result.size /= 1.0 - std::min(share, 0.5);
   return result;
 }

@@ -11,7 +11,10 @@
 /// than the rounding of single precision, 2^-24: else it would be 0 where x meets y.
 #pragma once
 
+#include <optional>
+
 #include "sim/error_memory.h"
+#include "sim/first_states.h"
 #include "sim/noise_model.h"
 
 namespace npdr::sim {
@@ -19,14 +22,17 @@ namespace npdr::sim {
 /// Const calls are thread-safe.
 class NoiseLikelihood {
  public:
-  /// `recorded`: (H, K, C) stored states. `first_state_moves`: (H, C), of first_states.h, where
-  /// first states are inferred; empty: they are exact. Throws ShapeError for another size.
-  NoiseLikelihood(NoiseModel model, std::vector<float> recorded, RowMatrix first_state_moves = {});
+  /// `recorded`: (H, K, C) stored states. `first_states`: that simulations begin in where they are
+  /// inferred; none: they are exact. Throws ShapeError for another size.
+  NoiseLikelihood(NoiseModel model, std::vector<float> recorded,
+                  std::optional<FirstStates> first_states = std::nullopt);
 
   const NoiseModel& model() const { return model_; }
-  /// (H, C); empty where first states are exact.
-  const RowMatrix& first_state_moves() const { return moves_; }
-  bool infers_first_states() const { return moves_.size() > 0; }
+  bool infers_first_states() const { return first_states_.has_value(); }
+  /// Only where they are inferred.
+  const FirstStates& first_states() const { return first_states_.value(); }
+  /// Of simulations from now on: their errors (S, C), over a.
+  void begin_without(RowMatrix errors) { first_states_.value().errors = std::move(errors); }
 
   /// Throws InputError where a channel has no noise, so that recordings have no density: its scale
   /// is 0, or relative to an amplitude of 0; and for heavy tails where first states are inferred.
@@ -46,6 +52,21 @@ class NoiseLikelihood {
   std::vector<NoiseValues> draw_values(std::span<const float> simulated, Stream& stream,
                                        Index left_out = -1) const;
 
+  /// The likeliest errors of first states (S, C), over a, given a simulation, with the noise's
+  /// parameters at their mode, and what would be simulated without them, to first order.
+  struct FirstStateFit {
+    std::vector<NoiseValues> values;  ///< (C)
+    RowMatrix errors;
+    std::vector<float> states;  ///< (H, K, C)
+  };
+  FirstStateFit fit_first_states(std::span<const float> simulated) const;
+
+  /// |e - e'| over all states of two simulations (H, K, C), e the independent errors of N(0, 1)
+  /// that Gaussian noise at these values takes their errors for: no estimate that is as good as the
+  /// noise lets it be moves by more of its deviations when one takes the place of the other.
+  double distance(std::span<const float> one, std::span<const float> other,
+                  const std::vector<NoiseValues>& values) const;
+
   /// How far errors are from the independence that the noise gives them, with its parameters, and
   /// first states where they are inferred, at the mode given x.
   ErrorMemory error_memory(std::span<const float> simulated) const;
@@ -56,7 +77,7 @@ class NoiseLikelihood {
 
   NoiseModel model_;
   std::vector<float> recorded_;
-  RowMatrix moves_;
+  std::optional<FirstStates> first_states_;
 };
 
 }  // namespace npdr::sim

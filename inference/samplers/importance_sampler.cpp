@@ -216,13 +216,15 @@ void ImportanceSampler::tell(const Vector& log_likelihood) {
   if (level.is_complete() && !is_done()) plan_next_level();
 }
 
-ImportanceSample ImportanceSampler::preliminary(Index most) const {
+ImportanceSample ImportanceSampler::preliminary(double power, Index most) const {
   if (state_.walkers) throw Error("importance sampling: no draws while walkers climb");
-  return draws_of_pool(state_.levels.size() - 1, most);
+  const bool is_planned = !state_.levels.back().is_complete();
+  return draws_of_pool(std::min(num_before_last(), state_.levels.size() - is_planned), power, most);
 }
 
-ImportanceSample ImportanceSampler::draws_of_pool(std::size_t num_levels, Index most) const {
-  const Vector weights = truncated(pool(num_levels).log_weights(power()));
+ImportanceSample ImportanceSampler::draws_of_pool(std::size_t num_levels, double power,
+                                                  Index most) const {
+  const Vector weights = truncated(pool(num_levels).log_weights(power));
   const Choice choice = choose_rows(weights, most, level_id("refine_thinning"));
   return {points(choice.rows), choice.weights, {.pool_ess = effective_size(weights)}};
 }
@@ -433,7 +435,7 @@ ImportanceSample ImportanceSampler::sample() const {
 ImportanceSample ImportanceSampler::particles(Index most) const {
   ImportanceSample sample = this->sample();
   if (sample.certificate.ess < kFewOfWanted * config_.min_ess) {
-    ImportanceSample known = draws_of_pool(num_before_last(), most);
+    ImportanceSample known = draws_of_pool(num_before_last(), power(), most);
     const double ess = effective_size(truncated(sample.weights.array().log()));
     if (known.certificate.pool_ess > ess) {
       sample.certificate.pool_ess = known.certificate.pool_ess;

@@ -98,9 +98,9 @@ class ImportanceSampler {
   /// complete and none of all points, or of those of the last levels, has one above 0.
   void tell(const Vector& log_likelihood);
 
-  /// Draws of the posterior at power() from the points of all levels so far, at most about `most`
-  /// of them. Only where a level has just been planned; throws Error while walkers climb.
-  ImportanceSample preliminary(Index most) const;
+  /// Draws of the posterior at a power up to power() from the points of all complete levels but
+  /// last ones, at most about `most` of them. Throws Error while walkers climb.
+  ImportanceSample preliminary(double power, Index most) const;
   /// Makes `power` the one that is wanted, in place of a higher one. Only where a level has just
   /// been planned; throws Error while walkers climb.
   void settle(double power);
@@ -165,7 +165,7 @@ class ImportanceSampler {
   };
 
   Pool pool(std::size_t num_levels) const;
-  ImportanceSample draws_of_pool(std::size_t num_levels, Index most) const;
+  ImportanceSample draws_of_pool(std::size_t num_levels, double power, Index most) const;
   bool has_enough_points(const Pool& pool) const;
   void note_evidence(const Pool& pool);
   Parameters<float> latest_flow() const;

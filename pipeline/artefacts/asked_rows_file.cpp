@@ -26,6 +26,10 @@ void describe(Layout f, AskedRows& asked) {
   f.attribute("shard_size", asked.shard_size, "rows that are simulated together");
   f.attribute("rollouts", asked.rollouts, "1: wanted as well; 0: likelihoods alone");
   f("theta", asked.theta, {{"n"}, {"D"}}, "rows that are wanted", kFinite);
+  f("first_errors", asked.first_errors, {{"S"}, {"C"}},
+    "of the noise, over its unit, that simulations of segments begin without; missing where first "
+    "states aren't inferred",
+    {.allowed = h5::Values::finite, .unless_empty = true});
 }
 
 void describe(Layout f, SimulatedRows& rows) {
@@ -62,16 +66,22 @@ std::optional<Index> first_of_asked(const std::string& name) {
   return parts.size() == 3 ? parse_count(parts.front()) : std::nullopt;
 }
 
+void add(const RowMatrix& values, Hasher& hasher) {
+  hasher.add_bytes(values.data(), sizeof(double) * static_cast<std::size_t>(values.size()));
+}
+
 nlohmann::ordered_json document_of(const AskedRows& asked, RowRange rows,
                                    const std::string& posterior) {
-  Hasher theta;
+  Hasher theta, first_errors;
   theta.add_bytes(asked.theta.row(rows.begin).data(),
                   sizeof(double) * static_cast<std::size_t>(rows.size() * asked.theta.cols()));
+  add(asked.first_errors, first_errors);
   nlohmann::ordered_json document = key_document(kSimulatedRowsSchema);
   document["posterior"] = posterior;
   document["begin"] = asked.first + rows.begin;
   document["end"] = asked.first + rows.end;
   document["theta"] = theta.hex();
+  document["first_errors"] = first_errors.hex();
   document["rollouts"] = asked.rollouts;
   document["instruction_set"] = instruction_set();  // another one rounds differently
   return document;
@@ -81,7 +91,8 @@ nlohmann::ordered_json document_of(const AskedRows& asked, RowRange rows,
 
 std::string AskedRows::file_name() const {
   Hasher what;
-  what.add_bytes(theta.data(), sizeof(double) * static_cast<std::size_t>(theta.size()));
+  add(theta, what);
+  add(first_errors, what);
   what.add_bytes(&shard_size, sizeof(shard_size));
   what.add_bytes(&rollouts, sizeof(rollouts));
   return fmt::format("{}{}-{}-{}{}", kAsked, first, end(), what.hex().substr(0, kKeyDigits),

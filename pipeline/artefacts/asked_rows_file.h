@@ -20,10 +20,11 @@
 namespace npdr::pipeline {
 
 struct AskedRows {
-  Index first = 0;        ///< number of the first row
-  Index shard_size = 1;   ///< rows that are simulated together
-  bool rollouts = false;  ///< wanted as well
-  RowMatrix theta;        ///< (n, D)
+  Index first = 0;              ///< number of the first row
+  Index shard_size = 1;         ///< rows that are simulated together
+  bool rollouts = false;        ///< wanted as well
+  RowMatrix theta;              ///< (n, D)
+  RowMatrix first_errors = {};  ///< (S, C) as SimulatedLikelihood::first_errors()
 
   Index end() const { return first + theta.rows(); }
   std::string file_name() const;

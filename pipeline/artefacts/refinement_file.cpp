@@ -41,6 +41,15 @@ void describe(Layout f, std::optional<sim::ErrorMemory>& residuals) {
            kFinite);
 }
 
+void describe(Layout f, std::optional<FirstStateMoves>& moves) {
+  auto group = f.group("first_states", moves);
+  if (!group) return;
+  group->attribute("num_moves", moves->count, "of the first states that simulations begin in");
+  group->attribute("num_draws", moves->num_draws, "simulated before the last of them");
+  (*group)("first_errors", moves->first_errors, {{"S"}, {"C"}},
+           "of the noise, over its unit, that simulations of segments begin without", kFinite);
+}
+
 void describe(Layout f, inference::FlowParts& flow) {
   f("mean", flow.mean, {{"D"}}, "m", kFinite);
   f("factor", flow.factor, {{"D"}, {"D"}}, "L", kFinite);
@@ -146,11 +155,22 @@ std::optional<sim::ErrorMemory> read_residuals(const h5::File& file) {
   return residuals;
 }
 
+void write_first_states(h5::File& file, std::optional<FirstStateMoves> moves) {
+  describe(Layout::writer(file), moves);
+}
+
+std::optional<FirstStateMoves> read_first_states(const h5::File& file) {
+  std::optional<FirstStateMoves> moves;
+  describe(Layout::reader(file), moves);
+  return moves;
+}
+
 void write_refinement(const std::filesystem::path& path, const Identity& identity,
                       RefinementCheckpoint checkpoint) {
   ArtefactWriter writer(path, kRefinementCheckpointSchema, identity);
   writer.add_cost(checkpoint.cost);
   describe(Layout::writer(writer.file()), checkpoint.state, checkpoint.num_failed);
+  describe(Layout::writer(writer.file()), checkpoint.moves);
   describe(Layout::writer(writer.file()).group("power_scores"), checkpoint.powers);
   writer.finish();
 }
@@ -159,9 +179,9 @@ RefinementCheckpoint read_refinement(const ArtefactFile& artefact) {
   const std::optional<h5::File> file =
       open_artefact_if_there(artefact, kRefinementCheckpointSchema);
   if (!file) return {};
-  RefinementCheckpoint checkpoint{
-      .state = {}, .num_failed = 0, .powers = {}, .cost = provenance_of(*file).cost};
+  RefinementCheckpoint checkpoint{.state = {}, .powers = {}, .cost = provenance_of(*file).cost};
   describe(Layout::reader(*file), checkpoint.state, checkpoint.num_failed);
+  describe(Layout::reader(*file), checkpoint.moves);
   describe(Layout::reader(*file).group("power_scores"), checkpoint.powers);
   return checkpoint;
 }
@@ -171,6 +191,8 @@ void list_certificate(Layout f) {
   describe(f, certificate);
   std::optional<sim::ErrorMemory> residuals;
   describe(f, residuals);
+  std::optional<FirstStateMoves> moves;
+  describe(f, moves);
   list_power_scores(f);
 }
 
@@ -180,6 +202,8 @@ void list_refinement_checkpoint(Layout f) {
   state.levels.emplace_back().proposal.flows.emplace_back();
   Index num_failed = 0;
   describe(f, state, num_failed);
+  std::optional<FirstStateMoves> moves;
+  describe(f, moves);
 }
 
 }  // namespace npdr::pipeline

@@ -50,7 +50,7 @@ void wait_for_inputs(const Plan& plan, const Node& node, double patience) {
 
 Index help_refinement(const Plan& plan, const Node& node, const Helper& helper, double patience) {
   wait_for_inputs(plan, node, patience);
-  const SimulatedLikelihood likelihood(plan, node, helper_log(node, helper));
+  SimulatedLikelihood likelihood(plan, node, helper_log(node, helper));
   RefinedRows rows(plan, node, likelihood, helper);
   Progress progress(fmt::format("help {}, simulations", node.label()), 0);
   make_folder(plan.work.asked_rows(node.key));

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "inference/samplers/importance_sampler.h"
+#include "inference/samplers/resampler.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/process/progress.h"
@@ -20,6 +21,7 @@ namespace {
 constexpr Index kStartDraws = 5000;     // of the posterior that is refined
 constexpr Index kMostParticles = 5000;  // of the refined posterior
 constexpr double kSearchShare = 0.7;    // of the simulations, for finding the power
+constexpr Index kMostMoves = 4;         // of first states
 constexpr double kSecondsBetweenCheckpoints = 60.0;
 
 using Clock = std::chrono::steady_clock;
@@ -53,6 +55,7 @@ class Refinement {
         config_(plan.study.method(node.uses.front().method).refine.sampling),
         checkpoint_(plan.work.checkpoint("infer", node.key)),
         earlier_(read_refinement({checkpoint_, node.key})),
+        moves_(earlier_.moves.value_or(FirstStateMoves())),
         search_(earlier_.powers),
         sampler_(make_sampler()),
         likelihood_(plan, node, log_of(node.path)),
@@ -63,20 +66,25 @@ class Refinement {
       throw InputError(node_.label() +
                        ": refine.cross_validate needs two rollouts or more; the target has one");
     }
-    if (earlier_.state.num_draws == 0) likelihood_.require_deterministic();
+    if (moves_.count == 0) moves_.first_errors = likelihood_.first_errors();
+    likelihood_.begin_without(moves_.first_errors);
+    if (earlier_.state.num_draws == 0 && moves_.count == 0) likelihood_.require_deterministic();
   }
 
   // Returns the number of rows that failed.
   Index run() {
     Index failed = earlier_.num_failed;
-    while (!sampler_.is_done()) {
+    while (!sampler_.is_done() || begin_at_likeliest()) {
       if (const std::optional<Vector> log_likelihood = simulate_next(failed)) {
         const Index level = sampler_.state().num_levels;
         sampler_.tell(*log_likelihood);
         const bool is_end = sampler_.state().num_levels != level || sampler_.is_done();
         if (is_end || level == 0) require_simulations(failed);
-        if (sampler_.state().num_levels != level) cross_validate();
-        show(sampler_.state().num_draws);
+        if (sampler_.state().num_levels != level) {
+          cross_validate();
+          if (has_just_arrived()) begin_at_likeliest();
+        }
+        show(num_draws());
       }
       keep(failed);
     }
@@ -84,36 +92,52 @@ class Refinement {
   }
 
   const Cost& cost_of_helpers() const { return rows_.cost_of_others(); }
-  inference::ImportanceSample sample() const { return sampler_.particles(kMostParticles); }
-  // At its likeliest draw.
-  std::optional<sim::ErrorMemory> residuals() const {
-    const RowMatrix u = sampler_.best_point().transpose();
-    return likelihood_.residuals(prior_.to_theta(u).row(0).transpose());
+  inference::ImportanceSample sample() const {
+    inference::ImportanceSample sample = sampler_.particles(kMostParticles);
+    sample.certificate.num_draws += moves_.num_draws;
+    return sample;
   }
+  std::optional<sim::ErrorMemory> residuals() const { return likelihood_.residuals(likeliest()); }
   const inference::Prior& prior() const { return prior_; }
   const PowerScores& powers() const { return search_.scores(); }
+  // None: first states are exact.
+  std::optional<FirstStateMoves> moves() const {
+    if (!likelihood_.infers_first_states()) return std::nullopt;
+    return moves_;
+  }
   // "; the last: ..."; "": nothing is known of any.
   std::string words_of_failure() const {
     const std::string last = likelihood_.last_failure();
     return last.empty() ? "" : "; the last: " + last;
   }
+  // First states were inferred to first order where that was too coarse.
+  bool is_coarse() const { return is_coarse_; }
   bool is_search_cut() const { return search_.scores().ends_at_least(config_.likelihood_power); }
 
  private:
+  // All simulations so far.
+  Index num_draws() const { return moves_.num_draws + sampler_.state().num_draws; }
+
+  // theta (D) of the likeliest draw.
+  Vector likeliest() const {
+    const RowMatrix u = sampler_.best_point().transpose();
+    return prior_.to_theta(u).row(0).transpose();
+  }
+
   // Of programs, as for other simulations (where a simulator of ours fails, parameters are
   // impossible indeed), at the end of a level, however its rows came here; in the first one as soon
   // as they are too many for all of it. What failed since the last checkpoint is simulated again by
   // who goes on from there: perhaps the fault was the machine's.
   void require_simulations(Index failed) {
     if (!plan_.study.source().takes_seeds) return;
-    const Index n = std::max(sampler_.state().num_draws, config_.level_size);
+    const Index n = std::max(num_draws(), config_.level_size);
     const double limit = plan_.study.limits.max_failed_fraction;
     if (static_cast<double>(failed) <= limit * static_cast<double>(n)) return;
-    rows_.forget(sampler_.state().num_draws);
+    rows_.forget(num_draws());
     throw FailedRolloutsError(fmt::format(
         "{}: {} of {} simulations failed, limits.max_failed_fraction = {} allows {} of {}; a "
         "refinement takes their parameters for impossible: {}, or raise the limit{}",
-        node_.label(), failed, sampler_.state().num_draws, limit,
+        node_.label(), failed, num_draws(), limit,
         static_cast<Index>(limit * static_cast<double>(n)), n, plan_.study.source().advice,
         words_of_failure()));
   }
@@ -121,7 +145,7 @@ class Refinement {
   // Log likelihoods of the points that the sampler wants next: those of a block or, where there are
   // helpers, of all that it knows by now. None: a stop was requested.
   std::optional<Vector> simulate_next(Index& failed) {
-    const Index first = sampler_.state().num_draws;
+    const Index first = num_draws();
     if (!rows_.has_helpers()) {
       const RowMatrix theta = prior_.to_theta(sampler_.next(block_size()));
       return likelihood_.of(likelihood_.simulate(theta, first), failed);
@@ -158,7 +182,7 @@ class Refinement {
   void cross_validate() {
     if (!config_.cross_validate || is_settled() || sampler_.power() == 0.0) return;
     if (sampler_.state().levels.back().kind == inference::LevelKind::last) return;
-    const inference::ImportanceSample draws = sampler_.preliminary(kLeftOutDraws);
+    const inference::ImportanceSample draws = sampler_.preliminary(sampler_.power(), kLeftOutDraws);
     const sim::Trajectories rollouts = simulate_draws(prior_.to_theta(draws.u));
     search_.add(sampler_.power(), likelihood_.left_out(rollouts, draws.weights, sampler_.power()));
     const bool is_late = !sampler_.has_draws_for(3) ||
@@ -168,15 +192,54 @@ class Refinement {
   }
 
   bool is_settled() const {
-    return sampler_.wanted_power() < config_.likelihood_power ||
+    return moves_.count > 0 || sampler_.wanted_power() < config_.likelihood_power ||
            search_.is_over(config_.likelihood_power);
   }
 
-  Sampler make_sampler() {
+  // The power that is wanted has been reached, and won't change any more.
+  bool has_just_arrived() const {
+    const inference::ImportanceState& state = sampler_.state();
+    return !state.walkers && state.num_draws_before == state.num_draws &&
+           (!config_.cross_validate || is_settled());
+  }
+
+  // Where first order is too coarse around the first states that simulations begin in, they begin
+  // in the likeliest ones, and the sampler anew, from draws of what it has found that are as much
+  // wider as the posterior may be elsewhere. Returns whether it does: only where it may take as
+  // long again.
+  bool begin_at_likeliest() {
+    const bool may =
+        moves_.count < kMostMoves && sampler_.has_draws_for(sampler_.state().num_levels);
+    const RowMatrix earlier = likelihood_.first_errors();
+    const double off = likelihood_.begin_at_likeliest(likeliest());
+    is_coarse_ = off > 0.0 && !may;
+    if (is_coarse_) likelihood_.begin_without(earlier);
+    if (off == 0.0 || !may) return false;
+    inference::ImportanceConfig config = config_;
+    config.likelihood_power = sampler_.wanted_power();
+    const inference::ImportanceSample found =
+        sampler_.preliminary(sampler_.wanted_power() / (1.0 + off * off), kStartDraws);
+    moves_ = {likelihood_.first_errors(), moves_.count + 1, num_draws()};
+    config.max_simulations -= moves_.num_draws;
+    const auto rows = inference::Resampler(found.weights).systematic(kStartDraws, 0.5);
+    sampler_ = {config, prior_.dimension(), found.u(rows, Eigen::all), sampler_id()};
+    return true;
+  }
+
+  StreamId sampler_id() const {
     const Use& use = node_.uses.front();
-    const StreamId id = {use.seed, "refinement", use.stream_round(), 0, 0};
+    StreamId id = {use.seed, "refinement", use.stream_round(), 0, 0};
+    for (Index i = 0; i < moves_.count; ++i) id = within(id, "first_states");
+    return id;
+  }
+
+  // Goes on from the checkpoint.
+  Sampler make_sampler() const {
+    const StreamId id = sampler_id();
     const bool is_new = earlier_.state.levels.empty();
-    return {config_, prior_.dimension(), is_new ? start_of(plan_, node_, prior_, id) : RowMatrix(),
+    inference::ImportanceConfig config = config_;
+    config.max_simulations -= moves_.num_draws;
+    return {config, prior_.dimension(), is_new ? start_of(plan_, node_, prior_, id) : RowMatrix(),
             id, earlier_.state};
   }
 
@@ -186,12 +249,13 @@ class Refinement {
     const bool is_due =
         std::chrono::duration<double>(now - saved_).count() > kSecondsBetweenCheckpoints;
     if (!is_due && !is_stopping) return;
-    RefinementCheckpoint checkpoint{sampler_.state(), failed, search_.scores(), earlier_.cost};
+    RefinementCheckpoint checkpoint{sampler_.state(), moves(), failed, search_.scores(),
+                                    earlier_.cost};
     checkpoint.cost += cost_of_seconds(std::chrono::duration<double>(now - start_).count());
     checkpoint.cost += rows_.cost_of_others();
     checkpoint.cost.core_seconds -= rows_.unread_core_seconds();
     write_refinement(checkpoint_, node_.identity, std::move(checkpoint));
-    rows_.forget(sampler_.state().num_draws);
+    rows_.forget(num_draws());
     saved_ = now;
     if (is_stopping) throw Checkpointed(node_.label() + ": stopped on request, checkpoint written");
   }
@@ -202,6 +266,8 @@ class Refinement {
   inference::ImportanceConfig config_;
   std::filesystem::path checkpoint_;
   RefinementCheckpoint earlier_;
+  FirstStateMoves moves_;
+  bool is_coarse_ = false;
   PowerSearch search_;
   Sampler sampler_;
   SimulatedLikelihood likelihood_;
@@ -219,8 +285,14 @@ void warn_of_failures(const Node& node, Index failed, Index num_draws, const std
 }
 
 void warn(const Node& node, const inference::ImportanceCertificate& certificate,
-          bool is_search_cut) {
-  if (is_search_cut) {
+          const Refinement& refinement) {
+  if (refinement.is_coarse()) {
+    report_error(
+        node.label(),
+        "warning: first states are inferred to first order, which is too coarse around the "
+        "recorded ones; raise refine.max_simulations, or cut shorter segments");
+  }
+  if (refinement.is_search_cut()) {
     report_error(node.label(),
                  "warning: the power of the likelihood that predicts best is the largest that was "
                  "reached, and larger ones may be better; raise refine.max_simulations");
@@ -242,7 +314,7 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   writer.add_cost(refinement.cost_of_helpers());
   const inference::ImportanceSample sample = refinement.sample();
   const MethodConfig& method = plan.study.method(node.uses.front().method);
-  warn(node, sample.certificate, refinement.is_search_cut());
+  warn(node, sample.certificate, refinement);
   if (failed > 0 && plan.study.source().takes_seeds) {
     warn_of_failures(node, failed, sample.certificate.num_draws, refinement.words_of_failure());
   }
@@ -253,6 +325,7 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
                   {.used = sample.certificate.num_draws - failed, .failed = failed});
   write_certificate(writer.file(), sample.certificate);
   write_residuals(writer.file(), refinement.residuals());
+  write_first_states(writer.file(), refinement.moves());
   if (method.refine.sampling.cross_validate) {
     write_power_scores(writer.file(), refinement.powers());
   }

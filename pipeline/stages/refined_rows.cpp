@@ -67,7 +67,7 @@ std::vector<std::size_t> walking_order(std::size_t num_shards, const Helper& wal
   return order;
 }
 
-RefinedRows::RefinedRows(const Plan& plan, const Node& node, const SimulatedLikelihood& likelihood,
+RefinedRows::RefinedRows(const Plan& plan, const Node& node, SimulatedLikelihood& likelihood,
                          const Helper& walker)
     : plan_(plan),
       node_(node),
@@ -83,6 +83,7 @@ bool RefinedRows::has_helpers() const { return fs::is_directory(folder_); }
 std::optional<SimulatedRows> RefinedRows::ask(AskedRows asked, const OnRows& on_rows) {
   const Index each = (asked.theta.rows() + walker_.count) / (walker_.count + 1);
   asked.shard_size = std::clamp<Index>(each, 1, most_rows_);
+  asked.first_errors = likelihood_.first_errors();
   const std::vector<AskedShard> shards = shards_of(asked, node_.key);
   const std::string asked_name = asked.file_name();
   std::error_code ignored;
@@ -139,6 +140,7 @@ Index RefinedRows::help(const OnRows& on_rows) {
           "file",
           (folder_ / name).string(), asked->file_name(), asked->theta.cols(), dimension_));
     }
+    likelihood_.begin_without(asked->first_errors);
     num_made += walk(*asked, shards_of(*asked, node_.key), true, on_rows);
     if (num_made > 0) break;  // rows that come first may be asked for by now
   }

@@ -31,7 +31,8 @@ class RefinedRows {
  public:
   using OnRows = std::function<void(Index)>;
 
-  RefinedRows(const Plan& plan, const Node& node, const SimulatedLikelihood& likelihood,
+  /// Keeps a reference to the likelihood, whose simulations begin where rows are asked to.
+  RefinedRows(const Plan& plan, const Node& node, SimulatedLikelihood& likelihood,
               const Helper& walker);
 
   /// Whether helpers were there: they make the folder in which rows are asked for.
@@ -66,7 +67,7 @@ class RefinedRows {
 
   const Plan& plan_;
   const Node& node_;
-  const SimulatedLikelihood& likelihood_;
+  SimulatedLikelihood& likelihood_;
   Helper walker_;    // of the rows: the refinement, or a helper
   Index most_rows_;  // of a shard
   Index dimension_;

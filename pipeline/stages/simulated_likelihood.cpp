@@ -15,6 +15,10 @@
 namespace npdr::pipeline {
 namespace {
 
+constexpr double kLinear = 0.25;   // deviations that first order may be off by
+constexpr double kSettled = 0.05;  // that another step may be worth
+constexpr Index kMostSteps = 10;   // of Gauss and Newton
+
 // The first channel in which two rows differ by more than rounding does, relative to how much it
 // varies; -1: none.
 Index different_channel(const sim::Trajectories& rows, Index i, Index j) {
@@ -40,9 +44,9 @@ const RefineConfig& config_of(const Plan& plan, const Node& node) {
 sim::NoiseLikelihood likelihood_of(const Plan& plan, const Node& node, const Target& target,
                                    const std::vector<float>& recorded) {
   sim::NoiseModel model = noise_model(plan.study, target);
-  const bool infers = config_of(plan, node).infer_first_states;
-  RowMatrix moves = infers ? sim::first_state_moves(model) : RowMatrix();
-  return {std::move(model), recorded, std::move(moves)};
+  std::optional<sim::FirstStates> first_states;
+  if (config_of(plan, node).infer_first_states) first_states = sim::recorded_first_states(model);
+  return {std::move(model), recorded, std::move(first_states)};
 }
 
 }  // namespace
@@ -50,29 +54,79 @@ sim::NoiseLikelihood likelihood_of(const Plan& plan, const Node& node, const Tar
 SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
                                          const std::filesystem::path& log)
     : plan_(plan),
+      log_(log),
+      most_rows_(config_of(plan, node).sampling.level_size),
       target_(read_seen_target(plan, node)),
       recorded_(stored_observation(plan, target_)),
       noise_(likelihood_of(plan, node, target_, recorded_)),
       id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {
   noise_.require_density();
+  open();
+}
+
+void SimulatedLikelihood::open() {
   Target simulated = target_;
-  if (noise_.infers_first_states()) {
-    simulated = sim::with_moved_states(target_, noise_.first_state_moves());
+  if (infers_first_states()) {
+    simulated = sim::begun_at(noise_.first_states(), noise_.model(), target_,
+                              plan_.study.simulator.segment_length);
   }
-  simulator_ = plan.source->open({.simulator = plan.study.simulator,
-                                  .target = simulated,
-                                  .log = log,
-                                  .num_rows = config_of(plan, node).sampling.level_size});
+  simulator_ = plan_.source->open({.simulator = plan_.study.simulator,
+                                   .target = simulated,
+                                   .log = log_,
+                                   .num_rows = most_rows_});
+}
+
+RowMatrix SimulatedLikelihood::first_errors() const {
+  return infers_first_states() ? noise_.first_states().errors : RowMatrix();
+}
+
+void SimulatedLikelihood::begin_without(const RowMatrix& first_errors) {
+  const RowMatrix now = this->first_errors();
+  if (first_errors.rows() != now.rows() || first_errors.cols() != now.cols()) {
+    throw InputError(
+        fmt::format("first states of {} segments and {} channels, must be of {} and {}",
+                    first_errors.rows(), first_errors.cols(), now.rows(), now.cols()));
+  }
+  if (first_errors == now) return;
+  noise_.begin_without(first_errors);
+  open();
+}
+
+// Steps of Gauss and Newton for given parameters: each is the likeliest by first order.
+double SimulatedLikelihood::begin_at_likeliest(const Vector& theta) {
+  if (!infers_first_states()) return 0.0;
+  const RowMatrix earlier = first_errors();
+  double first = 0.0;
+  std::optional<sim::Trajectories> row = simulate_one(theta);
+  for (Index step = 0; row && step < kMostSteps; ++step) {
+    const sim::NoiseLikelihood::FirstStateFit fit = noise_.fit_first_states(row->row(0));
+    begin_without(fit.errors);
+    row = simulate_one(theta);
+    if (!row) break;
+    const double off = noise_.distance(fit.states, row->row(0), fit.values);
+    if (step == 0) first = off;
+    if (first <= kLinear) break;
+    if (off <= kSettled || step + 1 == kMostSteps) return first;
+  }
+  begin_without(earlier);
+  return 0.0;
 }
 
 Index SimulatedLikelihood::num_values() const {
-  return (noise_.infers_first_states() ? 1 + target_.num_states() : 1) * std::ssize(recorded_);
+  return (infers_first_states() ? 1 + target_.num_states() : 1) * std::ssize(recorded_);
+}
+
+// None: it fails.
+std::optional<sim::Trajectories> SimulatedLikelihood::simulate_one(const Vector& theta) const {
+  sim::Trajectories rows = simulate(theta.transpose(), static_cast<Index>(kNoRow));
+  if (rows.status.front() != sim::RolloutStatus::ok) return std::nullopt;
+  return rows;
 }
 
 std::optional<sim::ErrorMemory> SimulatedLikelihood::residuals(const Vector& theta) const {
-  const sim::Trajectories rows = simulate(theta.transpose(), static_cast<Index>(kNoRow));
-  if (rows.status.front() != sim::RolloutStatus::ok) return std::nullopt;
-  return noise_.error_memory(rows.row(0));
+  const std::optional<sim::Trajectories> row = simulate_one(theta);
+  if (!row) return std::nullopt;
+  return noise_.error_memory(row->row(0));
 }
 
 Vector SimulatedLikelihood::of(const sim::Trajectories& rows, Index& failed) const {

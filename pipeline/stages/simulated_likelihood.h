@@ -13,8 +13,8 @@
 namespace npdr::pipeline {
 
 /// log p(recording | theta) of rows of theta, under the observation noise. A row's value is a
-/// function of theta and of its number alone: it has the same bits whoever simulates it, and with
-/// which others.
+/// function of theta, its number and the first states that simulations begin in: it has the same
+/// bits whoever simulates it, and with which others.
 class SimulatedLikelihood {
  public:
   /// Of the refinement `node`. `log`: of what programs print. Throws InputError for noise without a
@@ -29,6 +29,18 @@ class SimulatedLikelihood {
 
   /// The words of a call of a program that failed; "": none has.
   std::string last_failure() const { return simulator_->last_failure(); }
+
+  bool infers_first_states() const { return noise_.infers_first_states(); }
+  /// Errors (S, C), over a, of recorded first states that simulations begin without, where they are
+  /// inferred; else empty.
+  RowMatrix first_errors() const;
+  /// Makes them others. Throws InputError for those of another number of segments, and what opening
+  /// the study's source throws.
+  void begin_without(const RowMatrix& first_errors);
+  /// Makes them the likeliest of theta (D) where first order is too coarse: simulations from there
+  /// are at a distance() of more than a quarter from what it says of them. Returns that distance; 0
+  /// where they stay. Throws as begin_without().
+  double begin_at_likeliest(const Vector& theta);
 
   /// Throws InputError when rollouts of a simulator of the user's don't follow from theta: those of
   /// a few draws of the prior that don't fail, each simulated twice with other seeds, differ by
@@ -49,9 +61,13 @@ class SimulatedLikelihood {
   LeftOutScore left_out(const sim::Trajectories& rows, const Vector& weights, double power) const;
 
  private:
+  void open();
   Index num_equal_pairs(const sim::Trajectories& twice) const;
+  std::optional<sim::Trajectories> simulate_one(const Vector& theta) const;
 
   const Plan& plan_;
+  std::filesystem::path log_;
+  Index most_rows_;  // at once
   Target target_;
   std::vector<float> recorded_;
   sim::NoiseLikelihood noise_;

@@ -1,5 +1,12 @@
 // Refinements with helpers beside them: processes that come, go, and are killed.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "pipeline/artefacts/recording.h"
+#include "pipeline/artefacts/refinement_file.h"
 #include "tests/cli/program.h"
+#include "tests/sim/library/compiled_library.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -9,16 +16,19 @@ namespace fs = std::filesystem;
 class Helpers : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::ofstream(folder_ / "small.toml")
-        << furuta_study("small")
-               .with("target", {"num_rollouts = 6"})
-               .with("simulator", {"store_every = 20"})
-               .with("observation_noise", {"scale = 0.05"})
-               .with("simulate", {"shard_size = 50"})
-               .method("Refined", {"algorithm = \"refine\"",
-                                   "refine = { level_size = 1000, min_ess = 5000, "
-                                   "max_simulations = 6000 }"})
-               .with("cluster", {"refine_tasks = 2"});
+    refine_alone(furuta_study("small")
+                     .with("target", {"num_rollouts = 6"})
+                     .with("simulator", {"store_every = 20"})
+                     .with("observation_noise", {"scale = 0.05"})
+                     .with("simulate", {"shard_size = 50"})
+                     .method("Refined", {"algorithm = \"refine\"",
+                                         "refine = { level_size = 1000, min_ess = 5000, "
+                                         "max_simulations = 6000 }"})
+                     .with("cluster", {"refine_tasks = 2"}));
+  }
+
+  void refine_alone(const StudyText& study) {
+    std::ofstream(folder_ / "small.toml") << study;
     const Outcome alone = run(folder_.path(), inference("alone"));
     ASSERT_EQ(alone.status, 0) << alone.err;
     reference_ = digests(folder_ / "alone/small");
@@ -155,6 +165,65 @@ TEST_F(Helpers, OutliveTheRefinement) {
     expect_help(helper.wait());
     expect_same_bits(work);
   }
+}
+
+// A mass on a spring that is let go at rest, whose first states are moved while it is refined: what
+// has been simulated from others counts no more.
+class HelpersOfFirstStates : public Helpers {
+ protected:
+  void SetUp() override {
+    sim::compile_library(sim::spring_source(), folder_ / "spring.so");
+    write_recording(recorded(), folder_ / "recording.h5");
+    refine_alone(StudyText("small")
+                     .with("target", {"recording = \"recording.h5\"", "num_rollouts = 4"})
+                     .with("simulator", {"library = \"spring.so\""})
+                     .with("prior", {"stiffness = { uniform = [10.0, 30.0] }",
+                                     "friction = { uniform = [0.0, 1.0] }"})
+                     .with("observation_noise", {"scale_prior = [0.1, 1.0]"})
+                     .with("simulate", {"shard_size = 50"})
+                     .method("Refined", {"algorithm = \"refine\"",
+                                         "refine = { level_size = 1000, min_ess = 1000, "
+                                         "infer_first_states = true }"})
+                     .with("cluster", {"refine_tasks = 1"}));
+  }
+
+  static Target recorded() {
+    constexpr Index steps = 120;
+    constexpr double dt = 0.01, h = dt / 10, noise = 0.01;
+    Target target{dt, {{"q", "m"}, {"v", "m/s"}}, {{"force", "N"}}, {}, "test"};
+    Stream stream({12, "helpers_test", 0, 0, 0});
+    for (const double begin : {0.3, -0.25, 0.2, -0.35}) {
+      RowMatrix states(steps + 1, 2);
+      double q = begin, v = 0.0;
+      for (Index t = 0; t <= steps; ++t) {
+        states.row(t) << q + noise * stream.normal(), v + 4.0 * noise * stream.normal();
+        for (int k = 0; k < 10; ++k) {
+          v += h * (-18.0 * q - 0.3 * v - 0.5 * std::tanh(100.0 * v));
+          q += h * v;
+        }
+      }
+      target.rollouts.push_back({fmt::format("from {}", begin), states, RowMatrix::Zero(steps, 1)});
+    }
+    return target;
+  }
+};
+
+TEST_F(HelpersOfFirstStates, GiveTheSameBits) {
+  const h5::File alone = h5::File::open((folder_ / "alone/.cache/infer" / (key_ + ".h5")).string());
+  EXPECT_GE(read_first_states(alone)->count, 1);
+  const Program helper = begin_helper("1/1", "one");
+  EXPECT_EQ(run(folder_.path(), inference("one")).status, 0);
+  expect_help(helper.wait());
+  expect_same_bits("one");
+  // Stopped again and again, each time with a checkpoint.
+  for (int i = 0; i < 6; ++i) {
+    const Program refinement(folder_.path(), inference("stopped"), {"out", "err"});
+    refinement.ends_within(0.3 + 0.15 * i);
+    refinement.send(SIGTERM);
+    refinement.wait();
+  }
+  EXPECT_EQ(run(folder_.path(), inference("stopped")).status, 0);
+  expect_same_bits("stopped");
 }
 
 TEST_F(Helpers, SayWhatIsWrong) {

@@ -44,7 +44,7 @@ ChannelNoise noise_of(double scale, double correlation, double deviation = 0.0) 
 struct Case {
   Target target;
   std::vector<float> recorded, simulated;  // the latter with those of moved first states
-  RowMatrix moves;
+  FirstStates first;
 };
 
 void add_motion(const Target& target, std::vector<float>& series) {
@@ -60,7 +60,7 @@ void add_motion(const Target& target, std::vector<float>& series) {
 
 Case make_case(const NoiseModel& model, std::uint64_t seed) {
   Case made;
-  made.moves = first_state_moves(model);
+  made.first = recorded_first_states(model);
   made.target.state_channels.resize(kChannels);
   Stream stream({seed, "first_states_test", 0, 0, 0});
   for (Index h = 0; h < kRollouts; ++h) {
@@ -73,7 +73,7 @@ Case make_case(const NoiseModel& model, std::uint64_t seed) {
       }
     }
   }
-  add_motion(with_moved_states(made.target, made.moves), made.simulated);
+  add_motion(begun_at(made.first, model, made.target, kSegment), made.simulated);
   return made;
 }
 
@@ -130,7 +130,7 @@ TEST(FirstStates, OfALinearMotionLeaveAGaussianDensity) {
     const NoiseModel model = model_of({noise_of(0.3, correlation), noise_of(0.1, correlation)});
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const Case made = make_case(model, seed);
-      const NoiseLikelihood likelihood(model, made.recorded, made.moves);
+      const NoiseLikelihood likelihood(model, made.recorded, made.first);
       const double expected =
           log_density(model, made, {{0.3, correlation, 0.0}, {0.1, correlation, 0.0}});
       EXPECT_NEAR(likelihood.log_likelihood(made.simulated), expected, 1e-3 * std::abs(expected));
@@ -154,7 +154,7 @@ TEST(FirstStates, IntegrateUnknownScalesOfAllChannels) {
     }
   }
   for (const double term : terms) sum += std::exp(term - highest);
-  const NoiseLikelihood likelihood(model, made.recorded, made.moves);
+  const NoiseLikelihood likelihood(model, made.recorded, made.first);
   EXPECT_NEAR(likelihood.log_likelihood(made.simulated), highest + std::log(sum), 0.01);
 }
 
@@ -162,7 +162,7 @@ TEST(FirstStates, AreLeftOutWithTheirRollout) {
   const NoiseModel model = model_of({noise_of(0.3, 0.0), noise_of(0.1, 0.0)});
   const Case made = make_case(model, 5);
   const std::vector<NoiseValues> values = {{0.3}, {0.1}};
-  const NoiseLikelihood likelihood(model, made.recorded, made.moves);
+  const NoiseLikelihood likelihood(model, made.recorded, made.first);
   const double expected =
       log_density(model, made, 0, 0, values) + log_density(model, made, 0, kSegment, values);
   EXPECT_NEAR(likelihood.log_likelihood_without(1, made.simulated), expected,
@@ -177,12 +177,39 @@ TEST(FirstStates, AreFoundWhereNoiseIsSmall) {
   for (Rollout& rollout : truth.rollouts) rollout.states.array() += 1e-3;
   made.recorded.clear();
   add_motion(truth, made.recorded);
-  const FirstStateErrors errors(model, made.recorded, made.simulated, made.moves);
+  const FirstStateErrors errors(model, made.recorded, made.simulated, made.first);
   const RowMatrix found = errors.first_errors({{1e-4}, {1e-4}});
   ASSERT_EQ(found.rows(), 4);
-  const std::vector<float> corrected = from_first_states(model, made.simulated, made.moves, found);
+  const std::vector<float> corrected = from_first_states(model, made.simulated, made.first, found);
   for (std::size_t i = 0; i < corrected.size(); ++i) {
     EXPECT_NEAR(corrected[i], made.recorded[i], 3e-4) << "of 1e-3, less what the prior holds back";
+  }
+}
+
+// To first order all is the same wherever simulations begin, and a linear motion is its first
+// order.
+TEST(FirstStates, OfALinearMotionMayBeginAnywhere) {
+  for (const double correlation : {0.0, 0.7}) {
+    const NoiseModel model = model_of({noise_of(0.3, correlation), noise_of(0.1, correlation)});
+    const std::vector<NoiseValues> values = {{0.3, correlation, 0.0}, {0.1, correlation, 0.0}};
+    Case made = make_case(model, 9);
+    const FirstStateErrors recorded(model, made.recorded, made.simulated, made.first);
+    const double expected = log_density(model, made, values);
+    const RowMatrix found = recorded.first_errors(values);
+    made.first.errors << 0.2, -0.1, 0.0, 0.3, -0.2, 0.1, 0.4, 0.0;
+    made.simulated.clear();
+    add_motion(begun_at(made.first, model, made.target, kSegment), made.simulated);
+    const FirstStateErrors errors(model, made.recorded, made.simulated, made.first);
+    EXPECT_NEAR(errors.log_density(values), expected, 1e-3 * std::abs(expected));
+    EXPECT_TRUE(errors.first_errors(values).isApprox(found, 1e-3));
+    const NoiseLikelihood likelihood(model, made.recorded, made.first);
+    const NoiseLikelihood::FirstStateFit fit = likelihood.fit_first_states(made.simulated);
+    EXPECT_TRUE(fit.errors.isApprox(found, 1e-3));
+    std::vector<float> from_there;
+    made.first.errors = fit.errors;
+    add_motion(begun_at(made.first, model, made.target, kSegment), from_there);
+    from_there.resize(fit.states.size());
+    EXPECT_LT(likelihood.distance(fit.states, from_there, values), 0.01);
   }
 }
 
@@ -190,21 +217,21 @@ TEST(FirstStates, OfAFailedSimulationHaveNoLikelihood) {
   const NoiseModel model = model_of({noise_of(0.3, 0.0), noise_of(0.1, 0.0)});
   Case made = make_case(model, 7);
   made.simulated.back() = std::numeric_limits<float>::quiet_NaN();
-  const NoiseLikelihood likelihood(model, made.recorded, made.moves);
+  const NoiseLikelihood likelihood(model, made.recorded, made.first);
   EXPECT_EQ(likelihood.log_likelihood(made.simulated), -HUGE_VAL);
 }
 
 TEST(FirstStates, RefuseOtherShapesAndHeavyTails) {
   const NoiseModel model = model_of({noise_of(0.3, 0.0), noise_of(0.1, 0.0)});
   const Case made = make_case(model, 8);
-  const NoiseLikelihood likelihood(model, made.recorded, made.moves);
+  const NoiseLikelihood likelihood(model, made.recorded, made.first);
   EXPECT_NO_THROW(likelihood.require_density());
   EXPECT_THROW((void)likelihood.log_likelihood(made.recorded), ShapeError);
   ChannelNoise heavy = noise_of(0.1, 0.0);
   heavy.is_heavy_tailed = true;
   heavy.degrees_of_freedom = {4.0, 0.0};
   const NoiseModel tails = model_of({heavy, heavy});
-  EXPECT_THROW(NoiseLikelihood(tails, made.recorded, made.moves).require_density(), InputError);
+  EXPECT_THROW(NoiseLikelihood(tails, made.recorded, made.first).require_density(), InputError);
 }
 
 }  // namespace

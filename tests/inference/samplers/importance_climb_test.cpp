@@ -35,7 +35,7 @@ TEST(ImportanceClimb, BeginsWhereFlowsAreStuck) {
         state.walkers->neighbors(7, 2) = nobody;
         refuses(state);
       }
-      EXPECT_THROW(sampler.preliminary(100), Error);
+      EXPECT_THROW(sampler.preliminary(1.0, 100), Error);
       EXPECT_THROW(sampler.settle(0.5), Error);
     }
     const RowMatrix u = sampler.next(500);

@@ -353,7 +353,7 @@ TEST(ImportanceSampler, SettlesOnALowerPower) {
     sampler.tell(problem.log_likelihood(sampler.next(2000)));
     // Draws of the power that has been reached, before it is drawn from.
     if (sampler.power() < 0.5) {
-      const ImportanceSample draws = sampler.preliminary(500);
+      const ImportanceSample draws = sampler.preliminary(sampler.power(), 500);
       EXPECT_NEAR(static_cast<double>(draws.u.rows()), 500.0, 5.0 * std::sqrt(500.0));
     }
   }

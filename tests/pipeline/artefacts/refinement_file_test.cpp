@@ -43,9 +43,13 @@ TEST_F(RefinementFile, CheckpointsGoOnToTheSameBits) {
     ImportanceSampler stopped(kConfig, 2, start, kId);
     advance(stopped, blocks);
     const std::filesystem::path path = folder_.path() / fmt::format("{}.h5", blocks);
-    write_refinement(path, identity, {stopped.state(), 3, {}, {1.5, 2.5}});
+    const FirstStateMoves moves{RowMatrix::Random(2, 3), 1, 4000};
+    write_refinement(path, identity, {stopped.state(), moves, 3, {}, {1.5, 2.5}});
     const RefinementCheckpoint read = read_refinement({path, identity.key()});
     EXPECT_EQ(read.num_failed, 3);
+    EXPECT_EQ(read.moves->first_errors, moves.first_errors);
+    EXPECT_EQ(read.moves->count, 1);
+    EXPECT_EQ(read.moves->num_draws, 4000);
     EXPECT_GE(read.cost.core_seconds, 2.5);
     ImportanceSampler resumed(kConfig, 2, {}, kId, read.state);
     advance(resumed);
@@ -78,7 +82,7 @@ TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
     const bool is_filling = before.kind == inference::LevelKind::walkers;
     if (is_filling ? before.u.rows() == 0 : state.walkers->num_sweeps < 3) continue;
     if (std::exchange(is_filling ? fills : climbs, true)) continue;
-    write_refinement(path, identity, {state, 0, {}, {}});
+    write_refinement(path, identity, {state, {}, 0, {}, {}});
     resumed.emplace_back(config, 2, RowMatrix(), id, read_refinement({path, identity.key()}).state);
   }
   EXPECT_EQ(resumed.size(), 2u);

@@ -119,7 +119,7 @@ TEST_F(RefinedRowsOfAStudy, HaveTheSameBitsInShards) {
 }
 
 TEST_F(RefinedRowsOfAStudy, WhatIsAskedForIsSimulatedOnce) {
-  const SimulatedLikelihood likelihood(plan_, node_, {});
+  SimulatedLikelihood likelihood(plan_, node_, {});
   const AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 2, 1.0)};
   write_asked_rows(rows_, node_.identity, asked);
   RefinedRows helper(plan_, node_, likelihood, {1, 1});
@@ -148,7 +148,7 @@ TEST_F(RefinedRowsOfAStudy, WhatIsAskedForIsSimulatedOnce) {
 
 // As on a node without the simulator's license: what it says of all rows isn't taken for true.
 TEST_F(RefinedRowsOfAStudy, RowsThatAllFailAreLeftToTheRefinement) {
-  const SimulatedLikelihood likelihood(plan_, node_, {});
+  SimulatedLikelihood likelihood(plan_, node_, {});
   RowMatrix theta = RowMatrix::Constant(40, 2, 1.0);
   theta.topRows(21).setConstant(-1.0);  // no pendulum
   const AskedRows asked{.first = 0, .shard_size = 20, .theta = theta};
@@ -162,7 +162,7 @@ TEST_F(RefinedRowsOfAStudy, RowsThatAllFailAreLeftToTheRefinement) {
 }
 
 TEST_F(RefinedRowsOfAStudy, CountTheirOwnWorkOnce) {
-  const SimulatedLikelihood likelihood(plan_, node_, {});
+  SimulatedLikelihood likelihood(plan_, node_, {});
   const AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 2, 1.0)};
   fs::create_directories(rows_);
   RefinedRows alone(plan_, node_, likelihood, {0, 0});
