@@ -20,15 +20,15 @@ double scatter(const Vector& series) {
 }
 
 double scatter_of(const Target& recording) {
-  double sum = 0.0;
+  Vector of_channels = Vector::Zero(recording.num_states());
   for (const Rollout& rollout : recording.rollouts) {
     for (Index c = 0; c < recording.num_states(); ++c) {
       const Vector series = rollout.states.col(c);
       const double largest = series.cwiseAbs().maxCoeff();
-      if (largest > 0.0) sum += scatter(series) / largest;
+      if (largest > 0.0) of_channels(c) += scatter(series) / largest;
     }
   }
-  return sum / static_cast<double>(recording.num_rollouts() * recording.num_states());
+  return of_channels.maxCoeff() / static_cast<double>(recording.num_rollouts());
 }
 
 }  // namespace npdr::analysis

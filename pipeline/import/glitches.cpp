@@ -35,17 +35,22 @@ std::vector<Index> find_lone_steps(const Vector& position) {
   constexpr double larger = 4.0, share = 0.02;
   const Index n = position.size() - 1;
   if (n + 1 < fewest) return {};
-  const Vector steps = (position.tail(n) - position.head(n)).cwiseAbs();
-  Vector sorted = steps;
+  const Vector steps = position.tail(n) - position.head(n);
+  Vector sorted = steps.cwiseAbs();
   std::sort(sorted.begin(), sorted.end(), std::greater());
   double least = HUGE_VAL;
   for (Index k = 1; k <= std::max<Index>(n / 100, 3); ++k) {
     if (sorted(k) > 0.0 && sorted(k - 1) > larger * sorted(k)) least = sorted(k - 1);
   }
   least = std::max(least, share * (position.maxCoeff() - position.minCoeff()));
+  // Several steps on end in one direction are a short motion.
+  const auto goes_on = [&](Index t, Index beside) {
+    return beside >= 0 && beside < n && larger * steps(beside) / steps(t) > 1.0;
+  };
   std::vector<Index> lone;
   for (Index t = 0; t < n; ++t) {
-    if (steps(t) >= least) lone.push_back(t);
+    const bool is_large = std::abs(steps(t)) >= least;
+    if (is_large && !goes_on(t, t - 1) && !goes_on(t, t + 1)) lone.push_back(t);
   }
   return lone;
 }

@@ -118,13 +118,13 @@ TEST_F(ImportOfLabs, EncodersAlone) {
   write({.has_rates = false});
   EXPECT_TRUE(says(rejected({}), {"npdr import: a.csv:1: has no column 'theta_dot'",
                                   "--differentiate computes it of 'theta'"}));
-  EXPECT_TRUE(says(
-      imported({"--differentiate"}),
-      {"computed theta_dot: slope of theta over 11 samples, 0.2 s", "\nwrote r.h5", "\nnext: "}));
+  EXPECT_TRUE(says(imported({"--differentiate"}),
+                   {"computed theta_dot: slope of theta over 11 samples, 0.2 s",
+                    "\nnot checked: units", "\nwrote r.h5", "\nnext: "}));
   EXPECT_NEAR(target().rollouts[0].states(100, 1), 1.5 * std::cos(6.0), 1e-3);
   EXPECT_NE(imported({"--differentiate=5"}).find("over 5 samples"), std::string::npos);
   EXPECT_TRUE(says(imported({"--unwrap", "theta", "--differentiate"}),
-                   {"unwrapped", "\ncomputed", "\nwrote", "\nnext"}));
+                   {"unwrapped", "\ncomputed", "\nnot checked", "\nwrote", "\nnext"}));
 }
 
 TEST_F(ImportOfLabs, NothingCountsTwiceAndNothingElseIsReplaced) {

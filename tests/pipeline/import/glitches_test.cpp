@@ -81,6 +81,10 @@ TEST(LoneSteps, AreNoneOfRestsAndSlowEncoders) {
   EXPECT_TRUE(find_lone_steps(step).empty()) << "it is all there is";
   EXPECT_TRUE(find_lone_steps(rounded(0.1 * swing(500), 0.01)).empty());
   EXPECT_TRUE(find_lone_steps(swing(29)).empty());
+  Vector blow = 0.01 * swing(500);
+  blow.tail(300).array() += 0.2;
+  blow(199) += 0.1;
+  EXPECT_TRUE(find_lone_steps(blow).empty()) << "two samples on end";
   for (std::uint64_t row = 1; row <= 25; ++row) {
     for (const Motion& motion : recorded(smooth_motion(1000, 0.004, row), row)) {
       EXPECT_TRUE(find_lone_steps(motion.position).empty()) << row;

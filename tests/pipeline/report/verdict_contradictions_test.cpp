@@ -60,7 +60,7 @@ TEST_F(Contradictions, OfMethodsAreSaidWhereSeedsContradictEachOther) {
 TEST_F(Contradictions, OfMethodsAreJudgedByHeldOutRollouts) {
   add_method("NPDR (MoG)", 1.1);
   plan_.study.target.recording = "r.h5";
-  data_.target.rollouts.resize(2);
+  data_.target.rollouts.resize(2, data_.target.rollouts.front());
   EXPECT_TRUE(reason().ends_with("; which predicts others better, target.held_out = 1 shows"));
   data_.held_out.emplace();
   EXPECT_TRUE(reason().ends_with("; compare how they predict held-out rollouts"));
