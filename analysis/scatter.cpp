@@ -4,6 +4,20 @@
 #include <cmath>
 
 namespace npdr::analysis {
+namespace {
+
+// Of a rounded series, its tick; 0 of one that stands still.
+double smallest_step(const Vector& series) {
+  const double dust = 1e-9 * series.cwiseAbs().maxCoeff();
+  double least = HUGE_VAL;
+  for (Index t = 1; t < series.size(); ++t) {
+    const double step = std::abs(series(t) - series(t - 1));
+    if (step > dust) least = std::min(least, step);
+  }
+  return std::isfinite(least) ? least : 0.0;
+}
+
+}  // namespace
 
 double scatter(const Vector& series) {
   constexpr Index fewest = 10, orders = 5;
@@ -16,7 +30,7 @@ double scatter(const Vector& series) {
     growth *= 2.0 * static_cast<double>(2 * p - 1) / static_cast<double>(p);  // binom(2p, p)
     least = std::min(least, differences.squaredNorm() / static_cast<double>(n) / growth);
   }
-  return std::sqrt(least);
+  return std::max(std::sqrt(least), smallest_step(series) / std::sqrt(12.0));
 }
 
 double scatter_of(const Target& recording) {

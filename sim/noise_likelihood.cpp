@@ -184,6 +184,21 @@ double NoiseLikelihood::distance(std::span<const float> one, std::span<const flo
   return std::sqrt(sum);
 }
 
+double NoiseLikelihood::misfit(std::span<const float> simulated,
+                               const std::vector<NoiseValues>& values) const {
+  const RowMatrix& first_errors = first_states().errors;
+  const std::vector<char> restarts = restarts_of_rollouts(model_);
+  double sum = 0.0;
+  for (Index c = 0; c < model_.num_states(); ++c) {
+    const auto [scale, rho, unused] = values[static_cast<std::size_t>(c)];
+    ChannelErrors errors = channel_errors(model_, recorded_, simulated, c, -1);
+    begin_with(first_errors.col(c), restarts, errors);
+    sum += ((errors.now - rho * errors.before) / scale).square().sum() +
+           (1.0 - rho * rho) * first_errors.col(c).squaredNorm() / (scale * scale);
+  }
+  return sum;
+}
+
 ErrorMemory NoiseLikelihood::error_memory(std::span<const float> simulated) const {
   const Index channels = model_.num_states();
   FirstStateFit fit;

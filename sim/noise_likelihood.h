@@ -67,6 +67,10 @@ class NoiseLikelihood {
   double distance(std::span<const float> one, std::span<const float> other,
                   const std::vector<NoiseValues>& values) const;
 
+  /// |e|^2 of a simulation (H, K, C) that begins without first_states().errors, these included:
+  /// what the likeliest first states make smallest. Gaussian noise at these values.
+  double misfit(std::span<const float> simulated, const std::vector<NoiseValues>& values) const;
+
   /// How far errors are from the independence that the noise gives them, with its parameters, and
   /// first states where they are inferred, at the mode given x.
   ErrorMemory error_memory(std::span<const float> simulated) const;

@@ -264,20 +264,22 @@ void note_leaps(const Target& target, const std::vector<CsvRows>& files,
 }
 
 // Motions are recorded faster than that; measured rates would contradict another clock.
-void note_slow_clock(const Target& target, const CsvRows& rows, std::vector<std::string>& notes) {
+void note_slow_clock(const Target& target, const CsvRows& rows, bool is_resampled,
+                     std::vector<std::string>& notes) {
   constexpr double slow = 1.0;  // [s]
   if (target.dt < slow || rate_pairs(target.state_channels).empty()) return;
   notes.push_back(fmt::format(
       "warning: {}: steps of {:.6g} s, which are long for a motion: if times are in ms, {}",
       rows.name, target.dt,
-      rows.time.empty() ? fmt::format("give --dt {:.3g}", 1e-3 * target.dt)
-                        : fmt::format("add --scale {}=0.001", rows.time)));
+      rows.time.empty() ? fmt::format("give --dt {:.6g}", 1e-3 * target.dt)
+                        : fmt::format("add --scale {}=0.001{}", rows.time,
+                                      is_resampled ? ", and give --resample in s" : "")));
 }
 
 // Throws what is wrong with angles and rates, all at once, after glitches, which may be the cause;
 // otherwise says what was checked, and what is probably wrong.
 std::vector<std::string> check_rates(const Target& target, const std::vector<CsvRows>& files,
-                                     const std::vector<std::string>& glitches) {
+                                     const std::vector<std::string>& glitches, bool is_resampled) {
   const CsvRows& first = files.front();
   const std::vector<std::string> names = names_of_files(files);
   std::vector<std::string> problems = turn_problems(files);
@@ -294,11 +296,13 @@ std::vector<std::string> check_rates(const Target& target, const std::vector<Csv
   std::vector<std::string> notes = report.notes;
   const std::vector<RatePair> likely = measured(likely_rate_pairs(first.states), first);
   const RateReport of_likely = report_rates(target, likely, names, first.time);
-  for (const std::string& problem : of_likely.problems) notes.push_back("warning: " + problem);
+  for (const std::string& problem : of_likely.problems) {
+    notes.push_back("warning: " + problem + "; nothing is wrong if it isn't its rate");
+  }
   if (of_likely.problems.empty()) append(of_likely.notes, notes);
   pairs.insert(pairs.end(), likely.begin(), likely.end());
   note_leaps(target, files, pairs, notes);
-  note_slow_clock(target, first, notes);
+  note_slow_clock(target, first, is_resampled, notes);
   note_far_beginnings(target, names, notes);
   if (pairs.empty()) {
     notes.emplace_back(
@@ -332,7 +336,9 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   if (options.differentiate) {
     append(differentiate(target, files, *options.differentiate, options.at_rest), result.notes);
   }
-  if (options.check_rates) append(check_rates(target, files, glitches), result.notes);
+  if (options.check_rates) {
+    append(check_rates(target, files, glitches, options.resample.has_value()), result.notes);
+  }
   append(cut_rollouts(target, options.length, names_of_files(files)), result.notes);
   target.source = options.source.empty() ? join(bare_names(paths)) : options.source;
   target.check(paths.front().string());

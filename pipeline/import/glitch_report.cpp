@@ -49,7 +49,7 @@ std::string words_of_leap(const std::string& label, const Vector& position, doub
   const Index t = lone.front(), still = num_still(position, t);
   return fmt::format(
       "{} leaps by {:.3g} in the step after {:.6g} s{}{}, several times further than elsewhere: "
-      "{}? Put these rows right, or cut the rollout there",
+      "{}? Unless it does move like that, put these rows right, or cut the rollout there",
       label, position(t + 1) - position(t), static_cast<double>(t) * dt,
       still >= at_rest ? fmt::format(", after {} samples that are the same", still) : "",
       lone.size() > 1 ? fmt::format(" (and {} times more)", lone.size() - 1) : "",

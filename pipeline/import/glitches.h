@@ -15,10 +15,10 @@ namespace npdr::pipeline {
 std::vector<Index> find_glitches(const Vector& values);
 
 /// Steps t -> t + 1 of a recorded position (n) that has no recorded rate: more than four times as
-/// large as all others, but for the hundredth (at least three) that they are at most, and than those
-/// beside it in the same direction, and at least a fiftieth of the range. Positions don't leap:
-/// samples are missing there, or the sensor stood still. Ascending; empty for fewer than 30 samples,
-/// and where all other steps are 0.
+/// large as all others, but for the hundredth (at least three) that they are at most, and than
+/// those beside it in the same direction, and at least a fiftieth of the range. Positions hardly
+/// leap: samples are missing there, or the sensor stood still. Ascending; empty for fewer than 30
+/// samples, and where all other steps are 0.
 std::vector<Index> find_lone_steps(const Vector& position);
 
 }  // namespace npdr::pipeline

@@ -1,6 +1,7 @@
 #include "pipeline/import/rate_pairs.h"
 
 #include <algorithm>
+#include <set>
 
 namespace npdr::pipeline {
 
@@ -68,11 +69,14 @@ std::vector<RatePair> likely_rate_pairs(const std::vector<Channel>& states) {
 
 std::vector<Index> positions_alone(const std::vector<Channel>& states,
                                    const std::vector<RatePair>& measured) {
+  static const std::set<std::string> lengths_and_angles = {"m", "cm", "mm", "rad", "deg"};
   const std::vector<RatePair> named = rate_pairs(states), likely = likely_rate_pairs(states);
   std::vector<Index> alone;
   for (Index c = 0; c < std::ssize(states); ++c) {
-    const bool is_rate = has(named, c, &RatePair::rate) || has(likely, c, &RatePair::rate);
-    if (!is_rate && !has(measured, c, &RatePair::position)) alone.push_back(c);
+    const bool has_rate = has(named, c, &RatePair::position) || has(likely, c, &RatePair::position);
+    const std::string& unit = states[static_cast<std::size_t>(c)].unit;
+    const bool is_position = has_rate || lengths_and_angles.contains(unit);
+    if (is_position && !has(measured, c, &RatePair::position)) alone.push_back(c);
   }
   return alone;
 }

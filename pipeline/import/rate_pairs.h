@@ -30,7 +30,8 @@ std::vector<RatePair> rate_pairs(const std::vector<Channel>& states);
 /// unit, as of "q [m]" and "v [m/s]".
 std::vector<RatePair> likely_rate_pairs(const std::vector<Channel>& states);
 
-/// States that are no other's rate, and have no measured one: none of `measured` is.
+/// Positions, which are lengths, angles and what has a rate, without a measured one: none of
+/// `measured` is theirs.
 std::vector<Index> positions_alone(const std::vector<Channel>& states,
                                    const std::vector<RatePair>& measured);
 

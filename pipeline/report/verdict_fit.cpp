@@ -122,7 +122,9 @@ std::string overstated_noise(const Study& study, double noise, double of_floor) 
 // The same where no noise is stated; one whose scale is inferred takes up what the simulator lacks,
 // as one that is much larger than what the recording scatters by shows.
 std::string unexplained_rest(const ReportData& data, double of_floor) {
-  constexpr double of_usual_sensors = 0.05, far_more = 3.0;
+  // Coarse encoders, and rates that are computed of them, leave up to four times what they scatter
+  // by.
+  constexpr double of_usual_sensors = 0.05, far_more = 8.0;
   const Study& study = data.plan.study;
   const ObservationNoise& noise = study.observation_noise;
   if (!study.target.recording) return "";
@@ -337,8 +339,8 @@ Verdict judge_held_out(const ReportData& data, const std::string& method) {
     return {Check::held_out, Judgment::unknown, "can't tell, " + bands,
             bands + unseen +
                 ", but predictions begin in recorded first states, whose noise moves all of a "
-                "rollout: a right posterior's bands hold too few as well; the check of residuals "
-                "tells more"};
+                "rollout, some far more than others: a right posterior's bands may hold too few; "
+                "the check of residuals tells more"};
   }
   if (least < few) {
     return {Check::held_out, Judgment::unknown, "can't tell, " + bands,

@@ -22,6 +22,7 @@ constexpr Index kStartDraws = 5000;     // of the posterior that is refined
 constexpr Index kMostParticles = 5000;  // of the refined posterior
 constexpr double kSearchShare = 0.7;    // of the simulations, for finding the power
 constexpr Index kMostMoves = 4;         // of first states
+constexpr double kFarthest = 30.0;      // deviations that a posterior is looked for elsewhere
 constexpr double kSecondsBetweenCheckpoints = 60.0;
 
 using Clock = std::chrono::steady_clock;
@@ -79,7 +80,7 @@ class Refinement {
         const Index level = sampler_.state().num_levels;
         sampler_.tell(*log_likelihood);
         const bool is_end = sampler_.state().num_levels != level || sampler_.is_done();
-        if (is_end || level == 0) require_simulations(failed);
+        if (is_end || level == 1) require_simulations(failed);
         if (sampler_.state().num_levels != level) {
           cross_validate();
           if (has_just_arrived()) begin_at_likeliest();
@@ -112,6 +113,7 @@ class Refinement {
   }
   // First states were inferred to first order where that was too coarse.
   bool is_coarse() const { return is_coarse_; }
+  bool may_move() const { return moves_.count < kMostMoves; }
   bool is_search_cut() const { return search_.scores().ends_at_least(config_.likelihood_power); }
 
  private:
@@ -130,7 +132,7 @@ class Refinement {
   // who goes on from there: perhaps the fault was the machine's.
   void require_simulations(Index failed) {
     if (!plan_.study.source().takes_seeds) return;
-    const Index n = std::max(num_draws(), config_.level_size);
+    const Index n = std::max(num_draws(), moves_.num_draws + config_.level_size);
     const double limit = plan_.study.limits.max_failed_fraction;
     if (static_cast<double>(failed) <= limit * static_cast<double>(n)) return;
     rows_.forget(num_draws());
@@ -208,21 +210,22 @@ class Refinement {
   // wider as the posterior may be elsewhere. Returns whether it does: only where it may take as
   // long again.
   bool begin_at_likeliest() {
-    const bool may =
-        moves_.count < kMostMoves && sampler_.has_draws_for(sampler_.state().num_levels);
-    const RowMatrix earlier = likelihood_.first_errors();
-    const double off = likelihood_.begin_at_likeliest(likeliest());
-    is_coarse_ = off > 0.0 && !may;
-    if (is_coarse_) likelihood_.begin_without(earlier);
-    if (off == 0.0 || !may) return false;
+    const LikeliestFirstStates found = likelihood_.likeliest_first_states(likeliest());
+    const inference::ImportanceState& state = sampler_.state();
     inference::ImportanceConfig config = config_;
-    config.likelihood_power = sampler_.wanted_power();
-    const inference::ImportanceSample found =
-        sampler_.preliminary(sampler_.wanted_power() / (1.0 + off * off), kStartDraws);
-    moves_ = {likelihood_.first_errors(), moves_.count + 1, num_draws()};
-    config.max_simulations -= moves_.num_draws;
-    const auto rows = inference::Resampler(found.weights).systematic(kStartDraws, 0.5);
-    sampler_ = {config, prior_.dimension(), found.u(rows, Eigen::all), sampler_id()};
+    config.max_simulations -= num_draws();
+    is_coarse_ = found.is_coarse();
+    const bool may = moves_.count < kMostMoves && state.num_draws <= config.max_simulations;
+    if (!is_coarse_ || found.errors.size() == 0 || !may) return false;
+    is_coarse_ = false;
+    config.likelihood_power = state.wanted_power;
+    const double off = std::min(found.off, kFarthest);
+    const inference::ImportanceSample wider =
+        sampler_.preliminary(state.wanted_power / (1.0 + off * off), kStartDraws);
+    moves_ = {found.errors, moves_.count + 1, num_draws()};
+    likelihood_.begin_without(moves_.first_errors);
+    const auto rows = inference::Resampler(wider.weights).systematic(kStartDraws, 0.5);
+    sampler_ = {config, prior_.dimension(), wider.u(rows, Eigen::all), sampler_id()};
     return true;
   }
 

@@ -134,7 +134,9 @@ Index RefinedRows::help(const OnRows& on_rows) {
   for (const std::string& name : names) {
     const std::optional<AskedRows> asked = read_asked_rows({folder_ / name, node_.key});
     if (!asked) continue;
-    if (asked->theta.cols() != dimension_ || asked->file_name() != name) {
+    const RowMatrix own = likelihood_.first_errors();
+    if (asked->theta.cols() != dimension_ || asked->file_name() != name ||
+        asked->first_errors.rows() != own.rows() || asked->first_errors.cols() != own.cols()) {
       throw InputError(fmt::format(
           "{}: asks for {} of {} parameters, must be for those of its name, of {}; remove this "
           "file",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -15,9 +16,9 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr double kLinear = 0.25;   // deviations that first order may be off by
-constexpr double kSettled = 0.05;  // that another step may be worth
+constexpr double kSettled = 0.01;  // of a misfit, that another step may be worth
 constexpr Index kMostSteps = 10;   // of Gauss and Newton
+constexpr double kShortest = 0.1;  // of a step that is tried
 
 // The first channel in which two rows differ by more than rounding does, relative to how much it
 // varies; -1: none.
@@ -61,19 +62,19 @@ SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
       noise_(likelihood_of(plan, node, target_, recorded_)),
       id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {
   noise_.require_density();
-  open();
+  simulator_ = open(noise_, most_rows_, log_);
 }
 
-void SimulatedLikelihood::open() {
+std::unique_ptr<RowSimulator> SimulatedLikelihood::open(const sim::NoiseLikelihood& noise,
+                                                        Index num_rows,
+                                                        const std::filesystem::path& log) const {
   Target simulated = target_;
-  if (infers_first_states()) {
-    simulated = sim::begun_at(noise_.first_states(), noise_.model(), target_,
+  if (noise.infers_first_states()) {
+    simulated = sim::begun_at(noise.first_states(), noise.model(), target_,
                               plan_.study.simulator.segment_length);
   }
-  simulator_ = plan_.source->open({.simulator = plan_.study.simulator,
-                                   .target = simulated,
-                                   .log = log_,
-                                   .num_rows = most_rows_});
+  return plan_.source->open(
+      {.simulator = plan_.study.simulator, .target = simulated, .log = log, .num_rows = num_rows});
 }
 
 RowMatrix SimulatedLikelihood::first_errors() const {
@@ -83,48 +84,60 @@ RowMatrix SimulatedLikelihood::first_errors() const {
 void SimulatedLikelihood::begin_without(const RowMatrix& first_errors) {
   const RowMatrix now = this->first_errors();
   if (first_errors.rows() != now.rows() || first_errors.cols() != now.cols()) {
-    throw InputError(
-        fmt::format("first states of {} segments and {} channels, must be of {} and {}",
-                    first_errors.rows(), first_errors.cols(), now.rows(), now.cols()));
+    throw ShapeError("first states of another number of segments or channels");
   }
   if (first_errors == now) return;
   noise_.begin_without(first_errors);
-  open();
+  simulator_ = open(noise_, most_rows_, log_);
 }
 
-// Steps of Gauss and Newton for given parameters: each is the likeliest by first order.
-double SimulatedLikelihood::begin_at_likeliest(const Vector& theta) {
-  if (!infers_first_states()) return 0.0;
-  const RowMatrix earlier = first_errors();
-  double first = 0.0;
-  std::optional<sim::Trajectories> row = simulate_one(theta);
-  for (Index step = 0; row && step < kMostSteps; ++step) {
-    const sim::NoiseLikelihood::FirstStateFit fit = noise_.fit_first_states(row->row(0));
-    begin_without(fit.errors);
-    row = simulate_one(theta);
-    if (!row) break;
-    const double off = noise_.distance(fit.states, row->row(0), fit.values);
-    if (step == 0) first = off;
-    if (first <= kLinear) break;
-    if (off <= kSettled || step + 1 == kMostSteps) return first;
+// Steps of Gauss and Newton for given parameters: each is to the likeliest by first order, or a
+// part of the way, as long as what is simulated from there fits better.
+LikeliestFirstStates SimulatedLikelihood::likeliest_first_states(const Vector& theta) const {
+  LikeliestFirstStates found;
+  if (!infers_first_states()) return found;
+  std::optional<sim::Trajectories> row = simulate_one(*simulator_, theta);
+  if (!row) return found;  // it has been simulated before: perhaps the machine's fault
+  sim::NoiseLikelihood noise = noise_;
+  for (Index step = 0; step < kMostSteps; ++step) {
+    const RowMatrix from = noise.first_states().errors;
+    const sim::NoiseLikelihood::FirstStateFit fit = noise.fit_first_states(row->row(0));
+    const double misfit = noise.misfit(row->row(0), fit.values);
+    double gain = -1.0;
+    for (double share = 1.0; share > kShortest && !(gain > 0.0); share *= 0.5) {
+      noise.begin_without(from + share * (fit.errors - from));
+      const auto next = simulate_one(*open(noise, 1, {}), theta);
+      if (step == 0 && share == 1.0) {
+        found.off = next ? noise.distance(fit.states, next->row(0), fit.values) : HUGE_VAL;
+        if (!found.is_coarse()) return found;
+      }
+      if (!next) continue;
+      gain = misfit - noise.misfit(next->row(0), fit.values);
+      if (gain > 0.0) row = next;
+    }
+    if (!(gain > 0.0)) break;
+    found.errors = noise.first_states().errors;
+    if (gain < kSettled) break;
   }
-  begin_without(earlier);
-  return 0.0;
+  return found;
 }
 
 Index SimulatedLikelihood::num_values() const {
   return (infers_first_states() ? 1 + target_.num_states() : 1) * std::ssize(recorded_);
 }
 
-// None: it fails.
-std::optional<sim::Trajectories> SimulatedLikelihood::simulate_one(const Vector& theta) const {
-  sim::Trajectories rows = simulate(theta.transpose(), static_cast<Index>(kNoRow));
+std::optional<sim::Trajectories> SimulatedLikelihood::simulate_one(RowSimulator& simulator,
+                                                                   const Vector& theta) const {
+  StreamId id = id_;
+  id.row = kNoRow;
+  sim::Trajectories rows =
+      simulator.simulate(plan_.source->parameters().complete(theta.transpose()), id);
   if (rows.status.front() != sim::RolloutStatus::ok) return std::nullopt;
   return rows;
 }
 
 std::optional<sim::ErrorMemory> SimulatedLikelihood::residuals(const Vector& theta) const {
-  const std::optional<sim::Trajectories> row = simulate_one(theta);
+  const std::optional<sim::Trajectories> row = simulate_one(*simulator_, theta);
   if (!row) return std::nullopt;
   return noise_.error_memory(row->row(0));
 }

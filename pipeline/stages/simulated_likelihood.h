@@ -12,6 +12,13 @@
 
 namespace npdr::pipeline {
 
+/// What first order says of first states against what is simulated from them.
+struct LikeliestFirstStates {
+  double off = 0.0;       ///< distance() of both; infinite where that can't be simulated
+  RowMatrix errors = {};  ///< (S, C) over a; empty where first order does, or none that fit better
+  bool is_coarse() const { return !(off <= 0.25); }  ///< by more than a quarter of a deviation
+};
+
 /// log p(recording | theta) of rows of theta, under the observation noise. A row's value is a
 /// function of theta, its number and the first states that simulations begin in: it has the same
 /// bits whoever simulates it, and with which others.
@@ -34,13 +41,12 @@ class SimulatedLikelihood {
   /// Errors (S, C), over a, of recorded first states that simulations begin without, where they are
   /// inferred; else empty.
   RowMatrix first_errors() const;
-  /// Makes them others. Throws InputError for those of another number of segments, and what opening
+  /// Makes them others. Throws ShapeError for those of another number of segments, and what opening
   /// the study's source throws.
   void begin_without(const RowMatrix& first_errors);
-  /// Makes them the likeliest of theta (D) where first order is too coarse: simulations from there
-  /// are at a distance() of more than a quarter from what it says of them. Returns that distance; 0
-  /// where they stay. Throws as begin_without().
-  double begin_at_likeliest(const Vector& theta);
+  /// The likeliest ones of theta (D), where first order is too coarse around those that simulations
+  /// begin in. Throws what opening the study's source throws.
+  LikeliestFirstStates likeliest_first_states(const Vector& theta) const;
 
   /// Throws InputError when rollouts of a simulator of the user's don't follow from theta: those of
   /// a few draws of the prior that don't fail, each simulated twice with other seeds, differ by
@@ -61,9 +67,12 @@ class SimulatedLikelihood {
   LeftOutScore left_out(const sim::Trajectories& rows, const Vector& weights, double power) const;
 
  private:
-  void open();
+  // Of simulations from the first states of a likelihood, up to so many rows at once.
+  std::unique_ptr<RowSimulator> open(const sim::NoiseLikelihood& noise, Index num_rows,
+                                     const std::filesystem::path& log) const;
   Index num_equal_pairs(const sim::Trajectories& twice) const;
-  std::optional<sim::Trajectories> simulate_one(const Vector& theta) const;
+  // None: it fails.
+  std::optional<sim::Trajectories> simulate_one(RowSimulator& simulator, const Vector& theta) const;
 
   const Plan& plan_;
   std::filesystem::path log_;
