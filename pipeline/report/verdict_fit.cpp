@@ -146,11 +146,12 @@ std::string unexplained_rest(const ReportData& data, double of_floor) {
         "the simulator lacks{}",
         found, hint);
   }
+  const double times = of_floor / scatter;
   return fmt::format(
-      "{}, {:.0f} times what neighboring samples scatter by: unless the noise lasts for many "
+      "{}, {} what neighboring samples scatter by: unless the noise lasts for many "
       "samples, or first states are noisy, the simulator lacks something (a delay, friction), "
       "parameters make up for it, and the truth may be many deviations away{}",
-      found, of_floor / scatter, hint);
+      found, times < 100.0 ? fmt::format("{:.0f} times", times) : "far above", hint);
 }
 
 std::string what_the_best_leave(const ReportData& data, double of_floor) {
