@@ -292,8 +292,9 @@ void warn(const Node& node, const inference::ImportanceCertificate& certificate,
   if (refinement.is_coarse()) {
     report_error(
         node.label(),
-        "warning: first states are inferred to first order, which is too coarse around the "
-        "recorded ones; raise refine.max_simulations, or cut shorter segments");
+        fmt::format("warning: first states are inferred to first order, which is too coarse for "
+                    "this motion: {}cut shorter segments (simulator.segment_length)",
+                    refinement.may_move() ? "raise refine.max_simulations, or " : ""));
   }
   if (refinement.is_search_cut()) {
     report_error(node.label(),
