@@ -248,10 +248,10 @@ void note_far_beginnings(const Target& target, const std::vector<std::string>& f
   }
 }
 
-// Of positions that no measured rate explains, in the first file that has any.
+// In the first file that has any.
 void note_leaps(const Target& target, const std::vector<CsvRows>& files,
-                const std::vector<RatePair>& pairs, std::vector<std::string>& notes) {
-  for (const Index c : positions_alone(target.state_channels, pairs)) {
+                std::vector<std::string>& notes) {
+  for (const Index c : positions_of(target.state_channels)) {
     for (std::size_t h = 0; h < files.size(); ++h) {
       const std::string words =
           words_of_leap(target.state_channels[static_cast<std::size_t>(c)].label,
@@ -301,7 +301,7 @@ std::vector<std::string> check_rates(const Target& target, const std::vector<Csv
   }
   if (of_likely.problems.empty()) append(of_likely.notes, notes);
   pairs.insert(pairs.end(), likely.begin(), likely.end());
-  note_leaps(target, files, pairs, notes);
+  note_leaps(target, files, notes);
   note_slow_clock(target, first, is_resampled, notes);
   note_far_beginnings(target, names, notes);
   if (pairs.empty()) {

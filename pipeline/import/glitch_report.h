@@ -15,7 +15,7 @@ namespace npdr::pipeline {
 std::vector<std::string> words_of_glitches(const std::vector<CsvRows>& files,
                                            const CsvOptions& options);
 
-/// What is wrong with a position (n) without a measured rate where it leaps (find_lone_steps());
+/// What is wrong with a position (n) where it leaps (find_lone_steps());
 /// "": nothing.
 std::string words_of_leap(const std::string& label, const Vector& position, double dt);
 

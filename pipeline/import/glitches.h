@@ -14,7 +14,7 @@ namespace npdr::pipeline {
 /// in a hundred samples, such as contacts; a rare contact of one sample looks like a glitch.
 std::vector<Index> find_glitches(const Vector& values);
 
-/// Steps t -> t + 1 of a recorded position (n) that has no recorded rate: more than four times as
+/// Steps t -> t + 1 of a recorded position (n): more than four times as
 /// large as all others, but for the hundredth (at least three) that they are at most, and than
 /// those beside it in the same direction, and at least a fiftieth of the range. Positions hardly
 /// leap: samples are missing there, or the sensor stood still. Ascending; empty for fewer than 30

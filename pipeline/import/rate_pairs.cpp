@@ -67,18 +67,17 @@ std::vector<RatePair> likely_rate_pairs(const std::vector<Channel>& states) {
   return pairs;
 }
 
-std::vector<Index> positions_alone(const std::vector<Channel>& states,
-                                   const std::vector<RatePair>& measured) {
+std::vector<Index> positions_of(const std::vector<Channel>& states) {
   static const std::set<std::string> lengths_and_angles = {"m", "cm", "mm", "rad", "deg"};
   const std::vector<RatePair> named = rate_pairs(states), likely = likely_rate_pairs(states);
-  std::vector<Index> alone;
+  std::vector<Index> positions;
   for (Index c = 0; c < std::ssize(states); ++c) {
     const bool has_rate = has(named, c, &RatePair::position) || has(likely, c, &RatePair::position);
     const std::string& unit = states[static_cast<std::size_t>(c)].unit;
-    const bool is_position = has_rate || lengths_and_angles.contains(unit);
-    if (is_position && !has(measured, c, &RatePair::position)) alone.push_back(c);
+    const bool is_rate = has(named, c, &RatePair::rate) || has(likely, c, &RatePair::rate);
+    if (!is_rate && (has_rate || lengths_and_angles.contains(unit))) positions.push_back(c);
   }
-  return alone;
+  return positions;
 }
 
 }  // namespace npdr::pipeline

@@ -30,9 +30,7 @@ std::vector<RatePair> rate_pairs(const std::vector<Channel>& states);
 /// unit, as of "q [m]" and "v [m/s]".
 std::vector<RatePair> likely_rate_pairs(const std::vector<Channel>& states);
 
-/// Positions, which are lengths, angles and what has a rate, without a measured one: none of
-/// `measured` is theirs.
-std::vector<Index> positions_alone(const std::vector<Channel>& states,
-                                   const std::vector<RatePair>& measured);
+/// Positions: lengths, angles and what has a rate.
+std::vector<Index> positions_of(const std::vector<Channel>& states);
 
 }  // namespace npdr::pipeline

@@ -74,10 +74,10 @@ std::vector<RatePair> measured_pairs(const Target& recording) {
 std::vector<std::string> recording_warnings(const Target& recording) {
   std::vector<std::string> warnings;
   const std::vector<RatePair> pairs = measured_pairs(recording);
-  const std::vector<Index> alone = positions_alone(recording.state_channels, pairs);
+  const std::vector<Index> positions = positions_of(recording.state_channels);
   for (Index c = 0; c < recording.num_states(); ++c) {
     std::string words = words_of_jumps(recording, c);
-    const bool may_leap = words.empty() && std::ranges::find(alone, c) != alone.end();
+    const bool may_leap = words.empty() && std::ranges::find(positions, c) != positions.end();
     if (may_leap) words = first_leap(recording, c);
     if (!words.empty()) warnings.push_back(std::move(words));
   }

@@ -104,6 +104,13 @@ TEST_F(CsvChecks, WarnsOfLeaps) {
                     "did the sensor stand still?"}));
 }
 
+// Over so much of a recording that is right the rate agrees.
+TEST_F(CsvChecks, WarnsOfLeapsBesideMeasuredRates) {
+  const CsvOptions options{.channels = {{{"q", "m"}, {"v", "m/s"}}, {}}, .dt = {}, .source = ""};
+  const auto said = notes(swing_csv(20, 0.01, "t [s],q [m],v [m/s]\n", 1.5), options);
+  EXPECT_NE(join(said).find("a.csv: q leaps by"), std::string::npos) << join(said);
+}
+
 TEST_F(CsvChecks, WarnsOfSlowClocks) {
   CsvOptions options = pendulum_options();
   options.channels.actions.clear();

@@ -26,12 +26,12 @@ TEST(RatePairs, MayBeNamedOtherwise) {
   EXPECT_TRUE(likely_rate_pairs(with_wanted).empty()) << "q1 has its rate";
 }
 
-TEST(RatePairs, LeavePositionsAlone) {
-  const std::vector<Channel> states = {
-      {"x", "m"}, {"x_dot", "m/s"}, {"q", "rad"}, {"v", "rad/s"}, {"load", "N"}};
-  EXPECT_EQ(positions_alone(states, {{0, 1}}), std::vector<Index>{2}) << "a load may leap";
-  EXPECT_EQ(positions_alone(states, {{2, 3}}), std::vector<Index>{0}) << "x_dot is computed";
-  EXPECT_EQ(positions_alone({{"q", ""}, {"q_dot", ""}}, {}), std::vector<Index>{0});
+TEST(RatePairs, TellPositions) {
+  EXPECT_EQ(
+      positions_of({{"x", "m"}, {"x_dot", "m/s"}, {"q", "rad"}, {"v", "rad/s"}, {"load", "N"}}),
+      (std::vector<Index>{0, 2}))
+      << "a load may leap";
+  EXPECT_EQ(positions_of({{"q", ""}, {"q_dot", ""}}), std::vector<Index>{0});
 }
 
 TEST(RatePairs, MayBeRatesOfRates) {
