@@ -3,34 +3,43 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/quantiles.h"
+
 namespace npdr::analysis {
 namespace {
 
-// Of a rounded series, its tick; 0 of one that stands still.
-double smallest_step(const Vector& series) {
-  const double dust = 1e-9 * series.cwiseAbs().maxCoeff();
-  double least = HUGE_VAL;
-  for (Index t = 1; t < series.size(); ++t) {
-    const double step = std::abs(series(t) - series(t - 1));
-    if (step > dust) least = std::min(least, step);
-  }
-  return std::isfinite(least) ? least : 0.0;
+Vector differences(const Vector& values) {
+  return values.tail(values.size() - 1) - values.head(values.size() - 1);
 }
+
+double median_size(const Vector& values) {
+  Vector sizes = values.cwiseAbs();
+  std::ranges::sort(sizes);
+  return quantile_of_sorted({sizes.data(), static_cast<std::size_t>(sizes.size())}, 0.5);
+}
+
+// Smaller steps come from the arithmetic of whoever wrote the numbers.
+double dust_of(const Vector& series) { return 1e-9 * series.cwiseAbs().maxCoeff(); }
+
+double rounding_of(const Vector& series) { return smallest_step(series) / std::sqrt(12.0); }
 
 }  // namespace
 
-double scatter(const Vector& series) {
-  constexpr Index fewest = 10, orders = 5;
-  if (series.size() < fewest) return 0.0;
-  Vector differences = series;
-  double least = HUGE_VAL, growth = 1.0;
-  for (Index p = 1; p <= orders; ++p) {
-    const Index n = differences.size() - 1;
-    differences = (differences.tail(n) - differences.head(n)).eval();
-    growth *= 2.0 * static_cast<double>(2 * p - 1) / static_cast<double>(p);  // binom(2p, p)
-    least = std::min(least, differences.squaredNorm() / static_cast<double>(n) / growth);
+double smallest_step(const Vector& series) {
+  const double dust = dust_of(series);
+  double smallest = HUGE_VAL;
+  for (const double step : differences(series)) {
+    if (std::abs(step) > dust) smallest = std::min(smallest, std::abs(step));
   }
-  return std::max(std::sqrt(least), smallest_step(series) / std::sqrt(12.0));
+  return std::isfinite(smallest) ? smallest : 0.0;
+}
+
+double scatter(const Vector& series) {
+  if (series.size() < 4) return 0.0;
+  const Vector first = differences(series);
+  const double third = median_size(differences(differences(first))), dust = dust_of(series);
+  if (third > dust || median_size(first) > dust) return 1.4826 * third / std::sqrt(20.0);
+  return rounding_of(series);
 }
 
 double scatter_of(const Target& recording) {
@@ -39,7 +48,8 @@ double scatter_of(const Target& recording) {
     for (Index c = 0; c < recording.num_states(); ++c) {
       const Vector series = rollout.states.col(c);
       const double largest = series.cwiseAbs().maxCoeff();
-      if (largest > 0.0) of_channels(c) += scatter(series) / largest;
+      if (largest == 0.0) continue;
+      of_channels(c) += std::max(scatter(series), rounding_of(series)) / largest;
     }
   }
   return of_channels.maxCoeff() / static_cast<double>(recording.num_rollouts());

@@ -76,6 +76,11 @@ void begin_with(const Eigen::Ref<const Vector>& first_errors, const std::vector<
   }
 }
 
+// e of N(0, 1), where errors are Gaussian noise at these values.
+Eigen::ArrayXd independent(const ChannelErrors& errors, const NoiseValues& at) {
+  return (errors.now - at.correlation * errors.before) / at.scale;
+}
+
 Vector mode_of(const LogIntegrand& f, const Vector& guess) {
   return guess.size() == 0 ? guess : find_peak(f, guess).mode;
 }
@@ -177,9 +182,8 @@ double NoiseLikelihood::distance(std::span<const float> one, std::span<const flo
                                  const std::vector<NoiseValues>& values) const {
   double sum = 0.0;
   for (Index c = 0; c < model_.num_states(); ++c) {
-    const NoiseValues& at = values[static_cast<std::size_t>(c)];
     const ChannelErrors errors = channel_errors(model_, one, other, c, -1);
-    sum += ((errors.now - at.correlation * errors.before) / at.scale).square().sum();
+    sum += independent(errors, values[static_cast<std::size_t>(c)]).square().sum();
   }
   return std::sqrt(sum);
 }
@@ -190,11 +194,12 @@ double NoiseLikelihood::misfit(std::span<const float> simulated,
   const std::vector<char> restarts = restarts_of_rollouts(model_);
   double sum = 0.0;
   for (Index c = 0; c < model_.num_states(); ++c) {
-    const auto [scale, rho, unused] = values[static_cast<std::size_t>(c)];
+    const NoiseValues& at = values[static_cast<std::size_t>(c)];
     ChannelErrors errors = channel_errors(model_, recorded_, simulated, c, -1);
     begin_with(first_errors.col(c), restarts, errors);
-    sum += ((errors.now - rho * errors.before) / scale).square().sum() +
-           (1.0 - rho * rho) * first_errors.col(c).squaredNorm() / (scale * scale);
+    sum += independent(errors, at).square().sum();
+    sum += (1.0 - at.correlation * at.correlation) * first_errors.col(c).squaredNorm() /
+           (at.scale * at.scale);
   }
   return sum;
 }
@@ -221,8 +226,7 @@ ErrorMemory NoiseLikelihood::error_memory(std::span<const float> simulated) cons
       fit.values[i] = f.values(mode_of(f, f.guess()));
     }
     const NoiseValues& at = fit.values[i];
-    const Eigen::ArrayXd independent = (errors.now - at.correlation * errors.before) / at.scale;
-    scores_of_states.col(c) = scores(noise, at, independent);
+    scores_of_states.col(c) = scores(noise, at, independent(errors, at));
   }
   ErrorMemory result = memory_of(scores_of_states, restarts);
   // As many errors of a channel as there are first states have gone into them.

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "core/error.h"
-#include "inference/pareto_tail.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/standard_normal.h"
 #include "inference/weighted_moments.h"
@@ -24,7 +23,6 @@ constexpr double kMostDensities = 5e7;   // of all their points by all their pro
 constexpr Index kFlowsAtEnd = 3;         // of the last proposal
 constexpr double kAboutAsHigh = 0.8;     // ratio of powers that those were fitted to
 constexpr Index kFormerLevels = 10;      // last levels that teach
-constexpr double kFewOfWanted = 0.1;     // effective draws, that are too few for particles
 
 ImportanceProposal parts_of(const std::vector<FlowReference>& flows, double prior_share) {
   ImportanceProposal parts{{}, prior_share};
@@ -216,19 +214,6 @@ void ImportanceSampler::tell(const Vector& log_likelihood) {
   if (level.is_complete() && !is_done()) plan_next_level();
 }
 
-ImportanceSample ImportanceSampler::preliminary(double power, Index most) const {
-  if (state_.walkers) throw Error("importance sampling: no draws while walkers climb");
-  const bool is_planned = !state_.levels.back().is_complete();
-  return draws_of_pool(std::min(num_before_last(), state_.levels.size() - is_planned), power, most);
-}
-
-ImportanceSample ImportanceSampler::draws_of_pool(std::size_t num_levels, double power,
-                                                  Index most) const {
-  const Vector weights = truncated(pool(num_levels).log_weights(power));
-  const Choice choice = choose_rows(weights, most, level_id("refine_thinning"));
-  return {points(choice.rows), choice.weights, {.pool_ess = effective_size(weights)}};
-}
-
 void ImportanceSampler::settle(double power) {
   if (state_.walkers) throw Error("importance sampling: no other power while walkers climb");
   state_.wanted_power = power;
@@ -380,73 +365,6 @@ void ImportanceSampler::begin_last_levels() {
   Proposal proposal{{}, best.empty() ? 1.0 : kPriorShare, dimension_};
   for (const std::size_t l : best) proposal.flows.push_back(proposals_[l].flows.front());
   begin_level(std::move(proposal), power, LevelKind::last);
-}
-
-Vector ImportanceSampler::best_point() const {
-  double highest = -std::numeric_limits<double>::infinity();
-  Vector best;
-  for (const ImportanceLevel& level : state_.levels) {
-    for (Index i = 0; i < level.log_likelihood.size(); ++i) {
-      if (!(level.log_likelihood(i) > highest)) continue;
-      highest = level.log_likelihood(i);
-      best = level.u.row(i).transpose();
-    }
-  }
-  if (best.size() == 0) throw Error("importance sampler: no point has a likelihood above 0");
-  return best;
-}
-
-ImportanceSample ImportanceSampler::sample() const {
-  const double power = state_.levels.back().power;
-  const std::size_t first = num_before_last();
-  const Index each = config_.level_size;
-  ImportanceSample sample{RowMatrix(num_levels_of(LevelKind::last) * each, dimension_), {}};
-  Vector logs(sample.u.rows());
-  for (std::size_t l = first; l < state_.levels.size(); ++l) {
-    const ImportanceLevel& level = state_.levels[l];
-    const Index row = static_cast<Index>(l - first) * each;
-    sample.u.middleRows(row, each) = level.u;
-    logs.segment(row, each) = log_weights(l);
-  }
-  sample.weights = exponentials(logs);
-  const Evidence all = evidence(logs), even = evidence(logs(Eigen::seq(0, Eigen::last, 2))),
-                 odd = evidence(logs(Eigen::seq(1, Eigen::last, 2)));
-  if (!(sample.weights.sum() > 0.0)) {
-    throw InputError("no simulation of the last levels has a likelihood above 0");
-  }
-  const double ess = effective_size(sample.weights);
-  const double missed =
-      state_.heavy_share - heavy_share(sample.weights, logs, state_.heavy_log_weight);
-  sample.certificate = {
-      .power = power,
-      .wanted_power = state_.wanted_power,
-      .num_draws = state_.num_draws,
-      .ess = ess,
-      .wanted_ess = config_.min_ess,
-      .efficiency = ess / static_cast<double>(logs.size()),
-      .missed_share = missed < 0.0 ? 0.0 : missed,
-      .pareto_k = pareto_k(sample.weights),
-      .log_evidence = all.log_value,
-      .log_evidence_error = all.error,
-      .half_difference = (even.log_value - odd.log_value) / std::hypot(even.error, odd.error)};
-  return sample;
-}
-
-ImportanceSample ImportanceSampler::particles(Index most) const {
-  ImportanceSample sample = this->sample();
-  if (sample.certificate.ess < kFewOfWanted * config_.min_ess) {
-    ImportanceSample known = draws_of_pool(num_before_last(), power(), most);
-    const double ess = effective_size(truncated(sample.weights.array().log()));
-    if (known.certificate.pool_ess > ess) {
-      sample.certificate.pool_ess = known.certificate.pool_ess;
-      known.certificate = sample.certificate;
-      return known;
-    }
-  }
-  const Choice choice = choose_rows(sample.weights, most, level_id("refine_thinning"));
-  sample.u = RowMatrix(sample.u(choice.rows, Eigen::all));
-  sample.weights = choice.weights;
-  return sample;
 }
 
 }  // namespace npdr::inference

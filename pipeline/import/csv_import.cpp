@@ -248,21 +248,6 @@ void note_far_beginnings(const Target& target, const std::vector<std::string>& f
   }
 }
 
-// In the first file that has any.
-void note_leaps(const Target& target, const std::vector<CsvRows>& files,
-                std::vector<std::string>& notes) {
-  for (const Index c : positions_of(target.state_channels)) {
-    for (std::size_t h = 0; h < files.size(); ++h) {
-      const std::string words =
-          words_of_leap(target.state_channels[static_cast<std::size_t>(c)].label,
-                        target.rollouts[h].states.col(c), target.dt);
-      if (words.empty()) continue;
-      notes.push_back(fmt::format("warning: {}: {}", files[h].name, words));
-      break;
-    }
-  }
-}
-
 // Motions are recorded faster than that; measured rates would contradict another clock.
 void note_slow_clock(const Target& target, const CsvRows& rows, bool is_resampled,
                      std::vector<std::string>& notes) {
@@ -297,11 +282,12 @@ std::vector<std::string> check_rates(const Target& target, const std::vector<Csv
   const std::vector<RatePair> likely = measured(likely_rate_pairs(first.states), first);
   const RateReport of_likely = report_rates(target, likely, names, first.time);
   for (const std::string& problem : of_likely.problems) {
-    notes.push_back("warning: " + problem + "; nothing is wrong if it isn't its rate");
+    notes.push_back("warning: " + problem +
+                    "; nothing is wrong where these aren't a position and its rate");
   }
   if (of_likely.problems.empty()) append(of_likely.notes, notes);
   pairs.insert(pairs.end(), likely.begin(), likely.end());
-  note_leaps(target, files, notes);
+  for (const std::string& leap : words_of_leaps(target, names)) notes.push_back("warning: " + leap);
   note_slow_clock(target, first, is_resampled, notes);
   note_far_beginnings(target, names, notes);
   if (pairs.empty()) {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/import/angle_wraps.h"
 #include "pipeline/import/glitches.h"
+#include "pipeline/import/rate_pairs.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -17,6 +19,21 @@ Index num_still(const Vector& values, Index t) {
   Index count = 1;
   while (count <= t && values(t - count) == values(t)) ++count;
   return count;
+}
+
+// "": it doesn't leap.
+std::string words_of_leap(const Channel& channel, const Vector& position, double dt) {
+  constexpr Index at_rest = 5;  // fewer may be an encoder's, which goes slowly
+  const std::vector<Index> lone = find_lone_steps(position);
+  if (lone.empty() || !find_jumps(position, channel.unit).rows.empty()) return "";
+  const Index t = lone.front(), still = num_still(position, t);
+  return fmt::format(
+      "{} leaps by {:.3g} in the step after {:.6g} s{}{}, several times further than elsewhere: "
+      "{}? Unless it does move like that, put these rows right, or cut the rollout there",
+      channel.label, position(t + 1) - position(t), static_cast<double>(t) * dt,
+      still >= at_rest ? fmt::format(", after {} samples that are the same", still) : "",
+      lone.size() > 1 ? fmt::format(" (and {} times more)", lone.size() - 1) : "",
+      still >= at_rest ? "did the sensor stand still" : "are samples missing, or wrong");
 }
 
 }  // namespace
@@ -42,18 +59,20 @@ std::vector<std::string> words_of_glitches(const std::vector<CsvRows>& files,
   return words;
 }
 
-std::string words_of_leap(const std::string& label, const Vector& position, double dt) {
-  constexpr Index at_rest = 5;  // fewer may be an encoder's, which goes slowly
-  const std::vector<Index> lone = find_lone_steps(position);
-  if (lone.empty()) return "";
-  const Index t = lone.front(), still = num_still(position, t);
-  return fmt::format(
-      "{} leaps by {:.3g} in the step after {:.6g} s{}{}, several times further than elsewhere: "
-      "{}? Unless it does move like that, put these rows right, or cut the rollout there",
-      label, position(t + 1) - position(t), static_cast<double>(t) * dt,
-      still >= at_rest ? fmt::format(", after {} samples that are the same", still) : "",
-      lone.size() > 1 ? fmt::format(" (and {} times more)", lone.size() - 1) : "",
-      still >= at_rest ? "did the sensor stand still" : "are samples missing, or wrong");
+std::vector<std::string> words_of_leaps(const Target& recording,
+                                        const std::vector<std::string>& names) {
+  std::vector<std::string> words;
+  for (const Index c : positions_of(recording.state_channels)) {
+    for (std::size_t h = 0; h < names.size(); ++h) {
+      const std::string of_rollout =
+          words_of_leap(recording.state_channels[static_cast<std::size_t>(c)],
+                        recording.rollouts[h].states.col(c), recording.dt);
+      if (of_rollout.empty()) continue;
+      words.push_back(names[h] + ": " + of_rollout);
+      break;
+    }
+  }
+  return words;
 }
 
 }  // namespace npdr::pipeline

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/target.h"
 #include "pipeline/import/csv_options.h"
 #include "pipeline/import/csv_rows.h"
 
@@ -15,8 +16,9 @@ namespace npdr::pipeline {
 std::vector<std::string> words_of_glitches(const std::vector<CsvRows>& files,
                                            const CsvOptions& options);
 
-/// What is wrong with a position (n) where it leaps (find_lone_steps());
-/// "": nothing.
-std::string words_of_leap(const std::string& label, const Vector& position, double dt);
+/// A sentence for each position that leaps (find_lone_steps()), but by whole turns, of the first
+/// rollout where it does. `names`: of the rollouts.
+std::vector<std::string> words_of_leaps(const Target& recording,
+                                        const std::vector<std::string>& names);
 
 }  // namespace npdr::pipeline

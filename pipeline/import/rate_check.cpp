@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "analysis/scatter.h"
 #include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
@@ -53,27 +54,6 @@ double median_size(const Vector& values) {
   return median({sizes.begin(), sizes.end()});
 }
 
-// Of those above `least`: an encoder's count. 0: there is none.
-double smallest_step(const Vector& steps, double least) {
-  double smallest = kInfinity;
-  for (const double step : steps) {
-    if (std::abs(step) > least) smallest = std::min(smallest, std::abs(step));
-  }
-  return std::isfinite(smallest) ? smallest : 0.0;
-}
-
-// Standard deviation of a signal's white noise, rounding included. Third differences hold nothing
-// of a smooth motion, and of white noise sqrt(1 + 9 + 9 + 1) times its deviation. An encoder that
-// hardly moves has none either: rounding to its counts is noise all the same.
-double noise_of(const Vector& values) {
-  const Vector first = differences(values);
-  const double third = median_size(differences(differences(first)));
-  // Smaller steps come from the arithmetic of whoever wrote the numbers.
-  const double least = 1e-9 * values.cwiseAbs().maxCoeff();
-  if (third > least || median_size(first) > least) return 1.4826 * third / std::sqrt(20.0);
-  return smallest_step(first, least) / std::sqrt(12.0);
-}
-
 // Slopes of the positions, and averages of the rates that belong to them, of every whole window.
 struct Slopes {
   Vector of_position, of_rate;
@@ -90,7 +70,8 @@ Slopes slopes_over(const Vector& position, const Vector& rate, Index window, dou
     slopes.of_position(t) = line.slope.dot(position.segment(t, window));
     slopes.of_rate(t) = weights.dot(held.segment(t, window - 1));
   }
-  slopes.noise = std::max(noise_of(position) * line.slope.norm(), noise_of(rate) * weights.norm());
+  slopes.noise = std::max(analysis::scatter(position) * line.slope.norm(),
+                          analysis::scatter(rate) * weights.norm());
   return slopes;
 }
 
@@ -142,9 +123,8 @@ std::vector<Index> find_leaps(const Vector& position, const Vector& rate, double
   left.array() -= median({left.begin(), left.end()});
   const Vector size = left.cwiseAbs();
   const double range = position.maxCoeff() - position.minCoeff();
-  const double dust = 1e-9 * position.cwiseAbs().maxCoeff();  // as in noise_of()
   const double least = std::max({0.25 * range, kLeapStandsOut * median_size(left),
-                                 kFewestCounts * smallest_step(steps, dust)});
+                                 kFewestCounts * analysis::smallest_step(position)});
   std::vector<Index> leaps;
   for (Index t = 0; t < n; ++t) {
     if (!(size(t) > least)) continue;

@@ -50,16 +50,6 @@ bool is_computed(const Rollout& rollout, const RatePair& pair, double dt) {
   return false;
 }
 
-// Of the first rollout that has any; "": none.
-std::string first_leap(const Target& recording, Index c) {
-  for (const Rollout& rollout : recording.rollouts) {
-    const std::string& label = recording.state_channels[static_cast<std::size_t>(c)].label;
-    const std::string words = words_of_leap(label, rollout.states.col(c), recording.dt);
-    if (!words.empty()) return fmt::format("rollout {}: {}", rollout.name, words);
-  }
-  return "";
-}
-
 std::vector<RatePair> measured_pairs(const Target& recording) {
   std::vector<RatePair> pairs = rate_pairs(recording.state_channels);
   std::ranges::copy(likely_rate_pairs(recording.state_channels), std::back_inserter(pairs));
@@ -73,15 +63,13 @@ std::vector<RatePair> measured_pairs(const Target& recording) {
 
 std::vector<std::string> recording_warnings(const Target& recording) {
   std::vector<std::string> warnings;
-  const std::vector<RatePair> pairs = measured_pairs(recording);
-  const std::vector<Index> positions = positions_of(recording.state_channels);
   for (Index c = 0; c < recording.num_states(); ++c) {
-    std::string words = words_of_jumps(recording, c);
-    const bool may_leap = words.empty() && std::ranges::find(positions, c) != positions.end();
-    if (may_leap) words = first_leap(recording, c);
-    if (!words.empty()) warnings.push_back(std::move(words));
+    std::string jumps = words_of_jumps(recording, c);
+    if (!jumps.empty()) warnings.push_back(std::move(jumps));
   }
-  const RateReport report = report_rates(recording, pairs, names_of_rollouts(recording), "");
+  const std::vector<std::string> names = names_of_rollouts(recording);
+  std::ranges::move(words_of_leaps(recording, names), std::back_inserter(warnings));
+  const RateReport report = report_rates(recording, measured_pairs(recording), names, "");
   for (const std::string& problem : report.problems) {
     const bool names_option = problem.find("--") != std::string::npos;
     warnings.push_back(

@@ -18,15 +18,26 @@ Vector swing_with_noise(Index n, double noise) {
   return series;
 }
 
-// The mean of n squares of the 5th differences is off by less than 4 * 3 / sqrt(n): false alarms
-// have a probability of about 1e-4.
+// The median of third differences is off by 4 / sqrt(n) at most, as they depend on each other: 1e-4
+// of false alarms.
 TEST(Scatter, IsTheNoiseOfASmoothMotion) {
   for (const double noise : {0.001, 0.01, 0.1}) {
     EXPECT_NEAR(scatter(swing_with_noise(4000, noise)), noise, 0.1 * noise);
   }
   EXPECT_LT(scatter(swing_with_noise(4000, 0.0)), 1e-4) << "the smallest step counts as a tick";
   EXPECT_EQ(scatter(Vector::Ones(100)), 0.0);
-  EXPECT_EQ(scatter(swing_with_noise(9, 0.1)), 0.0) << "too short";
+  EXPECT_EQ(scatter(swing_with_noise(3, 0.1)), 0.0) << "too short";
+  Vector glitch = swing_with_noise(4000, 0.01);
+  glitch(100) = 1000.0;
+  EXPECT_NEAR(scatter(glitch), 0.01, 0.001);
+}
+
+TEST(Scatter, OfAnEncoderIsItsRounding) {
+  Vector still = Vector::Zero(100);
+  still(40) = 0.5;
+  EXPECT_EQ(smallest_step(still), 0.5);
+  EXPECT_DOUBLE_EQ(scatter(still), 0.5 / std::sqrt(12.0));
+  EXPECT_EQ(smallest_step(Vector::Ones(10)), 0.0);
 }
 
 TEST(Scatter, OfARecordingIsThatOfItsNoisiestChannel) {

@@ -213,6 +213,34 @@ TEST(FirstStates, OfALinearMotionMayBeginAnywhere) {
   }
 }
 
+// Of a linear motion the misfit is a parabola: the likeliest first states make it smallest.
+TEST(FirstStates, ThatAreLikeliestFitBest) {
+  for (const double correlation : {0.0, 0.7}) {
+    const NoiseModel model = model_of({noise_of(0.3, correlation), noise_of(0.1, correlation)});
+    const std::vector<NoiseValues> values = {{0.3, correlation, 0.0}, {0.1, correlation, 0.0}};
+    Case made = make_case(model, 10);
+    const RowMatrix likeliest =
+        FirstStateErrors(model, made.recorded, made.simulated, made.first).first_errors(values);
+    const auto misfit_at = [&](const RowMatrix& errors) {
+      made.first.errors = errors;
+      std::vector<float> simulated;
+      add_motion(begun_at(made.first, model, made.target, kSegment), simulated);
+      return NoiseLikelihood(model, made.recorded, made.first).misfit(simulated, values);
+    };
+    const double least = misfit_at(likeliest);
+    for (Index s = 0; s < likeliest.rows(); ++s) {
+      for (Index c = 0; c < kChannels; ++c) {
+        RowMatrix more = likeliest, less = likeliest;
+        more(s, c) += 0.1;
+        less(s, c) -= 0.1;
+        const double above = misfit_at(more) - least, below = misfit_at(less) - least;
+        EXPECT_GT(above, 0.0);
+        EXPECT_NEAR(below, above, 1e-2 * above);
+      }
+    }
+  }
+}
+
 TEST(FirstStates, OfAFailedSimulationHaveNoLikelihood) {
   const NoiseModel model = model_of({noise_of(0.3, 0.0), noise_of(0.1, 0.0)});
   Case made = make_case(model, 7);
