@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "core/feature_names.h"
@@ -156,7 +157,8 @@ Identity shard_identity(const Identity& simulation, RowRange rows) {
 }
 
 void join_shards(const ArtefactFile& simulation, const Identity& identity, const Study& study,
-                 const Target& target, const std::vector<Shard>& shards) {
+                 const Target& target, const std::vector<Shard>& shards,
+                 const std::string& warning) {
   const Index n = shards.back().rows.end;
   ArtefactWriter writer(simulation.path, kSimulationSchema, identity);
   h5::File& file = writer.file();
@@ -164,6 +166,8 @@ void join_shards(const ArtefactFile& simulation, const Identity& identity, const
   describe_rows(f, study.prior, n);
   std::vector<h5::VirtualSource> sources;
   Ledger ledger;
+  std::vector<std::string> warnings;
+  if (!warning.empty()) warnings.push_back(warning);
   Index num_failed = 0;
   for (const Shard& part : shards) {
     const h5::File shard =
@@ -171,13 +175,14 @@ void join_shards(const ArtefactFile& simulation, const Identity& identity, const
     const Provenance provenance = provenance_of(shard);
     ledger.add(provenance, part.rows, copy_rows(shard, file, part.rows));
     num_failed += ledger.failed.back();
-    write_warnings(file, warnings_of(shard));
+    std::ranges::copy(warnings_of(shard), std::back_inserter(warnings));
     writer.add_cost(provenance.cost);
     sources.push_back({simulation.key + "/" + part.path.filename().string(), values_name(study),
                        part.rows.size()});
   }
   describe_values(f, study, target, n, sources);
   describe(f, ledger, num_failed);
+  write_warnings(file, warnings);
   writer.finish();
 }
 

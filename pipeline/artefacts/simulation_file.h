@@ -31,10 +31,12 @@ struct Shard {
   std::filesystem::path path;
 };
 
-/// Joins the shards of a simulation, all of which are there. Throws InputError for a damaged one,
-/// Error when writing fails.
+/// Joins the shards of a simulation, all of which are there, with their warnings and the one that
+/// all rows give together ("": none). Throws InputError for a damaged one, Error when writing
+/// fails.
 void join_shards(const ArtefactFile& simulation, const Identity& identity, const Study& study,
-                 const Target& target, const std::vector<Shard>& shards);
+                 const Target& target, const std::vector<Shard>& shards,
+                 const std::string& warning);
 
 /// Says of a shard or a simulation what is probably wrong with its rows (row_check.h). No warnings
 /// leave it as it is.

@@ -2,11 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <optional>
-#include <span>
 
 #include "core/text.h"
 #include "pipeline/store/column_labels.h"
@@ -14,48 +10,55 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr std::size_t kFewestRepeats = 2, kFewestOthers = 3;
-
-struct Repeats {
-  double value = 0.0;
-  std::size_t count = 0;
-};
-
-// `values` are sorted, and begin with the number in question.
-std::optional<Repeats> repeats_of_first(std::span<const double> values) {
-  const double value = values.front();
-  const auto count = static_cast<std::size_t>(std::ranges::count(values, value));
-  if (count < kFewestRepeats || values.size() < count + kFewestOthers) return std::nullopt;
-  const double nearest = values[count], range = std::abs(values.back() - nearest);
-  if (range == 0.0 || std::abs(nearest - value) <= range) return std::nullopt;
-  return Repeats{value, count};
-}
-
-std::vector<double> finite_values(const Vector& column) {
-  std::vector<double> values;
-  std::ranges::copy_if(column, std::back_inserter(values),
-                       [](double v) { return std::isfinite(v); });
-  return values;
-}
-
-std::optional<Repeats> repeated_outlier(const Vector& column) {
-  std::vector<double> values = finite_values(column);
-  if (values.empty()) return std::nullopt;
-  std::ranges::sort(values);
-  if (const auto smallest = repeats_of_first(values)) return smallest;
-  std::ranges::reverse(values);
-  return repeats_of_first(values);
-}
+constexpr Index kFewestRepeats = 2, kFewestOthers = 3;
 
 }  // namespace
 
-std::string repeated_outliers(const RowMatrix& x, const std::vector<Channel>& columns) {
+RepeatedOutliers::RepeatedOutliers(Index num_columns)
+    : columns_(static_cast<std::size_t>(num_columns)) {}
+
+void RepeatedOutliers::End::observe(float value) {
+  if (num_outermost > 0 && value == outermost) {
+    ++num_outermost;
+  } else if (num_outermost == 0 || sign * value < sign * outermost) {
+    next = outermost;
+    num_others += num_outermost;
+    outermost = value;
+    num_outermost = 1;
+  } else {
+    if (num_others == 0 || sign * value < sign * next) next = value;
+    ++num_others;
+  }
+}
+
+// `innermost`: the number at the other end.
+bool RepeatedOutliers::End::is_outlier(float innermost) const {
+  if (num_outermost < kFewestRepeats || num_others < kFewestOthers) return false;
+  const double nearest = next, range = std::abs(double{innermost} - nearest);
+  return range > 0.0 && std::abs(nearest - double{outermost}) > range;
+}
+
+void RepeatedOutliers::observe(const Eigen::Ref<const RowMatrixF>& x) {
+  num_rows_ += x.rows();
+  for (Index i = 0; i < x.rows(); ++i) {
+    for (Index c = 0; c < x.cols(); ++c) {
+      if (!std::isfinite(x(i, c))) continue;
+      Ends& ends = columns_[static_cast<std::size_t>(c)];
+      ends.smallest.observe(x(i, c));
+      ends.largest.observe(x(i, c));
+    }
+  }
+}
+
+std::string RepeatedOutliers::words(const std::vector<Channel>& columns) const {
   std::vector<std::string> found;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const auto repeats = repeated_outlier(x.col(static_cast<Index>(c)));
-    if (!repeats) continue;
-    found.push_back(fmt::format("'{}' is {:.6g} in {} of the first {} rows", columns[c].label,
-                                repeats->value, repeats->count, x.rows()));
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    const auto& [smallest, largest] = columns_[c];
+    const End& end = smallest.is_outlier(largest.outermost) ? smallest : largest;
+    const End& other = &end == &smallest ? largest : smallest;
+    if (!end.is_outlier(other.outermost)) continue;
+    found.push_back(fmt::format("'{}' is {:.6g} in {} of {} rows", columns[c].label, end.outermost,
+                                end.num_outermost, num_rows_));
   }
   if (found.empty()) return "";
   return fmt::format(

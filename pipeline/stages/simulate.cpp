@@ -27,6 +27,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr Index kNumbersRead = Index{1} << 18;  // of x, at once
+
 // Files and settings that all shards of a simulation share: shards may be so small that opening
 // files for each would take longest.
 struct Simulation {
@@ -74,16 +76,45 @@ std::string lost_precision(const Simulation& simulation) {
   return precision_problem(states, target.state_channels);
 }
 
-// What others' rows hold in place of a failure.
+bool may_have_outliers(const Study& study) {
+  return !study.source().is_built_in && !study.source().gives_motion;
+}
+
+// The rows of `values` in blocks.
+void observe(RepeatedOutliers& outliers, const h5::Dataset& values) {
+  const Index most = std::max<Index>(1, kNumbersRead / std::max<Index>(1, values.row_size()));
+  for (Index begin = 0; begin < values.num_rows(); begin += most) {
+    RowMatrixF x(std::min(most, values.num_rows() - begin), values.row_size());
+    values.read_rows<float>(begin, x.rows(), {x.data(), static_cast<std::size_t>(x.size())});
+    outliers.observe(x);
+  }
+}
+
+// What others' rows hold in place of a failure, too seldom perhaps for the first rows to show it.
+std::string outliers_of(const Simulation& simulation, const std::vector<Shard>& shards) {
+  if (!may_have_outliers(simulation.plan.study)) return "";
+  const std::vector<Channel> columns = simulation.plan.source->info().state_channels;
+  RepeatedOutliers outliers(std::ssize(columns));
+  for (const Shard& shard : shards) {
+    const Identity identity = shard_identity(simulation.node.identity, shard.rows);
+    observe(outliers,
+            simulated_values(open_artefact(shard.path, kSimulationShardSchema, identity.key())));
+  }
+  return outliers.words(columns);
+}
+
+// The same of the first rows: hours before all are there.
 std::string outliers_of(const Simulation& simulation, const GivenRows& rows) {
-  const SourceTraits& traits = simulation.plan.study.source();
-  if (traits.is_built_in) return "";
+  if (!may_have_outliers(simulation.plan.study)) return "";
   const Eigen::Map<const RowMatrixF> x = features_of(rows.result);
-  const std::string outliers =
-      traits.gives_motion
-          ? ""
-          : repeated_outliers(x.cast<double>(), simulation.plan.source->info().state_channels);
-  return outliers.empty() ? repeated_rows(rows.complete, x) : outliers;
+  RepeatedOutliers outliers(x.cols());
+  outliers.observe(x);
+  return outliers.words(simulation.plan.source->info().state_channels);
+}
+
+std::string repeated_rows_of(const Simulation& simulation, const GivenRows& rows) {
+  if (simulation.plan.study.source().is_built_in) return "";
+  return repeated_rows(rows.complete, features_of(rows.result));
 }
 
 std::string late_states_of(const Simulation& simulation, const GivenRows& rows) {
@@ -100,9 +131,11 @@ void check_block(h5::File& file, const Simulation& simulation, const GivenRows& 
     const bool has_noise = !study.observation_noise.is_silent();
     warnings = check_rows(*simulation.simulator, rows, has_noise);
   }
+  const std::string outliers = outliers_of(simulation, rows);
+  if (!outliers.empty()) warn(simulation.node, outliers);  // the report has those of all rows
   for (const std::string& warning :
-       {lost_precision(simulation), outliers_of(simulation, rows), late_states_of(simulation, rows),
-        simulation.simulator->last_warning()}) {
+       {lost_precision(simulation), outliers.empty() ? repeated_rows_of(simulation, rows) : "",
+        late_states_of(simulation, rows), simulation.simulator->last_warning()}) {
     if (!warning.empty()) warnings.push_back(warning);
   }
   for (const std::string& warning : warnings) warn(simulation.node, warning);
@@ -218,7 +251,9 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
     done += shard->rows.size();
   }
   if (missing_shards(plan, node).empty()) {
-    join_shards(node, node.identity, plan.study, simulation.target, all);
+    const std::string outliers = outliers_of(simulation, all);
+    if (!outliers.empty()) warn(node, outliers);
+    join_shards(node, node.identity, plan.study, simulation.target, all, outliers);
     link_uses(plan, node);  // one can look at it also where too many rows failed
     warn_of_failures(simulation);
     open_simulation(plan, node);

@@ -270,8 +270,25 @@ TEST_F(External, NumbersThatStandForFailuresAreTold) {
   const Outcome outcome =
       npdr({"run", "shell.toml", "--set", "simulator.command='sh fails.sh {theta} {x}'"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("'total' is -999 in 8 of the first 64 rows"), std::string::npos)
-      << outcome.err;
+  EXPECT_NE(outcome.err.find("'total' is -999 in 8 of 64 rows"), std::string::npos) << outcome.err;
+}
+
+// Two among 1000, which the first rows don't show.
+TEST_F(External, RareNumbersThatStandForFailuresAreTold) {
+  import_dataset();
+  const std::string spoil = "awk 'NR == 300 || NR == 700 { print \"-999,-999\"; next } 1' x.csv";
+  ASSERT_EQ(std::system(("cd '" + folder_.path().string() + "' && " + spoil +
+                         " > spoiled.csv && mv spoiled.csv x.csv")
+                            .c_str()),
+            0);
+  ASSERT_EQ(npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"})
+                .status,
+            0);
+  const std::string warning = " is -999 in 2 of 1000 rows";
+  const Outcome outcome = npdr({"run", "dataset.toml"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find(warning), std::string::npos) << outcome.err;
+  EXPECT_NE(text_of(folder_ / "runs/external-dataset/report.html").find(warning), std::string::npos);
 }
 
 TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {

@@ -10,35 +10,41 @@
 namespace npdr::pipeline {
 namespace {
 
-class RepeatedOutliers : public testing::Test {
+class RepeatedOutlier : public testing::Test {
  protected:
   // 64 rows of two standard normal columns.
-  RepeatedOutliers() : x_(64, 2) {
+  RepeatedOutlier() : x_(64, 2) {
     Stream stream({1, "test", 0, 0, 0});
-    for (double& value : x_.reshaped()) value = stream.normal();
+    for (float& value : x_.reshaped()) value = static_cast<float>(stream.normal());
   }
 
-  std::string found() const { return repeated_outliers(x_, {{"total", "1"}, {"peak", "m"}}); }
+  // Of two blocks.
+  std::string found() const {
+    RepeatedOutliers outliers(2);
+    outliers.observe(x_.topRows(40));
+    outliers.observe(x_.bottomRows(24));
+    return outliers.words({{"total", "1"}, {"peak", "m"}});
+  }
 
-  RowMatrix x_;
+  RowMatrixF x_;
 };
 
-TEST_F(RepeatedOutliers, AreNamedWithTheirNumber) {
-  x_(3, 1) = x_(40, 1) = x_(41, 1) = -999.0;
-  EXPECT_TRUE(says(found(), {"'peak' is -999 in 3 of the first 64 rows", "write NaN"}));
-  x_(3, 1) = x_(40, 1) = x_(41, 1) = 1e30;
-  EXPECT_TRUE(says(found(), {"'peak' is 1e+30 in 3 of the first 64 rows"}));
+TEST_F(RepeatedOutlier, AreNamedWithTheirNumber) {
+  x_(3, 1) = x_(40, 1) = x_(41, 1) = -999.0f;
+  EXPECT_TRUE(says(found(), {"'peak' is -999 in 3 of 64 rows", "write NaN"}));
+  x_(3, 1) = x_(40, 1) = x_(41, 1) = 1e30f;
+  EXPECT_TRUE(says(found(), {"'peak' is 1e+30 in 3 of 64 rows"}));
 }
 
-TEST_F(RepeatedOutliers, AreNoneOfWhatMeasurementsDo) {
+TEST_F(RepeatedOutlier, AreNoneOfWhatMeasurementsDo) {
   EXPECT_EQ(found(), "");
-  x_(3, 1) = 50.0;
+  x_(3, 1) = 50.0f;
   EXPECT_EQ(found(), "") << "a heavy tail doesn't repeat itself";
-  x_.col(0) = x_.col(0).cwiseMax(-0.5);
+  x_.col(0) = x_.col(0).cwiseMax(-0.5f);
   EXPECT_EQ(found(), "") << "a sensor that is clipped";
-  for (Index i = 0; i < 64; ++i) x_(i, 0) = i % 2 == 0 ? 0.0 : 1.0;
+  for (Index i = 0; i < 64; ++i) x_(i, 0) = i % 2 == 0 ? 0.0f : 1.0f;
   EXPECT_EQ(found(), "") << "a bit";
-  x_.col(0).setConstant(std::numeric_limits<double>::quiet_NaN());
+  x_.col(0).setConstant(std::numeric_limits<float>::quiet_NaN());
   EXPECT_EQ(found(), "") << "nothing there";
 }
 
