@@ -288,7 +288,8 @@ TEST_F(External, RareNumbersThatStandForFailuresAreTold) {
   const Outcome outcome = npdr({"run", "dataset.toml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.err.find(warning), std::string::npos) << outcome.err;
-  EXPECT_NE(text_of(folder_ / "runs/external-dataset/report.html").find(warning), std::string::npos);
+  EXPECT_NE(text_of(folder_ / "runs/external-dataset/report.html").find(warning),
+            std::string::npos);
 }
 
 TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {
