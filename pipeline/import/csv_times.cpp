@@ -103,10 +103,16 @@ double even_step(const CsvRows& rows, const std::optional<double>& given) {
 void require_step(const CsvRows& rows, const std::optional<double>& given, double dt) {
   const double step = even_step(rows, given);
   if (rows.times.empty() || is_same_step(rows, step, dt)) return;
-  throw InputError(fmt::format(
-      "{}: its times are {:.6g} s apart, those of the first file {:.6g} s; --resample {:.3g} makes "
-      "them alike",
-      rows.name, step, dt, std::max(step, dt)));
+  const std::string found = fmt::format(
+      "{}: its times are {:.6g} s apart, those of the first file {:.6g} s", rows.name, step, dt);
+  const double ratio = std::max(step / dt, dt / step);
+  constexpr double milli = 1000.0, tolerance = 0.05;
+  if (std::abs(ratio / milli - 1.0) < tolerance) {
+    throw InputError(fmt::format(
+        "{}: one of the two is probably in ms; convert it, as --scale is for all files", found));
+  }
+  throw InputError(
+      fmt::format("{}; --resample {:.3g} makes them alike", found, std::max(step, dt)));
 }
 
 void check_times_to_resample(const CsvRows& rows, double dt) {

@@ -147,23 +147,40 @@ std::optional<double> factor_of_dt(const std::vector<CheckedPair>& pairs) {
   return shared_ratio(ratios);
 }
 
-// A measured factor, or one that is known.
-std::string scale_option(const Channel& channel, double factor, int digits = 3) {
-  return fmt::format("--scale {}={:.{}g}", channel.label, factor, digits);
+// Differences of recorded positions are a little short of their rate: 995 is 1000, of milli-units.
+double rounded_factor(double factor) {
+  const double power = std::pow(10.0, std::round(std::log10(std::abs(factor))));
+  constexpr double tolerance = 0.02;
+  const bool is_power = power != 1.0 && std::abs(std::abs(factor) / power - 1.0) < tolerance;
+  return is_power ? std::copysign(power, factor) : factor;
+}
+
+// "995", "57.3": never 1e+03.
+std::string factor_text(double factor) {
+  return std::abs(factor) < 100.0 ? fmt::format("{:.3g}", factor) : fmt::format("{:.0f}", factor);
+}
+
+std::string known_scale_option(const Channel& channel, double factor) {
+  return fmt::format("--scale {}={:.6g}", channel.label, factor);
+}
+
+std::string scale_option(const Channel& channel, double measured) {
+  return fmt::format("--scale {}={}", channel.label, factor_text(rounded_factor(measured)));
 }
 
 // "theta changes 57.3 times as fast as theta_dot says".
 std::string mismatch(const CheckedPair& pair, double ratio) {
-  return fmt::format("{} changes {:.3g} times as fast as {} says", pair.position.label, ratio,
-                     pair.rate.label);
+  return fmt::format("{} changes {} times as fast as {} says", pair.position.label,
+                     factor_text(ratio), pair.rate.label);
 }
 
-std::string remedy_of_dt(double dt, double factor, const std::string& time) {
+std::string remedy_of_dt(double dt, double measured, const std::string& time) {
+  const double factor = rounded_factor(measured);
   const std::string found =
-      fmt::format("dt is probably {:.6g} * {:.3g} = {:.3g} s", dt, factor, dt * factor);
+      fmt::format("dt is probably {:.6g} * {} = {:.3g} s", dt, factor_text(factor), dt * factor);
   if (time.empty()) return fmt::format("{}: give --dt {:.3g}", found, dt * factor);
-  return fmt::format("{}: correct column '{}', or add --scale {}={:.3g}", found, time, time,
-                     factor);
+  return fmt::format("{}: correct column '{}', or add --scale {}={}", found, time, time,
+                     factor_text(factor));
 }
 
 std::string dt_problem(const std::vector<CheckedPair>& pairs, double dt, double factor,
@@ -189,14 +206,14 @@ std::string degrees_problem(const CheckedPair& pair, double ratio) {
   return fmt::format(
       "{}: {} is probably in {}, though its unit says [{}]: add {}, or convert the column",
       mismatch(pair, ratio), wrong.label, is_degrees ? "degrees" : "radians", wrong.unit,
-      scale_option(wrong, is_degrees ? 1.0 / kDegreesOfRadian : kDegreesOfRadian, 6));
+      known_scale_option(wrong, is_degrees ? 1.0 / kDegreesOfRadian : kDegreesOfRadian));
 }
 
 std::string rpm_problem(const CheckedPair& pair, double ratio) {
   return fmt::format(
       "{}: {} is probably in rpm, though its unit says [{}]: add {}, or convert the column",
       mismatch(pair, ratio), pair.rate.label, pair.rate.unit,
-      scale_option(pair.rate, kRadiansOfRpm, 6));
+      known_scale_option(pair.rate, kRadiansOfRpm));
 }
 
 std::string scale_problem(const CheckedPair& pair, double ratio) {

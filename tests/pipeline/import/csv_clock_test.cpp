@@ -80,6 +80,13 @@ TEST_F(CsvClock, IsTheSameInAllFiles) {
   };
   EXPECT_TRUE(says(message_of<InputError>(import_both, &folder_),
                    {"b.csv: its times are 0.0208 s apart", "first file 0.02 s"}));
+  const auto import_milliseconds = [&] {
+    import_csv(
+        {folder_.file("a.csv", falling(101, 0.02)), folder_.file("b.csv", falling(101, 20.0))},
+        pendulum_options());
+  };
+  EXPECT_TRUE(says(message_of<InputError>(import_milliseconds, &folder_),
+                   {"b.csv: its times are 20 s apart", "first file 0.02 s", "probably in ms"}));
 }
 
 }  // namespace

@@ -89,6 +89,12 @@ TEST(RateReport, NamesRatesInRpm) {
   EXPECT_TRUE(says(problem(target), {"theta changes", "dt is probably 0.004 * 0.1"}));
 }
 
+TEST(RateReport, GivesPowersOfTenForFactorsThatAreNearly) {
+  EXPECT_TRUE(
+      says(problem(with_factor(0, 995.0)),
+           {"theta changes 991 times as fast", "--scale theta=0.001 or --scale theta_dot=1000"}));
+}
+
 // Ratios themselves are those of rate_check_test.cpp.
 TEST(RateReport, ARatioOfAllPairsIsThatOfTime) {
   const Target target = right_target(0.006);
