@@ -111,7 +111,8 @@ TEST_F(PythonReader, CompressesFeaturesThatSpanOrdersOfMagnitude) {
   std::ofstream(folder_.path() / "study.toml")
       << "[study]\nname = 'wide'\n[simulator]\ndataset = 'd.h5'\n[target]\nobservation = "
          "'x_o.csv'\n[prior]\na = { uniform = [0.0, 1.0] }\n[[method]]\nname = 'pool'\n"
-         "num_simulations = 300\ntraining = { max_epochs = 20, batch_size = 50 }\n";
+         "num_simulations = 300\ntraining = { max_epochs = 20, batch_size = 50 }\n"
+         "density_estimator = { num_networks = 2, num_transforms = 2, hidden_features = 12 }\n";
   const Outcome outcome = shell("npdr run study.toml --until infer");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string posterior = "runs/wide/pool/seed-1/round-1/infer.h5";
