@@ -80,11 +80,14 @@ std::filesystem::path run(const std::string& program, const GnuplotScript& scrip
     throw Error(fmt::format("{}: {} didn't come to its end on {}.gp in {:.0f} s, and was ended",
                             path.string(), program, script.name, ProcessOptions().time_limit));
   }
+  if (result.exit_status != 0) {
+    throw Error(fmt::format("{}: {} failed with status {} on {}.gp:\n{}", path.string(), program,
+                            result.exit_status, script.name, result.errors));
+  }
   std::error_code missing;
-  if (result.exit_status != 0 || std::filesystem::file_size(file.temporary(), missing) == 0 ||
-      missing) {
-    throw Error(fmt::format("{}: {} failed with status {} on {}:\n{}", path.string(), program,
-                            result.exit_status, script.name + ".gp", result.errors));
+  if (std::filesystem::file_size(file.temporary(), missing) == 0 || missing) {
+    throw Error(fmt::format("{}: {} has drawn nothing from {}.gp; is there space left (df)? {}",
+                            path.string(), program, script.name, result.errors));
   }
   const std::string drawn = read_text_file(file.temporary());
   if (format == ImageFormat::svg) {

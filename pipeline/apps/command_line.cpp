@@ -253,6 +253,7 @@ void add_seed_option(CLI::App& app, const std::string& name, std::uint64_t& seed
 }
 
 void require_new_file(const std::filesystem::path& output, bool force) {
+  if (output.empty()) throw InputError("--output is empty, must be the name of a file");
   std::error_code error;
   if (!std::filesystem::exists(output, error)) return;
   if (!force) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/error.h"
@@ -135,8 +136,9 @@ Target read_observation(const std::filesystem::path& path, const std::vector<Cha
   for (Index f = 0; f < rows.x.cols(); ++f) {
     // As a float32, too: that is what it becomes.
     if (std::isfinite(static_cast<float>(rows.x(0, f)))) continue;
-    throw InputError(fmt::format("{}: '{}' = {}, must be a finite number", path.string(),
-                                 rows.features[static_cast<std::size_t>(f)].label, rows.x(0, f)));
+    throw InputError(fmt::format("{}: '{}' = {}, must be a number of magnitude {:g} or less",
+                                 path.string(), rows.features[static_cast<std::size_t>(f)].label,
+                                 rows.x(0, f), std::numeric_limits<float>::max()));
   }
   return target;
 }

@@ -44,7 +44,7 @@ constexpr std::array<SourceTraits, 7> kTraits = {{
      .name = "dataset",
      .gives_motion = false,
      .simulates = false,
-     .advice = "check the dataset and the prior"},
+     .advice = "check the dataset (values beyond 3.4e38 have diverged, too) and the prior"},
 }};
 
 }  // namespace

@@ -248,10 +248,17 @@ void note_far_beginnings(const Target& target, const std::vector<std::string>& f
   }
 }
 
-// Motions are recorded faster than that; measured rates would contradict another clock.
-void note_slow_clock(const Target& target, const CsvRows& rows, bool is_resampled,
-                     std::vector<std::string>& notes) {
-  constexpr double slow = 1.0;  // [s]
+// Motions are recorded faster than that, though not so fast; measured rates would contradict
+// another clock.
+void note_strange_clock(const Target& target, const CsvRows& rows, bool is_resampled,
+                        std::vector<std::string>& notes) {
+  constexpr double slow = 1.0, fast = 1e-6;  // [s]
+  if (target.dt < fast) {
+    notes.push_back(
+        fmt::format("warning: {}: steps of {:.6g} s, which no motion needs: in which "
+                    "unit are times?",
+                    rows.name, target.dt));
+  }
   if (target.dt < slow || rate_pairs(target.state_channels).empty()) return;
   notes.push_back(fmt::format(
       "warning: {}: steps of {:.6g} s, which are long for a motion: if times are in ms, {}",
@@ -288,7 +295,7 @@ std::vector<std::string> check_rates(const Target& target, const std::vector<Csv
   if (of_likely.problems.empty()) append(of_likely.notes, notes);
   pairs.insert(pairs.end(), likely.begin(), likely.end());
   for (const std::string& leap : words_of_leaps(target, names)) notes.push_back("warning: " + leap);
-  note_slow_clock(target, first, is_resampled, notes);
+  note_strange_clock(target, first, is_resampled, notes);
   note_far_beginnings(target, names, notes);
   if (pairs.empty()) {
     notes.emplace_back(

@@ -70,7 +70,8 @@ Slopes slopes_over(const Vector& position, const Vector& rate, Index window, dou
     slopes.of_position(t) = line.slope.dot(position.segment(t, window));
     slopes.of_rate(t) = weights.dot(held.segment(t, window - 1));
   }
-  slopes.noise = std::max(analysis::scatter(position) * line.slope.norm(),
+  const double rounding = std::numeric_limits<double>::epsilon() * position.cwiseAbs().maxCoeff();
+  slopes.noise = std::max(std::max(analysis::scatter(position), rounding) * line.slope.norm(),
                           analysis::scatter(rate) * weights.norm());
   return slopes;
 }

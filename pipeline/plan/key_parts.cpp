@@ -1,5 +1,7 @@
 #include "pipeline/plan/key_parts.h"
 
+#include <filesystem>
+
 #include "pipeline/config/method_settings.h"
 #include "pipeline/config/study_json.h"
 
@@ -71,8 +73,21 @@ Json policy_search_json(const PolicyConfig& policy) {
   return pick(to_json(policy), keys);
 }
 
+// Files count by what they hold, in the keys of what is made of them: where they lie, as seen from
+// the current folder, says nothing.
+void keep_file_names(Json& json) {
+  const auto keep = [&](const char* table, const char* key) {
+    if (!json.contains(table) || !json[table].contains(key)) return;
+    Json& path = json[table][key];
+    if (path.is_string()) path = std::filesystem::path(path.get<std::string>()).filename().string();
+  };
+  for (const char* key : {"recording", "observation", "inputs"}) keep("target", key);
+  for (const char* key : {"library", "mjcf", "dataset"}) keep("simulator", key);
+}
+
 Json study_document(const Study& study) {
   Json json = to_json(study);
+  keep_file_names(json);
   json.erase("cluster");  // where something is computed changes nothing
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
     if (!reads_setting(study.methods[i].algorithm.kind, "refine"))

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/text.h"
@@ -48,6 +49,12 @@ void RepeatedOutliers::observe(const Eigen::Ref<const RowMatrixF>& x) {
       ends.largest.observe(x(i, c));
     }
   }
+}
+
+bool RepeatedOutliers::are_rows_same() const {
+  return std::ranges::all_of(columns_, [](const Ends& ends) {
+    return ends.smallest.num_outermost > 1 && ends.smallest.num_others == 0;
+  });
 }
 
 std::string RepeatedOutliers::words(const std::vector<Channel>& columns) const {

@@ -22,6 +22,9 @@ class RepeatedOutliers {
   /// Says which of the columns, whose names these are; "": none.
   std::string words(const std::vector<Channel>& columns) const;
 
+  /// All rows are the same, of several whose numbers are finite.
+  bool are_rows_same() const;
+
  private:
   // One end of a column's numbers, in the order of `sign` times them.
   struct End {

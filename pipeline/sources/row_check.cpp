@@ -161,7 +161,7 @@ std::vector<std::string> check_rows(RowSimulator& simulator, const GivenRows& ro
   const std::vector<Index> good = good_rows(rows.result);
   if (std::ssize(good) < kFewestRows) return {};
   const RowDistance distance(rows.result, good);
-  if (!distance.any_varies()) return {"all rows are the same, whatever their parameters"};
+  if (!distance.any_varies()) return {kSameRows};
   std::vector<std::string> warnings;
   const std::vector<Index> telling = telling_rows(rows.result, good);
   const Index middle = telling[telling.size() / 2];

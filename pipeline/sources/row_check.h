@@ -16,6 +16,9 @@ struct GivenRows {
   StreamId first;
 };
 
+/// What is wrong with rows that are all the same.
+inline constexpr const char* kSameRows = "all rows are the same, whatever their parameters";
+
 /// Simulates two of the rows again, each alone (up to six where one is another), and one of them
 /// with other random numbers. Returns what is probably wrong, for people: rows that differ when
 /// they are repeated, noise that all rows of a call share, no noise at all unless `has_noise` says

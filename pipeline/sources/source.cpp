@@ -48,8 +48,10 @@ Target Source::replay_truth(Target begun, const std::filesystem::path& log) cons
                                              {target.seed, kTruthStream, 0, 0, 0});
   if (x.status.front() != sim::RolloutStatus::ok) {
     const std::string why = rows->last_failure();
-    throw Error(fmt::format("target.truth: the simulation there ends as {}{}",
-                            sim::to_string(x.status.front()), why.empty() ? "" : ": " + why));
+    throw Error(
+        fmt::format("target.truth: the simulation there ends as {}{}; choose a truth that "
+                    "can be simulated, or see what the simulator makes of it",
+                    sim::to_string(x.status.front()), why.empty() ? "" : ": " + why));
   }
   for (Index h = 0; h < begun.num_rollouts(); ++h) {
     begun.rollouts[static_cast<std::size_t>(h)].states.bottomRows(begun.num_steps()) =

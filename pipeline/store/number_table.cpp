@@ -34,6 +34,31 @@ std::optional<double> parse_number(const std::string& field) {
   return std::strtod(begin, nullptr);
 }
 
+// What other systems write, and looks like any other file there.
+void require_text(const std::string& name, const std::string& line) {
+  if (line.find('\0') != std::string::npos) {
+    throw InputError(name + ": holds zero bytes, as UTF-16 has them; save it as UTF-8");
+  }
+  if (line.find('\r') != std::string::npos) {
+    throw InputError(name +
+                     ": its lines end in carriage returns alone (CR), must end in line feeds (LF "
+                     "or CR LF)");
+  }
+}
+
+std::string replaced_all(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at)) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+// No-break spaces are blanks, and zero-width ones nothing: nobody sees them.
+std::string without_invisible(const std::string& text) {
+  const std::string blanks = replaced_all(text, "\xC2\xA0", " ");
+  return trimmed(replaced_all(replaced_all(blanks, "\xE2\x80\x8B", ""), "\xEF\xBB\xBF", ""));
+}
+
 }  // namespace
 
 NumberTable::NumberTable(const std::filesystem::path& path, Header header,
@@ -50,6 +75,7 @@ NumberTable::NumberTable(const std::filesystem::path& path, Header header,
   stream_.open(path, std::ios::binary);
   if (!stream_) throw InputError(name_ + ": can't be opened; may you read it?");
   if (!next_line()) throw InputError(name_ + ": is empty");
+  require_text(name_, line_);
   if (line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);
   fields_ = csv_fields(line_, place(), format_.delimiter);
   num_columns_ = static_cast<Index>(fields_.size());
@@ -136,6 +162,7 @@ bool NumberTable::read_line() try {
 // Names and units go on to terminals, tables and keys.
 void NumberTable::read_header(Header header) {
   std::unordered_set<std::string> labels;
+  std::ranges::transform(fields_, fields_.begin(), without_invisible);
   std::ranges::transform(fields_, fields_.begin(), printable);  // tabs say how they are separated
   for (const std::string& field : fields_) {
     const bool has_units = header == Header::with_units;

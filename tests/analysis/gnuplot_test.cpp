@@ -73,7 +73,7 @@ TEST(Gnuplot, ItsErrorsComeThrough) {
 
 TEST(Gnuplot, AProgramThatLeavesNoFileIsAnError) {
   const TempFolder folder;
-  EXPECT_NE(problem_of({"plot", 320, 200, ""}, folder.path(), "true").find("failed"),
+  EXPECT_NE(problem_of({"plot", 320, 200, ""}, folder.path(), "true").find("has drawn nothing"),
             std::string::npos);
 }
 

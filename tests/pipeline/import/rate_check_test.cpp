@@ -19,6 +19,13 @@ TEST(RateCheck, ExactRatesHaveTheRatioOne) {
   EXPECT_EQ(verdict_of(*found), RateVerdict::agrees);
 }
 
+TEST(RateCheck, OfWhatStandsStillNothingIsKnown) {
+  Motion still = smooth_motion(1000, 0.004, 1);
+  still.position.setConstant(0.7);
+  still.rate.setConstant(0.1);
+  EXPECT_FALSE(fit(still)) << "the slope of a constant is rounding";
+}
+
 // None of 500 right recordings is blamed: were one of 100 blamed, this would pass once in 150
 // times.
 TEST(RateCheck, WhatLabsRecordPasses) {

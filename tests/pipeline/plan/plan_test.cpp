@@ -10,7 +10,9 @@
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/plan/key_parts.h"
 #include "tests/pipeline/plan/plan_parts.h"
+#include "tests/pipeline/small_study.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
@@ -71,6 +73,16 @@ TEST(Plan, ALimitOfFailuresIsPartOfTheReportsKeyAlone) {
   for (std::size_t i = 0; i < after.nodes.size(); ++i) {
     EXPECT_EQ(after.nodes[i].key != before.nodes[i].key, after.nodes[i].stage == Stage::report);
   }
+}
+
+TEST(Plan, FilesMayLieAnywhereAsSeenFromTheCurrentFolder) {
+  Study study = parse_study(kStudyText, "s.toml");
+  study.target.recording = "a/recording.h5";
+  const auto here = study_document(study);
+  study.target.recording = "../b/recording.h5";
+  EXPECT_EQ(study_document(study), here);
+  study.target.recording = "a/other.h5";
+  EXPECT_NE(study_document(study), here);
 }
 
 TEST(Plan, KeysAreTheSameEveryTime) {

@@ -22,6 +22,7 @@ TEST(Precision, SaysWhichColumnsFloatsCantTellApart) {
                    {"single precision", "'far' by 1.5 about 1e+08", "subtract an offset"}));
   EXPECT_EQ(precision_problem(varying(1e8, 1.5), kColumns).find("'near'"), std::string::npos);
   EXPECT_NE(precision_problem(varying(0.0, 1e-37), kColumns), "");
+  EXPECT_NE(precision_problem(varying(0.0, 1e-300), kColumns), "") << "whose square is 0";
   RowMatrix partly_lost = varying(1e8, 1.5);
   partly_lost(3, 1) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(precision_problem(partly_lost, kColumns), "");

@@ -103,6 +103,20 @@ TEST_F(NumberTables, MayBeSeparatedOtherwise) {
       << "who has no choice gets no option";
 }
 
+TEST_F(NumberTables, BlanksThatNobodySeesAreBlanks) {
+  const std::string name = folder_.file("t.csv",
+                                        "a\xC2\xA0[m],\xE2\x80\x8B"
+                                        "b,c \xEF\xBB\xBF\n1,2,3\n");
+  EXPECT_EQ(NumberTable(name).columns(),
+            (std::vector<Channel>{{"a", "m"}, {"b", "1"}, {"c", "1"}}));
+}
+
+TEST_F(NumberTables, OfOtherSystemsAreNamed) {
+  EXPECT_TRUE(
+      says(problem_of(std::string("\xFF\xFEt\0,\0", 6)), {"t.csv: holds zero bytes", "UTF-8"}));
+  EXPECT_TRUE(says(problem_of("a,b\r1,2\r"), {"t.csv: its lines end in carriage returns"}));
+}
+
 TEST_F(NumberTables, SayWhereTheyAreWrong) {
   EXPECT_EQ(problem_of(""), "t.csv: is empty");
   EXPECT_TRUE(says(problem_of("a,b\n1,2\n3\n"),
