@@ -111,6 +111,11 @@ std::string why_not_held_out(const ReportData& data, const MethodConfig& method)
 // study itself has chosen its checks.
 std::string why_not_calibrated(const ReportData& data, const MethodConfig& method) {
   const Study& study = data.plan.study;
+  if (!study.source().simulates) {
+    return "Calibration: a dataset can't be asked for other simulations, so nothing shows whether "
+           "posteriors are too sure, or too unsure; keep rows back, and see where their parameters "
+           "lie in what npdr sample --x draws for them";
+  }
   const bool could_be = study.why_unchecked(Check::coverage, method).empty();
   const bool is_chosen = study.places.has("diagnose.checks");
   if (!could_be || is_chosen || data.checks_of(method.name).calibrates()) return "";

@@ -206,8 +206,8 @@ void warn_of_failures(const Simulation& simulation) {
   const Plan& plan = simulation.plan;
   const Node& node = simulation.node;
   const h5::File file = open_artefact(node, kSimulationSchema);
-  const bool is_ours = !plan.study.source().takes_seeds;
-  if (is_ours && too_many_failed(plan, node, file).empty()) return;
+  // Where a simulator of ours fails, parameters are impossible indeed.
+  if (plan.study.source().is_built_in && too_many_failed(plan, node, file).empty()) return;
   const auto num_failed = file.attribute<Index>("num_failed");
   const std::string last = simulation.simulator->last_failure();
   if (num_failed > 0) {

@@ -244,6 +244,24 @@ TEST_F(External, ADatasetOfAnotherPriorIsNoticed) {
   EXPECT_NE(strict.out.find("Dataset"), std::string::npos) << strict.out;
 }
 
+TEST_F(External, FailedRowsOfADatasetAreTold) {
+  import_dataset();
+  const std::string spoil = "awk 'NR == 300 || NR == 700 { print \"nan,1\"; next } 1' x.csv";
+  ASSERT_EQ(std::system(("cd '" + folder_.path().string() + "' && " + spoil +
+                         " > spoiled.csv && mv spoiled.csv x.csv")
+                            .c_str()),
+            0);
+  ASSERT_EQ(npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"})
+                .status,
+            0);
+  const Outcome outcome = npdr({"run", "dataset.toml"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("2 of 1000 rows failed (2 diverged)"), std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.out.find("Calibration: a dataset can't be asked"), std::string::npos)
+      << outcome.out;
+}
+
 // Those of theta alone may have been simulated anew.
 TEST_F(External, ADatasetsCopiesAreNoticed) {
   import_dataset();
