@@ -35,7 +35,7 @@ Json inference_json(const MethodConfig& method) {
   // Whose posterior it is, its key among the inputs says.
   if (json.contains("refine")) json["refine"].erase("start");
   // Raised when their bits change, which leaves the keys of other posteriors as they are.
-  constexpr int correction_version = 2, pool_version = 2;
+  constexpr int correction_version = 2, pool_version = 3;
   const bool is_corrected = inference::is_analytic(method.algorithm, method.density_estimator.kind);
   if (is_corrected) json["correction_version"] = correction_version;
   if (method.algorithm.kind == inference::Algorithm::npe_nle) json["pool_version"] = pool_version;

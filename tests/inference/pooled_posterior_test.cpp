@@ -198,6 +198,21 @@ TEST_F(PoolPowersOf, CalibratedNetworksAddUpToOne) {
   EXPECT_NEAR(powers().posterior + powers().likelihood, 1.1, 0.3);
 }
 
+// 20 simulations have a standard error of 0.2 of the sum: half of the best sums are above 1, a
+// tenth above 1.2 and more than two errors. That two of ten are so has a probability of 1e-3.
+TEST_F(PoolPowersOf, PosteriorsArentSharpenedByFewSimulations) {
+  Index sharpened = 0;
+  for (std::uint64_t seed = 2; seed < 12; ++seed) {
+    data_.theta = sample_prior(prior_, 400, seed);
+    x_ = simulate(task_.simulator(), data_.theta, 1, seed);
+    source_.emplace(x_);
+    data_.x = &*source_;
+    const PoolPowers found = powers();
+    sharpened += found.posterior + found.likelihood > 1.01 ? 1 : 0;
+  }
+  EXPECT_LE(sharpened, 2);
+}
+
 TEST_F(PoolPowersOf, NetworksThatPredictNothingHaveNone) {
   parts_->likelihood->parameters *= -1.0f;
   EXPECT_LE(powers().likelihood, 0.1);
