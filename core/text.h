@@ -21,6 +21,9 @@ std::string join(const std::vector<std::string>& parts, std::string_view separat
 /// `text` without blanks and tabulators on both sides.
 std::string trimmed(const std::string& text);
 
+/// `text` with `to` in place of each `from`, which isn't empty, from left to right.
+std::string replaced_all(std::string_view text, std::string_view from, std::string_view to);
+
 /// "a:b" at ':' as "a", "b"; none for an empty text.
 std::vector<std::string> split(const std::string& text, char separator);
 

@@ -16,6 +16,7 @@ constexpr Index kRowsForOne = 20;           // simulations for each judging one
 constexpr Index kDraws = 1000;              // of q, for each row
 constexpr Index kSteps = 40;                // of a and b, and of their sum
 constexpr Index kUnsharpened = kSteps / 2;  // of the sum 1
+constexpr double kOneDeviation = 0.5;       // [nats] by which it lowers a Gaussian's log density
 constexpr double kStep = PoolPowers::kLargestSum / static_cast<double>(kSteps);
 
 // What the networks say of the parameters that x was simulated with, and of draws of q given x.
@@ -35,52 +36,40 @@ double log_prior(PoolPowers powers) {
   return -0.5 * (sum * sum + difference * difference);
 }
 
-// What each row says of the powers, and of all of them the sum with the prior.
-struct Score {
-  PoolPowers powers;
-  Vector of_rows;
-  double sum = -HUGE_VAL;
-};
-
-Score score_of(const std::vector<PoolEvidence>& rows, PoolPowers powers) {
-  Score score{powers, Vector(std::ssize(rows)), log_prior(powers)};
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Vector w = rows[i].log_weights(powers);
-    score.of_rows(static_cast<Index>(i)) =
-        w(0) - log_sum_exp(w) + std::log(static_cast<double>(w.size()));
+double score_of(const std::vector<PoolEvidence>& rows, PoolPowers powers) {
+  double sum = log_prior(powers);
+  for (const PoolEvidence& evidence : rows) {
+    const Vector w = evidence.log_weights(powers);
+    sum += w(0) - log_sum_exp(w) + std::log(static_cast<double>(w.size()));
   }
-  score.sum += score.of_rows.sum();
-  return score;
+  return sum;
 }
 
+struct Scored {
+  PoolPowers powers;
+  double score = -HUGE_VAL;
+};
+
 // The best powers of each sum.
-std::vector<Score> best_of_sums(const std::vector<PoolEvidence>& rows) {
-  std::vector<Score> best(kSteps + 1);
+std::vector<Scored> best_of_sums(const std::vector<PoolEvidence>& rows) {
+  std::vector<Scored> best(kSteps + 1);
   parallel_for(kSteps + 1, [&](Index sum) {
+    Scored& most = best[static_cast<std::size_t>(sum)];
     for (Index i = 0; i <= sum; ++i) {
-      Score score = score_of(rows, {kStep * static_cast<double>(i),  //
-                                    kStep * static_cast<double>(sum - i)});
-      Score& most = best[static_cast<std::size_t>(sum)];
-      if (score.sum > most.sum) most = std::move(score);
+      const PoolPowers powers{kStep * static_cast<double>(i), kStep * static_cast<double>(sum - i)};
+      const double score = score_of(rows, powers);
+      if (score > most.score) most = {powers, score};
     }
   });
   return best;
 }
 
-// Whether rows hardly tell that `better` is: by less than a standard error of their differences.
-bool is_as_good(const Score& score, const Score& better) {
-  const Eigen::ArrayXd gains = better.of_rows - score.of_rows;
-  const double n = static_cast<double>(gains.size());
-  const double error =
-      std::sqrt((gains - gains.mean()).square().sum() * n / std::max(1.0, n - 1.0));
-  return better.sum - score.sum <= error;
-}
-
 PoolPowers best_powers(const std::vector<PoolEvidence>& rows) {
-  const std::vector<Score> scores = best_of_sums(rows);
-  const auto best = std::ranges::max_element(scores, {}, &Score::sum);
-  const auto least = std::find_if(std::min(scores.begin() + kUnsharpened, best), best,
-                                  [&](const Score& score) { return is_as_good(score, *best); });
+  const std::vector<Scored> sums = best_of_sums(rows);
+  const auto best = std::ranges::max_element(sums, {}, &Scored::score);
+  const auto least =
+      std::find_if(std::min(sums.begin() + kUnsharpened, best), best,
+                   [&](const Scored& sum) { return sum.score >= best->score - kOneDeviation; });
   return least->powers;
 }
 

@@ -85,8 +85,8 @@ void print_json(const nlohmann::ordered_json& json);
 void add_seed_option(CLI::App& app, const std::string& name, std::uint64_t& seed,
                      const std::string& doc = "");
 
-/// Throws InputError where the file is there already; with --force (`force`) where it is no HDF5
-/// file: a study or a program is never replaced.
+/// Throws InputError for an empty name, and where the file is there already; with --force (`force`)
+/// where it is no HDF5 file: a study or a program is never replaced.
 void require_new_file(const std::filesystem::path& output, bool force);
 
 /// "0-3,7" as {0, 1, 2, 3, 7}. Throws InputError.

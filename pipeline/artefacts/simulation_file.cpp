@@ -111,8 +111,8 @@ void describe_warnings(Layout f, std::vector<std::string> warnings) {
   group.attribute("volatile", Index{1}, "1: not part of the digest");
   group.attribute(
       "warnings", warnings,
-      "what is probably wrong with the rows, where calls and a few rows that were asked "
-      "for again say so");
+      "what is probably wrong with the rows, where all of them, calls, or a few rows that were "
+      "asked for again say so");
 }
 
 // Copies the rows of a shard; returns how many failed.

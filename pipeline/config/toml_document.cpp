@@ -23,11 +23,11 @@ using Path = std::vector<std::string>;
 constexpr std::string_view kOverride = "--set ";
 
 // toml++ destroys nested tables recursively; a key of very many parts would overflow the stack.
-constexpr std::ptrdiff_t kMaxDotsOfFile = 3'000;
+constexpr std::ptrdiff_t kMaxDotsOfFile = 4'999;  // twice as many levels
 constexpr std::ptrdiff_t kMaxDotsOfOverride = 1'000;
 
-// But for those of numbers, between digits and the only one of its word. At least one of three in a
-// dotted key counts: "1.1 . 1.1".
+// But for those of numbers, between digits and the only one of its word. Every other dot of a key
+// counts at least: "1.1 . 1.1".
 std::ptrdiff_t count_dots(std::string_view text) {
   const auto is_digit = [&](std::size_t i) {
     return i < text.size() && std::isdigit(static_cast<unsigned char>(text[i])) != 0;
@@ -53,9 +53,8 @@ std::ptrdiff_t count_dots(std::string_view text) {
 void require_few_dots(std::string_view text, std::ptrdiff_t limit) {
   const std::ptrdiff_t dots = count_dots(text);
   if (dots <= limit) return;
-  throw InputError(
-      fmt::format("holds {} dots beside those of numbers, more than the keys of a study need ({})",
-                  dots, limit));
+  throw InputError(fmt::format(
+      "holds {} dots beside those of numbers, more than a study needs ({})", dots, limit));
 }
 
 // One key=value of the command line, not parsed yet.

@@ -106,10 +106,13 @@ void require_step(const CsvRows& rows, const std::optional<double>& given, doubl
   const std::string found = fmt::format(
       "{}: its times are {:.6g} s apart, those of the first file {:.6g} s", rows.name, step, dt);
   const double ratio = std::max(step / dt, dt / step);
-  constexpr double milli = 1000.0, tolerance = 0.05;
-  if (std::abs(ratio / milli - 1.0) < tolerance) {
-    throw InputError(fmt::format(
-        "{}: one of the two is probably in ms; convert it, as --scale is for all files", found));
+  constexpr double tolerance = 0.05;
+  for (const double unit : {1e3, 1e6}) {
+    if (std::abs(ratio / unit - 1.0) > tolerance) continue;
+    throw InputError(
+        fmt::format("{}: one of the two is probably in another unit (ms, us); convert "
+                    "it, as --scale is for all files",
+                    found));
   }
   throw InputError(
       fmt::format("{}; --resample {:.3g} makes them alike", found, std::max(step, dt)));

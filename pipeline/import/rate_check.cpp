@@ -71,8 +71,9 @@ Slopes slopes_over(const Vector& position, const Vector& rate, Index window, dou
     slopes.of_rate(t) = weights.dot(held.segment(t, window - 1));
   }
   const double rounding = std::numeric_limits<double>::epsilon() * position.cwiseAbs().maxCoeff();
-  slopes.noise = std::max(std::max(analysis::scatter(position), rounding) * line.slope.norm(),
-                          analysis::scatter(rate) * weights.norm());
+  const double of_position = std::max(analysis::scatter(position), rounding);
+  slopes.noise =
+      std::max(of_position * line.slope.norm(), analysis::scatter(rate) * weights.norm());
   return slopes;
 }
 

@@ -150,14 +150,15 @@ std::optional<double> factor_of_dt(const std::vector<CheckedPair>& pairs) {
 // Differences of recorded positions are a little short of their rate: 995 is 1000, of milli-units.
 double rounded_factor(double factor) {
   const double power = std::pow(10.0, std::round(std::log10(std::abs(factor))));
-  constexpr double tolerance = 0.02;
+  constexpr double tolerance = 0.01;  // the standard gravity of 9.81 isn't 10
   const bool is_power = power != 1.0 && std::abs(std::abs(factor) / power - 1.0) < tolerance;
   return is_power ? std::copysign(power, factor) : factor;
 }
 
-// "995", "57.3": never 1e+03.
+// "995", "57.3", and 1000 for 1e+03.
 std::string factor_text(double factor) {
-  return std::abs(factor) < 100.0 ? fmt::format("{:.3g}", factor) : fmt::format("{:.0f}", factor);
+  const bool has_exponent = std::abs(factor) < 100.0 || std::abs(factor) >= 1e6;
+  return has_exponent ? fmt::format("{:.3g}", factor) : fmt::format("{:.0f}", factor);
 }
 
 std::string known_scale_option(const Channel& channel, double factor) {

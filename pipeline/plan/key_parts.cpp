@@ -73,21 +73,8 @@ Json policy_search_json(const PolicyConfig& policy) {
   return pick(to_json(policy), keys);
 }
 
-// Files count by what they hold, in the keys of what is made of them: where they lie, as seen from
-// the current folder, says nothing.
-void keep_file_names(Json& json) {
-  const auto keep = [&](const char* table, const char* key) {
-    if (!json.contains(table) || !json[table].contains(key)) return;
-    Json& path = json[table][key];
-    if (path.is_string()) path = std::filesystem::path(path.get<std::string>()).filename().string();
-  };
-  for (const char* key : {"recording", "observation", "inputs"}) keep("target", key);
-  for (const char* key : {"library", "mjcf", "dataset"}) keep("simulator", key);
-}
-
 Json study_document(const Study& study) {
   Json json = to_json(study);
-  keep_file_names(json);
   json.erase("cluster");  // where something is computed changes nothing
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
     if (!reads_setting(study.methods[i].algorithm.kind, "refine"))
@@ -100,6 +87,17 @@ Json study_document(const Study& study) {
     method.erase("policy_iterations");
   }
   return json;
+}
+
+Json without_folders(Json study) {
+  const auto keep_name = [&](const char* table, const char* key) {
+    if (!study.contains(table) || !study[table].contains(key)) return;
+    Json& path = study[table][key];
+    if (path.is_string()) path = std::filesystem::path(path.get<std::string>()).filename().string();
+  };
+  for (const char* key : {"recording", "observation", "inputs"}) keep_name("target", key);
+  for (const char* key : {"library", "mjcf", "dataset"}) keep_name("simulator", key);
+  return study;
 }
 
 }  // namespace npdr::pipeline

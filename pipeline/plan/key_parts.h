@@ -24,4 +24,8 @@ nlohmann::ordered_json policy_search_json(const PolicyConfig& policy);
 /// The resolved study as artefacts keep it: without what changes nothing in it.
 nlohmann::ordered_json study_document(const Study& study);
 
+/// A study's document with the names of its files alone, for keys: these count by what they hold,
+/// in the keys of what is made of them, and not by where they lie as seen from the current folder.
+nlohmann::ordered_json without_folders(nlohmann::ordered_json study);
+
 }  // namespace npdr::pipeline

@@ -356,7 +356,7 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& us
 
 void PlanBuilder::add_report(std::size_t target, std::size_t baseline, const Results& results) {
   Json json = key_document(kReportSchema);
-  json["study"] = study_json_;
+  json["study"] = without_folders(study_json_);
   Inputs inputs = {{"baseline", baseline}};
   const auto add_numbered = [&](const char* name, const std::vector<std::size_t>& nodes) {
     for (std::size_t i = 0; i < nodes.size(); ++i) {

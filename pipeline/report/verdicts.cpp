@@ -107,11 +107,13 @@ std::string why_not_held_out(const ReportData& data, const MethodConfig& method)
       traits_of(Check::held_out).title);
 }
 
-// The same of calibration, which costs more than some studies spend on inference; "" where the
-// study itself has chosen its checks.
+// The same of calibration, which costs more than some studies spend on inference; "" of methods
+// without a network, and where the study itself has chosen its checks.
 std::string why_not_calibrated(const ReportData& data, const MethodConfig& method) {
   const Study& study = data.plan.study;
-  if (!study.source().simulates) {
+  const bool has_network =
+      inference::traits_of(method.algorithm.kind).family == inference::AlgorithmFamily::network;
+  if (!study.source().simulates && has_network) {
     return "Calibration: a dataset can't be asked for other simulations, so nothing shows whether "
            "posteriors are too sure, or too unsure; keep rows back, and see where their parameters "
            "lie in what npdr sample --x draws for them";

@@ -5,20 +5,16 @@
 #include <system_error>
 #include <vector>
 
+#include "core/text.h"
 #include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
 namespace {
 
-// Replaces every occurrence; false: there was none.
-bool replace_all(std::string& text, const std::string& from, const std::string& to) {
-  bool found = false;
-  for (std::size_t at = text.find(from); at != std::string::npos;
-       at = text.find(from, at + to.size())) {
-    text.replace(at, from.size(), to);
-    found = true;
-  }
-  return found;
+// Replaces every occurrence, or adds the word at the end.
+std::string with_word(const std::string& text, const std::string& place, const std::string& word) {
+  const bool has_place = text.find(place) != std::string::npos;
+  return has_place ? replaced_all(text, place, word) : text + " " + word;
 }
 
 constexpr const char* kSeparators = " \t\n;&|<>()=";
@@ -98,8 +94,8 @@ std::string filled_command(const std::string& command, const std::filesystem::pa
   std::string text = command;
   text.erase(text.find_last_not_of(" \t\n") + 1);
   const std::string theta_word = shell_word(theta), x_word = shell_word(x);
-  if (!replace_all(text, "{theta}", theta_word)) text += " " + theta_word;
-  if (!replace_all(text, "{x}", x_word)) text += " " + x_word;
+  text = with_word(text, "{theta}", theta_word);
+  text = with_word(text, "{x}", x_word);
   return text;
 }
 

@@ -15,10 +15,12 @@ namespace npdr::pipeline {
 namespace {
 
 // Rows that a worker is asked for at once, a thread: few at first, then as many as take about as
-// long as people like to wait for progress, and as fit into memory when they cross the pipes.
+// long as people like to wait for progress, or longer where more at once are faster, and as fit
+// into memory when they cross the pipes.
 constexpr Index kFirstRows = 16;
 constexpr Index kMostRows = 4096;
-constexpr double kSecondsPerRequest = 0.3;
+constexpr double kSecondsPerRequest = 0.3, kMostSeconds = 3.0;
+constexpr double kGain = 1.25;  // of rows a second, by twice as many rows
 constexpr Index kMostNumbers = 1 << 23;
 
 // Blocks of a shard's rows one after the other, each shared out among calls at the same time.
@@ -97,7 +99,12 @@ class ProgramRowSimulator final : public RowSimulator {
 
   // No result depends on it.
   void adapt(const sim::Trajectories& last, double seconds) {
-    if (last.num_rows < block_size(0) || seconds >= 0.5 * kSecondsPerRequest) return;
+    if (last.num_rows < block_size(0)) return;
+    const double rate = static_cast<double>(last.num_rows) / seconds;
+    const bool is_quick = seconds < 0.5 * kSecondsPerRequest;
+    const bool pays = rate > kGain * rate_before_ && seconds < 0.5 * kMostSeconds;
+    if (!is_quick && !pays) return;
+    rate_before_ = rate;
     const Index fitting = std::max<Index>(1, kMostNumbers / std::max<Index>(1, last.row_size()));
     rows_per_request_ =
         std::max(rows_per_request_, std::min({2 * rows_per_request_, kMostRows, fitting}));
@@ -133,6 +140,7 @@ class ProgramRowSimulator final : public RowSimulator {
   Index rows_per_block_;
   Index num_rows_;  // of the simulation; 0: not one
   Index rows_per_request_ = kFirstRows;
+  double rate_before_ = 0.0;  // rows a second, of half as many
   std::vector<std::unique_ptr<ExternalSimulator>> simulators_;
 };
 

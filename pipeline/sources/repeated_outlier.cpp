@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/text.h"
 #include "pipeline/store/column_labels.h"
 
@@ -40,6 +41,7 @@ bool RepeatedOutliers::End::is_outlier(float innermost) const {
 }
 
 void RepeatedOutliers::observe(const Eigen::Ref<const RowMatrixF>& x) {
+  if (x.cols() != std::ssize(columns_)) throw ShapeError("outliers: another number of columns");
   num_rows_ += x.rows();
   for (Index i = 0; i < x.rows(); ++i) {
     for (Index c = 0; c < x.cols(); ++c) {
@@ -52,12 +54,13 @@ void RepeatedOutliers::observe(const Eigen::Ref<const RowMatrixF>& x) {
 }
 
 bool RepeatedOutliers::are_rows_same() const {
-  return std::ranges::all_of(columns_, [](const Ends& ends) {
+  return !columns_.empty() && std::ranges::all_of(columns_, [](const Ends& ends) {
     return ends.smallest.num_outermost > 1 && ends.smallest.num_others == 0;
   });
 }
 
 std::string RepeatedOutliers::words(const std::vector<Channel>& columns) const {
+  if (columns.size() != columns_.size()) throw ShapeError("outliers: another number of names");
   std::vector<std::string> found;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const auto& [smallest, largest] = columns_[c];

@@ -16,13 +16,14 @@ class RepeatedOutliers {
  public:
   explicit RepeatedOutliers(Index num_columns);
 
-  /// More rows (n, F).
+  /// More rows (n, F). Throws ShapeError for another number of columns.
   void observe(const Eigen::Ref<const RowMatrixF>& x);
 
-  /// Says which of the columns, whose names these are; "": none.
+  /// Says which of the columns, whose names these are; "": none. Throws ShapeError for another
+  /// number of names.
   std::string words(const std::vector<Channel>& columns) const;
 
-  /// All rows are the same, of several whose numbers are finite.
+  /// All of several rows are the same, but for what isn't finite; not of no columns.
   bool are_rows_same() const;
 
  private:

@@ -76,10 +76,6 @@ std::string lost_precision(const Simulation& simulation) {
   return precision_problem(states, target.state_channels);
 }
 
-bool may_have_outliers(const Study& study) {
-  return !study.source().is_built_in && !study.source().gives_motion;
-}
-
 // The rows of `values` in blocks.
 void observe(RepeatedOutliers& outliers, const h5::Dataset& values) {
   const Index most = std::max<Index>(1, kNumbersRead / std::max<Index>(1, values.row_size()));
@@ -90,24 +86,27 @@ void observe(RepeatedOutliers& outliers, const h5::Dataset& values) {
   }
 }
 
-// What others' rows hold in place of a failure, too seldom perhaps for the first rows to show it.
-std::string outliers_of(const Simulation& simulation, const std::vector<Shard>& shards) {
-  if (!may_have_outliers(simulation.plan.study)) return "";
+// What is wrong with others' rows of features, too seldom perhaps for the first ones to show it.
+std::string problem_of_all(const Simulation& simulation, const std::vector<Shard>& shards) {
+  if (simulation.plan.study.source().gives_motion) return "";
   const std::vector<Channel> columns = simulation.plan.source->info().state_channels;
   RepeatedOutliers outliers(std::ssize(columns));
   for (const Shard& shard : shards) {
     const Identity identity = shard_identity(simulation.node.identity, shard.rows);
-    observe(outliers,
-            simulated_values(open_artefact(shard.path, kSimulationShardSchema, identity.key())));
+    const h5::File file = open_artefact(shard.path, kSimulationShardSchema, identity.key());
+    const h5::Dataset x = simulated_values(file);
+    x.require_shape({shard.rows.size(), std::ssize(columns)});
+    observe(outliers, x);
   }
   // Of programs the first rows, asked for again, say so.
   if (!simulation.plan.study.source().takes_seeds && outliers.are_rows_same()) return kSameRows;
   return outliers.words(columns);
 }
 
-// The same of the first rows: hours before all are there.
+// Outliers of the first rows of a program, hours before all are there; the report has those of all.
 std::string outliers_of(const Simulation& simulation, const GivenRows& rows) {
-  if (!may_have_outliers(simulation.plan.study)) return "";
+  const SourceTraits& traits = simulation.plan.study.source();
+  if (traits.gives_motion || !traits.calls_program) return "";
   const Eigen::Map<const RowMatrixF> x = features_of(rows.result);
   RepeatedOutliers outliers(x.cols());
   outliers.observe(x);
@@ -134,7 +133,8 @@ void check_block(h5::File& file, const Simulation& simulation, const GivenRows& 
     warnings = check_rows(*simulation.simulator, rows, has_noise);
   }
   const std::string outliers = outliers_of(simulation, rows);
-  if (!outliers.empty()) warn(simulation.node, outliers);  // the report has those of all rows
+  const bool are_all = rows.complete.rows() == num_rows(simulation.plan, simulation.node);
+  if (!outliers.empty() && !are_all) warn(simulation.node, outliers);
   for (const std::string& warning :
        {lost_precision(simulation), outliers.empty() ? repeated_rows_of(simulation, rows) : "",
         late_states_of(simulation, rows), simulation.simulator->last_warning()}) {
@@ -253,9 +253,9 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
     done += shard->rows.size();
   }
   if (missing_shards(plan, node).empty()) {
-    const std::string outliers = outliers_of(simulation, all);
-    if (!outliers.empty()) warn(node, outliers);
-    join_shards(node, node.identity, plan.study, simulation.target, all, outliers);
+    const std::string problem = problem_of_all(simulation, all);
+    if (!problem.empty()) warn(node, problem);
+    join_shards(node, node.identity, plan.study, simulation.target, all, problem);
     link_uses(plan, node);  // one can look at it also where too many rows failed
     warn_of_failures(simulation);
     open_simulation(plan, node);

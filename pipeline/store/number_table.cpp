@@ -46,13 +46,6 @@ void require_text(const std::string& name, const std::string& line) {
   }
 }
 
-std::string replaced_all(std::string text, std::string_view from, std::string_view to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at)) {
-    text.replace(at, from.size(), to);
-  }
-  return text;
-}
-
 // No-break spaces are blanks, and zero-width ones nothing: nobody sees them.
 std::string without_invisible(const std::string& text) {
   const std::string blanks = replaced_all(text, "\xC2\xA0", " ");

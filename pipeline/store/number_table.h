@@ -24,13 +24,14 @@ enum class Header {
 /// Numbers, separated by commas unless a format says otherwise, a line a row; all rows are as long
 /// as the first line. Accepts what spreadsheets write: a byte order mark, CRLF, fields in double
 /// quotes, spaces around fields and empty lines at the end. What isn't printable in the header
-/// (core/printable.h) is replaced. All messages begin with file and line.
+/// (core/printable.h) is replaced, and blanks there that nobody sees are plain or gone. All
+/// messages begin with file and line.
 class NumberTable {
  public:
   /// `format`: as chosen on a command line, whose options messages then name when a file looks like
   /// another; none: commas and decimal points, without a choice. Throws InputError for what can't
-  /// be read, is empty, or has a header with an empty or repeated label, or without a unit that it
-  /// must have.
+  /// be read, is empty, UTF-16 or without line feeds, or has a header with an empty or repeated
+  /// label, or without a unit that it must have.
   explicit NumberTable(const std::filesystem::path& path, Header header = Header::optional,
                        const std::optional<CsvFormat>& format = {});
 

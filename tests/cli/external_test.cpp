@@ -33,6 +33,13 @@ class External : public ::testing::Test {
     EXPECT_EQ(imported.status, 0) << imported.err;
     return imported;
   }
+  // By what a shell makes of theta.csv and x.csv.
+  void change_dataset(const std::string& command) const {
+    EXPECT_EQ(std::system(("cd '" + folder_.path().string() + "' && " + command).c_str()), 0);
+    const Outcome imported =
+        npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"});
+    EXPECT_EQ(imported.status, 0) << imported.err;
+  }
   h5::File artefact(const std::string& study, const std::string& name) const {
     return h5::File::open(folder_ / "runs" / study / "npe-gaussian/seed-1/round-1" /
                           (name + ".h5"));
@@ -244,16 +251,20 @@ TEST_F(External, ADatasetOfAnotherPriorIsNoticed) {
   EXPECT_NE(strict.out.find("Dataset"), std::string::npos) << strict.out;
 }
 
+TEST_F(External, ADatasetWhoseRowsAreAllTheSameIsTold) {
+  import_dataset();
+  change_dataset("awk 'NR > 1 { print \"7,7\"; next } 1' x.csv > same.csv && mv same.csv x.csv");
+  const Outcome outcome = npdr({"run", "dataset.toml", "--until", "simulate"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("all rows are the same, whatever their parameters"), std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(External, FailedRowsOfADatasetAreTold) {
   import_dataset();
-  const std::string spoil = "awk 'NR == 300 || NR == 700 { print \"nan,1\"; next } 1' x.csv";
-  ASSERT_EQ(std::system(("cd '" + folder_.path().string() + "' && " + spoil +
-                         " > spoiled.csv && mv spoiled.csv x.csv")
-                            .c_str()),
-            0);
-  ASSERT_EQ(npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"})
-                .status,
-            0);
+  change_dataset(
+      "awk 'NR == 300 || NR == 700 { print \"nan,1\"; next } 1' x.csv > spoiled.csv && "
+      "mv spoiled.csv x.csv");
   const Outcome outcome = npdr({"run", "dataset.toml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("2 of 1000 rows failed (2 diverged)"), std::string::npos)
@@ -270,10 +281,7 @@ TEST_F(External, ADatasetsCopiesAreNoticed) {
     const std::string twice = "for file in " + files +
                               "; do { head -n 501 $file.csv; tail -n +2 $file.csv | head -n 500; } "
                               "> twice.csv && mv twice.csv $file.csv; done";
-    EXPECT_EQ(std::system(("cd '" + folder_.path().string() + "' && " + twice).c_str()), 0);
-    const Outcome imported =
-        npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"});
-    EXPECT_EQ(imported.status, 0) << imported.err;
+    change_dataset(twice);
     run_well({"dataset.toml"});
     return table("external-dataset", "parameters").find(note) != std::string::npos;
   };
@@ -294,14 +302,9 @@ TEST_F(External, NumbersThatStandForFailuresAreTold) {
 // Two among 1000, which the first rows don't show.
 TEST_F(External, RareNumbersThatStandForFailuresAreTold) {
   import_dataset();
-  const std::string spoil = "awk 'NR == 300 || NR == 700 { print \"-999,-999\"; next } 1' x.csv";
-  ASSERT_EQ(std::system(("cd '" + folder_.path().string() + "' && " + spoil +
-                         " > spoiled.csv && mv spoiled.csv x.csv")
-                            .c_str()),
-            0);
-  ASSERT_EQ(npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"})
-                .status,
-            0);
+  change_dataset(
+      "awk 'NR == 300 || NR == 700 { print \"-999,-999\"; next } 1' x.csv > spoiled.csv && "
+      "mv spoiled.csv x.csv");
   const std::string warning = " is -999 in 2 of 1000 rows";
   const Outcome outcome = npdr({"run", "dataset.toml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;

@@ -86,7 +86,8 @@ TEST_F(CsvClock, IsTheSameInAllFiles) {
         pendulum_options());
   };
   EXPECT_TRUE(says(message_of<InputError>(import_milliseconds, &folder_),
-                   {"b.csv: its times are 20 s apart", "first file 0.02 s", "probably in ms"}));
+                   {"b.csv: its times are 20 s apart", "first file 0.02 s",
+                    "probably in another unit (ms, us)"}));
 }
 
 }  // namespace
