@@ -111,9 +111,11 @@ TEST_F(FeatureFiles, AnObservationIsOneFiniteRow) {
     return message_of<InputError>([&] { read_observation(folder_.file("x_o.csv", text), {}); },
                                   &folder_);
   };
-  EXPECT_TRUE(says(problem("a,b\n1,nan\n"), {"x_o.csv: 'b' = nan", "must be a finite number"}));
+  EXPECT_TRUE(says(problem("a,b\n1,nan\n"),
+                   {"x_o.csv: 'b' = nan", "must be a number of magnitude 3.40282e+38"}));
   EXPECT_TRUE(says(problem("1,2\n3,4\n"), {"x_o.csv: has more than 1 rows", "must have 1"}));
-  EXPECT_TRUE(says(problem("1e200\n"), {"x_o.csv: 'x0' = 1e+200", "must be a finite number"}));
+  EXPECT_TRUE(says(problem("1e200\n"),
+                   {"x_o.csv: 'x0' = 1e+200", "must be a number of magnitude 3.40282e+38"}));
 }
 
 TEST_F(FeatureFiles, AnObservationMayBeAVectorOfHdf5) {
