@@ -1,87 +1,9 @@
-/// The studies of experiments/external, whose posterior is known.
-#include <cmath>
-#include <cstdlib>
-
-#include "pipeline/store/h5.h"
+/// Commands as simulators.
 #include "tests/analysis/markup_check.h"
-#include "tests/cli/program.h"
+#include "tests/cli/external_examples.h"
 
 namespace npdr::pipeline {
 namespace {
-
-const std::filesystem::path kExamples =
-    std::filesystem::path(NPDR_SOURCE_DIR) / "experiments" / "external";
-
-class External : public ::testing::Test {
- protected:
-  External() { std::filesystem::copy(kExamples, folder_.path()); }
-
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
-  }
-  void run_well(std::vector<std::string> words) const {
-    words.insert(words.begin(), "run");
-    const Outcome outcome = npdr(words);
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-  }
-  // dataset.h5 of the example.
-  Outcome import_dataset() const {
-    const std::string folder = folder_.path().string();
-    EXPECT_EQ(std::system(("sh " + folder + "/make_dataset.sh " + folder).c_str()), 0);
-    Outcome imported = npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
-    EXPECT_EQ(imported.status, 0) << imported.err;
-    return imported;
-  }
-  // By what a shell makes of theta.csv and x.csv.
-  void change_dataset(const std::string& command) const {
-    EXPECT_EQ(std::system(("cd '" + folder_.path().string() + "' && " + command).c_str()), 0);
-    const Outcome imported =
-        npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"});
-    EXPECT_EQ(imported.status, 0) << imported.err;
-  }
-  h5::File artefact(const std::string& study, const std::string& name) const {
-    return h5::File::open(folder_ / "runs" / study / "npe-gaussian/seed-1/round-1" /
-                          (name + ".h5"));
-  }
-  std::string table(const std::string& study, const std::string& name) const {
-    return text_of(folder_ / "runs" / study / "tables" / (name + ".md"));
-  }
-
-  // The exact posterior has the mean (2/3, 2/9) and the deviation 1/3 (linear_gaussian.py). That of
-  // 1000 simulations misses the mean by about 1/3 / sqrt(800) per coefficient of its regression,
-  // and 1000 samples of it by 1/3 / sqrt(1000): 0.02 together, so that six times as much is a false
-  // alarm in 10^8. The relative error of a deviation is sqrt(1/2) of that of a mean in its units.
-  void expect_exact_posterior(const std::string& study) const {
-    const RowMatrix theta = artefact(study, "evaluate").read_matrix<double>("theta");
-    const double expected[] = {2.0 / 3.0, 2.0 / 9.0};
-    for (Index d = 0; d < 2; ++d) {
-      const Vector column = theta.col(d);
-      const double mean = column.mean();
-      const double deviation = std::sqrt((column.array() - mean).square().mean());
-      EXPECT_NEAR(mean, expected[d], 0.12) << study << ", parameter " << d;
-      EXPECT_NEAR(deviation, 1.0 / 3.0, 0.07) << study << ", parameter " << d;
-    }
-  }
-
-  // Rows of `study` with this status; all others have the values of the study without bad rows.
-  Index num_rows_lost(const std::string& study, std::uint8_t status) const {
-    const h5::File some = artefact(study, "simulate"), all = artefact("external-shell", "simulate");
-    const auto statuses = some.dataset("status").read<std::uint8_t>();
-    const RowMatrixF x = some.read_matrix<float>("x"), whole = all.read_matrix<float>("x");
-    EXPECT_EQ(some.read_matrix<double>("theta"), all.read_matrix<double>("theta"));
-    Index num_lost = 0;
-    for (Index i = 0; i < x.rows(); ++i) {
-      const std::uint8_t found = statuses[static_cast<std::size_t>(i)];
-      num_lost += found == status;
-      EXPECT_TRUE(found == 0 || found == status) << i;
-      EXPECT_TRUE(found == 0 ? x.row(i) == whole.row(i) : x.row(i).hasNaN()) << i;
-    }
-    return num_lost;
-  }
-
-  TempFolder folder_;
-};
 
 TEST_F(External, AShellScriptIsASimulator) {
   run_well({"shell.toml"});
@@ -208,87 +130,6 @@ TEST_F(External, SamplesOfParametersWithCommasInTheirUnitsComeBack) {
   EXPECT_EQ(densities.status, 0) << densities.err;
 }
 
-TEST_F(External, ADatasetNeedsNoSimulator) {
-  const Outcome imported = import_dataset();
-  EXPECT_TRUE(says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b",
-                                  "x total, difference", "\nnext: npdr run"}));
-  EXPECT_NE(npdr({"validate", "dataset.toml"})
-                .out.find("1 evaluation of 1000 samples, none of them simulated"),
-            std::string::npos);
-  EXPECT_NE(npdr({"inspect", "dataset.h5"}).out.find("a dataset of 1000 simulations of 2 features"),
-            std::string::npos);
-  run_well({"dataset.toml"});
-  expect_exact_posterior("external-dataset");
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "runs/external-dataset/tables/fit.md"));
-  EXPECT_EQ(table("external-dataset", "parameters").find("isn't distributed"), std::string::npos);
-}
-
-// Parameters that a study describes come in its order, which isn't the prior's.
-TEST_F(External, ADatasetMayDescribeItsParametersInAnyOrder) {
-  import_dataset();
-  const Outcome outcome =
-      npdr({"run", "dataset.toml", "--until", "simulate", "--set",
-            "simulator.parameter=[{name='b', unit='m'}, {name='a'}]", "--set",
-            "prior.a={uniform=[0.0, 9.0]}", "--set", "limits.max_failed_fraction=0.9"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const h5::File file = artefact("external-dataset", "simulate");
-  const RowMatrix theta = file.read_matrix<double>("theta");
-  const auto status = file.dataset("status").read<std::uint8_t>();
-  for (Index i = 0; i < theta.rows(); ++i) {
-    EXPECT_EQ(status[static_cast<std::size_t>(i)], theta(i, 0) < 0.0 ? 2 : 0) << i;
-  }
-}
-
-TEST_F(External, ADatasetOfAnotherPriorIsNoticed) {
-  import_dataset();
-  run_well({"dataset.toml", "--set", "prior.a.normal=[0.0, 2.0]"});
-  const std::string text = table("external-dataset", "parameters");
-  EXPECT_NE(text.find("a of the dataset isn't distributed as the prior says"), std::string::npos);
-  EXPECT_EQ(text.find("b of the dataset"), std::string::npos);
-  const Outcome strict =
-      npdr({"run", "dataset.toml", "--set", "prior.a.normal=[0.0, 2.0]", "--strict"});
-  EXPECT_EQ(strict.status, 4) << strict.out;
-  EXPECT_NE(strict.out.find("Dataset"), std::string::npos) << strict.out;
-}
-
-TEST_F(External, ADatasetWhoseRowsAreAllTheSameIsTold) {
-  import_dataset();
-  change_dataset("awk 'NR > 1 { print \"7,7\"; next } 1' x.csv > same.csv && mv same.csv x.csv");
-  const Outcome outcome = npdr({"run", "dataset.toml", "--until", "simulate"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("all rows are the same, whatever their parameters"), std::string::npos)
-      << outcome.err;
-}
-
-TEST_F(External, FailedRowsOfADatasetAreTold) {
-  import_dataset();
-  change_dataset(
-      "awk 'NR == 300 || NR == 700 { print \"nan,1\"; next } 1' x.csv > spoiled.csv && "
-      "mv spoiled.csv x.csv");
-  const Outcome outcome = npdr({"run", "dataset.toml"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("2 of 1000 rows failed (2 diverged)"), std::string::npos)
-      << outcome.err;
-  EXPECT_NE(outcome.out.find("Calibration: a dataset can't be asked"), std::string::npos)
-      << outcome.out;
-}
-
-// Those of theta alone may have been simulated anew.
-TEST_F(External, ADatasetsCopiesAreNoticed) {
-  import_dataset();
-  const std::string note = "500 of 1000 rows of the dataset are copies of others";
-  const auto noted_after_doubling = [&](const std::string& files) {
-    const std::string twice = "for file in " + files +
-                              "; do { head -n 501 $file.csv; tail -n +2 $file.csv | head -n 500; } "
-                              "> twice.csv && mv twice.csv $file.csv; done";
-    change_dataset(twice);
-    run_well({"dataset.toml"});
-    return table("external-dataset", "parameters").find(note) != std::string::npos;
-  };
-  EXPECT_FALSE(noted_after_doubling("theta"));
-  EXPECT_TRUE(noted_after_doubling("x"));
-}
-
 TEST_F(External, NumbersThatStandForFailuresAreTold) {
   folder_.file("fails.sh",
                "sh linear_gaussian.sh \"$1\" \"$2.all\"\n"
@@ -297,20 +138,6 @@ TEST_F(External, NumbersThatStandForFailuresAreTold) {
       npdr({"run", "shell.toml", "--set", "simulator.command='sh fails.sh {theta} {x}'"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("'total' is -999 in 8 of 64 rows"), std::string::npos) << outcome.err;
-}
-
-// Two among 1000, which the first rows don't show.
-TEST_F(External, RareNumbersThatStandForFailuresAreTold) {
-  import_dataset();
-  change_dataset(
-      "awk 'NR == 300 || NR == 700 { print \"-999,-999\"; next } 1' x.csv > spoiled.csv && "
-      "mv spoiled.csv x.csv");
-  const std::string warning = " is -999 in 2 of 1000 rows";
-  const Outcome outcome = npdr({"run", "dataset.toml"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find(warning), std::string::npos) << outcome.err;
-  EXPECT_NE(text_of(folder_ / "runs/external-dataset/report.html").find(warning),
-            std::string::npos);
 }
 
 TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {
@@ -324,30 +151,6 @@ TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {
                 .read_vector<double>("observed")
                 .size(),
             2);
-}
-
-TEST_F(External, ADatasetCanOnlyBeAskedWhatItHolds) {
-  std::filesystem::create_directory(folder_ / "made");
-  ASSERT_EQ(std::system(
-                ("sh " + (folder_ / "make_dataset.sh").string() + " " + (folder_ / "made").string())
-                    .c_str()),
-            0);
-  ASSERT_EQ(npdr({"import", "--theta", "made/theta.csv", "--x", "made/x.csv", "-o", "d.h5"}).status,
-            0);
-  run_well({"dataset.toml", "--set", "simulator.dataset=d.h5", "--set",
-            "diagnose={ num_samples = 100 }"});
-  const std::string text = table("external-dataset", "diagnostics");
-  EXPECT_NE(text.find("x_o among simulations"), std::string::npos) << text;
-  EXPECT_NE(text.find("Training"), std::string::npos) << text;
-  EXPECT_EQ(text.find("fresh simulations"), std::string::npos) << text;
-  EXPECT_EQ(text.find("SBC"), std::string::npos) << text;
-}
-
-TEST_F(External, SimulationsAreADataset) {
-  run_well({"shell.toml", "--until", "simulate"});
-  run_well({"dataset.toml", "--set",
-            "simulator.dataset=runs/external-shell/npe-gaussian/seed-1/round-1/simulate.h5"});
-  expect_exact_posterior("external-dataset");
 }
 
 TEST_F(External, ATruthIsObservedByTheCommandAndRoundsFollow) {
@@ -445,15 +248,6 @@ TEST_F(External, ARequestToStopEndsTheCommandAndTheNextRunGoesOn) {
   EXPECT_TRUE(comes_true([&] { return has_ended(command); }));
   std::ofstream(folder_ / "go");
   EXPECT_EQ(run(folder_.path(), words).status, 0);
-}
-
-TEST_F(External, ImportRefusesHalfADataset) {
-  std::ofstream(folder_ / "theta.csv") << "a\n1\n";
-  const Outcome alone = npdr({"import", "--theta", "theta.csv", "-o", "d.h5"});
-  EXPECT_EQ(alone.status, 2);
-  EXPECT_EQ(alone.err,
-            "npdr import: a dataset is made of two CSV files: --theta FILE and --x FILE\n");
-  EXPECT_EQ(npdr({"import", "-o", "d.h5"}).status, 2);
 }
 
 }  // namespace

@@ -1,0 +1,138 @@
+/// Datasets in a simulator's place.
+#include "tests/cli/external_examples.h"
+
+namespace npdr::pipeline {
+namespace {
+
+class ExternalDataset : public External {};
+
+TEST_F(ExternalDataset, ADatasetNeedsNoSimulator) {
+  const Outcome imported = import_dataset();
+  EXPECT_TRUE(says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b",
+                                  "x total, difference", "\nnext: npdr run"}));
+  EXPECT_NE(npdr({"validate", "dataset.toml"})
+                .out.find("1 evaluation of 1000 samples, none of them simulated"),
+            std::string::npos);
+  EXPECT_NE(npdr({"inspect", "dataset.h5"}).out.find("a dataset of 1000 simulations of 2 features"),
+            std::string::npos);
+  run_well({"dataset.toml"});
+  expect_exact_posterior("external-dataset");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "runs/external-dataset/tables/fit.md"));
+  EXPECT_EQ(table("external-dataset", "parameters").find("isn't distributed"), std::string::npos);
+}
+
+// Parameters that a study describes come in its order, which isn't the prior's.
+TEST_F(ExternalDataset, ADatasetMayDescribeItsParametersInAnyOrder) {
+  import_dataset();
+  const Outcome outcome =
+      npdr({"run", "dataset.toml", "--until", "simulate", "--set",
+            "simulator.parameter=[{name='b', unit='m'}, {name='a'}]", "--set",
+            "prior.a={uniform=[0.0, 9.0]}", "--set", "limits.max_failed_fraction=0.9"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const h5::File file = artefact("external-dataset", "simulate");
+  const RowMatrix theta = file.read_matrix<double>("theta");
+  const auto status = file.dataset("status").read<std::uint8_t>();
+  for (Index i = 0; i < theta.rows(); ++i) {
+    EXPECT_EQ(status[static_cast<std::size_t>(i)], theta(i, 0) < 0.0 ? 2 : 0) << i;
+  }
+}
+
+TEST_F(ExternalDataset, ADatasetOfAnotherPriorIsNoticed) {
+  import_dataset();
+  run_well({"dataset.toml", "--set", "prior.a.normal=[0.0, 2.0]"});
+  const std::string text = table("external-dataset", "parameters");
+  EXPECT_NE(text.find("a of the dataset isn't distributed as the prior says"), std::string::npos);
+  EXPECT_EQ(text.find("b of the dataset"), std::string::npos);
+  const Outcome strict =
+      npdr({"run", "dataset.toml", "--set", "prior.a.normal=[0.0, 2.0]", "--strict"});
+  EXPECT_EQ(strict.status, 4) << strict.out;
+  EXPECT_NE(strict.out.find("Dataset"), std::string::npos) << strict.out;
+}
+
+TEST_F(ExternalDataset, ADatasetWhoseRowsAreAllTheSameIsTold) {
+  import_dataset();
+  change_dataset("awk 'NR > 1 { print \"7,7\"; next } 1' x.csv > same.csv && mv same.csv x.csv");
+  const Outcome outcome = npdr({"run", "dataset.toml", "--until", "simulate"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("all rows are the same, whatever their parameters"), std::string::npos)
+      << outcome.err;
+}
+
+TEST_F(ExternalDataset, FailedRowsOfADatasetAreTold) {
+  import_dataset();
+  change_dataset(
+      "awk 'NR == 300 || NR == 700 { print \"nan,1\"; next } 1' x.csv > spoiled.csv && "
+      "mv spoiled.csv x.csv");
+  const Outcome outcome = npdr({"run", "dataset.toml"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("2 of 1000 rows failed (2 diverged)"), std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.out.find("Calibration: a dataset can't be asked"), std::string::npos)
+      << outcome.out;
+}
+
+// Those of theta alone may have been simulated anew.
+TEST_F(ExternalDataset, ADatasetsCopiesAreNoticed) {
+  import_dataset();
+  const std::string note = "500 of 1000 rows of the dataset are copies of others";
+  const auto noted_after_doubling = [&](const std::string& files) {
+    const std::string twice = "for file in " + files +
+                              "; do { head -n 501 $file.csv; tail -n +2 $file.csv | head -n 500; } "
+                              "> twice.csv && mv twice.csv $file.csv; done";
+    change_dataset(twice);
+    run_well({"dataset.toml"});
+    return table("external-dataset", "parameters").find(note) != std::string::npos;
+  };
+  EXPECT_FALSE(noted_after_doubling("theta"));
+  EXPECT_TRUE(noted_after_doubling("x"));
+}
+
+// Two among 1000, which the first rows don't show.
+TEST_F(ExternalDataset, RareNumbersThatStandForFailuresAreTold) {
+  import_dataset();
+  change_dataset(
+      "awk 'NR == 300 || NR == 700 { print \"-999,-999\"; next } 1' x.csv > spoiled.csv && "
+      "mv spoiled.csv x.csv");
+  const std::string warning = " is -999 in 2 of 1000 rows";
+  const Outcome outcome = npdr({"run", "dataset.toml"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find(warning), std::string::npos) << outcome.err;
+  EXPECT_NE(text_of(folder_ / "runs/external-dataset/report.html").find(warning),
+            std::string::npos);
+}
+
+TEST_F(ExternalDataset, ADatasetCanOnlyBeAskedWhatItHolds) {
+  std::filesystem::create_directory(folder_ / "made");
+  ASSERT_EQ(std::system(
+                ("sh " + (folder_ / "make_dataset.sh").string() + " " + (folder_ / "made").string())
+                    .c_str()),
+            0);
+  ASSERT_EQ(npdr({"import", "--theta", "made/theta.csv", "--x", "made/x.csv", "-o", "d.h5"}).status,
+            0);
+  run_well({"dataset.toml", "--set", "simulator.dataset=d.h5", "--set",
+            "diagnose={ num_samples = 100 }"});
+  const std::string text = table("external-dataset", "diagnostics");
+  EXPECT_NE(text.find("x_o among simulations"), std::string::npos) << text;
+  EXPECT_NE(text.find("Training"), std::string::npos) << text;
+  EXPECT_EQ(text.find("fresh simulations"), std::string::npos) << text;
+  EXPECT_EQ(text.find("SBC"), std::string::npos) << text;
+}
+
+TEST_F(ExternalDataset, SimulationsAreADataset) {
+  run_well({"shell.toml", "--until", "simulate"});
+  run_well({"dataset.toml", "--set",
+            "simulator.dataset=runs/external-shell/npe-gaussian/seed-1/round-1/simulate.h5"});
+  expect_exact_posterior("external-dataset");
+}
+
+TEST_F(ExternalDataset, ImportRefusesHalfADataset) {
+  std::ofstream(folder_ / "theta.csv") << "a\n1\n";
+  const Outcome alone = npdr({"import", "--theta", "theta.csv", "-o", "d.h5"});
+  EXPECT_EQ(alone.status, 2);
+  EXPECT_EQ(alone.err,
+            "npdr import: a dataset is made of two CSV files: --theta FILE and --x FILE\n");
+  EXPECT_EQ(npdr({"import", "-o", "d.h5"}).status, 2);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
