@@ -111,6 +111,7 @@ std::string why_not_held_out(const ReportData& data, const MethodConfig& method)
 // without a network, and where the study itself has chosen its checks.
 std::string why_not_calibrated(const ReportData& data, const MethodConfig& method) {
   const Study& study = data.plan.study;
+  if (study.places.has("diagnose.checks")) return "";
   const bool has_network =
       inference::traits_of(method.algorithm.kind).family == inference::AlgorithmFamily::network;
   if (!study.source().simulates && has_network) {
@@ -119,8 +120,7 @@ std::string why_not_calibrated(const ReportData& data, const MethodConfig& metho
            "lie in what npdr sample --x draws for them";
   }
   const bool could_be = study.why_unchecked(Check::coverage, method).empty();
-  const bool is_chosen = study.places.has("diagnose.checks");
-  if (!could_be || is_chosen || data.checks_of(method.name).calibrates()) return "";
+  if (!could_be || data.checks_of(method.name).calibrates()) return "";
   return fmt::format(
       "Calibration: it wasn't checked, so nothing shows whether posteriors are too sure, or too "
       "unsure, over the prior; a table [diagnose] in the study checks it: for each seed {} more "

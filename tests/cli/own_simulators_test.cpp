@@ -54,6 +54,21 @@ TEST_F(OwnSimulators, ALibraryFindsTheTruth) {
   EXPECT_EQ(again.out.find("missing"), std::string::npos) << again.out;
 }
 
+TEST_F(OwnSimulators, ALibraryIsVerifiedWhereItsStudyLiesInAnotherFolder) {
+  copy_example("spring");
+  compile_spring(folder_.path());
+  fs::create_directory(folder_ / "sub");
+  for (const char* file : {"library.toml", "spring.so"}) {
+    fs::rename(folder_ / file, folder_ / "sub" / file);
+  }
+  const Outcome outcome = npdr(
+      {"run", "sub/library.toml", "--until", "simulate", "--set", "method.num_simulations=100"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const fs::path simulated = runs("spring-library") / "npe/seed-1/round-1/simulate.h5";
+  const Outcome verified = npdr({"verify", simulated.string(), "--run-command"});
+  EXPECT_EQ(verified.status, 0) << verified.err;
+}
+
 TEST_F(OwnSimulators, AWorkerGivesWhatTheLibraryGives) {
   const std::string python = python_with("numpy");
   if (python.empty()) GTEST_SKIP() << "no Python with numpy";
