@@ -28,12 +28,10 @@ std::string translucent(std::string_view color, double opacity) {
 }
 
 // Gnuplot's words for each SeriesKind; {} is the size.
-constexpr const char* kSeriesStyles[] = {"lines lw {}",
-                                         "points pt 7 ps {}",
-                                         "steps lw {}",
-                                         "filledcurves fs solid noborder",
-                                         "filledcurves y1=0 fs solid noborder",
-                                         "image pixels"};
+constexpr const char* kSeriesStyles[] = {
+    "lines lw {}", "vectors nohead lw {}",           "points pt 7 ps {}",
+    "steps lw {}", "filledcurves fs solid noborder", "filledcurves y1=0 fs solid noborder",
+    "image pixels"};
 constexpr int kPointTypes[] = {7, 9, 13, 5};  // of each LegendMark that is a filled mark
 constexpr int kDashTypes[] = {1, 2, 4};       // of each LineStyle
 
@@ -196,8 +194,10 @@ class Script {
 
   std::string series(const Panel& panel, const Series& series) const {
     std::string columns;
-    for (const Index c : series.columns) {
-      const double scale = columns.empty() ? panel.x.scale : panel.y.scale;
+    for (std::size_t k = 0; k < series.columns.size(); ++k) {
+      const bool is_x = k == 0 || (k == 2 && series.kind == SeriesKind::segments);
+      const double scale = is_x ? panel.x.scale : panel.y.scale;
+      const Index c = series.columns[k];
       columns += columns.empty() ? "" : ":";
       columns += scale == 1.0 ? std::to_string(c + 1) : fmt::format("(${}*{})", c + 1, scale);
     }

@@ -44,12 +44,13 @@ struct DataTable {
 
 /// Way to draw a series, and the columns that it needs.
 enum class SeriesKind {
-  line,   ///< x, y
-  dots,   ///< x, y
-  steps,  ///< x, y: each y from its x to the next
-  band,   ///< x, lower, upper
-  area,   ///< x, y: from 0
-  cells,  ///< x, y, value: a cell about each point, colored by the figure's scale
+  line,      ///< x, y
+  segments,  ///< x, y, dx, dy: a line of its own from each (x, y), with square ends
+  dots,      ///< x, y
+  steps,     ///< x, y: each y from its x to the next
+  band,      ///< x, lower, upper
+  area,      ///< x, y: from 0
+  cells,     ///< x, y, value: a cell about each point, colored by the figure's scale
 };
 
 struct Series {

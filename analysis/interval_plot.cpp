@@ -1,14 +1,12 @@
 #include "analysis/interval_plot.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "analysis/figure_layout.h"
 
 namespace npdr::analysis {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr Index kMedian = 2;              // of kIntervalLevels
 constexpr double kRowShare = 0.7;         // of a parameter's row, over which its lanes are spread
 constexpr double kLaneHeight = 13.0;      // [px]
@@ -32,15 +30,15 @@ double place_of_lane(const IntervalPlot& plot, Index parameter, std::size_t lane
   return middle_of_row(parameter, std::ssize(plot.parameters)) - kRowShare * share;
 }
 
-// Columns x, y: one line for each row from `low` to `high`, interrupted between them.
-RowMatrix lines(const Vector& low, const Vector& high, const Vector& y) {
-  RowMatrix points(3 * y.size(), 2);
-  for (Index k = 0; k < y.size(); ++k) {
-    points.row(3 * k) << low(k), y(k);
-    points.row(3 * k + 1) << high(k), y(k);
-    points.row(3 * k + 2) << kNaN, kNaN;
-  }
-  return points;
+// Adds a level line for each row from `low` to `high`.
+void add_lines(Figure& figure, Panel& panel, const Vector& low, const Vector& high, const Vector& y,
+               const std::string& comment, const char* color, double size) {
+  RowMatrix segments = RowMatrix::Zero(y.size(), 4);
+  segments.col(0) = low;
+  segments.col(1) = y;
+  segments.col(2) = high - low;
+  const std::string table = add_table(figure, comment, segments);
+  panel.series.push_back({SeriesKind::segments, table, {0, 1, 2, 3}, color, size});
 }
 
 void add_rows(const IntervalPlot& plot, Figure& figure, Panel& panel) {
@@ -55,10 +53,9 @@ void add_rows(const IntervalPlot& plot, Figure& figure, Panel& panel) {
     panel.tips.push_back(
         {plot.row, {y(k) - 0.5, y(k) + 0.5}, plot.tips[static_cast<std::size_t>(k)]});
   }
-  const std::string table = add_table(
-      figure, "ends of the row, row of the parameter",
-      lines(Vector::Constant(count, plot.row.lower), Vector::Constant(count, plot.row.upper), y));
-  panel.series.push_back({SeriesKind::line, table, {0, 1}, "#e3e7eb", 7.0});
+  add_lines(figure, panel, Vector::Constant(count, plot.row.lower),
+            Vector::Constant(count, plot.row.upper), y,
+            "beginning of the row, place of the parameter, length of the row, 0", "#e3e7eb", 7.0);
 }
 
 void add_set(const IntervalPlot& plot, std::size_t set, Figure& figure, Panel& panel) {
@@ -71,10 +68,9 @@ void add_set(const IntervalPlot& plot, std::size_t set, Figure& figure, Panel& p
   for (Index k = 0; k < count; ++k) y(k) = place_of_lane(plot, k, set);
   const char* color = kMethodColors[set];
   for (const Index low : {Index{0}, Index{1}}) {
-    const std::string table =
-        add_table(figure, name + ": ends of the interval, row of the parameter",
-                  lines(quantiles.col(low), quantiles.col(4 - low), y));
-    panel.series.push_back({SeriesKind::line, table, {0, 1}, color, low == 0 ? 1.8 : 5.0});
+    add_lines(figure, panel, quantiles.col(low), quantiles.col(4 - low), y,
+              name + ": beginning of the interval, place of the parameter, length, 0", color,
+              low == 0 ? 1.8 : 5.0);
   }
   for (Index k = 0; k < count; ++k) {
     panel.marks.push_back({LegendMark::dot, color, quantiles(k, kMedian), y(k), 0.6});

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "core/parallel.h"
+#include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/fitted_table.h"
@@ -63,6 +64,19 @@ bool print_results(const Plan& plan) {
   return print_verdicts(plan, VerdictDetail::reasons);
 }
 
+// The report of all methods was made anew without some.
+void print_selection(const StudyArguments& study) {
+  std::vector<std::string> options;
+  if (!study.methods.empty()) options.emplace_back("--only");
+  if (!study.seeds.empty()) options.emplace_back("--seeds");
+  if (options.empty()) return;
+  StudyArguments whole = study;
+  whole.methods.clear();
+  whole.seeds.clear();
+  print_line("report and tables hold what {} chose; all again: npdr run {}", join(options, " and "),
+             shell_text(whole.words()));
+}
+
 std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string>& beginnings) {
   std::vector<std::string> keys;
   for (const std::string& beginning : beginnings) keys.push_back(plan.node_by_key(beginning).key);
@@ -98,6 +112,7 @@ ExitStatus run(const RunArguments& arguments) {
   const bool makes_report = std::ranges::count(config.artefacts, report.key) > 0;
   if (status != ExitStatus::done || !(is_whole || makes_report)) return status;
   const bool any_failed = print_results(plan);
+  print_selection(arguments.study);
   return any_failed && arguments.strict ? ExitStatus::failed_checks : status;
 }
 

@@ -60,6 +60,14 @@ std::string toml_comment(std::string text) {
   return text;
 }
 
+// Of a recording of several rollouts; asked for, since it takes longer than all before it.
+constexpr const char* kRefined =
+    "\n# No simulator is quite right: this method believes the recording only as far as that "
+    "predicts\n# rollouts that are left out. It takes minutes to hours; where first states were "
+    "measured like all\n# others, with infer_first_states = true behind cross_validate.\n"
+    "# [[method]]\n# name = \"refined\"\n# algorithm = \"refine\"\n"
+    "# refine = { start = \"NPE\", cross_validate = true }\n";
+
 // Sections of the text, one after the other.
 class Writer {
  public:
@@ -243,6 +251,7 @@ class Writer {
         recording_ ? recording_->num_steps() : std::max<Index>(info_.num_steps, Index{250});
     text_ +=
         fmt::format("embedding = {{ downsample = {} }}\n", std::max<Index>(1, steps / kStatesLeft));
+    if (recording_ && recording_->num_rollouts() > 1) text_ += kRefined;
   }
 
   NewStudy wanted_;

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/import/computed_rates.h"
 #include "pipeline/import/csv_rows.h"
 #include "pipeline/import/csv_times.h"
 #include "pipeline/import/csv_turns.h"
@@ -19,7 +20,6 @@
 #include "pipeline/import/rollout_length.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/number_table.h"
-#include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -132,21 +132,6 @@ std::vector<std::string> notes_of_gaps(const std::vector<CsvRows>& files, double
   return notes;
 }
 
-// Simulations start from the first states, whose slopes are the least certain.
-std::string words_of_first(const Target& target, Index rate, bool at_rest) {
-  if (at_rest) return "0 at the first states";
-  std::vector<std::string> values;
-  for (const Rollout& rollout : target.rollouts) {
-    if (values.size() == 5) {
-      values.back() = "...";
-      break;
-    }
-    values.push_back(fmt::format("{:.3g}", rollout.states(0, rate)));
-  }
-  return fmt::format("at the first states, where simulations start, {}; --at-rest makes them 0",
-                     join(values));
-}
-
 // A rollout that counts twice makes posteriors narrower than they are.
 void require_distinct(const std::vector<std::filesystem::path>& paths) {
   auto sorted = paths;
@@ -162,33 +147,6 @@ void require_no_copies(const Target& target, const std::vector<std::filesystem::
     throw InputError(fmt::format("{}: holds the same numbers as {}; name each rollout once",
                                  paths[other].string(), paths[one].string()));
   }
-}
-
-// Computes the rates that the files lack; a sentence for each.
-std::vector<std::string> differentiate(Target& target, const std::vector<CsvRows>& files,
-                                       Index window, bool at_rest) {
-  for (std::size_t h = 0; h < files.size(); ++h) {
-    const Index num_states = target.rollouts[h].states.rows();
-    if (num_states >= window) continue;
-    throw InputError(fmt::format("{}: has {} states, must have {} or more for --differentiate={}",
-                                 files[h].name, num_states, window, window));
-  }
-  std::vector<std::string> notes;
-  for (const RatePair& pair : files.front().lacking) {
-    for (Rollout& rollout : target.rollouts) {
-      rollout.states.col(pair.rate) =
-          sim::slopes(rollout.states.col(pair.position), window, target.dt);
-      if (at_rest) rollout.states(0, pair.rate) = 0.0;
-    }
-    const auto label = [&](Index c) {
-      return target.state_channels[static_cast<std::size_t>(c)].label;
-    };
-    notes.push_back(fmt::format(
-        "computed {}: slope of {} over {} samples, {:.4g} s (Savitzky-Golay); {}", label(pair.rate),
-        label(pair.position), window, static_cast<double>(window - 1) * target.dt,
-        words_of_first(target, pair.rate, at_rest)));
-  }
-  return notes;
 }
 
 // Of some, those that were measured; computed ones are right.
@@ -327,7 +285,9 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
     append(notes_of_gaps(files, *options.resample), result.notes);
   }
   if (options.differentiate) {
-    append(differentiate(target, files, *options.differentiate, options.at_rest), result.notes);
+    append(compute_rates(target, files.front().lacking, names_of_files(files),
+                         {*options.differentiate, options.at_rest, options.resample.has_value()}),
+           result.notes);
   }
   if (options.check_rates) {
     append(check_rates(target, files, glitches, options.resample.has_value()), result.notes);

@@ -84,6 +84,10 @@ std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use
   return folder / (name_of(node.stage) + ".h5");
 }
 
+std::filesystem::path log_of(const Plan& plan, const Node& node) {
+  return plan.work.study(plan.study.name) / "logs" / (folder_slug(node.label()) + ".log");
+}
+
 void link_uses(const Plan& plan, const Node& node) {
   if (node.stage == Stage::report) return;
   for (const Use& use : node.uses) make_link(node.path, link_of(plan, node, use));

@@ -80,6 +80,9 @@ Plan make_plan(Study study, const WorkFolder& work, const Selection& selection =
 /// The link of a use of `node` in the study's readable folder.
 std::filesystem::path link_of(const Plan& plan, const Node& node, const Use& use);
 
+/// The file that what a job says of `node` goes to, in the study's readable folder.
+std::filesystem::path log_of(const Plan& plan, const Node& node);
+
 /// Makes the links of all uses of a complete artefact. Throws Error.
 void link_uses(const Plan& plan, const Node& node);
 

@@ -64,7 +64,7 @@ std::string unpredicted_reason(const PredictiveResult& predictive, Index num_sam
 }
 
 constexpr const char* kCalibrationAdvice =
-    "more simulations, another embedding or density estimator may mend that";
+    "more simulations, another embedding, density estimator or algorithm may mend that";
 
 // The area's standard error is 0.32 / sqrt(n); nearer to 0 it says nothing of the width.
 std::string coverage_reason(const CoverageResult& result, std::uint64_t seed) {

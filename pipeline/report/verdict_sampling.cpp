@@ -93,7 +93,7 @@ std::string words_of(double power, double as_good, bool is_smallest) {
       "for what they lack",
       power,
       is_smallest ? ", the smallest that was tried, which predicts rollouts that are left out "
-                    "about as well as any"
+                    "about as well as any, and at which it may still be too narrow"
                   : "");
 }
 

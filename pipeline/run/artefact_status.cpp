@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/file_error.h"
+#include "core/text.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
@@ -100,6 +102,18 @@ Json document_of(const fs::path& artefact) {
   return read_artefact_info(artefact).identity.key_document;
 }
 
+// `text` without the beginning that a long one shares with `other`, but for some characters.
+std::string shortened_from_difference(const std::string& text, const std::string& other) {
+  constexpr std::ptrdiff_t kept = 20;
+  constexpr std::size_t short_enough = 60;
+  if (std::max(text.size(), other.size()) <= short_enough) return text;
+  const auto differs = std::ranges::mismatch(text, other).in1;
+  auto first = text.begin() + std::max<std::ptrdiff_t>(0, differs - text.begin() - kept);
+  const auto is_within = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; };
+  while (first != text.begin() && is_within(*first)) --first;
+  return (first == text.begin() ? "" : "...") + shortened({first, text.end()});
+}
+
 // "training.learning_rate: 0.0003, was 0.001" for every leaf that differs.
 void compare(const std::string& path, const Json& now, const Json& before,
              std::vector<std::string>& lines) {
@@ -112,12 +126,12 @@ void compare(const std::string& path, const Json& now, const Json& before,
       if (before.contains(key)) {
         compare(below(key), value, before[key], lines);
       } else {
-        lines.push_back(fmt::format("{}: {}, was not there", below(key), value.dump()));
+        lines.push_back(fmt::format("{}: {}, was not there", below(key), shortened(value.dump())));
       }
     }
     for (const auto& [key, value] : before.items()) {
       if (!now.contains(key)) {
-        lines.push_back(fmt::format("{}: gone, was {}", below(key), value.dump()));
+        lines.push_back(fmt::format("{}: gone, was {}", below(key), shortened(value.dump())));
       }
     }
     return;
@@ -132,7 +146,9 @@ void compare(const std::string& path, const Json& now, const Json& before,
     lines.push_back(fmt::format("input '{}' is another one", path.substr(7)));
     return;
   }
-  lines.push_back(fmt::format("{}: {}, was {}", path, now.dump(), before.dump()));
+  const std::string one = now.dump(), other = before.dump();
+  lines.push_back(fmt::format("{}: {}, was {}", path, shortened_from_difference(one, other),
+                              shortened_from_difference(other, one)));
 }
 
 }  // namespace
@@ -196,6 +212,18 @@ std::vector<fs::path> present_shards(const Plan& plan, const Node& node) {
   return present;
 }
 
+// Where what was said by a job that hasn't made it is; empty: none said anything. A log may also be
+// of the job that made the `earlier` one.
+std::string words_on_log(const Plan& plan, const Node& node,
+                         const std::optional<fs::path>& earlier) {
+  const fs::path log = log_of(plan, node);
+  std::error_code error;
+  const auto size = fs::file_size(log, error);
+  if (error || size == 0) return "";
+  if (earlier && fs::last_write_time(log) <= fs::last_write_time(*earlier)) return "";
+  return "what was said of it: " + log.string();
+}
+
 void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
   if (is_complete(plan, node)) {
     status.state = ArtefactState::up_to_date;
@@ -213,6 +241,8 @@ void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, Artefact
   } else if (status.earlier) {
     status.state = ArtefactState::stale;
   }
+  const std::string log = words_on_log(plan, node, status.earlier);
+  if (!log.empty()) status.detail += (part ? "; " : "") + log;
 }
 
 }  // namespace
@@ -279,14 +309,17 @@ std::vector<std::string> reasons(const Plan& plan, const Node& node) {
     return {fmt::format("{} was removed: {}", is_its ? "its file" : "an earlier version's file",
                         removed->string())};
   }
-  if (!earlier) {
-    const ArtefactStatus status = status_of(plan, node);
-    if (status.state == ArtefactState::partial) return {"it isn't finished: " + status.detail};
-    return {status.detail.empty() ? "it was never made" : status.detail};
-  }
+  const ArtefactStatus status = status_of(plan, node);
   std::vector<std::string> lines;
+  if (!earlier) {
+    if (status.state == ArtefactState::partial) return {"it isn't finished: " + status.detail};
+    if (status.is_sound) lines.emplace_back("it was never made");
+    if (!status.detail.empty()) lines.push_back(status.detail);
+    return lines;
+  }
   compare("", node.identity.key_document, document_of(*earlier), lines);
   if (lines.empty()) lines.emplace_back("its files are gone");
+  if (!status.detail.empty()) lines.push_back(status.detail);
   return lines;
 }
 

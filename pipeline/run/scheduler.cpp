@@ -181,7 +181,7 @@ void Scheduler::start_ready_jobs() {
 
 void Scheduler::start(std::size_t index, int threads) {
   const Node& node = plan_.nodes[index];
-  JobLog log{log_path(node)};
+  JobLog log{log_of(plan_, node)};
   std::error_code none;
   const auto size = std::filesystem::file_size(log.path, none);
   if (!none) log.begin = size;
@@ -339,10 +339,6 @@ void Scheduler::show_progress(bool force) {
   }
   lines_.clear();
   print(log_line(run) + "\n");
-}
-
-std::string Scheduler::log_path(const Node& node) const {
-  return plan_.work.study(plan_.study.name) / "logs" / (folder_slug(node.label()) + ".log");
 }
 
 }  // namespace npdr::pipeline

@@ -74,7 +74,6 @@ class Scheduler {
   std::optional<double> share_done() const;
   std::string job_text(const Job& job) const;
   void show_progress(bool force);
-  std::string log_path(const Node& node) const;
 
   const Plan& plan_;
   SchedulerConfig config_;

@@ -97,12 +97,14 @@ TEST(Figure, DrawsEveryKindOfSeries) {
   cells << 0, 0, 0, 0, 1, 0.5, 1, 0, 0.7, 1, 1, 1;
   const std::string table = add_table(figure, "x, y, value", cells);
   figure.panels[0].series.push_back({SeriesKind::cells, table, {0, 1, 2}});
+  figure.panels[0].series.push_back({SeriesKind::segments, table, {0, 1, 2, 2}, "#123456"});
   const Drawn drawn = draw(figure);
   EXPECT_EQ(markup_error(drawn.svg), "");
-  EXPECT_EQ(count_of(drawn.svg, "<g id=\"gnuplot_plot_"), 6);
+  EXPECT_EQ(count_of(drawn.svg, "<g id=\"gnuplot_plot_"), 7);
   EXPECT_EQ(count_of(drawn.script, "set colorbox user"), 1);
   for (const char* style :
-       {"points pt 7", "steps lw", ":3 with filledcurves fs", "y1=0", "image"}) {
+       {"points pt 7", "steps lw", "($1*1000):2:($3*1000):3 with vectors nohead",
+        ":3 with filledcurves fs", "y1=0", "image"}) {
     EXPECT_NE(drawn.script.find(style), std::string::npos) << style;
   }
 }

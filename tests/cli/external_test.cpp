@@ -180,6 +180,13 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
   EXPECT_NE(npdr({"explain", "shell.toml", "--set", "simulator.retries=3", "simulate"})
                 .out.find("simulator.retries: 3, was 1"),
             std::string::npos);
+  const std::string longer =
+      npdr({"explain", "shell.toml", "--set",
+            "simulator.command=\"sh linear_gaussian.sh {theta} {x} " + std::string(99, 'a') + "\"",
+            "simulate"})
+          .out;
+  EXPECT_NE(longer.find("aaa..., was \""), std::string::npos) << longer;
+  EXPECT_EQ(longer.find(std::string(61, 'a')), std::string::npos) << longer;
   std::ofstream(folder_ / "linear_gaussian.sh", std::ios::app) << "# edited\n";
   EXPECT_NE(
       npdr({"explain", "shell.toml", "simulate"}).out.find("simulator.files.linear_gaussian.sh: "),

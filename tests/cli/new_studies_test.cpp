@@ -60,6 +60,12 @@ TEST_F(NewStudies, TakeARecording) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
   }
   EXPECT_EQ(npdr({"validate", "real.toml"}).status, 0) << text;
+  std::string refined = text.substr(text.find("# [[method]]"));
+  for (std::size_t at; (at = refined.find("# ")) != std::string::npos;) refined.erase(at, 2);
+  folder_.file("refined.toml", text + refined);
+  const Outcome checked = npdr({"validate", "refined.toml"});
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_NE(refined.find("cross_validate = true"), std::string::npos) << refined;
   const Outcome other =
       npdr({"new", "other", "--recording", "recorded.h5", "--simulator", "pendulum"});
   EXPECT_EQ(other.status, 2) << other.out;

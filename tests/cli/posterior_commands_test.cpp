@@ -62,7 +62,10 @@ TEST_F(PosteriorCommands, DensitiesOfAStudyAreTheMeanOverItsSeeds) {
     words.insert(words.end(), seeds.begin(), seeds.end());
     return npdr(words);
   };
-  ASSERT_EQ(with_seeds({"run", "small.toml", "--only", "NPDR (MAF)"}).status, 0);
+  const Outcome only = with_seeds({"run", "small.toml", "--only", "NPDR (MAF)"});
+  ASSERT_EQ(only.status, 0) << only.err;
+  EXPECT_TRUE(only.out.ends_with("all again: npdr run small.toml --set 'study.seeds=[1, 2]'\n"))
+      << only.out;
   const auto samples = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"sample", "small.toml", "--method", "NPDR (MAF)"});
     return with_seeds(words).out;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/study_text.h"
@@ -31,6 +33,21 @@ TEST(ArtefactStatus, SaysHowFarARefinementHasCome) {
             std::vector<std::string>{"it isn't finished: checkpoint at simulation 300"});
   std::filesystem::remove(plan.work.checkpoint("infer", node.key));
   EXPECT_EQ(reasons(plan, node), std::vector<std::string>{"it was never made"});
+}
+
+TEST(ArtefactStatus, OfAJobThatFailedNamesItsLog) {
+  const TempFolder folder;
+  const Plan plan = make_plan(parse_study(pendulum_study("failed").method("NPE"), "s.toml"),
+                              WorkFolder(folder.path()));
+  const Node& node = plan.node(Stage::infer, {"NPE", 1, 1});
+  EXPECT_EQ(status_of(plan, node).detail, "");
+  const std::filesystem::path log = log_of(plan, node);
+  std::filesystem::create_directories(log.parent_path());
+  std::ofstream(log) << "npdr-infer: no memory\n";
+  const ArtefactStatus status = status_of(plan, node);
+  EXPECT_EQ(status.state, ArtefactState::missing);
+  EXPECT_EQ(status.detail, "what was said of it: " + log.string());
+  EXPECT_EQ(reasons(plan, node), (std::vector<std::string>{"it was never made", status.detail}));
 }
 
 }  // namespace

@@ -1,0 +1,136 @@
+#include "pipeline/import/computed_rates.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/scatter.h"
+#include "core/error.h"
+#include "core/text.h"
+#include "sim/savitzky_golay.h"
+
+namespace npdr::pipeline {
+namespace {
+
+constexpr Index kShortest = 5;            // samples of a window
+constexpr double kExplained = 7.0;        // sigma / dt
+constexpr double kLeastOfLargest = 0.05;  // of the largest rate
+constexpr Index kNear = 41;               // samples
+
+void require_windows(const Target& target, const std::vector<std::string>& files, Index window) {
+  for (std::size_t h = 0; h < files.size(); ++h) {
+    const Index num_states = target.rollouts[h].states.rows();
+    if (num_states >= window) continue;
+    throw InputError(fmt::format("{}: has {} states, must have {} or more for --differentiate={}",
+                                 files[h], num_states, window, window));
+  }
+}
+
+std::string label_of(const Target& target, Index channel) {
+  return target.state_channels[static_cast<std::size_t>(channel)].label;
+}
+
+// Simulations start from the first states, whose slopes are the least certain.
+std::string words_of_first(const Target& target, Index rate, bool at_rest) {
+  if (at_rest) return "0 at the first states";
+  std::vector<std::string> values;
+  for (const Rollout& rollout : target.rollouts) {
+    if (values.size() == 5) {
+      values.back() = "...";
+      break;
+    }
+    values.push_back(fmt::format("{:.3g}", rollout.states(0, rate)));
+  }
+  return fmt::format("at the first states, where simulations start, {}; --at-rest makes them 0",
+                     join(values));
+}
+
+// Where a rollout's motion bends more than a polynomial over the window.
+struct Bend {
+  std::size_t rollout = 0;
+  double time = 0.0;        // [s]
+  double difference = 0.0;  // in the rate's unit
+};
+
+// An encoder's count: the smallest third difference, since a moving one may never step by one. A
+// fraction of the noise where there are no counts.
+double count_of(const Vector& position) {
+  const Index n = position.size();
+  const Vector steps = position.tail(n - 1) - position.head(n - 1);
+  return analysis::smallest_step(steps.tail(n - 2) - steps.head(n - 2));
+}
+
+// sigma of positions, which may scatter more where they move.
+double noise_near(const Vector& position, Index t) {
+  const Index count = std::min(kNear, position.size());
+  const Index first = std::clamp<Index>(t - count / 2, 0, position.size() - count);
+  return std::max({analysis::scatter(position), analysis::scatter(position.segment(first, count)),
+                   count_of(position) / std::sqrt(12.0)});
+}
+
+// The largest one of a rollout; none of what noise explains.
+Bend bend_of(const Target& target, const RatePair& pair, std::size_t h, bool at_rest) {
+  const Rollout& rollout = target.rollouts[h];
+  const Vector position = rollout.states.col(pair.position);
+  const Vector rate = rollout.states.col(pair.rate);
+  Vector differences = (sim::slopes(position, kShortest, target.dt) - rate).cwiseAbs();
+  if (at_rest) differences(0) = 0.0;  // that rate isn't a slope
+  Index t = 0;
+  const double most = differences.maxCoeff(&t);
+  const bool is_large = most > kLeastOfLargest * rate.cwiseAbs().maxCoeff() &&
+                        most > kExplained * noise_near(position, t) / target.dt;
+  return is_large ? Bend{h, static_cast<double>(t) * target.dt, most} : Bend{};
+}
+
+Bend largest_bend(const Target& target, const RatePair& pair, bool at_rest) {
+  Bend largest;
+  for (std::size_t h = 0; h < target.rollouts.size(); ++h) {
+    const Bend bend = bend_of(target, pair, h, at_rest);
+    if (bend.difference > largest.difference) largest = bend;
+  }
+  return largest;
+}
+
+// Few checks of a posterior pass where rates are wrong by more than noise.
+std::string warning_of(const Target& target, const RatePair& pair, const Bend& bend,
+                       const std::string& file, Index window) {
+  const std::string unit = target.state_channels[static_cast<std::size_t>(pair.rate)].unit;
+  const bool is_first = bend.time == 0.0;
+  return fmt::format(
+      "warning: {}: {} may be off by {:.3g}{} at {:.4g} s, where {} bends too much for {} samples: "
+      "give a shorter window, which is noisier, --differentiate={}{}, or leave these rows out",
+      file, label_of(target, pair.rate), bend.difference, unit.empty() ? "" : " " + unit, bend.time,
+      label_of(target, pair.position), window, std::max(kShortest, (window + 1) / 4 * 2 + 1),
+      is_first ? ", or --at-rest if it stood still there" : "");
+}
+
+}  // namespace
+
+std::vector<std::string> compute_rates(Target& target, const std::vector<RatePair>& pairs,
+                                       const std::vector<std::string>& files,
+                                       const RateOptions& options) {
+  const Index window = options.window;
+  require_windows(target, files, window);
+  std::vector<std::string> notes;
+  for (const RatePair& pair : pairs) {
+    for (Rollout& rollout : target.rollouts) {
+      rollout.states.col(pair.rate) =
+          sim::slopes(rollout.states.col(pair.position), window, target.dt);
+      if (options.at_rest) rollout.states(0, pair.rate) = 0.0;
+    }
+    notes.push_back(
+        fmt::format("computed {}: slope of {} over {} samples, {:.4g} s (Savitzky-Golay); {}",
+                    label_of(target, pair.rate), label_of(target, pair.position), window,
+                    static_cast<double>(window - 1) * target.dt,
+                    words_of_first(target, pair.rate, options.at_rest)));
+    if (options.is_resampled) continue;
+    const Bend bend = largest_bend(target, pair, options.at_rest);
+    if (bend.difference > 0.0) {
+      notes.push_back(warning_of(target, pair, bend, files[bend.rollout], window));
+    }
+  }
+  return notes;
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,31 @@
+/// Rates of change that a recording lacks, computed of its positions.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/target.h"
+#include "pipeline/import/rate_pairs.h"
+
+namespace npdr::pipeline {
+
+struct RateOptions {
+  Index window = 11;          ///< samples that a slope is taken over
+  bool at_rest = false;       ///< rates are 0 at the first states
+  bool is_resampled = false;  ///< positions lie on straight lines between those that were recorded
+};
+
+/// Sets the rates of `pairs` in every rollout to the slopes of their positions
+/// (sim/savitzky_golay.h). Returns a sentence for each pair, and a warning where slopes over 5
+/// samples say that the motion bends too much for a longer window: they differ by more than
+///   7 sigma / dt,
+/// sigma the scatter (analysis/scatter.h) of all positions or of 41 around the place, or an
+/// encoder's count / sqrt(12), of which white noise alone has at most 1.2 in one deviation (the end
+/// of a quadratic over 5), and by more than 5 % of the largest rate. Positions that were resampled
+/// aren't looked at. `files`: a name for each rollout. Throws InputError for a window that is none,
+/// or longer than a rollout.
+std::vector<std::string> compute_rates(Target& target, const std::vector<RatePair>& pairs,
+                                       const std::vector<std::string>& files,
+                                       const RateOptions& options);
+
+}  // namespace npdr::pipeline
