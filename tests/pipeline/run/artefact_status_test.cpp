@@ -37,8 +37,8 @@ TEST(ArtefactStatus, SaysHowFarARefinementHasCome) {
 
 TEST(ArtefactStatus, OfAJobThatFailedNamesItsLog) {
   const TempFolder folder;
-  const Plan plan = make_plan(parse_study(pendulum_study("failed").method("NPE"), "s.toml"),
-                              WorkFolder(folder.path()));
+  const std::string study = pendulum_study("failed").method("NPE");
+  const Plan plan = make_plan(parse_study(study, "s.toml"), WorkFolder(folder.path()));
   const Node& node = plan.node(Stage::infer, {"NPE", 1, 1});
   EXPECT_EQ(status_of(plan, node).detail, "");
   const std::filesystem::path log = log_of(plan, node);
