@@ -185,7 +185,7 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
             "simulator.command=\"sh linear_gaussian.sh {theta} {x} " + std::string(99, 'a') + "\"",
             "simulate"})
           .out;
-  EXPECT_NE(longer.find("aaa..., was \""), std::string::npos) << longer;
+  EXPECT_NE(longer.find("aaa..., was ..."), std::string::npos) << longer;
   EXPECT_EQ(longer.find(std::string(61, 'a')), std::string::npos) << longer;
   std::ofstream(folder_ / "linear_gaussian.sh", std::ios::app) << "# edited\n";
   EXPECT_NE(
