@@ -61,12 +61,15 @@ double count_of(const Vector& position) {
   return analysis::smallest_step(steps.tail(n - 2) - steps.head(n - 2));
 }
 
-// sigma of positions, which may scatter more where they move.
+// sigma of positions, which may scatter more before or after t than elsewhere.
 double noise_near(const Vector& position, Index t) {
-  const Index count = std::min(kNear, position.size());
-  const Index first = std::clamp<Index>(t - count / 2, 0, position.size() - count);
-  return std::max({analysis::scatter(position), analysis::scatter(position.segment(first, count)),
-                   count_of(position) / std::sqrt(12.0)});
+  const Index count = std::min(kNear, position.size()), last = position.size() - count;
+  double sigma = std::max(analysis::scatter(position), count_of(position) / std::sqrt(12.0));
+  for (const Index before : {Index{0}, count / 2, count - 1}) {
+    const Index first = std::clamp<Index>(t - before, 0, last);
+    sigma = std::max(sigma, analysis::scatter(position.segment(first, count)));
+  }
+  return sigma;
 }
 
 // The largest one of a rollout; none of what noise explains.

@@ -77,6 +77,10 @@ TEST(ComputedRates, TellWhereThePositionBendsTooMuch) {
                     "angle bends too much for 11 samples", "--differentiate=7", "--at-rest"}));
   EXPECT_EQ(computed(rounded(switched_on(), kCount), 11).notes.size(), 2u) << "by an encoder";
   EXPECT_EQ(computed(switched_on(), 7).notes.size(), 1u) << "what it advises ends it";
+  const Computed later = computed(with_noise(bounced(), 1e-5, 1), 11);
+  ASSERT_EQ(later.notes.size(), 2u);
+  EXPECT_TRUE(says(later.notes[1], {"warning: a.csv: angle_dot may be off by", "rad/s at 0."}));
+  EXPECT_EQ(later.notes[1].find("--at-rest"), std::string::npos);
   EXPECT_EQ(computed(switched_on(), 5).notes.size(), 1u) << "there is no shorter one";
 }
 
@@ -85,8 +89,10 @@ TEST(ComputedRates, TellWhereThePositionBendsTooMuch) {
 TEST(ComputedRates, SayNothingOfNoiseAndCounts) {
   for (std::uint64_t row = 0; row < 40; ++row) {
     const Vector position = smooth_motion(1000, kDt, row).position;
+    Vector partly = position;
+    partly.tail(400) = with_noise(position.tail(400), 1e-3, row);
     for (const Vector& recorded :
-         {position, rounded(position, kCount), with_noise(position, 2e-3, row)}) {
+         {position, rounded(position, kCount), with_noise(position, 2e-3, row), partly}) {
       EXPECT_EQ(computed(recorded, 11).notes.size(), 1u) << row;
     }
   }
@@ -100,7 +106,7 @@ TEST(ComputedRates, SayNothingOfCountsAtASteadySpeed) {
 }
 
 TEST(ComputedRates, LeaveOutWhatWasResampled) {
-  Target target = recording_of(bounced());
+  Target target = recording_of(switched_on());
   EXPECT_EQ(compute_rates(target, {{0, 1}}, {"a.csv"}, {.is_resampled = true}).size(), 1u);
 }
 
