@@ -1,4 +1,4 @@
-/// Simulators of the user's that give rollouts: the examples of experiments/external, and mistakes.
+/// Simulators of the user's that give rollouts: the examples of experiments/external.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -93,42 +93,6 @@ TEST_F(OwnSimulators, AWorkerGivesWhatTheLibraryGives) {
   for (std::size_t i = 0; i < mine.size(); ++i) ASSERT_NEAR(mine[i], theirs[i], 1e-4) << i;
 }
 
-TEST_F(OwnSimulators, RecordedActionsThatTheyArentGivenAreAWarning) {
-  write_recording(furuta_recording(2), folder_ / "recorded.h5");
-  folder_.file("sim.py", "");
-  ASSERT_EQ(npdr({"new", "mine", "--recording", "recorded.h5", "--worker", "cat sim.py"}).status,
-            0);
-  const auto warnings = [&](const std::string& setting) {
-    return npdr({"validate", "mine.toml", "--set", setting}).err;
-  };
-  EXPECT_EQ(warnings("target.held_out=0"), "");
-  EXPECT_NE(warnings("simulator.actions=[]").find("isn't given the recorded action voltage"),
-            std::string::npos);
-}
-
-// Once, though everything that asks the worker fails; and told as what the study calls it.
-TEST_F(OwnSimulators, AParameterThatTheStudyDoesntHaveIsToldOnce) {
-  const std::string python = python_with("numpy");
-  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
-  write_recording(furuta_recording(2), folder_ / "recorded.h5");
-  folder_.file("sim.py", R"py(
-import npdr_worker
-npdr_worker.serve(lambda theta, first_state, actions, dt, rng: theta["mass"])
-)py");
-  ASSERT_EQ(
-      npdr({"new", "mine", "--recording", "recorded.h5", "--worker", python + " sim.py"}).status,
-      0);
-  const Outcome outcome = npdr({"run", "mine.toml", "--set", "target.held_out=0"});
-  EXPECT_EQ(outcome.status, 1);
-  for (const char* part : {"KeyError: \"the study has no parameter 'mass'; it has a\"",
-                           "failed (exit status 1), as above:"}) {
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
-  }
-  const std::size_t first = outcome.err.find("Traceback");
-  EXPECT_NE(first, std::string::npos) << outcome.err;
-  EXPECT_EQ(outcome.err.find("Traceback", first + 1), std::string::npos) << outcome.err;
-}
-
 // Bits of a worker's simulations don't depend on threads or shards, and survive being killed.
 TEST_F(OwnSimulators, AWorkersBitsDependOnNothingButTheStudy) {
   const std::string python = python_with("numpy");
@@ -201,47 +165,6 @@ npdr_worker.serve(simulate)
     // About 1 in 1000 of 105,000 floats near 0 meets another by chance.
     EXPECT_GT(static_cast<double>(x.size()), 0.99 * static_cast<double>(count)) << program;
   }
-}
-
-// The likelihood of a refinement is that of motion which follows from theta.
-TEST_F(OwnSimulators, ARefinementRefusesMotionThatIsDrawn) {
-  const std::string python = python_with("numpy");
-  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
-  copy_example("spring");
-  folder_.file("sim.py", R"py(
-import npdr_worker
-def simulate(theta, first_state, actions, dt, rng):
-    return [[theta["stiffness"] + 0.1 * rng.normal(), 1.0] for _ in actions]
-npdr_worker.serve(simulate)
-)py");
-  const std::string study = text_of(folder_ / "worker.toml");
-  folder_.file("refine.toml", study.substr(0, study.find("[[method]]")) +
-                                  "[[method]]\nname = \"Refined\"\nalgorithm = \"refine\"\n");
-  const Outcome outcome =
-      npdr({"run", "refine.toml", "--set", "simulator.worker='" + python + " sim.py'"});
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("simulated twice with the same parameters, channel 'q' differs"),
-            std::string::npos)
-      << outcome.err;
-}
-
-TEST_F(OwnSimulators, RowsInAnotherOrderStopTheStudy) {
-  const std::string python = python_with("numpy");
-  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
-  copy_example("spring");
-  folder_.file("sorted.py", R"py(
-import numpy as np
-import npdr_worker
-def simulate(theta, first_state, actions, dt, seeds):
-    slope = np.sort(theta["stiffness"])
-    return slope[:, None, None] * np.arange(len(actions))[None, :, None] * np.ones(2)
-npdr_worker.serve(simulate, batch=True)
-)py");
-  const Outcome outcome = npdr({"run", "worker.toml", "--until", "simulate", "--set",
-                                "simulator.worker='" + python + " sorted.py'"});
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("rows in another order than those of theta"), std::string::npos)
-      << outcome.err;
 }
 
 TEST_F(OwnSimulators, EditedFilesThatTheStudyNamesRerun) {
@@ -368,65 +291,6 @@ num_simulations = 100
     EXPECT_TRUE(made.rollouts[h].states.row(0).isApprox(recorded.rollouts[h].states.row(0), 1e-6));
     EXPECT_FALSE(made.rollouts[h].states.row(9).isApprox(recorded.rollouts[h].states.row(9), 1e-9));
   }
-}
-
-TEST_F(OwnSimulators, MistakesAreNamedAtTheirPlace) {
-  copy_example("spring");
-  const std::string text = text_of(folder_ / "worker.toml");
-  const auto problem = [&](const std::string& from, const std::string& to) {
-    std::string changed = text;
-    const std::size_t at = changed.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    changed.replace(at, from.size(), to);
-    folder_.file("changed.toml", changed);
-    const Outcome outcome = npdr({"validate", "changed.toml"});
-    EXPECT_EQ(outcome.status, 2) << to;
-    return outcome.err;
-  };
-  const auto expect = [&](const std::string& from, const std::string& to,
-                          const std::vector<std::string>& parts) {
-    const std::string found = problem(from, to);
-    for (const std::string& part : parts) {
-      EXPECT_NE(found.find(part), std::string::npos) << part << " isn't in: " << found;
-    }
-  };
-  const std::string worker = "worker = \"python3 spring.py\"";
-  expect(worker, worker + "\nlibrary = \"spring.so\"", {"simulator has worker and library", "one"});
-  expect(worker, "library = \"none.so\"", {"none.so"});
-  expect(worker, worker + "\nintegrator = \"erk4\"", {"integrator", "means nothing to a worker"});
-  expect(worker, worker + "\nfeatures = [\"a\"]", {"features must be left out"});
-  expect(worker, worker + "\nsettings = { a = 1 }", {"settings", "simulator.library"});
-  expect(worker, worker + "\nfiles = [\"gone.py\"]", {"gone.py", "existing"});
-  expect("states = [\"q [m]\", \"v [m/s]\"]", "", {"simulator.states is missing"});
-  expect("\"v [m/s]\"]", "\"q [m/s]\"]", {"simulator.states", "distinct"});
-  expect("dt = 0.02", "", {"simulator.dt is missing", "target.inputs"});
-  expect("num_steps = 250", "", {"simulator.num_steps is missing"});
-  expect("[0.2, 2.0]", "[0.2]", {"initial_states", "1 number"});
-  expect("nominal = 20.0", "nominal = -20.0", {"nominal", "limits"});
-  expect("name = \"damping\"", "name = \"stiffness\"", {"stiffness", "there once"});
-  expect("stiffness = { uniform", "stifness = { uniform", {"stifness", "stiffness"});
-  expect("stiffness = 24.0", "stifness = 24.0", {"target.truth", "stifness", "stiffness"});
-  expect("uniform = [10.0, 40.0]", "uniform = [-10.0, 40.0]", {"stiffness", "0"});
-  expect("[prior]", "[simulator.goal]\nplace = { z = 0.0 }\nradius = 0.1\n\n[prior]",
-         {"simulator.goal.place", "'z'"});
-  expect("[prior]", "[simulator.goal]\nradius = 0.1\n\n[prior]",
-         {"simulator.goal.place is missing"});
-  expect("num_rollouts = 3", "num_rollouts = 3\nobservation = \"x.csv\"", {"observation"});
-  expect("nominal = 1.0\nlower = 1e-6", "lower = 1e-6",
-         {"simulator.parameter.nominal of 'mass' is missing", "simulator.parameters"});
-  expect("truth = { stiffness = 24.0, damping = 0.5, friction = 0.4 }", "recording = \"gone.h5\"",
-         {"gone.h5"});
-}
-
-TEST_F(OwnSimulators, AGoalThatALibraryHasNoChannelForIsNamed) {
-  copy_example("spring");
-  compile_spring(folder_.path());
-  const std::string text = text_of(folder_ / "library.toml");
-  folder_.file("goal.toml", text + "\n[simulator.goal]\nplace = { qq = 0.0 }\nradius = 0.1\n");
-  const Outcome outcome = npdr({"validate", "goal.toml"});
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("unknown state channel 'qq' (did you mean 'q'?)"), std::string::npos)
-      << outcome.err;
 }
 
 // The cart-pole is recorded by a program of its own, and found again.
