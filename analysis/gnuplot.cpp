@@ -86,8 +86,9 @@ std::filesystem::path run(const std::string& program, const GnuplotScript& scrip
   }
   std::error_code missing;
   if (std::filesystem::file_size(file.temporary(), missing) == 0 || missing) {
-    throw Error(fmt::format("{}: {} has drawn nothing from {}.gp; is there space left (df)?\n{}",
-                            path.string(), program, script.name, result.errors));
+    throw Error(fmt::format("{}: {} has drawn nothing from {}.gp; is there space left (df)?{}{}",
+                            path.string(), program, script.name, result.errors.empty() ? "" : "\n",
+                            result.errors));
   }
   const std::string drawn = read_text_file(file.temporary());
   if (format == ImageFormat::svg) {

@@ -64,7 +64,7 @@ bool print_results(const Plan& plan) {
   return print_verdicts(plan, VerdictDetail::reasons);
 }
 
-// The report of all methods was made anew without some.
+// What --only and --seeds left out, the report lacks.
 void print_selection(const StudyArguments& study) {
   std::vector<std::string> options;
   if (!study.methods.empty()) options.emplace_back("--only");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "analysis/scatter.h"
 #include "core/error.h"
@@ -46,19 +47,35 @@ std::string words_of_first(const Target& target, Index rate, bool at_rest) {
                      join(values));
 }
 
-// Where a rollout's motion bends more than a polynomial over the window.
+// Where slopes over a rollout's windows aren't those over a few samples.
 struct Bend {
   std::size_t rollout = 0;
-  double time = 0.0;        // [s]
+  Index row = 0;
   double difference = 0.0;  // in the rate's unit
 };
 
-// An encoder's count: the smallest third difference, since a moving one may never step by one. A
-// fraction of the noise where there are no counts.
+Vector differences_of(const Vector& values) {
+  return values.tail(values.size() - 1) - values.head(values.size() - 1);
+}
+
+// The smallest magnitude above `dust`; infinity: there is none.
+double smallest_above(const Vector& values, double dust) {
+  double smallest = HUGE_VAL;
+  for (const double value : values.cwiseAbs()) {
+    if (value > dust) smallest = std::min(smallest, value);
+  }
+  return smallest;
+}
+
+// An encoder's count: the smallest first or third difference, since a moving one may never step by
+// one. A fraction of the noise where there are no counts; 0: it stands still.
 double count_of(const Vector& position) {
-  const Index n = position.size();
-  const Vector steps = position.tail(n - 1) - position.head(n - 1);
-  return analysis::smallest_step(steps.tail(n - 2) - steps.head(n - 2));
+  const double rounding =
+      8.0 * std::numeric_limits<double>::epsilon() * position.cwiseAbs().maxCoeff();
+  const Vector first = differences_of(position);
+  const double count = std::min(smallest_above(first, rounding),
+                                smallest_above(differences_of(differences_of(first)), rounding));
+  return std::isfinite(count) ? count : 0.0;
 }
 
 // sigma of positions, which may scatter more before or after t than elsewhere.
@@ -83,7 +100,7 @@ Bend bend_of(const Target& target, const RatePair& pair, std::size_t h, bool at_
   const double most = differences.maxCoeff(&t);
   const bool is_large = most > kLeastOfLargest * rate.cwiseAbs().maxCoeff() &&
                         most > kExplained * noise_near(position, t) / target.dt;
-  return is_large ? Bend{h, static_cast<double>(t) * target.dt, most} : Bend{};
+  return is_large ? Bend{h, t, most} : Bend{};
 }
 
 Bend largest_bend(const Target& target, const RatePair& pair, bool at_rest) {
@@ -99,13 +116,14 @@ Bend largest_bend(const Target& target, const RatePair& pair, bool at_rest) {
 std::string warning_of(const Target& target, const RatePair& pair, const Bend& bend,
                        const std::string& file, Index window) {
   const std::string unit = target.state_channels[static_cast<std::size_t>(pair.rate)].unit;
-  const bool is_first = bend.time == 0.0;
   return fmt::format(
-      "warning: {}: {} may be off by {:.3g}{} at {:.4g} s, where {} bends too much for {} samples: "
-      "give a shorter window, which is noisier, --differentiate={}{}, or leave these rows out",
-      file, label_of(target, pair.rate), bend.difference, unit.empty() ? "" : " " + unit, bend.time,
-      label_of(target, pair.position), window, std::max(kShortest, (window + 1) / 4 * 2 + 1),
-      is_first ? ", or --at-rest if it stood still there" : "");
+      "warning: {}:{}: {} may be off by {:.3g}{}: {} bends too much there for {} samples (give a "
+      "shorter window, which is noisier, --differentiate={}{}), or a sample is wrong, missing or "
+      "repeated (put it right); or leave these rows out",
+      file, bend.row + 2, label_of(target, pair.rate), bend.difference,
+      unit.empty() ? "" : " " + unit, label_of(target, pair.position), window,
+      std::max(kShortest, (window + 1) / 4 * 2 + 1),
+      bend.row == 0 ? ", or --at-rest if it stood still" : "");
 }
 
 }  // namespace

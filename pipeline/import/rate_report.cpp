@@ -155,10 +155,10 @@ double rounded_factor(double factor) {
   return is_power ? std::copysign(power, factor) : factor;
 }
 
-// "995", "57.3", and 1000 for 1e+03.
+// "57.3", "995", "1000" where three digits would be 1e+03, and 1e+06 from there on.
 std::string factor_text(double factor) {
-  const bool has_exponent = std::abs(factor) < 100.0 || std::abs(factor) >= 1e6;
-  return has_exponent ? fmt::format("{:.3g}", factor) : fmt::format("{:.0f}", factor);
+  const bool is_whole = std::abs(factor) >= 100.0 && std::abs(factor) < 1e6;
+  return is_whole ? fmt::format("{:.0f}", factor) : fmt::format("{:.3g}", factor);
 }
 
 std::string known_scale_option(const Channel& channel, double factor) {
@@ -293,11 +293,20 @@ void add_note(const CheckedPair& pair, std::vector<std::string>& notes) {
     return;
   }
   double deviation = 0.0;
+  Index num_unknown = 0;
   for (const auto& fit : pair.fits) {
+    num_unknown += !fit;
     if (fit) deviation = std::max(deviation, std::abs(fit->ratio - 1.0));
   }
-  notes.push_back(fmt::format("checked: {} is the slope of {}, to {:.2g} %", pair.rate.label,
-                              pair.position.label, 100.0 * deviation));
+  std::string note = fmt::format("checked: {} is the slope of {}, to {:.2g} %", pair.rate.label,
+                                 pair.position.label, 100.0 * deviation);
+  if (num_unknown > 0) {
+    note += fmt::format(
+        "; not in {} of {} rollouts, where it moves too little or that are shorter "
+        "than {} rows",
+        num_unknown, pair.fits.size(), kFewestSamples);
+  }
+  notes.push_back(note);
 }
 
 }  // namespace

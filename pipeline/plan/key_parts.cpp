@@ -73,9 +73,23 @@ Json policy_search_json(const PolicyConfig& policy) {
   return pick(to_json(policy), keys);
 }
 
+namespace {
+
+// What makes rows again, wherever somebody asks for that.
+void make_absolute(Json& simulator) {
+  for (const char* key : {"library", "mjcf"}) {
+    if (!simulator.contains(key) || !simulator[key].is_string()) continue;
+    const std::filesystem::path path(simulator[key].get<std::string>());
+    simulator[key] = std::filesystem::absolute(path).lexically_normal().string();
+  }
+}
+
+}  // namespace
+
 Json study_document(const Study& study) {
   Json json = to_json(study);
   json.erase("cluster");  // where something is computed changes nothing
+  if (json.contains("simulator")) make_absolute(json["simulator"]);
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
     if (!reads_setting(study.methods[i].algorithm.kind, "refine"))
       json["method"][i].erase("refine");

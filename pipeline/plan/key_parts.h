@@ -21,7 +21,8 @@ nlohmann::ordered_json policy_task_json(const PolicyConfig& policy);
 /// Settings that a policy search depends on beside those.
 nlohmann::ordered_json policy_search_json(const PolicyConfig& policy);
 
-/// The resolved study as artefacts keep it: without what changes nothing in it.
+/// The resolved study as artefacts keep it: without what changes nothing in it, and with absolute
+/// paths of libraries and models, which `npdr verify` loads from any folder.
 nlohmann::ordered_json study_document(const Study& study);
 
 /// A study's document with the names of its files alone, for keys: these count by what they hold,

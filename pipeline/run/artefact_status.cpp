@@ -212,16 +212,12 @@ std::vector<fs::path> present_shards(const Plan& plan, const Node& node) {
   return present;
 }
 
-// Where what was said by a job that hasn't made it is; empty: none said anything. A log may also be
-// of the job that made the `earlier` one.
-std::string words_on_log(const Plan& plan, const Node& node,
-                         const std::optional<fs::path>& earlier) {
+// Where the log of its jobs is, those of earlier versions included; empty: none said anything.
+std::string words_on_log(const Plan& plan, const Node& node) {
   const fs::path log = log_of(plan, node);
   std::error_code error;
   const auto size = fs::file_size(log, error);
-  if (error || size == 0) return "";
-  if (earlier && fs::last_write_time(log) <= fs::last_write_time(*earlier)) return "";
-  return "what was said of it: " + log.string();
+  return error || size == 0 ? "" : "what its jobs have said: " + log.string();
 }
 
 void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
@@ -241,7 +237,7 @@ void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, Artefact
   } else if (status.earlier) {
     status.state = ArtefactState::stale;
   }
-  const std::string log = words_on_log(plan, node, status.earlier);
+  const std::string log = words_on_log(plan, node);
   if (!log.empty()) status.detail += (part ? "; " : "") + log;
 }
 

@@ -21,8 +21,8 @@ enum class ArtefactState {
 
 struct ArtefactStatus {
   ArtefactState state = ArtefactState::missing;
-  /// "3 of 10 shards", "damaged, remove it: ...", "can't be used: ...", why it failed, or where the
-  /// log of a job is that didn't make it; may be empty.
+  /// "3 of 10 shards", "damaged, remove it: ...", "can't be used: ...", why it failed, or, where it
+  /// isn't up to date, "what its jobs have said: LOG"; may be empty.
   std::string detail;
   std::uintmax_t bytes = 0;  ///< on disk, shards included
   Cost cost;                 ///< nothing: not known
@@ -47,7 +47,7 @@ std::vector<int> processes_at_work(const Plan& plan);
 std::string to_string(ArtefactState state);
 
 /// Why a node isn't up to date: one line for each key of its key document that differs from the
-/// earlier version's, or one that says that there is none; where its job's log is. Throws
+/// earlier version's, or one that says that there is none; where its jobs' log is. Throws
 /// InputError when that one can't be read.
 std::vector<std::string> reasons(const Plan& plan, const Node& node);
 

@@ -213,6 +213,17 @@ TEST_F(PoolPowersOf, PosteriorsArentSharpenedByFewSimulations) {
   EXPECT_LE(sharpened, 6);
 }
 
+// Means of four simulations have half the noise that the networks have learned: sums of 2 to 4
+// would be right, but for the prior of the powers.
+TEST_F(PoolPowersOf, SharpenWhatIsTooWide) {
+  for (std::uint64_t seed = 2; seed < 5; ++seed) {
+    x_ += simulate(task_.simulator(), data_.theta, 1, seed);
+  }
+  x_ /= 4.0f;
+  source_.emplace(x_);
+  EXPECT_GE(powers().posterior + powers().likelihood, 1.3);
+}
+
 TEST_F(PoolPowersOf, NetworksThatPredictNothingHaveNone) {
   parts_->likelihood->parameters *= -1.0f;
   EXPECT_LE(powers().likelihood, 0.1);

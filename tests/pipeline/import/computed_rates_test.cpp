@@ -73,15 +73,46 @@ TEST(ComputedRates, TellWhereThePositionBendsTooMuch) {
   ASSERT_EQ(result.notes.size(), 2u);
   EXPECT_GT(std::abs(result.rates(0)), 3.0) << "it stood still";
   EXPECT_TRUE(says(result.notes[1],
-                   {"warning: a.csv: angle_dot may be off by", "rad/s at 0 s",
-                    "angle bends too much for 11 samples", "--differentiate=7", "--at-rest"}));
+                   {"warning: a.csv:2: angle_dot may be off by", "rad/s: angle bends too much",
+                    "for 11 samples", "--differentiate=7", "--at-rest"}));
   EXPECT_EQ(computed(rounded(switched_on(), kCount), 11).notes.size(), 2u) << "by an encoder";
   EXPECT_EQ(computed(switched_on(), 7).notes.size(), 1u) << "what it advises ends it";
   const Computed later = computed(with_noise(bounced(), 1e-5, 1), 11);
   ASSERT_EQ(later.notes.size(), 2u);
-  EXPECT_TRUE(says(later.notes[1], {"warning: a.csv: angle_dot may be off by", "rad/s at 0."}));
+  EXPECT_TRUE(says(later.notes[1], {"warning: a.csv:10", "angle_dot may be off by"}));
   EXPECT_EQ(later.notes[1].find("--at-rest"), std::string::npos);
   EXPECT_EQ(computed(switched_on(), 5).notes.size(), 1u) << "there is no shorter one";
+}
+
+TEST(ComputedRates, TellWhichSampleIsWrongOrRepeated) {
+  const Vector position = smooth_motion(500, kDt, 1).position;
+  for (const double wrong : {position(300) + 0.05, position(299)}) {
+    Vector recorded = position;
+    recorded(300) = wrong;
+    const Computed result = computed(recorded, 11);
+    ASSERT_EQ(result.notes.size(), 2u);
+    EXPECT_TRUE(says(result.notes[1], {"warning: a.csv:30", "a sample is wrong, missing or "}));
+  }
+}
+
+// Five counts a sample, without any other step.
+TEST(ComputedRates, TellWhatBouncesOffAnEncodersCounts) {
+  Vector position(250);
+  for (Index t = 0; t < position.size(); ++t) {
+    position(t) = 5.0 * kCount * std::abs(static_cast<double>(t - 100));
+  }
+  EXPECT_EQ(computed(position, 11).notes.size(), 2u);
+}
+
+TEST(ComputedRates, NameTheFileThatBends) {
+  Target target = recording_of(smooth_motion(250, kDt, 1).position);
+  target.rollouts.push_back(recording_of(switched_on()).rollouts[0]);
+  const std::vector<std::string> notes =
+      compute_rates(target, {{0, 1}}, {"a.csv", "b.csv"}, RateOptions{});
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_TRUE(says(notes[1], {"warning: b.csv:2: angle_dot"}));
+  EXPECT_EQ(compute_rates(target, {{0, 1}}, {"a.csv", "b.csv"}, {.at_rest = true}).size(), 2u)
+      << "the samples after the first are off as well";
 }
 
 // False alarms: differences of white noise reach 1.2 sigma / dt in one deviation, so those of a
@@ -101,7 +132,10 @@ TEST(ComputedRates, SayNothingOfNoiseAndCounts) {
 TEST(ComputedRates, SayNothingOfCountsAtASteadySpeed) {
   for (const double speed : {0.9, 0.97, 1.03, 2.95, 5.02}) {  // counts a sample
     const Vector position = Vector::LinSpaced(500, 0.0, 499.0 * speed * kCount);
-    EXPECT_EQ(computed(rounded(position, kCount), 11).notes.size(), 1u) << speed;
+    for (const double from : {0.0, 4.5e6}) {  // rounding of large numbers is no count
+      const Vector recorded = (rounded(position, kCount).array() + from).matrix();
+      EXPECT_EQ(computed(recorded, 11).notes.size(), 1u) << speed << " from " << from;
+    }
   }
 }
 

@@ -46,7 +46,7 @@ TEST(ArtefactStatus, OfAJobThatFailedNamesItsLog) {
   std::ofstream(log) << "npdr-infer: no memory\n";
   const ArtefactStatus status = status_of(plan, node);
   EXPECT_EQ(status.state, ArtefactState::missing);
-  EXPECT_EQ(status.detail, "what was said of it: " + log.string());
+  EXPECT_EQ(status.detail, "what its jobs have said: " + log.string());
   EXPECT_EQ(reasons(plan, node), (std::vector<std::string>{"it was never made", status.detail}));
 }
 
