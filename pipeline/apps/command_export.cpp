@@ -9,7 +9,9 @@
 #include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/report/chain_files.h"
+#include "pipeline/report/inference_chains.h"
 #include "pipeline/report/inference_data.h"
 
 namespace npdr::pipeline {
@@ -23,9 +25,13 @@ struct ExportArguments {
   std::string format = name_of(ExportFormat::netcdf);
 };
 
-std::vector<std::string> export_study(const ExportArguments& arguments, bool has_predictions) {
-  const Plan plan = arguments.study.plan_here("npdr export");
+std::vector<std::string> write_files(const Plan& plan, const ExportArguments& arguments,
+                                     bool has_predictions) {
   const auto format = parse_enum<ExportFormat>("format", arguments.format);
+  if (format == ExportFormat::netcdf && arguments.output.ends_with(".csv")) {
+    throw InputError(arguments.output +
+                     ": would hold NetCDF; call it .nc, or add --format cmdstan for CSV files");
+  }
   if (format != ExportFormat::netcdf) {
     if (!has_predictions) return write_chain_files(plan, arguments.output, format);
     throw InputError("--predictions: only the format netcdf holds rollouts; leave it out");
@@ -33,6 +39,13 @@ std::vector<std::string> export_study(const ExportArguments& arguments, bool has
   require_new_file(arguments.output, arguments.force);
   write_inference_data(plan, arguments.output, arguments.num_predictions);
   return {arguments.output};
+}
+
+void export_study(const ExportArguments& arguments, bool has_predictions) {
+  const Plan plan = arguments.study.plan_here("npdr export");
+  const std::vector<std::string> files = write_files(plan, arguments, has_predictions);
+  warn_of_failed_checks(plan, find_chains(plan).method);
+  print_line("wrote {}", join(files));
 }
 
 }  // namespace
@@ -67,8 +80,7 @@ void add_export_command(CLI::App& app, int& result) {
       "Seeds are chains. What stands in the file: docs/python.md.");
   command->callback([&result, arguments, predictions] {
     result = guarded_main("npdr export", [&] {
-      const auto files = export_study(*arguments, predictions->count() > 0);
-      print_line("wrote {}", join(files));
+      export_study(*arguments, predictions->count() > 0);
       return ExitStatus::done;
     });
   });

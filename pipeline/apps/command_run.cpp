@@ -16,6 +16,7 @@
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/child_process.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/process/shell_text.h"
 #include "pipeline/process/terminal_columns.h"
 #include "pipeline/run/artefact_status.h"
@@ -64,6 +65,18 @@ bool print_results(const Plan& plan) {
   return print_verdicts(plan, VerdictDetail::reasons);
 }
 
+// Both make all of it, with the same bits.
+void warn_of_another_run(const Plan& plan) {
+  const std::vector<int> processes = processes_at_work(plan);
+  const auto found = std::ranges::find_if(processes, [](int process) { return process != 0; });
+  if (found == processes.end()) return;
+  const Node& node = plan.nodes[static_cast<std::size_t>(found - processes.begin())];
+  report_error("npdr run",
+               fmt::format("warning: process {} makes {} already, and this run does that work once "
+                           "more: stop one of both",
+                           *found, node.label()));
+}
+
 // What --only and --seeds left out, the report lacks.
 void print_selection(const StudyArguments& study) {
   std::vector<std::string> options;
@@ -102,6 +115,7 @@ ExitStatus run(const RunArguments& arguments) {
     return ExitStatus::done;
   }
   print_warnings("npdr run", plan);
+  warn_of_another_run(plan);
   if (missing_nodes(plan, config).empty()) {
     require_sound(plan);
     fmt::print(stderr, "{}: nothing to do, all is up to date\n", plan.study.name);

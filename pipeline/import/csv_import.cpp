@@ -54,6 +54,18 @@ void require_alike(const CsvRows& rows, const CsvRows& first) {
       rows.name, first.name));
 }
 
+std::string nothing_to_compute(const CsvRows& rows) {
+  if (!rate_pairs(rows.states).empty()) {
+    return ": has a column for every rate, so --differentiate has nothing to compute; leave it "
+           "out, or rename the columns of rates to replace";
+  }
+  const Channel& first = rows.states.front();
+  return fmt::format(
+      ": --differentiate has nothing to compute, since no rate is among the states: name those to "
+      "compute, too, such as '{}_dot [{}]' of '{}'",
+      first.label, rate_unit(first.unit), first.label);
+}
+
 std::vector<CsvRows> read_files(const std::vector<std::filesystem::path>& paths,
                                 const CsvOptions& options) {
   std::vector<CsvRows> files;
@@ -62,9 +74,7 @@ std::vector<CsvRows> read_files(const std::vector<std::filesystem::path>& paths,
     require_alike(files.back(), files.front());
   }
   if (options.differentiate && files.front().lacking.empty()) {
-    throw InputError(files.front().name +
-                     ": has a column for every rate, so --differentiate has nothing to compute; "
-                     "leave it out, or rename the columns of rates to replace");
+    throw InputError(files.front().name + nothing_to_compute(files.front()));
   }
   return files;
 }
@@ -115,6 +125,18 @@ std::string note_of_resampling(const std::vector<CsvRows>& files, double dt) {
   }
   return fmt::format("resampled to {} s: steps were {:.4g} to {:.4g} s", dt, all.shortest,
                      all.longest);
+}
+
+// A grid that is much finer than the samples: lines between them count as measured, and rates are
+// taken over a part of one.
+std::vector<std::string> notes_of_grid(const std::vector<CsvRows>& files, double dt) {
+  constexpr double least = 0.5;
+  const double usual = steps_of(files.front().times).median;
+  if (dt >= least * usual) return {};
+  return {
+      fmt::format("warning: --resample {} is finer than the samples, {:.4g} s apart: straight "
+                  "lines between them count as measured; give {:.3g} or more",
+                  dt, usual, usual)};
 }
 
 // Lines over gaps count as measured.
@@ -282,6 +304,7 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   require_no_copies(target, paths);
   if (options.resample) {
     result.notes.push_back(note_of_resampling(files, *options.resample));
+    append(notes_of_grid(files, *options.resample), result.notes);
     append(notes_of_gaps(files, *options.resample), result.notes);
   }
   if (options.differentiate) {

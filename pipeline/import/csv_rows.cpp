@@ -111,10 +111,19 @@ class ColumnFinder {
 
   Column state(const Channel& channel) const {
     const Channel* position = has(channel.label) ? nullptr : position_of(channel);
-    if (position == nullptr) return column(channel);
+    if (position == nullptr) {
+      if (options_.differentiate && !has(channel.label)) refuse_to_compute(channel);
+      return column(channel);
+    }
     if (options_.differentiate) return {{}, 1.0, {channel.label, unit_of_slope(*position)}};
     throw InputError(fmt::format("{}; --differentiate computes it of '{}'", lack_of(channel.label),
                                  position->label));
+  }
+
+  [[noreturn]] void refuse_to_compute(const Channel& rate) const {
+    throw InputError(lack_of(rate.label) +
+                     "; --differentiate computes X_dot of a column X among the states, per second: "
+                     "of 'x [m]' the rate 'x_dot [m/s]'");
   }
 
   std::string unit_of_slope(const Channel& position) const {

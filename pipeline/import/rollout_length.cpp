@@ -15,9 +15,9 @@ void require_equal_lengths(const Target& target, const std::vector<std::string>&
     const Index num_steps = target.rollouts[h].num_steps();
     if (num_steps == target.num_steps()) continue;
     throw InputError(fmt::format(
-        "{}: has {} rows, the first file has {}; to cut them into pieces, add --length shortest or "
-        "--length STEPS",
-        files[h], num_steps + 1, target.num_steps() + 1));
+        "{}: has {} rows {:.6g} s apart, the first file has {}; to cut them to one length, add "
+        "--length shortest, or --length STEPS for pieces",
+        files[h], num_steps + 1, target.dt, target.num_steps() + 1));
   }
 }
 

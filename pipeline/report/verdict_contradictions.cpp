@@ -11,10 +11,6 @@
 namespace npdr::pipeline {
 namespace {
 
-const std::string& name_of_parameter(const ReportData& data, Index d) {
-  return data.plan.study.prior[static_cast<std::size_t>(d)].name;
-}
-
 // In an outer loop each seed and method has an observation of its own.
 bool has_outer_loop(const ReportData& data, const std::string& method) {
   const Study& study = data.plan.study;

@@ -12,6 +12,10 @@ Verdict too_few_samples(Check check, Index count) {
                       inference::kFewestForBounds)};
 }
 
+const std::string& name_of_parameter(const ReportData& data, Index d) {
+  return data.plan.study.prior[static_cast<std::size_t>(d)].name;
+}
+
 std::string advice_to_learn(const ReportData& data, const std::string& method) {
   using enum inference::EmbeddingKind;
   const inference::EmbeddingKind kind = data.plan.study.method(method).embedding.kind;

@@ -13,8 +13,16 @@ using Runs = std::vector<const EvaluatedRun*>;
 
 Verdict too_few_samples(Check check, Index count);
 
+/// Name of parameter d of the prior.
+const std::string& name_of_parameter(const ReportData& data, Index d);
+
 /// What would let a method learn more of its observation.
 std::string advice_to_learn(const ReportData& data, const std::string& method);
+
+/// The two parameters whose samples, where the prior is standard normal, correlate most, from 0.95
+/// on, and which are less than 0.95 contracted (contraction.h) by themselves: the observation tells
+/// their combination. Empty where there are none.
+std::string words_of_ridge(const ReportData& data, const std::string& method);
 
 /// That seeds are far apart, about which parameters: most of them are wrong, each as sure as if it
 /// were right. Empty where they aren't.

@@ -130,9 +130,10 @@ Verdict judge_contraction(const ReportData& data, const std::string& method) {
   }
   std::vector<std::string> but;
   if (!unchanged.empty()) but.push_back(fmt::format("says little of {}", join(unchanged)));
-  for (const std::string& contradiction :
-       {contradiction_of_seeds(data, method), contradiction_of_methods(data, method)}) {
-    if (!contradiction.empty()) but.push_back(contradiction);
+  for (const std::string& words :
+       {words_of_ridge(data, method), contradiction_of_seeds(data, method),
+        contradiction_of_methods(data, method)}) {
+    if (!words.empty()) but.push_back(words);
   }
   return {Check::contraction, Judgment::passes, fmt::format("passes, up to {:.3g}", largest),
           join(but, "; ")};

@@ -37,12 +37,18 @@ std::string without_numbers(const std::string& text) {
 
 std::string how_it_ended(int status) {
   if (status <= 128) return fmt::format("exit status {}", status);
-  const char* const what_now =
-      status - 128 == SIGKILL
-          ? ", often for want of memory; run it again to go on, if that happens again with a "
-            "smaller --jobs"
-          : "";
-  return fmt::format("killed by signal {}{}", status - 128, what_now);
+  const int signal = status - 128;
+  std::string what_now;
+  if (signal == SIGKILL) {
+    what_now =
+        ", often for want of memory; run it again to go on, if that happens again with a smaller "
+        "--jobs";
+  } else if (signal == SIGSEGV || signal == SIGBUS || signal == SIGFPE || signal == SIGILL) {
+    what_now =
+        ", it crashed, as the code of a simulator.library may; crashes of a simulator.worker cost "
+        "their rows alone";
+  }
+  return fmt::format("killed by signal {}{}", signal, what_now);
 }
 
 }  // namespace

@@ -80,9 +80,9 @@ TEST_F(CsvImport, FilesMustBeAlike) {
         },
         &folder_);
   };
-  EXPECT_TRUE(says(
-      second(replaced(kCsv, "0.2,0.3,3,7\n", ""), pendulum_options()),
-      {"b.csv: has 2 rows, the first file has 3", "cut them into pieces", "--length shortest"}));
+  EXPECT_TRUE(says(second(replaced(kCsv, "0.2,0.3,3,7\n", ""), pendulum_options()),
+                   {"b.csv: has 2 rows", "the first file has 3", "cut them to one length",
+                    "--length shortest"}));
   EXPECT_TRUE(
       says(second("t [s],theta [rad],theta_dot [rad/s],torque [N m]\n0,1,1,1\n1,1,1,1\n2,1,1,1\n",
                   pendulum_options()),
@@ -274,6 +274,15 @@ TEST_F(CsvImport, ComputesOnlyWhatItCan) {
   options.differentiate = 5;
   EXPECT_TRUE(says(problem(kCsv, options),
                    {"a.csv: has a column for every rate", "--differentiate", "leave it out"}));
+  CsvOptions without_rate = options;
+  without_rate.channels.states = {{"theta", "rad"}};
+  EXPECT_TRUE(says(problem(encoder_csv(20), without_rate),
+                   {"a.csv: --differentiate has nothing to compute", "no rate is among the states",
+                    "'theta_dot [rad/s]' of 'theta'"}));
+  CsvOptions other_unit = options;
+  other_unit.channels.states = {{"theta", "rad"}, {"theta_dot", "deg/s"}};
+  EXPECT_TRUE(says(problem(encoder_csv(20), other_unit),
+                   {"a.csv:1: has no column 'theta_dot'", "--differentiate computes X_dot"}));
   EXPECT_TRUE(says(problem(encoder_csv(4), options),
                    {"a.csv: has 4 states", "must have 5 or more", "--differentiate=5"}));
   EXPECT_TRUE(says(problem(replaced(encoder_csv(9), "theta [rad]", "alpha [rad]"), options),
@@ -304,6 +313,10 @@ TEST_F(CsvImport, ResamplesClocksThatJitter) {
   EXPECT_LT((target.rollouts[0].states - imported(kCsv).rollouts[0].states).norm(), 1e-12);
   EXPECT_EQ(target.rollouts[0].actions, (RowMatrix{{5}, {6}}));
   EXPECT_TRUE(says(notes(text, options).at(0), {"resampled to 0.1 s", "0.08 to 0.12 s"}));
+  CsvOptions fine = options;
+  fine.resample = 0.01;
+  EXPECT_TRUE(says(notes(text, fine).at(1),
+                   {"warning: --resample 0.01 is finer than the samples", "give 0.1", "or more"}));
 }
 
 TEST_F(CsvImport, ResamplesOnlyWhatHasTimes) {

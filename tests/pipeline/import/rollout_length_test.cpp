@@ -42,7 +42,7 @@ TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
 TEST(RolloutLength, MayDifferOnlyWithAnOption) {
   Target target = target_of({5, 3});
   EXPECT_TRUE(says(message_of<InputError>([&] { cut_rollouts(target, {}, kFiles); }),
-                   {"b.csv: has 4 rows, the first file has 6", "cut them into pieces",
+                   {"b.csv: has 4 rows", "the first file has 6", "cut them to one length",
                     "--length shortest or --length STEPS"}));
   EXPECT_TRUE(says(message_of<InputError>([&] { cut_rollouts(target, 4, kFiles); }),
                    {"--length 4: b.csv has 3 steps", "must have at least as many"}));

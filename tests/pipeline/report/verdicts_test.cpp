@@ -70,6 +70,21 @@ TEST_F(Verdicts, DensityThatHasLeakedIsHeldBackByTheCombinedLoss) {
   EXPECT_FALSE(names_remedy()) << "the analytic loss";
 }
 
+// A correlation of 400 samples that don't depend on each other has a standard error of 0.05.
+TEST_F(Verdicts, ACombinationThatAloneIsKnownIsSaid) {
+  RowMatrix theta = samples_around(1.0, 0.2);
+  add_run(theta, 0.02);
+  EXPECT_EQ(verdict_of(Check::contraction).reason, "");
+  theta.col(1) = 2.0 - theta.col(0).array() + 0.2 * (theta.col(1).array() - 1.0);
+  add_run(theta, 0.02);
+  const Verdict found = verdict_of(Check::contraction);
+  EXPECT_EQ(found.judgment, Judgment::passes);
+  EXPECT_TRUE(says(found.reason, {"knows little but a combination of pole_mass and pole_length",
+                                  "correlation -0.98", "record motion"}));
+  add_run((1.0 + 0.1 * (theta.array() - 1.0)).matrix(), 0.02);
+  EXPECT_EQ(verdict_of(Check::contraction).reason, "") << "each is known by itself";
+}
+
 TEST_F(Verdicts, SeedsAtOppositeEndsOfThePriorAreBothSaid) {
   add_run(samples_around(1.75, 0.02), 0.02);
   data_.runs.push_back(data_.runs.front());

@@ -1,0 +1,74 @@
+// Words for parameters of which an observation tells little but a combination.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "pipeline/report/contraction.h"
+#include "pipeline/report/table_parts.h"
+#include "pipeline/report/verdict_parts.h"
+
+namespace npdr::pipeline {
+namespace {
+
+struct Ridge {
+  Index first = 0, second = 0;
+  double correlation = 0.0;
+};
+
+// In coordinates of which the prior is standard normal.
+Vector standardized(const ReportData& data, const EvaluatedRun& run, Index d) {
+  const inference::Prior prior({data.plan.study.prior[static_cast<std::size_t>(d)]});
+  const Vector u = prior.to_normal(run.evaluation.theta.col(d)).col(0);
+  return u.array() - u.mean();
+}
+
+// The mean over seeds.
+double correlation(const ReportData& data, const Runs& runs, Index i, Index j) {
+  return each(runs,
+              [&](const EvaluatedRun* run) {
+                const Vector u = standardized(data, *run, i), v = standardized(data, *run, j);
+                const double scale = u.norm() * v.norm();
+                return scale > 0.0 ? u.dot(v) / scale : 0.0;
+              })
+      .mean();
+}
+
+// Well below one, how broad the parameter is by itself matters to whoever uses it.
+bool is_broad(const ReportData& data, const std::string& method, Index d) {
+  constexpr double most = 0.95;
+  if (!data.is_inferred(method, d) || data.period_of(d) > 0.0) return false;
+  const double prior_std = prior_deviation(data, d);
+  return each(data.runs_of(method), [&](const EvaluatedRun* run) {
+           return contraction(data, *run, d, prior_std);
+         }).mean() < most;
+}
+
+Ridge sharpest_ridge(const ReportData& data, const std::string& method) {
+  std::vector<Index> broad;
+  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
+    if (is_broad(data, method, d)) broad.push_back(d);
+  }
+  Ridge sharpest;
+  for (std::size_t i = 0; i < broad.size(); ++i) {
+    for (std::size_t j = i + 1; j < broad.size(); ++j) {
+      const double found = correlation(data, data.runs_of(method), broad[i], broad[j]);
+      if (std::abs(found) > std::abs(sharpest.correlation)) sharpest = {broad[i], broad[j], found};
+    }
+  }
+  return sharpest;
+}
+
+}  // namespace
+
+std::string words_of_ridge(const ReportData& data, const std::string& method) {
+  constexpr double least = 0.95;
+  const Ridge ridge = sharpest_ridge(data, method);
+  if (!(std::abs(ridge.correlation) >= least)) return "";
+  return fmt::format(
+      "knows little but a combination of {} and {} (correlation {:.2f}): measure one of them, "
+      "or record motion that tells them apart",
+      name_of_parameter(data, ridge.first), name_of_parameter(data, ridge.second),
+      ridge.correlation);
+}
+
+}  // namespace npdr::pipeline
