@@ -79,7 +79,7 @@ std::string advice(const ReportData& data, const MethodConfig& method) {
   if (trusts_first_states(data, method)) {
     ways.emplace_back(
         fmt::format("refine.infer_first_states = true{} where the first states are as "
-                    "noisy as the others",
+                    "noisy as the others (a device that began at rest has none of it)",
                     is_heavy_tailed(noise) ? ", without degrees of freedom," : ""));
   }
   if (moves && !is_correlated) {
@@ -92,7 +92,8 @@ std::string advice(const ReportData& data, const MethodConfig& method) {
             ? "refine.cross_validate = true where the simulator isn't quite right"
             : "refine.likelihood_power below 1 where the simulator isn't quite right");
   }
-  ways.emplace_back("a simulator that has what is missing");
+  ways.emplace_back(moves ? "a simulator that has what is missing, such as a delay or dry friction"
+                          : "a simulator that has what is missing");
   return join(ways, ", ");
 }
 
