@@ -58,23 +58,15 @@ Vector differences_of(const Vector& values) {
   return values.tail(values.size() - 1) - values.head(values.size() - 1);
 }
 
-// The smallest magnitude above `dust`; infinity: there is none.
-double smallest_above(const Vector& values, double dust) {
-  double smallest = HUGE_VAL;
-  for (const double value : values.cwiseAbs()) {
-    if (value > dust) smallest = std::min(smallest, value);
-  }
-  return smallest;
-}
-
-// An encoder's count: the smallest first or third difference, since a moving one may never step by
-// one. A fraction of the noise where there are no counts; 0: it stands still.
+// An encoder's count: the smallest third difference, since a moving one may never step by one. A
+// fraction of the noise where there are no counts; 0: all are rounding.
 double count_of(const Vector& position) {
   const double rounding =
       8.0 * std::numeric_limits<double>::epsilon() * position.cwiseAbs().maxCoeff();
-  const Vector first = differences_of(position);
-  const double count = std::min(smallest_above(first, rounding),
-                                smallest_above(differences_of(differences_of(first)), rounding));
+  double count = HUGE_VAL;
+  for (const double third : differences_of(differences_of(differences_of(position)))) {
+    if (std::abs(third) > rounding) count = std::min(count, std::abs(third));
+  }
   return std::isfinite(count) ? count : 0.0;
 }
 

@@ -16,7 +16,7 @@ void require_equal_lengths(const Target& target, const std::vector<std::string>&
     if (num_steps == target.num_steps()) continue;
     throw InputError(fmt::format(
         "{}: has {} rows {:.6g} s apart, the first file has {}; to cut them to one length, add "
-        "--length shortest, or --length STEPS for pieces",
+        "--length shortest or --length STEPS",
         files[h], num_steps + 1, target.dt, target.num_steps() + 1));
   }
 }

@@ -43,8 +43,9 @@ TEST_F(OwnSimulators, ALibraryFindsTheTruth) {
   const fs::path simulated = runs("spring-library") / "npe/seed-1/round-1/simulate.h5";
   const Outcome refused = npdr({"verify", simulated.string()});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_TRUE(
-      says(refused.err, {"npdr verify: ", "the library \"spring.so\"", "add --run-command"}));
+  EXPECT_TRUE(says(refused.err,
+                   {"npdr verify: ", "the library \"" + (folder_ / "spring.so").string() + "\"",
+                    "add --run-command"}));
   const Outcome verified = npdr({"verify", simulated.string(), "--run-command"});
   EXPECT_EQ(verified.status, 0) << verified.err;
   const Outcome again =

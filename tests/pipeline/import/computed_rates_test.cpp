@@ -79,29 +79,25 @@ TEST(ComputedRates, TellWhereThePositionBendsTooMuch) {
   EXPECT_EQ(computed(switched_on(), 7).notes.size(), 1u) << "what it advises ends it";
   const Computed later = computed(with_noise(bounced(), 1e-5, 1), 11);
   ASSERT_EQ(later.notes.size(), 2u);
-  EXPECT_TRUE(says(later.notes[1], {"warning: a.csv:10", "angle_dot may be off by"}));
+  EXPECT_TRUE(says(later.notes[1], {"warning: a.csv:101", "angle_dot may be off by"}));
   EXPECT_EQ(later.notes[1].find("--at-rest"), std::string::npos);
   EXPECT_EQ(computed(switched_on(), 5).notes.size(), 1u) << "there is no shorter one";
 }
 
 TEST(ComputedRates, TellWhichSampleIsWrongOrRepeated) {
-  const Vector position = smooth_motion(500, kDt, 1).position;
-  for (const double wrong : {position(300) + 0.05, position(299)}) {
-    Vector recorded = position;
-    recorded(300) = wrong;
+  const Motion motion = smooth_motion(500, kDt, 1);
+  Index fast = 0;
+  motion.rate.segment(50, 400).cwiseAbs().maxCoeff(&fast);
+  const Index t = fast + 50;
+  for (const double wrong : {motion.position(t) + 0.05, motion.position(t - 1)}) {
+    Vector recorded = motion.position;
+    recorded(t) = wrong;
     const Computed result = computed(recorded, 11);
     ASSERT_EQ(result.notes.size(), 2u);
-    EXPECT_TRUE(says(result.notes[1], {"warning: a.csv:30", "a sample is wrong, missing or "}));
+    const std::string place = "warning: a.csv:";
+    ASSERT_TRUE(says(result.notes[1], {place, "a sample is wrong, missing or repeated"}));
+    EXPECT_NEAR(std::stoi(result.notes[1].substr(place.size())), static_cast<int>(t) + 2, 1);
   }
-}
-
-// Five counts a sample, without any other step.
-TEST(ComputedRates, TellWhatBouncesOffAnEncodersCounts) {
-  Vector position(250);
-  for (Index t = 0; t < position.size(); ++t) {
-    position(t) = 5.0 * kCount * std::abs(static_cast<double>(t - 100));
-  }
-  EXPECT_EQ(computed(position, 11).notes.size(), 2u);
 }
 
 TEST(ComputedRates, NameTheFileThatBends) {

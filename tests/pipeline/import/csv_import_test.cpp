@@ -316,7 +316,7 @@ TEST_F(CsvImport, ResamplesClocksThatJitter) {
   CsvOptions fine = options;
   fine.resample = 0.01;
   EXPECT_TRUE(says(notes(text, fine).at(1),
-                   {"warning: --resample 0.01 is finer than the samples", "give 0.1", "or more"}));
+                   {"warning: --resample 0.01 is finer than the samples", "give 0.12", "or more"}));
 }
 
 TEST_F(CsvImport, ResamplesOnlyWhatHasTimes) {
