@@ -43,9 +43,9 @@ std::vector<std::string> write_files(const Plan& plan, const ExportArguments& ar
 
 void export_study(const ExportArguments& arguments, bool has_predictions) {
   const Plan plan = arguments.study.plan_here("npdr export");
-  const std::vector<std::string> files = write_files(plan, arguments, has_predictions);
-  warn_of_failed_checks(plan, find_chains(plan).method);
-  print_line("wrote {}", join(files));
+  const std::string method = find_chains(plan).method;
+  print_line("wrote {}", join(write_files(plan, arguments, has_predictions)));
+  warn_of_failed_checks(plan, method);
 }
 
 }  // namespace

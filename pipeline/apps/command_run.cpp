@@ -66,15 +66,17 @@ bool print_results(const Plan& plan) {
 }
 
 // Both make all of it, with the same bits.
-void warn_of_another_run(const Plan& plan) {
+void warn_of_another_run(const Plan& plan, const std::vector<const Node*>& missing) {
   const std::vector<int> processes = processes_at_work(plan);
-  const auto found = std::ranges::find_if(processes, [](int process) { return process != 0; });
-  if (found == processes.end()) return;
-  const Node& node = plan.nodes[static_cast<std::size_t>(found - processes.begin())];
-  report_error("npdr run",
-               fmt::format("warning: process {} makes {} already, and this run does that work once "
-                           "more: stop one of both",
-                           *found, node.label()));
+  for (const Node* node : missing) {
+    const int process = processes[static_cast<std::size_t>(node - plan.nodes.data())];
+    if (process == 0) continue;
+    report_error("npdr run",
+                 fmt::format("warning: process {} makes {} already, and this run does that work "
+                             "once more: stop one of both",
+                             process, node->label()));
+    return;
+  }
 }
 
 // What --only and --seeds left out, the report lacks.
@@ -115,8 +117,9 @@ ExitStatus run(const RunArguments& arguments) {
     return ExitStatus::done;
   }
   print_warnings("npdr run", plan);
-  warn_of_another_run(plan);
-  if (missing_nodes(plan, config).empty()) {
+  const std::vector<const Node*> missing = missing_nodes(plan, config);
+  warn_of_another_run(plan, missing);
+  if (missing.empty()) {
     require_sound(plan);
     fmt::print(stderr, "{}: nothing to do, all is up to date\n", plan.study.name);
   }

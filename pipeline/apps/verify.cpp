@@ -74,6 +74,14 @@ void require_trust(const std::filesystem::path& path, const Study& study,
                    ", as whoever made the file says; add --run-command if you trust them");
 }
 
+// Where the study's folder has been moved, `file` may lie in the current one.
+void find_moved(std::optional<std::string>& file) {
+  std::error_code error;
+  if (!file || std::filesystem::exists(*file, error)) return;
+  const std::filesystem::path name = std::filesystem::path(*file).filename();
+  if (std::filesystem::exists(name, error)) file = name.string();
+}
+
 // The study as far as its source needs it.
 Study study_of(const std::filesystem::path& path, const ArtefactInfo& info,
                const VerifyOptions& options) {
@@ -84,6 +92,8 @@ Study study_of(const std::filesystem::path& path, const ArtefactInfo& info,
   study.simulator = table.built_in;
   study.external = table.external;
   study.prior = prior_from_json(json.at("prior"), path.string());
+  find_moved(study.external.library);
+  find_moved(study.external.mjcf);
   require_trust(path, study, options);
   return study;
 }

@@ -58,22 +58,40 @@ Vector differences_of(const Vector& values) {
   return values.tail(values.size() - 1) - values.head(values.size() - 1);
 }
 
-// An encoder's count: the smallest third difference, since a moving one may never step by one. A
-// fraction of the noise where there are no counts; 0: all are rounding.
-double count_of(const Vector& position) {
-  const double rounding =
-      8.0 * std::numeric_limits<double>::epsilon() * position.cwiseAbs().maxCoeff();
-  double count = HUGE_VAL;
-  for (const double third : differences_of(differences_of(differences_of(position)))) {
-    if (std::abs(third) > rounding) count = std::min(count, std::abs(third));
+// Differences that arithmetic leaves.
+double rounding_of(const Vector& position) {
+  return 8.0 * std::numeric_limits<double>::epsilon() * position.cwiseAbs().maxCoeff();
+}
+
+// Third differences below it are those of printed numbers, or of a smooth motion.
+double dust_of(const Vector& position) {
+  constexpr double share = 1e-3;
+  std::vector<double> steps;
+  for (const double step : differences_of(position)) {
+    if (std::abs(step) > rounding_of(position)) steps.push_back(std::abs(step));
   }
-  return std::isfinite(count) ? count : 0.0;
+  if (steps.empty()) return HUGE_VAL;
+  const auto middle = steps.begin() + std::ssize(steps) / 2;
+  std::ranges::nth_element(steps, middle);
+  return std::max(rounding_of(position), share * *middle);
+}
+
+// An encoder's count: the smallest third difference, since a moving one may never step by one. A
+// fraction of the noise where there are no counts; 0: there are too few, as of a motion without
+// noise that bends once.
+double count_of(const Vector& position) {
+  constexpr Index fewest = 8;  // two skipped counts have as many
+  const double dust = dust_of(position);
+  const Vector third = differences_of(differences_of(differences_of(position))).cwiseAbs();
+  if ((third.array() > dust).count() < fewest) return 0.0;
+  return (third.array() > dust).select(third.array(), HUGE_VAL).minCoeff();
 }
 
 // sigma of positions, which may scatter more before or after t than elsewhere.
 double noise_near(const Vector& position, Index t) {
   const Index count = std::min(kNear, position.size()), last = position.size() - count;
-  double sigma = std::max(analysis::scatter(position), count_of(position) / std::sqrt(12.0));
+  double sigma = std::max(
+      {analysis::scatter(position), count_of(position) / std::sqrt(12.0), rounding_of(position)});
   for (const Index before : {Index{0}, count / 2, count - 1}) {
     const Index first = std::clamp<Index>(t - before, 0, last);
     sigma = std::max(sigma, analysis::scatter(position.segment(first, count)));
@@ -110,8 +128,9 @@ std::string warning_of(const Target& target, const RatePair& pair, const Bend& b
   const std::string unit = target.state_channels[static_cast<std::size_t>(pair.rate)].unit;
   return fmt::format(
       "warning: {}:{}: {} may be off by {:.3g}{}: {} bends too much there for {} samples (give a "
-      "shorter window, which is noisier, --differentiate={}{}), or a sample is wrong, missing or "
-      "repeated (put it right); or leave these rows out",
+      "shorter window, which is noisier, --differentiate={}{}), or a sample near it is wrong, "
+      "missing "
+      "or repeated (put it right); or leave these rows out",
       file, bend.row + 2, label_of(target, pair.rate), bend.difference,
       unit.empty() ? "" : " " + unit, label_of(target, pair.position), window,
       std::max(kShortest, (window + 1) / 4 * 2 + 1),

@@ -19,13 +19,13 @@ struct RateOptions {
 /// (sim/savitzky_golay.h). Returns a sentence for each pair, and a warning with file and line where
 /// slopes over 5 samples differ from these by more than 5 % of the largest rate and by more than
 ///   7 sigma / dt:
-/// the motion bends too much for the window, or a sample is wrong, missing or repeated. sigma is
-/// the largest of the scatter (analysis/scatter.h) of all positions, that of 41 before, around and
-/// after the place, and an encoder's count / sqrt(12). White noise gives the difference a standard
-/// deviation of at most 1.2 sigma / dt, at the ends. Numbers without noise whose speed changes by
-/// jumps alone look like counts, and aren't told; positions that were resampled aren't looked at.
-/// `files`: a name for each rollout. Throws InputError for a window that is none, or longer than a
-/// rollout.
+/// the motion bends too much for the window, or a sample near is wrong, missing or repeated. sigma
+/// is the largest of the scatter (analysis/scatter.h) of all positions, that of 41 before, around
+/// and after the place, and an encoder's count / sqrt(12). White noise gives the difference a
+/// standard deviation of at most 1.2 sigma / dt, at the ends. Numbers without noise whose speed
+/// jumps time and again look like counts, and aren't told; positions that were resampled aren't
+/// looked at. `files`: a name for each rollout. Throws InputError for a window that is none, or
+/// longer than a rollout.
 std::vector<std::string> compute_rates(Target& target, const std::vector<RatePair>& pairs,
                                        const std::vector<std::string>& files,
                                        const RateOptions& options);

@@ -61,8 +61,8 @@ std::string nothing_to_compute(const CsvRows& rows) {
   }
   const Channel& first = rows.states.front();
   return fmt::format(
-      ": --differentiate has nothing to compute, since no rate is among the states: name those to "
-      "compute, too, such as '{}_dot [{}]' of '{}'",
+      ": --differentiate has nothing to compute, since no state is called X_dot after another one, "
+      "X: name those to compute, too, such as '{}_dot [{}]' of '{}'",
       first.label, rate_unit(first.unit), first.label);
 }
 
@@ -131,7 +131,8 @@ std::string note_of_resampling(const std::vector<CsvRows>& files, double dt) {
 // taken over a part of one.
 std::vector<std::string> notes_of_grid(const std::vector<CsvRows>& files, double dt) {
   constexpr double least = 0.5;
-  const double usual = steps_of(files.front().times).median;
+  double usual = 0.0;  // of the slowest file
+  for (const CsvRows& rows : files) usual = std::max(usual, steps_of(rows.times).median);
   if (dt >= least * usual) return {};
   return {
       fmt::format("warning: --resample {} is finer than the samples, {:.4g} s apart: straight "

@@ -112,7 +112,7 @@ class ColumnFinder {
   Column state(const Channel& channel) const {
     const Channel* position = has(channel.label) ? nullptr : position_of(channel);
     if (position == nullptr) {
-      if (options_.differentiate && !has(channel.label)) refuse_to_compute(channel);
+      if (options_.differentiate && !has(channel.label)) refuse_other_unit(channel);
       return column(channel);
     }
     if (options_.differentiate) return {{}, 1.0, {channel.label, unit_of_slope(*position)}};
@@ -120,10 +120,13 @@ class ColumnFinder {
                                  position->label));
   }
 
-  [[noreturn]] void refuse_to_compute(const Channel& rate) const {
-    throw InputError(lack_of(rate.label) +
-                     "; --differentiate computes X_dot of a column X among the states, per second: "
-                     "of 'x [m]' the rate 'x_dot [m/s]'");
+  void refuse_other_unit(const Channel& rate) const {
+    for (const Channel& channel : options_.channels.states) {
+      if (rate.label != channel.label + "_dot" || !has(channel.label)) continue;
+      throw InputError(fmt::format("{}; --differentiate computes it of '{}' in [{}], not in [{}]",
+                                   lack_of(rate.label), channel.label, rate_unit(channel.unit),
+                                   rate.unit));
+    }
   }
 
   std::string unit_of_slope(const Channel& position) const {

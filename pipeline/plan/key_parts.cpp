@@ -79,8 +79,9 @@ namespace {
 void make_absolute(Json& simulator) {
   for (const char* key : {"library", "mjcf"}) {
     if (!simulator.contains(key) || !simulator[key].is_string()) continue;
-    const std::filesystem::path path(simulator[key].get<std::string>());
-    simulator[key] = std::filesystem::absolute(path).lexically_normal().string();
+    std::error_code gone;  // the current folder
+    const auto path = std::filesystem::absolute(simulator[key].get<std::string>(), gone);
+    if (!gone) simulator[key] = path.lexically_normal().string();
   }
 }
 

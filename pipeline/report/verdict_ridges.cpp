@@ -65,8 +65,9 @@ std::string words_of_ridge(const ReportData& data, const std::string& method) {
   const Ridge ridge = sharpest_ridge(data, method);
   if (!(std::abs(ridge.correlation) >= least)) return "";
   return fmt::format(
-      "knows little but a combination of {} and {} (correlation {:.2f}): measure one of them, "
-      "or record motion that tells them apart",
+      "of {} and {} it knows little but a combination (correlation {:.2f}): measure one of them, "
+      "or "
+      "record motion that tells them apart",
       name_of_parameter(data, ridge.first), name_of_parameter(data, ridge.second),
       ridge.correlation);
 }

@@ -43,10 +43,11 @@ std::string how_it_ended(int status) {
     what_now =
         ", often for want of memory; run it again to go on, if that happens again with a smaller "
         "--jobs";
-  } else if (signal == SIGSEGV || signal == SIGBUS || signal == SIGFPE || signal == SIGILL) {
+  } else if (signal == SIGSEGV || signal == SIGBUS || signal == SIGFPE || signal == SIGILL ||
+             signal == SIGABRT) {
     what_now =
-        ", it crashed, as the code of a simulator.library may; crashes of a simulator.worker cost "
-        "their rows alone";
+        ", it crashed; where the study has a simulator.library, its code may have, and crashes of "
+        "a simulator.worker cost their rows alone";
   }
   return fmt::format("killed by signal {}{}", signal, what_now);
 }

@@ -95,9 +95,23 @@ TEST(ComputedRates, TellWhichSampleIsWrongOrRepeated) {
     const Computed result = computed(recorded, 11);
     ASSERT_EQ(result.notes.size(), 2u);
     const std::string place = "warning: a.csv:";
-    ASSERT_TRUE(says(result.notes[1], {place, "a sample is wrong, missing or repeated"}));
+    ASSERT_TRUE(says(result.notes[1], {place, "a sample near it is wrong, missing or repeated"}));
     EXPECT_NEAR(std::stoi(result.notes[1].substr(place.size())), static_cast<int>(t) + 2, 1);
   }
+}
+
+// Five counts a sample, without any other step; a motion without noise.
+TEST(ComputedRates, TellWhatBouncesOffWithoutNoise) {
+  Vector position(250);
+  for (Index t = 0; t < position.size(); ++t) {
+    position(t) = 5.0 * kCount * std::abs(static_cast<double>(t - 100));
+  }
+  EXPECT_EQ(computed(position, 11).notes.size(), 2u);
+  EXPECT_EQ(computed(smooth_motion(250, kDt, 1).position + position, 11).notes.size(), 2u);
+}
+
+TEST(ComputedRates, SayNothingOfWhatStandsStill) {
+  EXPECT_EQ(computed(Vector::Constant(250, 0.5), 11).notes.size(), 1u);
 }
 
 TEST(ComputedRates, NameTheFileThatBends) {
@@ -128,9 +142,10 @@ TEST(ComputedRates, SayNothingOfNoiseAndCounts) {
 TEST(ComputedRates, SayNothingOfCountsAtASteadySpeed) {
   for (const double speed : {0.9, 0.97, 1.03, 2.95, 5.02}) {  // counts a sample
     const Vector position = Vector::LinSpaced(500, 0.0, 499.0 * speed * kCount);
-    for (const double from : {0.0, 4.5e6}) {  // rounding of large numbers is no count
-      const Vector recorded = (rounded(position, kCount).array() + from).matrix();
-      EXPECT_EQ(computed(recorded, 11).notes.size(), 1u) << speed << " from " << from;
+    const Vector counts = rounded(position, kCount);
+    const Vector far = counts.array() + 4.5e6;  // rounding of large numbers is no count
+    for (const Vector& recorded : {counts, far, rounded(counts, 1e-9), rounded(counts, 1e-12)}) {
+      EXPECT_EQ(computed(recorded, 11).notes.size(), 1u) << speed;
     }
   }
 }

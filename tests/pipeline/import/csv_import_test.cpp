@@ -277,12 +277,13 @@ TEST_F(CsvImport, ComputesOnlyWhatItCan) {
   CsvOptions without_rate = options;
   without_rate.channels.states = {{"theta", "rad"}};
   EXPECT_TRUE(says(problem(encoder_csv(20), without_rate),
-                   {"a.csv: --differentiate has nothing to compute", "no rate is among the states",
+                   {"a.csv: --differentiate has nothing to compute", "no state is called X_dot",
                     "'theta_dot [rad/s]' of 'theta'"}));
   CsvOptions other_unit = options;
   other_unit.channels.states = {{"theta", "rad"}, {"theta_dot", "deg/s"}};
-  EXPECT_TRUE(says(problem(encoder_csv(20), other_unit),
-                   {"a.csv:1: has no column 'theta_dot'", "--differentiate computes X_dot"}));
+  EXPECT_TRUE(says(
+      problem(encoder_csv(20), other_unit),
+      {"a.csv:1: has no column 'theta_dot'", "computes it of 'theta' in [rad/s], not in [deg/s]"}));
   EXPECT_TRUE(says(problem(encoder_csv(4), options),
                    {"a.csv: has 4 states", "must have 5 or more", "--differentiate=5"}));
   EXPECT_TRUE(says(problem(replaced(encoder_csv(9), "theta [rad]", "alpha [rad]"), options),

@@ -34,11 +34,11 @@ TEST(FailureWords, AreTheEndOfTheLogWhereAJobSaysNothing) {
       "run it again to go on, if that happens again with a smaller --jobs):\n    2\n    3\n"))
       << told;
   EXPECT_TRUE(told.ends_with("    21\n    log: " + log.string() + "\n")) << told;
-  EXPECT_EQ(
-      FailureWords().tell("infer", 139, {}, {log, std::filesystem::file_size(log)}),
-      "npdr: infer failed (killed by signal 11, it crashed, as the code of a "
-      "simulator.library may; crashes of a simulator.worker cost their rows alone):\n    log: " +
-          log.string() + "\n")
+  EXPECT_EQ(FailureWords().tell("infer", 139, {}, {log, std::filesystem::file_size(log)}),
+            "npdr: infer failed (killed by signal 11, it crashed; where the study has a "
+            "simulator.library, its code may have, and crashes of a simulator.worker cost their "
+            "rows alone):\n    log: " +
+                log.string() + "\n")
       << "what an earlier job left there is none of its words";
 }
 
