@@ -129,8 +129,7 @@ std::string warning_of(const Target& target, const RatePair& pair, const Bend& b
   return fmt::format(
       "warning: {}:{}: {} may be off by {:.3g}{}: {} bends too much there for {} samples (give a "
       "shorter window, which is noisier, --differentiate={}{}), or a sample near it is wrong, "
-      "missing "
-      "or repeated (put it right); or leave these rows out",
+      "missing or repeated (put it right); or leave these rows out",
       file, bend.row + 2, label_of(target, pair.rate), bend.difference,
       unit.empty() ? "" : " " + unit, label_of(target, pair.position), window,
       std::max(kShortest, (window + 1) / 4 * 2 + 1),

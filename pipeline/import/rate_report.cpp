@@ -302,8 +302,7 @@ void add_note(const CheckedPair& pair, std::vector<std::string>& notes) {
                                  pair.position.label, 100.0 * deviation);
   if (num_unknown > 0) {
     note += fmt::format(
-        "; not in {} of {} rollouts, where it moves too little or that are shorter "
-        "than {} rows",
+        "; not in {} of {} rollouts, where it moves too little or that are shorter than {} rows",
         num_unknown, pair.fits.size(), kFewestSamples);
   }
   notes.push_back(note);

@@ -67,9 +67,10 @@ std::string words_of_ridge(const ReportData& data, const std::string& method) {
   return fmt::format(
       "of {} and {} it knows little but a combination (correlation {:.2f}): measure one of them, "
       "or "
-      "record motion that tells them apart",
+      "{} tells them apart",
       name_of_parameter(data, ridge.first), name_of_parameter(data, ridge.second),
-      ridge.correlation);
+      ridge.correlation,
+      data.plan.study.source().gives_motion ? "record motion that" : "add a feature that");
 }
 
 }  // namespace npdr::pipeline
