@@ -15,22 +15,26 @@ struct Ridge {
   double correlation = 0.0;
 };
 
-// In coordinates of which the prior is standard normal.
+// In coordinates of which the prior is standard normal, of mean 0 and length 1.
 Vector standardized(const ReportData& data, const EvaluatedRun& run, Index d) {
   const inference::Prior prior({data.plan.study.prior[static_cast<std::size_t>(d)]});
   const Vector u = prior.to_normal(run.evaluation.theta.col(d)).col(0);
-  return u.array() - u.mean();
+  const Vector centered = u.array() - u.mean();
+  return centered.stableNormalized();
 }
 
-// The mean over seeds.
-double correlation(const ReportData& data, const Runs& runs, Index i, Index j) {
-  return each(runs,
-              [&](const EvaluatedRun* run) {
-                const Vector u = standardized(data, *run, i), v = standardized(data, *run, j);
-                const double scale = u.norm() * v.norm();
-                return scale > 0.0 ? u.dot(v) / scale : 0.0;
-              })
-      .mean();
+// Correlations of these parameters, the mean over seeds (parameters, parameters); 0 of constants.
+RowMatrix correlations(const ReportData& data, const Runs& runs, const std::vector<Index>& d) {
+  const Index count = std::ssize(d);
+  RowMatrix sum = RowMatrix::Zero(count, count);
+  for (const EvaluatedRun* run : runs) {
+    RowMatrix u(run->evaluation.theta.rows(), count);
+    for (Index i = 0; i < count; ++i) {
+      u.col(i) = standardized(data, *run, d[static_cast<std::size_t>(i)]);
+    }
+    sum += u.transpose() * u;
+  }
+  return sum / static_cast<double>(runs.size());
 }
 
 // Well below one, how broad the parameter is by itself matters to whoever uses it.
@@ -49,10 +53,11 @@ Ridge sharpest_ridge(const ReportData& data, const std::string& method) {
     if (is_broad(data, method, d)) broad.push_back(d);
   }
   Ridge sharpest;
+  const RowMatrix found = correlations(data, data.runs_of(method), broad);
   for (std::size_t i = 0; i < broad.size(); ++i) {
     for (std::size_t j = i + 1; j < broad.size(); ++j) {
-      const double found = correlation(data, data.runs_of(method), broad[i], broad[j]);
-      if (std::abs(found) > std::abs(sharpest.correlation)) sharpest = {broad[i], broad[j], found};
+      const double r = found(static_cast<Index>(i), static_cast<Index>(j));
+      if (std::abs(r) > std::abs(sharpest.correlation)) sharpest = {broad[i], broad[j], r};
     }
   }
   return sharpest;

@@ -1,3 +1,9 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
 #include "core/atomic_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "tests/cli/study_run.h"
@@ -40,6 +46,23 @@ TEST_F(Commands, StatusShowsEveryArtefactUpToDate) {
   EXPECT_NE(status.out.find("15 artefacts: 15 up to date"), std::string::npos) << status.out;
   const auto json = nlohmann::json::parse(npdr({"status", "small.toml", "--json"}).out);
   EXPECT_EQ(json.size(), 15u);
+}
+
+TEST_F(Commands, RunSaysWhatAnotherProcessMakes) {
+  const auto rows =
+      nlohmann::json::parse(npdr({"status", "small.toml", "--work", "busy", "--json"}).out);
+  const auto target = std::ranges::find(
+      rows, "target", [](const auto& row) { return row.at("stage").template get<std::string>(); });
+  ASSERT_NE(target, rows.end());
+  const AtomicFile making(file(target->at("path").get<std::string>()));
+  std::ofstream(making.temporary()) << "a part";
+  const auto warning = [](const char* stage) {
+    return npdr({"run", "small.toml", "--work", "busy", "--until", stage}).err;
+  };
+  EXPECT_TRUE(says(warning("propose"),
+                   {fmt::format("npdr run: warning: process {} makes target already", getpid()),
+                    "does that work once more"}));
+  EXPECT_EQ(warning("propose").find("already, and"), std::string::npos) << "it is made";
 }
 
 TEST_F(Commands, ExplainNamesTheKeyThatChanged) {

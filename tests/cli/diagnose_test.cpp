@@ -64,6 +64,9 @@ TEST_F(Diagnose, SamplesOfWhatFailedCarryAWarning) {
   EXPECT_TRUE(says(warning({}), expected));
   EXPECT_TRUE(says(warning({"--seeds", "1"}), expected));
   EXPECT_EQ(warning({"--set", "evaluate.num_samples=31"}), "") << "not of what was reported";
+  const Outcome exported = npdr({"export", "checked.toml", "--only", "NPE", "-o", "out.nc"});
+  EXPECT_EQ(exported.status, 0);
+  EXPECT_TRUE(says(exported.err, expected));
 }
 
 TEST_F(Diagnose, TheReportHasATableAndFigures) {

@@ -70,6 +70,10 @@ TEST_F(OwnSimulators, ALibraryIsVerifiedFromAnyFolder) {
     const Outcome verified = run(folder, {"npdr", "verify", simulated.string(), "--run-command"});
     EXPECT_EQ(verified.status, 0) << folder << verified.err;
   }
+  fs::rename(folder_ / "sub", folder_ / "moved");
+  const std::vector<std::string> verify = {"npdr", "verify", simulated.string(), "--run-command"};
+  EXPECT_EQ(run(folder_ / "moved", verify).status, 0) << "in the current folder";
+  EXPECT_EQ(run(folder_.path(), verify).status, 2);
 }
 
 TEST_F(OwnSimulators, AWorkerGivesWhatTheLibraryGives) {
