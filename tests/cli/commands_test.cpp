@@ -61,7 +61,7 @@ TEST_F(Commands, RunSaysWhatAnotherProcessMakes) {
   };
   EXPECT_TRUE(says(warning("propose"),
                    {fmt::format("npdr run: warning: process {} makes target already", getpid()),
-                    "does that work once more"}));
+                    "does that work once more", "\nsmall: 100 %"}));
   EXPECT_EQ(warning("propose").find("already, and"), std::string::npos) << "it is made";
 }
 
