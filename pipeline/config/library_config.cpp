@@ -51,9 +51,11 @@ nlohmann::ordered_json mujoco_settings(const Study& study) {
 
 sim::LibraryConfig library_config(const Study& study) {
   if (study.external.mjcf) {
-    return {mujoco_library(), mujoco_settings(study).dump(), study.external.folder};
+    return {mujoco_library(), mujoco_settings(study).dump(), study.external.folder,
+            study.external.time_limit};
   }
-  return {*study.external.library, study.external.settings.json, study.external.folder};
+  return {*study.external.library, study.external.settings.json, study.external.folder,
+          study.external.time_limit};
 }
 
 }  // namespace npdr::pipeline

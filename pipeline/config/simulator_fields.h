@@ -99,7 +99,8 @@ void describe(Fields& f, ExternalConfig& c) {
   choice(f, "format", c.format, "of the command's files");
   f("folder", c.folder, anything<std::string>(),
     "where the program runs, seen from the study file's folder; empty: there");
-  f("time_limit", c.time_limit, positive(), "for a call with all rows of a shard [s]");
+  f("time_limit", c.time_limit, positive(),
+    "for a call with all rows of a shard, or of a function of a library [s]");
   f("start_time", c.start_time, not_negative(),
     "added to the share of the time limit that a call with fewer rows has [s]");
   f("retries", c.retries, between(0, 100), "of a call that failed, before its rows are split");

@@ -45,11 +45,11 @@ class SourceChecker : Checker {
     const bool is_described = !source_.describes_itself;
     if (!exchanges_files) leave_out({"format"}, "it belongs to simulator.command");
     if (!source_.calls_program) {
-      leave_out({"time_limit", "start_time", "retries", "parallel_calls"},
+      leave_out({"start_time", "retries", "parallel_calls"},
                 "it belongs to simulator.command and simulator.worker");
     }
     if (source_.is_built_in || !source_.simulates) {
-      leave_out({"folder", "files"}, "it belongs to simulators of the user's");
+      leave_out({"folder", "files", "time_limit"}, "it belongs to simulators of the user's");
     } else {
       check_files();
     }

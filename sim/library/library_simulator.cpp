@@ -21,6 +21,7 @@
 #include "core/parallel.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "sim/library/call_watch.h"
 #include "sim/library/npdr_simulator.h"
 #include "sim/simulator_check.h"
 
@@ -110,7 +111,8 @@ thread_local pid_t InLibrary::process_ = 0;
 // The loaded library, and instances of its simulator that no thread uses at the moment.
 class LibrarySimulator::Instances {
  public:
-  explicit Instances(const LibraryConfig& config) : config_(config) {
+  explicit Instances(const LibraryConfig& config)
+      : config_(config), watch_(config.file, config.time_limit) {
     load();
     free_.push_back({open(), {}});
     try {
@@ -134,9 +136,10 @@ class LibrarySimulator::Instances {
     const Index size = batch.num_rows * batch.num_steps * std::ssize(info_.state_channels);
     if (std::ssize(instance.states) < size) instance.states.resize(static_cast<std::size_t>(size));
     try {
-      call("replay", [&](char* error) {
+      const auto replayed = [&](char* error) {
         return library_->replay(instance.made, &batch, instance.states.data(), status, error);
-      });
+      };
+      call("replay", replayed, [&] { return words_of(batch); });
       use(instance.states.data());
     } catch (...) {  // nobody knows what state it is in
       library_->close(instance.made);
@@ -197,10 +200,12 @@ class LibrarySimulator::Instances {
 
   // Calls a function of the library; what it says when it fails, or throws, becomes an exception.
   template <class Function>
-  void call(const char* name, const Function& function) const {
+  void call(
+      const char* name, const Function& function, CallWatch::Words words = [] { return ""; }) {
     std::array<char, NPDR_ERROR_SIZE> error = {};
     std::string problem;
     const InLibrary in_library(config_.file);
+    const CallWatch::Call watched(watch_, name, std::move(words));
     try {
       if (function(error.data()) == 0) return;
       error.back() = '\0';
@@ -214,7 +219,16 @@ class LibrarySimulator::Instances {
     throw InputError(fmt::format("{}: {}() failed: {}", config_.file.string(), name, problem));
   }
 
-  npdr_instance* open() const {
+  // The rows that a call is about.
+  std::string words_of(const npdr_batch& batch) const {
+    std::vector<std::string> values;
+    for (std::size_t p = 0; p < info_.parameters.size(); ++p) {
+      values.push_back(fmt::format("{} = {}", info_.parameters[p].name, batch.theta[p]));
+    }
+    return fmt::format(" for {}, the first with {}", counted(batch.num_rows, "row"), join(values));
+  }
+
+  npdr_instance* open() {
     npdr_instance* instance = nullptr;
     const std::string folder = config_.folder.string();
     call("open", [&](char* error) {
@@ -306,6 +320,7 @@ class LibrarySimulator::Instances {
   }
 
   LibraryConfig config_;
+  CallWatch watch_;
   const npdr_library* library_ = nullptr;
   SimulatorInfo info_;
   std::string fingerprint_;

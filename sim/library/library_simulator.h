@@ -19,10 +19,11 @@ struct LibraryConfig {
   std::filesystem::path file;          ///< of the shared library
   std::string settings = "{}";         ///< JSON text that the library reads
   std::filesystem::path folder = ".";  ///< where its relative paths begin
+  double time_limit = 3600.0;          ///< [s] of a call of one of its functions
 };
 
 /// A library with as many open instances as there are threads that need one. Const calls are
-/// thread-safe.
+/// thread-safe. A call of its functions that takes too long ends the program (call_watch.h).
 class LibrarySimulator {
  public:
   /// Loads the library, and opens a first instance. Throws InputError with the file's name when it

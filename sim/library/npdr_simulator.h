@@ -13,8 +13,9 @@
  * rows, the order of calls, time or random numbers of the library's own. Then posteriors are the
  * same, bit for bit, for any number of threads and after any restart.
  *
- * A library shares the memory of npdr: it can corrupt it. One that crashes ends the program that
- * simulates. Who can't rule that out has a worker, which is a process of its own.
+ * A library shares the memory of npdr: it can corrupt it. One that crashes, or doesn't return
+ * within the study's simulator.time_limit, ends the program that simulates. Who can't rule that out
+ * has a worker, which is a process of its own.
  */
 #ifndef NPDR_SIMULATOR_H
 #define NPDR_SIMULATOR_H

@@ -148,6 +148,7 @@ constexpr const char* kHostile = R"cpp(
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <unistd.h>
 #include "npdr_simulator.h"
 
   struct npdr_instance {
@@ -201,6 +202,7 @@ constexpr const char* kHostile = R"cpp(
       std::strcpy(error, "motor on fire");
       return 1;
     }
+    while (is(i, "replay-loops") && b->theta[1] > 0.5) usleep(1000);
     if (is(i, "replay-throws")) throw std::logic_error("off by one");
     if (is(i, "status")) status[0] = 77;
     for (int64_t k = 0; k < b->num_rows * b->num_steps * 2; ++k)
@@ -311,6 +313,18 @@ TEST_F(HostileLibraries, AReplayThatFailsIsAnErrorWithItsWords) {
   EXPECT_TRUE(says(message_of<Error>([&] { replay("status"); }), {"'hostile'", "status 77"}));
   EXPECT_EQ(replay("infinite").status[0], RolloutStatus::diverged);
   EXPECT_EQ(replay("").row(0)[0], 3.0f);
+}
+
+TEST_F(HostileLibraries, AReplayThatLoopsEndsTheProgramAfterTheTimeLimit) {
+  const auto replay = [](double b) {
+    const LibrarySimulator simulator({*folder_ / "hostile.so", "replay-loops", ".", 0.2});
+    const RowMatrix theta = RowMatrix::Constant(1, 2, b);
+    return simulator.replay(cut(rollouts(1, 5), 0), 1, theta, std::vector<std::uint32_t>{3});
+  };
+  EXPECT_EXIT(replay(0.75), ::testing::ExitedWithCode(1),
+              "hostile.so: replay\\(\\) hasn't returned after 0.2 s \\(simulator.time_limit\\) for "
+              "1 row, the first with a = 0.75, b = 0.75: it must for every theta");
+  EXPECT_EQ(replay(0.25).row(0)[0], 3.0f);
 }
 
 }  // namespace
