@@ -260,7 +260,9 @@ void Scheduler::pass_on_stop_request() {
   stopping_ = true;
   passed_on_ = true;
   lines_.clear();
-  print("npdr: stopping; run it again to go on\n");
+  print(
+      "npdr: stopping as soon as work is saved, by a second signal at once; run it again to go "
+      "on\n");
   for (const Job& job : jobs_) job.process.send_signal(SIGTERM);
 }
 

@@ -14,14 +14,14 @@
 namespace npdr::sim {
 
 CallWatch::CallWatch(std::filesystem::path file, double time_limit)
-    : file_(std::move(file)), time_limit_(time_limit), thread_([this](const std::stop_token& stop) {
-        look(stop);
-      }) {}
+    : file_(std::move(file)),
+      time_limit_(time_limit),
+      thread_([this](const std::stop_token& stop) { look(stop); }) {}
 
 // Calls are many and short: the thread looks now and then, rather than be woken by each.
 void CallWatch::look(const std::stop_token& stop) {
-  const auto pause = std::min<std::chrono::duration<double>>(time_limit_ / 10.0,
-                                                             std::chrono::seconds(1));
+  const auto pause =
+      std::min<std::chrono::duration<double>>(time_limit_ / 10.0, std::chrono::seconds(1));
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
@@ -34,10 +34,11 @@ void CallWatch::look(const std::stop_token& stop) {
 
 // Whoever holds a lock of the streams may be what loops: the message goes past them.
 void CallWatch::end_program(const Call& call) const {
-  const std::string message = printable_line(fmt::format(
-      "{}: {}() hasn't returned after {} s (simulator.time_limit){}: it must for every theta; bound "
-      "its loops, and give rows that don't get to their end the status NPDR_DIVERGED",
-      file_.string(), call.function_, time_limit_.count(), call.words_()));
+  const std::string message = printable_line(
+      fmt::format("{}: {}() hasn't returned after {} s (simulator.time_limit){}: it must for every "
+                  "theta; bound "
+                  "its loops, and give rows that don't get to their end the status NPDR_DIVERGED",
+                  file_.string(), call.function_, time_limit_.count(), call.words_()));
   dprintf(STDERR_FILENO, "%s%s\n", isatty(STDERR_FILENO) == 1 ? "\n" : "", message.c_str());
   _exit(EXIT_FAILURE);
 }
