@@ -151,9 +151,9 @@ void StudyArguments::add_settings_to(CLI::App& app) {
   app.add_option("--work", work, "folder of results and cache")->capture_default_str();
 }
 
-void StudyArguments::add_selection_to(CLI::App& app, const std::string& method_option) {
+void StudyArguments::add_selection_to(CLI::App& app) {
   add_settings_to(app);
-  app.add_option(method_option, methods, "only this method; may be repeated")
+  app.add_option("--only,--method", methods, "only this method; may be repeated")
       ->allow_extra_args(false);
   app.add_option_function<std::vector<std::string>>(
          "--seeds",

@@ -41,14 +41,14 @@ struct StudyArguments {
   std::string file;
   std::vector<std::string> overrides;  ///< --set
   std::string work = "runs";
-  std::vector<std::string> methods;  ///< --only
+  std::vector<std::string> methods;  ///< --only, or --method
   std::vector<std::uint64_t> seeds;
 
   void add_to(CLI::App& app);
   /// Options for the study's keys and its work folder.
   void add_settings_to(CLI::App& app);
-  /// All options without the file; `method_option`: what names its methods, in place of "--only".
-  void add_selection_to(CLI::App& app, const std::string& method_option = "--only");
+  /// All options without the file.
+  void add_selection_to(CLI::App& app);
   /// `site`: see read_study().
   Plan plan(const ClusterConfig& site = {}) const;
   /// The same; prints a warning where the study's results are beside its file and not here.

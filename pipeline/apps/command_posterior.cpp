@@ -317,7 +317,7 @@ void add_options(CLI::App& command, ChosenPosteriors& chosen) {
       ->required();
   command.add_option("--x", chosen.posterior.recording,
                      "another recording, or file of x_o, to condition on");
-  chosen.study.add_selection_to(command, "--method");
+  chosen.study.add_selection_to(command);
   command.get_option("--method")->description("that of a study's methods, where several infer");
 }
 

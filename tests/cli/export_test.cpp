@@ -68,7 +68,7 @@ TEST_F(Export, SeedsAreChainsAndRolloutsArePredicted) {
                            words.size() < 2 ? "add --force" : "an HDF5 file, which alone"}));
   }
   EXPECT_EQ(text_of(folder_ / "study.toml"), study) << "it would be lost";
-  const Outcome table = npdr({"export", "study.toml", "--only", "NPDR (MAF)", "-o", "out.csv"});
+  const Outcome table = npdr({"export", "study.toml", "--method", "NPDR (MAF)", "-o", "out.csv"});
   EXPECT_EQ(table.status, 2);
   EXPECT_TRUE(says(table.err, {"npdr export: out.csv: would hold NetCDF", "--format cmdstan"}));
 }
