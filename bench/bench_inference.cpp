@@ -103,6 +103,13 @@ DirectPosterior untrained(const Network& n) {
   return DirectPosterior(parts);
 }
 
+// What a thread does once per iteration, of all threads together.
+benchmark::Counter per_second(double value) {
+  using benchmark::Counter;
+  const auto of_all = Counter::kIsIterationInvariantRate | Counter::kAvgThreads;
+  return Counter(value, static_cast<Counter::Flags>(of_all));
+}
+
 void each_thread_its_own(benchmark::internal::Benchmark* benchmark) {
   benchmark->ThreadRange(1, 2)->UseRealTime();
 }
@@ -135,11 +142,9 @@ void bm_training_step(benchmark::State& state, const Network& n, std::uint32_t r
     adam.step(gradient, clip_scale(gradient, 5.0), parameters);
   }
   const double atoms = round > 1 && loss == Loss::atomic ? 10.0 : 1.0;
-  state.counters["steps/s"] =
-      benchmark::Counter(1.0, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["steps/s"] = per_second(1.0);
   state.counters["GFLOP/s"] =
-      benchmark::Counter(flops_per_step(n, static_cast<double>(batch_size), atoms) * 1e-9,
-                         benchmark::Counter::kIsIterationInvariantRate);
+      per_second(flops_per_step(n, static_cast<double>(batch_size), atoms) * 1e-9);
 }
 BENCHMARK_CAPTURE(bm_training_step, table_a3_maf_likelihood, kTableA3, 1u)
     ->Apply(each_thread_its_own);
@@ -161,8 +166,7 @@ void bm_sample(benchmark::State& state, const Network& n) {
   const DirectPosterior posterior = untrained(n);
   constexpr Index count = 10'000;
   for (auto _ : state) benchmark::DoNotOptimize(posterior.sample(count, {1, "bench", 0, 0, 0}));
-  state.counters["samples/s"] =
-      benchmark::Counter(static_cast<double>(count), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["samples/s"] = per_second(static_cast<double>(count));
 }
 BENCHMARK_CAPTURE(bm_sample, table_a3_maf, kTableA3)->UseRealTime();
 BENCHMARK_CAPTURE(bm_sample, table_a5_maf, kTableA5)->UseRealTime();
@@ -173,8 +177,7 @@ void bm_log_prob(benchmark::State& state, const Network& n) {
   constexpr Index count = 10'000;
   const RowMatrix theta = posterior.sample(count, {1, "bench", 0, 0, 0});
   for (auto _ : state) benchmark::DoNotOptimize(posterior.log_prob(theta));
-  state.counters["densities/s"] =
-      benchmark::Counter(static_cast<double>(count), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["densities/s"] = per_second(static_cast<double>(count));
 }
 BENCHMARK_CAPTURE(bm_log_prob, table_a3_maf, kTableA3)->UseRealTime();
 BENCHMARK_CAPTURE(bm_log_prob, table_a5_maf, kTableA5)->UseRealTime();
@@ -188,8 +191,7 @@ void bm_sgemm(benchmark::State& state) {
     c.noalias() = a * b;
     benchmark::DoNotOptimize(c.data());
   }
-  state.counters["GFLOP/s"] =
-      benchmark::Counter(2.0 * n * n * n * 1e-9, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["GFLOP/s"] = per_second(2.0 * n * n * n * 1e-9);
 }
 BENCHMARK(bm_sgemm)->Apply(each_thread_its_own);
 
