@@ -103,7 +103,8 @@ DirectPosterior untrained(const Network& n) {
   return DirectPosterior(parts);
 }
 
-// What a thread does once per iteration, of all threads together.
+// What a thread does once per iteration, of all threads together: iterations are those of all, and
+// the library adds up what each of them has counted.
 benchmark::Counter per_second(double value) {
   using benchmark::Counter;
   const auto of_all = Counter::kIsIterationInvariantRate | Counter::kAvgThreads;

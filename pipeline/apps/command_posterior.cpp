@@ -247,7 +247,7 @@ void require_nothing_chosen(const ChosenPosteriors& chosen) {
                     "it out, or name the study's .toml in place of the file",
                     chosen.posterior.posterior, option));
   };
-  refuse("--method", chosen.study.methods);
+  refuse("--only, or --method,", chosen.study.methods);
   refuse("--seeds", chosen.study.seeds);
   refuse("--set", chosen.study.overrides);
 }

@@ -59,7 +59,7 @@ struct ExternalConfig {
   GoalConfig goal;
   FileFormat format = FileFormat::csv;  ///< format of the files that the command reads and writes
   std::string folder;                   ///< where the program runs; resolved: an absolute path
-  double time_limit = 3600.0;           ///< [s] of a call with all rows of a shard
+  double time_limit = 3600.0;           ///< [s] of a call with all rows of a shard, or of a library
   double start_time = 2.0;              ///< [s] that a call with fewer rows has besides its share
   Index retries = 1;                    ///< repetitions of a call that failed
   Index parallel_calls = 0;             ///< at once, of a stage; 0: as many as it has threads

@@ -1,5 +1,7 @@
 #include "pipeline/config/library_config.h"
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -7,11 +9,18 @@
 
 #include "core/error.h"
 #include "pipeline/process/child_process.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kAdviceOnLateModels =
+    ": raise simulator.time_limit where rows take that long, or narrow the prior";
+constexpr const char* kAdviceOnLateLibraries =
+    ": raise simulator.time_limit where rows take that long; where one of them comes to no end, "
+    "bound the library's loops and give it the status NPDR_DIVERGED";
 
 // Beside the executables, or where an environment variable says.
 fs::path mujoco_library() {
@@ -50,12 +59,18 @@ nlohmann::ordered_json mujoco_settings(const Study& study) {
 }  // namespace
 
 sim::LibraryConfig library_config(const Study& study) {
-  if (study.external.mjcf) {
-    return {mujoco_library(), mujoco_settings(study).dump(), study.external.folder,
-            study.external.time_limit};
+  const ExternalConfig& external = study.external;
+  const std::string advice = external.mjcf ? kAdviceOnLateModels : kAdviceOnLateLibraries;
+  const auto end_late = [advice](const std::string& message) {
+    report_error("npdr", message + advice);
+    _exit(static_cast<int>(ExitStatus::invalid_input));
+  };
+  if (external.mjcf) {
+    return {mujoco_library(), mujoco_settings(study).dump(), external.folder, external.time_limit,
+            end_late};
   }
-  return {*study.external.library, study.external.settings.json, study.external.folder,
-          study.external.time_limit};
+  return {*external.library, external.settings.json, external.folder, external.time_limit,
+          end_late};
 }
 
 }  // namespace npdr::pipeline

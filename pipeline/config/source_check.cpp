@@ -48,7 +48,7 @@ class SourceChecker : Checker {
       leave_out({"start_time", "retries", "parallel_calls"},
                 "it belongs to simulator.command and simulator.worker");
     }
-    if (source_.is_built_in || !source_.simulates) {
+    if (!source_.has_time_limit) {
       leave_out({"folder", "files", "time_limit"}, "it belongs to simulators of the user's");
     } else {
       check_files();

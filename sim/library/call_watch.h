@@ -1,7 +1,6 @@
 /// A limit on how long a library's functions take.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <list>
@@ -11,16 +10,21 @@
 
 namespace npdr::sim {
 
-/// Watches calls from a thread of its own. Nothing can interrupt a library that loops, and its
-/// thread can't be ended: a call that takes longer than the limit ends the program with exit status
-/// 1, and a message on stderr.
+/// Watches calls from a thread of its own; const and other calls are thread-safe. Nothing can
+/// interrupt a library that loops, and its thread can't be ended: a call that takes longer than the
+/// limit ends the program, up to a second later.
 class CallWatch {
  public:
-  /// What the message says of the call beside its function, "" for nothing.
+  /// What the message says of the call beside its function; "" for nothing.
   using Words = std::function<std::string()>;
+  /// Says why the program ends, and ends it; with exit status 1 if it returns.
+  using End = std::function<void(const std::string& message)>;
+  /// An End that prints the message on stderr.
+  static void print(const std::string& message);
 
-  /// `time_limit` > 0 [s] of each call; `file`: the library's, which the message names.
-  CallWatch(std::filesystem::path file, double time_limit);
+  /// `time_limit` > 0 [s] of each call, without time in which the process was stopped. The message
+  /// is about `file`, the library's.
+  CallWatch(std::filesystem::path file, double time_limit, End end);
 
   /// A call that runs as long as this lives. `words` is asked by the watch's thread, and only if
   /// the call takes too long.
@@ -33,12 +37,11 @@ class CallWatch {
 
    private:
     friend class CallWatch;
-    using Clock = std::chrono::steady_clock;
 
     CallWatch& watch_;
     const char* function_;
     Words words_;
-    Clock::time_point start_ = Clock::now();
+    double start_ = 0.0;
     std::list<const Call*>::iterator place_;
   };
 
@@ -47,8 +50,10 @@ class CallWatch {
   [[noreturn]] void end_program(const Call& call) const;
 
   std::filesystem::path file_;
-  std::chrono::duration<double> time_limit_;
+  double time_limit_;
+  End end_;
   std::mutex mutex_;
+  double now_ = 0.0;                // [s]
   std::list<const Call*> running_;  // in the order of their starts
   std::jthread thread_;             // last: it uses what is above
 };

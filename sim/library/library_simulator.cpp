@@ -21,7 +21,6 @@
 #include "core/parallel.h"
 #include "core/printable.h"
 #include "core/text.h"
-#include "sim/library/call_watch.h"
 #include "sim/library/npdr_simulator.h"
 #include "sim/simulator_check.h"
 
@@ -106,13 +105,15 @@ class InLibrary {
 thread_local const char* InLibrary::file_ = nullptr;
 thread_local pid_t InLibrary::process_ = 0;
 
+std::string no_words() { return ""; }
+
 }  // namespace
 
 // The loaded library, and instances of its simulator that no thread uses at the moment.
 class LibrarySimulator::Instances {
  public:
   explicit Instances(const LibraryConfig& config)
-      : config_(config), watch_(config.file, config.time_limit) {
+      : config_(config), watch_(config.file, config.time_limit, config.end_late) {
     load();
     free_.push_back({open(), {}});
     try {
@@ -142,7 +143,7 @@ class LibrarySimulator::Instances {
       call("replay", replayed, [&] { return words_of(batch); });
       use(instance.states.data());
     } catch (...) {  // nobody knows what state it is in
-      library_->close(instance.made);
+      close(instance);
       throw;
     }
     const std::lock_guard lock(mutex_);
@@ -150,16 +151,21 @@ class LibrarySimulator::Instances {
   }
 
  private:
-  void close_all() {
-    const InLibrary in_library(config_.file);
-    for (const Instance& instance : free_) library_->close(instance.made);
-  }
-
   // Room for states that is kept: to get it anew would take as long as short rows do.
   struct Instance {
     npdr_instance* made;
     std::vector<double> states;
   };
+
+  void close(const Instance& instance) {
+    const InLibrary in_library(config_.file);
+    const CallWatch::Call watched(watch_, "close", no_words);
+    library_->close(instance.made);
+  }
+
+  void close_all() {
+    for (const Instance& instance : free_) close(instance);
+  }
 
   void load() {
     std::error_code unreadable;
@@ -172,6 +178,7 @@ class LibrarySimulator::Instances {
       fail(fmt::format("has {} bytes of {}: it was cut; compile or copy it again", size, least));
     }
     const InLibrary in_library(config_.file);
+    const CallWatch::Call watched(watch_, "npdr_simulator", no_words);
     // It stays loaded: threads that it may have started, and exit handlers, are in its code.
     void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) fail("can't be loaded: " + text_of(dlerror()));
@@ -200,8 +207,7 @@ class LibrarySimulator::Instances {
 
   // Calls a function of the library; what it says when it fails, or throws, becomes an exception.
   template <class Function>
-  void call(
-      const char* name, const Function& function, CallWatch::Words words = [] { return ""; }) {
+  void call(const char* name, const Function& function, CallWatch::Words words = no_words) {
     std::array<char, NPDR_ERROR_SIZE> error = {};
     std::string problem;
     const InLibrary in_library(config_.file);

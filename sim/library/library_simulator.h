@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/types.h"
+#include "sim/library/call_watch.h"
 #include "sim/segments.h"
 #include "sim/simulator.h"
 #include "sim/trajectories.h"
@@ -16,10 +17,11 @@ namespace npdr::sim {
 
 /// Library to load, and its settings.
 struct LibraryConfig {
-  std::filesystem::path file;          ///< of the shared library
-  std::string settings = "{}";         ///< JSON text that the library reads
-  std::filesystem::path folder = ".";  ///< where its relative paths begin
-  double time_limit = 3600.0;          ///< [s] of a call of one of its functions
+  std::filesystem::path file;                  ///< of the shared library
+  std::string settings = "{}";                 ///< JSON text that the library reads
+  std::filesystem::path folder = ".";          ///< where its relative paths begin
+  double time_limit = 3600.0;                  ///< [s] of a call of one of its functions
+  CallWatch::End end_late = CallWatch::print;  ///< ends a program in which one takes longer
 };
 
 /// A library with as many open instances as there are threads that need one. Const calls are

@@ -89,7 +89,8 @@ typedef struct npdr_batch {
 /* How a row ended. States of any other row than NPDR_OK are not looked at. */
 enum {
   NPDR_OK = 0,
-  NPDR_DIVERGED = 1,     /* a state became NaN or infinite; npdr finds those itself, too */
+  NPDR_DIVERGED = 1,     /* a state became NaN or infinite; npdr finds those itself, too; or
+                          * the row came to no end */
   NPDR_OUT_OF_LIMITS = 2 /* parameters that are physically impossible */
 };
 

@@ -131,6 +131,33 @@ TEST_F(OwnSimulators, MistakesAreNamedAtTheirPlace) {
          {"gone.h5"});
 }
 
+TEST_F(OwnSimulators, ALibraryThatLoopsIsToldWithARowAfterItsTimeLimit) {
+  copy_example("spring");
+  const std::string rows = "for (int64_t i = 0; i < batch->num_rows; ++i) {";
+  std::string source = text_of(folder_ / "spring.c");
+  const std::size_t begin = source.find(rows);
+  ASSERT_NE(begin, std::string::npos);
+  source.insert(begin + rows.size(), "\n    while (batch->theta[4 * i + 1] > 30.0) usleep(1000);");
+  folder_.file("spring.c", "#include <unistd.h>\n" + source);
+  compile_spring(folder_.path());
+  const Outcome outcome = npdr({"run", "library.toml", "--set", "simulator.time_limit=0.5"});
+  EXPECT_EQ(outcome.status, 2);
+  for (const char* part : {"spring.so: replay() hasn't returned after 0.5 s for",
+                           "the first of which has mass = 1, stiffness = ",
+                           "raise simulator.time_limit", "the status NPDR_DIVERGED"}) {
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  }
+  const Outcome refused = npdr({"validate", "library.toml", "--set", "simulator.retries=2"});
+  EXPECT_NE(refused.err.find("it belongs to simulator.command and simulator.worker"),
+            std::string::npos)
+      << refused.err;
+  folder_.file("built_in.toml", "[simulator]\nname = \"pendulum\"\ntime_limit = 1.0\n");
+  const Outcome built_in = npdr({"validate", "built_in.toml"});
+  EXPECT_NE(built_in.err.find("simulator.time_limit must be left out: it belongs to simulators of"),
+            std::string::npos)
+      << built_in.err;
+}
+
 TEST_F(OwnSimulators, AGoalThatALibraryHasNoChannelForIsNamed) {
   copy_example("spring");
   compile_spring(folder_.path());

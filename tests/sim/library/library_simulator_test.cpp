@@ -166,6 +166,7 @@ constexpr const char* kHostile = R"cpp(
     if (std::strstr(settings, "open-fails-silently")) return 1;
     if (std::strstr(settings, "open-throws")) throw std::runtime_error("thrown out");
     if (std::strstr(settings, "open-throws-int")) throw 7;
+    while (std::strstr(settings, "open-loops")) usleep(1000);
     if (std::strstr(settings, "open-gives-nothing")) return 0;
     *instance = new npdr_instance;
     std::snprintf((*instance)->what, sizeof((*instance)->what), "%s", settings);
@@ -203,6 +204,7 @@ constexpr const char* kHostile = R"cpp(
       return 1;
     }
     while (is(i, "replay-loops") && b->theta[1] > 0.5) usleep(1000);
+    if (is(i, "slow")) usleep(50'000);
     if (is(i, "replay-throws")) throw std::logic_error("off by one");
     if (is(i, "status")) status[0] = 77;
     for (int64_t k = 0; k < b->num_rows * b->num_steps * 2; ++k)
@@ -210,7 +212,10 @@ constexpr const char* kHostile = R"cpp(
     return 0;
   }
 
-  void close_it(npdr_instance* i) { delete i; }
+  void close_it(npdr_instance* i) {
+    while (is(i, "close-loops")) usleep(1000);
+    delete i;
+  }
   }  // namespace
 
 #ifndef WITHOUT
@@ -315,16 +320,30 @@ TEST_F(HostileLibraries, AReplayThatFailsIsAnErrorWithItsWords) {
   EXPECT_EQ(replay("").row(0)[0], 3.0f);
 }
 
-TEST_F(HostileLibraries, AReplayThatLoopsEndsTheProgramAfterTheTimeLimit) {
-  const auto replay = [](double b) {
-    const LibrarySimulator simulator({*folder_ / "hostile.so", "replay-loops", ".", 0.2});
+TEST_F(HostileLibraries, ACallThatLoopsEndsTheProgramAfterTheTimeLimit) {
+  const auto replay = [](const std::string& what, double b) {
+    const LibrarySimulator simulator({*folder_ / "hostile.so", what, ".", 0.5});
     const RowMatrix theta = RowMatrix::Constant(1, 2, b);
     return simulator.replay(cut(rollouts(1, 5), 0), 1, theta, std::vector<std::uint32_t>{3});
   };
-  EXPECT_EXIT(replay(0.75), ::testing::ExitedWithCode(1),
-              "hostile.so: replay\\(\\) hasn't returned after 0.2 s \\(simulator.time_limit\\) for "
-              "1 row, the first with a = 0.75, b = 0.75: it must for every theta");
-  EXPECT_EQ(replay(0.25).row(0)[0], 3.0f);
+  EXPECT_EXIT(replay("replay-loops", 0.75), ::testing::ExitedWithCode(1),
+              "hostile.so: replay\\(\\) hasn't returned after 0.5 s for 1 row, the first of "
+              "which has a = 0.75, b = 0.75, seed = 3\n");
+  EXPECT_EQ(replay("replay-loops", 0.25).row(0)[0], 3.0f);
+  EXPECT_EXIT(replay("open-loops", 0.25), ::testing::ExitedWithCode(1),
+              "hostile.so: open\\(\\) hasn't returned after 0.5 s\n");
+  EXPECT_EXIT(replay("close-loops", 0.25), ::testing::ExitedWithCode(1),
+              "hostile.so: close\\(\\) hasn't returned after 0.5 s\n");
+}
+
+TEST_F(HostileLibraries, CallsHaveATimeLimitEach) {
+  const LibrarySimulator simulator({*folder_ / "hostile.so", "slow", ".", 0.5});
+  const RowMatrix theta = RowMatrix::Ones(1, 2);
+  for (int k = 0; k < 15; ++k) {  // 0.75 s
+    const auto found =
+        simulator.replay(cut(rollouts(1, 5), 0), 1, theta, std::vector<std::uint32_t>{3});
+    EXPECT_EQ(found.row(0)[0], 3.0f);
+  }
 }
 
 }  // namespace
