@@ -231,7 +231,8 @@ class LibrarySimulator::Instances {
     for (std::size_t p = 0; p < info_.parameters.size(); ++p) {
       values.push_back(fmt::format("{} = {}", info_.parameters[p].name, batch.theta[p]));
     }
-    return fmt::format(" for {}, the first with {}", counted(batch.num_rows, "row"), join(values));
+    return fmt::format(" for {}, the first of which has {}, seed = {}",
+                       counted(batch.num_rows, "row"), join(values), batch.seeds[0]);
   }
 
   npdr_instance* open() {
