@@ -321,6 +321,7 @@ TEST_F(HostileLibraries, AReplayThatFailsIsAnErrorWithItsWords) {
 }
 
 TEST_F(HostileLibraries, ACallThatLoopsEndsTheProgramAfterTheTimeLimit) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // OpenMP doesn't survive a fork
   const auto replay = [](const std::string& what, double b) {
     const LibrarySimulator simulator({*folder_ / "hostile.so", what, ".", 0.5});
     const RowMatrix theta = RowMatrix::Constant(1, 2, b);
