@@ -261,8 +261,8 @@ void Scheduler::pass_on_stop_request() {
   passed_on_ = true;
   lines_.clear();
   print(
-      "npdr: stopping as soon as work is saved, by a second signal at once; run it again to go "
-      "on\n");
+      "npdr: stopping when work is saved (a second Ctrl-C, a second later or more: at once); run "
+      "it again to go on\n");
   for (const Job& job : jobs_) job.process.send_signal(SIGTERM);
 }
 
