@@ -48,7 +48,7 @@ class SourceChecker : Checker {
       leave_out({"start_time", "retries", "parallel_calls"},
                 "it belongs to simulator.command and simulator.worker");
     }
-    if (!source_.has_time_limit) {
+    if (!source_.runs_users_code()) {
       leave_out({"folder", "files", "time_limit"}, "it belongs to simulators of the user's");
     } else {
       check_files();

@@ -24,10 +24,11 @@ struct SourceTraits {
   bool is_built_in = false;        ///< one of sim/, with its settings, equations and policies
   bool describes_itself = false;   ///< its channels and parameters; else the study does
   bool calls_program = false;      ///< of the user's, which may crash, hang, and print
-  bool has_time_limit = false;     ///< calls of the user's code end after simulator.time_limit
   bool takes_seeds = false;        ///< a row depends on a seed besides theta
   const char* advice = "";         ///< what to do where many rows fail
 
+  /// Whether rows come from code of the user's, whose calls end after simulator.time_limit.
+  bool runs_users_code() const { return simulates && !is_built_in; }
   /// Whether posteriors can be judged by the features that they predict.
   bool predicts_features() const { return simulates && !gives_motion; }
 };

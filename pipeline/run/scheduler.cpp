@@ -315,7 +315,7 @@ std::string Scheduler::job_text(const Job& job) const {
   const std::string silence = silence_text(job.process.silence());
   // Training calls no simulator.
   const bool may_wait =
-      !silence.empty() && plan_.study.source().has_time_limit && uses_threads(plan_, node);
+      !silence.empty() && plan_.study.source().runs_users_code() && uses_threads(plan_, node);
   return text + silence +
          (may_wait ? fmt::format(" (simulator.time_limit: {} s)", plan_.study.external.time_limit)
                    : "");
