@@ -43,9 +43,10 @@ Method method(const std::string& name, Algorithm algorithm, EstimatorKind estima
   return {name, config};
 }
 
-// One round for the mean of five networks: the first is what a study has that says nothing.
-Method ensemble_method(const std::string& name, Algorithm algorithm, EstimatorKind estimator) {
-  Method m = method(name, algorithm, estimator, 1);
+// The mean of five networks: the first is what a study has that says nothing.
+Method ensemble_method(const std::string& name, Algorithm algorithm, EstimatorKind estimator,
+                       Index num_rounds = 1) {
+  Method m = method(name, algorithm, estimator, num_rounds);
   m.config.estimator.num_networks = 5;
   return m;
 }
@@ -61,6 +62,8 @@ Method abc_method(const std::string& name, Algorithm algorithm, Index num_rounds
 
 std::vector<Method> all_methods() {
   return {ensemble_method("NPE and NLE, 5 splines", Algorithm::npe_nle, EstimatorKind::nsf),
+          ensemble_method("NPE and NLE, 5 splines, 4 rounds", Algorithm::npe_nle,
+                          EstimatorKind::nsf, 4),
           ensemble_method("NPE, 5 splines", Algorithm::npe_c, EstimatorKind::nsf),
           ensemble_method("NPE, 5 MAFs", Algorithm::npe_c, EstimatorKind::maf),
           ensemble_method("NLE, 5 splines", Algorithm::nle, EstimatorKind::nsf),

@@ -51,7 +51,7 @@ class PooledPosterior : public NetworkPosterior {
   double log_normalizer() const;
 
   /// q alone, whose draws are candidates.
-  const Posterior& proposal() const { return posterior_; }
+  const Posterior& importance_proposal() const override { return posterior_; }
   PoolEvidence evidence(const RowMatrix& theta) const;
 
  private:

@@ -20,7 +20,7 @@ using R = NetworkRole;
 // Every algorithm. To add one that trains a network, write its Objective, a case for it in
 // round_task.cpp, and a row here. Other spellings are those of older papers and tools.
 constexpr std::array kAlgorithms = std::to_array<AlgorithmTraits>({
-    {{A::npe_nle, "npe_nle"}, F::network, R::posterior, kDensities, "", false, true},
+    {{A::npe_nle, "npe_nle"}, F::network, R::posterior, kDensities},
     {{A::npe_a, "npe_a", "snpe_a snpe-a bayessim"},
      F::network,
      R::posterior,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/parallel.h"
 #include "inference/estimators/gaussian_mixture.h"
@@ -26,7 +25,7 @@ PoolEvidence evidence_given(NetworkParts parts, const VectorF& x, const RowMatri
   const PooledPosterior pool(std::move(parts));
   RowMatrix points(kDraws + 1, theta.cols());
   points.row(0) = theta;
-  points.bottomRows(kDraws) = pool.proposal().sample(kDraws, id);
+  points.bottomRows(kDraws) = pool.importance_proposal().sample(kDraws, id);
   return pool.evidence(points);
 }
 
@@ -77,19 +76,18 @@ PoolPowers best_powers(const std::vector<PoolEvidence>& rows) {
 
 Index num_judging_rows(Index num_rows) { return std::min(num_rows / kRowsForOne, kMostRows); }
 
-PoolPowers pool_powers(const NetworkParts& parts, const RoundData& data, const StreamId& id) {
-  const Index count = num_judging_rows(data.theta.rows()), first = data.theta.rows() - count;
-  if (count == 0) return best_powers({});
-  std::vector<std::uint32_t> rows(static_cast<std::size_t>(count));
-  std::iota(rows.begin(), rows.end(), static_cast<std::uint32_t>(first));
+PoolPowers pool_powers(const NetworkParts& parts, const RoundData& data,
+                       const std::vector<std::uint32_t>& rows, const StreamId& id) {
+  if (rows.empty()) return best_powers({});
   RowMatrixF x;
   data.x->gather(rows, 0, x);
   std::vector<PoolEvidence> evidence(rows.size());
-  parallel_for(count, [&](Index i) {
+  parallel_for(std::ssize(rows), [&](Index i) {
     StreamId draws = named(id, "pool_score");
     draws.row = static_cast<std::uint64_t>(i * kDraws);
-    evidence[static_cast<std::size_t>(i)] =
-        evidence_given(parts, x.row(i).transpose(), data.theta.row(first + i), draws);
+    const auto place = static_cast<std::size_t>(i);
+    evidence[place] =
+        evidence_given(parts, x.row(i).transpose(), data.theta.row(rows[place]), draws);
   });
   // Without a density of q at the parameters there is nothing to take a power of.
   std::erase_if(evidence, [](const PoolEvidence& row) { return !std::isfinite(row.posterior(0)); });

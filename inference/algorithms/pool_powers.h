@@ -3,9 +3,9 @@
 ///   sum_i log p_{a,b}(u_i | z_i) - ((a + b - 1) / 0.3)^2 / 2 - (a - b)^2 / 2,
 ///   log p_{a,b}(u_i | z_i) = log q(u_i | z_i) + w_i0 - log 1/(K + 1) sum_k exp(w_ik),
 /// a concave function of a and b, with w the logs of the pool's weights of draws of q. u_i0 = u_i
-/// is a draw of the posterior given x_i as it is in simulations of the prior, u_i1, ..., u_iK are
-/// draws of q: their mean stands for the pool's normalizing constant. The last terms are a prior
-/// that few simulations don't outweigh.
+/// is a draw of the posterior given x_i as it is in simulations of the prior, or of what later
+/// rounds leave of it, u_i1, ..., u_iK are draws of q: their mean stands for the pool's normalizing
+/// constant. The last terms are a prior that few simulations don't outweigh.
 ///
 /// Where a + b > 1 is best, the smallest a + b >= 1 is taken whose best powers have at most 1/2 nat
 /// less, prior included: by that the log density of a Gaussian falls within one standard deviation,
@@ -23,8 +23,8 @@ namespace npdr::inference {
 /// How many of `num_rows` simulations judge the powers: the last ones.
 Index num_judging_rows(Index num_rows);
 
-/// `parts`: the networks of posterior and likelihood. `data`: simulations of the prior, of which
-/// the last num_judging_rows() have trained none of them.
-PoolPowers pool_powers(const NetworkParts& parts, const RoundData& data, const StreamId& id);
+/// `parts`: the networks of posterior and likelihood. `rows` of the data have trained none of them.
+PoolPowers pool_powers(const NetworkParts& parts, const RoundData& data,
+                       const std::vector<std::uint32_t>& rows, const StreamId& id);
 
 }  // namespace npdr::inference

@@ -1,5 +1,6 @@
 #include "inference/algorithms/posterior_estimation.h"
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
 #include <string>
@@ -12,6 +13,7 @@
 #include "inference/algorithms/round_task.h"
 #include "inference/ensemble.h"
 #include "inference/pooled_posterior.h"
+#include "inference/truncated_prior.h"
 
 namespace npdr::inference {
 namespace {
@@ -69,26 +71,53 @@ RoundData without_judging_rows(RoundData data) {
   return data;
 }
 
+// Takes those that judge the powers from the rows that are learned from: the last of the last
+// round.
+std::vector<std::uint32_t> take_judging_rows(std::vector<std::uint32_t>& rows,
+                                             const RoundData& data) {
+  const auto last = static_cast<std::uint32_t>(data.posteriors.size() + 1);
+  const Index are_new =
+      std::ranges::count_if(rows, [&](std::uint32_t row) { return data.round[row] == last; });
+  const Index count = std::min(num_judging_rows(std::ssize(rows)), are_new);
+  const std::vector<std::uint32_t> judging(rows.end() - count, rows.end());
+  rows.resize(rows.size() - judging.size());
+  return judging;
+}
+
+// Networks that are trained together, and those of the last round that they begin as.
+struct Ensemble {
+  NetworkParts parts;
+  std::optional<NetworkParts> previous = {};
+};
+
 // What is trained: the networks of the algorithm's role, and for "npe_nle" those of the likelihood.
-std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& config,
-                                              const RoundData& data, const StreamId& id) {
-  std::vector<NetworkParts> ensembles = {untrained_parts(config, data, id)};
-  NetworkParts& parts = ensembles.front();
+std::vector<Ensemble> untrained_ensembles(const PosteriorEstimationConfig& config,
+                                          const RoundData& data, const StreamId& id) {
+  std::vector<Ensemble> ensembles = {{untrained_parts(config, data, id)}};
+  NetworkParts& parts = ensembles.front().parts;
+  const NetworkParts* previous =
+      data.posteriors.empty() ? nullptr : &data.posteriors.back()->parts();
+  if (previous) ensembles.front().previous = posterior_parts(*previous);
   if (config.algorithm.kind != Algorithm::npe_nle || num_varying_outputs(parts.transform) == 0) {
     return ensembles;
   }
-  parts.likelihood = untrained_likelihood(config, without_judging_rows(data), parts);
-  ensembles.push_back(likelihood_parts(parts));
+  parts.likelihood = previous ? previous->likelihood
+                              : untrained_likelihood(config, without_judging_rows(data), parts);
+  Ensemble likelihood{likelihood_parts(parts)};
+  if (previous) likelihood.previous = likelihood_parts(*previous);
+  ensembles.push_back(std::move(likelihood));
   return ensembles;
 }
 
+// `previous`: the networks of the last round.
 Parameters<float> first_weights(const PosteriorEstimationConfig& config, const RoundTask& task,
-                                const EstimatorConfig& estimator, const RoundData& data, Index m,
+                                const EstimatorConfig& estimator,
+                                const std::optional<NetworkParts>& previous, Index m,
                                 const StreamId& id) {
-  if (data.posteriors.empty()) return task.initial_parameters(named(id, "initial_weights"));
-  const NetworkParts previous = network_of(data.posteriors.back()->parts(), m);
-  if (previous.estimator.num_components == estimator.num_components) return previous.parameters;
-  return grow_components(previous, estimator, config.algorithm.component_perturbation,
+  if (!previous) return task.initial_parameters(named(id, "initial_weights"));
+  const NetworkParts network = network_of(*previous, m);
+  if (network.estimator.num_components == estimator.num_components) return network.parameters;
+  return grow_components(network, estimator, config.algorithm.component_perturbation,
                          named(id, "component_growth"));
 }
 
@@ -99,16 +128,28 @@ void require_weights(const RoundTask& task, const TrainingState& state) {
                    ", as many as the network's");
 }
 
+// Of `count` networks from `first` on, one after the other.
+Parameters<float> best_weights(const std::vector<TrainingState>& states, Index first, Index count) {
+  std::vector<Parameters<float>> weights;
+  for (Index k = first; k < first + count; ++k) {
+    weights.push_back(states[static_cast<std::size_t>(k)].best_parameters);
+  }
+  return joined(weights);
+}
+
 // Network m of the ensemble; false when the hook stopped it.
 bool train_network(const PosteriorEstimationConfig& config, const RoundData& data,
-                   const VectorF& row_weights, const NetworkParts& all, Index m, StreamId id,
-                   TrainingState& state, const EpochHook& hook) {
-  const ValidationFold fold{id.seed, m};
-  const NetworkParts parts = network_of(all, m);
+                   const std::vector<std::uint32_t>& rows, const VectorF& row_weights,
+                   const Ensemble& all, Index m, StreamId id, TrainingState& state,
+                   const EpochHook& hook) {
+  ValidationFold fold{id.seed, m};
+  // NPE-A learns from rows that no round has seen.
+  if (config.algorithm.kind != Algorithm::npe_a) fold.rows = rows;
+  const NetworkParts parts = network_of(all.parts, m);
   id.seed = seed_of_network(id.seed, m);
-  const auto task = make_round_task(config, data, row_weights, parts, id);
+  const auto task = make_round_task(config, data, rows, row_weights, parts, id);
   if (state.epoch == 0 && state.parameters.size() == 0) {
-    state.parameters = first_weights(config, *task, parts.estimator, data, m, id);
+    state.parameters = first_weights(config, *task, parts.estimator, all.previous, m, id);
   }
   require_weights(*task, state);
   bool stopped = false;
@@ -128,16 +169,13 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
                                                      std::vector<TrainingState>& states,
                                                      const NetworkHook& hook) {
   check_estimator(config.algorithm.kind, config.estimator);
-  if (traits_of(config.algorithm.kind).has_one_round && !data.posteriors.empty()) {
-    throw InputError("round " + std::to_string(data.posteriors.size() + 1) + ": algorithm '" +
-                     name_of(config.algorithm.kind) +
-                     "' has one, on simulations of the prior; use 'npe_c' for more");
-  }
-  std::vector<NetworkParts> ensembles = untrained_ensembles(config, data, id);
+  std::vector<Ensemble> ensembles = untrained_ensembles(config, data, id);
   const Index networks = config.estimator.num_networks;
   states.resize(ensembles.size() * static_cast<std::size_t>(networks));
-  const RoundData training = ensembles.size() > 1 ? without_judging_rows(data) : data;
-  const VectorF weights_of_rows = row_weights(config, training);
+  const bool are_pooled = ensembles.size() > 1;
+  std::vector<std::uint32_t> rows = rows_to_learn(config, data), judging;
+  if (are_pooled) judging = take_judging_rows(rows, data);
+  const VectorF weights_of_rows = row_weights(config, data);
   std::mutex one_at_a_time;
   std::atomic<bool> halted = false;  // by the hook, or by the error of a network
   parallel_for(std::ssize(states), [&](Index k) {
@@ -147,9 +185,9 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
       return hook(k, state) && !halted;
     };
     try {
-      const NetworkParts& parts = ensembles[static_cast<std::size_t>(k / networks)];
-      const bool ended = train_network(config, training, weights_of_rows, parts, k % networks, id,
-                                       states[static_cast<std::size_t>(k)], hook_of_network);
+      const Ensemble& ensemble = ensembles[static_cast<std::size_t>(k / networks)];
+      const bool ended = train_network(config, data, rows, weights_of_rows, ensemble, k % networks,
+                                       id, states[static_cast<std::size_t>(k)], hook_of_network);
       if (!ended) halted = true;
     } catch (...) {
       halted = true;
@@ -157,24 +195,18 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
     }
   });
   if (halted) return nullptr;
-  for (std::size_t e = 0; e < ensembles.size(); ++e) {
-    std::vector<Parameters<float>> weights;
-    const auto first = static_cast<Index>(e) * networks;
-    for (Index k = first; k < first + networks; ++k) {
-      weights.push_back(states[static_cast<std::size_t>(k)].best_parameters);
-    }
-    ensembles[e].parameters = joined(weights);
-  }
-  NetworkParts& parts = ensembles.front();
-  if (ensembles.size() > 1) {
-    parts.likelihood->parameters = std::move(ensembles.back().parameters);
-    parts.likelihood->powers = pool_powers(parts, data, id);
+  NetworkParts& parts = ensembles.front().parts;
+  parts.parameters = best_weights(states, 0, networks);
+  if (are_pooled) {
+    parts.likelihood->parameters = best_weights(states, networks, networks);
+    parts.likelihood->powers = pool_powers(parts, data, judging, id);
   }
   return make_posterior(std::move(parts));
 }
 
 RowMatrix propose(const PosteriorEstimationConfig& config, const NetworkPosterior& posterior,
                   Index n, const StreamId& id) {
+  if (config.algorithm.kind == Algorithm::npe_nle) return TruncatedPrior(posterior).sample(n, id);
   if (!is_analytic(config.algorithm, config.estimator.kind)) return posterior.sample(n, id);
   return posterior.prior().to_theta(proposal_mixture(posterior).sample(n, id));
 }

@@ -1,8 +1,9 @@
 /// One round of neural inference: simulations of all rounds so far -> posterior.
 ///
 ///  - npe_nle: q(u | z) and l(z | u), both by maximum likelihood, pooled (pooled_posterior.h) by
-///    how they predict held-out parameters (pool_powers.h), l as pooled_likelihood.h says; one
-///    round;
+///    how they predict held-out parameters (pool_powers.h), l as pooled_likelihood.h says; later
+///    rounds draw from the prior where the last posterior is (truncated_prior.h), and learn from
+///    the simulations that lie there, of all rounds;
 ///  - npe_a: q(u | z), a mixture, by maximum likelihood on the last round's simulations; divided by
 ///    their proposal (likelihood_objective.h, gaussian_mixture.h);
 ///  - npe_b: q(u | z) by maximum likelihood weighted by p / p~ (likelihood_objective.h);
@@ -42,7 +43,7 @@ struct RoundData {
   RowMatrix theta;                   ///< (N, D)
   std::vector<std::uint32_t> round;  ///< (N), counted from 1
   VectorF x_o;                       ///< (F)
-  /// Posteriors of the rounds before, which simulations of rounds 2, 3, ... were drawn from.
+  /// Posteriors of the rounds before, which simulations of rounds 2, 3, ... were proposed from.
   std::vector<std::shared_ptr<const NetworkPosterior>> posteriors;
   /// (R) rows that each round simulated, failed ones too; empty: none has failed.
   std::vector<Index> num_simulated = {};
@@ -60,14 +61,15 @@ bool never_stop(Index m, const TrainingState& state);
 /// and round. `states`: one a network, those of a likelihood after those of the posterior, or none;
 /// a state that a hook kept goes on from there with the same bits, an empty one starts. Returns
 /// nothing when the hook stopped a training. Throws ShapeError for the state of another network,
-/// InputError for a density estimator, or a round, that doesn't suit the algorithm.
+/// InputError for a density estimator that doesn't suit the algorithm.
 std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationConfig& config,
                                                      const RoundData& data, const StreamId& id,
                                                      std::vector<TrainingState>& states,
                                                      const NetworkHook& hook);
 
-/// (n, D) proposals of theta for the next round, drawn from the posterior estimate; for the
-/// analytic loss from a mixture that the loss can correct for.
+/// (n, D) proposals of theta for the next round, drawn from the posterior estimate; for "npe_nle"
+/// from the prior where that is, for the analytic loss from a mixture that the loss can correct
+/// for.
 RowMatrix propose(const PosteriorEstimationConfig& config, const NetworkPosterior& posterior,
                   Index n, const StreamId& id);
 

@@ -8,6 +8,7 @@
 #include "inference/algorithms/likelihood_objective.h"
 #include "inference/algorithms/ratio_objective.h"
 #include "inference/dequantized_features.h"
+#include "inference/truncated_prior.h"
 
 namespace npdr::inference {
 namespace {
@@ -78,35 +79,29 @@ class TaskOf : public RoundTask {
 class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
  public:
   PosteriorTask(const PosteriorEstimationConfig& config, const RoundData& data,
-                const VectorF& row_weights, const NetworkParts& parts, const StreamId& id)
+                const std::vector<std::uint32_t>& rows, const VectorF& row_weights,
+                const NetworkParts& parts, const StreamId& id)
       : TaskOf(make_network(parts), data, parts) {
-    const auto likelihood = [&](std::vector<std::uint32_t> rows, VectorF weights) {
-      objective_ = std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::u_given_z,
-                                                         network_, parts.transform, data_,
-                                                         std::move(rows), std::move(weights));
-    };
-    if (config.algorithm.kind == Algorithm::npe_a) {
-      likelihood(rows_of_last_round(data), {});
-    } else if (config.algorithm.kind == Algorithm::npe_nle ||
-               config.algorithm.kind == Algorithm::npe_b) {
-      likelihood(all_rows(data), row_weights);
-    } else {
-      if (is_analytic(config.algorithm, config.estimator.kind)) {
-        data_.proposals = proposal_mixtures(data);
-      }
-      objective_ = std::make_unique<NpeC>(config.algorithm, network_, parts.transform, data_, id);
+    if (config.algorithm.kind != Algorithm::npe_c) {
+      objective_ = std::make_unique<LikelihoodObjective>(
+          LikelihoodObjective::Of::u_given_z, network_, parts.transform, data_, rows, row_weights);
+      return;
     }
+    if (is_analytic(config.algorithm, config.estimator.kind)) {
+      data_.proposals = proposal_mixtures(data);
+    }
+    objective_ = std::make_unique<NpeC>(config.algorithm, network_, parts.transform, data_, id);
   }
 };
 
 class LikelihoodTask : public TaskOf<EmbeddedEstimator<float>> {
  public:
-  LikelihoodTask(const RoundData& data, const NetworkParts& parts)
+  LikelihoodTask(const RoundData& data, const std::vector<std::uint32_t>& rows,
+                 const NetworkParts& parts)
       : TaskOf(make_network(parts), data, parts), features_(*data.x, parts.structure_seed) {
     data_.x = &features_;
-    objective_ =
-        std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::z_given_u, network_,
-                                              parts.transform, data_, all_rows(data), VectorF());
+    objective_ = std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::z_given_u, network_,
+                                                       parts.transform, data_, rows, VectorF());
   }
 
  private:
@@ -132,14 +127,26 @@ VectorF row_weights(const PosteriorEstimationConfig& config, const RoundData& da
   return importance_weights(data);
 }
 
+std::vector<std::uint32_t> rows_to_learn(const PosteriorEstimationConfig& config,
+                                         const RoundData& data) {
+  const Algorithm algorithm = config.algorithm.kind;
+  if (algorithm == Algorithm::npe_a) return rows_of_last_round(data);
+  if (algorithm == Algorithm::npe_nle && !data.posteriors.empty()) {
+    return TruncatedPrior(*data.posteriors.back()).rows_within(data.theta);
+  }
+  return all_rows(data);
+}
+
 std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
-                                           const RoundData& data, const VectorF& row_weights,
-                                           const NetworkParts& parts, const StreamId& id) {
+                                           const RoundData& data,
+                                           const std::vector<std::uint32_t>& rows,
+                                           const VectorF& row_weights, const NetworkParts& parts,
+                                           const StreamId& id) {
   switch (parts.role) {
     case NetworkRole::posterior:
-      return std::make_unique<PosteriorTask>(config, data, row_weights, parts, id);
+      return std::make_unique<PosteriorTask>(config, data, rows, row_weights, parts, id);
     case NetworkRole::likelihood:
-      return std::make_unique<LikelihoodTask>(data, parts);
+      return std::make_unique<LikelihoodTask>(data, rows, parts);
     case NetworkRole::ratio:
       break;
   }

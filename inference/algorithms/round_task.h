@@ -21,10 +21,17 @@ class RoundTask {
 /// Importance weights of the rows (N) that "npe_b" trains with; empty: all weigh the same.
 VectorF row_weights(const PosteriorEstimationConfig& config, const RoundData& data);
 
-/// The task of the algorithm for `parts`, whose estimator and transform are set. Keeps references
-/// to its arguments.
+/// The rows of the data that are learned from, ascending: those of the last round ("npe_a"), those
+/// that lie where the last round's posterior is ("npe_nle", truncated_prior.h), or all.
+std::vector<std::uint32_t> rows_to_learn(const PosteriorEstimationConfig& config,
+                                         const RoundData& data);
+
+/// The task of the algorithm for `parts`, whose estimator and transform are set, on these rows and
+/// with these weights. Keeps references to its arguments.
 std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
-                                           const RoundData& data, const VectorF& row_weights,
-                                           const NetworkParts& parts, const StreamId& id);
+                                           const RoundData& data,
+                                           const std::vector<std::uint32_t>& rows,
+                                           const VectorF& row_weights, const NetworkParts& parts,
+                                           const StreamId& id);
 
 }  // namespace npdr::inference

@@ -37,7 +37,8 @@ Split split_rows(Index num_rows, const TrainingConfig& config, const ValidationF
   };
   Split split;
   for (Index row = 0; row < num_rows; ++row) {
-    const bool validates = validating_before(row + 1) > validating_before(row);
+    const Index known = fold.rows.empty() ? row : fold.rows[static_cast<std::size_t>(row)];
+    const bool validates = validating_before(known + 1) > validating_before(known);
     (validates ? split.validation : split.training).push_back(static_cast<std::uint32_t>(row));
   }
   const std::size_t fewest = kFewestTrainingRows;

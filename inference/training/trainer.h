@@ -62,6 +62,8 @@ using EpochHook = std::function<bool(const TrainingState&)>;
 struct ValidationFold {
   std::uint64_t seed = 0;
   Index number = 0;
+  /// The number by which each row is known in all rounds; empty: 0, 1, 2, ...
+  std::span<const std::uint32_t> rows = {};
 };
 
 /// Trains from `state` until early stopping, max_epochs or the hook says so. The split into

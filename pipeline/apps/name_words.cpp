@@ -9,13 +9,13 @@ std::string words_of(inference::Algorithm algorithm) {
   switch (algorithm) {
     case npe_nle:
       return "networks learn the posterior and the likelihood, pooled by what predicts best; the "
-             "usual choice for simulations of the prior";
+             "usual choice; later rounds simulate the prior where the posterior is";
     case npe_a:
       return "a mixture learns the posterior; later rounds are divided by their proposal";
     case npe_b:
       return "a network learns the posterior; later rounds weight simulations by prior / proposal";
     case npe_c:
-      return "a network learns the posterior, over any number of rounds";
+      return "a network learns the posterior; later rounds simulate draws of the posterior";
     case nle:
       return "a network learns the likelihood, which a sampler makes a posterior of";
     case nre_a:

@@ -280,7 +280,7 @@ void describe(Layout f, std::vector<inference::Marginal>& prior) {
 }
 
 void describe(Layout f, RowCounts& rows) {
-  f.attribute("num_simulations", rows.used, "rows of all rounds that were used");
+  f.attribute("num_simulations", rows.used, "rows of all rounds that have not failed");
   f.attribute("num_failed", rows.failed, "those that failed: left out, or of likelihood 0");
 }
 

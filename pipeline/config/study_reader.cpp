@@ -61,7 +61,7 @@ void resolve_networks(MethodConfig& method, std::size_t i, const Reading& readin
   if (has_one && !reading.has(key)) method.density_estimator.num_networks = 1;
 }
 
-// The algorithm of a method that names none has one round; NPE-C is meant by what it alone has.
+// NPE-C is meant by what it alone has.
 void resolve_algorithm(MethodConfig& method, std::size_t i, const Reading& reading) {
   constexpr auto npe_c = inference::Algorithm::npe_c;
   const std::string path = "method[" + std::to_string(i) + "].";
@@ -69,7 +69,7 @@ void resolve_algorithm(MethodConfig& method, std::size_t i, const Reading& readi
   const auto settings = split(std::string(inference::traits_of(npe_c).settings), ' ');
   const bool has_setting = std::ranges::any_of(
       settings, [&](const std::string& setting) { return reading.has(path + setting); });
-  if (method.algorithm.num_rounds > 1 || has_setting) method.algorithm.kind = npe_c;
+  if (has_setting) method.algorithm.kind = npe_c;
 }
 
 // A network sees principal components of all steps where nothing else is said, some for each

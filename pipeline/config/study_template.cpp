@@ -138,6 +138,7 @@ learning_rate = 1e-3
 
 [[method]]
 name = "NPDR (MoG)"
+algorithm = "npe_c"
 num_rounds = 2
 num_simulations = 500
 embedding = { kind = "bayessim" }

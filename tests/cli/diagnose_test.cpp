@@ -11,7 +11,7 @@ std::string diagnosed_study() {
   return pendulum_study("checked")
       .with("target", {"truth = { pole_mass = 1.2 }"})
       .with("observation_noise", {"scale = 0.2"})
-      .method("NPE", {"num_rounds = 2", "num_simulations = 150",
+      .method("NPE", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 150",
                       "embedding = { kind = \"all_steps\", downsample = 50 }", kSmallMixture,
                       "training = { max_epochs = 20 }"})
       .method("NRE", {"algorithm = \"nre_b\"", "num_simulations = 150",

@@ -125,13 +125,13 @@ inline StudyText small_study() {
       .with("study", {"seeds = [1]"})
       .with("target", {"num_rollouts = 2"})
       .with("observation_noise", {"scale = 0.1"})
-      .method("NPDR (MAF)", {"num_rounds = 2", "num_simulations = 150",
+      .method("NPDR (MAF)", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 150",
                              "embedding = { kind = \"linear\", features = 8, downsample = 20, "
                              "principal_components = 12 }",
                              kSmallFlow, "training = { max_epochs = 30 }"})
-      .method("NPDR (MoG)",
-              {"num_rounds = 2", "num_simulations = 150", "embedding = { kind = \"bayessim\" }",
-               kSmallMixture, "training = { max_epochs = 30 }"})
+      .method("NPDR (MoG)", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 150",
+                             "embedding = { kind = \"bayessim\" }", kSmallMixture,
+                             "training = { max_epochs = 30 }"})
       .with("evaluate", {"num_samples = 50"});
 }
 
@@ -139,7 +139,7 @@ inline StudyText small_study() {
 inline StudyText small_minigolf_study() {
   return minigolf_study("small")
       .with("observation_noise", {"scale = 0.01"})
-      .method("NPDR (MAF)", {"num_rounds = 2", "num_simulations = 100",
+      .method("NPDR (MAF)", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 100",
                              "embedding = { kind = \"linear\", features = 8, downsample = 20 }",
                              kSmallFlow, "training = { max_epochs = 20 }"})
       .with("evaluate",

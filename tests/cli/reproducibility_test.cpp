@@ -38,17 +38,18 @@ TEST_F(Reproducibility, SameBitsOfAPool) {
   std::ofstream(folder_.path() / "small.toml")
       << pendulum_study("small")
              .with("observation_noise", {"scale = 0.1"})
-             .method("NPE and NLE", {"algorithm = \"npe_nle\"", "num_simulations = 150",
-                                     "embedding = { kind = \"all_steps\", downsample = 20, "
-                                     "principal_components = 4 }",
-                                     kSmallFlow, "training = { max_epochs = 30 }"})
+             .method("NPE and NLE",
+                     {"algorithm = \"npe_nle\"", "num_rounds = 2", "num_simulations = 150",
+                      "embedding = { kind = \"all_steps\", downsample = 20, "
+                      "principal_components = 4 }",
+                      kSmallFlow, "training = { max_epochs = 30 }"})
              .with("evaluate", {"num_samples = 600"});
   setenv("OMP_NUM_THREADS", "1", 1);
   const auto reference = digests_of("one", {"--jobs", "1"});
   setenv("OMP_NUM_THREADS", "3", 1);
   const auto threads = digests_of("three", {"--jobs", "3", "--set", "simulate.shard_size=37"});
   unsetenv("OMP_NUM_THREADS");
-  EXPECT_EQ(reference.size(), 6u);  // target, baseline, and four of the method
+  EXPECT_EQ(reference.size(), 9u);  // target, baseline, and 2 x 3 + 1 of the method
   EXPECT_EQ(threads, reference);
 }
 

@@ -12,8 +12,8 @@ std::string slow_study() {
       .only("target", {"truth = { a = 0.4, b = 0.7 }"})
       .with("simulator", {"features = [\"sum\", \"difference\"]", "retries = 0"})
       .with("simulate", {"shard_size = 40"})
-      .method("NPE", {"num_rounds = 2", "num_simulations = 160", kSmallFlow,
-                      "training = { max_epochs = 30 }"})
+      .method("NPE", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 160",
+                      kSmallFlow, "training = { max_epochs = 30 }"})
       .with("evaluate", {"num_samples = 50"})
       .with("cluster", {"setup = [\"[ ! -e bad-disk ] || [ \\\"$SLURM_ARRAY_TASK_ID\\\" != 2 ] "
                         "|| export NPDR_SCRATCH=/proc/no\"]"});

@@ -19,10 +19,10 @@ inline std::string fault_study() {
       .with("simulator", {"store_every = 20"})
       .with("observation_noise", {"scale = 0.1"})
       .with("simulate", {"shard_size = 64"})
-      .method("MAF", {"num_rounds = 2", "num_simulations = 200", embedding, kSmallFlow,
-                      "training = { max_epochs = 300, stop_after_epochs = 300 }"})
-      .method("MoG", {"num_rounds = 2", "num_simulations = 200", embedding, kSmallMixture,
-                      "training = { max_epochs = 40 }"})
+      .method("MAF", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 200", embedding,
+                      kSmallFlow, "training = { max_epochs = 300, stop_after_epochs = 300 }"})
+      .method("MoG", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 200", embedding,
+                      kSmallMixture, "training = { max_epochs = 40 }"})
       .method("ABC", {"algorithm = \"abc_smc\"", "num_rounds = 2", "num_simulations = 200",
                       "abc = { quantile = 0.2, smooth = true, distance = \"rmse\" }"})
       .method("Refined", {"algorithm = \"refine\"",

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "core/error.h"
@@ -179,7 +180,13 @@ class PoolPowersOf : public ::testing::Test {
     parts_ = estimate_posterior(config_, data_, kTraining, states, never_stop)->parts();
   }
 
-  PoolPowers powers() const { return pool_powers(*parts_, data_, kTraining); }
+  // By the rows that have trained nothing.
+  PoolPowers powers() const {
+    const Index count = num_judging_rows(data_.theta.rows());
+    std::vector<std::uint32_t> rows(static_cast<std::size_t>(count));
+    std::iota(rows.begin(), rows.end(), static_cast<std::uint32_t>(data_.theta.rows() - count));
+    return pool_powers(*parts_, data_, rows, kTraining);
+  }
 
   static constexpr StreamId kTraining{1, "training", 1, 0, 0};
   const LinearGaussian task_{2};

@@ -22,7 +22,7 @@ std::string two_seeds() {
   return pendulum_study("small")
       .with("study", {"seeds = [1, 2]"})
       .with("simulate", {"shard_size = 50"})
-      .method("NPE", {"num_rounds = 2", "num_simulations = 200"});
+      .method("NPE", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 200"});
 }
 
 class Jobs : public testing::Test {

@@ -139,16 +139,14 @@ TEST(StudyReader, PopulationsOfSmcAreHalvedUnlessAStudySaysOtherwise) {
   EXPECT_EQ(quantile("algorithm = 'abc_rejection'\nnum_rounds = 1"), 0.1);
 }
 
-TEST(StudyReader, TheAlgorithmFollowsFromRoundsAndSettingsUnlessAStudySaysIt) {
+TEST(StudyReader, TheAlgorithmFollowsFromSettingsUnlessAStudySaysIt) {
   using inference::Algorithm;
   const auto algorithm = [](const std::string& method) {
     return parse_study(edited(kStudyText, kMaf, method), "s.toml", {}).methods[0].algorithm.kind;
   };
   EXPECT_EQ(algorithm(kMaf), Algorithm::npe_nle);
-  EXPECT_EQ(algorithm("num_rounds = 2"), Algorithm::npe_c);
+  EXPECT_EQ(algorithm("num_rounds = 2"), Algorithm::npe_nle);
   EXPECT_EQ(algorithm("num_atoms = 5"), Algorithm::npe_c);
-  EXPECT_TRUE(says(problems_after(kMaf, "algorithm = 'npe_nle'\nnum_rounds = 2"),
-                   {"s.toml:18:14: method.num_rounds = 2", "must be 1 with algorithm 'npe_nle'"}));
 }
 
 TEST(MethodProblems, MethodsWithoutANetworkHaveKeysOfTheirOwn) {

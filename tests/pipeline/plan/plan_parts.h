@@ -40,8 +40,8 @@ inline StudyText two_methods() {
       .with("target", {"truth = {}"})
       .with("simulator", {"name = \"pendulum\""})
       .with("prior", {"pole_mass = { uniform = [0.3, 1.7] }"})
-      .method("A",
-              {"num_rounds = 2", "num_simulations = 100", "embedding = { kind = \"bayessim\" }"})
+      .method("A", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 100",
+                    "embedding = { kind = \"bayessim\" }"})
       .method("B", {"num_simulations = 100", "embedding = { kind = \"bayessim\" }",
                     "density_estimator = { kind = \"mdn\" }"});
 }

@@ -59,7 +59,8 @@ TEST(Plan, MethodsShareTheFirstRoundsSimulations) {
 }
 
 TEST(Plan, WhatMethodsShareIsListedOnceInTheReportsNeeds) {
-  const Plan plan = plan_of({"method.A.num_rounds=1", "method.A.density_estimator={kind='mdn'}"});
+  const Plan plan = plan_of({"method.A.num_rounds=1", "method.A.algorithm=npe_nle",
+                             "method.A.density_estimator={kind='mdn'}"});
   EXPECT_EQ(&plan.node(Stage::evaluate, {"A", 1, 1}), &plan.node(Stage::evaluate, {"B", 1, 1}));
   const Node& report = plan.node(Stage::report, {});
   EXPECT_EQ(plan.inputs(report, Stage::evaluate).size(), 2u);  // one per seed

@@ -130,7 +130,7 @@ TEST(Plan, SaysWhereAStudyDoesntFitItsRecording) {
                                            {"target.recording=" + (folder / "r.h5").string()}),
                                WorkFolder("runs"));
                    }),
-                   {"two.toml:22:28: method.embedding.downsample = 30", "must be <= 20"}));
+                   {"two.toml:23:28: method.embedding.downsample = 30", "must be <= 20"}));
 }
 
 }  // namespace

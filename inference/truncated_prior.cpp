@@ -1,0 +1,168 @@
+#include "inference/truncated_prior.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/error.h"
+#include "inference/samplers/group_moves.h"
+#include "inference/samplers/resampler.h"
+#include "inference/standard_normal.h"
+#include "inference/weighted_moments.h"
+
+namespace npdr::inference {
+namespace {
+
+constexpr double kOutside = 1e-4;          // share of the posterior's mass
+constexpr Index kSupportSamples = 10'000;  // that tell where it is
+constexpr Index kGroup = 500;              // draws that are made together
+constexpr double kEnough = 2.0 * kGroup;   // effective candidates of a group
+constexpr Index kMostBatches = 16;         // of kGroup candidates of each kind
+constexpr std::uint64_t kRowsOfOne = 64;   // random ones for each draw: an ensemble takes more
+constexpr Index kMoves = 50;               // where those weren't enough
+constexpr double kWidth = 2.0;             // of the Gaussian, in the posterior's deviations
+constexpr double kLeastDeviation = 1e-6;   // of it
+
+// Of u, in every direction `kWidth` times as wide as the samples.
+GaussianMixture wide_gaussian(const RowMatrix& u) {
+  const Vector equal = Vector::Ones(u.rows());
+  const Index dimension = u.cols();
+  const Eigen::MatrixXd covariance =
+      kWidth * kWidth * weighted_covariance(u, equal) +
+      kLeastDeviation * kLeastDeviation * Eigen::MatrixXd::Identity(dimension, dimension);
+  const Eigen::MatrixXd precision =
+      covariance.llt().solve(Eigen::MatrixXd::Identity(dimension, dimension));
+  return {.log_weights = Vector::Zero(1),
+          .means = {weighted_mean(u, equal)},
+          .precision_factors = {precision.llt().matrixU()}};
+}
+
+// log (1 + e^a + e^b) of each.
+Vector log_of_sum(const Vector& a, const Vector& b) {
+  const Vector most = a.cwiseMax(b).cwiseMax(0.0);
+  return most.array() +
+         ((-most.array()).exp() + (a - most).array().exp() + (b - most).array().exp()).log();
+}
+
+}  // namespace
+
+// Draws of the mixture of prior, posterior and Gaussian, (n, D), and log p~ over that, but for a
+// constant.
+struct TruncatedPrior::Candidates {
+  RowMatrix u;
+  Vector log_weights;
+
+  void append(const RowMatrix& more, const Vector& their_log_weights) {
+    u.conservativeResize(u.rows() + more.rows(), more.cols());
+    u.bottomRows(more.rows()) = more;
+    log_weights.conservativeResize(u.rows());
+    log_weights.tail(more.rows()) = their_log_weights;
+  }
+  // The largest 1.
+  Vector weights() const { return (log_weights.array() - log_weights.maxCoeff()).exp(); }
+  // For draws of which no two are the same.
+  bool are_enough() const {
+    if (log_weights.size() == 0 || !std::isfinite(log_weights.maxCoeff())) return false;
+    const Vector w = weights();
+    return effective_size(w) >= kEnough && w.sum() >= static_cast<double>(kGroup);
+  }
+};
+
+TruncatedPrior::TruncatedPrior(const NetworkPosterior& posterior)
+    : posterior_(posterior), near_(posterior.importance_proposal()) {
+  const StreamId id{posterior.parts().structure_seed, "truncation", 0, 0, 0};
+  const RowMatrix theta = posterior.sample(kSupportSamples, id);
+  Vector ratio = log_ratio(theta);
+  const auto place = static_cast<Index>(kOutside * static_cast<double>(kSupportSamples));
+  std::nth_element(ratio.begin(), ratio.begin() + place, ratio.end());
+  threshold_ = ratio(place);
+  around_ = wide_gaussian(posterior.prior().to_normal(theta));
+}
+
+// log p(u | x_o) / p(u) but for a constant, (n); -infinity where there is no such density.
+Vector TruncatedPrior::log_ratio(const RowMatrix& theta) const {
+  const Vector ratio = posterior_.relative_log_prob(theta) - posterior_.prior().log_prob(theta);
+  return ratio.array().isFinite().select(ratio, -HUGE_VAL);
+}
+
+std::vector<std::uint32_t> TruncatedPrior::rows_within(const RowMatrix& theta) const {
+  const Vector ratio = log_ratio(theta);
+  std::vector<std::uint32_t> rows;
+  for (Index i = 0; i < ratio.size(); ++i) {
+    if (ratio(i) >= threshold_) rows.push_back(static_cast<std::uint32_t>(i));
+  }
+  return rows;
+}
+
+// `values` (n) where u lies within the region, elsewhere -infinity.
+Vector TruncatedPrior::inside(const RowMatrix& theta, const Vector& values) const {
+  return (log_ratio(theta).array() >= threshold_).select(values, -HUGE_VAL);
+}
+
+TruncatedPrior::Candidates TruncatedPrior::draw_candidates(StreamId id) const {
+  const Prior& prior = posterior_.prior();
+  Candidates all{.u = RowMatrix(0, prior.dimension()), .log_weights = {}};
+  id.row *= kRowsOfOne;
+  for (Index batch = 0; batch < kMostBatches && !all.are_enough(); ++batch, ++id.epoch) {
+    RowMatrix u(3 * kGroup, prior.dimension());
+    u.topRows(kGroup) = draw_standard_normal(kGroup, prior.dimension(), within(id, "prior"));
+    u.middleRows(kGroup, kGroup) = around_.sample(kGroup, within(id, "around"));
+    u.bottomRows(kGroup) = prior.to_normal(near_.sample(kGroup, within(id, "posterior")));
+    const RowMatrix theta = prior.to_theta(u);
+    const Vector near = near_.log_prob(theta) - prior.log_prob(theta);
+    const Vector gaussian = around_.log_prob(u) - log_standard_normal(u);
+    const Vector log_weights = -log_of_sum(near, gaussian);
+    all.append(u, inside(theta, log_weights.array().isFinite().select(log_weights, -HUGE_VAL)));
+  }
+  return all;
+}
+
+// Steps are in the deviations of the Gaussian around the region, however small that is.
+void TruncatedPrior::move(RowMatrix& u, Stream& stream) const {
+  const Vector& mean = around_.means.front();
+  const Eigen::MatrixXd& factor = around_.precision_factors.front();
+  RowMatrix scaled = (u.rowwise() - mean.transpose()) * factor.transpose();
+  const auto unscaled = [&](const RowMatrix& at) -> RowMatrix {
+    const Eigen::MatrixXd steps = factor.triangularView<Eigen::Upper>().solve(at.transpose());
+    return (steps.colwise() + mean).transpose();
+  };
+  const auto log_density = [&](const RowMatrix& at) -> Vector {
+    const RowMatrix there = unscaled(at);
+    return inside(posterior_.prior().to_theta(there), log_standard_normal(there));
+  };
+  move_group(scaled, log_density, kMoves, stream);
+  u = unscaled(scaled);
+}
+
+RowMatrix TruncatedPrior::draw_group(const StreamId& id) const {
+  const Prior& prior = posterior_.prior();
+  const Candidates candidates = draw_candidates(id);
+  if (!std::isfinite(candidates.log_weights.maxCoeff())) {
+    throw Error("proposal: of " + std::to_string(candidates.log_weights.size()) +
+                " candidates none lies where the last round's posterior is");
+  }
+  Stream stream(within(id, "resampling"));
+  const std::vector<Index> rows =
+      Resampler(candidates.weights()).systematic(kGroup, stream.uniform());
+  RowMatrix u(kGroup, prior.dimension());
+  Index place = 0;
+  for (const std::uint32_t i : stream.permutation(kGroup)) {
+    u.row(place++) = candidates.u.row(rows[i]);
+  }
+  if (!candidates.are_enough()) move(u, stream);
+  return prior.to_theta(u);
+}
+
+RowMatrix TruncatedPrior::sample(Index n, const StreamId& id) const {
+  RowMatrix theta(n, posterior_.prior().dimension());
+  for (Index first = 0; first < n; first += kGroup) {
+    StreamId of_group = id;
+    of_group.row += static_cast<std::uint64_t>(first);
+    const Index rows = std::min(kGroup, n - first);
+    theta.middleRows(first, rows) = draw_group(of_group).topRows(rows);
+  }
+  return theta;
+}
+
+}  // namespace npdr::inference
