@@ -279,7 +279,7 @@ TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
   const std::string text = edited(text_of(cluster_->folder() / "slow.toml"), "max_epochs = 30",
                                   "max_epochs = 15000, stop_after_epochs = 15000");
   write_text_file(cluster_->folder() / "slow.toml",
-                  edited(text, "num_rounds = 2", "algorithm = \"npe_c\"\nnum_rounds = 1"));
+                  edited(text, "num_rounds = 2", "num_rounds = 1"));
   const Outcome submitted = npdr({"submit", "slow.toml"});
   ASSERT_EQ(submitted.status, 0) << submitted.err;
   const std::string task = wait_for_inference("slow");
