@@ -84,40 +84,35 @@ std::vector<std::uint32_t> take_judging_rows(std::vector<std::uint32_t>& rows,
   return judging;
 }
 
-// Networks that are trained together, and those of the last round that they begin as.
-struct Ensemble {
-  NetworkParts parts;
-  std::optional<NetworkParts> previous = {};
-};
-
 // What is trained: the networks of the algorithm's role, and for "npe_nle" those of the likelihood.
-std::vector<Ensemble> untrained_ensembles(const PosteriorEstimationConfig& config,
-                                          const RoundData& data, const StreamId& id) {
-  std::vector<Ensemble> ensembles = {{untrained_parts(config, data, id)}};
-  NetworkParts& parts = ensembles.front().parts;
-  const NetworkParts* previous =
-      data.posteriors.empty() ? nullptr : &data.posteriors.back()->parts();
-  if (previous) ensembles.front().previous = posterior_parts(*previous);
+std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& config,
+                                              const RoundData& data, const StreamId& id) {
+  std::vector<NetworkParts> ensembles = {untrained_parts(config, data, id)};
+  NetworkParts& parts = ensembles.front();
   if (config.algorithm.kind != Algorithm::npe_nle || num_varying_outputs(parts.transform) == 0) {
     return ensembles;
   }
-  parts.likelihood = previous ? previous->likelihood
-                              : untrained_likelihood(config, without_judging_rows(data), parts);
-  Ensemble likelihood{likelihood_parts(parts)};
-  if (previous) likelihood.previous = likelihood_parts(*previous);
-  ensembles.push_back(std::move(likelihood));
+  parts.likelihood = data.posteriors.empty()
+                         ? untrained_likelihood(config, without_judging_rows(data), parts)
+                         : data.posteriors.back()->parts().likelihood;
+  ensembles.push_back(likelihood_parts(parts));
   return ensembles;
 }
 
-// `previous`: the networks of the last round.
+// The network of the last round that network m of `all` begins as; all rounds have the same ones.
+NetworkParts previous_network(const NetworkParts& all, const RoundData& data, Index m) {
+  const NetworkParts& last = data.posteriors.back()->parts();
+  const bool is_of_pool = last.likelihood && all.role == NetworkRole::likelihood;
+  return network_of(is_of_pool ? likelihood_parts(last) : posterior_parts(last), m);
+}
+
 Parameters<float> first_weights(const PosteriorEstimationConfig& config, const RoundTask& task,
-                                const EstimatorConfig& estimator,
-                                const std::optional<NetworkParts>& previous, Index m,
+                                const NetworkParts& all, const RoundData& data, Index m,
                                 const StreamId& id) {
-  if (!previous) return task.initial_parameters(named(id, "initial_weights"));
-  const NetworkParts network = network_of(*previous, m);
-  if (network.estimator.num_components == estimator.num_components) return network.parameters;
-  return grow_components(network, estimator, config.algorithm.component_perturbation,
+  if (data.posteriors.empty()) return task.initial_parameters(named(id, "initial_weights"));
+  const NetworkParts previous = previous_network(all, data, m);
+  if (previous.estimator.num_components == all.estimator.num_components) return previous.parameters;
+  return grow_components(previous, all.estimator, config.algorithm.component_perturbation,
                          named(id, "component_growth"));
 }
 
@@ -140,16 +135,16 @@ Parameters<float> best_weights(const std::vector<TrainingState>& states, Index f
 // Network m of the ensemble; false when the hook stopped it.
 bool train_network(const PosteriorEstimationConfig& config, const RoundData& data,
                    const std::vector<std::uint32_t>& rows, const VectorF& row_weights,
-                   const Ensemble& all, Index m, StreamId id, TrainingState& state,
+                   const NetworkParts& all, Index m, StreamId id, TrainingState& state,
                    const EpochHook& hook) {
   ValidationFold fold{id.seed, m};
   // NPE-A learns from rows that no round has seen.
   if (config.algorithm.kind != Algorithm::npe_a) fold.rows = rows;
-  const NetworkParts parts = network_of(all.parts, m);
+  const NetworkParts parts = network_of(all, m);
   id.seed = seed_of_network(id.seed, m);
   const auto task = make_round_task(config, data, rows, row_weights, parts, id);
   if (state.epoch == 0 && state.parameters.size() == 0) {
-    state.parameters = first_weights(config, *task, parts.estimator, all.previous, m, id);
+    state.parameters = first_weights(config, *task, all, data, m, id);
   }
   require_weights(*task, state);
   bool stopped = false;
@@ -169,7 +164,7 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
                                                      std::vector<TrainingState>& states,
                                                      const NetworkHook& hook) {
   check_estimator(config.algorithm.kind, config.estimator);
-  std::vector<Ensemble> ensembles = untrained_ensembles(config, data, id);
+  std::vector<NetworkParts> ensembles = untrained_ensembles(config, data, id);
   const Index networks = config.estimator.num_networks;
   states.resize(ensembles.size() * static_cast<std::size_t>(networks));
   const bool are_pooled = ensembles.size() > 1;
@@ -185,7 +180,7 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
       return hook(k, state) && !halted;
     };
     try {
-      const Ensemble& ensemble = ensembles[static_cast<std::size_t>(k / networks)];
+      const NetworkParts& ensemble = ensembles[static_cast<std::size_t>(k / networks)];
       const bool ended = train_network(config, data, rows, weights_of_rows, ensemble, k % networks,
                                        id, states[static_cast<std::size_t>(k)], hook_of_network);
       if (!ended) halted = true;
@@ -195,7 +190,7 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
     }
   });
   if (halted) return nullptr;
-  NetworkParts& parts = ensembles.front().parts;
+  NetworkParts& parts = ensembles.front();
   parts.parameters = best_weights(states, 0, networks);
   if (are_pooled) {
     parts.likelihood->parameters = best_weights(states, networks, networks);

@@ -61,7 +61,7 @@ void resolve_networks(MethodConfig& method, std::size_t i, const Reading& readin
   if (has_one && !reading.has(key)) method.density_estimator.num_networks = 1;
 }
 
-// NPE-C is meant by what it alone has.
+// A method that names no algorithm means NPE-C by what that alone has.
 void resolve_algorithm(MethodConfig& method, std::size_t i, const Reading& reading) {
   constexpr auto npe_c = inference::Algorithm::npe_c;
   const std::string path = "method[" + std::to_string(i) + "].";

@@ -96,36 +96,12 @@ TEST(NpeNle, FindsTheLinearGaussianPosteriorOverRounds) {
   expect_linear_gaussian(small_config(Algorithm::npe_nle, EstimatorKind::maf, 3, 1500));
 }
 
-TEST(NpeNle, GoesOnFromStatesWithTheSameBits) {
-  const LinearGaussian task(2);
-  const Prior prior = task.prior();
-  PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 200);
-  c.estimator.num_networks = 2;
-  c.training.max_epochs = 60;
-  RoundData data{.prior = &prior,
-                 .x = nullptr,
-                 .theta = sample_prior(prior, 200, 1),
-                 .round = std::vector<std::uint32_t>(200, 1),
-                 .x_o = VectorF::Ones(2),
-                 .posteriors = {}};
-  RowMatrixF x = simulate(task.simulator(), data.theta, 1, 1);
-  const MatrixFeatures source(x);
-  data.x = &source;
-  // In the second round, whose networks begin as those of the first.
-  std::vector<TrainingState> first, all, states(4);
-  data.posteriors = {estimate_posterior(c, data, {1, "training", 1, 0, 0}, first, never_stop)};
-  data.theta.conservativeResize(400, Eigen::NoChange);
-  data.theta.bottomRows(200) = propose(c, *data.posteriors.back(), 200, {1, "proposal", 2, 0, 0});
-  data.round.resize(400, 2);
-  x = simulate(task.simulator(), data.theta, 1, 1);
-  const StreamId id{1, "training", 2, 0, 0};
-  c.training.max_epochs = 6;
-  const std::size_t num_learned = rows_to_learn(c, data).size();
-  EXPECT_GE(num_learned, 200u);
-  EXPECT_LT(num_learned, 400u);
+// Stopped after some epochs of one of the likelihood's networks.
+void expect_same_bits_after_a_stop(const PosteriorEstimationConfig& c, const RoundData& data,
+                                   const StreamId& id) {
+  std::vector<TrainingState> all, states(4);
   const auto whole = estimate_posterior(c, data, id, all, never_stop);
   ASSERT_EQ(all.size(), 4u);
-  // Stopped after some epochs of one of the likelihood's networks.
   const auto stopped = estimate_posterior(c, data, id, states, [&](Index k, const auto& state) {
     states[static_cast<std::size_t>(k)] = state;
     return k < 2 || state.epoch < 3;
@@ -135,6 +111,39 @@ TEST(NpeNle, GoesOnFromStatesWithTheSameBits) {
   EXPECT_EQ(resumed->parts().parameters, whole->parts().parameters);
   EXPECT_EQ(resumed->parts().likelihood->parameters, whole->parts().likelihood->parameters);
   EXPECT_EQ(resumed->parts().likelihood->powers, whole->parts().likelihood->powers);
+}
+
+TEST(NpeNle, GoesOnFromStatesWithTheSameBits) {
+  const LinearGaussian task(2);
+  const Prior prior = task.prior();
+  PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 200);
+  c.estimator.num_networks = 2;
+  c.training.max_epochs = 6;
+  RoundData data{.prior = &prior,
+                 .x = nullptr,
+                 .theta = sample_prior(prior, 200, 1),
+                 .round = std::vector<std::uint32_t>(200, 1),
+                 .x_o = VectorF::Ones(2),
+                 .posteriors = {}};
+  RowMatrixF x = simulate(task.simulator(), data.theta, 1, 1);
+  const MatrixFeatures source(x);
+  data.x = &source;
+  const StreamId first{1, "training", 1, 0, 0}, second{1, "training", 2, 0, 0};
+  expect_same_bits_after_a_stop(c, data, first);
+
+  // A second round, whose networks begin as those of a first one that has learned something.
+  PosteriorEstimationConfig longer = c;
+  longer.training.max_epochs = 60;
+  std::vector<TrainingState> states;
+  data.posteriors = {estimate_posterior(longer, data, first, states, never_stop)};
+  data.theta.conservativeResize(400, Eigen::NoChange);
+  data.theta.bottomRows(200) = propose(c, *data.posteriors.back(), 200, {1, "proposal", 2, 0, 0});
+  data.round.resize(400, 2);
+  x = simulate(task.simulator(), data.theta, 1, 1);
+  const std::size_t num_learned = rows_to_learn(c, data).size();
+  EXPECT_GE(num_learned, 200u);
+  EXPECT_LT(num_learned, 400u);
+  expect_same_bits_after_a_stop(c, data, second);
 }
 
 TEST(Nle, FindsTheLinearGaussianPosterior) {

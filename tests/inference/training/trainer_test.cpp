@@ -163,6 +163,23 @@ TEST(Trainer, NeverValidatesOnRowsThatAnEarlierRoundTrainedOn) {
     EXPECT_FALSE(second.trained.contains(row)) << row;
 }
 
+// Of those of the first round every third is left, which the second knows by their numbers.
+TEST(Trainer, RowsKeepTheirPartWhereOthersAreLeftOut) {
+  std::vector<std::uint32_t> left;
+  for (std::uint32_t row = 0; row < 2000; row += row < 1000 ? 3 : 1) left.push_back(row);
+  Watcher first(1000), second(std::ssize(left));
+  TrainingConfig c = config();
+  c.max_epochs = 30;
+  const auto go_on = [](const TrainingState&) { return true; };
+  TrainingState one = start(), two = start();
+  train(first, c, kId, {1, 0}, one, go_on);
+  train(second, c, kId, {1, 0, left}, two, go_on);
+  EXPECT_GT(second.validated.size(), 100u);
+  for (const std::uint32_t row : second.validated) {
+    EXPECT_FALSE(first.trained.contains(left[row])) << left[row];
+  }
+}
+
 TEST(Trainer, RejectsASplitThatLeavesNothingToValidate) {
   Line line;
   TrainingState state = start();
