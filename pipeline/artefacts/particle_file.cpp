@@ -65,7 +65,7 @@ void describe(Layout f, std::optional<RegressionCounts>& counts,
   (*group)("covariance", weights.covariance, {{"W", "weight"}, {"W", "weight"}}, "of the same");
 }
 
-inference::ParticleParts parts_over(const std::vector<inference::Marginal>& prior) {
+inference::ParticleParts particles_over(const std::vector<inference::Marginal>& prior) {
   return {.prior = inference::Prior(prior), .theta = {}, .weights = {}};
 }
 
@@ -76,7 +76,7 @@ inference::ParticleParts parts_over(const std::vector<inference::Marginal>& prio
 std::unique_ptr<inference::ParticlePosterior> read_posterior(const h5::File& file, Layout f) {
   std::vector<inference::Marginal> prior;
   describe(f, prior);
-  inference::ParticleParts parts = parts_over(prior);
+  inference::ParticleParts parts = particles_over(prior);
   describe(f, parts);
   try {
     return std::make_unique<inference::ParticlePosterior>(std::move(parts));
@@ -136,7 +136,8 @@ std::optional<RegressionCounts> read_regression_counts(const h5::File& file) {
 }
 
 void list_particles(Layout f) {
-  inference::ParticleParts parts = parts_over({{"", "", inference::Marginal::Kind::uniform, 0, 1}});
+  inference::ParticleParts parts =
+      particles_over({{"", "", inference::Marginal::Kind::uniform, 0, 1}});
   inference::AbcPopulation population;
   std::optional<RegressionCounts> counts;
   describe_algorithm(f, "");

@@ -61,7 +61,7 @@ void write_observation(h5::File& file, const Target& target) {
   describe(Layout::writer(file), target.rollouts.front().states.bottomRows(1), target);
 }
 
-void list_observation(Layout f) { describe(f, {}, {}); }
+void list_observation(Layout f) { describe(f, RowMatrix(), Target()); }
 
 Target read_target_artefact(const ArtefactFile& target) {
   const h5::File file = open_artefact(target, kTargetSchema);

@@ -11,7 +11,7 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Index kBlock = 256;
+constexpr Index kRowsAtOnce = 256;
 
 // The target at the times that a simulation stores: every `stride`-th state, whole strides only.
 Target thinned(const Target& target, Index stride) {
@@ -41,9 +41,9 @@ Vector metric_distances(const Plan& plan, const Node& node, const Target& target
   Vector distances(n);
   std::vector<float> block;
   Progress progress(node.label() + ", distances", n);
-  for (Index begin = 0; begin < n; begin += kBlock) {
+  for (Index begin = 0; begin < n; begin += kRowsAtOnce) {
     stop_here_if_requested();
-    const Index count = std::min(kBlock, n - begin);
+    const Index count = std::min(kRowsAtOnce, n - begin);
     block.resize(static_cast<std::size_t>(count * trajectories.row_size()));
     trajectories.read_rows<float>(begin, count, block);
     const analysis::TrajectoryView view{block, count, target.num_rollouts(), steps,

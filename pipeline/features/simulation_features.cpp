@@ -12,7 +12,7 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Index kBlock = 256;
+constexpr Index kBlockRows = 256;
 
 // All uses of a simulation are in the same round.
 std::uint32_t round_of(const Node& simulation) {
@@ -72,8 +72,8 @@ void SimulationFeatures::read_series(const std::vector<h5::File>& files) {
   for (std::size_t s = 0; s < files.size(); ++s) {
     const h5::Dataset values = simulated_values(files[s]);
     const Index width = values.row_size();
-    for (Index begin = 0; begin < values.num_rows(); begin += kBlock) {
-      const Index count = std::min(kBlock, values.num_rows() - begin);
+    for (Index begin = 0; begin < values.num_rows(); begin += kBlockRows) {
+      const Index count = std::min(kBlockRows, values.num_rows() - begin);
       block.resize(static_cast<std::size_t>(count * width));
       values.read_rows<float>(begin, count, block);
       for (; next < end_[s]; ++next) {

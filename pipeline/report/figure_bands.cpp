@@ -27,12 +27,13 @@ Vector curve_of(const EvaluatedRun& run, const Panel& panel) {
   return ((*scores).*panel.coverage).rowwise().mean();
 }
 
-bool exists(const ReportData& data) {
+bool has_band_figure(const ReportData& data) {
   return std::ranges::any_of(
       data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.seen.has_value(); });
 }
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_band_figure(const ReportData& data,
+                                        const std::filesystem::path& folder) {
   analysis::CoveragePlot plot{"bands", {}};
   const Eigen::Map<const Vector> levels(kBandLevels.data(), std::ssize(kBandLevels));
   for (const Panel& kind : kPanels) {
@@ -54,6 +55,6 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
 }  // namespace
 
 /// Coverage of predictive bands by their level, of the first seed.
-FigureEntry band_figure() { return {Section::fit, exists, make}; }
+FigureEntry band_figure() { return {Section::fit, has_band_figure, make_band_figure}; }
 
 }  // namespace npdr::pipeline

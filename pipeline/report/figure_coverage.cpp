@@ -10,18 +10,20 @@ namespace npdr::pipeline {
 namespace {
 
 // A check that measures coverage, and which regions it is the coverage of.
-struct Panel {
+struct CoverageCheck {
   Check check;
   const char* title;
   std::optional<CoverageResult> Diagnosis::*result;
 };
-constexpr Panel kPanels[] = {{Check::coverage, "highest density", &Diagnosis::coverage},
-                             {Check::tarp, "balls (TARP)", &Diagnosis::tarp}};
+constexpr CoverageCheck kCoverageChecks[] = {
+    {Check::coverage, "highest density", &Diagnosis::coverage},
+    {Check::tarp, "balls (TARP)", &Diagnosis::tarp}};
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_coverage_figure(const ReportData& data,
+                                            const std::filesystem::path& folder) {
   analysis::CoveragePlot plot;
   plot.name = "coverage";
-  for (const Panel& kind : kPanels) {
+  for (const CoverageCheck& kind : kCoverageChecks) {
     analysis::CoveragePanel panel{kind.title, {}};
     for (const std::string& method : drawn_methods_with(data, kind.check)) {
       const CoverageResult& result = *(first_diagnosis(data, method).*kind.result);
@@ -40,14 +42,17 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
               data.seeds.front(), left_out_methods(data.methods))};
 }
 
-bool exists(const ReportData& data) {
-  return std::ranges::any_of(
-      kPanels, [&](const Panel& panel) { return !drawn_methods_with(data, panel.check).empty(); });
+bool has_coverage_figure(const ReportData& data) {
+  return std::ranges::any_of(kCoverageChecks, [&](const CoverageCheck& panel) {
+    return !drawn_methods_with(data, panel.check).empty();
+  });
 }
 
 }  // namespace
 
 /// Coverage of credible regions by their level, of the first seed.
-FigureEntry coverage_figure() { return {Section::diagnostics, exists, make}; }
+FigureEntry coverage_figure() {
+  return {Section::diagnostics, has_coverage_figure, make_coverage_figure};
+}
 
 }  // namespace npdr::pipeline

@@ -14,7 +14,7 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Index kMostRows = 20;
+constexpr Index kMostFeatures = 20;
 constexpr double kFar = 6.0;  // [standard deviations] what is farther is drawn here
 
 // What a method predicts of each feature, relative to the observation, in units of the standard
@@ -58,11 +58,12 @@ std::vector<Index> worst_first(const std::vector<Surprise>& surprises) {
   std::vector<Index> order(static_cast<std::size_t>(worst.size()));
   std::iota(order.begin(), order.end(), Index{0});
   std::ranges::stable_sort(order, [&](Index a, Index b) { return worst(a) > worst(b); });
-  order.resize(std::min<std::size_t>(order.size(), kMostRows));
+  order.resize(std::min<std::size_t>(order.size(), kMostFeatures));
   return order;
 }
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_feature_figure(const ReportData& data,
+                                           const std::filesystem::path& folder) {
   const std::vector<std::string> methods = drawn_methods(data.methods);
   std::vector<Surprise> surprises;
   for (const std::string& method : methods) surprises.push_back(surprise_of(data, method));
@@ -87,7 +88,8 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
                          analysis::LegendMark::diamond, analysis::kTruthColor});
   const Index count = data.target.num_states();
   const std::string which =
-      count > kMostRows ? fmt::format("the {} that surprise most of {}", kMostRows, count) : "all";
+      count > kMostFeatures ? fmt::format("the {} that surprise most of {}", kMostFeatures, count)
+                            : "all";
   return {analysis::write_interval_plot(plot, folder).svg,
           fmt::format("Features, {}, the greatest surprise first: median, 50 % (thick) and 90 % "
                       "interval of the posterior predictive distribution, all seeds, relative to "
@@ -98,6 +100,6 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
 }  // namespace
 
 /// Where the observed features lie among the predicted ones.
-FigureEntry feature_figure() { return {Section::fit, predicts_features, make}; }
+FigureEntry feature_figure() { return {Section::fit, predicts_features, make_feature_figure}; }
 
 }  // namespace npdr::pipeline

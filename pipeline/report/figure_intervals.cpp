@@ -72,7 +72,8 @@ std::string note_on_periods(const ReportData& data) {
   return has_any ? " Of a periodic parameter, up to the border of its range." : "";
 }
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_interval_figure(const ReportData& data,
+                                            const std::filesystem::path& folder) {
   analysis::IntervalPlot plot = plot_of(data);
   const std::filesystem::path svg = analysis::write_interval_plot(plot, folder).svg;
   plot.name += "_narrow";
@@ -88,6 +89,8 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
 }  // namespace
 
 /// Credible intervals of each method's posterior within the prior.
-FigureEntry interval_figure() { return {Section::posteriors, has_posteriors, make}; }
+FigureEntry interval_figure() {
+  return {Section::posteriors, has_posteriors, make_interval_figure};
+}
 
 }  // namespace npdr::pipeline

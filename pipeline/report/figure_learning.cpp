@@ -51,7 +51,8 @@ analysis::Curve curve_of(const ReportData& data, const std::string& method) {
   return analysis::curve_of(method, x, experiments);
 }
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_learning_figure(const ReportData& data,
+                                            const std::filesystem::path& folder) {
   analysis::CurvePlot plot{"policy_learning", "search iteration", "mean return", {}};
   for (const std::string& method : drawn_methods(data.policy_methods())) {
     plot.curves.push_back(curve_of(data, method));
@@ -66,6 +67,6 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
 }  // namespace
 
 /// Learning curves of the searches for policies.
-FigureEntry learning_figure() { return {Section::policies, has_policies, make}; }
+FigureEntry learning_figure() { return {Section::policies, has_policies, make_learning_figure}; }
 
 }  // namespace npdr::pipeline

@@ -49,7 +49,8 @@ analysis::PairParameter axis_of(const analysis::PairPlot& plot, const inference:
   return {label, m.unit, lower, upper};
 }
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_pair_figure(const ReportData& data,
+                                        const std::filesystem::path& folder) {
   analysis::PairPlot plot;
   plot.name = "pair_plot";
   for (const std::string& method : drawn_methods(data.methods)) {
@@ -78,6 +79,6 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
 }  // namespace
 
 /// Pair plot of the first seed's posterior samples of each method.
-FigureEntry pair_figure() { return {Section::samples, has_posteriors, make}; }
+FigureEntry pair_figure() { return {Section::samples, has_posteriors, make_pair_figure}; }
 
 }  // namespace npdr::pipeline

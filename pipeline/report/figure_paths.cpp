@@ -45,7 +45,8 @@ std::vector<RowMatrix> fixed_outlines(const ReportData& data) {
   return fixed;
 }
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_path_figure(const ReportData& data,
+                                        const std::filesystem::path& folder) {
   const Predictor predictor(data.plan, data.target, "");
   const auto simulator = sim::make_simulator(data.plan.study.simulator);
   analysis::PathPlot plot;
@@ -66,7 +67,7 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
                       kDrawnSamples, data.seeds.front(), left_out_methods(data.methods))};
 }
 
-bool exists(const ReportData& data) {
+bool has_path_figure(const ReportData& data) {
   return has_posteriors(data) && data.plan.study.source().is_built_in &&
          !fixed_outlines(data).empty();
 }
@@ -75,6 +76,6 @@ bool exists(const ReportData& data) {
 
 /// Paths and shapes of a system that moves on a plane, seen from above: at posterior samples of the
 /// first seed, against the target and the held-out rollouts.
-FigureEntry path_figure() { return {Section::fit, exists, make}; }
+FigureEntry path_figure() { return {Section::fit, has_path_figure, make_path_figure}; }
 
 }  // namespace npdr::pipeline

@@ -23,7 +23,7 @@ std::vector<std::string> methods_of(const ReportData& data) {
   return methods;
 }
 
-bool exists(const ReportData& data) { return !methods_of(data).empty(); }
+bool has_power_figure(const ReportData& data) { return !methods_of(data).empty(); }
 
 // Means over rollouts, with a standard error to either side.
 analysis::Curve curve_of(const std::string& method, const PowerScores& scores) {
@@ -33,7 +33,8 @@ analysis::Curve curve_of(const std::string& method, const PowerScores& scores) {
   return {method, scores.power.array().log10(), mean, mean - error, mean + error};
 }
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_power_figure(const ReportData& data,
+                                         const std::filesystem::path& folder) {
   analysis::CurvePlot plot{"powers", "log10 of the power", "CRPS with noise", {}};
   std::vector<std::string> taken;
   const std::vector<std::string> methods = methods_of(data), drawn = drawn_methods(methods);
@@ -55,6 +56,6 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
 }  // namespace
 
 /// Scores of the powers of the likelihood that refinements chose from, of the first seed.
-FigureEntry power_figure() { return {Section::diagnostics, exists, make}; }
+FigureEntry power_figure() { return {Section::diagnostics, has_power_figure, make_power_figure}; }
 
 }  // namespace npdr::pipeline

@@ -7,7 +7,8 @@
 namespace npdr::pipeline {
 namespace {
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_rank_figure(const ReportData& data,
+                                        const std::filesystem::path& folder) {
   analysis::RankPlot plot;
   plot.name = "sbc_ranks";
   for (const inference::Marginal& m : data.plan.study.prior) plot.parameters.push_back(m.name);
@@ -31,11 +32,13 @@ analysis::ReportFigure make(const ReportData& data, const std::filesystem::path&
                       data.seeds.front(), left_out_methods(data.methods))};
 }
 
-bool exists(const ReportData& data) { return !drawn_methods_with(data, Check::sbc).empty(); }
+bool has_rank_figure(const ReportData& data) {
+  return !drawn_methods_with(data, Check::sbc).empty();
+}
 
 }  // namespace
 
 /// Histograms of simulation-based calibration's ranks, of the first seed.
-FigureEntry rank_figure() { return {Section::diagnostics, exists, make}; }
+FigureEntry rank_figure() { return {Section::diagnostics, has_rank_figure, make_rank_figure}; }
 
 }  // namespace npdr::pipeline

@@ -20,13 +20,16 @@ analysis::ReportFigure draw(const ReportData& data, const std::filesystem::path&
                       data.seeds.front(), left_out_methods(data.methods))};
 }
 
-bool exists(const ReportData& data) {
+bool has_trajectory_figure(const ReportData& data) {
   return has_posteriors(data) && data.plan.study.source().gives_motion;
 }
 
-bool exists_held_out(const ReportData& data) { return exists(data) && data.held_out.has_value(); }
+bool has_held_out_figure(const ReportData& data) {
+  return has_trajectory_figure(data) && data.held_out.has_value();
+}
 
-analysis::ReportFigure make(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_trajectory_figure(const ReportData& data,
+                                              const std::filesystem::path& folder) {
   return draw(data, folder, "trajectories", "", data.target, &Evaluation::bands);
 }
 
@@ -39,9 +42,11 @@ analysis::ReportFigure make_held_out(const ReportData& data, const std::filesyst
 }  // namespace
 
 /// Recorded and predicted trajectories of the first seed.
-FigureEntry trajectory_figure() { return {Section::fit, exists, make}; }
+FigureEntry trajectory_figure() {
+  return {Section::fit, has_trajectory_figure, make_trajectory_figure};
+}
 
 /// The same of the rollouts that were held out.
-FigureEntry held_out_figure() { return {Section::fit, exists_held_out, make_held_out}; }
+FigureEntry held_out_figure() { return {Section::fit, has_held_out_figure, make_held_out}; }
 
 }  // namespace npdr::pipeline

@@ -17,7 +17,7 @@ Cell contraction_cell(Table& table, const ReportData& data, const std::string& m
   }));
 }
 
-Table make(const ReportData& data) {
+Table make_contraction_table(const ReportData& data) {
   Table table = empty_table(
       "What the data tell about each parameter: 1 - posterior variance / prior variance, mean and "
       "standard deviation over seeds. 0: nothing, 1: all; below 0: the posterior is wider.",
@@ -36,6 +36,8 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// Contraction of each parameter (contraction.h).
-TableEntry contraction_table() { return {"contraction", Section::details, has_posteriors, make}; }
+TableEntry contraction_table() {
+  return {"contraction", Section::details, has_posteriors, make_contraction_table};
+}
 
 }  // namespace npdr::pipeline

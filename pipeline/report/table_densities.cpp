@@ -59,7 +59,7 @@ Cell prior_cell(const ReportData& data, const Point& point) {
   return std::isfinite(log_prob) ? Cell(log_prob) : Cell("outside");
 }
 
-Table make(const ReportData& data) {
+Table make_densities_table(const ReportData& data) {
   Table table = empty_table(
       "log p of known or measured parameters after each round, in nats: mean and standard "
       "deviation over the seeds.",
@@ -84,6 +84,8 @@ Table make(const ReportData& data) {
 /// One row a method and point (truth, references; nominal parameters where there is neither), one
 /// column a round: log p of the posterior [nats], mean and standard deviation over the seeds,
 /// beside that of the prior.
-TableEntry densities_table() { return {"densities", Section::details, evaluates_rounds, make}; }
+TableEntry densities_table() {
+  return {"densities", Section::details, evaluates_rounds, make_densities_table};
+}
 
 }  // namespace npdr::pipeline

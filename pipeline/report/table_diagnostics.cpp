@@ -69,7 +69,7 @@ void add_score(const ReportData& data, Table& table) {
   table.rows.push_back({"log p of fresh truths", cells});
 }
 
-Table make(const ReportData& data) {
+Table make_diagnostics_table(const ReportData& data) {
   const DiagnoseConfig& config = data.plan.study.diagnose;
   Table table = empty_table(
       fmt::format(
@@ -98,7 +98,7 @@ Table make(const ReportData& data) {
   return table;
 }
 
-bool exists(const ReportData& data) {
+bool has_diagnostics_table(const ReportData& data) {
   return has_posteriors(data) && !data.plan.study.diagnose.checks.empty();
 }
 
@@ -106,6 +106,8 @@ bool exists(const ReportData& data) {
 
 /// One row a check, one column a method. A check fails below alpha over the number of checks and
 /// seeds of the method.
-TableEntry diagnostics_table() { return {"diagnostics", Section::diagnostics, exists, make}; }
+TableEntry diagnostics_table() {
+  return {"diagnostics", Section::diagnostics, has_diagnostics_table, make_diagnostics_table};
+}
 
 }  // namespace npdr::pipeline

@@ -24,7 +24,7 @@ Row feature_row(const ReportData& data, const std::string& method, Index f) {
   return row;
 }
 
-Table make(const ReportData& data) {
+Table make_features_table(const ReportData& data) {
   Table table = empty_table(
       "Posterior predictive distribution of each feature, all seeds. P(x < x_o), and half of P(x = "
       "x_o): near 0 or 1 where the observation is a surprise.",
@@ -43,6 +43,8 @@ Table make(const ReportData& data) {
 /// One row a feature and method: x_o, mean and standard deviation, 5, 50 and 95 % of the posterior
 /// predictive distribution, and the probability of its lower tail at x_o (Gelman et al. 1996),
 /// pooled over seeds.
-TableEntry features_table() { return {"features", Section::fit, predicts_features, make}; }
+TableEntry features_table() {
+  return {"features", Section::fit, predicts_features, make_features_table};
+}
 
 }  // namespace npdr::pipeline

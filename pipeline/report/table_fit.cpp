@@ -133,11 +133,11 @@ std::string noise_text(const Study& study) {
                      noise.redraw ? "redrawn in every epoch" : "drawn once per simulation");
 }
 
-bool exists(const ReportData& data) {
+bool has_fit_table(const ReportData& data) {
   return !data.methods.empty() && data.plan.study.source().simulates;
 }
 
-Table make(const ReportData& data) {
+Table make_fit_table(const ReportData& data) {
   const Study& study = data.plan.study;
   Table table = empty_table(
       fmt::format("Fit of posterior samples to the target domain: mean and standard deviation over "
@@ -164,6 +164,6 @@ Table make(const ReportData& data) {
 
 /// Fit of each method's posterior samples to the target domain: the twin of Tables 2 and A2,
 /// with the published figures, the prior, the nominal parameters and the floor beside them.
-TableEntry fit_table() { return {"fit", Section::fit, exists, make}; }
+TableEntry fit_table() { return {"fit", Section::fit, has_fit_table, make_fit_table}; }
 
 }  // namespace npdr::pipeline

@@ -28,7 +28,7 @@ constexpr NoiseRow kRows[] = {
     {"degrees of freedom", &sim::ChannelNoise::degrees_of_freedom,
      &sim::NoiseValues::degrees_of_freedom, &InferredNoise::degrees_of_freedom}};
 
-bool exists(const ReportData& data) {
+bool has_noise_table(const ReportData& data) {
   return std::ranges::any_of(
       data.runs, [](const EvaluatedRun& run) { return run.evaluation.noise.has_value(); });
 }
@@ -97,7 +97,7 @@ void add_rows(Table& table, const ReportData& data, const NoiseRow& parameter) {
   }
 }
 
-Table make(const ReportData& data) {
+Table make_noise_table(const ReportData& data) {
   Table table = empty_table(
       "Inferred observation noise: median and 16 % to 84 % of the noise that each method's "
       "predictions are given, all seeds. Scale: of a stored state, or where noise is correlated "
@@ -113,6 +113,8 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// Parameters of the observation noise that have priors: these, and what was inferred.
-TableEntry noise_table() { return {"noise", Section::posteriors, exists, make}; }
+TableEntry noise_table() {
+  return {"noise", Section::posteriors, has_noise_table, make_noise_table};
+}
 
 }  // namespace npdr::pipeline

@@ -68,7 +68,7 @@ Table make_intervals(const ReportData& data) {
   return table;
 }
 
-Table make(const ReportData& data) {
+Table make_parameters_table(const ReportData& data) {
   Table table =
       empty_table("Domain parameters: mean and standard deviation of the posterior, all seeds.",
                   "Parameter", {"unit", "prior"});
@@ -91,7 +91,9 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// Prior, baselines and posteriors: mean and deviation, circular for a periodic parameter.
-TableEntry parameters_table() { return {"parameters", Section::posteriors, has_posteriors, make}; }
+TableEntry parameters_table() {
+  return {"parameters", Section::posteriors, has_posteriors, make_parameters_table};
+}
 
 /// What 90 % of each posterior's samples lie in, parameter by parameter.
 TableEntry intervals_table() {

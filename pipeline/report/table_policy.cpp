@@ -113,7 +113,7 @@ std::string caption_of(const ReportData& data) {
       counts);
 }
 
-Table make(const ReportData& data) {
+Table make_policy_table(const ReportData& data) {
   const bool has_target = is_tested_in_target(data), has_grid = is_tested_on_grid(data);
   Table table = empty_table(caption_of(data), "Method", {});
   if (has_target) {
@@ -141,6 +141,6 @@ Table make(const ReportData& data) {
 
 /// Returns and successes of each method before and after its searches, and the rollouts and
 /// simulations that it took.
-TableEntry policy_table() { return {"policy", Section::policies, has_policies, make}; }
+TableEntry policy_table() { return {"policy", Section::policies, has_policies, make_policy_table}; }
 
 }  // namespace npdr::pipeline

@@ -20,7 +20,7 @@ double core_hours(const ReportData& data, const std::string& method, std::uint64
   return seconds / 3600.0;
 }
 
-Table make(const ReportData& data) {
+Table make_policy_cost_table(const ReportData& data) {
   const std::vector<std::pair<std::string, std::vector<Stage>>> groups = {
       {"simulation", {Stage::target, Stage::propose, Stage::simulate}},
       {"inference", {Stage::infer}},
@@ -46,6 +46,8 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// One row a method: core-hours. They are times, so that two runs that computed the same differ.
-TableEntry policy_cost_table() { return {"policy_cost", Section::policies, has_policies, make}; }
+TableEntry policy_cost_table() {
+  return {"policy_cost", Section::policies, has_policies, make_policy_cost_table};
+}
 
 }  // namespace npdr::pipeline

@@ -7,7 +7,7 @@
 namespace npdr::pipeline {
 namespace {
 
-Table make(const ReportData& data) {
+Table make_policy_parameters_table(const ReportData& data) {
   Table table =
       empty_table("Parameters of the policies that the searches found.", "Method, seed", {});
   for (const sim::PolicyParameter& parameter : task_info(data).parameters) {
@@ -29,7 +29,7 @@ Table make(const ReportData& data) {
 
 /// One row a method and seed: the parameters of the policy that was found.
 TableEntry policy_parameters_table() {
-  return {"policy_parameters", Section::policies, has_policies, make};
+  return {"policy_parameters", Section::policies, has_policies, make_policy_parameters_table};
 }
 
 }  // namespace npdr::pipeline

@@ -26,7 +26,7 @@ Row seed_row(const ReportData& data, const std::string& method, std::size_t seed
   return row;
 }
 
-Table make(const ReportData& data) {
+Table make_policy_seeds_table(const ReportData& data) {
   Table table = empty_table(
       "Policies of each experiment: in the target domain, and under what the method believes.",
       "Method, seed", {});
@@ -48,6 +48,8 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// One row a method and seed: its policy in the target domain and under what the method believes.
-TableEntry policy_seeds_table() { return {"policy_seeds", Section::policies, has_policies, make}; }
+TableEntry policy_seeds_table() {
+  return {"policy_seeds", Section::policies, has_policies, make_policy_seeds_table};
+}
 
 }  // namespace npdr::pipeline

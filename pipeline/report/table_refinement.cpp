@@ -6,7 +6,7 @@
 namespace npdr::pipeline {
 namespace {
 
-bool exists(const ReportData& data) {
+bool has_refinement_table(const ReportData& data) {
   return std::ranges::any_of(
       data.runs, [](const EvaluatedRun& run) { return run.notes.certificate.has_value(); });
 }
@@ -19,7 +19,7 @@ Row row_of(const EvaluatedRun& run) {
            certificate.power, certificate.num_draws, inference::verdict(certificate)}};
 }
 
-Table make(const ReportData& data) {
+Table make_refinement_table(const ReportData& data) {
   Table table = empty_table(
       "Refined posteriors: how much their weighted draws are worth. log Z: evidence of the "
       "recording, in nats, and its standard error, where the power of the likelihood is 1; of two "
@@ -38,6 +38,8 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// One row a refined method and seed: evidence, effective size and tail of the weights.
-TableEntry refinement_table() { return {"refinement", Section::diagnostics, exists, make}; }
+TableEntry refinement_table() {
+  return {"refinement", Section::diagnostics, has_refinement_table, make_refinement_table};
+}
 
 }  // namespace npdr::pipeline

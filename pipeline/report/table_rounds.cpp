@@ -6,7 +6,7 @@
 namespace npdr::pipeline {
 namespace {
 
-Table make(const ReportData& data) {
+Table make_rounds_table(const ReportData& data) {
   const auto& metrics = data.plan.study.evaluate.metrics;
   const bool has_rmse = std::ranges::count(metrics, Metric::rmse) > 0;
   const std::string metric = name_of(has_rmse ? Metric::rmse : metrics.front());
@@ -29,6 +29,8 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// One row a method, one column a round: RMSE, or the first metric of the study.
-TableEntry rounds_table() { return {"rounds", Section::details, evaluates_rounds, make}; }
+TableEntry rounds_table() {
+  return {"rounds", Section::details, evaluates_rounds, make_rounds_table};
+}
 
 }  // namespace npdr::pipeline

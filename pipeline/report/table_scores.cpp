@@ -20,7 +20,7 @@ struct Part {
   std::optional<PredictionScores> RolloutScores::*of_baseline;
 };
 
-bool exists(const ReportData& data) {
+bool has_scores_table(const ReportData& data) {
   return std::ranges::any_of(
       data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.seen.has_value(); });
 }
@@ -127,7 +127,7 @@ std::string caption(const ReportData& data) {
                     data.plan.study.evaluate.leave_out);
 }
 
-Table make(const ReportData& data) {
+Table make_scores_table(const ReportData& data) {
   Table table = empty_table(caption(data), "Score", data.methods);
   add_columns(table, baseline_names(data));
   for (const Part& part : parts_of(data)) add_part(table, data, part);
@@ -138,6 +138,6 @@ Table make(const ReportData& data) {
 
 /// Scores of predictions by the samples of a posterior together, of the prior and of single
 /// parameter vectors.
-TableEntry scores_table() { return {"scores", Section::fit, exists, make}; }
+TableEntry scores_table() { return {"scores", Section::fit, has_scores_table, make_scores_table}; }
 
 }  // namespace npdr::pipeline

@@ -110,7 +110,7 @@ Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, 
   return row;
 }
 
-Table make(const ReportData& data) {
+Table make_seeds_table(const ReportData& data) {
   Table table =
       empty_table("Each experiment. log p: posterior density in nats.", "Method, seed", {});
   const Columns has{data.plan.source->has_nominal(), data.plan.study.target.truth.has_value(),
@@ -129,6 +129,6 @@ Table make(const ReportData& data) {
 }  // namespace
 
 /// One row a method and seed: fit, densities, simulations, epochs, chains.
-TableEntry seeds_table() { return {"seeds", Section::details, has_posteriors, make}; }
+TableEntry seeds_table() { return {"seeds", Section::details, has_posteriors, make_seeds_table}; }
 
 }  // namespace npdr::pipeline

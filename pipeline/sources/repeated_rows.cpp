@@ -9,7 +9,7 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Index kFewestRepeats = 3;
+constexpr Index kFewestAlike = 3;
 constexpr double kUsualShare = 0.9;  // of others: counts are often the same
 
 // Of rows that are the same, those with different theta.
@@ -43,7 +43,7 @@ std::string repeated_rows(const RowMatrix& theta, const RowMatrixF& x) {
     most = count_theta(theta, rows);
   }
   const Index others = num_finite - largest;
-  if (most < kFewestRepeats || others < kFewestRepeats ||
+  if (most < kFewestAlike || others < kFewestAlike ||
       static_cast<double>(unique) < kUsualShare * static_cast<double>(others)) {
     return "";
   }

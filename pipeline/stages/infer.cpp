@@ -20,8 +20,6 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr double kSecondsBetweenCheckpoints = 60.0;
-
 using Clock = std::chrono::steady_clock;
 
 double seconds_between(Clock::time_point begin, Clock::time_point end) {

@@ -23,7 +23,6 @@ constexpr Index kMostParticles = 5000;  // of the refined posterior
 constexpr double kSearchShare = 0.7;    // of the simulations, for finding the power
 constexpr Index kMostMoves = 4;         // of first states
 constexpr double kFarthest = 30.0;      // deviations that a posterior is looked for elsewhere
-constexpr double kSecondsBetweenCheckpoints = 60.0;
 
 using Clock = std::chrono::steady_clock;
 using Sampler = inference::ImportanceSampler;

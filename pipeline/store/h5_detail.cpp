@@ -147,6 +147,12 @@ Shape shape_of(hid_t space, const std::string& where) {
   return {extents.begin(), extents.end()};
 }
 
+Handle make_space(const Shape& shape) {
+  if (shape.empty()) return Handle(H5Screate(H5S_SCALAR));
+  const std::vector<hsize_t> extents(shape.begin(), shape.end());
+  return Handle(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr));
+}
+
 Index size_of(const Shape& shape) {
   Index size = 1;
   for (const Index extent : shape) size *= extent;

@@ -54,6 +54,8 @@ ElementType our_type(hid_t stored, const std::string& where);
 
 /// The shape of a dataspace; throws InputError for one without, and for absurd sizes.
 Shape shape_of(hid_t space, const std::string& where);
+/// A dataspace of that shape, of a scalar when it is empty.
+Handle make_space(const Shape& shape);
 /// Number of elements.
 Index size_of(const Shape& shape);
 

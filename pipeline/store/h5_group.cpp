@@ -47,12 +47,6 @@ Handle creation_properties(const Shape& shape, Index element_size, const Storage
   return properties;
 }
 
-Handle make_space(const Shape& shape) {
-  if (shape.empty()) return Handle(H5Screate(H5S_SCALAR));
-  const std::vector<hsize_t> extents(shape.begin(), shape.end());
-  return Handle(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr));
-}
-
 }  // namespace
 
 Group::Group(Handle handle, std::string file, std::string path)

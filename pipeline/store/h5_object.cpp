@@ -62,12 +62,6 @@ herr_t take_name(hid_t, const char* name, const H5A_info_t*, void* names) {
   return 0;
 }
 
-Handle make_space(const Shape& shape) {
-  if (shape.empty()) return Handle(H5Screate(H5S_SCALAR));
-  const std::vector<hsize_t> extents(shape.begin(), shape.end());
-  return Handle(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr));
-}
-
 // A new attribute, in place of an old one of the same name.
 Handle new_attribute(const Object& object, const std::string& name, ElementType type,
                      const Shape& shape) {

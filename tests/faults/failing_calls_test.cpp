@@ -125,17 +125,18 @@ TEST_F(FailingCalls, TheEndOfAProgramIsNoticedWithoutSignals) {
 }
 
 // A call and the ways in which it fails; 0: it does half of what it is asked for.
-struct Case {
+struct CallAndErrors {
   std::string call;
   std::vector<int> errors;
-  friend void PrintTo(const Case& c, std::ostream* stream) { *stream << c.call; }
+  friend void PrintTo(const CallAndErrors& c, std::ostream* stream) { *stream << c.call; }
 };
 
-const std::vector<Case> kCases = {{"open", {EMFILE, EIO, EINTR}}, {"read", {EIO, EINTR, 0}},
-                                  {"pread", {EIO, EINTR, 0}},     {"write", {ENOSPC, EINTR, 0}},
-                                  {"pwrite", {ENOSPC, EIO, 0}},   {"fsync", {EIO}},
-                                  {"rename", {EIO, ENOSPC}},      {"close", {EIO}},
-                                  {"flock", {EINTR, ENOLCK}}};
+const std::vector<CallAndErrors> kCases = {
+    {"open", {EMFILE, EIO, EINTR}}, {"read", {EIO, EINTR, 0}},
+    {"pread", {EIO, EINTR, 0}},     {"write", {ENOSPC, EINTR, 0}},
+    {"pwrite", {ENOSPC, EIO, 0}},   {"fsync", {EIO}},
+    {"rename", {EIO, ENOSPC}},      {"close", {EIO}},
+    {"flock", {EINTR, ENOLCK}}};
 
 // What became of programs in which one call failed.
 struct Fates {
@@ -170,7 +171,7 @@ struct Fates {
 
 // Every n-th call of each stage fails; all of them with the environment variable
 // NPDR_FAULT_CALLS=1, otherwise some.
-class EachCall : public Faults, public ::testing::WithParamInterface<Case> {
+class EachCall : public Faults, public ::testing::WithParamInterface<CallAndErrors> {
  protected:
   static int next(int n) { return std::getenv("NPDR_FAULT_CALLS") == nullptr ? 8 * n : n + 1; }
 
