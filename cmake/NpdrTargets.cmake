@@ -41,8 +41,9 @@ endif()
 # What nearly every file includes is compiled once for all libraries, by npdr_core, and once more, with JSON,
 # for the upper layers of the pipeline, by npdr_artefacts; for those of them that are compiled quickly by
 # npdr_config and npdr_report, and with command lines by npdr_apps; for tests likewise (tests/CMakeLists.txt).
-# Those who share it must have the owner's flags and definitions. Files still include all that they use:
-# CMAKE_DISABLE_PRECOMPILE_HEADERS, as in the preset asan and scripts/tidy, shows whether they do.
+# Benchmarks use npdr_core's. Those who share it must have the owner's flags and definitions. Files still include all
+# that they use: CMAKE_DISABLE_PRECOMPILE_HEADERS with NPDR_UNITY=OFF, as in the preset asan and scripts/tidy, shows
+# whether they do.
 set(NPDR_COMMON_HEADERS <Eigen/Core> <algorithm> <cmath> <filesystem> <fmt/format.h> <fstream>
                         <functional> <map> <memory> <optional> <set> <string> <vector>)
 
@@ -82,17 +83,18 @@ endfunction()
 # Tests spend their time in the libraries: their own code is compiled quickly.
 set(NPDR_TEST_OPTIONS -O1)
 
-# npdr_test(<name> LINK <...> [HEADERS_OF <target>] [SUITES <...>]): a GoogleTest program of all sources in
-# and below the folder; every TEST is a ctest of its own. Those of SUITES, whose tests share what takes long
-# to set up, are one ctest a suite.
+# npdr_test(<name> LINK <...> [HEADERS_OF <target>] [EACH_BY_ITSELF] [SUITES <...>]): a GoogleTest program of all
+# sources in and below the folder; every TEST is a ctest of its own. Those of SUITES, whose tests share what takes
+# long to set up, are one ctest a suite. With HEADERS_OF the pipeline's tests, files are compiled eight at a time,
+# as the pipeline's are, unless EACH_BY_ITSELF.
 function(npdr_test name)
-  cmake_parse_arguments(ARG "" "HEADERS_OF" "LINK;SUITES" ${ARGN})
+  cmake_parse_arguments(ARG "EACH_BY_ITSELF" "HEADERS_OF" "LINK;SUITES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   add_executable(${name} ${sources})
-  if(ARG_HEADERS_OF)  # of the pipeline
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ${NPDR_UNITY})
-  else()
+  if(NOT ARG_HEADERS_OF)
     set(ARG_HEADERS_OF npdr_test_headers)
+  elseif(NOT ARG_EACH_BY_ITSELF)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ${NPDR_UNITY} UNITY_BUILD_BATCH_SIZE 8)
   endif()
   target_link_libraries(${name} PRIVATE ${ARG_LINK} npdr_core fmt::fmt GTest::gtest_main)
   target_compile_options(${name} PRIVATE ${NPDR_TEST_OPTIONS})

@@ -65,7 +65,7 @@ void describe(Layout f, std::optional<RegressionCounts>& counts,
   (*group)("covariance", weights.covariance, {{"W", "weight"}, {"W", "weight"}}, "of the same");
 }
 
-inference::ParticleParts particles_over(const std::vector<inference::Marginal>& prior) {
+inference::ParticleParts particle_parts(const std::vector<inference::Marginal>& prior) {
   return {.prior = inference::Prior(prior), .theta = {}, .weights = {}};
 }
 
@@ -76,7 +76,7 @@ inference::ParticleParts particles_over(const std::vector<inference::Marginal>& 
 std::unique_ptr<inference::ParticlePosterior> read_posterior(const h5::File& file, Layout f) {
   std::vector<inference::Marginal> prior;
   describe(f, prior);
-  inference::ParticleParts parts = particles_over(prior);
+  inference::ParticleParts parts = particle_parts(prior);
   describe(f, parts);
   try {
     return std::make_unique<inference::ParticlePosterior>(std::move(parts));
@@ -137,7 +137,7 @@ std::optional<RegressionCounts> read_regression_counts(const h5::File& file) {
 
 void list_particles(Layout f) {
   inference::ParticleParts parts =
-      particles_over({{"", "", inference::Marginal::Kind::uniform, 0, 1}});
+      particle_parts({{"", "", inference::Marginal::Kind::uniform, 0, 1}});
   inference::AbcPopulation population;
   std::optional<RegressionCounts> counts;
   describe_algorithm(f, "");

@@ -168,7 +168,7 @@ std::vector<TrainingLosses> read_losses(Layout f) {
   return losses;
 }
 
-inference::NetworkParts network_over(const std::vector<inference::Marginal>& prior) {
+inference::NetworkParts network_parts(const std::vector<inference::Marginal>& prior) {
   return {.prior = inference::Prior(prior),
           .estimator = {},
           .transform = {},
@@ -180,7 +180,7 @@ std::unique_ptr<inference::NetworkPosterior> read_network(const h5::File& file) 
   Layout f = Layout::reader(file);
   std::vector<inference::Marginal> prior;
   describe(f, prior);
-  inference::NetworkParts parts = network_over(prior);
+  inference::NetworkParts parts = network_parts(prior);
   Observed observed;
   describe(f, parts, observed);
   describe_layers(f, parts);
@@ -368,7 +368,7 @@ PosteriorNotes read_posterior_notes(const ArtefactFile& artefact) {
 
 void list_posterior(Layout f) {
   std::vector<inference::Marginal> prior = {{"", "", inference::Marginal::Kind::uniform, 0, 1}};
-  inference::NetworkParts parts = network_over(prior);
+  inference::NetworkParts parts = network_parts(prior);
   Observed observed;
   RowCounts rows;
   TrainingLosses losses;

@@ -43,8 +43,8 @@ analysis::ReportFigure make_coverage_figure(const ReportData& data,
 }
 
 bool has_coverage_figure(const ReportData& data) {
-  return std::ranges::any_of(kCoverageChecks, [&](const CoverageCheck& panel) {
-    return !drawn_methods_with(data, panel.check).empty();
+  return std::ranges::any_of(kCoverageChecks, [&](const CoverageCheck& check) {
+    return !drawn_methods_with(data, check.check).empty();
   });
 }
 

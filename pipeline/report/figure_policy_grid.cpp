@@ -74,12 +74,14 @@ analysis::ReportFigure make_success(const ReportData& data, const std::filesyste
   return {analysis::write_heat_maps(plot, folder).svg, caption_of(data, "Share of successes")};
 }
 
-bool exists(const ReportData& data) { return has_policies(data) && is_tested_on_grid(data); }
+bool has_grid_figures(const ReportData& data) {
+  return has_policies(data) && is_tested_on_grid(data);
+}
 
 }  // namespace
 
 /// Maps of the policies' return, and of their successes, over the grid.
-FigureEntry grid_return_figure() { return {Section::policies, exists, make_return}; }
-FigureEntry grid_success_figure() { return {Section::policies, exists, make_success}; }
+FigureEntry grid_return_figure() { return {Section::policies, has_grid_figures, make_return}; }
+FigureEntry grid_success_figure() { return {Section::policies, has_grid_figures, make_success}; }
 
 }  // namespace npdr::pipeline

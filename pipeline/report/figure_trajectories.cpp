@@ -33,7 +33,8 @@ analysis::ReportFigure make_trajectory_figure(const ReportData& data,
   return draw(data, folder, "trajectories", "", data.target, &Evaluation::bands);
 }
 
-analysis::ReportFigure make_held_out(const ReportData& data, const std::filesystem::path& folder) {
+analysis::ReportFigure make_held_out_figure(const ReportData& data,
+                                            const std::filesystem::path& folder) {
   return draw(data, folder, "trajectories_held_out",
               " of held-out rollouts, which inference hasn't seen", *data.held_out,
               &Evaluation::held_out_bands);
@@ -47,6 +48,6 @@ FigureEntry trajectory_figure() {
 }
 
 /// The same of the rollouts that were held out.
-FigureEntry held_out_figure() { return {Section::fit, has_held_out_figure, make_held_out}; }
+FigureEntry held_out_figure() { return {Section::fit, has_held_out_figure, make_held_out_figure}; }
 
 }  // namespace npdr::pipeline

@@ -11,7 +11,7 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Index kFewestRowsAsked = 8;
+constexpr Index kFewestFinite = 8;
 constexpr double kSmallest = 1e-6, kRounding = 1e-12;  // shares of the mean
 
 std::vector<Index> finite_rows(const RowMatrix& x) {
@@ -26,7 +26,7 @@ std::vector<Index> finite_rows(const RowMatrix& x) {
 
 std::string precision_problem(const RowMatrix& x, const std::vector<Channel>& columns) {
   const std::vector<Index> rows = finite_rows(x);
-  if (std::ssize(rows) < kFewestRowsAsked) return "";
+  if (std::ssize(rows) < kFewestFinite) return "";
   std::vector<std::string> lost;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const Eigen::ArrayXd values = x.col(static_cast<Index>(c))(rows);

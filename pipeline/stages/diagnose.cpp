@@ -83,7 +83,8 @@ void require_rows(const Case& c, Index found, Index failed) {
                   c.node.label(), found, failed, inference::kFewestSimulations));
 }
 
-RowMatrixF features_at(const SimulationFeatures& source, const std::vector<std::uint32_t>& rows) {
+RowMatrixF features_of_rows(const SimulationFeatures& source,
+                            const std::vector<std::uint32_t>& rows) {
   RowMatrixF x;
   source.gather(rows, 0, x);
   return x;
@@ -102,7 +103,7 @@ Calibration calibrate(const Case& c) {
   Calibration made{read_network_posterior(*c.plan.inputs(c.node, Stage::infer).back()),
                    features.num_failed(),
                    features.theta(),
-                   features_at(features, all_rows(features.num_rows())),
+                   features_of_rows(features, all_rows(features.num_rows())),
                    {}};
   Progress progress(c.node.label(), features.num_rows());
   made.ranks = inference::rank_truths(
@@ -254,7 +255,7 @@ std::optional<inference::OutOfDistribution> check_observation(const Case& c) {
   auto rows =
       Stream(c.stream("diagnose_ood")).permutation(static_cast<std::uint32_t>(features.num_rows()));
   rows.resize(static_cast<std::size_t>(std::min(allowed, features.num_rows())));
-  return inference::test_out_of_distribution(features_at(features, rows), c.x_o);
+  return inference::test_out_of_distribution(features_of_rows(features, rows), c.x_o);
 }
 
 // Of the network that has learned least: one that isn't converged, or has the largest gap.

@@ -7,7 +7,8 @@
 
 namespace npdr::pipeline {
 
-constexpr double kSecondsBetweenCheckpoints = 60.0;
+/// How long an inference goes on before it writes its state anew [s].
+inline constexpr double kSecondsBetweenCheckpoints = 60.0;
 
 /// The posterior after one round of approximate Bayesian computation.
 void infer_abc(const Plan& plan, const Node& node, h5::File& file);

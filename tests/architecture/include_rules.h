@@ -40,8 +40,8 @@ std::vector<std::string> broken_rules(const Include& include);
 std::vector<std::string> broken_rules(const std::filesystem::path& root);
 
 /// The files foo.cpp next to a foo.h that don't include it before anything else. That foo.cpp
-/// compiles, without precompiled headers, proves that foo.h includes all that it needs only when
-/// nothing comes before it.
+/// compiles by itself, without precompiled headers, proves that foo.h includes all that it needs
+/// only when nothing comes before it.
 std::vector<std::string> late_own_headers(const std::filesystem::path& root);
 
 }  // namespace npdr::architecture

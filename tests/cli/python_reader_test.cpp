@@ -7,7 +7,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = NPDR_SOURCE_DIR;
+const fs::path kSources = NPDR_SOURCE_DIR;
 
 // A method of each kind of file, with what the readers must undo: trained layers, principal
 // components, a division by a proposal.
@@ -77,8 +77,8 @@ class PythonReader : public ::testing::Test {
     const Outcome outcome =
         shell("set -e; npdr sample " + posterior + " -n 4000 > theta.csv; npdr log-prob " +
               posterior + " theta.csv > log_prob.csv; " + python_ + " " +
-              (kRoot / "tests/cli/python_reader.py").string() + " " + (kRoot / "python").string() +
-              " " + posterior + " theta.csv log_prob.csv");
+              (kSources / "tests/cli/python_reader.py").string() + " " +
+              (kSources / "python").string() + " " + posterior + " theta.csv log_prob.csv");
     EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
   }
 
@@ -142,7 +142,7 @@ TEST_F(PythonReader, TheLinesOfAReportRun) {
              .with("evaluate", {"num_samples = 20"});
   const Outcome outcome =
       shell("npdr run study.toml > /dev/null && " + python_ + " " +
-            (kRoot / "tests/cli/report_lines.py").string() + " runs/one/report.html");
+            (kSources / "tests/cli/report_lines.py").string() + " runs/one/report.html");
   EXPECT_EQ(outcome.out, "(1000, 2) pole_length pole_mass\n") << outcome.err;
 }
 
@@ -151,10 +151,10 @@ TEST_F(PythonReader, RefusesWhatItCantRead) {
       "maf", {"num_simulations = 100", "training = { max_epochs = 1 }", kSmallFlow}));
   const auto expect_says = [&](const std::string& module, const std::string& name,
                                const std::string& file, const std::string& message) {
-    const std::string found =
-        shell("cd " + (kRoot / "python").string() + " && " + python_ + " -B -c 'import " + module +
-              "; " + module + "." + name + "(\"" + (folder_.path() / file).string() + "\")'")
-            .err;
+    const std::string found = shell("cd " + (kSources / "python").string() + " && " + python_ +
+                                    " -B -c 'import " + module + "; " + module + "." + name +
+                                    "(\"" + (folder_.path() / file).string() + "\")'")
+                                  .err;
     EXPECT_NE(found.find(message), std::string::npos) << found;
   };
   expect_says("npdr_posterior", "Posterior", "runs/one/target.h5",

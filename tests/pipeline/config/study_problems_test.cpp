@@ -7,13 +7,13 @@
 namespace npdr::pipeline {
 namespace {
 
-const std::string kMaf = "num_simulations = 200";
+const std::string kOneMethod = "num_simulations = 200";
 
 TEST(StudyProblems, NamesPositionKeyValueAndWhatIsAllowed) {
-  EXPECT_TRUE(says(problems_after(kMaf, "training = { learning_rate = -0.1 }"),
+  EXPECT_TRUE(says(problems_after(kOneMethod, "training = { learning_rate = -0.1 }"),
                    {"s.toml:17:30: method.training.learning_rate = -0.1", "must be > 0"}));
   EXPECT_TRUE(
-      says(problems_after(kMaf, "training.validation_fraction = 1.0"),
+      says(problems_after(kOneMethod, "training.validation_fraction = 1.0"),
            {"s.toml:17:32: method.training.validation_fraction = 1.0", "must be > 0 and < 1"}));
   EXPECT_TRUE(
       says(problems_after("seeds = [1, 2]", "seeds = [1, 1]"),
@@ -45,7 +45,7 @@ TEST(StudyProblems, NoiseIsGivenOrHasAPrior) {
 TEST(StudyProblems, ReportsAllOfThemInTheOrderOfTheFile) {
   std::string text = edited(kStudyText, "seeds = [1, 2]", "seeds = []\nsede = 3");
   text = edited(text, "1.1", "1000");
-  text = edited(text, kMaf, "num_rounds = 0\ntraining = { clip_norm = 'x' }");
+  text = edited(text, kOneMethod, "num_rounds = 0\ntraining = { clip_norm = 'x' }");
   EXPECT_TRUE(
       says(problems_of(text),
            {"s.toml:3:9: study.seeds = []", "must be distinct and >= 0, 1 to 1000 of them",
@@ -67,7 +67,7 @@ TEST(StudyProblems, NamesTheNearestKeyAndTheKnownOnes) {
                    {"s.toml: simulator.name is missing", join(sim::simulator_names()),
                     "a command, worker, library, mjcf or dataset",
                     "\ns.toml:8:2: unknown key 'simulater'", "'simulator'", "known: study"}));
-  EXPECT_TRUE(says(problems_after(kMaf, "training.batchsize = 3"),
+  EXPECT_TRUE(says(problems_after(kOneMethod, "training.batchsize = 3"),
                    {"s.toml:17:10: method.training: unknown key 'batchsize'", "'batch_size'",
                     "known: learning_rate"}));
 }
@@ -77,16 +77,16 @@ TEST(StudyProblems, NamesTheNearestOfAFewNames) {
       says(problems_after("\"pendulum\"", "\"pendulm\""),
            {"s.toml:9:8: simulator.name = 'pendulm'", join(sim::simulator_names()), "'pendulum'"}));
   EXPECT_TRUE(
-      says(problems_after(kMaf, "algorithm = \"npe_d\""),
+      says(problems_after(kOneMethod, "algorithm = \"npe_d\""),
            {"s.toml:17:13: method.algorithm = 'npe_d'", join(names_of<inference::Algorithm>()),
             "'" + nearest_name("npe_d", names_of<inference::Algorithm>()) + "'"}));
 }
 
 TEST(StudyProblems, WrongTypesSayWhatTypeIsDue) {
   EXPECT_TRUE(says(
-      problems_after(kMaf, "num_simulations = 1e3"),
+      problems_after(kOneMethod, "num_simulations = 1e3"),
       {"s.toml:17:19: method.num_simulations = 1000.0", "must be an integer, >= 1 and <= 10^9"}));
-  EXPECT_TRUE(says(problems_after(kMaf, "training = 3"),
+  EXPECT_TRUE(says(problems_after(kOneMethod, "training = 3"),
                    {"s.toml:17:12: method.training = 3", "must be a table"}));
   EXPECT_TRUE(says(problems_after("\"small\"", "[1]"),
                    {"s.toml:2:8: study.name = [1]",
@@ -98,7 +98,7 @@ TEST(StudyProblems, WrongTypesSayWhatTypeIsDue) {
   EXPECT_TRUE(says(problems_after("{ pole_mass = 1.1 }", "{ pole_mass = 'a', pole_length = [] }"),
                    {"s.toml:6:23: target.truth.pole_mass = 'a'", "must be a finite number",
                     "\ns.toml:6:42: target.truth.pole_length = []", "must be a finite number"}));
-  EXPECT_TRUE(says(problems_after(kMaf, "published.rmse = 0.3"),
+  EXPECT_TRUE(says(problems_after(kOneMethod, "published.rmse = 0.3"),
                    {"s.toml:17:18: method.published.rmse = 0.3",
                     "must be a table, { mean = 0.263, std = 0.004 }"}));
 }
@@ -107,12 +107,12 @@ TEST(StudyProblems, RejectsNumbersThatArentFiniteAndIntegersOutOfRange) {
   EXPECT_TRUE(says(problems_after("1.1", "inf"),
                    {"s.toml:6:23: target.truth.pole_mass = inf", "must be a finite number"}));
   EXPECT_TRUE(
-      says(problems_after(kMaf, "training.clip_norm = nan"),
+      says(problems_after(kOneMethod, "training.clip_norm = nan"),
            {"s.toml:17:22: method.training.clip_norm = nan", "must be a finite number, > 0"}));
   EXPECT_TRUE(says(
-      problems_after(kMaf, "num_simulations = 9223372036854775807"),
+      problems_after(kOneMethod, "num_simulations = 9223372036854775807"),
       {"s.toml:17:19: method.num_simulations = 9223372036854775807", "must be >= 1 and <= 10^9"}));
-  EXPECT_EQ(problems_after(kMaf, "num_simulations = 99223372036854775807").substr(0, 14),
+  EXPECT_EQ(problems_after(kOneMethod, "num_simulations = 99223372036854775807").substr(0, 14),
             "s.toml:17:39: ");
 }
 
@@ -208,17 +208,17 @@ TEST(StudyProblems, ATargetHasOneSource) {
 }
 
 TEST(StudyProblems, EmbeddingsFitTheRolloutsOfATruth) {
-  EXPECT_EQ(problems_after(kMaf, "embedding = { downsample = 200 }"), "");
-  EXPECT_TRUE(says(problems_after(kMaf, "embedding = { downsample = 201 }"),
+  EXPECT_EQ(problems_after(kOneMethod, "embedding = { downsample = 200 }"), "");
+  EXPECT_TRUE(says(problems_after(kOneMethod, "embedding = { downsample = 201 }"),
                    {"s.toml:17:28: method.embedding.downsample = 201", "must be <= 200"}));
   EXPECT_TRUE(problems_after("\"pendulum\"", "\"pendulum\"\nstore_every = 201")
                   .starts_with("s.toml:10:15: simulator.store_every = 201, must be <= 200, so that "
                                "two of the 400 states of a rollout are left\ns.toml:16:1: "
                                "method.embedding"));
-  EXPECT_TRUE(
-      says(problems_after(kMaf, "embedding = { kind = 'convolution', principal_components = 5 }"),
-           {"s.toml:17:60: method.embedding.principal_components = 5",
-            "must be 0 with kind 'convolution'", "'all_steps' has principal components"}));
+  EXPECT_TRUE(says(
+      problems_after(kOneMethod, "embedding = { kind = 'convolution', principal_components = 5 }"),
+      {"s.toml:17:60: method.embedding.principal_components = 5",
+       "must be 0 with kind 'convolution'", "'all_steps' has principal components"}));
 }
 
 TEST(StudyProblems, TheReportShowsParametersOfThePrior) {

@@ -14,7 +14,7 @@ namespace {
 
 // x = a, and no number where a > 0.97, or 0.5 once there is a file `bad`; a line with the number of
 // its rows for each call.
-constexpr const char* kScript = R"sh(
+constexpr const char* kSimulator = R"sh(
 most=0.97; test ! -e bad || most=0.5
 awk -F, -v most=$most 'NR > 1 { if ($1 > most) print "nan"; else print $1 } END { print NR - 1 >> "calls" }' "$1" > "$2"
 )sh";
@@ -23,7 +23,7 @@ class RefinedPrograms : public ::testing::Test {
  protected:
   RefinedPrograms() {
     folder_.file("x_o.csv", "x\n0.96\n");
-    folder_.file("simulate.sh", kScript);
+    folder_.file("simulate.sh", kSimulator);
   }
 
   Plan plan_of(const std::string& max_failed_fraction) const {

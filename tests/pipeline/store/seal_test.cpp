@@ -8,13 +8,13 @@
 namespace npdr::pipeline {
 namespace {
 
-const Schema kSchema = {"posterior", 3, "infer"};
+const Schema kSealedSchema = {"posterior", 3, "infer"};
 constexpr std::size_t kSealBytes = 47;
 
 std::string artefact(const TempFolder& folder) {
   Identity identity;
   identity.key_document["a"] = 1;
-  ArtefactWriter writer(folder / "a.h5", kSchema, identity);
+  ArtefactWriter writer(folder / "a.h5", kSealedSchema, identity);
   writer.file().write_text("text", "a text has no checksum in HDF5");
   writer.finish();
   return text_of(folder / "a.h5");
@@ -22,7 +22,7 @@ std::string artefact(const TempFolder& folder) {
 
 std::string opening(const TempFolder& folder, const std::string& bytes) {
   folder.file("a.h5", bytes);
-  return message_of<InputError>([&] { open_artefact(folder / "a.h5", kSchema); }, &folder);
+  return message_of<InputError>([&] { open_artefact(folder / "a.h5", kSealedSchema); }, &folder);
 }
 
 TEST(Seal, IsTheHashOfWhatComesBeforeIt) {
@@ -60,14 +60,14 @@ TEST(Seal, WhatLacksIsMissed) {
 TEST(Seal, FilesOfEarlierVersionsHaveNone) {
   const TempFolder folder;
   h5::File file = h5::File::create(folder / "a.h5");
-  file.set_attribute("schema", kSchema.name);
-  file.set_attribute("schema_version", kSchema.version);
+  file.set_attribute("schema", kSealedSchema.name);
+  file.set_attribute("schema_version", kSealedSchema.version);
   file.set_attribute("key", std::string("0"));
   file.set_attribute("complete", Index{1});
   file.create_group("provenance");
   file.close();
   EXPECT_FALSE(has_intact_seal(folder / "a.h5"));
-  EXPECT_EQ(open_artefact(folder / "a.h5", kSchema).attribute<std::string>("key"), "0");
+  EXPECT_EQ(open_artefact(folder / "a.h5", kSealedSchema).attribute<std::string>("key"), "0");
 }
 
 TEST(Seal, WhatCantBeReadIsForTheReaderToExplain) {
