@@ -23,6 +23,9 @@ using sim::RolloutStatus;
 // that happens by chance once in 2^33 rows.
 constexpr Index kHopelessRows = 32;
 
+// So many that diverge, before any doesn't: with one good row of ten that happens once in 5e11.
+constexpr Index kHopelesslyDiverged = 256;
+
 constexpr std::size_t kLargestLog = 1 << 20;
 constexpr std::size_t kTailLines = 20;
 
@@ -155,6 +158,14 @@ void ExternalSimulator::take(Task& task, Index begin, const sim::Trajectories& r
   while (end > 0 && rows.status[static_cast<std::size_t>(end - 1)] == RolloutStatus::crashed) --end;
   if (end > 0) keep_as_good(task, begin + end - 1);
   for (Index i = end; i < rows.num_rows; ++i) count_lost();
+  count_diverged(rows);
+}
+
+void ExternalSimulator::count_diverged(const sim::Trajectories& rows) {
+  has_numbers_ = has_numbers_ || std::ranges::count(rows.status, RolloutStatus::ok) > 0;
+  num_diverged_ += std::ranges::count(rows.status, RolloutStatus::diverged);
+  if (has_numbers_ || num_diverged_ < kHopelesslyDiverged) return;
+  fail(fmt::format("gave no good row, {} diverged", num_diverged_), last_failure_);
 }
 
 void ExternalSimulator::keep_as_good(const Task& task, Index row) {

@@ -36,8 +36,9 @@ class ExternalSimulator {
   /// of row 0. `num_rows`: what the time limit is for; a call has its share of it. Row i is NaN
   /// where its status isn't ok; where a value isn't finite, the row diverged. Rows outside of their
   /// parameters' limits aren't simulated. Throws Error with the
-  /// program and the end of its output when it can't be run, or fails for each of many rows and for
-  /// one that went well before, if there was any; Checkpointed when this process is asked to stop.
+  /// program and the end of its output when it can't be run, fails for each of many rows and for
+  /// one that went well before, if there was any, or begins with many that diverge; Checkpointed
+  /// when this process is asked to stop.
   sim::Trajectories simulate(const RowMatrix& theta, const StreamId& first, Index num_rows = 0);
 
   /// The time limit [s] of a call with `count` of `num_rows` rows: the share of the whole one, and
@@ -72,6 +73,7 @@ class ExternalSimulator {
   void give_up(Task& task, Index row, sim::RolloutStatus status);
   void keep_as_good(const Task& task, Index row);
   void count_lost();
+  void count_diverged(const sim::Trajectories& rows);
   void note(const std::string& heading, const ProgramOutcome& outcome, Task& task);
   void write_log();
   [[noreturn]] void fail(const std::string& what, const std::string& why) const;
@@ -89,6 +91,8 @@ class ExternalSimulator {
   Index num_calls_ = 0;
   std::optional<Task> good_;  ///< the last row that has a result
   Index num_lost_ = 0;        ///< rows since then
+  bool has_numbers_ = false;  ///< a row was good
+  Index num_diverged_ = 0;    ///< rows
 };
 
 }  // namespace npdr::pipeline

@@ -12,6 +12,7 @@
 #include "pipeline/process/shell_call.h"
 #include "pipeline/sources/call_files.h"
 #include "pipeline/sources/command_text.h"
+#include "pipeline/sources/lost_numbers.h"
 #include "pipeline/sources/precision.h"
 #include "pipeline/sources/program_call.h"
 #include "pipeline/store/column_labels.h"
@@ -64,7 +65,12 @@ class FileCall final : public ProgramCall {
       return outcome;
     }
     try {
-      outcome.warning = read_rows(folder, rows.theta.rows(), result);
+      const RowMatrix x = read_rows(folder, rows.theta.rows());
+      take(x, result);
+      outcome.problem = first_lost_number({x.data(), static_cast<std::size_t>(x.size())}, result,
+                                          info_.state_channels, num_steps());
+      // Of motion the recording says it (simulate.cpp).
+      if (!inputs_) outcome.warning = precision_problem(x, info_.state_channels);
     } catch (const InputError& error) {
       outcome.succeeded = false;
       outcome.status = RolloutStatus::bad_output;
@@ -104,24 +110,26 @@ class FileCall final : public ProgramCall {
             rows.time_limit};
   }
 
-  // Returns what is probably wrong with them.
-  std::string read_rows(const CallFolder& folder, Index count, sim::Trajectories& result) const {
+  // Of one rollout; of features 0.
+  Index num_steps() const {
+    return inputs_ ? inputs_->segments.num_steps() / inputs_->segments.num_rollouts : 0;
+  }
+
+  RowMatrix read_rows(const CallFolder& folder, Index count) const {
     const Index lines = inputs_ ? count * inputs_->segments.num_steps() : count;
-    const FeatureRows read = [&] {
-      const std::unique_lock lock = lock_files(external_.format);
-      return read_features(folder.x(), external_.format, lines, info_.state_channels,
-                           {external_.names_from, true});
-    }();
-    if (!inputs_) {
-      take_features(read.x, result);
-      return precision_problem(read.x, info_.state_channels);
-    }
-    const Index row_size = inputs_->segments.num_steps() * read.x.cols();
-    for (Index i = 0; i < count; ++i) {
-      sim::store_states(inputs_->segments, read.x.data() + i * row_size, inputs_->store_every, i,
+    const std::unique_lock lock = lock_files(external_.format);
+    return read_features(folder.x(), external_.format, lines, info_.state_channels,
+                         {external_.names_from, true})
+        .x;
+  }
+
+  void take(const RowMatrix& x, sim::Trajectories& result) const {
+    if (!inputs_) return take_features(x, result);
+    const Index row_size = inputs_->segments.num_steps() * x.cols();
+    for (Index i = 0; i < result.num_rows; ++i) {
+      sim::store_states(inputs_->segments, x.data() + i * row_size, inputs_->store_every, i,
                         result);
     }
-    return "";  // the recording says it (simulate.cpp)
   }
 
   std::string expected_columns() const {

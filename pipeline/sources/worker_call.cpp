@@ -14,6 +14,7 @@
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/worker_process.h"
 #include "pipeline/sources/command_text.h"
+#include "pipeline/sources/lost_numbers.h"
 #include "pipeline/sources/program_call.h"
 #include "pipeline/store/hostile_json.h"
 
@@ -156,6 +157,7 @@ class WorkerCall final : public ProgramCall {
     }
     outcome.summary = fmt::format("{} after {:.3g} s", outcome.problem.empty() ? "done" : "failed",
                                   reply.seconds);
+    if (outcome.problem.empty()) outcome.problem = lost_number(result);
     return outcome;
   }
 
@@ -221,8 +223,8 @@ class WorkerCall final : public ProgramCall {
   }
 
   std::size_t body_size(Index n) const {
-    const Index states = inputs_.segments.num_steps() * inputs_.segments.num_states();
-    return static_cast<std::size_t>(n) * (1 + sizeof(double) * static_cast<std::size_t>(states));
+    return static_cast<std::size_t>(n) *
+           (1 + sizeof(double) * static_cast<std::size_t>(num_numbers()));
   }
 
   // The size of what follows the header. `message`: of a worker that couldn't, or of rows that
@@ -247,15 +249,25 @@ class WorkerCall final : public ProgramCall {
     return body_size(n);
   }
 
-  // states (n, N, C), then status (n).
+  std::string lost_number(const sim::Trajectories& result) const {
+    const auto size = static_cast<std::size_t>(result.num_rows * num_numbers());
+    return first_lost_number({states(), size}, result, info_.state_channels,
+                             inputs_.segments.num_steps() / inputs_.segments.num_rollouts);
+  }
+
+  // Of a row.
+  Index num_numbers() const { return inputs_.segments.num_steps() * inputs_.segments.num_states(); }
+  // (n, N, C), then status (n); new aligns it.
+  const double* states() const { return reinterpret_cast<const double*>(body_.data()); }
+
   void take(Index n, sim::Trajectories& result) {
-    const Index row_size = inputs_.segments.num_steps() * inputs_.segments.num_states();
-    const auto* const states = reinterpret_cast<const double*>(body_.data());  // new aligns it
+    const Index row_size = num_numbers();
     const auto* const ends = body_.data() + static_cast<std::size_t>(n * row_size) * sizeof(double);
     for (Index i = 0; i < n; ++i) {
       const auto status = static_cast<std::uint8_t>(ends[i]);
       if (status == static_cast<std::uint8_t>(RolloutStatus::ok)) {
-        sim::store_states(inputs_.segments, states + i * row_size, inputs_.store_every, i, result);
+        sim::store_states(inputs_.segments, states() + i * row_size, inputs_.store_every, i,
+                          result);
       } else {
         sim::lose_row(i, status_of(status), result);
       }

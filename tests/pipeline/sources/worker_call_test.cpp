@@ -220,6 +220,12 @@ TEST_F(Workers, RowsThatFailOnTheirOwnNeedNoFurtherRequest) {
   expect_only_five_is(run(12, "nan"), RolloutStatus::diverged);
 }
 
+TEST_F(Workers, ARowThatDivergesSaysWhichNumberIsNone) {
+  ExternalSimulator simulator = Workers::simulator("nan", "1");
+  simulator.simulate(RowMatrix::Ones(2, 1), {1, "test", 0, 0, 0});
+  EXPECT_EQ(simulator.last_failure(), "a row has nan in 'x', step 1 of rollout 1");
+}
+
 TEST_F(Workers, AWorkerThatCantBeRunIsAnErrorAtOnce) {
   study_.external.worker = "./no-such-program";
   const auto run = [&] {

@@ -1,0 +1,12 @@
+/// Whether the device of a recording moved when it began.
+#pragma once
+
+#include "core/target.h"
+
+namespace npdr::analysis {
+
+/// Whether the first step of a rollout is less than half of the usual one, as floats see them, in
+/// every channel.
+bool begins_at_rest(const Rollout& rollout);
+
+}  // namespace npdr::analysis
