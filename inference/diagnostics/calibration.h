@@ -11,27 +11,33 @@
 
 namespace npdr::inference {
 
-/// Ranks of n simulations, in their order. They count among `num_samples` samples.
+/// Ranks of n simulations, in their order, of which the first `num_done` are there. They count
+/// among `num_samples` samples.
 struct CalibrationRanks {
   Index num_samples = 0;
-  RowMatrixX<std::int64_t> parameter;  ///< (n, D) how many samples are smaller, per parameter
-  VectorX<std::int64_t> density;       ///< (n) how many samples are more likely
-  VectorX<std::int64_t> distance;      ///< (n) how many are nearer to a random draw of the prior
-  RowMatrix theta;                     ///< (n, D) one sample of each posterior
-  Vector log_prob;  ///< (n) density of the truths [nats]; NaN where a normaliser would cost more
+  Index num_done = 0;
+  RowMatrixX<std::int64_t> parameter = {};  ///< (n, D) how many samples are smaller, per parameter
+  VectorX<std::int64_t> density = {};       ///< (n) how many samples are more likely
+  VectorX<std::int64_t> distance = {};      ///< (n) how many are nearer to a draw of the prior
+  RowMatrix theta = {};                     ///< (n, D) one sample of each posterior
+  Vector log_prob = {};  ///< (n) density of the truths [nats]; NaN: a normaliser would cost more
+
+  /// Makes room for n simulations; those that are done stay.
+  void resize(Index n, Index dimension);
 };
 
 /// The posterior given x (F).
 using AmortizedPosterior = std::function<std::unique_ptr<Posterior>(const VectorF& x)>;
 
-/// Called after each simulation with their number; may throw to stop.
-using CalibrationHook = std::function<void(Index done)>;
+/// Called after each simulation; may throw to stop.
+using CalibrationHook = std::function<void(const CalibrationRanks& ranks)>;
 
 /// Draws from the posterior given each row of x (n, F), whose parameters are the rows of theta
-/// (n, D). Densities are those of theta; distances are taken where the prior is N(0, I). Simulation
-/// i depends on `id` and i alone. Throws ShapeError when shapes don't go together.
+/// (n, D), and ranks these; goes on after the `ranks.num_done` first ones. Densities are those of
+/// theta; distances are taken where the prior is N(0, I). Simulation i depends on `id` and i alone.
+/// Throws ShapeError when shapes don't go together.
 CalibrationRanks rank_truths(const AmortizedPosterior& posterior_given, const RowMatrix& theta,
-                             const RowMatrixF& x, Index num_samples, const StreamId& id,
+                             const RowMatrixF& x, CalibrationRanks ranks, const StreamId& id,
                              const CalibrationHook& hook = {});
 
 }  // namespace npdr::inference

@@ -19,7 +19,7 @@ namespace npdr::pipeline {
 namespace {
 
 // The columns of a file, and where those stand that are wanted.
-struct Layout {
+struct FeatureColumns {
   std::vector<Channel> features;
   std::vector<Index> columns;
 };
@@ -40,8 +40,8 @@ void require_numbered(const std::string& where, const std::vector<Channel>& name
       where, join(few_shortened(feature_names(named)))));
 }
 
-Layout layout_of(const std::string& where, Index num_columns, const std::vector<Channel>& named,
-                 const Expected& wanted) {
+FeatureColumns columns_of(const std::string& where, Index num_columns,
+                          const std::vector<Channel>& named, const Expected& wanted) {
   const std::vector<Channel>& expected = wanted.features;
   if (wanted.demands.names_from == NamesFrom::observation && named.empty() && expected.size() > 1) {
     throw InputError(fmt::format(
@@ -54,21 +54,22 @@ Layout layout_of(const std::string& where, Index num_columns, const std::vector<
     if (is_numbered && named.size() == expected.size()) require_numbered(where, named, expected);
     return {expected, match_columns(where, named, expected)};
   }
-  Layout layout{expected, {}};
-  if (expected.empty()) layout.features = named.empty() ? numbered_features(num_columns) : named;
-  if (num_columns != static_cast<Index>(layout.features.size())) {
+  FeatureColumns found{expected, {}};
+  if (expected.empty()) found.features = named.empty() ? numbered_features(num_columns) : named;
+  if (num_columns != static_cast<Index>(found.features.size())) {
     throw InputError(fmt::format("{}: has {} columns, must have {}: {}", where, num_columns,
-                                 layout.features.size(), join(feature_names(layout.features))));
+                                 found.features.size(), join(feature_names(found.features))));
   }
-  layout.columns.resize(layout.features.size());
-  std::iota(layout.columns.begin(), layout.columns.end(), Index{0});
-  return layout;
+  found.columns.resize(found.features.size());
+  std::iota(found.columns.begin(), found.columns.end(), Index{0});
+  return found;
 }
 
 FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Expected& expected) {
   NumberTable table(path);
-  const Layout layout = layout_of(table.name(), table.num_columns(), table.columns(), expected);
-  FeatureRows rows{layout.features, RowMatrix(num_rows, table.num_columns())};
+  const FeatureColumns found =
+      columns_of(table.name(), table.num_columns(), table.columns(), expected);
+  FeatureRows rows{found.features, RowMatrix(num_rows, table.num_columns())};
   std::vector<double> row(static_cast<std::size_t>(table.num_columns()));
   Index count = 0;
   for (; table.next(row); ++count) {
@@ -86,7 +87,7 @@ FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Ex
     throw InputError(table.name() +
                      ": its last line has no end, as if the file were cut; end each line");
   }
-  rows.x = RowMatrix(rows.x(Eigen::all, layout.columns));
+  rows.x = RowMatrix(rows.x(Eigen::all, found.columns));
   return rows;
 }
 
@@ -98,10 +99,10 @@ FeatureRows read_hdf5(const h5::File& file, Index num_rows, const Expected& expe
   if (width < 1) throw InputError(x.where() + " is empty");
   x.require_readable(h5::ElementType::f64);
   const std::vector<Channel> named = column_channels(x, width);
-  const Layout layout = layout_of(x.where(), width, named, expected);
-  FeatureRows rows{layout.features, RowMatrix(num_rows, width)};
+  const FeatureColumns found = columns_of(x.where(), width, named, expected);
+  FeatureRows rows{found.features, RowMatrix(num_rows, width)};
   x.read_rows<double>(0, x.num_rows(), {rows.x.data(), static_cast<std::size_t>(rows.x.size())});
-  rows.x = RowMatrix(rows.x(Eigen::all, layout.columns));
+  rows.x = RowMatrix(rows.x(Eigen::all, found.columns));
   return rows;
 }
 

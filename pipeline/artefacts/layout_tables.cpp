@@ -14,6 +14,7 @@ const std::map<std::string, void (*)(Layout)> kLayouts = {
     {"asked_rows", list_asked_rows},
     {"baseline", list_baseline},
     {"diagnosis", list_diagnosis},
+    {"diagnosis_checkpoint", list_diagnosis_checkpoint},
     {"evaluation", list_evaluation},
     {"flow", list_flow},
     {"mixture", list_mixture},

@@ -26,6 +26,7 @@ void list_asked_rows(Layout f);
 void list_simulated_rows(Layout f);
 void list_evaluation(Layout f);
 void list_diagnosis(Layout f);
+void list_diagnosis_checkpoint(Layout f);
 void list_policy(Layout f);
 void list_policy_checkpoint(Layout f);
 void list_policy_test(Layout f);

@@ -19,6 +19,7 @@ inline const Schema kSimulatedRowsSchema{"simulated_rows", 2, "infer"};
 inline const Schema kBaselineSchema{"baseline", 5, "baseline"};
 inline const Schema kEvaluationSchema{"evaluation", 10, "evaluate"};
 inline const Schema kDiagnosisSchema{"diagnosis", 7, "diagnose"};
+inline const Schema kDiagnosisCheckpointSchema{"diagnosis_checkpoint", 1, "diagnose"};
 inline const Schema kPolicySchema{"policy", 2, "policy"};
 inline const Schema kPolicyCheckpointSchema{"policy_checkpoint", 1, "policy"};
 inline const Schema kPolicyTestSchema{"policy_test", 1, "policy_test"};

@@ -44,9 +44,7 @@ void remove_with_others(const std::filesystem::path& folder) {
 void settle(const Plan& plan, const Node& node) {
   link_uses(plan, node);
   std::error_code ignored;
-  if (node.stage == Stage::infer || node.stage == Stage::policy) {
-    std::filesystem::remove(plan.work.checkpoint(name_of(node.stage), node.key), ignored);
-  }
+  std::filesystem::remove(plan.work.checkpoint(name_of(node.stage), node.key), ignored);
   if (is_refinement(plan, node)) {
     remove_with_others(plan.work.asked_rows(node.key));
   }

@@ -67,6 +67,9 @@ struct CheckpointKind {
 
 CheckpointKind checkpoint_kind(const Plan& plan, const Node& node) {
   if (node.stage == Stage::policy) return {kPolicyCheckpointSchema, "iteration", "iteration"};
+  if (node.stage == Stage::diagnose) {
+    return {kDiagnosisCheckpointSchema, "simulation", "num_done"};
+  }
   if (node.stage == Stage::infer) {
     const MethodConfig& method = plan.study.method(node.uses.front().method);
     const auto family = inference::traits_of(method.algorithm.kind).family;

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "inference/diagnostics/calibration.h"
+#include "pipeline/artefacts/diagnosis_checkpoint.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -18,6 +19,7 @@
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
+#include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -47,6 +49,7 @@ struct Case {
   Calibration calibration;  // where any check calibrates
 
   const Node& last_posterior() const { return *plan.inputs(node, Stage::infer).front(); }
+  std::filesystem::path checkpoint() const { return plan.work.checkpoint("diagnose", node.key); }
   StreamId stream(std::string_view name) const { return {node.uses.front().seed, name, 0, 0, 0}; }
 };
 
@@ -96,7 +99,40 @@ std::vector<std::uint32_t> all_rows(Index count) {
   return rows;
 }
 
-Calibration calibrate(const Case& c) {
+// After each simulation: now and then a checkpoint, progress, and the end where a stop is asked
+// for.
+class RankReport {
+ public:
+  RankReport(const Case& c, Index num_simulations, const DiagnosisCheckpoint& earlier)
+      : case_(c),
+        progress_(c.node.label(), num_simulations, earlier.ranks.num_done),
+        earlier_(earlier.cost) {}
+
+  void operator()(const inference::CalibrationRanks& ranks) {
+    const auto now = Clock::now();
+    const bool is_stopping = stop_requested();
+    if (is_stopping || seconds_between(saved_, now) > kSecondsBetweenCheckpoints) {
+      saved_ = now;
+      DiagnosisCheckpoint checkpoint{ranks, earlier_};
+      checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
+      write_diagnosis_checkpoint(case_.checkpoint(), case_.node.identity, std::move(checkpoint));
+    }
+    // Saved before it is shown: who looks at the progress may be gone.
+    progress_.update(ranks.num_done);
+    if (is_stopping) {
+      throw Checkpointed(case_.node.label() + ": stopped on request, checkpoint written");
+    }
+  }
+
+ private:
+  const Case& case_;
+  Progress progress_;
+  Cost earlier_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point saved_ = start_;
+};
+
+Calibration calibrate(const Case& c, ArtefactWriter& writer) {
   const auto simulations = simulations_of(c, true);
   const SimulationFeatures features(c.plan, simulations, c.target, *c.embedding);
   require_rows(c, features.num_rows(), features.num_failed());
@@ -105,14 +141,13 @@ Calibration calibrate(const Case& c) {
                    features.theta(),
                    features_of_rows(features, all_rows(features.num_rows())),
                    {}};
-  Progress progress(c.node.label(), features.num_rows());
+  DiagnosisCheckpoint earlier =
+      read_diagnosis_checkpoint({c.checkpoint(), c.node.key}, made.theta, c.config.num_samples);
+  writer.add_cost(earlier.cost);
+  RankReport report(c, features.num_rows(), earlier);
   made.ranks = inference::rank_truths(
       [&](const VectorF& observed) { return made.posterior->given(observed); }, made.theta, made.x,
-      c.config.num_samples, c.stream(""),
-      [&](Index done) {
-        stop_here_if_requested();
-        progress.update(done);
-      });
+      std::move(earlier.ranks), c.stream(""), std::ref(report));
   return made;
 }
 
@@ -319,7 +354,7 @@ void run_diagnose(const Plan& plan, const Node& node) {
   Diagnosis diagnosis;
   diagnosis.num_samples = c.config.num_samples;
   if (c.config.calibrates()) {
-    c.calibration = calibrate(c);
+    c.calibration = calibrate(c, writer);
     diagnosis.num_simulations = c.calibration.theta.rows();
     diagnosis.num_failed = c.calibration.num_failed;
     diagnosis.truth_log_prob = c.calibration.ranks.log_prob;

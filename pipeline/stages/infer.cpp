@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <vector>
 
 #include "core/error.h"
@@ -14,17 +13,12 @@
 #include "pipeline/features/targets.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
+#include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/infer_methods.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_between(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<double>(end - begin).count();
-}
 
 // Shapes that don't go together are a bug, unless they come from a checkpoint.
 template <class Work>

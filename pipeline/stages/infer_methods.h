@@ -7,9 +7,6 @@
 
 namespace npdr::pipeline {
 
-/// How long an inference goes on before it writes its state anew [s].
-inline constexpr double kSecondsBetweenCheckpoints = 60.0;
-
 /// The posterior after one round of approximate Bayesian computation.
 void infer_abc(const Plan& plan, const Node& node, h5::File& file);
 

@@ -11,6 +11,7 @@
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
+#include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/infer_methods.h"
 #include "pipeline/stages/power_search.h"
 #include "pipeline/stages/refined_rows.h"
@@ -24,7 +25,6 @@ constexpr double kSearchShare = 0.7;    // of the simulations, for finding the p
 constexpr Index kMostMoves = 4;         // of first states
 constexpr double kFarthest = 30.0;      // deviations that a posterior is looked for elsewhere
 
-using Clock = std::chrono::steady_clock;
 using Sampler = inference::ImportanceSampler;
 
 // Helpers that a refinement assumes where the study doesn't say how many there are.
@@ -248,12 +248,11 @@ class Refinement {
   void keep(Index failed) {
     const auto now = Clock::now();
     const bool is_stopping = stop_requested() && !sampler_.is_done();
-    const bool is_due =
-        std::chrono::duration<double>(now - saved_).count() > kSecondsBetweenCheckpoints;
+    const bool is_due = seconds_between(saved_, now) > kSecondsBetweenCheckpoints;
     if (!is_due && !is_stopping) return;
     RefinementCheckpoint checkpoint{sampler_.state(), moves(), failed, search_.scores(),
                                     earlier_.cost};
-    checkpoint.cost += cost_of_seconds(std::chrono::duration<double>(now - start_).count());
+    checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
     checkpoint.cost += rows_.cost_of_others();
     checkpoint.cost.core_seconds -= rows_.unread_core_seconds();
     write_refinement(checkpoint_, node_.identity, std::move(checkpoint));

@@ -1,8 +1,6 @@
 // Search for a policy that does well over what inference believes of the domain parameters.
 #include <fmt/format.h>
 
-#include <chrono>
-
 #include "core/error.h"
 #include "core/random.h"
 #include "inference/policy_search/policy_optimizer.h"
@@ -12,12 +10,11 @@
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
+#include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 StreamId stream_of(const Node& node, std::string_view name, Index iteration) {
   const Use& use = node.uses.front();
@@ -170,8 +167,7 @@ class Search {
 
   void save() {
     PolicyCheckpoint checkpoint{history_, optimizer_->state(), earlier_};
-    checkpoint.cost +=
-        cost_of_seconds(std::chrono::duration<double>(Clock::now() - start_).count());
+    checkpoint.cost += cost_of_seconds(seconds_between(start_, Clock::now()));
     write_policy_checkpoint(checkpoint_path(), node_.identity, checkpoint);
   }
 

@@ -83,6 +83,35 @@ TEST_F(Interruption, StoppedPoolsGoOnWithTheSameBits) {
   EXPECT_EQ(digests(folder_.path() / "pool" / "small"), reference_);
 }
 
+TEST_F(Interruption, StoppedDiagnosesGoOnWithTheSameBits) {
+  std::filesystem::remove_all(folder_.path() / "whole");
+  prepare(pendulum_study("small")
+              .with("study", {"seeds = [1]"})
+              .with("observation_noise", {"scale = 0.1"})
+              .with("diagnose",
+                    {"checks = [\"sbc\", \"tarp\"]", "num_simulations = 100", "num_samples = 50"})
+              .method("Pool", {"num_simulations = 200", "embedding = { downsample = 20 }",
+                               "density_estimator = { num_networks = 2, hidden_features = 8 }",
+                               "training = { max_epochs = 10 }"}));
+  std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", "stopped"};
+  ASSERT_EQ(
+      run(folder_.path(), {"npdr", "run", "small.toml", "--work", "stopped", "--until", "infer"})
+          .status,
+      0);
+  const Program program(folder_.path(), words);
+  begins_to_make(program, folder_.path() / "stopped/.cache/diagnose");
+  program.ends_within(0.5);
+  program.send(SIGTERM);
+  EXPECT_EQ(program.wait().status, 75) << "the diagnosis must take longer";
+  words[1] = "status";
+  const Outcome status = run(folder_.path(), words);
+  EXPECT_NE(status.out.find("checkpoint at simulation"), std::string::npos) << status.out;
+  words[1] = "run";
+  EXPECT_EQ(run(folder_.path(), words).status, 0);
+  EXPECT_EQ(digests(folder_.path() / "stopped" / "small"), reference_);
+  EXPECT_EQ(files_ending(folder_.path() / "stopped/.cache/diagnose", ".checkpoint.h5").size(), 0u);
+}
+
 TEST_F(Interruption, CtrlCStopsAtAnyInstant) {
   const std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", "ctrl-c"};
   std::mt19937 random(1);

@@ -28,7 +28,8 @@ Verdicts judge(const Fault& fault) {
   const LinearGaussian task(2);
   const RowMatrix theta = sample_prior(task.prior(), kNumSimulations, 1);
   const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
-  const CalibrationRanks ranks = rank_truths(amortized(task, fault), theta, x, 200, kId);
+  const CalibrationRanks ranks =
+      rank_truths(amortized(task, fault), theta, x, {.num_samples = 200}, kId);
   RowMatrix of_parameters(kNumSimulations, 2);
   of_parameters << spread(ranks.parameter.col(0), 200, "first"),
       spread(ranks.parameter.col(1), 200, "second");
@@ -92,16 +93,42 @@ TEST(Calibration, ASimulationDependsOnItsOwnNumberAlone) {
   const LinearGaussian task(2);
   const RowMatrix theta = sample_prior(task.prior(), 10, 1);
   const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
-  const CalibrationRanks all = rank_truths(amortized(task), theta, x, 50, kId);
+  const CalibrationRanks none{.num_samples = 50};
+  const CalibrationRanks all = rank_truths(amortized(task), theta, x, none, kId);
   const CalibrationRanks some =
-      rank_truths(amortized(task), theta.topRows(4), x.topRows(4), 50, kId);
+      rank_truths(amortized(task), theta.topRows(4), x.topRows(4), none, kId);
+  EXPECT_EQ(some.num_done, 4);
   EXPECT_EQ(some.parameter, all.parameter.topRows(4));
   EXPECT_EQ(some.density, all.density.head(4));
   EXPECT_EQ(some.distance, all.distance.head(4));
   EXPECT_EQ(some.theta, all.theta.topRows(4));
   EXPECT_EQ(some.log_prob, all.log_prob.head(4));
   EXPECT_NE(all.theta.row(0), all.theta.row(1));
-  EXPECT_THROW(rank_truths(amortized(task), theta, x.topRows(3), 50, kId), ShapeError);
+  EXPECT_THROW(rank_truths(amortized(task), theta, x.topRows(3), none, kId), ShapeError);
+  EXPECT_THROW(rank_truths(amortized(task), theta.topRows(3), x.topRows(3), some, kId), ShapeError)
+      << "more are done than there are";
+}
+
+TEST(Calibration, GoesOnWithTheSameBits) {
+  const LinearGaussian task(2);
+  const RowMatrix theta = sample_prior(task.prior(), 10, 1);
+  const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
+  CalibrationRanks kept;
+  const CalibrationRanks all = rank_truths(amortized(task), theta, x, {.num_samples = 50}, kId,
+                                           [&](const CalibrationRanks& ranks) {
+                                             if (ranks.num_done == 6) kept = ranks;
+                                           });
+  kept.resize(6, 2);
+  Index num_calls = 0;
+  const CalibrationRanks resumed = rank_truths(amortized(task), theta, x, kept, kId,
+                                               [&](const CalibrationRanks&) { ++num_calls; });
+  EXPECT_EQ(num_calls, 4);
+  EXPECT_EQ(resumed.num_done, 10);
+  EXPECT_EQ(resumed.parameter, all.parameter);
+  EXPECT_EQ(resumed.density, all.density);
+  EXPECT_EQ(resumed.distance, all.distance);
+  EXPECT_EQ(resumed.theta, all.theta);
+  EXPECT_EQ(resumed.log_prob, all.log_prob);
 }
 
 }  // namespace

@@ -18,7 +18,9 @@ LocalC2stData data_of(const Fault& fault) {
   LocalC2stData data;
   data.u = sample_prior(task.prior(), kNumSimulations, 1);
   data.x = simulate(task.simulator(), data.u, 1, 1);
-  data.u_sampled = rank_truths(amortized(task, fault), data.u, data.x, 1, {1, "", 0, 0, 0}).theta;
+  data.u_sampled =
+      rank_truths(amortized(task, fault), data.u, data.x, {.num_samples = 1}, {1, "", 0, 0, 0})
+          .theta;
   data.x_o = data.x.row(10).transpose();
   data.u_at_x_o = GaussianPosterior(task, data.x_o, fault).sample(300, {1, "x_o", 0, 0, 0});
   return data;
