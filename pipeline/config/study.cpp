@@ -67,7 +67,9 @@ std::string Study::why_unchecked(Check check, const MethodConfig& method) const 
     return "its chains are short, and agree as a whole; their R-hat is in the table of experiments";
   }
   const bool is_weighted = family == AlgorithmFamily::likelihood;
-  if (traits.needs == CheckNeeds::sampler && !is_weighted && (!has_network || has_density)) {
+  const bool is_pooled = method.algorithm.kind == inference::Algorithm::npe_nle;
+  if (traits.needs == CheckNeeds::sampler && !is_weighted && !is_pooled &&
+      (!has_network || has_density)) {
     return "its samples need no chains";
   }
   if (traits.needs == CheckNeeds::likelihood && !is_weighted) {

@@ -78,19 +78,25 @@ class StudyWarnings {
          "inference and scores are not concerned");
   }
 
-  // Simulators of the user's are asked whether they draw noise of their own (sources/row_check.h).
+  // Simulators of the user's may draw it; they are asked when they run (sources/row_check.h).
   void warn_of_exact_recording() {
-    const bool is_exact = study_.source().is_built_in && study_.observation_noise.is_silent();
     const bool any_learns = std::ranges::any_of(study_.methods, [](const MethodConfig& method) {
       const auto family = inference::traits_of(method.algorithm.kind).family;
       return family == inference::AlgorithmFamily::network ||
              family == inference::AlgorithmFamily::abc;
     });
-    if (!study_.target.recording || !is_exact || !any_learns) return;
+    const bool is_meant = study_.places.has("observation_noise.scale");
+    if (!study_.target.recording || !study_.source().simulates || !any_learns || is_meant ||
+        !study_.observation_noise.is_silent()) {
+      return;
+    }
     warn("observation_noise",
-         "observation_noise has no scale, and the target is a recording: methods learn from "
-         "simulations without the noise that sensors have, to which no recording is alike; set "
-         "observation_noise.scale, or std by channel");
+         fmt::format("observation_noise has no scale, and the target is a recording: {}methods "
+                     "learn from simulations without the noise that sensors have, to which no "
+                     "recording is alike, and their posteriors may miss the truth; set "
+                     "observation_noise.scale, std by channel, or scale_prior where nobody knows "
+                     "it; scale = 0 says that there is none",
+                     study_.source().is_built_in ? "" : "unless the simulator draws it, "));
   }
 
   // Where simulations run, it may be there: on the nodes of a cluster, or after 'module load'.

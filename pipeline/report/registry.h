@@ -33,6 +33,7 @@ struct FigureEntry {
 TableEntry fit_table();
 TableEntry features_table();
 TableEntry rounds_table();
+TableEntry proposals_table();
 TableEntry densities_table();
 TableEntry seeds_table();
 TableEntry scores_table();
@@ -49,14 +50,12 @@ TableEntry diagnostics_table();
 
 /// In the order of the report.
 inline std::vector<TableEntry> all_tables() {
-  return {fit_table(),          scores_table(),
-          features_table(),     rounds_table(),
-          densities_table(),    seeds_table(),
-          parameters_table(),   intervals_table(),
-          noise_table(),        contraction_table(),
-          refinement_table(),   policy_table(),
-          policy_seeds_table(), policy_parameters_table(),
-          policy_cost_table(),  diagnostics_table()};
+  return {fit_table(),         scores_table(),       features_table(),
+          rounds_table(),      proposals_table(),    densities_table(),
+          seeds_table(),       parameters_table(),   intervals_table(),
+          noise_table(),       contraction_table(),  refinement_table(),
+          policy_table(),      policy_seeds_table(), policy_parameters_table(),
+          policy_cost_table(), diagnostics_table()};
 }
 
 FigureEntry interval_figure();

@@ -186,7 +186,7 @@ Verdict unexplained(double rmse) {
 // What would make predictions of rollouts that inference hasn't seen less sure of themselves.
 std::string advice_to_widen(const ReportData& data, const std::string& method) {
   const MethodConfig& config = data.plan.study.method(method);
-  const std::string model = "look for what simulator or noise lack (observation_noise.correlation)";
+  const std::string model = "look for what simulator or noise lack" + noise_hint(data.plan.study);
   if (config.refine.sampling.cross_validate) return model;
   const bool has_folds = data.plan.study.target.num_rollouts > 1;
   const bool is_refined = config.algorithm.kind == inference::Algorithm::refine;
@@ -257,6 +257,13 @@ HeldOut held_out_of(const Runs& runs, double of_uninformed) {
   return all;
 }
 
+// Rounds simulate where the posterior of the first one is, right or not.
+std::string word_of_rounds(const ReportData& data, const std::string& method) {
+  if (!data.plan.study.source().simulates) return "";
+  if (!is_miscalibrated(data, method)) return ", more rounds";
+  return "; rounds go on from the posterior of round 1, whose calibration FAILS: mend that first";
+}
+
 }  // namespace
 
 Verdict judge_fit(const ReportData& data, const std::string& method) {
@@ -285,8 +292,8 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
     return {
         Check::fit, Judgment::fails,
         std::string(traits_of(Check::fit).failure) + seeds_text(failed, runs.size()) + ", " + size,
-        fmt::format("{:.3g} is the median RMSE of its samples, {}: try {}, more rounds", worst,
-                    size, advice)};
+        fmt::format("{:.3g} is the median RMSE of its samples, {}: try {}{}", worst, size, advice,
+                    word_of_rounds(data, method))};
   }
   if (astray == 0) {
     std::vector<std::string> notes = {what_the_best_leave(data, of_floor),

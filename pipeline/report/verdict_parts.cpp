@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 
 namespace npdr::pipeline {
@@ -22,6 +23,24 @@ std::string advice_to_learn(const ReportData& data, const std::string& method) {
   const bool sees_all = trains_layers(kind) || kind == all_steps || kind == identity;
   return (sees_all ? "" : "embedding.principal_components without embedding.kind, ") +
          std::string("more simulations");
+}
+
+std::string noise_hint(const Study& study) {
+  const ObservationNoise& noise = study.observation_noise;
+  if (noise.is_silent()) {
+    return study.target.recording ? " (the study states no noise of the recording's sensors: "
+                                    "observation_noise.scale, or scale_prior to infer it)"
+                                  : "";
+  }
+  std::vector<std::string> keys;
+  if (!noise.scale_prior) keys.emplace_back("scale_prior");
+  if (study.source().gives_motion && !noise.correlation && !noise.correlation_prior) {
+    keys.emplace_back("correlation");
+  }
+  if (!noise.degrees_of_freedom && !noise.degrees_of_freedom_prior) {
+    keys.emplace_back("degrees_of_freedom");
+  }
+  return keys.empty() ? "" : " (observation_noise." + join(keys) + ")";
 }
 
 }  // namespace npdr::pipeline

@@ -19,6 +19,13 @@ const std::string& name_of_parameter(const ReportData& data, Index d);
 /// What would let a method learn more of its observation.
 std::string advice_to_learn(const ReportData& data, const std::string& method);
 
+/// Whether a check of calibration, which is of round 1, has failed.
+bool is_miscalibrated(const ReportData& data, const std::string& method);
+
+/// What [observation_noise] may say that it doesn't yet, in brackets, for "simulator or noise lack
+/// something"; "": nothing, or the observation is simulated without noise.
+std::string noise_hint(const Study& study);
+
 /// The two parameters whose samples, where the prior is standard normal, correlate most, from 0.95
 /// on, and which are less than 0.95 contracted (contraction.h) by themselves: the observation tells
 /// their combination. Empty where there are none.

@@ -7,6 +7,7 @@
 
 #include "inference/diagnostics/tail_probability.h"
 #include "pipeline/features/failures.h"
+#include "pipeline/report/verdict_parts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -21,7 +22,8 @@ std::string times_usual(const inference::Distance& distance) {
 }
 
 // An observation outside of what was simulated makes all else void.
-std::string outside_reason(const inference::OutOfDistribution& ood, std::uint64_t seed) {
+std::string outside_reason(const Study& study, const inference::OutOfDistribution& ood,
+                           std::uint64_t seed) {
   std::string distances;
   const auto add = [&](const inference::Distance& distance, const char* what) {
     const std::string times = times_usual(distance);
@@ -38,13 +40,15 @@ std::string outside_reason(const inference::OutOfDistribution& ood, std::uint64_
   return fmt::format(
       "the observation lies outside of what was simulated (seed {}: {}); the network extrapolates "
       "there, whatever the other checks say: look at units, clock and conventions of the "
-      "recording, "
-      "widen the prior, or raise observation_noise",
-      seed, distances);
+      "recording, widen the prior, or {}",
+      seed, distances,
+      study.observation_noise.is_silent()
+          ? "state the noise of its sensors, observation_noise.scale"
+          : "raise observation_noise");
 }
 
-std::string unpredicted_reason(const PredictiveResult& predictive, Index num_samples,
-                               std::uint64_t seed) {
+std::string unpredicted_reason(const Study& study, const PredictiveResult& predictive,
+                               Index num_samples, std::uint64_t seed) {
   if (predictive.median.hasNaN()) {
     return fmt::format(
         "{} of its {} predictions failed (seed {}), too many to compare the others with the "
@@ -56,11 +60,10 @@ std::string unpredicted_reason(const PredictiveResult& predictive, Index num_sam
   return fmt::format(
       "what its samples predict is unlike the observation (seed {}), most in {}: observed {:.3g}, "
       "predicted median {:.3g}, p = {:.2g} (of all features together p = {:.2g}): simulator or "
-      "noise lack something (observation_noise.correlation, degrees_of_freedom), or more "
-      "simulations find parameters that predict it",
+      "noise lack something{}, or more simulations find parameters that predict it",
       seed, predictive.names[static_cast<std::size_t>(worst)], predictive.observed(worst),
       predictive.median(worst), predictive.check.summary_p_value(worst),
-      predictive.check.overall.p_value);
+      predictive.check.overall.p_value, noise_hint(study));
 }
 
 constexpr const char* kCalibrationAdvice =
@@ -93,7 +96,7 @@ std::string too_few(const char* what, Index count, const char* advice) {
 
 }  // namespace
 
-std::string failure_reason(Check check, const ResultOf<Diagnosis>& run) {
+std::string failure_reason(Check check, const Study& study, const ResultOf<Diagnosis>& run) {
   const Diagnosis& found = run.result;
   const std::uint64_t seed = run.use.seed;
   switch (check) {
@@ -110,9 +113,9 @@ std::string failure_reason(Check check, const ResultOf<Diagnosis>& run) {
       return fmt::format("its samples can be told from those of the true posterior (seed {}); {}",
                          seed, kCalibrationAdvice);
     case Check::predictive:
-      return unpredicted_reason(*found.predictive, found.num_samples, seed);
+      return unpredicted_reason(study, *found.predictive, found.num_samples, seed);
     case Check::ood:
-      return outside_reason(*found.ood, seed);
+      return outside_reason(study, *found.ood, seed);
     case Check::failures:
       return fmt::format("{} (seed {}). {}", words_of(*found.failures), seed, kFailureAdvice);
     default:

@@ -12,7 +12,7 @@ namespace npdr::pipeline {
 using DiagnosisRuns = std::vector<const ResultOf<Diagnosis>*>;
 
 /// Of a check with a p-value that has failed.
-std::string failure_reason(Check check, const ResultOf<Diagnosis>& run);
+std::string failure_reason(Check check, const Study& study, const ResultOf<Diagnosis>& run);
 
 /// Why a check with a p-value could hardly have failed at that level; "": it could have.
 std::string too_little_to_tell(Check check, const Diagnosis& diagnosis, double level);

@@ -1,4 +1,4 @@
-// Verdicts on how a posterior was sampled: by weights, a refinement or Markov chains.
+// Verdicts on how a posterior was sampled: by weights, a pool, a refinement or Markov chains.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -167,11 +167,47 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
                                : "")};
 }
 
+// Of pooled networks (inference/pooled_posterior.h), which were each right about held-out
+// simulations: whether they agree about x_o as they do about those.
+Verdict judge_pool(const ReportData& data, const Runs& runs) {
+  constexpr double least = 0.1;
+  std::size_t failed = 0;
+  double smallest = 1.0;
+  std::string powers;
+  for (const EvaluatedRun* run : runs) {
+    if (!run->notes.pool) continue;  // no feature varies
+    const double wanted = run->notes.pool->powers.likelihood;
+    const double left = run->notes.pool->powers_at_x_o.likelihood;
+    const double share = wanted > 0.0 ? left / wanted : 1.0;
+    failed += share < least ? 1 : 0;
+    if (share >= smallest) continue;
+    smallest = share;
+    powers = fmt::format("{:.2g} of {:.2g}", left, wanted);
+  }
+  if (smallest == 1.0) return {Check::sampling, Judgment::passes, "passes", ""};
+  const std::string text = ", power of NLE " + powers;
+  const std::string found =
+      "NPE and NLE, which held-out simulations have proved right, contradict each other at x_o, "
+      "where the power of NLE is " +
+      powers;
+  const std::string advice = "simulator or noise lack something" + noise_hint(data.plan.study);
+  if (failed == 0) {
+    return {Check::sampling, Judgment::passes, "passes" + text,
+            found + ": perhaps " + advice + ", or more simulations make them agree"};
+  }
+  return {
+      Check::sampling, Judgment::fails,
+      "NPE and NLE CONTRADICT each other" + seeds_text(failed, runs.size()) + text,
+      found + ": it is like none of the simulations, and NPE alone extrapolates to it: " + advice};
+}
+
 }  // namespace
 
 Verdict judge_sampling(const ReportData& data, const std::string& method) {
   const Runs runs = data.runs_of(method);
   if (runs.front()->notes.certificate) return judge_certificates(data, runs);
+  const inference::Algorithm algorithm = data.plan.study.method(method).algorithm.kind;
+  if (algorithm == inference::Algorithm::npe_nle) return judge_pool(data, runs);
   if (runs.front()->evaluation.sampler->r_hat.size() == 0) return judge_weights(runs);
   double largest = 0.0;
   std::size_t failed = 0;

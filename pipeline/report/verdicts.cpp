@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/begins_at_rest.h"
 #include "core/text.h"
 #include "pipeline/features/failures.h"
+#include "pipeline/report/verdict_parts.h"
 #include "pipeline/report/verdict_reasons.h"
 
 namespace npdr::pipeline {
@@ -38,7 +40,7 @@ Verdict judge_training(const ReportData& data, const std::string& method,
           training_reason(runs, data.plan.study.method(method).training)};
 }
 
-Verdict judge_p_value(Check check, const DiagnosisRuns& runs, double level) {
+Verdict judge_p_value(const Study& study, Check check, const DiagnosisRuns& runs, double level) {
   std::size_t failed = 0;
   double smallest = 1.0;
   std::string reason, unknown;
@@ -50,7 +52,7 @@ Verdict judge_p_value(Check check, const DiagnosisRuns& runs, double level) {
     if (!fails && unknown.empty()) unknown = too_little_to_tell(check, run->result, level);
     if (!fails) continue;
     ++failed;
-    if (reason.empty()) reason = failure_reason(check, *run);
+    if (reason.empty()) reason = failure_reason(check, study, *run);
   }
   const char* sign = runs.size() > 1 && smallest < 1.0 ? "≥" : "=";
   const std::string p_text = fmt::format(", p {} {:.2g}", sign, smallest);
@@ -90,7 +92,7 @@ Verdict judge(const ReportData& data, const std::string& method, Check check) {
       return judge_training(data, method, data.diagnoses_of(method));
     default:
       const DiagnosisRuns runs = data.diagnoses_of(method);
-      return judge_p_value(check, runs, level_of(data, method, runs));
+      return judge_p_value(data.plan.study, check, runs, level_of(data, method, runs));
   }
 }
 
@@ -105,6 +107,20 @@ std::string why_not_held_out(const ReportData& data, const MethodConfig& method)
       "something; set target.held_out = 1 with target.num_rollouts for the others, or "
       "evaluate.leave_out = 2",
       traits_of(Check::held_out).title);
+}
+
+// The same of the noise of recorded first states, in which simulations begin; "" where each device
+// began at rest.
+std::string why_not_first_states(const ReportData& data, const MethodConfig& method) {
+  const Study& study = data.plan.study;
+  const bool are_noisy = study.target.recording && study.source().gives_motion &&
+                         !study.observation_noise.is_silent() &&
+                         !std::ranges::all_of(data.target.rollouts, analysis::begins_at_rest);
+  const bool is_refined = method.algorithm.kind == inference::Algorithm::refine;
+  if (!are_noisy || is_refined) return "";  // of refinements the check of residuals says it
+  return "First states: simulations begin in recorded ones as if these were exact, and parameters "
+         "may make up for the noise that they have; unless the device began at rest, compare with "
+         "a refinement (algorithm = \"refine\", refine.infer_first_states = true)";
 }
 
 // The same of calibration, which costs more than some studies spend on inference; "" of methods
@@ -129,6 +145,16 @@ std::string why_not_calibrated(const ReportData& data, const MethodConfig& metho
 }
 
 }  // namespace
+
+bool is_miscalibrated(const ReportData& data, const std::string& method) {
+  const DiagnosisRuns runs = data.diagnoses_of(method);
+  if (runs.empty() || !data.checks_of(method).calibrates()) return false;
+  const double level = level_of(data, method, runs);
+  return std::ranges::any_of(data.checks_of(method).checks, [&](Check check) {
+    return traits_of(check).calibrates &&
+           judge_p_value(data.plan.study, check, runs, level).judgment == Judgment::fails;
+  });
+}
 
 std::string seeds_text(std::size_t failed, std::size_t all) {
   return all == 1 ? "" : fmt::format(" in {} of {} seeds", failed, all);
@@ -156,7 +182,7 @@ std::vector<CheckSummary> check_summaries(const ReportData& data) {
       if (!verdict.reason.empty()) summary.reasons.push_back(title + ": " + verdict.reason);
     }
     if (summary.failed.empty() && summary.unknown.empty()) {
-      for (const auto& why_not : {why_not_held_out, why_not_calibrated}) {
+      for (const auto& why_not : {why_not_held_out, why_not_calibrated, why_not_first_states}) {
         const std::string but = why_not(data, data.plan.study.method(method));
         if (!but.empty()) summary.reasons.push_back(but);
       }

@@ -1,5 +1,6 @@
 #include "pipeline/config/study_warnings.h"
 
+#include "pipeline/config/simulator_info.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
@@ -55,6 +56,20 @@ TEST(StudyWarnings, ARecordingHasNoise) {
   ASSERT_EQ(found({}).size(), 1u);
   EXPECT_NE(found({})[0].find("warning: observation_noise has no scale"), std::string::npos);
   EXPECT_EQ(found({"observation_noise.scale=0.01"}).size(), 0u);
+  EXPECT_EQ(found({"observation_noise.scale=0.0"}).size(), 0u) << "it is meant";
+  // A program may draw its own.
+  const auto of_program = [&](const std::vector<std::string>& overrides) {
+    const Study study = parse_study(
+        "[study]\nname = 's'\n[target]\nrecording = '" + (folder / "r.h5").string() +
+            "'\n[simulator]\nworker = 'cat'\nstates = ['a']\n[prior]\nk = { uniform = [0, 1] "
+            "}\n[[method]]\nname = 'A'\n",
+        "s.toml", overrides);
+    return warnings_of(study, simulator_info(study));
+  };
+  ASSERT_EQ(of_program({}).size(), 1u);
+  EXPECT_TRUE(says(of_program({})[0], {"s.toml: warning: observation_noise has no scale",
+                                       "unless the simulator draws it"}));
+  EXPECT_EQ(of_program({"observation_noise.scale_prior=[0.1, 1.0]"}).size(), 0u);
 }
 
 }  // namespace

@@ -31,6 +31,25 @@ TEST_F(Verdicts, FewDrawsThatCountFail) {
   EXPECT_EQ(weighed(37.0).judgment, Judgment::fails);
 }
 
+TEST_F(Verdicts, PooledNetworksThatContradictEachOtherFail) {
+  EXPECT_EQ(verdict_of(Check::sampling).text, "passes") << "no feature varies";
+  const auto pooled = [&](double at_x_o) {
+    data_.runs.front().notes.pool = PoolNotes{{0.9, 0.8}, {0.95, at_x_o}, 0.0};
+    return verdict_of(Check::sampling);
+  };
+  EXPECT_EQ(pooled(0.8).text, "passes");
+  EXPECT_EQ(pooled(0.8).reason, "");
+  EXPECT_EQ(pooled(0.3).text, "passes, power of NLE 0.3 of 0.8");
+  EXPECT_TRUE(says(pooled(0.3).reason, {"NPE and NLE", "contradict each other at x_o"}));
+  EXPECT_EQ(pooled(0.01).judgment, Judgment::fails);
+  EXPECT_EQ(pooled(0.01).text, "NPE and NLE CONTRADICT each other, power of NLE 0.01 of 0.8");
+  plan_.study.target.recording = "recording.h5";
+  EXPECT_TRUE(says(pooled(0.01).reason,
+                   {"NPE and NLE", "like none of the simulations", "observation_noise.scale"}));
+  data_.runs.front().notes.pool = PoolNotes{{1.0, 0.0}, {1.0, 0.0}, 0.0};
+  EXPECT_EQ(verdict_of(Check::sampling).text, "passes") << "held-out simulations have left NLE out";
+}
+
 TEST_F(Verdicts, ARefinementWhoseCertificateFailsFails) {
   plan_.study.methods.front().algorithm.kind = inference::Algorithm::refine;
   const inference::ImportanceCertificate good{.power = 1.0,

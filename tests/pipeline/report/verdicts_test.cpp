@@ -11,7 +11,7 @@ namespace {
 TEST_F(Verdicts, AMethodWithoutFaultPassesAll) {
   const auto summaries = check_summaries(data_);
   ASSERT_EQ(summaries.size(), 1u);
-  EXPECT_EQ(words_of(summaries.front()), "NPDR (MAF): all 7 checks pass");
+  EXPECT_EQ(words_of(summaries.front()), "NPDR (MAF): all 8 checks pass");
   ASSERT_EQ(summaries.front().reasons.size(), 1u);
   EXPECT_TRUE(says(summaries.front().reasons.front(),
                    {"Calibration: it wasn't checked", "[diagnose]", "for each seed 300 more"}));
@@ -31,6 +31,30 @@ TEST_F(Verdicts, ThatNoRolloutIsHeldOutIsSaidWhereAllElsePasses) {
       says(reasons().front(), {"Held-out rollouts: there are none", "target.held_out = 1"}));
   plan_.study.evaluate.leave_out = 3;
   EXPECT_EQ(reasons().size(), 0u);
+}
+
+TEST_F(Verdicts, ThatFirstStatesHaveNoiseIsSaidWhereAllElsePasses) {
+  plan_.study.places.add("diagnose.checks", {});
+  plan_.study.target.recording = "r.h5";
+  plan_.study.observation_noise.scale = 0.01;
+  const auto num_reasons = [&] { return check_summaries(data_).front().reasons.size(); };
+  EXPECT_EQ(num_reasons(), 0u) << "it stands still";
+  RowMatrix& states = data_.target.rollouts.front().states;
+  for (Index t = 0; t < states.rows(); ++t) states.row(t).setConstant(0.1 * static_cast<double>(t));
+  ASSERT_EQ(num_reasons(), 1u);
+  EXPECT_TRUE(says(check_summaries(data_).front().reasons.front(),
+                   {"First states: ", "refine.infer_first_states = true"}));
+  plan_.study.target.recording.reset();
+  EXPECT_EQ(num_reasons(), 0u) << "a simulated truth";
+}
+
+TEST_F(Verdicts, RoundsGoOnFromACalibratedOneAlone) {
+  add_run(samples_around(1.0, 0.02), 0.5);
+  EXPECT_TRUE(verdict_of(Check::fit).reason.ends_with(", more rounds"));
+  plan_.study.diagnose.checks.push_back(Check::sbc);
+  data_.diagnoses.back().result.sbc.emplace().test.p_value = 1e-9;
+  EXPECT_TRUE(verdict_of(Check::fit).reason.ends_with("whose calibration FAILS: mend that first"))
+      << verdict_of(Check::fit).reason;
 }
 
 TEST_F(Verdicts, APosteriorAtTheEndOfThePriorPressesAgainstIt) {
@@ -175,6 +199,25 @@ TEST_F(Verdicts, WhatARefinementWouldFindIsSaid) {
                     "algorithm = \"refine\"", "refine.start = \"NPDR (MAF)\""}));
   add_run(samples_around(1.0, 0.02), 0.07);
   EXPECT_EQ(verdict_of(Check::fit).reason, "");
+}
+
+// A recording for whose noise a study has no word is the commonest reason of all.
+TEST_F(Verdicts, APredictionThatFailsNamesTheNoiseThatTheStudyLacks) {
+  inference::PredictiveCheck& check = data_.diagnoses.back().result.predictive->check;
+  check.p_value = 1e-6;
+  check.summary_p_value = Vector::Constant(1, 1e-6);
+  data_.diagnoses.back().result.predictive->names = {"mean"};
+  data_.diagnoses.back().result.predictive->observed = Vector::Ones(1);
+  const auto reason = [&] { return verdict_of(Check::predictive).reason; };
+  EXPECT_TRUE(says(reason(), {"what its samples predict is unlike the observation",
+                              "simulator or noise lack something, or more simulations"}))
+      << "a simulated target has none";
+  plan_.study.target.recording = "recording.h5";
+  EXPECT_TRUE(says(reason(), {"what its samples predict is unlike the observation",
+                              "observation_noise.scale, or scale_prior to infer it"}));
+  plan_.study.observation_noise.scale = 0.1;
+  EXPECT_TRUE(says(reason(), {"what its samples predict is unlike the observation",
+                              "(observation_noise.scale_prior, correlation, degrees_of_freedom)"}));
 }
 
 TEST_F(Verdicts, AFloorFarAboveTheNoiseIsSaid) {
@@ -382,7 +425,7 @@ TEST_F(Verdicts, ChecksThatCouldFindNothingCantTell) {
   diagnosis.predictive->check.overall.num_reference = 20;
   add_run(samples_around(1.0, 0.02).topRows(99), 0.02);
   EXPECT_EQ(words_of(check_summaries(data_).front()),
-            "NPDR (MAF): 3 of 7 checks pass; can't tell: Posterior predictive, x_o among "
+            "NPDR (MAF): 4 of 8 checks pass; can't tell: Posterior predictive, x_o among "
             "simulations, Bounds of the prior, Contraction");
   EXPECT_NE(verdict_of(Check::ood).reason.find("raise method.num_simulations"), std::string::npos);
   diagnosis.ood.reset();
@@ -406,7 +449,7 @@ TEST_F(Verdicts, NothingIsInfinitelyFar) {
 TEST_F(Verdicts, TheTableHasThemAll) {
   data_.diagnoses.front().result.ood->p_value = 1e-5;
   const analysis::Table table = diagnostics_table().make(data_);
-  EXPECT_EQ(table.rows.size(), 7u);
+  EXPECT_EQ(table.rows.size(), 8u);
   EXPECT_EQ(table.footnotes.size(), 1u);
   EXPECT_EQ(table.rows[1].label, "x_o among simulations");
   EXPECT_EQ(table.rows[1].cells.front().notes, std::vector<std::size_t>{0});
