@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "core/error.h"
@@ -14,28 +15,35 @@
 namespace npdr::inference {
 namespace {
 
-constexpr double kOutside = 1e-4;          // share of the posterior's mass
-constexpr Index kSupportSamples = 10'000;  // that tell where it is
-constexpr Index kGroup = 500;              // draws that are made together
-constexpr double kEnough = 2.0 * kGroup;   // effective candidates of a group
-constexpr Index kMostBatches = 16;         // of kGroup candidates of each kind
-constexpr std::uint64_t kRowsOfOne = 64;   // random ones for each draw: an ensemble takes more
-constexpr Index kMoves = 50;               // where those weren't enough
-constexpr double kWidth = 2.0;             // of the Gaussian, in the posterior's deviations
-constexpr double kLeastDeviation = 1e-6;   // of it
+constexpr double kOutside = 1e-4;         // share of the posterior's mass
+constexpr Index kSupportDraws = 20'000;   // that tell where it is
+constexpr Index kGroup = 500;             // draws that are made together
+constexpr double kEnough = 2.0 * kGroup;  // effective candidates of a group
+constexpr Index kMostBatches = 16;        // of kGroup candidates of each kind
+constexpr std::uint64_t kRowsOfOne = 64;  // random ones for each draw: an ensemble takes more
+constexpr Index kMoves = 50;              // where those weren't enough
+constexpr double kWidth = 2.0;            // of the Gaussian, in the posterior's deviations
+constexpr double kLeastDeviation = 1e-6;  // of it
 
-// Of u, in every direction `kWidth` times as wide as the samples.
-GaussianMixture wide_gaussian(const RowMatrix& u) {
-  const Vector equal = Vector::Ones(u.rows());
+// Of u, in every direction `kWidth` times as wide as the weighted draws.
+GaussianMixture wide_gaussian(const RowMatrix& u, const Vector& weights) {
   const Index dimension = u.cols();
   const Eigen::MatrixXd covariance =
-      kWidth * kWidth * weighted_covariance(u, equal) +
+      kWidth * kWidth * weighted_covariance(u, weights) +
       kLeastDeviation * kLeastDeviation * Eigen::MatrixXd::Identity(dimension, dimension);
   const Eigen::MatrixXd precision =
       covariance.llt().solve(Eigen::MatrixXd::Identity(dimension, dimension));
   return {.log_weights = Vector::Zero(1),
-          .means = {weighted_mean(u, equal)},
+          .means = {weighted_mean(u, weights)},
           .precision_factors = {precision.llt().matrixU()}};
+}
+
+// The value that draws with a share `below` of all weight have less than.
+double weighted_quantile(const Vector& values, const Vector& weights, double below) {
+  std::vector<Index> order(static_cast<std::size_t>(values.size()));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::sort(order, {}, [&](Index i) { return values(i); });
+  return values(order[static_cast<std::size_t>(Resampler(weights(order)).draw(below))]);
 }
 
 // log (1 + e^a + e^b) of each.
@@ -72,12 +80,13 @@ struct TruncatedPrior::Candidates {
 TruncatedPrior::TruncatedPrior(const NetworkPosterior& posterior)
     : posterior_(posterior), near_(posterior.importance_proposal()) {
   const StreamId id{posterior.parts().structure_seed, "truncation", 0, 0, 0};
-  const RowMatrix theta = posterior.sample(kSupportSamples, id);
-  Vector ratio = log_ratio(theta);
-  const auto place = static_cast<Index>(kOutside * static_cast<double>(kSupportSamples));
-  std::nth_element(ratio.begin(), ratio.begin() + place, ratio.end());
-  threshold_ = ratio(place);
-  around_ = wide_gaussian(posterior.prior().to_normal(theta));
+  const RowMatrix theta = near_.sample(kSupportDraws, id);
+  const Vector ratio = log_ratio(theta);
+  const Vector log_weights = ratio + posterior.prior().log_prob(theta) - near_.log_prob(theta);
+  const Vector finite = log_weights.array().isFinite().select(log_weights, -HUGE_VAL);
+  const Vector weights = (finite.array() - finite.maxCoeff()).exp();
+  threshold_ = weighted_quantile(ratio, weights, kOutside);
+  around_ = wide_gaussian(posterior.prior().to_normal(theta), weights);
 }
 
 // log p(u | x_o) / p(u) but for a constant, (n); -infinity where there is no such density.
@@ -100,6 +109,7 @@ Vector TruncatedPrior::inside(const RowMatrix& theta, const Vector& values) cons
   return (log_ratio(theta).array() >= threshold_).select(values, -HUGE_VAL);
 }
 
+// Some of them lie in the region.
 TruncatedPrior::Candidates TruncatedPrior::draw_candidates(StreamId id) const {
   const Prior& prior = posterior_.prior();
   Candidates all{.u = RowMatrix(0, prior.dimension()), .log_weights = {}};
@@ -114,6 +124,10 @@ TruncatedPrior::Candidates TruncatedPrior::draw_candidates(StreamId id) const {
     const Vector gaussian = around_.log_prob(u) - log_standard_normal(u);
     const Vector log_weights = -log_of_sum(near, gaussian);
     all.append(u, inside(theta, log_weights.array().isFinite().select(log_weights, -HUGE_VAL)));
+  }
+  if (!std::isfinite(all.log_weights.maxCoeff())) {
+    throw Error("proposal: of " + std::to_string(all.log_weights.size()) +
+                " candidates none lies where the last round's posterior is");
   }
   return all;
 }
@@ -135,13 +149,15 @@ void TruncatedPrior::move(RowMatrix& u, Stream& stream) const {
   u = unscaled(scaled);
 }
 
+// Weighted by p / (3 m), with m their mixture: the mean of p / m inside is the mass.
+double TruncatedPrior::prior_mass() const {
+  const StreamId id{posterior_.parts().structure_seed, "truncated_mass", 0, 0, 0};
+  return 3.0 * draw_candidates(id).log_weights.array().exp().mean();
+}
+
 RowMatrix TruncatedPrior::draw_group(const StreamId& id) const {
   const Prior& prior = posterior_.prior();
   const Candidates candidates = draw_candidates(id);
-  if (!std::isfinite(candidates.log_weights.maxCoeff())) {
-    throw Error("proposal: of " + std::to_string(candidates.log_weights.size()) +
-                " candidates none lies where the last round's posterior is");
-  }
   Stream stream(within(id, "resampling"));
   const std::vector<Index> rows =
       Resampler(candidates.weights()).systematic(kGroup, stream.uniform());

@@ -1,10 +1,11 @@
 /// The prior within the region where a posterior has all but nothing of its mass:
 ///   p~(u) ~ p(u) 1[ p(u | x_o) / p(u) >= tau ],
-/// with tau the ratio that 1e-4 of the posterior's own samples have less than: of all regions with
-/// as much of its mass the one with the least of the prior's, whatever the parameters' scales
-/// (Deistler, Goncalves and Macke 2022, "Truncated proposals for scalable and hassle-free
-/// simulation-based inference", TSNPE, whose priors are uniform). Networks that learn of its draws
-/// by maximum likelihood need no correction: within the region it is the prior.
+/// with tau the ratio that 1e-4 of the posterior's mass has less than, told by weighted draws of
+/// its importance_proposal(): of all regions with as much of that mass the one with the least of
+/// the prior's, whatever the parameters' scales (Deistler, Goncalves and Macke 2022, "Truncated
+/// proposals for scalable and hassle-free simulation-based inference", TSNPE, whose priors are
+/// uniform). Networks that learn of its draws by maximum likelihood need no correction: within the
+/// region it is the prior.
 ///
 /// It is sampled by importance: candidates are a third each draws of the prior, of the posterior's
 /// importance_proposal(), and of a Gaussian twice as wide as that posterior, which are weighted by
@@ -29,6 +30,8 @@ class TruncatedPrior {
 
   /// The rows of theta (n, D) that lie in the region, ascending.
   std::vector<std::uint32_t> rows_within(const RowMatrix& theta) const;
+  /// The share of the prior's mass that lies in the region. Throws Error as sample().
+  double prior_mass() const;
   /// (n, D) draws, inside of the region. Row i depends on `id` and i alone, not on n. Throws Error
   /// when no candidate lies there.
   RowMatrix sample(Index n, const StreamId& id) const;

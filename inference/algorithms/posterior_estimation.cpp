@@ -134,15 +134,14 @@ Parameters<float> best_weights(const std::vector<TrainingState>& states, Index f
 
 // Network m of the ensemble; false when the hook stopped it.
 bool train_network(const PosteriorEstimationConfig& config, const RoundData& data,
-                   const std::vector<std::uint32_t>& rows, const VectorF& row_weights,
-                   const NetworkParts& all, Index m, StreamId id, TrainingState& state,
-                   const EpochHook& hook) {
+                   const LearnedRows& learned, const NetworkParts& all, Index m, StreamId id,
+                   TrainingState& state, const EpochHook& hook) {
   ValidationFold fold{id.seed, m};
   // NPE-A learns from rows that no round has seen.
-  if (config.algorithm.kind != Algorithm::npe_a) fold.rows = rows;
+  if (config.algorithm.kind != Algorithm::npe_a) fold.rows = learned.rows;
   const NetworkParts parts = network_of(all, m);
   id.seed = seed_of_network(id.seed, m);
-  const auto task = make_round_task(config, data, rows, row_weights, parts, id);
+  const auto task = make_round_task(config, data, learned, parts, id);
   if (state.epoch == 0 && state.parameters.size() == 0) {
     state.parameters = first_weights(config, *task, all, data, m, id);
   }
@@ -168,9 +167,9 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
   const Index networks = config.estimator.num_networks;
   states.resize(ensembles.size() * static_cast<std::size_t>(networks));
   const bool are_pooled = ensembles.size() > 1;
-  std::vector<std::uint32_t> rows = rows_to_learn(config, data), judging;
-  if (are_pooled) judging = take_judging_rows(rows, data);
-  const VectorF weights_of_rows = row_weights(config, data);
+  LearnedRows learned = learned_rows(config, data);
+  std::vector<std::uint32_t> judging;
+  if (are_pooled) judging = take_judging_rows(learned.rows, data);
   std::mutex one_at_a_time;
   std::atomic<bool> halted = false;  // by the hook, or by the error of a network
   parallel_for(std::ssize(states), [&](Index k) {
@@ -181,8 +180,8 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
     };
     try {
       const NetworkParts& ensemble = ensembles[static_cast<std::size_t>(k / networks)];
-      const bool ended = train_network(config, data, rows, weights_of_rows, ensemble, k % networks,
-                                       id, states[static_cast<std::size_t>(k)], hook_of_network);
+      const bool ended = train_network(config, data, learned, ensemble, k % networks, id,
+                                       states[static_cast<std::size_t>(k)], hook_of_network);
       if (!ended) halted = true;
     } catch (...) {
       halted = true;

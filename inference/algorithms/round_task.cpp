@@ -26,17 +26,23 @@ std::vector<std::uint32_t> rows_of_last_round(const RoundData& data) {
   return rows;
 }
 
-// w = p(theta) / p~(theta), with p~ the mixture of all that the rounds were drawn from, in
-// proportion to their rows (Veach and Guibas 1995, the balance heuristic): bounded by N / N_1,
-// however far a proposal is from the prior. Rows that failed count, too: it is the mixture of what
-// was drawn, whichever of it is left.
-VectorF importance_weights(const RoundData& data) {
-  if (data.posteriors.empty()) return {};
-  const Vector log_prior = data.prior->log_prob(data.theta);
+// Rows that each round has drawn; those that failed count, too: what rows are draws of is the
+// mixture of what was drawn, whichever of it is left.
+std::vector<Index> num_drawn(const RoundData& data) {
   std::vector<Index> counts = data.num_simulated;
   for (std::uint32_t r = 1; std::ssize(counts) <= std::ssize(data.posteriors); ++r) {
     counts.push_back(std::ranges::count(data.round, r));
   }
+  return counts;
+}
+
+// w = p(theta) / p~(theta), with p~ the mixture of all that the rounds were drawn from, in
+// proportion to their rows (Veach and Guibas 1995, the balance heuristic): bounded by N / N_1,
+// however far a proposal is from the prior.
+VectorF importance_weights(const RoundData& data) {
+  if (data.posteriors.empty()) return {};
+  const Vector log_prior = data.prior->log_prob(data.theta);
+  const std::vector<Index> counts = num_drawn(data);
   const auto total = static_cast<double>(std::reduce(counts.begin(), counts.end()));
   const auto share = [&](std::size_t round) {
     return static_cast<double>(counts[round - 1]) / total;
@@ -47,6 +53,26 @@ VectorF importance_weights(const RoundData& data) {
     proposal += share(r + 2) * (log_prob - log_prior).array().exp().matrix();
   }
   return proposal.cwiseInverse().cast<float>();
+}
+
+// The rows of the last region R_r. Round j + 1 has drawn N_j rows of the prior within R_j, whose
+// share of the prior is Z_j, so that at u there are
+//   N_0 + sum_j 1[u in R_j] N_j / Z_j
+// of them for each of the prior's: w is one over that, with a mean of 1. Where regions lie within
+// each other all are the same.
+LearnedRows rows_of_last_region(const RoundData& data) {
+  const std::vector<Index> counts = num_drawn(data);
+  Vector density = Vector::Constant(data.theta.rows(), static_cast<double>(counts.front()));
+  LearnedRows learned;
+  for (std::size_t j = 0; j < data.posteriors.size(); ++j) {
+    const TruncatedPrior region(*data.posteriors[j]);
+    learned.rows = region.rows_within(data.theta);
+    density(learned.rows).array() += static_cast<double>(counts[j + 1]) / region.prior_mass();
+  }
+  const Vector weights = density.cwiseInverse();
+  const double mean = learned.rows.empty() ? 1.0 : weights(learned.rows).mean();
+  learned.weights = (weights / mean).cast<float>();
+  return learned;
 }
 
 std::vector<GaussianMixture> proposal_mixtures(const RoundData& data) {
@@ -79,12 +105,12 @@ class TaskOf : public RoundTask {
 class PosteriorTask : public TaskOf<EmbeddedEstimator<float>> {
  public:
   PosteriorTask(const PosteriorEstimationConfig& config, const RoundData& data,
-                const std::vector<std::uint32_t>& rows, const VectorF& row_weights,
-                const NetworkParts& parts, const StreamId& id)
+                const LearnedRows& learned, const NetworkParts& parts, const StreamId& id)
       : TaskOf(make_network(parts), data, parts) {
     if (config.algorithm.kind != Algorithm::npe_c) {
-      objective_ = std::make_unique<LikelihoodObjective>(
-          LikelihoodObjective::Of::u_given_z, network_, parts.transform, data_, rows, row_weights);
+      objective_ = std::make_unique<LikelihoodObjective>(LikelihoodObjective::Of::u_given_z,
+                                                         network_, parts.transform, data_,
+                                                         learned.rows, learned.weights);
       return;
     }
     if (is_analytic(config.algorithm, config.estimator.kind)) {
@@ -122,31 +148,22 @@ class RatioTask : public TaskOf<RatioEstimator<float>> {
 
 }  // namespace
 
-VectorF row_weights(const PosteriorEstimationConfig& config, const RoundData& data) {
-  if (config.algorithm.kind != Algorithm::npe_b) return {};
-  return importance_weights(data);
-}
-
-std::vector<std::uint32_t> rows_to_learn(const PosteriorEstimationConfig& config,
-                                         const RoundData& data) {
+LearnedRows learned_rows(const PosteriorEstimationConfig& config, const RoundData& data) {
   const Algorithm algorithm = config.algorithm.kind;
-  if (algorithm == Algorithm::npe_a) return rows_of_last_round(data);
-  if (algorithm == Algorithm::npe_nle && !data.posteriors.empty()) {
-    return TruncatedPrior(*data.posteriors.back()).rows_within(data.theta);
-  }
-  return all_rows(data);
+  if (algorithm == Algorithm::npe_a) return {rows_of_last_round(data), {}};
+  if (algorithm == Algorithm::npe_b) return {all_rows(data), importance_weights(data)};
+  const bool is_truncated = algorithm == Algorithm::npe_nle && !data.posteriors.empty();
+  return is_truncated ? rows_of_last_region(data) : LearnedRows{all_rows(data), {}};
 }
 
 std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
-                                           const RoundData& data,
-                                           const std::vector<std::uint32_t>& rows,
-                                           const VectorF& row_weights, const NetworkParts& parts,
-                                           const StreamId& id) {
+                                           const RoundData& data, const LearnedRows& learned,
+                                           const NetworkParts& parts, const StreamId& id) {
   switch (parts.role) {
     case NetworkRole::posterior:
-      return std::make_unique<PosteriorTask>(config, data, rows, row_weights, parts, id);
+      return std::make_unique<PosteriorTask>(config, data, learned, parts, id);
     case NetworkRole::likelihood:
-      return std::make_unique<LikelihoodTask>(data, rows, parts);
+      return std::make_unique<LikelihoodTask>(data, learned.rows, parts);
     case NetworkRole::ratio:
       break;
   }

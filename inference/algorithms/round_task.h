@@ -18,20 +18,21 @@ class RoundTask {
   virtual Parameters<float> initial_parameters(const StreamId& id) const = 0;
 };
 
-/// Importance weights of the rows (N) that "npe_b" trains with; empty: all weigh the same.
-VectorF row_weights(const PosteriorEstimationConfig& config, const RoundData& data);
+/// The rows of the data that are learned from, ascending, and how much each of all rows (N) counts
+/// for q(u | z): empty, all count the same.
+struct LearnedRows {
+  std::vector<std::uint32_t> rows;
+  VectorF weights;
+};
 
-/// The rows of the data that are learned from, ascending: those of the last round ("npe_a"), those
-/// that lie where the last round's posterior is ("npe_nle", truncated_prior.h), or all.
-std::vector<std::uint32_t> rows_to_learn(const PosteriorEstimationConfig& config,
-                                         const RoundData& data);
+/// Those of the last round ("npe_a"); those that lie where the last round's posterior is, weighted
+/// as draws of the prior ("npe_nle", truncated_prior.h); all, weighted likewise ("npe_b"); or all.
+LearnedRows learned_rows(const PosteriorEstimationConfig& config, const RoundData& data);
 
 /// The task of the algorithm for `parts`, whose estimator and transform are set, on these rows and
 /// with these weights. Keeps references to its arguments.
 std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
-                                           const RoundData& data,
-                                           const std::vector<std::uint32_t>& rows,
-                                           const VectorF& row_weights, const NetworkParts& parts,
-                                           const StreamId& id);
+                                           const RoundData& data, const LearnedRows& learned,
+                                           const NetworkParts& parts, const StreamId& id);
 
 }  // namespace npdr::inference

@@ -6,6 +6,8 @@
 #include "inference/algorithms/round_task.h"
 #include "inference/matrix_features.h"
 #include "inference/surrogate_posterior.h"
+#include "inference/truncated_prior.h"
+#include "inference/weighted_moments.h"
 #include "tests/inference/linear_gaussian_check.h"
 #include "tests/message_of.h"
 
@@ -73,7 +75,7 @@ TEST(NpeB, WeighsByTheMixtureThatRowsWereDrawnFrom) {
                  .posteriors = {posterior},
                  .num_simulated = {100, 100}};
   std::fill_n(data.round.begin(), 50, 1u);
-  const VectorF weights = row_weights(c, data);
+  const VectorF weights = learned_rows(c, data).weights;
   const Vector ratio = (posterior->log_prob(data.theta) - prior.log_prob(data.theta)).array().exp();
   for (Index i = 0; i < 150; ++i) {
     EXPECT_NEAR(weights(i) * (0.5 + 0.5 * ratio(i)), 1.0, 1e-5) << i;
@@ -94,6 +96,49 @@ TEST(NpeNle, FindsTheLinearGaussianPosterior) {
 
 TEST(NpeNle, FindsTheLinearGaussianPosteriorOverRounds) {
   expect_linear_gaussian(small_config(Algorithm::npe_nle, EstimatorKind::maf, 3, 1500));
+}
+
+// Regions of two rounds that overlap in part. What is learned of the last one must be like the
+// prior's draws there.
+TEST(NpeNle, WeighsRowsAsDrawsOfThePrior) {
+  constexpr Index n = 4000;
+  const LinearGaussian task(2);
+  const Prior prior = task.prior();
+  const auto posterior_at = [&](double x) -> std::shared_ptr<const NetworkPosterior> {
+    PosteriorEstimationConfig c = small_config(Algorithm::npe_c, EstimatorKind::maf, 1, 500);
+    c.training.max_epochs = 60;
+    return infer(c, prior, task.simulator(), VectorF::Constant(2, static_cast<float>(x)), 1);
+  };
+  RoundData data{.prior = &prior,
+                 .x = nullptr,
+                 .theta = sample_prior(prior, n, 1),
+                 .round = std::vector<std::uint32_t>(n, 1),
+                 .x_o = VectorF::Zero(2),
+                 .posteriors = {posterior_at(1.5), posterior_at(0.0)}};
+  for (const auto& [r, count] : {std::pair{2u, 5 * n}, {3u, n}}) {
+    data.theta.conservativeResize(data.theta.rows() + count, Eigen::NoChange);
+    data.theta.bottomRows(count) =
+        TruncatedPrior(*data.posteriors[r - 2]).sample(count, {1, "proposal", r, 0, 0});
+    data.round.resize(static_cast<std::size_t>(data.theta.rows()), r);
+  }
+  const LearnedRows learned =
+      learned_rows(small_config(Algorithm::npe_nle, EstimatorKind::maf, 3, n), data);
+  const RowMatrix rows = data.theta(learned.rows, Eigen::all);
+  const Vector weights = learned.weights(learned.rows).cast<double>();
+  EXPECT_NEAR(weights.mean(), 1.0, 1e-6);
+  const RowMatrix draws = sample_prior(prior, 400'000, 2);
+  const RowMatrix expected =
+      draws(TruncatedPrior(*data.posteriors[1]).rows_within(draws), Eigen::all);
+  ASSERT_GT(expected.rows(), 10'000);
+  for (Index d = 0; d < 2; ++d) {
+    const double mean = expected.col(d).mean();
+    const double variance = (expected.col(d).array() - mean).square().mean();
+    // Five standard errors (false-alarm rate 6e-7 each), and 2 % of the deviation for the masses of
+    // regions, which some thousand draws tell.
+    const double error = 5.0 * std::sqrt(variance / effective_size(weights));
+    EXPECT_NEAR(weighted_mean(rows, weights)(d), mean, error + 0.02 * std::sqrt(variance)) << d;
+    EXPECT_GT(rows.col(d).mean() - mean, 2.0 * error) << "all the same, they'd be others";
+  }
 }
 
 // Stopped after some epochs of one of the likelihood's networks.
@@ -140,7 +185,7 @@ TEST(NpeNle, GoesOnFromStatesWithTheSameBits) {
   data.theta.bottomRows(200) = propose(c, *data.posteriors.back(), 200, {1, "proposal", 2, 0, 0});
   data.round.resize(400, 2);
   x = simulate(task.simulator(), data.theta, 1, 1);
-  const std::size_t num_learned = rows_to_learn(c, data).size();
+  const std::size_t num_learned = learned_rows(c, data).rows.size();
   EXPECT_GE(num_learned, 200u);
   EXPECT_LT(num_learned, 400u);
   expect_same_bits_after_a_stop(c, data, second);
