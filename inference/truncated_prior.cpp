@@ -16,7 +16,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr double kOutside = 1e-4;         // share of the posterior's mass
-constexpr Index kSupportDraws = 20'000;   // that tell where it is
+constexpr Index kSupportDraws = 15'000;   // that tell where it is
 constexpr Index kGroup = 500;             // draws that are made together
 constexpr double kEnough = 2.0 * kGroup;  // effective candidates of a group
 constexpr Index kMostBatches = 16;        // of kGroup candidates of each kind
@@ -46,6 +46,12 @@ double weighted_quantile(const Vector& values, const Vector& weights, double bel
   return values(order[static_cast<std::size_t>(Resampler(weights(order)).draw(below))]);
 }
 
+// The largest 1; 0 where there is no such density.
+Vector weights_of(const Vector& log_weights) {
+  const Vector finite = log_weights.array().isNaN().select(-HUGE_VAL, log_weights);
+  return (finite.array() - finite.maxCoeff()).exp();
+}
+
 // log (1 + e^a + e^b) of each.
 Vector log_of_sum(const Vector& a, const Vector& b) {
   const Vector most = a.cwiseMax(b).cwiseMax(0.0);
@@ -67,8 +73,7 @@ struct TruncatedPrior::Candidates {
     log_weights.conservativeResize(u.rows());
     log_weights.tail(more.rows()) = their_log_weights;
   }
-  // The largest 1.
-  Vector weights() const { return (log_weights.array() - log_weights.maxCoeff()).exp(); }
+  Vector weights() const { return weights_of(log_weights); }
   // For draws of which no two are the same.
   bool are_enough() const {
     if (log_weights.size() == 0 || !std::isfinite(log_weights.maxCoeff())) return false;
@@ -81,12 +86,12 @@ TruncatedPrior::TruncatedPrior(const NetworkPosterior& posterior)
     : posterior_(posterior), near_(posterior.importance_proposal()) {
   const StreamId id{posterior.parts().structure_seed, "truncation", 0, 0, 0};
   const RowMatrix theta = near_.sample(kSupportDraws, id);
-  const Vector ratio = log_ratio(theta);
-  const Vector log_weights = ratio + posterior.prior().log_prob(theta) - near_.log_prob(theta);
-  const Vector finite = log_weights.array().isFinite().select(log_weights, -HUGE_VAL);
-  const Vector weights = (finite.array() - finite.maxCoeff()).exp();
-  threshold_ = weighted_quantile(ratio, weights, kOutside);
-  around_ = wide_gaussian(posterior.prior().to_normal(theta), weights);
+  const Vector near = near_.log_prob(theta) - posterior.prior().log_prob(theta);
+  around_ = wide_gaussian(posterior.prior().to_normal(theta), weights_of(log_ratio(theta) - near));
+  // The tails of a posterior that is wider than its proposal lie in those of the Gaussian.
+  const Candidates draws = draw_mixture(kSupportDraws / 3, id);
+  const Vector ratio = log_ratio(posterior.prior().to_theta(draws.u));
+  threshold_ = weighted_quantile(ratio, weights_of(ratio + draws.log_weights), kOutside);
 }
 
 // log p(u | x_o) / p(u) but for a constant, (n); -infinity where there is no such density.
@@ -109,25 +114,34 @@ Vector TruncatedPrior::inside(const RowMatrix& theta, const Vector& values) cons
   return (log_ratio(theta).array() >= threshold_).select(values, -HUGE_VAL);
 }
 
-// Some of them lie in the region.
+// n of each of the three, with the logs of p over the sum of their densities.
+TruncatedPrior::Candidates TruncatedPrior::draw_mixture(Index n, const StreamId& id) const {
+  const Prior& prior = posterior_.prior();
+  RowMatrix u(3 * n, prior.dimension());
+  u.topRows(n) = draw_standard_normal(n, prior.dimension(), within(id, "prior"));
+  u.middleRows(n, n) = around_.sample(n, within(id, "around"));
+  u.bottomRows(n) = prior.to_normal(near_.sample(n, within(id, "posterior")));
+  const RowMatrix theta = prior.to_theta(u);
+  const Vector near = near_.log_prob(theta) - prior.log_prob(theta);
+  const Vector gaussian = around_.log_prob(u) - log_standard_normal(u);
+  const Vector log_weights = -log_of_sum(near, gaussian);
+  return {u, log_weights.array().isFinite().select(log_weights, -HUGE_VAL)};
+}
+
+// Some of them lie in the region; the weights of the others are 0.
 TruncatedPrior::Candidates TruncatedPrior::draw_candidates(StreamId id) const {
   const Prior& prior = posterior_.prior();
   Candidates all{.u = RowMatrix(0, prior.dimension()), .log_weights = {}};
   id.row *= kRowsOfOne;
   for (Index batch = 0; batch < kMostBatches && !all.are_enough(); ++batch, ++id.epoch) {
-    RowMatrix u(3 * kGroup, prior.dimension());
-    u.topRows(kGroup) = draw_standard_normal(kGroup, prior.dimension(), within(id, "prior"));
-    u.middleRows(kGroup, kGroup) = around_.sample(kGroup, within(id, "around"));
-    u.bottomRows(kGroup) = prior.to_normal(near_.sample(kGroup, within(id, "posterior")));
-    const RowMatrix theta = prior.to_theta(u);
-    const Vector near = near_.log_prob(theta) - prior.log_prob(theta);
-    const Vector gaussian = around_.log_prob(u) - log_standard_normal(u);
-    const Vector log_weights = -log_of_sum(near, gaussian);
-    all.append(u, inside(theta, log_weights.array().isFinite().select(log_weights, -HUGE_VAL)));
+    const Candidates more = draw_mixture(kGroup, id);
+    all.append(more.u, inside(prior.to_theta(more.u), more.log_weights));
   }
   if (!std::isfinite(all.log_weights.maxCoeff())) {
-    throw Error("proposal: of " + std::to_string(all.log_weights.size()) +
-                " candidates none lies where the last round's posterior is");
+    throw Error(
+        "truncated proposal: of " + std::to_string(all.log_weights.size()) +
+        " candidates none lies where the posterior of an earlier round is; simulate more in "
+        "each round, or take fewer rounds");
   }
   return all;
 }

@@ -3,8 +3,8 @@
 ///  - of u given z (NPE): v = u, c = z(x);
 ///  - of z given u (NLE; Papamakarios, Sterratt and Murray 2019): v = z(x), c = u.
 /// NPE-B (SNPE-B; Lueckmann et al. 2017, eq. 5) weights simulations that don't come from the prior
-/// by w = p(u) / p~(u), with p~ what they were drawn from; NPE-A takes only those of the last
-/// round.
+/// by w = p(u) / p~(u), with p~ what they were drawn from, and so does "npe_nle" those of several
+/// rounds, within a region of the prior (round_task.h); NPE-A takes only those of the last round.
 #pragma once
 
 #include <vector>

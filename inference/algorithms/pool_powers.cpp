@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/parallel.h"
 #include "inference/estimators/gaussian_mixture.h"
 #include "inference/pooled_posterior.h"
+#include "inference/truncated_prior.h"
 
 namespace npdr::inference {
 namespace {
@@ -19,14 +21,22 @@ constexpr double kOneDeviation = 0.5;       // [nats] by which it lowers a Gauss
 constexpr double kStep = PoolPowers::kLargestSum / static_cast<double>(kSteps);
 
 // What the networks say of the parameters that x was simulated with, and of draws of q given x.
+// Where rows come from a region alone, which q has learned and the likelihood can't, draws beyond
+// it don't count.
 PoolEvidence evidence_given(NetworkParts parts, const VectorF& x, const RowMatrix& theta,
-                            const StreamId& id) {
+                            const TruncatedPrior* region, const StreamId& id) {
   parts.x_o = x;
   const PooledPosterior pool(std::move(parts));
   RowMatrix points(kDraws + 1, theta.cols());
   points.row(0) = theta;
   points.bottomRows(kDraws) = pool.importance_proposal().sample(kDraws, id);
-  return pool.evidence(points);
+  PoolEvidence evidence = pool.evidence(points);
+  if (region == nullptr) return evidence;
+  const Vector all = evidence.posterior;
+  const std::vector<std::uint32_t> within = region->rows_within(points);
+  evidence.posterior.tail(kDraws).setConstant(-HUGE_VAL);
+  evidence.posterior(within) = all(within);
+  return evidence;
 }
 
 double log_prior(PoolPowers powers) {
@@ -81,13 +91,15 @@ PoolPowers pool_powers(const NetworkParts& parts, const RoundData& data,
   if (rows.empty()) return best_powers({});
   RowMatrixF x;
   data.x->gather(rows, 0, x);
+  std::optional<TruncatedPrior> region;
+  if (!data.posteriors.empty()) region.emplace(*data.posteriors.back());
   std::vector<PoolEvidence> evidence(rows.size());
   parallel_for(std::ssize(rows), [&](Index i) {
     StreamId draws = named(id, "pool_score");
     draws.row = static_cast<std::uint64_t>(i * kDraws);
     const auto place = static_cast<std::size_t>(i);
-    evidence[place] =
-        evidence_given(parts, x.row(i).transpose(), data.theta.row(rows[place]), draws);
+    evidence[place] = evidence_given(parts, x.row(i).transpose(), data.theta.row(rows[place]),
+                                     region ? &*region : nullptr, draws);
   });
   // Without a density of q at the parameters there is nothing to take a power of.
   std::erase_if(evidence, [](const PoolEvidence& row) { return !std::isfinite(row.posterior(0)); });

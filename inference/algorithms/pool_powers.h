@@ -5,7 +5,8 @@
 /// a concave function of a and b, with w the logs of the pool's weights of draws of q. u_i0 = u_i
 /// is a draw of the posterior given x_i as it is in simulations of the prior, or of what later
 /// rounds leave of it, u_i1, ..., u_iK are draws of q: their mean stands for the pool's normalizing
-/// constant. The last terms are a prior that few simulations don't outweigh.
+/// constant, over the region of later rounds (truncated_prior.h): draws beyond it weigh nothing.
+/// The last terms are a prior that few simulations don't outweigh.
 ///
 /// Where a + b > 1 is best, the smallest a + b >= 1 is taken whose best powers have at most 1/2 nat
 /// less, prior included: by that the log density of a Gaussian falls within one standard deviation,

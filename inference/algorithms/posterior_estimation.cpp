@@ -71,19 +71,6 @@ RoundData without_judging_rows(RoundData data) {
   return data;
 }
 
-// Takes those that judge the powers from the rows that are learned from: the last of the last
-// round.
-std::vector<std::uint32_t> take_judging_rows(std::vector<std::uint32_t>& rows,
-                                             const RoundData& data) {
-  const auto last = static_cast<std::uint32_t>(data.posteriors.size() + 1);
-  const Index are_new =
-      std::ranges::count_if(rows, [&](std::uint32_t row) { return data.round[row] == last; });
-  const Index count = std::min(num_judging_rows(std::ssize(rows)), are_new);
-  const std::vector<std::uint32_t> judging(rows.end() - count, rows.end());
-  rows.resize(rows.size() - judging.size());
-  return judging;
-}
-
 // What is trained: the networks of the algorithm's role, and for "npe_nle" those of the likelihood.
 std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& config,
                                               const RoundData& data, const StreamId& id) {
@@ -138,7 +125,7 @@ bool train_network(const PosteriorEstimationConfig& config, const RoundData& dat
                    TrainingState& state, const EpochHook& hook) {
   ValidationFold fold{id.seed, m};
   // NPE-A learns from rows that no round has seen.
-  if (config.algorithm.kind != Algorithm::npe_a) fold.rows = learned.rows;
+  if (config.algorithm.kind != Algorithm::npe_a) fold.rows = learned.of(all.role);
   const NetworkParts parts = network_of(all, m);
   id.seed = seed_of_network(id.seed, m);
   const auto task = make_round_task(config, data, learned, parts, id);
@@ -167,9 +154,7 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
   const Index networks = config.estimator.num_networks;
   states.resize(ensembles.size() * static_cast<std::size_t>(networks));
   const bool are_pooled = ensembles.size() > 1;
-  LearnedRows learned = learned_rows(config, data);
-  std::vector<std::uint32_t> judging;
-  if (are_pooled) judging = take_judging_rows(learned.rows, data);
+  const LearnedRows learned = learned_rows(config, data, are_pooled);
   std::mutex one_at_a_time;
   std::atomic<bool> halted = false;  // by the hook, or by the error of a network
   parallel_for(std::ssize(states), [&](Index k) {
@@ -193,7 +178,7 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
   parts.parameters = best_weights(states, 0, networks);
   if (are_pooled) {
     parts.likelihood->parameters = best_weights(states, networks, networks);
-    parts.likelihood->powers = pool_powers(parts, data, judging, id);
+    parts.likelihood->powers = pool_powers(parts, data, learned.judging, id);
   }
   return make_posterior(std::move(parts));
 }

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "inference/algorithms/likelihood_objective.h"
+#include "inference/algorithms/pool_powers.h"
 #include "inference/algorithms/ratio_objective.h"
 #include "inference/dequantized_features.h"
 #include "inference/truncated_prior.h"
@@ -55,19 +56,42 @@ VectorF importance_weights(const RoundData& data) {
   return proposal.cwiseInverse().cast<float>();
 }
 
-// The rows of the last region R_r. Round j + 1 has drawn N_j rows of the prior within R_j, whose
-// share of the prior is Z_j, so that at u there are
-//   N_0 + sum_j 1[u in R_j] N_j / Z_j
-// of them for each of the prior's: w is one over that, with a mean of 1. Where regions lie within
-// each other all are the same.
-LearnedRows rows_of_last_region(const RoundData& data) {
-  const std::vector<Index> counts = num_drawn(data);
-  Vector density = Vector::Constant(data.theta.rows(), static_cast<double>(counts.front()));
-  LearnedRows learned;
-  for (std::size_t j = 0; j < data.posteriors.size(); ++j) {
-    const TruncatedPrior region(*data.posteriors[j]);
-    learned.rows = region.rows_within(data.theta);
-    density(learned.rows).array() += static_cast<double>(counts[j + 1]) / region.prior_mass();
+Index num_of_last_round(const std::vector<std::uint32_t>& rows, const RoundData& data) {
+  const auto last = static_cast<std::uint32_t>(data.posteriors.size() + 1);
+  return std::ranges::count_if(rows, [&](std::uint32_t row) { return data.round[row] == last; });
+}
+
+// Takes those that judge from the rows that are learned from: the last of the last round.
+void take_judging_rows(LearnedRows& learned, Index num_new) {
+  const Index count = std::min(num_judging_rows(std::ssize(learned.rows)), num_new);
+  learned.judging.assign(learned.rows.end() - count, learned.rows.end());
+  learned.rows.resize(learned.rows.size() - learned.judging.size());
+  std::erase_if(learned.likelihood_rows, [&](std::uint32_t row) {
+    return std::ranges::binary_search(learned.judging, row);
+  });
+}
+
+// Those of the last of the regions R_2, ..., R_r. Round j has drawn N_j rows of the prior within
+// R_j, whose share of the prior is Z_j, so that at u there are
+//   N_1 + sum_j 1[u in R_j] N_j / Z_j
+// of them for each of the prior's; of N_r rows that judge don't count. w is one over that, with a
+// mean of 1. Where regions lie within each other all are the same.
+LearnedRows rows_of_last_region(const RoundData& data, bool are_judged) {
+  const std::vector<Index> drawn = num_drawn(data);
+  Vector density = Vector::Constant(data.theta.rows(), static_cast<double>(drawn.front()));
+  LearnedRows learned{.likelihood_rows = all_rows(data)};
+  for (std::size_t j = 1; j <= data.posteriors.size(); ++j) {
+    const TruncatedPrior region(*data.posteriors[j - 1]);
+    const std::vector<std::uint32_t> within = region.rows_within(data.theta);
+    auto count = static_cast<double>(drawn[j]);
+    if (j == data.posteriors.size()) {
+      const Index num_new = num_of_last_round(within, data);
+      learned.rows = within;
+      if (are_judged) take_judging_rows(learned, num_new);
+      const Index num_learned = num_new - std::ssize(learned.judging);
+      if (num_new > 0) count *= static_cast<double>(num_learned) / static_cast<double>(num_new);
+    }
+    density(within).array() += count / region.prior_mass();
   }
   const Vector weights = density.cwiseInverse();
   const double mean = learned.rows.empty() ? 1.0 : weights(learned.rows).mean();
@@ -148,12 +172,17 @@ class RatioTask : public TaskOf<RatioEstimator<float>> {
 
 }  // namespace
 
-LearnedRows learned_rows(const PosteriorEstimationConfig& config, const RoundData& data) {
+LearnedRows learned_rows(const PosteriorEstimationConfig& config, const RoundData& data,
+                         bool are_judged) {
   const Algorithm algorithm = config.algorithm.kind;
-  if (algorithm == Algorithm::npe_a) return {rows_of_last_round(data), {}};
-  if (algorithm == Algorithm::npe_b) return {all_rows(data), importance_weights(data)};
-  const bool is_truncated = algorithm == Algorithm::npe_nle && !data.posteriors.empty();
-  return is_truncated ? rows_of_last_region(data) : LearnedRows{all_rows(data), {}};
+  if (algorithm == Algorithm::npe_nle && !data.posteriors.empty()) {
+    return rows_of_last_region(data, are_judged);
+  }
+  LearnedRows learned{.likelihood_rows = all_rows(data)};
+  learned.rows = algorithm == Algorithm::npe_a ? rows_of_last_round(data) : all_rows(data);
+  if (algorithm == Algorithm::npe_b) learned.weights = importance_weights(data);
+  if (are_judged) take_judging_rows(learned, num_of_last_round(learned.rows, data));
+  return learned;
 }
 
 std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
@@ -163,7 +192,7 @@ std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& conf
     case NetworkRole::posterior:
       return std::make_unique<PosteriorTask>(config, data, learned, parts, id);
     case NetworkRole::likelihood:
-      return std::make_unique<LikelihoodTask>(data, learned.rows, parts);
+      return std::make_unique<LikelihoodTask>(data, learned.likelihood_rows, parts);
     case NetworkRole::ratio:
       break;
   }

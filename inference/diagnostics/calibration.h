@@ -33,11 +33,11 @@ using AmortizedPosterior = std::function<std::unique_ptr<Posterior>(const Vector
 using CalibrationHook = std::function<void(const CalibrationRanks& ranks)>;
 
 /// Draws from the posterior given each row of x (n, F), whose parameters are the rows of theta
-/// (n, D), and ranks these; goes on after the `ranks.num_done` first ones. Densities are those of
+/// (n, D), and ranks these; goes on after the first `earlier.num_done` ones. Densities are those of
 /// theta; distances are taken where the prior is N(0, I). Simulation i depends on `id` and i alone.
 /// Throws ShapeError when shapes don't go together.
 CalibrationRanks rank_truths(const AmortizedPosterior& posterior_given, const RowMatrix& theta,
-                             const RowMatrixF& x, CalibrationRanks ranks, const StreamId& id,
+                             const RowMatrixF& x, CalibrationRanks earlier, const StreamId& id,
                              const CalibrationHook& hook = {});
 
 }  // namespace npdr::inference

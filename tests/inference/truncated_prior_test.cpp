@@ -20,16 +20,33 @@ std::shared_ptr<const NetworkPosterior> some_posterior(Index dimension) {
   return infer(c, task.prior(), task.simulator(), VectorF::Constant(dimension, 0.7f), 1);
 }
 
+// A pool that is wider than the q that candidates come from, and one that is narrower.
+std::shared_ptr<const NetworkPosterior> some_pool(PoolPowers powers) {
+  const LinearGaussian task(2);
+  PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 500);
+  c.training.max_epochs = 60;
+  const auto learned = infer(c, task.prior(), task.simulator(), VectorF::Constant(2, 0.7f), 1);
+  NetworkParts parts = learned->parts();
+  parts.likelihood->powers = powers;
+  return make_posterior(parts);
+}
+
+double share_outside(const NetworkPosterior& posterior) {
+  constexpr Index n = 20'000;
+  const RowMatrix theta = posterior.sample(n, {7, "others", 0, 0, 0});
+  const auto within = TruncatedPrior(posterior).rows_within(theta).size();
+  return 1.0 - static_cast<double>(within) / static_cast<double>(n);
+}
+
 TEST(TruncatedPrior, HoldsAllButTheLeastProbableSamplesOfThePosterior) {
-  const auto posterior = some_posterior(3);
-  const TruncatedPrior truncated(*posterior);
-  const RowMatrix theta = posterior->sample(100'000, {7, "others", 0, 0, 0});
-  const auto outside = 100'000 - static_cast<double>(truncated.rows_within(theta).size());
-  // The share is that of the third least probable of 20,000: Gamma(3) / 20,000, and more than 5
-  // in 10,000 has a probability of 3e-3.
-  EXPECT_LT(outside, 50.0);
+  // Of 20,000 samples 2 are expected, more than 10 with a probability of 1e-5; the share that lies
+  // outside is itself told by some draws, and may be twice as large.
+  EXPECT_LT(share_outside(*some_posterior(3)), 8e-4);
+  EXPECT_LT(share_outside(*some_pool({0.5, 0.2})), 8e-4) << "wider";
+  EXPECT_LT(share_outside(*some_pool({0.9, 0.8})), 8e-4) << "narrower";
   // Rows far out in the prior are none of them.
-  EXPECT_EQ(truncated.rows_within(RowMatrix::Constant(4, 3, -5.0)).size(), 0u);
+  const auto posterior = some_posterior(3);
+  EXPECT_EQ(TruncatedPrior(*posterior).rows_within(RowMatrix::Constant(4, 3, -5.0)).size(), 0u);
 }
 
 // Draws of the prior that lie within the region are what draws are to be like.
