@@ -22,6 +22,7 @@ class StudyWarnings {
     if (study_.target.truth) warn_of_truth();
     for (std::size_t i = 0; i < study_.references.size(); ++i) warn_of_reference(i);
     warn_of_exact_recording();
+    warn_of_exact_channels();
     warn_of_recorded_states();
     if (study_.source().calls_program) warn_of_program();
     return std::move(warnings_);
@@ -65,6 +66,21 @@ class StudyWarnings {
                      fmt::format("reference[{}].parameters.{}", i, marginal.name),
                      fmt::format("{} of reference '{}'", marginal.name, reference.name));
     }
+  }
+
+  void warn_of_exact_channels() {
+    const ObservationNoise& noise = study_.observation_noise;
+    if (!study_.target.recording || !noise.std || noise.scale > 0.0 || noise.scale_prior) return;
+    std::vector<std::string> exact;
+    for (const Channel& channel : info_.state_channels) {
+      if (!noise.std->contains(channel.label)) exact.push_back(channel.label);
+    }
+    if (exact.empty()) return;
+    warn(
+        "observation_noise.std",
+        fmt::format("observation_noise.std leaves {} without noise, to which no recording is "
+                    "alike: give it, or 0 where there is none, or a scale beside it for the others",
+                    join(exact)));
   }
 
   void warn_of_recorded_states() {

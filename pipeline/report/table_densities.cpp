@@ -59,6 +59,10 @@ Cell prior_cell(const ReportData& data, const Point& point) {
   return std::isfinite(log_prob) ? Cell(log_prob) : Cell("outside");
 }
 
+bool has_points(const ReportData& data) {
+  return evaluates_rounds(data) && !points_of(data).empty();
+}
+
 Table make_densities_table(const ReportData& data) {
   Table table = empty_table(
       "log p of known or measured parameters after each round, in nats: mean and standard "
@@ -85,7 +89,7 @@ Table make_densities_table(const ReportData& data) {
 /// column a round: log p of the posterior [nats], mean and standard deviation over the seeds,
 /// beside that of the prior.
 TableEntry densities_table() {
-  return {"densities", Section::details, evaluates_rounds, make_densities_table};
+  return {"densities", Section::details, has_points, make_densities_table};
 }
 
 }  // namespace npdr::pipeline

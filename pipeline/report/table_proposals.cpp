@@ -24,12 +24,16 @@ bool has_rounds(const ReportData& data) {
       data.methods, [&](const std::string& method) { return num_rounds(data, method) > 1; });
 }
 
-// Parameters (n, D) that a round of a method has simulated, of all seeds.
+// Parameters (n, D) that a round of a method has simulated, of all seeds; of an outer loop in its
+// last iteration.
 RowMatrix proposals_of(const ReportData& data, const std::string& method, Index round) {
   RowMatrix all(0, std::ssize(data.plan.study.prior));
   for (const Node& node : data.plan.nodes) {
     const bool is_its = std::ranges::any_of(node.uses, [&](const Use& use) {
-      return use.method == method && use.round == round && use.fold == 0;
+      const bool is_last =
+          use.iteration == 0 ||
+          use.iteration == data.plan.study.num_iterations_of(data.plan.study.method(method));
+      return use.method == method && use.round == round && use.fold == 0 && is_last;
     });
     if (node.stage != Stage::propose || !is_its || !is_complete(data.plan, node)) continue;
     const h5::Dataset theta = open_proposal(node);

@@ -59,11 +59,8 @@ void add_pool_cells(const EvaluatedRun& run, Row& row, Table& table) {
   row.cells.emplace_back(powers.posterior);
   row.cells.emplace_back(powers.likelihood);
   if (powers == wanted) return;
-  row.cells.back().notes.push_back(
-      table.footnote(fmt::format("{:.3g} and {:.3g} among held-out simulations: at x_o the "
-                                 "networks of posterior and likelihood "
-                                 "contradict each other; is it among the simulations?",
-                                 wanted.posterior, wanted.likelihood)));
+  row.cells.back().notes.push_back(table.footnote(fmt::format(
+      "{:.3g} and {:.3g} among held-out simulations", wanted.posterior, wanted.likelihood)));
 }
 
 // Columns that not every study has.

@@ -259,7 +259,11 @@ HeldOut held_out_of(const Runs& runs, double of_uninformed) {
 
 // Rounds simulate where the posterior of the first one is, right or not.
 std::string word_of_rounds(const ReportData& data, const std::string& method) {
-  if (!data.plan.study.source().simulates) return "";
+  const inference::Algorithm algorithm = data.plan.study.method(method).algorithm.kind;
+  const inference::AlgorithmTraits& traits = inference::traits_of(algorithm);
+  const bool is_trained = traits.family == inference::AlgorithmFamily::network ||
+                          traits.family == inference::AlgorithmFamily::abc;
+  if (!data.plan.study.source().simulates || !is_trained || traits.has_one_round) return "";
   if (!is_miscalibrated(data, method)) return ", more rounds";
   return "; rounds go on from the posterior of round 1, whose calibration FAILS: mend that first";
 }
@@ -287,7 +291,11 @@ Verdict judge_fit(const ReportData& data, const std::string& method) {
     astray += share > kMostStrays ? 1 : 0;
     strays = std::max(strays, share);
   }
-  const std::string size = reached->text_of(worst), advice = advice_to_learn(data, method);
+  const std::string size = reached->text_of(worst);
+  const std::string advice = (is_noise_unstated(data.plan.study)
+                                  ? "observation_noise.scale, which the study doesn't state, "
+                                  : "") +
+                             advice_to_learn(data, method);
   if (failed > 0) {
     return {
         Check::fit, Judgment::fails,

@@ -25,12 +25,17 @@ std::string advice_to_learn(const ReportData& data, const std::string& method) {
          std::string("more simulations");
 }
 
+bool is_noise_unstated(const Study& study) {
+  return study.target.recording && study.observation_noise.is_silent() &&
+         !study.places.has("observation_noise.scale");
+}
+
 std::string noise_hint(const Study& study) {
   const ObservationNoise& noise = study.observation_noise;
   if (noise.is_silent()) {
-    return study.target.recording ? " (the study states no noise of the recording's sensors: "
-                                    "observation_noise.scale, or scale_prior to infer it)"
-                                  : "";
+    return is_noise_unstated(study) ? " (the study states no noise of the recording's sensors: "
+                                      "observation_noise.scale, or scale_prior to infer it)"
+                                    : "";
   }
   std::vector<std::string> keys;
   if (!noise.scale_prior) keys.emplace_back("scale_prior");

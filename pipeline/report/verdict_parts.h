@@ -22,6 +22,10 @@ std::string advice_to_learn(const ReportData& data, const std::string& method);
 /// Whether a check of calibration, which is of round 1, has failed.
 bool is_miscalibrated(const ReportData& data, const std::string& method);
 
+/// Whether the observation is a recording, and the study doesn't say what noise it has, nor that it
+/// has none.
+bool is_noise_unstated(const Study& study);
+
 /// What [observation_noise] may say that it doesn't yet, in brackets, for "simulator or noise lack
 /// something"; "": nothing, or the observation is simulated without noise.
 std::string noise_hint(const Study& study);

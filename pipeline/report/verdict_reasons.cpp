@@ -42,9 +42,8 @@ std::string outside_reason(const Study& study, const inference::OutOfDistributio
       "there, whatever the other checks say: look at units, clock and conventions of the "
       "recording, widen the prior, or {}",
       seed, distances,
-      study.observation_noise.is_silent()
-          ? "state the noise of its sensors, observation_noise.scale"
-          : "raise observation_noise");
+      is_noise_unstated(study) ? "state the noise of its sensors, observation_noise.scale"
+                               : "raise observation_noise");
 }
 
 std::string unpredicted_reason(const Study& study, const PredictiveResult& predictive,

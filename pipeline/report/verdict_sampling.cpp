@@ -170,7 +170,7 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
 // Of pooled networks (inference/pooled_posterior.h), which were each right about held-out
 // simulations: whether they agree about x_o as they do about those.
 Verdict judge_pool(const ReportData& data, const Runs& runs) {
-  constexpr double least = 0.1;
+  constexpr double least = 0.1, telling = 0.5;
   std::size_t failed = 0;
   double smallest = 1.0;
   std::string powers;
@@ -184,21 +184,22 @@ Verdict judge_pool(const ReportData& data, const Runs& runs) {
     smallest = share;
     powers = fmt::format("{:.2g} of {:.2g}", left, wanted);
   }
-  if (smallest == 1.0) return {Check::sampling, Judgment::passes, "passes", ""};
-  const std::string text = ", power of NLE " + powers;
-  const std::string found =
-      "NPE and NLE, which held-out simulations have proved right, contradict each other at x_o, "
-      "where the power of NLE is " +
-      powers;
   const std::string advice = "simulator or noise lack something" + noise_hint(data.plan.study);
-  if (failed == 0) {
-    return {Check::sampling, Judgment::passes, "passes" + text,
-            found + ": perhaps " + advice + ", or more simulations make them agree"};
+  if (failed > 0) {
+    return {
+        Check::sampling, Judgment::fails,
+        "NPE and NLE CONTRADICT each other" + seeds_text(failed, runs.size()) + ", power of NLE " +
+            powers,
+        "NPE and NLE, whose powers held-out simulations have chosen, contradict each other at "
+        "x_o, where that of NLE is " +
+            powers +
+            ": it is like none of the simulations, and NPE alone extrapolates to it: " + advice};
   }
-  return {
-      Check::sampling, Judgment::fails,
-      "NPE and NLE CONTRADICT each other" + seeds_text(failed, runs.size()) + text,
-      found + ": it is like none of the simulations, and NPE alone extrapolates to it: " + advice};
+  const std::string reason =
+      "NPE and NLE agree less about x_o than about held-out simulations, the "
+      "power of NLE is " +
+      powers + ": chance, or " + advice;
+  return {Check::sampling, Judgment::passes, "passes", smallest < telling ? reason : ""};
 }
 
 }  // namespace

@@ -110,14 +110,21 @@ std::string why_not_held_out(const ReportData& data, const MethodConfig& method)
 }
 
 // The same of the noise of recorded first states, in which simulations begin; "" where each device
-// began at rest.
+// began at rest, and what mends it is for Gaussian noise alone.
 std::string why_not_first_states(const ReportData& data, const MethodConfig& method) {
   const Study& study = data.plan.study;
-  const bool are_noisy = study.target.recording && study.source().gives_motion &&
-                         !study.observation_noise.is_silent() &&
-                         !std::ranges::all_of(data.target.rollouts, analysis::begins_at_rest);
-  const bool is_refined = method.algorithm.kind == inference::Algorithm::refine;
-  if (!are_noisy || is_refined) return "";  // of refinements the check of residuals says it
+  const ObservationNoise& noise = study.observation_noise;
+  const auto family = inference::traits_of(method.algorithm.kind).family;
+  const bool learns =
+      family == inference::AlgorithmFamily::network || family == inference::AlgorithmFamily::abc;
+  const bool is_gaussian = !noise.degrees_of_freedom && !noise.degrees_of_freedom_prior;
+  const bool begins_in_motion =
+      study.simulator.segment_length > 0 ||
+      !std::ranges::all_of(data.target.rollouts, analysis::begins_at_rest);
+  if (!study.target.recording || !study.source().gives_motion || !learns || noise.is_silent() ||
+      !is_gaussian || !begins_in_motion) {
+    return "";
+  }
   return "First states: simulations begin in recorded ones as if these were exact, and parameters "
          "may make up for the noise that they have; unless the device began at rest, compare with "
          "a refinement (algorithm = \"refine\", refine.infer_first_states = true)";

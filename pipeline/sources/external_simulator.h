@@ -36,8 +36,8 @@ class ExternalSimulator {
   /// of row 0. `num_rows`: what the time limit is for; a call has its share of it. Row i is NaN
   /// where its status isn't ok; where a value isn't finite, the row diverged. Rows outside of their
   /// parameters' limits aren't simulated. Throws Error with the
-  /// program and the end of its output when it can't be run, fails for each of many rows and for
-  /// one that went well before, if there was any, or begins with many that diverge; Checkpointed
+  /// program and the end of its output when it can't be run, or fails for each of many rows and for
+  /// one that went well before, if there was any; Checkpointed
   /// when this process is asked to stop.
   sim::Trajectories simulate(const RowMatrix& theta, const StreamId& first, Index num_rows = 0);
 
@@ -49,8 +49,11 @@ class ExternalSimulator {
   /// Brings the log to the disk, and begins another.
   void log_to(std::filesystem::path log);
 
-  /// The words of the call that failed first of the last rows that did; "": none has.
-  const std::string& last_failure() const { return last_failure_; }
+  /// The words of the call that failed first of the last rows that did; without any, the number
+  /// that made a row diverge: "row 12 has nan in 'omega', step 17 of rollout 2"; "": neither.
+  const std::string& last_failure() const {
+    return last_failure_.empty() ? lost_number_ : last_failure_;
+  }
   /// Of the last call that had any; "": none had.
   const std::string& last_warning() const { return last_warning_; }
   Index num_calls() const { return num_calls_; }
@@ -73,7 +76,6 @@ class ExternalSimulator {
   void give_up(Task& task, Index row, sim::RolloutStatus status);
   void keep_as_good(const Task& task, Index row);
   void count_lost();
-  void count_diverged(const sim::Trajectories& rows);
   void note(const std::string& heading, const ProgramOutcome& outcome, Task& task);
   void write_log();
   [[noreturn]] void fail(const std::string& what, const std::string& why) const;
@@ -87,12 +89,11 @@ class ExternalSimulator {
   std::filesystem::path log_path_;
   std::string log_;
   std::string last_failure_;
+  std::string lost_number_;
   std::string last_warning_;
   Index num_calls_ = 0;
   std::optional<Task> good_;  ///< the last row that has a result
   Index num_lost_ = 0;        ///< rows since then
-  bool has_numbers_ = false;  ///< a row was good
-  Index num_diverged_ = 0;    ///< rows
 };
 
 }  // namespace npdr::pipeline

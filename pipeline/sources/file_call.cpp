@@ -12,7 +12,6 @@
 #include "pipeline/process/shell_call.h"
 #include "pipeline/sources/call_files.h"
 #include "pipeline/sources/command_text.h"
-#include "pipeline/sources/lost_numbers.h"
 #include "pipeline/sources/precision.h"
 #include "pipeline/sources/program_call.h"
 #include "pipeline/store/column_labels.h"
@@ -67,8 +66,8 @@ class FileCall final : public ProgramCall {
     try {
       const RowMatrix x = read_rows(folder, rows.theta.rows());
       take(x, result);
-      outcome.problem = first_lost_number({x.data(), static_cast<std::size_t>(x.size())}, result,
-                                          info_.state_channels, num_steps());
+      outcome.lost = first_lost_number({x.data(), static_cast<std::size_t>(x.size())}, result,
+                                       info_.state_channels, num_steps());
       // Of motion the recording says it (simulate.cpp).
       if (!inputs_) outcome.warning = precision_problem(x, info_.state_channels);
     } catch (const InputError& error) {

@@ -26,16 +26,17 @@ std::string lost_number(std::span<const double> row, const std::vector<Channel>&
 
 }  // namespace
 
-std::string first_lost_number(std::span<const double> given, const sim::Trajectories& rows,
-                              const std::vector<Channel>& channels, Index steps) {
+std::optional<LostNumber> first_lost_number(std::span<const double> given,
+                                            const sim::Trajectories& rows,
+                                            const std::vector<Channel>& channels, Index steps) {
   const std::size_t size =
       given.size() / static_cast<std::size_t>(std::max<Index>(1, rows.num_rows));
   for (std::size_t i = 0; i < rows.status.size(); ++i) {
     if (rows.status[i] != sim::RolloutStatus::diverged) continue;
     const std::string found = lost_number(given.subspan(i * size, size), channels, steps);
-    if (!found.empty()) return "a row has " + found;
+    if (!found.empty()) return LostNumber{static_cast<Index>(i), found};
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace npdr::pipeline

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "core/types.h"
 #include "pipeline/config/external_config.h"
+#include "pipeline/sources/lost_numbers.h"
 #include "sim/segments.h"
 #include "sim/simulator.h"
 #include "sim/trajectories.h"
@@ -27,10 +29,11 @@ struct ProgramOutcome {
   bool succeeded = true;
   bool cannot_run = false;  ///< there is no such program
   sim::RolloutStatus status = sim::RolloutStatus::ok;
-  std::string summary;  ///< "exit status 1 after 0.5 s"
-  std::string problem;  ///< also where only rows failed; empty: none
-  std::string output;   ///< that it printed
-  std::string warning;  ///< about rows, or the program; empty: none
+  std::string summary;             ///< "exit status 1 after 0.5 s"
+  std::string problem;             ///< also where only rows failed; empty: none
+  std::string output;              ///< that it printed
+  std::string warning;             ///< about rows, or the program; empty: none
+  std::optional<LostNumber> lost;  ///< of the first row that diverged by its numbers
 };
 
 class ProgramCall {

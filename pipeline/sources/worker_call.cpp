@@ -14,7 +14,6 @@
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/worker_process.h"
 #include "pipeline/sources/command_text.h"
-#include "pipeline/sources/lost_numbers.h"
 #include "pipeline/sources/program_call.h"
 #include "pipeline/store/hostile_json.h"
 
@@ -154,10 +153,10 @@ class WorkerCall final : public ProgramCall {
       outcome.status = RolloutStatus::crashed;
     } else {
       take(n, result);
+      outcome.lost = lost_number(result);
     }
     outcome.summary = fmt::format("{} after {:.3g} s", outcome.problem.empty() ? "done" : "failed",
                                   reply.seconds);
-    if (outcome.problem.empty()) outcome.problem = lost_number(result);
     return outcome;
   }
 
@@ -249,7 +248,7 @@ class WorkerCall final : public ProgramCall {
     return body_size(n);
   }
 
-  std::string lost_number(const sim::Trajectories& result) const {
+  std::optional<LostNumber> lost_number(const sim::Trajectories& result) const {
     const auto size = static_cast<std::size_t>(result.num_rows * num_numbers());
     return first_lost_number({states(), size}, result, info_.state_channels,
                              inputs_.segments.num_steps() / inputs_.segments.num_rollouts);

@@ -19,7 +19,7 @@
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
-#include "pipeline/stages/checkpoint_times.h"
+#include "pipeline/stages/rank_report.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -49,7 +49,6 @@ struct Case {
   Calibration calibration;  // where any check calibrates
 
   const Node& last_posterior() const { return *plan.inputs(node, Stage::infer).front(); }
-  std::filesystem::path checkpoint() const { return plan.work.checkpoint("diagnose", node.key); }
   StreamId stream(std::string_view name) const { return {node.uses.front().seed, name, 0, 0, 0}; }
 };
 
@@ -99,39 +98,6 @@ std::vector<std::uint32_t> all_rows(Index count) {
   return rows;
 }
 
-// After each simulation: now and then a checkpoint, progress, and the end where a stop is asked
-// for.
-class RankReport {
- public:
-  RankReport(const Case& c, Index num_simulations, const DiagnosisCheckpoint& earlier)
-      : case_(c),
-        progress_(c.node.label(), num_simulations, earlier.ranks.num_done),
-        earlier_(earlier.cost) {}
-
-  void operator()(const inference::CalibrationRanks& ranks) {
-    const auto now = Clock::now();
-    const bool is_stopping = stop_requested();
-    if (is_stopping || seconds_between(saved_, now) > kSecondsBetweenCheckpoints) {
-      saved_ = now;
-      DiagnosisCheckpoint checkpoint{ranks, earlier_};
-      checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
-      write_diagnosis_checkpoint(case_.checkpoint(), case_.node.identity, std::move(checkpoint));
-    }
-    // Saved before it is shown: who looks at the progress may be gone.
-    progress_.update(ranks.num_done);
-    if (is_stopping) {
-      throw Checkpointed(case_.node.label() + ": stopped on request, checkpoint written");
-    }
-  }
-
- private:
-  const Case& case_;
-  Progress progress_;
-  Cost earlier_;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point saved_ = start_;
-};
-
 Calibration calibrate(const Case& c, ArtefactWriter& writer) {
   const auto simulations = simulations_of(c, true);
   const SimulationFeatures features(c.plan, simulations, c.target, *c.embedding);
@@ -141,10 +107,10 @@ Calibration calibrate(const Case& c, ArtefactWriter& writer) {
                    features.theta(),
                    features_of_rows(features, all_rows(features.num_rows())),
                    {}};
-  DiagnosisCheckpoint earlier =
-      read_diagnosis_checkpoint({c.checkpoint(), c.node.key}, made.theta, c.config.num_samples);
+  DiagnosisCheckpoint earlier = read_diagnosis_checkpoint(RankReport::checkpoint(c.plan, c.node),
+                                                          made.theta, c.config.num_samples);
   writer.add_cost(earlier.cost);
-  RankReport report(c, features.num_rows(), earlier);
+  RankReport report(c.plan, c.node, features.num_rows(), earlier);
   made.ranks = inference::rank_truths(
       [&](const VectorF& observed) { return made.posterior->given(observed); }, made.theta, made.x,
       std::move(earlier.ranks), c.stream(""), std::ref(report));

@@ -8,13 +8,12 @@
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
+#include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/refined_rows.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Between two looks at what is asked for: short as long as the refinement may only be fitting its
 // next proposal, since looking through a folder asks the server of a network file system.

@@ -20,12 +20,11 @@
 #include "pipeline/sources/repeated_outlier.h"
 #include "pipeline/sources/repeated_rows.h"
 #include "pipeline/sources/row_check.h"
+#include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr Index kNumbersRead = Index{1} << 18;  // of x, at once
 
@@ -152,14 +151,40 @@ bool is_checked(const Simulation& simulation, Index row) {
   return row == 0 && simulation.node.uses.front().round == 1;
 }
 
+// A study that none of the first rows is good for has no use for the others: where its limit is at
+// most 0.7, so many fail by chance once in 8e9 times.
+void require_a_good_row(const Simulation& simulation, const GivenRows& rows) {
+  constexpr double highest_limit = 0.7;
+  const LimitsConfig& limits = simulation.plan.study.limits;
+  const auto is_good = [](sim::RolloutStatus status) { return status == sim::RolloutStatus::ok; };
+  const bool are_all = rows.complete.rows() == num_rows(simulation.plan, simulation.node);
+  if (are_all || rows.complete.rows() < kCheckedRows ||
+      limits.max_failed_fraction > highest_limit ||
+      std::ranges::any_of(rows.result.status, is_good)) {
+    return;
+  }
+  const std::string last = simulation.simulator->last_failure();
+  throw FailedRolloutsError(fmt::format(
+      "{}: each of the first {} rows failed ({}{}), limits.max_failed_fraction = {}: others aren't "
+      "simulated; {}",
+      simulation.node.label(), kCheckedRows, to_string(rows.result.status.front()),
+      last.empty() ? "" : ": " + last, limits.max_failed_fraction,
+      simulation.plan.study.source().advice));
+}
+
 // A shard may be smaller than what is looked at.
 void check_first_rows(h5::File& file, const Simulation& simulation, const GivenRows& given) {
   const Index count = std::min(kCheckedRows, num_rows(simulation.plan, simulation.node));
-  if (given.complete.rows() >= count) return check_block(file, simulation, given);
+  if (given.complete.rows() >= count) {
+    require_a_good_row(simulation, given);
+    return check_block(file, simulation, given);
+  }
   const RowMatrix complete =
       simulation.plan.source->parameters().complete(read_proposal(simulation.proposal, {0, count}));
   const sim::Trajectories result = simulation.simulator->simulate(complete, given.first);
-  check_block(file, simulation, {complete, result, given.first});
+  const GivenRows rows{complete, result, given.first};
+  require_a_good_row(simulation, rows);
+  check_block(file, simulation, rows);
 }
 
 // Rows [begin, begin + count) of the simulation, from row `at` of the shard's file.

@@ -1,7 +1,8 @@
 /// The stages: each makes one artefact of a plan from the artefacts that it needs, which are there.
 ///
 /// Killed at any instant, the next call gives the same bits: simulations go on from their last
-/// shard, trainings and policy searches from their last checkpoint, the others begin anew.
+/// shard, trainings, diagnoses and policy searches from their last checkpoint, the others begin
+/// anew.
 ///
 /// Each throws InputError for a damaged input, FailedRolloutsError when more rows of a simulation
 /// failed than the study allows, Error when a truth can't be simulated or writing fails,

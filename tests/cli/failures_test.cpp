@@ -68,6 +68,16 @@ TEST_F(Failures, OfAllRowsAreAnError) {
       << outcome.err;
 }
 
+TEST_F(Failures, OfTheFirstRowsEndASimulation) {
+  const Outcome outcome = run_study(
+      "print \\\"nan\\\"", {"limits.max_failed_fraction=0.05", "method.num_simulations=5000"});
+  EXPECT_EQ(outcome.status, 3);
+  for (const char* part : {"each of the first 64 rows failed (diverged: row 0 has nan in '",
+                           "others aren't simulated"}) {
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(Failures, OfPredictionsAreAVerdict) {
   const std::string prints = "print (system(\\\"test -d fail\\\") == 0 ? \\\"nan\\\" : $1)";
   std::vector<std::string> settings = {"diagnose={ checks = ['predictive'], num_samples = 40 }"};

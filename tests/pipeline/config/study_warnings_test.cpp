@@ -57,6 +57,12 @@ TEST(StudyWarnings, ARecordingHasNoise) {
   EXPECT_NE(found({})[0].find("warning: observation_noise has no scale"), std::string::npos);
   EXPECT_EQ(found({"observation_noise.scale=0.01"}).size(), 0u);
   EXPECT_EQ(found({"observation_noise.scale=0.0"}).size(), 0u) << "it is meant";
+  EXPECT_EQ(found({"observation_noise.std={ theta = 0.1, theta_dot = 0.0 }"}).size(), 0u);
+  const auto in_part = found({"observation_noise.std={ theta = 0.1 }"});
+  ASSERT_EQ(in_part.size(), 1u);
+  EXPECT_NE(in_part[0].find("observation_noise.std leaves theta_dot without noise"),
+            std::string::npos)
+      << in_part[0];
   // A program may draw its own.
   const auto of_program = [&](const std::vector<std::string>& overrides) {
     const Study study = parse_study(
