@@ -151,14 +151,15 @@ bool is_checked(const Simulation& simulation, Index row) {
   return row == 0 && simulation.node.uses.front().round == 1;
 }
 
-// A study that none of the first rows is good for has no use for the others: where its limit is at
-// most 0.7, so many fail by chance once in 8e9 times.
+// A study that none of the first rows of a user's simulator is good for has no use for the others:
+// where its limit is at most 0.7, so many fail by chance once in 8e9 times.
 void require_a_good_row(const Simulation& simulation, const GivenRows& rows) {
   constexpr double highest_limit = 0.7;
   const LimitsConfig& limits = simulation.plan.study.limits;
   const auto is_good = [](sim::RolloutStatus status) { return status == sim::RolloutStatus::ok; };
   const bool are_all = rows.complete.rows() == num_rows(simulation.plan, simulation.node);
-  if (are_all || rows.complete.rows() < kCheckedRows ||
+  const bool is_quick = simulation.plan.study.source().is_built_in;
+  if (is_quick || are_all || rows.complete.rows() < kCheckedRows ||
       limits.max_failed_fraction > highest_limit ||
       std::ranges::any_of(rows.result.status, is_good)) {
     return;
