@@ -12,7 +12,7 @@ StreamId of_simulation(StreamId id, std::string_view name, Index i) {
   return named(id, name);
 }
 
-// As often as not there is room for more than are done.
+// There may be room for more than are done.
 bool can_go_on(const CalibrationRanks& ranks, Index n, Index dimension) {
   const Index done = ranks.num_done;
   if (done == 0) return true;

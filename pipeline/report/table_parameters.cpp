@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <string>
 
-#include "analysis/quantiles.h"
 #include "inference/prior.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
@@ -44,11 +42,7 @@ Cell posterior_cell(Table& table, const ReportData& data, const std::string& met
 // 5 % and 95 % quantiles.
 Cell interval_cell(const ReportData& data, const std::string& method, Index d) {
   if (!data.is_inferred(method, d)) return {};
-  const Vector samples = unwrapped_samples_of(data, method, d);
-  std::vector<double> sorted(samples.begin(), samples.end());
-  std::ranges::sort(sorted);
-  return fmt::format("[{:.4g}, {:.4g}]", analysis::quantile_of_sorted(sorted, 0.05),
-                     analysis::quantile_of_sorted(sorted, 0.95));
+  return interval_text(unwrapped_samples_of(data, method, d));
 }
 
 Table make_intervals(const ReportData& data) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/quantiles.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
@@ -75,6 +76,17 @@ Cell cell_of_seeds(Table& table, const analysis::Summary& summary) {
 std::string noiseless_bands_text(const Study& study) {
   if (!study.target.recording || study.observation_noise.is_silent()) return "";
   return " The recording has noise: without it bands are of what lies below, and hold less.";
+}
+
+std::string interval_text(double low, double high) {
+  return fmt::format("[{:.4g}, {:.4g}]", low, high);
+}
+
+std::string interval_text(const Vector& samples) {
+  std::vector<double> sorted(samples.begin(), samples.end());
+  std::ranges::sort(sorted);
+  return interval_text(analysis::quantile_of_sorted(sorted, 0.05),
+                       analysis::quantile_of_sorted(sorted, 0.95));
 }
 
 Vector samples_of(const ReportData& data, const std::string& method, Index d) {

@@ -50,6 +50,10 @@ void note_known(Table& table, Cell& cell);
 void note_known_parameters(Table& table, const ReportData& data);
 void note_fixed_parameters(Table& table, const ReportData& data);
 
+/// "[0.9, 1.1]", and of samples (n) their 5 % and 95 % quantiles.
+std::string interval_text(double low, double high);
+std::string interval_text(const Vector& samples);
+
 /// A method's samples (n) of parameter d, of all seeds.
 Vector samples_of(const ReportData& data, const std::string& method, Index d);
 /// The same of a periodic parameter moved by periods to where they lie around their mean.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "analysis/quantiles.h"
 #include "core/normal.h"
 #include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/plan/completeness.h"
@@ -12,7 +11,6 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr double kLow = 0.05, kHigh = 0.95;
 constexpr Index kMostRows = 10'000;  // of a proposal, all of them draws of the same
 
 Index num_rounds(const ReportData& data, const std::string& method) {
@@ -44,27 +42,20 @@ RowMatrix proposals_of(const ReportData& data, const std::string& method, Index 
   return all;
 }
 
-Cell interval(double low, double high) { return fmt::format("[{:.4g}, {:.4g}]", low, high); }
-
 Row prior_row(const ReportData& data) {
   Row row{"prior", {}};
   for (const inference::Marginal& marginal : data.plan.study.prior) {
     const inference::Prior prior({marginal});
-    const Eigen::Vector2d u(normal_quantile(kLow), normal_quantile(kHigh));
+    const Eigen::Vector2d u(normal_quantile(0.05), normal_quantile(0.95));
     const RowMatrix theta = prior.to_theta(u);
-    row.cells.push_back(interval(theta(0, 0), theta(1, 0)));
+    row.cells.push_back(interval_text(theta(0, 0), theta(1, 0)));
   }
   return row;
 }
 
 Row round_row(const std::string& label, const RowMatrix& theta) {
   Row row{label, {}};
-  for (Index d = 0; d < theta.cols(); ++d) {
-    std::vector<double> sorted(theta.col(d).begin(), theta.col(d).end());
-    std::ranges::sort(sorted);
-    row.cells.push_back(interval(analysis::quantile_of_sorted(sorted, kLow),
-                                 analysis::quantile_of_sorted(sorted, kHigh)));
-  }
+  for (const auto& column : theta.colwise()) row.cells.push_back(interval_text(column));
   return row;
 }
 
