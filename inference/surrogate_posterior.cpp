@@ -107,9 +107,8 @@ Vector SurrogatePosterior::log_density(const RowMatrix& u) const {
 Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
   const SamplerConfig& sampler = parts().sampler;
   if (sampler.kind == SamplerKind::importance) return draw_by_importance(n, id);
-  TemperedDraws draws =
-      sample_tempered([&](const RowMatrix& u, Vector& log_l) { log_l = surrogate(u); },
-                      prior().dimension(), n, sampler, id);
+  TemperedDraws draws = sample_tempered([&](const RowMatrix& u) { return surrogate(u); },
+                                        prior().dimension(), n, sampler, id);
   return {prior().to_theta(draws.u), std::move(draws.report)};
 }
 

@@ -2,7 +2,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "core/error.h"
 
@@ -121,8 +124,7 @@ class Population {
   Population(const LogDensity& log_density, const RowMatrix& start, const StreamId& id)
       : log_density_(log_density),
         directions_(Eigen::MatrixXd::Identity(start.cols(), start.cols())) {
-    Vector log_p;
-    log_density_(start, log_p);
+    const Vector log_p = log_density_(start);
     num_points_ += start.rows();
     for (Index c = 0; c < start.rows(); ++c) {
       if (!(log_p(c) > -std::numeric_limits<double>::infinity())) {
@@ -153,13 +155,12 @@ class Population {
     }
     if (num_sweeps == 0) return;
     RowMatrix points;
-    Vector log_p;
     while (!active.empty()) {
       points.resize(static_cast<Index>(active.size()), directions_.cols());
       for (std::size_t i = 0; i < active.size(); ++i) {
         chain(active[i]).write_point(directions_, points.row(static_cast<Index>(i)));
       }
-      log_density_(points, log_p);
+      const Vector log_p = log_density_(points);
       num_points_ += points.rows();
       std::vector<Index> still_active;
       for (std::size_t i = 0; i < active.size(); ++i) {

@@ -13,11 +13,8 @@
 /// a chain would leave such a mode more easily than one with a short width comes back.
 #pragma once
 
-#include <functional>
-#include <vector>
-
 #include "core/random.h"
-#include "core/types.h"
+#include "inference/samplers/log_density.h"
 
 namespace npdr::inference {
 
@@ -25,10 +22,6 @@ struct SliceSamplerConfig {
   Index num_warmup = 100;  ///< sweeps over all directions that every chain makes first
   Index thin = 5;          ///< sweeps from one draw of a chain to its next
 };
-
-/// log p(u) up to a constant, in nats, of every row of u (n, D), into `log_prob` (n). NaN counts as
-/// -infinity. A row's value must not depend on the others.
-using LogDensity = std::function<void(const RowMatrix& u, Vector& log_prob)>;
 
 /// Draws of C chains, S each.
 struct ChainDraws {

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "inference/samplers/chain_diagnostics.h"
 #include "inference/samplers/importance_weights.h"
+#include "inference/samplers/slice_sampler.h"
 #include "inference/samplers/tempered_walkers.h"
 #include "inference/standard_normal.h"
 
@@ -55,10 +56,8 @@ class Climb {
 
  private:
   Vector evaluate(const RowMatrix& u) {
-    Vector log_l;
-    log_likelihood_(u, log_l);
     num_points_ += u.rows();
-    return numbers(log_l);
+    return numbers(log_likelihood_(u));
   }
 
   // 1 where likelihoods differ by so much that no power is small enough.
@@ -146,10 +145,7 @@ TemperedDraws sample_tempered(const LogDensity& log_likelihood, Index dimension,
   const Starts starts = make_starts(log_likelihood, dimension, config, within(id, "candidates"));
   const Index chains = starts.u.rows();
   const ChainDraws draws = slice_sample(
-      [&](const RowMatrix& u, Vector& log_p) {
-        log_likelihood(u, log_p);
-        log_p += log_standard_normal(u);
-      },
+      [&](const RowMatrix& u) -> Vector { return log_likelihood(u) + log_standard_normal(u); },
       starts.u, (n + chains - 1) / chains, {config.num_warmup, config.thin}, id);
   SamplerReport report;
   report.r_hat = diagnose({draws.u, kPopulations}).r_hat;

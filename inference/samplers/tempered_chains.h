@@ -15,9 +15,10 @@
 /// which depend on each other therefore (Chan and Lai 2013; Lee and Whiteley 2018).
 #pragma once
 
+#include "core/random.h"
 #include "inference/posterior.h"
 #include "inference/sampler_config.h"
-#include "inference/samplers/slice_sampler.h"
+#include "inference/samplers/log_density.h"
 
 namespace npdr::inference {
 

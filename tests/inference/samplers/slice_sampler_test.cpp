@@ -25,13 +25,14 @@ Eigen::Matrix3d covariance() {
 }
 const Eigen::Vector3d kMean(1.0, -1.0, 0.0);
 
-void log_gaussian(const RowMatrix& u, Vector& log_p) {
+Vector log_gaussian(const RowMatrix& u) {
   const Eigen::Matrix3d precision = covariance().inverse();
-  log_p.resize(u.rows());
+  Vector log_p(u.rows());
   for (Index i = 0; i < u.rows(); ++i) {
     const Eigen::Vector3d x = u.row(i).transpose() - kMean;
     log_p(i) = -0.5 * x.dot(precision * x);
   }
+  return log_p;
 }
 
 // Moments within four standard errors, whose size follows from the effective sample size: 18
@@ -57,11 +58,11 @@ TEST(SliceSampler, FindsTheMomentsOfACorrelatedGaussian) {
 
 // 0.3 N(-1, 0.3^2) + 0.7 N(1, 0.3^2): stepping out crosses the valley of a few nats.
 TEST(SliceSampler, VisitsTwoModesInProportion) {
-  const LogDensity two = [](const RowMatrix& u, Vector& log_p) {
+  const LogDensity two = [](const RowMatrix& u) -> Vector {
     const auto mode = [&](double weight, double mean) -> Eigen::ArrayXd {
       return weight * (-0.5 * ((u.col(0).array() - mean) / 0.3).square()).exp();
     };
-    log_p = (mode(0.3, -1.0) + mode(0.7, 1.0)).log();
+    return (mode(0.3, -1.0) + mode(0.7, 1.0)).log();
   };
   const ChainDraws draws = slice_sample(two, random_matrix(100, 1, 2), 100, {}, kId);
   const double upper = (draws.u.array() > 0.0).cast<double>().mean();
@@ -72,12 +73,12 @@ TEST(SliceSampler, VisitsTwoModesInProportion) {
 // stay so, whichever width each of them learns where it is: four standard errors of their number.
 TEST(SliceSampler, KeepsTheSharesOfModesOfUnequalWidth) {
   constexpr Index chains = 4000;
-  const LogDensity two = [](const RowMatrix& u, Vector& log_p) {
+  const LogDensity two = [](const RowMatrix& u) -> Vector {
     const auto mode = [&](double mean, double width) -> Eigen::ArrayXd {
       return -0.5 * (u.array() - mean).square().rowwise().sum() / (width * width) -
              2.0 * std::log(width);
     };
-    log_p = (mode(0.0, 0.05).exp() + mode(0.6, 0.1).exp()).log();
+    return (mode(0.0, 0.05).exp() + mode(0.6, 0.1).exp()).log();
   };
   RowMatrix start = random_matrix(chains, 2, 3);
   start.topRows(chains / 2) *= 0.05;
@@ -89,8 +90,8 @@ TEST(SliceSampler, KeepsTheSharesOfModesOfUnequalWidth) {
 
 // A density with an edge: uniform on (0, 1), 0 elsewhere, and NaN beyond 2.
 TEST(SliceSampler, StaysWhereTheDensityIs) {
-  const LogDensity uniform = [](const RowMatrix& u, Vector& log_p) {
-    log_p = u.col(0).unaryExpr([](double x) {
+  const LogDensity uniform = [](const RowMatrix& u) -> Vector {
+    return u.col(0).unaryExpr([](double x) {
       if (x > 2.0) return std::numeric_limits<double>::quiet_NaN();
       return x > 0.0 && x < 1.0 ? 0.0 : -std::numeric_limits<double>::infinity();
     });
@@ -102,13 +103,10 @@ TEST(SliceSampler, StaysWhereTheDensityIs) {
 }
 
 TEST(SliceSampler, ADrawDependsNeitherOnHowManyFollowNorOnTheBatches) {
-  const LogDensity one_by_one = [](const RowMatrix& u, Vector& log_p) {
-    log_p.resize(u.rows());
-    Vector value;
-    for (Index i = 0; i < u.rows(); ++i) {
-      log_gaussian(u.middleRows(i, 1), value);
-      log_p(i) = value(0);
-    }
+  const LogDensity one_by_one = [](const RowMatrix& u) {
+    Vector log_p(u.rows());
+    for (Index i = 0; i < u.rows(); ++i) log_p(i) = log_gaussian(u.middleRows(i, 1))(0);
+    return log_p;
   };
   const RowMatrix start = random_matrix(10, 3, 4);
   const ChainDraws all = slice_sample(log_gaussian, start, 20, {}, kId);
@@ -118,8 +116,8 @@ TEST(SliceSampler, ADrawDependsNeitherOnHowManyFollowNorOnTheBatches) {
 }
 
 TEST(SliceSampler, RejectsAStartThatCannotBe) {
-  const LogDensity nowhere = [](const RowMatrix& u, Vector& log_p) {
-    log_p.setConstant(u.rows(), -std::numeric_limits<double>::infinity());
+  const LogDensity nowhere = [](const RowMatrix& u) -> Vector {
+    return Vector::Constant(u.rows(), -std::numeric_limits<double>::infinity());
   };
   EXPECT_THROW(slice_sample(nowhere, RowMatrix::Zero(2, 1), 5, {}, kId), InputError);
   EXPECT_THROW(slice_sample(log_gaussian, RowMatrix::Zero(2, 3), 5, {.thin = 0}, kId), InputError);

@@ -32,13 +32,13 @@ Vector square_distances(const Mode& mode, const RowMatrix& u) {
 }
 
 // Of what makes these the posterior.
-void log_likelihood(const RowMatrix& u, Vector& log_l) {
+Vector log_likelihood(const RowMatrix& u) {
   std::vector<Vector> terms;
   for (const Mode& mode : kModes) {
     terms.emplace_back(-0.5 * square_distances(mode, u).array() / std::pow(mode.deviation, 2) +
                        std::log(mode.weight) - kDimension * std::log(mode.deviation));
   }
-  log_l = log_sum(terms) - log_standard_normal(u);
+  return log_sum(terms) - log_standard_normal(u);
 }
 
 Vector shares(const RowMatrix& u) {
@@ -89,7 +89,7 @@ TEST(TemperedChains, PopulationsWhoseSharesDisagreeAreFound) {
 TEST(TemperedChains, EffectiveSizeIsThatOfAMeanWhereChainsMix) {
   // The prior again: independent draws, within five times the scatter of a variance of 200
   // families.
-  const auto flat = [](const RowMatrix& u, Vector& log_l) { log_l.setZero(u.rows()); };
+  const auto flat = [](const RowMatrix& u) -> Vector { return Vector::Zero(u.rows()); };
   const TemperedDraws draws = sample_tempered(flat, 2, 2000, {.num_chains = 200}, kId);
   EXPECT_GT(draws.report.ess.minCoeff(), 2000.0 * (1.0 - 5.0 * std::sqrt(2.0 / 200.0)));
   EXPECT_LE(draws.report.ess.maxCoeff(), 2000.0);
@@ -113,16 +113,16 @@ TEST(TemperedChains, FewChainsAndCandidatesWillDo) {
 
 // Broken networks may say anything; half of the space is impossible, the rest a cliff.
 TEST(TemperedChains, LikelihoodsThatAreNoNumbersAreNowhere) {
-  const auto cliff = [](const RowMatrix& u, Vector& log_l) {
-    log_l = u.col(0).unaryExpr([](double x) {
+  const auto cliff = [](const RowMatrix& u) -> Vector {
+    return u.col(0).unaryExpr([](double x) {
       if (x < -1.0) return std::numeric_limits<double>::quiet_NaN();
       return x < 0.0 ? std::numeric_limits<double>::infinity() : 1e30 * x;
     });
   };
   const SamplerConfig config{.num_chains = 8, .num_candidates = 100};
   EXPECT_GT(sample_tempered(cliff, 2, 20, config, kId).u.col(0).minCoeff(), 0.0);
-  const auto nowhere = [](const RowMatrix& u, Vector& log_l) {
-    log_l.setConstant(u.rows(), -std::numeric_limits<double>::infinity());
+  const auto nowhere = [](const RowMatrix& u) -> Vector {
+    return Vector::Constant(u.rows(), -std::numeric_limits<double>::infinity());
   };
   EXPECT_THROW(sample_tempered(nowhere, 2, 20, config, kId), Error);
 }
