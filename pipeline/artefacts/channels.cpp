@@ -16,8 +16,19 @@ bool same_in_another_order(std::vector<Channel> a, std::vector<Channel> b) {
 }
 
 bool same_labels(const std::vector<Channel>& a, const std::vector<Channel>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const Channel& x, const Channel& y) { return x.label == y.label; });
+  return std::ranges::equal(a, b, {}, &Channel::label, &Channel::label);
+}
+
+// "x [mm] in place of [m]" of those that differ in units alone.
+std::string differing_units(const std::vector<Channel>& found,
+                            const std::vector<Channel>& expected) {
+  std::vector<std::string> parts;
+  for (std::size_t c = 0; c < found.size(); ++c) {
+    if (found[c] == expected[c]) continue;
+    parts.push_back(found[c].label + " [" + found[c].unit + "] in place of [" + expected[c].unit +
+                    "]");
+  }
+  return join(parts);
 }
 
 }  // namespace
@@ -33,7 +44,8 @@ void check_channels(const std::string& where, const std::vector<Channel>& found,
   if (same_in_another_order(found, expected)) {
     hint = ": the same channels in another order; reorder its columns";
   } else if (same_labels(found, expected)) {
-    hint = ": only units differ; convert its values";
+    hint = ": only units differ, " + differing_units(found, expected) +
+           "; convert its values, or correct the unit that is wrong";
   }
   throw InputError(where + " are " + to_string(found) + ", must be " + to_string(expected) + hint);
 }

@@ -23,6 +23,7 @@ class StudyWarnings {
     for (std::size_t i = 0; i < study_.references.size(); ++i) warn_of_reference(i);
     warn_of_exact_recording();
     warn_of_exact_channels();
+    warn_of_loud_noise();
     warn_of_recorded_states();
     if (study_.source().calls_program) warn_of_program();
     return std::move(warnings_);
@@ -81,6 +82,17 @@ class StudyWarnings {
         fmt::format("observation_noise.std leaves {} without noise, to which no recording is "
                     "alike: give it, or 0 where there is none, or a scale beside it for the others",
                     join(exact)));
+  }
+
+  // Of motion the scale is a share of what was recorded; features' noise may be anything.
+  void warn_of_loud_noise() {
+    const double scale = study_.observation_noise.scale;
+    if (!study_.source().gives_motion || scale < 1.0) return;
+    warn("observation_noise.scale",
+         fmt::format("observation_noise.scale = {}: noise as large as the recorded motion leaves "
+                     "nothing to infer from; it is a share of each channel's largest magnitude, "
+                     "such as 0.02; std gives a channel's noise in its own unit",
+                     scale));
   }
 
   void warn_of_recorded_states() {

@@ -34,6 +34,10 @@ std::string next_steps(const ReportData& data) {
         if (found == checks.end()) return std::tuple(true, std::size_t{0}, std::size_t{0});
         return std::tuple(false, found->second.failed.size(), found->second.unknown.size());
       });
+  if (checks.contains(best) && !checks[best].failed.empty()) {
+    text += fmt::format(
+        "\n# Checks of {} fail: do first what the verdicts say; its draws may be wrong\n", best);
+  }
   return text + fmt::format(
                     "\n# Domain parameters for a simulator of yours: 1000 draws of the posterior, "
                     "one a line\n"

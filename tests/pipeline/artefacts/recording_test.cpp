@@ -254,9 +254,10 @@ TEST_F(EditedRecording, ChecksTheChannelsAgainstTheSimulators) {
                                      must}));
   target = twin();
   target.state_channels[1].unit = "deg";
-  EXPECT_TRUE(says(reading(target), {"a.h5: dataset 'states': channels are theta [rad], alpha "
-                                     "[deg], theta_dot [rad/s], alpha_dot [rad/s]",
-                                     must, "convert its values"}));
+  EXPECT_TRUE(
+      says(reading(target), {"a.h5: dataset 'states': channels are theta [rad], alpha "
+                             "[deg], theta_dot [rad/s], alpha_dot [rad/s]",
+                             must, "only units differ,", "correct the unit that is wrong"}));
   target = twin();
   target.action_channels[0].label = "torque";
   EXPECT_TRUE(says(reading(target),

@@ -89,7 +89,8 @@ TEST_F(CsvImport, FilesMustBeAlike) {
            {"b.csv: its times are 1 s apart", "0.1 s", "--resample 1"}));
   const CsvOptions any_unit = {.channels = {{{"theta", ""}}, {}}, .dt = {}, .source = ""};
   EXPECT_TRUE(says(second(replaced(kCsv, "[rad]", "[deg]"), any_unit),
-                   {"b.csv: states are theta [deg]", "must be theta [rad]", "convert its values"}));
+                   {"b.csv: states are theta [deg]", "must be theta [rad]",
+                    "only units differ, theta [deg] in place of [rad]; convert its values"}));
 }
 
 TEST_F(CsvImport, KnowsAClockByItsUnitAndName) {

@@ -43,6 +43,14 @@ TEST_F(NextSteps, GoOnWithThatOfWhichTheFewestFail) {
   EXPECT_TRUE(has("npdr sample runs/small/npdr-mog/seed-1/"));
 }
 
+TEST_F(NextSteps, MendingIsTheFirstWhereChecksFail) {
+  EXPECT_FALSE(has("fail: do first"));
+  fail(kMethod);
+  EXPECT_FALSE(has("fail: do first")) << "the other one passes";
+  fail(kOther);
+  EXPECT_TRUE(has("# Checks of NPDR (MAF) fail: do first what the verdicts say"));
+}
+
 TEST_F(NextSteps, DontTakeWhatWasNeverCheckedForGood) {
   plan_.study.diagnose.checks = {Check::training};
   plan_.study.methods.back().algorithm.kind = inference::Algorithm::abc_smc;
