@@ -325,7 +325,7 @@ TEST(ImportanceSampler, LearnsFurtherFlowsAfterLastLevels) {
   ImportanceSampler sampler({.level_size = 1000, .min_ess = 900.0, .max_simulations = 100'000},
                             kDimension, {}, {1, "refinement", 1, 0, 0});
   std::vector<Parameters<float>> reported;
-  while (!sampler.is_done()) {
+  while (!learns && !sampler.is_done()) {
     const ImportanceLevel& level = sampler.state().levels.back();
     RowMatrix u = sampler.next(1000);
     Vector log_likelihood = problem.log_likelihood(u);
@@ -334,7 +334,7 @@ TEST(ImportanceSampler, LearnsFurtherFlowsAfterLastLevels) {
       was_reported = true;
       log_likelihood(500) += 12.0;  // a heavy point, as of a narrow mode
     }
-    if (level.kind == LevelKind::last && !learns) {
+    if (level.kind == LevelKind::last) {
       learns =
           std::ranges::count(sampler.state().levels, LevelKind::former, &ImportanceLevel::kind) > 0;
       if (learns) {
