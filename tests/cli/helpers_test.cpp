@@ -22,8 +22,8 @@ class Helpers : public ::testing::Test {
                      .with("observation_noise", {"scale = 0.05"})
                      .with("simulate", {"shard_size = 50"})
                      .method("Refined", {"algorithm = \"refine\"",
-                                         "refine = { level_size = 1000, min_ess = 5000, "
-                                         "max_simulations = 6000 }"})
+                                         "refine = { level_size = 1000, min_ess = 2500, "
+                                         "max_simulations = 3000 }"})
                      .with("cluster", {"refine_tasks = 2"}));
   }
 

@@ -165,7 +165,7 @@ TEST_F(Submit, ARefinementSurvivesTheCrashOfItsNode) {
                                 .with("observation_noise", {"scale = 0.05"})
                                 .method("Refined", {"algorithm = \"refine\"",
                                                     "refine = { level_size = 1000, min_ess = "
-                                                    "50000, max_simulations = 8000 }"})
+                                                    "50000, max_simulations = 4000 }"})
                                 .with("evaluate", {"num_samples = 50"});
   write_text_file(cluster_->folder() / "refined.toml", study);
   const Outcome submitted = npdr({"submit", "refined.toml"});
@@ -186,7 +186,7 @@ TEST_F(Submit, ARefinementWithHelpersHasTheBitsOfALocalRun) {
                                 .with("simulate", {"shard_size = 50"})
                                 .method("Refined", {"algorithm = \"refine\"",
                                                     "refine = { level_size = 1000, min_ess = "
-                                                    "50000, max_simulations = 5000 }"})
+                                                    "50000, max_simulations = 3000 }"})
                                 .with("evaluate", {"num_samples = 50"})
                                 .with("cluster", {"refine_tasks = 2"});
   write_text_file(cluster_->folder() / "refined.toml", study);
