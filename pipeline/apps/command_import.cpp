@@ -208,7 +208,9 @@ void import_simulations(const ImportArguments& arguments) {
       counts.num_failed == 0
           ? ""
           : fmt::format("; {} rows of x aren't finite and count as failed", counts.num_failed));
-  print_line("next: npdr run STUDY.toml --set simulator.dataset={}", shell_word(arguments.output));
+  const std::string file = shell_word(arguments.output);
+  print_line("next: npdr new NAME --dataset {}; npdr run STUDY.toml --set simulator.dataset={}",
+             file, file);
 }
 
 void import_recording(const ImportArguments& arguments) {

@@ -32,7 +32,8 @@ std::string limits_text(const sim::Parameter& p) {
 
 // All that npdr knows of the simulator of a study.
 void list_simulator_of(const std::string& file) {
-  const Study study = read_study(file, {});
+  Study study = read_study(file, {});
+  resolve_source(study);
   const auto source = make_source(study);
   const sim::SimulatorInfo& info = source->info();
   fmt::print("{}{}{}\nparameters:\n", info.name, info.description.empty() ? "" : ": ",

@@ -119,21 +119,33 @@ void warn_of_later_round(const std::string& posterior) {
              posterior, round->get<Index>());
 }
 
-// Nor has it learned anything of what is far from all simulations.
+// Nor has it learned anything of what is far from all simulations, which aren't at hand here:
+// numbers that are far together only are found by the check of a study.
 void warn_of_far_features(const std::string& recording, const VectorF& x,
+                          const std::vector<Channel>& names,
                           const inference::FeatureTransform& transform) {
   constexpr float far = 10.0f;
   Index feature = 0;
   RowMatrixF z;
   transform.standardize(x.transpose(), z);
   const float largest = z.row(0).head(transform.num_inputs()).cwiseAbs().maxCoeff(&feature);
-  if (!(largest > far)) return;
+  if (!(largest > far)) {
+    fmt::print(
+        stderr,
+        "note: each feature of {} lies where those of simulations do; whether all of them do "
+        "together is checked in a study that has it as its target\n",
+        recording);
+    return;
+  }
+  const bool is_named = std::ssize(names) == x.size() && feature < x.size();
   fmt::print(
       stderr,
       "warning: feature {} of {} lies {:.3g} deviations from the mean of the simulations that "
       "the posterior was learned from; what it says there is a guess: check the units, or "
       "widen the prior\n",
-      feature + 1, recording, largest);
+      is_named ? "'" + names[static_cast<std::size_t>(feature)].label + "'"
+               : std::to_string(feature + 1),
+      recording, largest);
 }
 
 std::string verdict_on_chains(double r_hat) {
@@ -158,7 +170,8 @@ std::unique_ptr<inference::Posterior> read(const PosteriorArguments& arguments) 
   const VectorF x = embed_recording(arguments.posterior, arguments.recording);
   auto other = posterior->given(x);
   warn_of_later_round(arguments.posterior);
-  warn_of_far_features(arguments.recording, x, posterior->parts().transform);
+  warn_of_far_features(arguments.recording, x, observed_channels(arguments.posterior).states,
+                       posterior->parts().transform);
   return other;
 }
 

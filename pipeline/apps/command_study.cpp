@@ -192,6 +192,7 @@ void add_new_command(CLI::App& app, int& result) {
   command->add_option("--worker", wanted->worker, "program that stays: 'python3 sim.py'");
   command->add_option("--library", wanted->library, "shared library with npdr_simulator.h");
   command->add_option("--mjcf", wanted->mjcf, "model of MuJoCo");
+  command->add_option("--dataset", wanted->dataset, "finished simulations (npdr import --theta)");
   command->add_option("--command", wanted->command, "program that reads and writes files");
   command->footer("Example: npdr new spring --recording spring.h5 --worker 'python3 spring.py'");
   command->callback([&result, wanted] {

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <vector>
 
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/artefacts/channels.h"
+#include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/simulator_info.h"
@@ -89,7 +91,7 @@ class Writer {
  private:
   // A program says nothing of itself.
   bool is_program() const { return !wanted_.command.empty() || !wanted_.worker.empty(); }
-  bool gives_motion() const { return wanted_.command.empty() || recording_; }
+  bool gives_motion() const { return (wanted_.command.empty() && !dataset_) || recording_; }
 
   bool holds_out() const { return recording_ && recording_->num_rollouts() >= 3; }
 
@@ -99,7 +101,10 @@ class Writer {
     if (!wanted_.library.empty()) study.external.library = wanted_.library;
     if (!wanted_.mjcf.empty()) study.external.mjcf = wanted_.mjcf;
     study.external.folder = ".";
-    if (!is_program()) {
+    if (!wanted_.dataset.empty()) {
+      dataset_.emplace(wanted_.dataset, std::vector<std::string>{});
+      info_.parameters = ranges_of(*dataset_);
+    } else if (!is_program()) {
       if (!wanted_.simulator.empty()) require_built_in(wanted_.simulator);
       info_ = simulator_info(study);
     }
@@ -108,6 +113,28 @@ class Writer {
       info_.state_channels = recording_->state_channels;
       info_.action_channels = recording_->action_channels;
     }
+  }
+
+  // Parameters between the least and the largest value of all rows.
+  static std::vector<sim::Parameter> ranges_of(const DatasetFile& dataset) {
+    std::vector<sim::Parameter> ranges;
+    for (const auto& [label, unit] : dataset.parameters()) {
+      ranges.push_back(
+          {.name = label, .unit = unit, .lower = HUGE_VAL, .upper = -HUGE_VAL, .description = {}});
+    }
+    constexpr Index block = 4096;
+    for (Index begin = 0; begin < dataset.num_rows(); begin += block) {
+      std::vector<Index> rows(
+          static_cast<std::size_t>(std::min(block, dataset.num_rows() - begin)));
+      std::iota(rows.begin(), rows.end(), begin);
+      const RowMatrix theta = dataset.theta(rows);
+      for (std::size_t d = 0; d < ranges.size(); ++d) {
+        const auto values = theta.col(static_cast<Index>(d));
+        ranges[d].lower = std::min(ranges[d].lower, values.minCoeff());
+        ranges[d].upper = std::max(ranges[d].upper, values.maxCoeff());
+      }
+    }
+    return ranges;
   }
 
   static void require_built_in(const std::string& name) {
@@ -135,6 +162,8 @@ class Writer {
             "held_out = 1  # that it doesn't, to predict; EDIT: 0 to use all\n",
             recording_->num_rollouts() - 1);
       }
+    } else if (dataset_) {
+      text_ += "observation = \"x_o.csv\"  # EDIT: the file of what was observed\n";
     } else if (is_program()) {
       text_ += fmt::format(
           "truth = {{ a = 1.0 }}  # EDIT: parameters of a simulated target, or in its place {}\n",
@@ -152,6 +181,7 @@ class Writer {
     add_setting("worker", wanted_.worker);
     add_setting("library", wanted_.library);
     add_setting("mjcf", wanted_.mjcf);
+    add_setting("dataset", wanted_.dataset);
     const bool is_own = wanted_.simulator.empty();
     if (is_program() && gives_motion()) {
       const char* const mark = recording_ ? "" : "  # EDIT";
@@ -200,9 +230,10 @@ class Writer {
     return fmt::format("{{ uniform = [{}, {}] }}", number(low), number(high));
   }
 
-  // A float of TOML.
-  static std::string number(double value) {
-    const std::string text = fmt::format("{:.6g}", value);
+  // A float of TOML: of six digits, or of all.
+  static std::string number(double value) { return as_float(fmt::format("{:.6g}", value)); }
+  static std::string exact(double value) { return as_float(fmt::format("{}", value)); }
+  static std::string as_float(const std::string& text) {
     return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
   }
 
@@ -213,7 +244,17 @@ class Writer {
         "# each takes long. Results don't depend on it.\n[simulate]\nshard_size = 200\n\n";
   }
 
+  void add_prior_of_dataset() {
+    text_ += "# EDIT: what theta was drawn from; here the range of its values.\n[prior]\n";
+    for (const sim::Parameter& p : info_.parameters) {
+      text_ += fmt::format("{} = {{ uniform = [{}, {}] }}  # [{}]\n", toml_key(p.name),
+                           exact(p.lower), exact(p.upper), toml_comment(p.unit));
+    }
+    text_ += "\n";
+  }
+
   void add_prior() {
+    if (dataset_) return add_prior_of_dataset();
     text_ +=
         "# What to infer, in the parameters' units; the rest stay nominal. EDIT: as wide as what "
         "you\n"
@@ -245,7 +286,8 @@ class Writer {
 
   void add_method() {
     add_noise();
-    text_ += "[[method]]\nname = \"NPE\"\nnum_simulations = 3000\n";
+    text_ += fmt::format("[[method]]\nname = \"NPE\"\nnum_simulations = {}\n",
+                         dataset_ ? dataset_->num_rows() : Index{3000});
     if (!gives_motion()) return;
     const Index steps =
         recording_ ? recording_->num_steps() : std::max<Index>(info_.num_steps, Index{250});
@@ -256,6 +298,7 @@ class Writer {
 
   NewStudy wanted_;
   std::optional<Target> recording_;
+  std::optional<DatasetFile> dataset_;
   sim::SimulatorInfo info_;
   std::string text_;
 };
@@ -270,7 +313,7 @@ void require(const std::string& name, const std::string& value,
 
 bool NewStudy::is_specific() const {
   return std::ranges::any_of(
-      std::vector<std::string>{simulator, command, worker, library, mjcf, recording},
+      std::vector<std::string>{simulator, command, worker, library, mjcf, dataset, recording},
       [](const std::string& text) { return !text.empty(); });
 }
 
@@ -288,6 +331,10 @@ std::string new_study_text(const NewStudy& wanted) {
   note("--worker", wanted.worker, shell_command());
   note("--library", wanted.library, file_path());
   note("--mjcf", wanted.mjcf, file_path());
+  note("--dataset", wanted.dataset, file_path());
+  if (!wanted.dataset.empty() && !wanted.recording.empty()) {
+    throw InputError("--dataset can't go with --recording: a dataset has features of its own");
+  }
   if (!wanted.recording.empty()) require("--recording", wanted.recording, file_path());
   if (found.size() != 1) {
     throw InputError(found.empty() ? "--recording needs one of --simulator, --worker, --library, "

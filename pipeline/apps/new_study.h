@@ -13,6 +13,7 @@ struct NewStudy {
   std::string worker;
   std::string library;    ///< a file
   std::string mjcf;       ///< a file
+  std::string dataset;    ///< a file
   std::string recording;  ///< a file
 
   /// Whether anything but the name is given.
@@ -20,9 +21,9 @@ struct NewStudy {
 };
 
 /// The text of a study that fits: channels of the recording, parameters of the simulator with a
-/// prior around their nominal values, an embedding of all steps. What only the user can know is
-/// marked with `EDIT`. Throws InputError for files that can't be read, more than one simulator, a
-/// recording without a simulator.
+/// prior around their nominal values, those of a dataset with one over their ranges, an embedding
+/// of all steps. What only the user can know is marked with `EDIT`. Throws InputError for files
+/// that can't be read, more than one simulator, a recording without a simulator.
 std::string new_study_text(const NewStudy& wanted);
 
 }  // namespace npdr::pipeline

@@ -33,6 +33,10 @@ std::vector<Index> theta_columns(const h5::Dataset& theta, const std::vector<std
                      "parameters");
   }
   std::vector<Index> columns;
+  if (wanted.empty()) {
+    columns.resize(labels.size());
+    std::iota(columns.begin(), columns.end(), Index{0});
+  }
   for (const std::string& name : wanted) {
     const auto column = std::ranges::find(labels, name);
     if (column == labels.end()) {
@@ -165,6 +169,10 @@ DatasetFile::DatasetFile(const std::filesystem::path& path,
       x_(file_.dataset("x")),
       features_(all_features(x_)),
       theta_columns_(theta_columns(theta_, parameters)) {
+  const std::vector<Channel> columns = column_channels(theta_, theta_.row_size());
+  for (const Index column : theta_columns_) {
+    parameters_.push_back(columns[static_cast<std::size_t>(column)]);
+  }
   x_columns_.resize(features_.size());
   std::iota(x_columns_.begin(), x_columns_.end(), Index{0});
   if (features.empty()) return;

@@ -20,14 +20,16 @@ namespace npdr::pipeline {
 /// A dataset, of which rows are read as they are asked for. Not thread-safe.
 class DatasetFile {
  public:
-  /// `parameters`: the columns of theta that are read, in this order; others are ignored, and those
-  /// that aren't there an InputError. `features`: the same of x, empty: all. Throws InputError that
-  /// names the file and what is wrong with it: shapes, types, labels, a truncated file. A child
-  /// process reads it first; no other thread may be using HDF5.
+  /// `parameters`: the columns of theta that are read, in this order, empty: all; others are
+  /// ignored, and those that aren't there an InputError. `features`: the same of x, empty: all.
+  /// Throws InputError that names the file and what is wrong with it: shapes, types, labels, a
+  /// truncated file. A child process reads it first; no other thread may be using HDF5.
   DatasetFile(const std::filesystem::path& path, const std::vector<std::string>& parameters,
               const std::vector<Channel>& features = {});
 
   Index num_rows() const { return theta_.num_rows(); }
+  /// Those that are read, with the units of theta's columns; "1" where the file has none.
+  const std::vector<Channel>& parameters() const { return parameters_; }
   const std::vector<Channel>& features() const { return features_; }
 
   /// Rows at some positions, in that order, (rows, parameters) and (rows, features). Throws
@@ -39,6 +41,7 @@ class DatasetFile {
   h5::File file_;
   h5::Dataset theta_;
   h5::Dataset x_;
+  std::vector<Channel> parameters_;
   std::vector<Channel> features_;
   std::vector<Index> theta_columns_;
   std::vector<Index> x_columns_;

@@ -378,4 +378,24 @@ void check_dataset_rows(const Study& study, Index num_rows) {
   reading.problems().throw_if_any();
 }
 
+void take_units(Study& study, const std::vector<Channel>& parameters) {
+  Reading reading(study.places);
+  std::vector<DescribedParameter>& described = study.external.parameters;
+  const bool are_described = !described.empty();
+  for (std::size_t d = 0; d < parameters.size(); ++d) {
+    const auto& [name, unit] = parameters[d];
+    if (!are_described) described.push_back({.name = name});
+    const auto known = std::ranges::find(described, name, &DescribedParameter::name);
+    if (unit == "1" || known == described.end()) continue;
+    const std::string path = fmt::format("simulator.parameter[{}].unit", known - described.begin());
+    const std::string stated = known->unit;
+    if (study.places.has(path) && stated != unit) {
+      Checker(reading).fail(path, quoted(stated), quoted(unit) + ", as in the dataset");
+    }
+    known->unit = unit;
+    study.prior[d].unit = unit;
+  }
+  reading.problems().throw_if_any();
+}
+
 }  // namespace npdr::pipeline

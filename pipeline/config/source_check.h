@@ -21,4 +21,8 @@ void check_source_settings(const Study& study, Reading& reading);
 /// counted.
 void check_dataset_rows(const Study& study, Index num_rows);
 
+/// Gives the parameters of the prior the units that a dataset has for them, in the prior's order.
+/// Throws InputError where the study says another one.
+void take_units(Study& study, const std::vector<Channel>& parameters);
+
 }  // namespace npdr::pipeline

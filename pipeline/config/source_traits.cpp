@@ -44,7 +44,8 @@ constexpr std::array<SourceTraits, 7> kTraits = {{
      .name = "dataset",
      .gives_motion = false,
      .simulates = false,
-     .advice = "check the dataset (values beyond 3.4e38 have diverged, too) and the prior"},
+     .advice = "mend the dataset or the prior; where the prior is narrower on purpose, raise "
+               "limits.max_failed_fraction: rows outside of it are left out"},
 }};
 
 }  // namespace

@@ -25,6 +25,7 @@ class StudyWarnings {
     warn_of_exact_channels();
     warn_of_loud_noise();
     warn_of_recorded_states();
+    warn_of_checks_left_out();
     if (study_.source().calls_program) warn_of_program();
     return std::move(warnings_);
   }
@@ -104,6 +105,18 @@ class StudyWarnings {
          "simulator.segment_length = 1: rmse and dtw compare the states before each action, and "
          "with segments of a step all of them are recorded ones: they are 0 for any parameters; "
          "inference and scores are not concerned");
+  }
+
+  void warn_of_checks_left_out() {
+    if (study_.source().simulates || !study_.places.has("diagnose.checks")) return;
+    std::vector<std::string> left_out;
+    for (const Check check : study_.diagnose.checks) {
+      if (traits_of(check).asks_simulator) left_out.push_back(name_of(check));
+    }
+    if (left_out.empty()) return;
+    warn("diagnose.checks", fmt::format("diagnose.checks: a dataset can't be asked for other "
+                                        "simulations: without {}",
+                                        join(left_out)));
   }
 
   // Simulators of the user's may draw it; they are asked when they run (sources/row_check.h).

@@ -131,10 +131,11 @@ std::string why_not_first_states(const ReportData& data, const MethodConfig& met
 }
 
 // The same of calibration, which costs more than some studies spend on inference; "" of methods
-// without a network, and where the study itself has chosen its checks.
+// without a network, and where the study itself has chosen checks that are made.
 std::string why_not_calibrated(const ReportData& data, const MethodConfig& method) {
   const Study& study = data.plan.study;
-  if (study.places.has("diagnose.checks")) return "";
+  const bool is_left_out = study.diagnose.calibrates() && !study.source().simulates;
+  if (study.places.has("diagnose.checks") && !is_left_out) return "";
   const bool has_network =
       inference::traits_of(method.algorithm.kind).family == inference::AlgorithmFamily::network;
   if (!study.source().simulates && has_network) {

@@ -1,11 +1,14 @@
 #include "pipeline/sources/dataset_source.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
 
 #include "core/error.h"
+#include "pipeline/sources/lost_numbers.h"
 #include "pipeline/sources/precision.h"
 #include "pipeline/store/hash.h"
 
@@ -41,17 +44,50 @@ class DatasetRows final : public RowSimulator {
         rows_(dataset_rows(config.seed, dataset_.num_rows(), config.num_rows)) {}
 
   sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first) override {
-    const RowMatrix x = rows_from(static_cast<Index>(first.row), complete.rows());
+    const auto begin = static_cast<Index>(first.row);
+    const RowMatrix theta = parameters_.pick(complete);
+    const RowMatrix x = rows_from(begin, complete.rows());
     warning_ = precision_problem(x, dataset_.features());
-    return as_simulated(prior_, parameters_.pick(complete), x);
+    sim::Trajectories result = as_simulated(prior_, theta, x);
+    const auto failed = std::ranges::find_if(
+        result.status, [](sim::RolloutStatus s) { return s != sim::RolloutStatus::ok; });
+    if (failed != result.status.end()) {
+      const Index row = failed - result.status.begin();
+      failure_ =
+          fmt::format("row {} of the dataset, {}", rows_[static_cast<std::size_t>(begin + row)] + 1,
+                      *failed == sim::RolloutStatus::diverged ? words_of_lost_number(x, result)
+                                                              : words_of_outside(theta.row(row)));
+    }
+    return result;
   }
 
   // They cost next to nothing.
   Index block_size(Index) const override { return 4096; }
 
   std::string last_warning() const override { return warning_; }
+  std::string last_failure() const override { return failure_; }
 
  private:
+  // "nan in 'omega'", of the first row that has diverged.
+  std::string words_of_lost_number(const RowMatrix& x, const sim::Trajectories& rows) const {
+    const std::span<const double> given(x.data(), static_cast<std::size_t>(x.size()));
+    const auto lost = first_lost_number(given, rows, dataset_.features(), 0);
+    return lost ? lost->words : "diverged";
+  }
+
+  // "'mass' = 7, outside of the prior, [0, 1]".
+  std::string words_of_outside(const Eigen::RowVectorXd& theta) const {
+    const auto outside = [&](Index d) {
+      const inference::Marginal& marginal = prior_.marginals()[static_cast<std::size_t>(d)];
+      return !inference::Prior({marginal}).contains(Vector::Constant(1, theta(d)));
+    };
+    Index d = 0;
+    while (!outside(d)) ++d;
+    const inference::Marginal& marginal = prior_.marginals()[static_cast<std::size_t>(d)];
+    return fmt::format("'{}' = {}, outside of the prior, [{}, {}]", marginal.name, theta(d),
+                       marginal.lower(), marginal.upper());
+  }
+
   // Rows are all over the file, whose chunks may be compressed: as many are read at once as memory
   // is easily had for.
   RowMatrix rows_from(Index begin, Index count) {
@@ -74,7 +110,7 @@ class DatasetRows final : public RowSimulator {
   std::vector<Index> rows_;
   RowMatrix read_;
   Index read_begin_ = 0;  // the first of them
-  std::string warning_;
+  std::string warning_, failure_;
 };
 
 }  // namespace

@@ -98,6 +98,7 @@ std::optional<Target> resolve_source(Study& study) {
     const DatasetFile dataset = open_dataset(study);
     features = dataset.features();
     check_dataset_rows(study, dataset.num_rows());
+    take_units(study, dataset.parameters());
   }
   std::optional<Target> x_o;
   if (study.target.observation) {

@@ -8,8 +8,9 @@ class ExternalDataset : public External {};
 
 TEST_F(ExternalDataset, ADatasetNeedsNoSimulator) {
   const Outcome imported = import_dataset();
-  EXPECT_TRUE(says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b",
-                                  "x total, difference", "\nnext: npdr run"}));
+  EXPECT_TRUE(
+      says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b", "x total, difference",
+                          "\nnext: npdr new NAME --dataset dataset.h5; npdr run"}));
   EXPECT_NE(npdr({"validate", "dataset.toml"})
                 .out.find("1 evaluation of 1000 samples, none of them simulated"),
             std::string::npos);
@@ -35,6 +36,30 @@ TEST_F(ExternalDataset, ADatasetMayDescribeItsParametersInAnyOrder) {
   for (Index i = 0; i < theta.rows(); ++i) {
     EXPECT_EQ(status[static_cast<std::size_t>(i)], theta(i, 0) < 0.0 ? 2 : 0) << i;
   }
+}
+
+TEST_F(ExternalDataset, ADatasetsUnitsAreThoseOfTheStudy) {
+  import_dataset();
+  change_dataset("sed -i '1s/.*/a [kg],b [mm]/' theta.csv");
+  EXPECT_NE(npdr({"list", "simulators", "dataset.toml"}).out.find("kg"), std::string::npos);
+  run_well({"dataset.toml", "--until", "infer"});
+  const Outcome samples = npdr({"sample", "dataset.toml", "-n", "2"});
+  EXPECT_TRUE(samples.out.starts_with("a [kg],b [mm]\n")) << samples.out << samples.err;
+  const Outcome other = npdr({"validate", "dataset.toml", "--set",
+                              "simulator.parameter=[{name='b', unit='m'}, {name='a'}]"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("unit = 'm', must be 'mm', as in the dataset"), std::string::npos)
+      << other.err;
+}
+
+// Where it was cut on purpose, the rest is left out.
+TEST_F(ExternalDataset, RowsOutsideOfThePriorAreNamed) {
+  import_dataset();
+  const Outcome narrow = npdr({"run", "dataset.toml", "--set", "prior.a={uniform=[8.0, 9.0]}"});
+  EXPECT_EQ(narrow.status, 3) << narrow.err;
+  EXPECT_NE(narrow.err.find("of the dataset, 'a' = "), std::string::npos) << narrow.err;
+  EXPECT_NE(narrow.err.find("outside of the prior, [8, 9]"), std::string::npos) << narrow.err;
+  EXPECT_NE(narrow.err.find("raise limits.max_failed_fraction"), std::string::npos) << narrow.err;
 }
 
 TEST_F(ExternalDataset, ADatasetOfAnotherPriorIsNoticed) {
@@ -67,6 +92,7 @@ TEST_F(ExternalDataset, FailedRowsOfADatasetAreTold) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("2 of 1000 rows failed (2 diverged)"), std::string::npos)
       << outcome.err;
+  EXPECT_NE(outcome.err.find("of the dataset, nan in 'total'"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.out.find("Calibration: a dataset can't be asked"), std::string::npos)
       << outcome.out;
 }
@@ -116,6 +142,12 @@ TEST_F(ExternalDataset, ADatasetCanOnlyBeAskedWhatItHolds) {
   EXPECT_NE(text.find("Training"), std::string::npos) << text;
   EXPECT_EQ(text.find("fresh simulations"), std::string::npos) << text;
   EXPECT_EQ(text.find("SBC"), std::string::npos) << text;
+  const Outcome asked = npdr({"run", "dataset.toml", "--set", "simulator.dataset=d.h5", "--set",
+                              "diagnose={ checks = ['sbc', 'ood'] }"});
+  EXPECT_NE(asked.err.find("can't be asked for other simulations: without sbc"), std::string::npos)
+      << asked.err;
+  EXPECT_NE(asked.out.find("Calibration: a dataset can't be asked"), std::string::npos)
+      << asked.out;
 }
 
 TEST_F(ExternalDataset, SimulationsAreADataset) {

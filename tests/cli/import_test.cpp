@@ -274,7 +274,7 @@ TEST_F(ImportOfLabs, DatasetsKnowTheFormatButNoMotion) {
   EXPECT_TRUE(says(dataset({"--delimiter", ";", "--decimal-comma", "--force"}).out,
                    {"warning: x.csv: its last line has no end", "\nwrote d.h5", "\nnext"}));
   EXPECT_TRUE(says(outcome.out, {"wrote d.h5: 2 rows",
-                                 "\nnext: npdr run STUDY.toml --set "
+                                 "\nnext: npdr new NAME --dataset d.h5; npdr run STUDY.toml --set "
                                  "simulator.dataset=d.h5"}));
 }
 

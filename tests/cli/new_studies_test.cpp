@@ -35,6 +35,29 @@ TEST_F(NewStudies, FitWhatTheyAreFor) {
   EXPECT_EQ(npdr({"new", "mine", "--library", "spring.so"}).status, 2) << "it is there already";
 }
 
+TEST_F(NewStudies, TakeADataset) {
+  std::ofstream theta(folder_ / "theta.csv"), x(folder_ / "x.csv");
+  theta << "k [N/m],m\n";
+  x << "peak,mean\n";
+  for (int i = 0; i <= 100; ++i) {
+    theta << 10.0 + 0.2 * i << "," << i % 7 << "\n";
+    x << i << "," << -i << "\n";
+  }
+  theta.close();
+  x.close();
+  folder_.file("x_o.csv", "peak,mean\n50,-50\n");
+  ASSERT_EQ(npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "d.h5"}).status, 0);
+  const Outcome outcome = npdr({"new", "finished", "--dataset", "d.h5"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string text = text_of(folder_ / "finished.toml");
+  for (const char* part : {"dataset = \"d.h5\"", "k = { uniform = [10.0, 30.0] }  # [N/m]",
+                           "m = { uniform = [0.0, 6.0] }", "num_simulations = 101"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
+  }
+  EXPECT_EQ(npdr({"run", "finished.toml", "--until", "simulate"}).status, 0) << text;
+  EXPECT_EQ(npdr({"new", "both", "--dataset", "d.h5", "--recording", "d.h5"}).status, 2);
+}
+
 TEST_F(NewStudies, QuoteNamesThatNeedIt) {
   copy_example("spring");
   std::string text = text_of(folder_ / "spring.c");

@@ -28,6 +28,7 @@ TEST_F(DatasetFiles, ImportKeepsNamesAndValues) {
   EXPECT_EQ(counts.num_rows, 3);
   EXPECT_EQ(counts.num_failed, 1);
   const DatasetFile dataset(folder_ / "d.h5", {"a"});
+  EXPECT_EQ(dataset.parameters(), (std::vector<Channel>{{"a", "kg"}}));
   EXPECT_EQ(dataset.features(), (std::vector<Channel>{{"peak", "m"}}));
   const std::vector<Index> rows = {0, 2};
   EXPECT_EQ(dataset.theta(rows), (RowMatrix(2, 1) << 2, 6).finished());

@@ -28,6 +28,8 @@ class NumberTables : public ::testing::Test {
 TEST_F(NumberTables, MayHaveAHeader) {
   NumberTable with(folder_.file("a.csv", "\xEF\xBB\xBFpeak [m],\"mean\"\r\n1, 2.5\r\n\r\n"));
   EXPECT_EQ(with.columns(), (std::vector<Channel>{{"peak", "m"}, {"mean", "1"}}));
+  NumberTable of_numpy(folder_.file("n.csv", "# peak [m],mean\n1,2.5\n"));
+  EXPECT_EQ(of_numpy.columns(), with.columns());
   NumberTable without(folder_.file("b.csv", "1,+2e-3\n3,4"));
   EXPECT_FALSE(without.has_header());
   EXPECT_EQ(without.num_columns(), 2);
