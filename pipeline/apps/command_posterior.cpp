@@ -85,8 +85,13 @@ void warn_of_other_inputs(const std::string& recording, const Target& target,
              recording, difference);
 }
 
+struct Observation {
+  VectorF x;
+  std::vector<Channel> features;  ///< names; none of what is embedded
+};
+
 // x of another recording, embedded as the posterior's own observation was.
-VectorF embed_recording(const std::string& posterior, const std::string& recording) {
+Observation embed_recording(const std::string& posterior, const std::string& recording) {
   const h5::File file = open_artefact(posterior, kPosteriorSchema);
   const ArtefactInfo info = read_artefact_info(posterior);
   const auto embedding = from_json<inference::EmbeddingConfig>(
@@ -96,16 +101,18 @@ VectorF embed_recording(const std::string& posterior, const std::string& recordi
   const Channels channels = observed_channels(posterior);
   if (!traits_of(table.external.kind()).gives_motion) {
     const Target target = read_observation(recording, channels.states);
-    return inference::observed_features(*inference::make_embedding(embedding, target, 1), target,
-                                        1);
+    return {
+        inference::observed_features(*inference::make_embedding(embedding, target, 1), target, 1),
+        channels.states};
   }
   const sim::SimulatorConfig& simulator = table.built_in;
   const Target target = read_recording(recording, channels);
   require_like_observation(recording, target, posterior);
   warn_of_other_inputs(recording, target, posterior, info, simulator.segment_length);
-  return inference::observed_features(
-      *inference::make_embedding(embedding, target, simulator.store_every), target,
-      simulator.store_every);
+  return {inference::observed_features(
+              *inference::make_embedding(embedding, target, simulator.store_every), target,
+              simulator.store_every),
+          {}};
 }
 
 // A network of later rounds has learned around its own x_o.
@@ -121,9 +128,9 @@ void warn_of_later_round(const std::string& posterior) {
 
 // Nor has it learned anything of what is far from all simulations, which aren't at hand here:
 // numbers that are far together only are found by the check of a study.
-void warn_of_far_features(const std::string& recording, const VectorF& x,
-                          const std::vector<Channel>& names,
+void warn_of_far_features(const std::string& recording, const Observation& observation,
                           const inference::FeatureTransform& transform) {
+  const auto& [x, names] = observation;
   constexpr float far = 10.0f;
   Index feature = 0;
   RowMatrixF z;
@@ -132,12 +139,13 @@ void warn_of_far_features(const std::string& recording, const VectorF& x,
   if (!(largest > far)) {
     fmt::print(
         stderr,
-        "note: each feature of {} lies where those of simulations do; whether all of them do "
-        "together is checked in a study that has it as its target\n",
-        recording);
+        "note: no feature of {} that varies lies more than {} deviations from the mean of the "
+        "simulations; whether all together do what they do there is checked in a study that "
+        "has it as its target\n",
+        recording, far);
     return;
   }
-  const bool is_named = std::ssize(names) == x.size() && feature < x.size();
+  const bool is_named = feature < std::ssize(names);
   fmt::print(
       stderr,
       "warning: feature {} of {} lies {:.3g} deviations from the mean of the simulations that "
@@ -167,11 +175,10 @@ void print_sampler(const inference::Samples& samples) {
 std::unique_ptr<inference::Posterior> read(const PosteriorArguments& arguments) {
   if (arguments.recording.empty()) return read_posterior({arguments.posterior});
   const auto posterior = read_network_posterior({arguments.posterior});
-  const VectorF x = embed_recording(arguments.posterior, arguments.recording);
-  auto other = posterior->given(x);
+  const Observation observation = embed_recording(arguments.posterior, arguments.recording);
+  auto other = posterior->given(observation.x);
   warn_of_later_round(arguments.posterior);
-  warn_of_far_features(arguments.recording, x, observed_channels(arguments.posterior).states,
-                       posterior->parts().transform);
+  warn_of_far_features(arguments.recording, observation, posterior->parts().transform);
   return other;
 }
 

@@ -70,6 +70,12 @@ constexpr const char* kRefined =
     "# [[method]]\n# name = \"refined\"\n# algorithm = \"refine\"\n"
     "# refine = { start = \"NPE\", cross_validate = true }\n";
 
+// A study whose reader refuses it helps nobody.
+void require(const std::string& name, const std::string& value,
+             const Constraint<std::string>& allowed) {
+  if (!satisfies(value, allowed)) throw InputError(must_be(name, quoted(value), allowed.words));
+}
+
 // Sections of the text, one after the other.
 class Writer {
  public:
@@ -117,6 +123,11 @@ class Writer {
 
   // Parameters between the least and the largest value of all rows.
   static std::vector<sim::Parameter> ranges_of(const DatasetFile& dataset) {
+    constexpr std::size_t most = 1000;
+    if (dataset.parameters().size() > most) {
+      throw InputError(fmt::format("the dataset has {} parameters, must have <= {}",
+                                   dataset.parameters().size(), most));
+    }
     std::vector<sim::Parameter> ranges;
     for (const auto& [label, unit] : dataset.parameters()) {
       ranges.push_back(
@@ -247,8 +258,11 @@ class Writer {
   void add_prior_of_dataset() {
     text_ += "# EDIT: what theta was drawn from; here the range of its values.\n[prior]\n";
     for (const sim::Parameter& p : info_.parameters) {
-      text_ += fmt::format("{} = {{ uniform = [{}, {}] }}  # [{}]\n", toml_key(p.name),
-                           exact(p.lower), exact(p.upper), toml_comment(p.unit));
+      require("a parameter of the dataset", p.name, column_name());
+      const bool is_constant = !(p.lower < p.upper);
+      text_ += fmt::format("{}{} = {{ uniform = [{}, {}] }}  # [{}]{}\n", is_constant ? "# " : "",
+                           toml_key(p.name), exact(p.lower), exact(p.upper), toml_comment(p.unit),
+                           is_constant ? " the same in all rows" : "");
     }
     text_ += "\n";
   }
@@ -302,12 +316,6 @@ class Writer {
   sim::SimulatorInfo info_;
   std::string text_;
 };
-
-// A study whose reader refuses it helps nobody.
-void require(const std::string& name, const std::string& value,
-             const Constraint<std::string>& allowed) {
-  if (!satisfies(value, allowed)) throw InputError(must_be(name, quoted(value), allowed.words));
-}
 
 }  // namespace
 

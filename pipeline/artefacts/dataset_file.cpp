@@ -19,31 +19,38 @@ namespace {
 
 constexpr Index kBlock = 4096;  // rows that are read or written at once
 
-// The names of a dataset's columns; none: it has no attribute of that name.
-std::vector<std::string> labels_of(const h5::Dataset& dataset) {
-  dataset.require_shape({-1, -1});
-  return column_labels(dataset, dataset.row_size());
-}
-
-std::vector<Index> theta_columns(const h5::Dataset& theta, const std::vector<std::string>& wanted) {
-  const std::vector<std::string> labels = labels_of(theta);
-  if (labels.empty()) {
+// With the names that theta must have.
+std::vector<Channel> all_parameters(const h5::Dataset& theta) {
+  theta.require_shape({-1, -1});
+  std::vector<Channel> named = column_channels(theta, theta.row_size());
+  if (named.empty()) {
     throw InputError(theta.where() +
                      " has no attribute 'labels', must have one text per column: the names of the "
                      "parameters");
   }
+  for (Channel& parameter : named) {
+    if (parameter.unit.empty()) parameter.unit = "1";
+  }
+  return named;
+}
+
+// Those that are wanted, in this order; all where none is.
+std::vector<Index> theta_columns(const h5::Dataset& theta, const std::vector<Channel>& present,
+                                 const std::vector<std::string>& wanted) {
   std::vector<Index> columns;
   if (wanted.empty()) {
-    columns.resize(labels.size());
+    columns.resize(present.size());
     std::iota(columns.begin(), columns.end(), Index{0});
   }
   for (const std::string& name : wanted) {
-    const auto column = std::ranges::find(labels, name);
-    if (column == labels.end()) {
+    const auto column = std::ranges::find(present, name, &Channel::label);
+    if (column == present.end()) {
+      std::vector<std::string> labels;
+      for (const Channel& parameter : present) labels.push_back(parameter.label);
       throw InputError(theta.where() + ": " +
                        missing_name("parameter", name, few_shortened(labels)));
     }
-    columns.push_back(column - labels.begin());
+    columns.push_back(column - present.begin());
   }
   return columns;
 }
@@ -66,7 +73,7 @@ void check(const h5::File& file) {
   std::vector<double> row(static_cast<std::size_t>(std::max(theta.row_size(), x.row_size())));
   theta.read_rows<double>(0, 1, std::span(row).first(static_cast<std::size_t>(theta.row_size())));
   x.read_rows<double>(0, 1, std::span(row).first(static_cast<std::size_t>(x.row_size())));
-  labels_of(theta);
+  all_parameters(theta);
   all_features(x);
 }
 
@@ -167,11 +174,11 @@ DatasetFile::DatasetFile(const std::filesystem::path& path,
     : file_(open_checked(path)),
       theta_(file_.dataset("theta")),
       x_(file_.dataset("x")),
-      features_(all_features(x_)),
-      theta_columns_(theta_columns(theta_, parameters)) {
-  const std::vector<Channel> columns = column_channels(theta_, theta_.row_size());
+      features_(all_features(x_)) {
+  const std::vector<Channel> present = all_parameters(theta_);
+  theta_columns_ = theta_columns(theta_, present, parameters);
   for (const Index column : theta_columns_) {
-    parameters_.push_back(columns[static_cast<std::size_t>(column)]);
+    parameters_.push_back(present[static_cast<std::size_t>(column)]);
   }
   x_columns_.resize(features_.size());
   std::iota(x_columns_.begin(), x_columns_.end(), Index{0});

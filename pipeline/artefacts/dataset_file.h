@@ -1,6 +1,6 @@
 /// Finished simulations that inference can be made from without a simulator.
 ///
-///   theta  (N, D) floats, attribute `labels`: the names of its columns
+///   theta  (N, D) floats, attribute `labels`: the names of its columns, and perhaps `units`
 ///   x      (N, F) floats, attribute `labels` where its features have names; NaN in failed rows
 /// A simulation artefact with an x is such a file, too.
 #pragma once

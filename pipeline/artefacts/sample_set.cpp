@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "pipeline/artefacts/outside_file.h"
+#include "pipeline/process/shell_text.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/h5.h"
 #include "pipeline/store/number_table.h"
@@ -98,13 +99,13 @@ std::vector<Index> spread_positions(Index count, Index num_rows, const StreamId&
 SampleSet read_sample_set(const std::filesystem::path& path, const std::string& dataset,
                           Index most_rows, const StreamId& id) {
   const Wanted wanted{most_rows, id};
-  if (path.extension() == ".toml") {
+  if (!is_hdf5(path)) {
+    if (path.extension() != ".toml") return read_csv(path, wanted);
     throw InputError(
         fmt::format("{}: is a study, must be samples, CSV or HDF5; draw some of its "
                     "posterior: npdr sample {} -n 10000 > samples.csv",
-                    path.string(), path.string()));
+                    path.string(), shell_word(path.string())));
   }
-  if (!is_hdf5(path)) return read_csv(path, wanted);
   return read_from_outside(path,
                            [&](const h5::File& file) { return read_hdf5(file, dataset, wanted); });
 }

@@ -379,6 +379,8 @@ void check_dataset_rows(const Study& study, Index num_rows) {
 }
 
 void take_units(Study& study, const std::vector<Channel>& parameters) {
+  const auto has_unit = [](const Channel& parameter) { return parameter.unit != "1"; };
+  if (std::ranges::none_of(parameters, has_unit)) return;
   Reading reading(study.places);
   std::vector<DescribedParameter>& described = study.external.parameters;
   const bool are_described = !described.empty();
@@ -386,9 +388,14 @@ void take_units(Study& study, const std::vector<Channel>& parameters) {
     const auto& [name, unit] = parameters[d];
     if (!are_described) described.push_back({.name = name});
     const auto known = std::ranges::find(described, name, &DescribedParameter::name);
-    if (unit == "1" || known == described.end()) continue;
+    if (!has_unit(parameters[d]) || known == described.end()) continue;
     const std::string path = fmt::format("simulator.parameter[{}].unit", known - described.begin());
     const std::string stated = known->unit;
+    if (const auto allowed = label(); !satisfies(unit, allowed)) {
+      Checker(reading).fail("simulator.dataset", fmt::format("with '{}' in {}", name, quoted(unit)),
+                            "with units that are " + allowed.words);
+      continue;
+    }
     if (study.places.has(path) && stated != unit) {
       Checker(reading).fail(path, quoted(stated), quoted(unit) + ", as in the dataset");
     }

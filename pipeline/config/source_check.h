@@ -21,8 +21,9 @@ void check_source_settings(const Study& study, Reading& reading);
 /// counted.
 void check_dataset_rows(const Study& study, Index num_rows);
 
-/// Gives the parameters of the prior the units that a dataset has for them, in the prior's order.
-/// Throws InputError where the study says another one.
+/// Gives the parameters of the prior the units that a dataset has for them, in the prior's order;
+/// describes them where the study doesn't. Throws InputError where it says another unit, or the
+/// dataset one that a study can't have.
 void take_units(Study& study, const std::vector<Channel>& parameters);
 
 }  // namespace npdr::pipeline

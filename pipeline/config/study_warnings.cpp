@@ -87,13 +87,13 @@ class StudyWarnings {
 
   // Of motion the scale is a share of what was recorded; features' noise may be anything.
   void warn_of_loud_noise() {
-    const double scale = study_.observation_noise.scale;
-    if (!study_.source().gives_motion || scale < 1.0) return;
+    const ObservationNoise& noise = study_.observation_noise;
+    if (!study_.source().gives_motion || noise.scale < 1.0 || noise.std) return;
     warn("observation_noise.scale",
-         fmt::format("observation_noise.scale = {}: noise as large as the recorded motion leaves "
-                     "nothing to infer from; it is a share of each channel's largest magnitude, "
+         fmt::format("observation_noise.scale = {}: noise as large as the motion leaves "
+                     "little to infer from; it is a share of each channel's largest magnitude, "
                      "such as 0.02; std gives a channel's noise in its own unit",
-                     scale));
+                     noise.scale));
   }
 
   void warn_of_recorded_states() {

@@ -49,14 +49,14 @@ class DatasetRows final : public RowSimulator {
     const RowMatrix x = rows_from(begin, complete.rows());
     warning_ = precision_problem(x, dataset_.features());
     sim::Trajectories result = as_simulated(prior_, theta, x);
-    const auto failed = std::ranges::find_if(
-        result.status, [](sim::RolloutStatus s) { return s != sim::RolloutStatus::ok; });
-    if (failed != result.status.end()) {
-      const Index row = failed - result.status.begin();
+    const auto last = std::find_if(result.status.rbegin(), result.status.rend(),
+                                   [](auto status) { return status != sim::RolloutStatus::ok; });
+    if (last != result.status.rend()) {
+      const Index i = result.status.rend() - last - 1;
       failure_ =
-          fmt::format("row {} of the dataset, {}", rows_[static_cast<std::size_t>(begin + row)] + 1,
-                      *failed == sim::RolloutStatus::diverged ? words_of_lost_number(x, result)
-                                                              : words_of_outside(theta.row(row)));
+          fmt::format("row {} of the dataset, {}", rows_[static_cast<std::size_t>(begin + i)] + 1,
+                      *last == sim::RolloutStatus::diverged ? words_of_lost_number(x.row(i))
+                                                            : words_of_outside(theta.row(i)));
     }
     return result;
   }
@@ -68,11 +68,13 @@ class DatasetRows final : public RowSimulator {
   std::string last_failure() const override { return failure_; }
 
  private:
-  // "nan in 'omega'", of the first row that has diverged.
-  std::string words_of_lost_number(const RowMatrix& x, const sim::Trajectories& rows) const {
+  // "nan in 'omega'", of a row that has diverged.
+  std::string words_of_lost_number(const Eigen::RowVectorXd& x) const {
+    sim::Trajectories row;
+    row.resize(1, 1, 1, x.size());
+    row.status.front() = sim::RolloutStatus::diverged;
     const std::span<const double> given(x.data(), static_cast<std::size_t>(x.size()));
-    const auto lost = first_lost_number(given, rows, dataset_.features(), 0);
-    return lost ? lost->words : "diverged";
+    return first_lost_number(given, row, dataset_.features(), 0).value().words;
   }
 
   // "'mass' = 7, outside of the prior, [0, 1]".
@@ -82,7 +84,7 @@ class DatasetRows final : public RowSimulator {
       return !inference::Prior({marginal}).contains(Vector::Constant(1, theta(d)));
     };
     Index d = 0;
-    while (!outside(d)) ++d;
+    while (d + 1 < prior_.dimension() && !outside(d)) ++d;
     const inference::Marginal& marginal = prior_.marginals()[static_cast<std::size_t>(d)];
     return fmt::format("'{}' = {}, outside of the prior, [{}, {}]", marginal.name, theta(d),
                        marginal.lower(), marginal.upper());

@@ -157,7 +157,7 @@ void NumberTable::read_header(Header header) {
   std::unordered_set<std::string> labels;
   std::ranges::transform(fields_, fields_.begin(), without_invisible);
   std::ranges::transform(fields_, fields_.begin(), printable);  // tabs say how they are separated
-  if (fields_.front().starts_with('#')) fields_.front() = trimmed(fields_.front().substr(1));
+  if (fields_.front().starts_with("# ")) fields_.front() = trimmed(fields_.front().substr(2));
   for (const std::string& field : fields_) {
     const bool has_units = header == Header::with_units;
     const Channel column = has_units ? parse_channel(field) : parse_feature(field);

@@ -23,9 +23,9 @@ enum class Header {
 
 /// Numbers, separated by commas unless a format says otherwise, a line a row; all rows are as long
 /// as the first line. Accepts what spreadsheets write: a byte order mark, CRLF, fields in double
-/// quotes, spaces around fields and empty lines at the end; and the `#` before a header of numpy's.
-/// What isn't printable in the header (core/printable.h) is replaced, and blanks there that nobody
-/// sees are plain or gone. All messages begin with file and line.
+/// quotes, spaces around fields and empty lines at the end; and the `# ` before a header of
+/// numpy's. What isn't printable in the header (core/printable.h) is replaced, and blanks there
+/// that nobody sees are plain or gone. All messages begin with file and line.
 class NumberTable {
  public:
   /// `format`: as chosen on a command line, whose options messages then name when a file looks like

@@ -37,10 +37,10 @@ TEST_F(NewStudies, FitWhatTheyAreFor) {
 
 TEST_F(NewStudies, TakeADataset) {
   std::ofstream theta(folder_ / "theta.csv"), x(folder_ / "x.csv");
-  theta << "k [N/m],m\n";
+  theta << "k [N/m],m,g\n";
   x << "peak,mean\n";
   for (int i = 0; i <= 100; ++i) {
-    theta << 10.0 + 0.2 * i << "," << i % 7 << "\n";
+    theta << 10.0 + 0.2 * i << "," << (i == 100 ? "6.123456789" : "2") << ",7\n";
     x << i << "," << -i << "\n";
   }
   theta.close();
@@ -51,11 +51,16 @@ TEST_F(NewStudies, TakeADataset) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string text = text_of(folder_ / "finished.toml");
   for (const char* part : {"dataset = \"d.h5\"", "k = { uniform = [10.0, 30.0] }  # [N/m]",
-                           "m = { uniform = [0.0, 6.0] }", "num_simulations = 101"}) {
+                           "m = { uniform = [2.0, 6.123456789] }", "# g = { uniform = [7.0, 7.0] }",
+                           "num_simulations = 101"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
   }
-  EXPECT_EQ(npdr({"run", "finished.toml", "--until", "simulate"}).status, 0) << text;
-  EXPECT_EQ(npdr({"new", "both", "--dataset", "d.h5", "--recording", "d.h5"}).status, 2);
+  const Outcome simulated = npdr({"run", "finished.toml", "--until", "simulate"});
+  EXPECT_EQ(simulated.status, 0) << simulated.err << text;
+  EXPECT_EQ(simulated.err.find("failed"), std::string::npos) << simulated.err;
+  EXPECT_NE(npdr({"new", "both", "--dataset", "d.h5", "--recording", "d.h5"})
+                .err.find("--dataset can't go with --recording"),
+            std::string::npos);
 }
 
 TEST_F(NewStudies, QuoteNamesThatNeedIt) {

@@ -45,12 +45,6 @@ TEST_F(SampleSets, OfHdf5AndCsvAreReadAlike) {
 }
 
 // Files hold seeds one after the other, and chains in turn.
-TEST_F(SampleSets, AStudyIsNone) {
-  const std::string message = message_of<InputError>(
-      [&] { read_sample_set(folder_.file("s.toml", "[study]\n"), "theta", 3); }, &folder_);
-  EXPECT_TRUE(says(message, {"s.toml: is a study, must be samples", "npdr sample"}));
-}
-
 TEST_F(SampleSets, OfALongFileAllPartsHaveTheirShare) {
   const SampleSet set = read_sample_set(write("a.h5", {}, {}, 1000), "theta", 100);
   std::array<int, 10> in_turn = {};
@@ -64,6 +58,12 @@ TEST_F(SampleSets, OfALongFileAllPartsHaveTheirShare) {
   std::string text;
   for (int i = 0; i < 1000; ++i) text += fmt::format("{},{}\n", i, 10 * i);
   EXPECT_EQ(read_sample_set(folder_.file("a.csv", text), "", 100).rows, set.rows);
+}
+
+TEST_F(SampleSets, AStudyIsNone) {
+  const std::string message = message_of<InputError>(
+      [&] { read_sample_set(folder_.file("s.toml", "[study]\n"), "theta", 3); }, &folder_);
+  EXPECT_TRUE(says(message, {"s.toml: is a study, must be samples", "npdr sample"}));
 }
 
 TEST_F(SampleSets, WithoutNamesTheOrderCounts) {

@@ -48,7 +48,7 @@ TEST(StudyWarnings, NoiseIsSmallerThanMotion) {
   const auto found = warnings_after({"observation_noise.scale=1.5"});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(says(found[0], {"--set observation_noise.scale=1.5: warning: ",
-                              "leaves nothing to infer from", "such as 0.02"}));
+                              "leaves little to infer from", "such as 0.02"}));
   EXPECT_EQ(warnings_after({"observation_noise.scale=0.5"}).size(), 0u);
 }
 

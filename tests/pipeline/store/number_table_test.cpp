@@ -30,6 +30,8 @@ TEST_F(NumberTables, MayHaveAHeader) {
   EXPECT_EQ(with.columns(), (std::vector<Channel>{{"peak", "m"}, {"mean", "1"}}));
   NumberTable of_numpy(folder_.file("n.csv", "# peak [m],mean\n1,2.5\n"));
   EXPECT_EQ(of_numpy.columns(), with.columns());
+  NumberTable of_hash(folder_.file("h.csv", "#,#hits\n1,2.5\n"));
+  EXPECT_EQ(of_hash.columns().front().label, "#");
   NumberTable without(folder_.file("b.csv", "1,+2e-3\n3,4"));
   EXPECT_FALSE(without.has_header());
   EXPECT_EQ(without.num_columns(), 2);
