@@ -15,6 +15,7 @@
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/config/prior_check.h"
 #include "pipeline/config/simulator_info.h"
 
 namespace npdr::pipeline {
@@ -123,10 +124,9 @@ class Writer {
 
   // Parameters between the least and the largest value of all rows.
   static std::vector<sim::Parameter> ranges_of(const DatasetFile& dataset) {
-    constexpr std::size_t most = 1000;
-    if (dataset.parameters().size() > most) {
+    if (dataset.parameters().size() > kMostParameters) {
       throw InputError(fmt::format("the dataset has {} parameters, must have <= {}",
-                                   dataset.parameters().size(), most));
+                                   dataset.parameters().size(), kMostParameters));
     }
     std::vector<sim::Parameter> ranges;
     for (const auto& [label, unit] : dataset.parameters()) {

@@ -384,6 +384,7 @@ void take_units(Study& study, const std::vector<Channel>& parameters) {
   Reading reading(study.places);
   std::vector<DescribedParameter>& described = study.external.parameters;
   const bool are_described = !described.empty();
+  const Constraint<std::string> allowed = label();
   for (std::size_t d = 0; d < parameters.size(); ++d) {
     const auto& [name, unit] = parameters[d];
     if (!are_described) described.push_back({.name = name});
@@ -391,7 +392,7 @@ void take_units(Study& study, const std::vector<Channel>& parameters) {
     if (!has_unit(parameters[d]) || known == described.end()) continue;
     const std::string path = fmt::format("simulator.parameter[{}].unit", known - described.begin());
     const std::string stated = known->unit;
-    if (const auto allowed = label(); !satisfies(unit, allowed)) {
+    if (!satisfies(unit, allowed)) {
       Checker(reading).fail("simulator.dataset", fmt::format("with '{}' in {}", name, quoted(unit)),
                             "with units that are " + allowed.words);
       continue;

@@ -1,11 +1,14 @@
 #include "pipeline/config/study_fields.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <regex>
 #include <set>
 
 #include "core/text.h"
+#include "pipeline/config/prior_check.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -132,8 +135,8 @@ Constraint<std::vector<double>> ascending() {
 }
 
 Constraint<std::vector<inference::Marginal>> prior_constraint() {
-  return {"of 1 to 1000 parameters",
-          [](const auto& prior) { return !prior.empty() && prior.size() <= 1000; }};
+  return {fmt::format("of 1 to {} parameters", kMostParameters),
+          [](const auto& prior) { return !prior.empty() && prior.size() <= kMostParameters; }};
 }
 
 Constraint<std::string> memory_constraint() {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include "core/text.h"
@@ -107,16 +108,20 @@ class StudyWarnings {
          "inference and scores are not concerned");
   }
 
+  // Those that no method can be put to.
   void warn_of_checks_left_out() {
-    if (study_.source().simulates || !study_.places.has("diagnose.checks")) return;
-    std::vector<std::string> left_out;
+    if (!study_.places.has("diagnose.checks")) return;
+    std::map<std::string, std::vector<std::string>> left_out;  // by the reason of the first method
     for (const Check check : study_.diagnose.checks) {
-      if (traits_of(check).asks_simulator) left_out.push_back(name_of(check));
+      const bool is_left_out = std::ranges::none_of(study_.methods, [&](const auto& method) {
+        return study_.why_unchecked(check, method).empty();
+      });
+      if (!is_left_out) continue;
+      left_out[study_.why_unchecked(check, study_.methods.front())].push_back(name_of(check));
     }
-    if (left_out.empty()) return;
-    warn("diagnose.checks", fmt::format("diagnose.checks: a dataset can't be asked for other "
-                                        "simulations: without {}",
-                                        join(left_out)));
+    for (const auto& [reason, checks] : left_out) {
+      warn("diagnose.checks", fmt::format("diagnose.checks: without {}: {}", join(checks), reason));
+    }
   }
 
   // Simulators of the user's may draw it; they are asked when they run (sources/row_check.h).

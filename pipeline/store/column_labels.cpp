@@ -20,15 +20,7 @@ std::vector<std::string> printable_texts(const h5::Dataset& dataset, const char*
   return texts;
 }
 
-}  // namespace
-
-std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_columns) {
-  if (!dataset.has_attribute("labels")) return {};
-  const std::vector<std::string> labels = printable_texts(dataset, "labels");
-  if (static_cast<Index>(labels.size()) != num_columns) {
-    throw InputError(fmt::format("{} has {} columns, but {} labels", dataset.where(), num_columns,
-                                 labels.size()));
-  }
+void require_distinct(const h5::Dataset& dataset, const std::vector<std::string>& labels) {
   std::unordered_set<std::string> known;  // of a million, too
   for (const std::string& label : labels) {
     if (label.empty()) {
@@ -39,6 +31,18 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
           fmt::format("{}: two columns have the label '{}'", dataset.where(), shortened(label)));
     }
   }
+}
+
+}  // namespace
+
+std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_columns) {
+  if (!dataset.has_attribute("labels")) return {};
+  const std::vector<std::string> labels = printable_texts(dataset, "labels");
+  if (static_cast<Index>(labels.size()) != num_columns) {
+    throw InputError(fmt::format("{} has {} columns, but {} labels", dataset.where(), num_columns,
+                                 labels.size()));
+  }
+  require_distinct(dataset, labels);
   return labels;
 }
 
@@ -54,6 +58,9 @@ std::vector<std::string> column_units(const h5::Dataset& dataset, std::size_t nu
 
 std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns) {
   std::vector<Channel> channels = parse_features(column_labels(dataset, num_columns));
+  std::vector<std::string> labels;  // without their units
+  for (const Channel& channel : channels) labels.push_back(channel.label);
+  require_distinct(dataset, labels);
   const std::vector<std::string> units = column_units(dataset, channels.size());
   for (std::size_t c = 0; c < units.size(); ++c) channels[c].unit = units[c];
   return channels;

@@ -18,7 +18,7 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
 std::vector<std::string> column_units(const h5::Dataset& dataset, std::size_t num_labels);
 
 /// Labels with units, of `label [unit]` or the attribute `units`; "1" where there is none. Throws
-/// InputError as the two do.
+/// InputError as the two do, also for labels that differ in their units alone.
 std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns);
 
 /// Sets both attributes. Throws Error when that fails.

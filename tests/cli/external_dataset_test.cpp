@@ -52,6 +52,15 @@ TEST_F(ExternalDataset, ADatasetsUnitsAreThoseOfTheStudy) {
       << other.err;
 }
 
+TEST_F(ExternalDataset, UnitsThatAStudyCantHaveAreRefused) {
+  import_dataset();
+  change_dataset("sed -i \"1s/.*/a [$(printf 'k%.0s' $(seq 200))],b/\" theta.csv");
+  const Outcome outcome = npdr({"validate", "dataset.toml"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("with 'a' in 'kkk"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("must be with units that are"), std::string::npos) << outcome.err;
+}
+
 // Where it was cut on purpose, the rest is left out.
 TEST_F(ExternalDataset, RowsOutsideOfThePriorAreNamed) {
   import_dataset();
@@ -146,7 +155,8 @@ TEST_F(ExternalDataset, ADatasetCanOnlyBeAskedWhatItHolds) {
   EXPECT_EQ(text.find("SBC"), std::string::npos) << text;
   const Outcome asked = npdr({"run", "dataset.toml", "--set", "simulator.dataset=d.h5", "--set",
                               "diagnose={ checks = ['sbc', 'ood'] }"});
-  EXPECT_NE(asked.err.find("can't be asked for other simulations: without sbc"), std::string::npos)
+  EXPECT_NE(asked.err.find("without sbc: a dataset can't be asked for other simulations"),
+            std::string::npos)
       << asked.err;
   EXPECT_NE(asked.out.find("Calibration: a dataset can't be asked"), std::string::npos)
       << asked.out;

@@ -95,6 +95,18 @@ TEST_F(DatasetFiles, HostileOnesAreRejected) {
   EXPECT_THROW(DatasetFile(folder_ / "d.h5", {"a"}), InputError);
 }
 
+TEST_F(DatasetFiles, UnitsMayStandInLabels) {
+  h5::File file = h5::File::create(folder_ / "h5py.h5");
+  file.write("theta", RowMatrix(RowMatrix::Ones(3, 2)))
+      .set_attribute("labels", std::vector<std::string>{"a [kg]", "b"});
+  file.write("x", RowMatrix(RowMatrix::Ones(3, 1)));
+  file.close();
+  EXPECT_EQ(DatasetFile(folder_ / "h5py.h5", {"b", "a"}).parameters(),
+            (std::vector<Channel>{{"b", "1"}, {"a", "kg"}}));
+  EXPECT_EQ(DatasetFile(folder_ / "h5py.h5", {}).parameters(),
+            (std::vector<Channel>{{"a", "kg"}, {"b", "1"}}));
+}
+
 TEST_F(DatasetFiles, LabelsMustBeDistinct) {
   const auto problem = [&](const std::vector<std::string>& labels) {
     h5::File file = h5::File::create(folder_ / "twice.h5");
@@ -105,6 +117,7 @@ TEST_F(DatasetFiles, LabelsMustBeDistinct) {
     return message_of<InputError>([&] { DatasetFile(folder_ / "twice.h5", {"a"}); }, &folder_);
   };
   EXPECT_EQ(problem({"p", "p"}), "twice.h5: dataset 'x': two columns have the label 'p'");
+  EXPECT_EQ(problem({"p [m]", "p [mm]"}), "twice.h5: dataset 'x': two columns have the label 'p'");
   EXPECT_EQ(problem({"p", ""}), "twice.h5: dataset 'x': label 2 is empty");
 }
 

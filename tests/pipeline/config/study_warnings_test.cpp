@@ -44,6 +44,16 @@ TEST(StudyWarnings, SegmentsOfAStepLeaveNothingToCompare) {
   EXPECT_EQ(warnings_after({"simulator.segment_length=2"}).size(), 0u);
 }
 
+TEST(StudyWarnings, ChecksThatNoMethodCanBePutTo) {
+  const std::string checks = "diagnose.checks=['sbc', 'ood']";
+  EXPECT_EQ(warnings_after({checks}).size(), 0u);
+  const auto found =
+      warnings_after({checks, "method=[{ name = 'A', algorithm = 'abc_rejection' }]"});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(says(found[0], {"--set diagnose.checks=['sbc', 'ood']: warning",
+                              "without sbc: there is no network"}));
+}
+
 TEST(StudyWarnings, NoiseIsSmallerThanMotion) {
   const auto found = warnings_after({"observation_noise.scale=1.5"});
   ASSERT_EQ(found.size(), 1u);
