@@ -13,7 +13,7 @@
 /// - to the nearest simulation of the first half, in z: a hole or a bend of the distribution.
 #pragma once
 
-#include "core/types.h"
+#include "inference/feature_transform.h"
 
 namespace npdr::inference {
 
@@ -37,9 +37,21 @@ struct OutOfDistribution {
 /// Fewer simulations than this say nothing.
 inline constexpr Index kFewestSimulations = 40;
 
-/// Tests x_o (F) among simulations x (n, F), which are independent draws in any order. At most
-/// one component for each 40 rows. Throws ShapeError when the widths differ and InputError for
-/// fewer than kFewestSimulations rows, or what isn't finite.
-OutOfDistribution test_out_of_distribution(const RowMatrixF& x, const VectorF& x_o);
+/// What x usually is among simulations: all that the test needs of them.
+struct UsualFeatures {
+  FeatureTransform transform;  ///< of z: its basis is (F, k)
+  RowMatrixF known;            ///< (m, k), z of the first half
+  RowMatrix distances;         ///< (n, 3) of the second: Mahalanobis', residual, nearest
+  VectorF lowest;              ///< (F), of both
+  VectorF highest;
+};
+
+/// That of simulations x (n, F), which are independent draws in any order. At most one component
+/// for each 40 rows. Throws InputError for fewer than kFewestSimulations rows, or what isn't
+/// finite.
+UsualFeatures usual_features(const RowMatrixF& x);
+
+/// Tests x_o (F). Throws ShapeError when the widths differ and InputError for what isn't finite.
+OutOfDistribution test_out_of_distribution(const UsualFeatures& usual, const VectorF& x_o);
 
 }  // namespace npdr::inference

@@ -52,7 +52,7 @@ PredictiveCheck check_prediction(const RowMatrix& summaries, const Vector& obser
   }
   const Index n = summaries.rows();
   PredictiveCheck result;
-  result.overall = test_out_of_distribution(features, observed_features);
+  result.overall = test_out_of_distribution(usual_features(features), observed_features);
   result.summary_p_value.resize(count);
   Vector farthest = Vector::Zero(n + 1);  // of the predictions, and of the observation
   for (Index s = 0; s < count; ++s) {

@@ -11,6 +11,8 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "inference/diagnostics/out_of_distribution.h"
+#include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/two_samples.h"
 #include "inference/embeddings/embedding.h"
 #include "inference/estimators/gaussian_mixture.h"
@@ -22,6 +24,7 @@
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/sample_set.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/usual_features_file.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/completeness.h"
@@ -126,34 +129,39 @@ void warn_of_later_round(const std::string& posterior) {
              posterior, round->get<Index>());
 }
 
-// Nor has it learned anything of what is far from all simulations, which aren't at hand here:
-// numbers that are far together only are found by the check of a study.
-void warn_of_far_features(const std::string& recording, const Observation& observation,
-                          const inference::FeatureTransform& transform) {
+// The feature that is farthest from the mean of the simulations, and by how much.
+std::string farthest_feature(const Observation& observation,
+                             const inference::FeatureTransform& transform) {
   const auto& [x, names] = observation;
-  constexpr float far = 10.0f;
   Index feature = 0;
   RowMatrixF z;
   transform.standardize(x.transpose(), z);
   const float largest = z.row(0).head(transform.num_inputs()).cwiseAbs().maxCoeff(&feature);
-  if (!(largest > far)) {
-    fmt::print(
-        stderr,
-        "note: no feature of {} that varies lies more than {} deviations from the mean of the "
-        "simulations; whether all together do what they do there is checked in a study that "
-        "has it as its target\n",
-        recording, far);
+  const bool is_named = feature < std::ssize(names);
+  return fmt::format("{}, {:.3g} deviations from the mean",
+                     is_named ? "'" + names[static_cast<std::size_t>(feature)].label + "'"
+                              : fmt::format("feature {}", feature + 1),
+                     largest);
+}
+
+// Nor has it learned anything of what looks like no simulation.
+void warn_of_unlike_simulations(const PosteriorArguments& arguments,
+                                const Observation& observation) {
+  const auto usual = read_usual_features({arguments.posterior});
+  constexpr double level = 1e-3;  // false alarms
+  const Index known = usual ? usual->distances.rows() : 0;
+  if (3.0 * inference::smallest_tail_probability(std::max<Index>(known, 1)) >= level) {
+    fmt::print(stderr, "note: the simulations of {} were too few to tell whether {} is like them\n",
+               arguments.posterior, arguments.recording);
     return;
   }
-  const bool is_named = feature < std::ssize(names);
-  fmt::print(
-      stderr,
-      "warning: feature {} of {} lies {:.3g} deviations from the mean of the simulations that "
-      "the posterior was learned from; what it says there is a guess: check the units, or "
-      "widen the prior\n",
-      is_named ? "'" + names[static_cast<std::size_t>(feature)].label + "'"
-               : std::to_string(feature + 1),
-      recording, largest);
+  const double p = inference::test_out_of_distribution(*usual, observation.x).p_value;
+  if (p >= level) return;
+  fmt::print(stderr,
+             "warning: {} is unlike all simulations that the posterior was learned from (p = "
+             "{:.2g}; the farthest feature is {}); what it says there is a guess: check the units, "
+             "or widen the prior\n",
+             arguments.recording, p, farthest_feature(observation, usual->transform));
 }
 
 std::string verdict_on_chains(double r_hat) {
@@ -178,7 +186,7 @@ std::unique_ptr<inference::Posterior> read(const PosteriorArguments& arguments) 
   const Observation observation = embed_recording(arguments.posterior, arguments.recording);
   auto other = posterior->given(observation.x);
   warn_of_later_round(arguments.posterior);
-  warn_of_far_features(arguments.recording, observation, posterior->parts().transform);
+  warn_of_unlike_simulations(arguments, observation);
   return other;
 }
 

@@ -1,6 +1,7 @@
 #include "pipeline/artefacts/layout.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "core/text.h"
 #include "pipeline/store/column_labels.h"
@@ -108,7 +109,8 @@ void Layout::open(const std::string& name, const Dims& dims) {
   h5::Shape expected;
   for (const Dim& dim : dims) {
     const auto known = state_->sizes.find(dim.size);
-    expected.push_back(known == state_->sizes.end() ? -1 : known->second);
+    const Index stated = std::isdigit(dim.size[0]) != 0 ? std::stoll(dim.size) : -1;
+    expected.push_back(known == state_->sizes.end() ? stated : known->second);
   }
   dataset_->require_shape(expected);
   for (std::size_t d = 0; d < dims.size(); ++d) bind(dims[d].size, dataset_->shape()[d]);

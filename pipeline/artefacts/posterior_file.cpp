@@ -15,6 +15,7 @@
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/usual_features_file.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/store/hostile_json.h"
@@ -239,7 +240,8 @@ inference::PosteriorEstimationConfig estimation_config(const MethodConfig& metho
 
 void write_posterior(h5::File& file, const MethodConfig& method,
                      const inference::NetworkPosterior& posterior, const Target& target,
-                     const std::vector<inference::TrainingState>& trainings, RowCounts rows) {
+                     const std::vector<inference::TrainingState>& trainings, RowCounts rows,
+                     std::optional<inference::UsualFeatures> usual) {
   inference::NetworkParts parts = posterior.parts();
   std::vector<inference::Marginal> prior = parts.prior.marginals();
   Observed observed{.dt = target.dt,
@@ -266,6 +268,7 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   }
   describe_embedding(f, method.embedding);
   describe(f, rows);
+  describe(f, usual);
 }
 
 void describe(Layout f, std::vector<inference::Marginal>& prior) {
@@ -380,6 +383,8 @@ void list_posterior(Layout f) {
   describe(f.group("likelihood"), pool, likelihood);
   describe_embedding(f, {});
   describe(f, rows);
+  std::optional<inference::UsualFeatures> usual;
+  describe(f, usual);
   describe(f.group("training").group(group_of_network(0)), losses);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "inference/algorithms/posterior_estimation.h"
+#include "inference/diagnostics/out_of_distribution.h"
 #include "inference/samplers/importance_sampler.h"
 #include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/power_scores.h"
@@ -23,10 +24,12 @@ struct RowCounts {
   Index failed = 0;
 };
 
-/// `target`: the rollouts that x_o was made of. Throws Error.
+/// `target`: the rollouts that x_o was made of; `usual`: what x of its simulations is. Throws
+/// Error.
 void write_posterior(h5::File& file, const MethodConfig& method,
                      const inference::NetworkPosterior& posterior, const Target& target,
-                     const std::vector<inference::TrainingState>& trainings, RowCounts rows);
+                     const std::vector<inference::TrainingState>& trainings, RowCounts rows,
+                     std::optional<inference::UsualFeatures> usual);
 
 /// Reads the posterior of a file, whatever study and algorithm made it. Throws InputError.
 std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefact);

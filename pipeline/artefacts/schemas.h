@@ -11,7 +11,7 @@ inline const Schema kProposalSchema{"proposal", 2, "propose"};
 /// Shards lie in a folder with the key of their simulation: raise both versions together.
 inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
-inline const Schema kPosteriorSchema{"posterior", 19, "infer"};
+inline const Schema kPosteriorSchema{"posterior", 20, "infer"};
 inline const Schema kCheckpointSchema{"training_checkpoint", 4, "infer"};
 inline const Schema kRefinementCheckpointSchema{"refinement_checkpoint", 13, "infer"};
 inline const Schema kAskedRowsSchema{"asked_rows", 2, "infer"};

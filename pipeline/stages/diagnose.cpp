@@ -16,6 +16,7 @@
 #include "pipeline/features/series_summary.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
+#include "pipeline/features/usual_features.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
@@ -247,16 +248,11 @@ PredictiveResult check_predictions(const Case& c) {
 
 // Among what the network of the last round was trained on; none where that is too little to tell.
 std::optional<inference::OutOfDistribution> check_observation(const Case& c) {
-  // At most 4000 rows, and 160 MB of features.
-  constexpr Index most_rows = 4000, most_values = 40'000'000;
+  constexpr Index most_rows = 4000;
   const SimulationFeatures features(c.plan, simulations_of(c, false), c.target, *c.embedding);
-  if (features.num_rows() < inference::kFewestSimulations) return std::nullopt;
-  const Index allowed = std::clamp(most_values / features.num_features(),
-                                   2 * inference::kFewestSimulations, most_rows);
-  auto rows =
-      Stream(c.stream("diagnose_ood")).permutation(static_cast<std::uint32_t>(features.num_rows()));
-  rows.resize(static_cast<std::size_t>(std::min(allowed, features.num_rows())));
-  return inference::test_out_of_distribution(features_of_rows(features, rows), c.x_o);
+  const auto usual = usual_features_of(features, most_rows, c.stream("usual_features"));
+  if (!usual) return std::nullopt;
+  return inference::test_out_of_distribution(*usual, c.x_o);
 }
 
 // Of the network that has learned least: one that isn't converged, or has the largest gap.

@@ -11,6 +11,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
+#include "pipeline/features/usual_features.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/checkpoint_times.h"
@@ -115,8 +116,12 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   });
   if (!posterior) throw Checkpointed(node.label() + ": stopped on request, checkpoint written");
 
+  // Fewer than a diagnosis compares with, as each posterior holds them.
+  constexpr Index most_usual = 1000;
+  const StreamId picks{use.seed, "usual_features", use.stream_round(), 0, 0};
   write_posterior(writer.file(), method, *posterior, target, checkpoint.trainings,
-                  {features.num_rows(), features.num_failed()});
+                  {features.num_rows(), features.num_failed()},
+                  usual_features_of(features, most_usual, picks));
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ TEST_F(Failures, OfANetworkAreAnError) {
   parts.parameters.setConstant(network.num_parameters(), 3e38f);
   const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
   ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);
-  write_posterior(writer.file(), method, inference::DirectPosterior(parts), {}, {}, {});
+  write_posterior(writer.file(), method, inference::DirectPosterior(parts), {}, {}, {}, {});
   writer.finish();
   folder_.file("theta.csv", "a\n0.5\n");
   for (const std::vector<std::string>& words : {std::vector<std::string>{"npdr", "sample", "p.h5"},

@@ -3,6 +3,7 @@
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/usual_features_file.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/sealed_model.h"
 
@@ -51,7 +52,10 @@ void write_network(h5::File& file, const inference::NetworkParts& parts) {
   method.density_estimator = parts.estimator;
   inference::TrainingState state;
   state.training_loss = state.validation_loss = {1.0, 0.5};
-  write_posterior(file, method, *inference::make_posterior(parts), {}, {state}, {});
+  RowMatrixF x(40, 2);
+  for (Index i = 0; i < x.size(); ++i) x(i) = static_cast<float>(i * i % 17);
+  write_posterior(file, method, *inference::make_posterior(parts), {}, {state}, {},
+                  inference::usual_features(x));
 }
 
 void write_abc(h5::File& file, bool is_smooth) {
@@ -130,6 +134,9 @@ void fuzz_posterior(std::string_view input, const std::filesystem::path& folder)
     read_population(file);
     read_power_scores(file).noise_factor_at(0.15);
   } else {
+    if (const auto usual = read_usual_features(path)) {
+      inference::test_out_of_distribution(*usual, VectorF::Constant(usual->lowest.size(), 3.0F));
+    }
     require_like_observation("a", {}, path);
   }
 }

@@ -24,21 +24,24 @@ VectorF observation(double first, double second) {
   return features(theta, 7).row(0).transpose();
 }
 
+OutOfDistribution tested(const RowMatrixF& x, const VectorF& x_o) {
+  return test_out_of_distribution(usual_features(x), x_o);
+}
+
 // At most 8 of 100 simulations among others have p < 0.02: P(more) = 1e-3 by chance for 2 expected,
 // fixed seed; p is three times the smallest of three, so fewer are likely.
 TEST(OutOfDistribution, ASimulationLooksLikeTheOthers) {
   int alarms = 0;
   for (std::uint64_t trial = 1; trial <= 100; ++trial) {
     const RowMatrixF x = features(gaussian(401, 2, 2 * trial), 2 * trial + 1);
-    alarms +=
-        test_out_of_distribution(x.topRows(400), x.row(400).transpose()).p_value < 0.02 ? 1 : 0;
+    alarms += tested(x.topRows(400), x.row(400).transpose()).p_value < 0.02 ? 1 : 0;
   }
   EXPECT_LE(alarms, 8);
 }
 
 TEST(OutOfDistribution, FindsWhatIsFarOutInAKnownDirection) {
   const RowMatrixF x = features(gaussian(1000, 2, 1), 2);
-  const OutOfDistribution found = test_out_of_distribution(x, observation(8.0, 0.0));
+  const OutOfDistribution found = tested(x, observation(8.0, 0.0));
   EXPECT_LT(found.mahalanobis.p_value, 1e-4);
   EXPECT_GT(found.mahalanobis.observed, 4.0 * found.mahalanobis.median);
   EXPECT_LT(found.p_value, 1e-3);
@@ -48,7 +51,7 @@ TEST(OutOfDistribution, FindsADirectionThatNoSimulationHas) {
   const RowMatrixF x = features(gaussian(1000, 2, 1), 2);
   VectorF off = observation(0.0, 0.0);
   off += gaussian(1, kFeatures, 5, 0.0, 0.5).row(0).transpose().cast<float>();
-  const OutOfDistribution found = test_out_of_distribution(x, off);
+  const OutOfDistribution found = tested(x, off);
   EXPECT_LT(found.residual.p_value, 1e-4);
   EXPECT_LT(found.p_value, 1e-3);
 }
@@ -58,9 +61,9 @@ TEST(OutOfDistribution, FindsAFeatureThatWasTheSameInAllSimulations) {
   VectorF same = observation(0.0, 0.0);
   x.col(5).setConstant(3.0f);
   same(5) = 3.0f * (1.0f + 1e-6f);  // rounding
-  EXPECT_GT(test_out_of_distribution(x, same).p_value, 0.01);
+  EXPECT_GT(tested(x, same).p_value, 0.01);
   same(5) = 3.1f;
-  const OutOfDistribution found = test_out_of_distribution(x, same);
+  const OutOfDistribution found = tested(x, same);
   EXPECT_LT(found.residual.p_value, 1e-4);
   EXPECT_LT(found.p_value, 1e-3);
 }
@@ -71,24 +74,24 @@ TEST(OutOfDistribution, FindsAConstantFeatureWhereThereIsNoResidual) {
   x.col(1).setConstant(3.0f);
   VectorF observed(2);
   observed << 0.0f, 3.0f;
-  EXPECT_GT(test_out_of_distribution(x, observed).p_value, 0.01);
+  EXPECT_GT(tested(x, observed).p_value, 0.01);
   observed(1) = 4.0f;
-  EXPECT_LT(test_out_of_distribution(x, observed).p_value, 1e-3);
+  EXPECT_LT(tested(x, observed).p_value, 1e-3);
 }
 
 TEST(OutOfDistribution, FindsAnotherValueWhereAllSimulationsAreTheSame) {
   for (const Index n : {kFewestSimulations, Index{200}}) {
     const RowMatrixF x = RowMatrixF::Constant(n, 2, 3.0f);
-    const OutOfDistribution same = test_out_of_distribution(x, VectorF::Constant(2, 3.0f));
+    const OutOfDistribution same = tested(x, VectorF::Constant(2, 3.0f));
     EXPECT_GT(same.p_value, 0.01);
     EXPECT_EQ(same.residual.median, 0.0);
-    EXPECT_LT(test_out_of_distribution(x, VectorF::Constant(2, 4.0f)).p_value, 1e-3) << n;
+    EXPECT_LT(tested(x, VectorF::Constant(2, 4.0f)).p_value, 1e-3) << n;
   }
 }
 
 TEST(OutOfDistribution, AFarObservationMakesNoFeatureConstant) {
   const RowMatrixF x = gaussian(200, 2, 1).cast<float>();
-  const OutOfDistribution found = test_out_of_distribution(x, VectorF{{0.0f, 1e6f}});
+  const OutOfDistribution found = tested(x, VectorF{{0.0f, 1e6f}});
   EXPECT_LT(found.p_value, 1e-3);
   EXPECT_TRUE(std::isfinite(found.residual.observed));
 }
@@ -97,19 +100,18 @@ TEST(OutOfDistribution, AFarObservationMakesNoFeatureConstant) {
 TEST(OutOfDistribution, FindsAHole) {
   RowMatrix theta = gaussian(1000, 2, 1);
   theta = theta.rowwise().normalized().eval();
-  const OutOfDistribution found =
-      test_out_of_distribution(features(theta, 2), observation(0.0, 0.0));
+  const OutOfDistribution found = tested(features(theta, 2), observation(0.0, 0.0));
   EXPECT_GT(found.mahalanobis.p_value, 0.01);
   EXPECT_LT(found.nearest.p_value, 1e-3);
 }
 
 TEST(OutOfDistribution, RejectsWhatCantBeJudged) {
   const RowMatrixF x = features(gaussian(100, 2, 1), 2);
-  EXPECT_THROW(test_out_of_distribution(x, VectorF::Zero(3)), ShapeError);
-  EXPECT_THROW(test_out_of_distribution(x.topRows(39), VectorF::Zero(kFeatures)), InputError);
+  EXPECT_THROW(tested(x, VectorF::Zero(3)), ShapeError);
+  EXPECT_THROW(tested(x.topRows(39), VectorF::Zero(kFeatures)), InputError);
   VectorF broken = VectorF::Zero(kFeatures);
   broken(4) = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THROW(test_out_of_distribution(x, broken), InputError);
+  EXPECT_THROW(tested(x, broken), InputError);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "inference/ensemble.h"
 #include "inference/estimators/ratio_estimator.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/usual_features_file.h"
 #include "pipeline/config/study_json.h"
 #include "tests/temp_folder.h"
 
@@ -64,7 +65,7 @@ class PosteriorFile : public ::testing::Test {
   std::unique_ptr<inference::NetworkPosterior> reread(const Change& change) const {
     const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
     ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);
-    write_posterior(writer.file(), method_, small_posterior(method_), {}, {}, {});
+    write_posterior(writer.file(), method_, small_posterior(method_), {}, {}, {}, {});
     change(writer.file());
     writer.finish();
     return read_network_posterior(folder_ / "p.h5");
@@ -90,7 +91,7 @@ class PosteriorFile : public ::testing::Test {
       const std::function<void(h5::File&)>& change = [](h5::File&) {}) const {
     const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
     ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);
-    write_posterior(writer.file(), method_, *inference::make_posterior(parts), {}, {}, {});
+    write_posterior(writer.file(), method_, *inference::make_posterior(parts), {}, {}, {}, {});
     change(writer.file());
     writer.finish();
     return read_network_posterior(folder_ / "p.h5");
@@ -115,6 +116,38 @@ TEST_F(PosteriorFile, EveryRoleComesBackAsItWas) {
     EXPECT_EQ(posterior->parts().sampler.num_chains, 7);
     EXPECT_EQ(posterior->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
   }
+}
+
+TEST_F(PosteriorFile, WhatXUsuallyIsComesBackAsItWasOrIsRefused) {
+  const inference::UsualFeatures usual = inference::usual_features(RowMatrixF::NullaryExpr(
+      80, 1, [](Index i, Index) { return static_cast<float>(i * i % 17); }));
+  const auto reread_usual = [&](const std::optional<inference::UsualFeatures>& written) {
+    const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
+    ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);
+    write_posterior(writer.file(), method_, small_posterior(method_), {}, {}, {}, written);
+    writer.finish();
+    return read_usual_features(folder_ / "p.h5");
+  };
+  const auto found = reread_usual(usual);
+  for (const float x : {3.0F, 40.0F}) {
+    const VectorF x_o = VectorF::Constant(1, x);
+    EXPECT_EQ(inference::test_out_of_distribution(*found, x_o).p_value,
+              inference::test_out_of_distribution(usual, x_o).p_value);
+  }
+  EXPECT_FALSE(reread_usual({})) << "of too few";
+
+  const auto refusal = [&](const inference::UsualFeatures& written) {
+    return message_of<InputError>([&] { reread_usual(written); }, &folder_);
+  };
+  inference::UsualFeatures broken = usual;
+  broken.distances.resize(4, 2);
+  EXPECT_TRUE(says(refusal(broken), {"p.h5: dataset 'usual/distances' has shape"}));
+  broken = usual;
+  broken.known.resize(0, 1);
+  EXPECT_TRUE(says(refusal(broken), {"p.h5: group 'usual': nothing to compare an x with"}));
+  broken = usual;
+  broken.lowest.resize(2);
+  EXPECT_TRUE(says(refusal(broken), {"p.h5: dataset 'usual/lowest' has shape"}));
 }
 
 TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {

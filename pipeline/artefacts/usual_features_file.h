@@ -1,0 +1,18 @@
+/// What x of its simulations usually is, in the artefact of a posterior.
+#pragma once
+
+#include <optional>
+
+#include "inference/diagnostics/out_of_distribution.h"
+#include "pipeline/artefacts/layout.h"
+#include "pipeline/store/artefact.h"
+
+namespace npdr::pipeline {
+
+/// The group `usual`; missing where they were too few to tell.
+void describe(Layout f, std::optional<inference::UsualFeatures>& usual);
+
+/// Throws InputError.
+std::optional<inference::UsualFeatures> read_usual_features(const ArtefactFile& posterior);
+
+}  // namespace npdr::pipeline

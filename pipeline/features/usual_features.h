@@ -1,0 +1,17 @@
+/// What x of a study's simulations usually is, for the test of observations among them.
+#pragma once
+
+#include <optional>
+
+#include "core/random.h"
+#include "inference/diagnostics/out_of_distribution.h"
+#include "pipeline/features/simulation_features.h"
+
+namespace npdr::pipeline {
+
+/// That of at most `most_rows` of them, which `stream` picks, and 40 MB of features; none of fewer
+/// than inference::kFewestSimulations.
+std::optional<inference::UsualFeatures> usual_features_of(const SimulationFeatures& features,
+                                                          Index most_rows, const StreamId& stream);
+
+}  // namespace npdr::pipeline
