@@ -60,21 +60,6 @@ RowMatrix distances_of(const RowMatrixF& x, const UsualFeatures& usual) {
   return result;
 }
 
-// A feature that all simulations agree on, and the observation doesn't: no distance says how far
-// that is. Rounding of single precision is no difference.
-bool leaves_what_is_constant(const UsualFeatures& usual, const VectorF& x_o) {
-  constexpr float rounding = 1e-5f;
-  for (Index f = 0; f < x_o.size(); ++f) {
-    const float lowest = usual.lowest(f), highest = usual.highest(f);
-    const float size = std::abs(lowest);
-    const bool is_constant = highest - lowest <= rounding * size;
-    if (is_constant && std::abs(x_o(f) - lowest) > rounding * std::max(size, std::abs(x_o(f)))) {
-      return true;
-    }
-  }
-  return false;
-}
-
 Distance judge(const Vector& usual, double observed) {
   Vector sorted = usual;
   std::sort(sorted.begin(), sorted.end());
@@ -102,6 +87,20 @@ UsualFeatures usual_features(const RowMatrixF& x) {
   return usual;
 }
 
+// No distance says how far that is. Rounding of single precision is no difference.
+std::optional<Index> changed_constant(const UsualFeatures& usual, const VectorF& x_o) {
+  constexpr float rounding = 1e-5f;
+  for (Index f = 0; f < x_o.size(); ++f) {
+    const float lowest = usual.lowest(f), highest = usual.highest(f);
+    const float size = std::abs(lowest);
+    const bool is_constant = highest - lowest <= rounding * size;
+    if (is_constant && std::abs(x_o(f) - lowest) > rounding * std::max(size, std::abs(x_o(f)))) {
+      return f;
+    }
+  }
+  return std::nullopt;
+}
+
 OutOfDistribution test_out_of_distribution(const UsualFeatures& usual, const VectorF& x_o) {
   if (usual.lowest.size() != x_o.size()) {
     throw ShapeError("out of distribution: simulations of " + std::to_string(usual.lowest.size()) +
@@ -113,7 +112,7 @@ OutOfDistribution test_out_of_distribution(const UsualFeatures& usual, const Vec
   result.num_components = usual.transform.basis.cols();
   result.num_reference = usual.distances.rows();
   result.mahalanobis = judge(usual.distances.col(0), observed(0, 0));
-  const bool leaves = leaves_what_is_constant(usual, x_o);
+  const bool leaves = changed_constant(usual, x_o).has_value();
   result.residual = judge(usual.distances.col(1),
                           leaves ? std::numeric_limits<double>::infinity() : observed(0, 1));
   result.nearest = judge(usual.distances.col(2), observed(0, 2));

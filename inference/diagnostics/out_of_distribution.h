@@ -13,6 +13,8 @@
 /// - to the nearest simulation of the first half, in z: a hole or a bend of the distribution.
 #pragma once
 
+#include <optional>
+
 #include "inference/feature_transform.h"
 
 namespace npdr::inference {
@@ -50,6 +52,9 @@ struct UsualFeatures {
 /// for each 40 rows. Throws InputError for fewer than kFewestSimulations rows, or what isn't
 /// finite.
 UsualFeatures usual_features(const RowMatrixF& x);
+
+/// The first feature that is the same in all simulations, and another in x_o (F).
+std::optional<Index> changed_constant(const UsualFeatures& usual, const VectorF& x_o);
 
 /// Tests x_o (F). Throws ShapeError when the widths differ and InputError for what isn't finite.
 OutOfDistribution test_out_of_distribution(const UsualFeatures& usual, const VectorF& x_o);

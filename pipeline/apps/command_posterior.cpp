@@ -129,19 +129,26 @@ void warn_of_later_round(const std::string& posterior) {
              posterior, round->get<Index>());
 }
 
-// The feature that is farthest from the mean of the simulations, and by how much.
-std::string farthest_feature(const Observation& observation,
-                             const inference::FeatureTransform& transform) {
+// The feature that is another than in all simulations, or far from their mean, where one is.
+std::string conspicuous_feature(const inference::UsualFeatures& usual,
+                                const Observation& observation) {
   const auto& [x, names] = observation;
-  Index feature = 0;
+  const auto name_of = [&names = names](Index f) {
+    return f < std::ssize(names) ? "'" + names[static_cast<std::size_t>(f)].label + "'"
+                                 : fmt::format("feature {}", f + 1);
+  };
+  if (const auto changed = inference::changed_constant(usual, x)) {
+    return fmt::format("{} is {:.6g}, in all simulations {:.6g}", name_of(*changed), x(*changed),
+                       usual.lowest(*changed));
+  }
   RowMatrixF z;
-  transform.standardize(x.transpose(), z);
-  const float largest = z.row(0).head(transform.num_inputs()).cwiseAbs().maxCoeff(&feature);
-  const bool is_named = feature < std::ssize(names);
-  return fmt::format("{}, {:.3g} deviations from the mean",
-                     is_named ? "'" + names[static_cast<std::size_t>(feature)].label + "'"
-                              : fmt::format("feature {}", feature + 1),
-                     largest);
+  Index farthest = 0;
+  usual.transform.standardize(x.transpose(), z);
+  const float deviations = z.row(0).cwiseAbs().maxCoeff(&farthest);
+  constexpr float usual_deviations = 4.0f;
+  if (deviations < usual_deviations) return "its features together, no single one";
+  return fmt::format("the farthest feature is {}, {:.3g} deviations from the mean",
+                     name_of(farthest), deviations);
 }
 
 // Nor has it learned anything of what looks like no simulation.
@@ -149,8 +156,8 @@ void warn_of_unlike_simulations(const PosteriorArguments& arguments,
                                 const Observation& observation) {
   const auto usual = read_usual_features({arguments.posterior});
   constexpr double level = 1e-3;  // false alarms
-  const Index known = usual ? usual->distances.rows() : 0;
-  if (3.0 * inference::smallest_tail_probability(std::max<Index>(known, 1)) >= level) {
+  const Index num_reference = usual ? usual->distances.rows() : 1;
+  if (3.0 * inference::smallest_tail_probability(num_reference) >= level) {
     fmt::print(stderr, "note: the simulations of {} were too few to tell whether {} is like them\n",
                arguments.posterior, arguments.recording);
     return;
@@ -159,9 +166,8 @@ void warn_of_unlike_simulations(const PosteriorArguments& arguments,
   if (p >= level) return;
   fmt::print(stderr,
              "warning: {} is unlike all simulations that the posterior was learned from (p = "
-             "{:.2g}; the farthest feature is {}); what it says there is a guess: check the units, "
-             "or widen the prior\n",
-             arguments.recording, p, farthest_feature(observation, usual->transform));
+             "{:.2g}; {}); what it says there is a guess: check the units, or widen the prior\n",
+             arguments.recording, p, conspicuous_feature(*usual, observation));
 }
 
 std::string verdict_on_chains(double r_hat) {

@@ -15,7 +15,8 @@ bool print_verdicts(const Plan& plan, VerdictDetail detail);
 /// One line a method, where the report is current; nothing else. Throws as read_check_summaries().
 void print_verdicts_if_made(const Plan& plan);
 
-/// Warns on stderr where the report (reported_checks()) says that `method` fails checks.
+/// Warns on stderr where the report (reported_checks()) says that `method` fails checks, and notes
+/// where there are some, but no report of them.
 void warn_of_failed_checks(const Plan& plan, const std::string& method);
 
 }  // namespace npdr::pipeline

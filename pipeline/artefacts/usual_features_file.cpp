@@ -16,11 +16,12 @@ void describe(Layout f, std::optional<inference::UsualFeatures>& usual) {
   (*group)("distances", u.distances, {{"n", "simulation"}, {"3", "distance"}},
            "of others: length of z, residual beyond the components, to the nearest of `known`",
            kFinite);
-  (*group)("lowest", u.lowest, {kFeature}, "of x in both", kFinite);
+  (*group)("lowest", u.lowest, {kFeature}, "value of each feature in all of these simulations",
+           kFinite);
   (*group)("highest", u.highest, {kFeature}, "the same", kFinite);
   if (!f.reads()) return;
   const bool fits = u.transform.basis.cols() == u.known.cols();
-  if (fits && u.known.rows() > 0 && u.distances.rows() > 0) return;
+  if (fits && u.known.size() > 0 && u.distances.rows() > 0) return;
   throw InputError(group->where() + ": nothing to compare an x with; rerun stage 'infer'");
 }
 

@@ -9,7 +9,7 @@
 
 namespace npdr::pipeline {
 
-/// The group `usual`; missing where they were too few to tell.
+/// The group `usual`; missing of fewer than inference::kFewestSimulations.
 void describe(Layout f, std::optional<inference::UsualFeatures>& usual);
 
 /// Throws InputError.

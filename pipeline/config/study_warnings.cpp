@@ -113,11 +113,12 @@ class StudyWarnings {
     if (!study_.places.has("diagnose.checks")) return;
     std::map<std::string, std::vector<std::string>> left_out;  // by the reason of the first method
     for (const Check check : study_.diagnose.checks) {
-      const bool is_left_out = std::ranges::none_of(study_.methods, [&](const auto& method) {
-        return study_.why_unchecked(check, method).empty();
-      });
-      if (!is_left_out) continue;
-      left_out[study_.why_unchecked(check, study_.methods.front())].push_back(name_of(check));
+      std::vector<std::string> reasons;  // "" of a method that can be
+      for (const MethodConfig& method : study_.methods) {
+        if (infers(method)) reasons.push_back(study_.why_unchecked(check, method));
+      }
+      if (reasons.empty() || std::ranges::count(reasons, "") > 0) continue;
+      left_out[reasons.front()].push_back(name_of(check));
     }
     for (const auto& [reason, checks] : left_out) {
       warn("diagnose.checks", fmt::format("diagnose.checks: without {}: {}", join(checks), reason));

@@ -9,8 +9,9 @@
 
 namespace npdr::pipeline {
 
-/// That of at most `most_rows` of them, which `stream` picks, and 40 MB of features; none of fewer
-/// than inference::kFewestSimulations.
+/// That of at most `most_rows` of them, which `stream` picks, of fewer where they have more than
+/// 10,000 features. What isn't finite is left out; none of fewer than
+/// inference::kFewestSimulations.
 std::optional<inference::UsualFeatures> usual_features_of(const SimulationFeatures& features,
                                                           Index most_rows, const StreamId& stream);
 

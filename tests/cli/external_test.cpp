@@ -62,6 +62,22 @@ TEST_F(External, OfManyFeaturesTheGreatestSurprisesAreDrawnAndTheTableIsFolded) 
   const std::string html = text_of(study / "report.html");
   EXPECT_NE(html.find("id=\"table-features\">\n<details>"), std::string::npos);
   EXPECT_NE(html.find("the 20 that surprise most of 25"), std::string::npos);
+
+  const auto warning = [&](const std::string& awk) {
+    const std::string make = "awk -F, -v OFS=, -v seventh=1 -f more.awk x_o.csv | ";
+    EXPECT_EQ(std::system(("cd " + folder + " && " + make + awk + " > other.csv").c_str()), 0);
+    return npdr({"sample", (study / "npe-gaussian/seed-1/round-1/infer.h5").string(), "-n", "1",
+                 "--x", "other.csv"})
+        .err;
+  };
+  EXPECT_EQ(warning("cat"), "") << "one that fits";
+  EXPECT_TRUE(says(warning("awk -F, -v OFS=, 'NR > 1 { $7 = 2 } { print }'"),
+                   {"warning: other.csv is unlike all simulations that the posterior was learned "
+                    "from",
+                    "'f7' is 2, in all simulations 1"}));
+  EXPECT_TRUE(says(
+      warning("awk -F, -v OFS=, 'NR > 1 { $25 += 20 } { print }'"),
+      {"warning: other.csv is unlike all simulations", "its features together, no single one"}));
 }
 
 TEST_F(External, OfASimulatorThatCrashesOnlyTheCulpritsAreLost) {

@@ -146,6 +146,10 @@ TEST_F(PosteriorFile, WhatXUsuallyIsComesBackAsItWasOrIsRefused) {
   broken.known.resize(0, 1);
   EXPECT_TRUE(says(refusal(broken), {"p.h5: group 'usual': nothing to compare an x with"}));
   broken = usual;
+  broken.known.resize(40, 0);
+  broken.transform.basis.resize(0, 0);
+  EXPECT_TRUE(says(refusal(broken), {"p.h5: group 'usual': nothing to compare an x with"}));
+  broken = usual;
   broken.lowest.resize(2);
   EXPECT_TRUE(says(refusal(broken), {"p.h5: dataset 'usual/lowest' has shape"}));
 }
