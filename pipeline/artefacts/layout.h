@@ -19,8 +19,8 @@ namespace npdr::pipeline {
 
 /// A dimension of a dataset.
 struct Dim {
-  const char*
-      size;  ///< its name in tables, the same number wherever it isn't forgotten; or that number
+  /// Its name in tables, the same number wherever it isn't forgotten; or that number itself.
+  const char* size;
   const char* label = "";  ///< HDF5's label: what it counts; all or none of a dataset's have one
 };
 using Dims = std::vector<Dim>;
