@@ -86,17 +86,12 @@ void require_rows(const Case& c, Index found, Index failed) {
                   c.node.label(), found, failed, inference::kFewestSimulations));
 }
 
-RowMatrixF features_of_rows(const SimulationFeatures& source,
-                            const std::vector<std::uint32_t>& rows) {
+RowMatrixF all_features(const SimulationFeatures& source) {
+  std::vector<std::uint32_t> rows(static_cast<std::size_t>(source.num_rows()));
+  std::iota(rows.begin(), rows.end(), 0u);
   RowMatrixF x;
   source.gather(rows, 0, x);
   return x;
-}
-
-std::vector<std::uint32_t> all_rows(Index count) {
-  std::vector<std::uint32_t> rows(static_cast<std::size_t>(count));
-  std::iota(rows.begin(), rows.end(), 0u);
-  return rows;
 }
 
 Calibration calibrate(const Case& c, ArtefactWriter& writer) {
@@ -106,7 +101,7 @@ Calibration calibrate(const Case& c, ArtefactWriter& writer) {
   Calibration made{read_network_posterior(*c.plan.inputs(c.node, Stage::infer).back()),
                    features.num_failed(),
                    features.theta(),
-                   features_of_rows(features, all_rows(features.num_rows())),
+                   all_features(features),
                    {}};
   DiagnosisCheckpoint earlier = read_diagnosis_checkpoint(RankReport::checkpoint(c.plan, c.node),
                                                           made.theta, c.config.num_samples);
