@@ -85,15 +85,16 @@ set(NPDR_TEST_OPTIONS -O1)
 
 # npdr_test(<name> LINK <...> [HEADERS_OF <target>] [EACH_BY_ITSELF] [SUITES <...>]): a GoogleTest program of all
 # sources in and below the folder; every TEST is a ctest of its own. Those of SUITES, whose tests share what takes
-# long to set up, are one ctest a suite. With HEADERS_OF the pipeline's tests, files are compiled eight at a time,
-# as the pipeline's are, unless EACH_BY_ITSELF.
+# long to set up, are one ctest a suite. Files are compiled eight at a time, unless EACH_BY_ITSELF: most of what they
+# make the compiler do is the same in all.
 function(npdr_test name)
   cmake_parse_arguments(ARG "EACH_BY_ITSELF" "HEADERS_OF" "LINK;SUITES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   add_executable(${name} ${sources})
   if(NOT ARG_HEADERS_OF)
     set(ARG_HEADERS_OF npdr_test_headers)
-  elseif(NOT ARG_EACH_BY_ITSELF)
+  endif()
+  if(NOT ARG_EACH_BY_ITSELF)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ${NPDR_UNITY} UNITY_BUILD_BATCH_SIZE 8)
   endif()
   target_link_libraries(${name} PRIVATE ${ARG_LINK} npdr_core fmt::fmt GTest::gtest_main)

@@ -7,11 +7,10 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "tests/special_values.h"
 
 namespace npdr::analysis {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 RowMatrix column(std::initializer_list<double> values) {
   RowMatrix series(static_cast<Index>(values.size()), 1);

@@ -6,11 +6,10 @@
 #include <limits>
 
 #include "core/error.h"
+#include "tests/special_values.h"
 
 namespace npdr::analysis {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(FeatureSpread, IsTheSampleStandardDeviation) {
   FeatureSpread spread(2);
@@ -27,7 +26,7 @@ TEST(FeatureSpread, IsTheSampleStandardDeviation) {
 }
 
 TEST(FeatureDistance, IsTheRootMeanSquareInUnitsOfTheDeviation) {
-  const RowMatrixF x = (RowMatrixF(2, 3) << 1, 2, 9, 3, kNan, 0).finished();
+  const RowMatrixF x = (RowMatrixF(2, 3) << 1, 2, 9, 3, kFloatNan, 0).finished();
   const Vector x_o = (Vector(3) << 0, 0, 0).finished();
   // The last feature doesn't vary: it isn't counted.
   const Vector deviation = (Vector(3) << 2, 1, 0).finished();

@@ -2,21 +2,19 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <set>
 
 #include "core/atomic_file.h"
 #include "tests/analysis/markup_check.h"
 #include "tests/message_of.h"
+#include "tests/special_values.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 // A panel per place of the grid, each with a line; x is in thousandths.
-Figure grid_of(std::size_t rows, std::size_t columns) {
+Figure drawn_grid_of(std::size_t rows, std::size_t columns) {
   Figure figure{.name = "grid", .columns = columns};
   const RowMatrix points = RowMatrix::Random(5, 3).cwiseAbs();
   const std::string table = add_table(figure, "x, y, z", points);
@@ -41,7 +39,7 @@ Drawn draw(const Figure& figure) {
 }
 
 TEST(Figure, SharesLabelsAlongRowsAndColumns) {
-  const Drawn drawn = draw(grid_of(2, 3));
+  const Drawn drawn = draw(drawn_grid_of(2, 3));
   EXPECT_EQ(markup_error(drawn.svg), "");
   EXPECT_EQ(count_of(drawn.svg, "<g id=\"gnuplot_plot_"), 6);
   EXPECT_EQ(count_of(drawn.svg, ">time [10⁻³ s]<"), 3);
@@ -51,7 +49,7 @@ TEST(Figure, SharesLabelsAlongRowsAndColumns) {
 }
 
 TEST(Figure, SaysWhereItsPanelsAreAndWhatTheyShow) {
-  Figure figure = grid_of(1, 2);
+  Figure figure = drawn_grid_of(1, 2);
   figure.panels[1].series.clear();
   figure.panels[0].tips = {{{0.0, 5e-4}, {0.5, 2.0}, "upper <left>"}};
   figure.legend = {{LegendMark::dot, "#123456", "A & B"}};
@@ -68,7 +66,7 @@ TEST(Figure, SaysWhereItsPanelsAreAndWhatTheyShow) {
 }
 
 TEST(Figure, LeavesPlacesWithoutSeriesEmpty) {
-  Figure figure = grid_of(2, 2);
+  Figure figure = drawn_grid_of(2, 2);
   figure.panels[3].series.clear();
   const Drawn drawn = draw(figure);
   EXPECT_EQ(count_of(drawn.svg, "<g id=\"gnuplot_plot_"), 3);
@@ -77,7 +75,7 @@ TEST(Figure, LeavesPlacesWithoutSeriesEmpty) {
 }
 
 TEST(Figure, ShowsValuesInTheUnitOfTheAxis) {
-  const std::string script = draw(grid_of(1, 1)).script;
+  const std::string script = draw(drawn_grid_of(1, 1)).script;
   EXPECT_NE(script.find("set xrange [0:1]"), std::string::npos);
   EXPECT_NE(script.find("'grid_1.dat' using ($1*1000):2 with lines lw 1.6 lc rgb '#00123456'"),
             std::string::npos)
@@ -85,7 +83,7 @@ TEST(Figure, ShowsValuesInTheUnitOfTheAxis) {
 }
 
 TEST(Figure, DrawsEveryKindOfSeries) {
-  Figure figure = grid_of(1, 1);
+  Figure figure = drawn_grid_of(1, 1);
   figure.colors = {"value", 0.0, 1.0};
   for (const SeriesKind kind :
        {SeriesKind::dots, SeriesKind::steps, SeriesKind::band, SeriesKind::area}) {
@@ -110,7 +108,7 @@ TEST(Figure, DrawsEveryKindOfSeries) {
 }
 
 TEST(Figure, DrawsDataWithoutAnythingToShow) {
-  Figure figure = grid_of(1, 2);
+  Figure figure = drawn_grid_of(1, 2);
   figure.panels[0].series[0].table = add_table(figure, "none", RowMatrix(0, 2));
   figure.panels[1].series[0].table = add_table(figure, "NaN", RowMatrix::Constant(3, 2, kNan));
   const Drawn drawn = draw(figure);
@@ -119,7 +117,7 @@ TEST(Figure, DrawsDataWithoutAnythingToShow) {
 }
 
 TEST(Figure, MarksPlacesInsideOfTheAxes) {
-  Figure figure = grid_of(1, 1);
+  Figure figure = drawn_grid_of(1, 1);
   const auto mark = [&](LegendMark shape, double x, double y) {
     figure.panels[0].marks = {{shape, "#123456", x, y, 1.0, LineStyle::dashed}};
     return draw(figure).script;
@@ -137,7 +135,7 @@ TEST(Figure, MarksPlacesInsideOfTheAxes) {
 
 TEST(Figure, LegendEntriesShowTheirMark) {
   const auto script = [&](LegendMark mark) {
-    Figure figure = grid_of(1, 1);
+    Figure figure = drawn_grid_of(1, 1);
     figure.legend = {{mark, "#123456", "words"}};
     return draw(figure).script;
   };
@@ -153,7 +151,7 @@ TEST(Figure, LegendEntriesShowTheirMark) {
 TEST(Figure, TextsAreTextAndNothingElse) {
   const std::string nasty = "'`touch broken`\nset output 'elsewhere'<b>&{/Bold";
   const std::string shown = "’`touch broken` set output ’elsewhere’&lt;b>&amp;{/Bold";
-  Figure figure = grid_of(1, 1);
+  Figure figure = drawn_grid_of(1, 1);
   figure.sizes.panel_width = 900.0;
   figure.panels[0].title = figure.panels[0].x.title = nasty;
   figure.panels[0].y.unit = figure.panels[0].y.labels[0] = nasty;
@@ -169,7 +167,7 @@ TEST(Figure, TextsAreTextAndNothingElse) {
 }
 
 TEST(Figure, RejectsNamesThatAreNoFileNames) {
-  Figure figure = grid_of(1, 1);
+  Figure figure = drawn_grid_of(1, 1);
   figure.name = "../grid";
   const TempFolder folder;
   EXPECT_THROW(write_figure(figure, folder.path()), InputError);

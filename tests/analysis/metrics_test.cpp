@@ -10,11 +10,10 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "tests/message_of.h"
+#include "tests/special_values.h"
 
 namespace npdr::analysis {
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 // Two rollouts of T = 3 steps and two channels. The last states are large on purpose: they must not
 // count, neither in the maximum nor in the error.
@@ -98,7 +97,7 @@ TEST(Metrics, SpeedAtTheEndIsThatFromWhereTheSegmentBegan) {
 
 TEST(Metrics, FailedRolloutsHaveNoEnd) {
   std::vector<float> simulated = kSimulated;
-  simulated[3] = kNaN;
+  simulated[3] = kFloatNan;
   const Metrics metrics(small_target());
   EXPECT_TRUE(std::isnan(metrics.final_error(view_of(simulated, 1))(0)));
   EXPECT_TRUE(
@@ -131,7 +130,7 @@ TEST(Metrics, OfThePerfectSimulationAreZero) {
 
 TEST(Metrics, AFailedSampleIsNanAndTheOthersAreNot) {
   std::vector<float> simulated(4 * 12, 1.0f);
-  simulated[12 + 5] = kNaN;
+  simulated[12 + 5] = kFloatNan;
   simulated[24] = std::numeric_limits<float>::infinity();
   MetricsConfig config;
   config.channels = {0};  // the NaN is in the other channel

@@ -23,7 +23,7 @@ RowMatrix samples(std::uint64_t row, Index n, Index dimension) {
   return values;
 }
 
-PairPlot plot_of(Index dimension) {
+PairPlot pair_plot_of(Index dimension) {
   PairPlot plot;
   plot.name = "pairs";
   for (Index d = 0; d < dimension; ++d) {
@@ -39,7 +39,7 @@ PairPlot plot_of(Index dimension) {
 
 TEST(PairPlot, ShowsTheSamplesOfEverySetInEveryPanel) {
   const TempFolder folder;
-  const FigureFiles files = write_pair_plot(plot_of(3), folder.path());
+  const FigureFiles files = write_pair_plot(pair_plot_of(3), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   // Three panels off the diagonal of 200 points of two sets, and two dots of the legend; each of
@@ -56,7 +56,7 @@ TEST(PairPlot, ShowsTheSamplesOfEverySetInEveryPanel) {
 
 TEST(PairPlot, ScattersEvenlyStridedSamples) {
   const TempFolder folder;
-  PairPlot plot = plot_of(2);
+  PairPlot plot = pair_plot_of(2);
   plot.sets = {{"only", RowMatrix(10, 2)}};
   for (Index i = 0; i < 10; ++i) plot.sets[0].samples.row(i).setConstant(0.1 * (1.0 + double(i)));
   plot.num_points = 4;
@@ -69,7 +69,7 @@ TEST(PairPlot, ScattersEvenlyStridedSamples) {
 
 TEST(PairPlot, ShowsFewerSamplesWhenThereAreFewer) {
   const TempFolder folder;
-  PairPlot plot = plot_of(2);
+  PairPlot plot = pair_plot_of(2);
   plot.sets = {{"few", samples(1, 7, 2)}, {"none", RowMatrix(0, 2)}};
   const FigureFiles files = write_pair_plot(plot, folder.path());
   EXPECT_EQ(count_of(read_text_file(files.svg), "<circle cx="), 7 + 4);
@@ -77,7 +77,7 @@ TEST(PairPlot, ShowsFewerSamplesWhenThereAreFewer) {
 
 TEST(PairPlot, LimitsAxesToThePriorAndLeavesOutMarksBeyond) {
   const TempFolder folder;
-  PairPlot plot = plot_of(2);
+  PairPlot plot = pair_plot_of(2);
   plot.sets = {{"outside", samples(1, 50, 2)}};
   plot.sets[0].samples.col(0).array() += 10.0;
   for (PairPoint& point : plot.points) point.theta.setConstant(7.0);
@@ -88,7 +88,7 @@ TEST(PairPlot, LimitsAxesToThePriorAndLeavesOutMarksBeyond) {
 
 TEST(PairPlot, ShowsTheSelectedParameters) {
   const TempFolder folder;
-  PairPlot plot = plot_of(20);
+  PairPlot plot = pair_plot_of(20);
   plot.selection = {17, 3};
   const FigureFiles files = write_pair_plot(plot, folder.path());
   const std::string svg = read_text_file(files.svg);
@@ -99,7 +99,7 @@ TEST(PairPlot, ShowsTheSelectedParameters) {
 
 TEST(PairPlot, FitsFifteenParameters) {
   const TempFolder folder;
-  PairPlot plot = plot_of(16);  // the first fifteen
+  PairPlot plot = pair_plot_of(16);  // the first fifteen
   plot.num_points = 5;
   const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
   EXPECT_EQ(count_of(svg, "<circle cx="), 105 * 2 * 5 + 4);
@@ -118,7 +118,7 @@ std::string marginal_commands(const std::string& script, int c) {
 // densities; sets that lie outside of the box, in whole, leave an empty panel.
 TEST(PairPlot, KeepsItsScaleWithConstantAndFarSamples) {
   const TempFolder folder;
-  PairPlot plot = plot_of(3);
+  PairPlot plot = pair_plot_of(3);
   plot.sets[1].samples.col(1).setConstant(0.75);
   plot.sets[0].samples.col(2).array() += 10.0;
   plot.sets[1].samples.col(2).array() -= 10.0;
@@ -150,7 +150,7 @@ double largest(const std::string& text, int column) {
 // A narrow density neither flattens a wide one nor is cut off.
 TEST(PairPlot, DensitiesAreEquallyHigh) {
   const TempFolder folder;
-  PairPlot plot = plot_of(2);
+  PairPlot plot = pair_plot_of(2);
   plot.sets[1].samples.col(0) = 1.0 + 1e-3 * plot.sets[1].samples.col(0).array();
   write_pair_plot(plot, folder.path());
   for (const char* name : {"pairs_density_1.dat", "pairs_density_2.dat"}) {
@@ -160,14 +160,14 @@ TEST(PairPlot, DensitiesAreEquallyHigh) {
 
 TEST(PairPlot, DrawsASingleParameter) {
   const TempFolder folder;
-  const std::string svg = read_text_file(write_pair_plot(plot_of(1), folder.path()).svg);
+  const std::string svg = read_text_file(write_pair_plot(pair_plot_of(1), folder.path()).svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 2);
 }
 
 TEST(PairPlot, NamesAreTextAndNothingElse) {
   const TempFolder folder;
-  PairPlot plot = plot_of(2);
+  PairPlot plot = pair_plot_of(2);
   plot.parameters[0].label = "a'`touch broken`<b>&{/Bold";
   plot.points[0].name = "'\nset output 'elsewhere'";
   plot.sets[0].name = "\"quoted\"\nset output 'elsewhere'";
@@ -183,29 +183,29 @@ TEST(PairPlot, RejectsWhatItCannotShow) {
   const auto expect_input_error = [&](const PairPlot& plot) {
     EXPECT_THROW(write_pair_plot(plot, folder.path()), InputError);
   };
-  expect_input_error(plot_of(0));
-  PairPlot plot = plot_of(16);
+  expect_input_error(pair_plot_of(0));
+  PairPlot plot = pair_plot_of(16);
   plot.selection.assign(16, 0);
   expect_input_error(plot);
-  plot = plot_of(2);
+  plot = pair_plot_of(2);
   plot.selection = {0, 2};
   expect_input_error(plot);
-  plot = plot_of(2);
+  plot = pair_plot_of(2);
   plot.sets.resize(7, plot.sets[0]);
   expect_input_error(plot);
-  plot = plot_of(2);
+  plot = pair_plot_of(2);
   plot.sets.clear();
   expect_input_error(plot);
-  plot = plot_of(2);
+  plot = pair_plot_of(2);
   plot.num_points = 0;
   expect_input_error(plot);
-  plot = plot_of(2);
+  plot = pair_plot_of(2);
   plot.parameters[1].upper = 0.0;
   expect_input_error(plot);
-  plot = plot_of(2);
+  plot = pair_plot_of(2);
   plot.sets[1].samples.resize(5, 3);
   EXPECT_THROW(write_pair_plot(plot, folder.path()), ShapeError);
-  plot = plot_of(2);
+  plot = pair_plot_of(2);
   plot.points[0].theta.resize(3);
   EXPECT_THROW(write_pair_plot(plot, folder.path()), ShapeError);
 }

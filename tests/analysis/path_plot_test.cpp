@@ -23,7 +23,7 @@ RowMatrix line() {
   return points;
 }
 
-PathPlot plot_of(const std::vector<std::string>& methods) {
+PathPlot path_plot_of(const std::vector<std::string>& methods) {
   PathPlot plot;
   plot.name = "paths";
   plot.fixed = {square(0.0, 0.0, 2.0)};
@@ -36,7 +36,7 @@ PathPlot plot_of(const std::vector<std::string>& methods) {
 
 TEST(PathPlot, DrawsAPanelPerMethod) {
   const TempFolder folder;
-  PathPlot plot = plot_of({"A", "B <&>"});
+  PathPlot plot = path_plot_of({"A", "B <&>"});
   plot.held_out = {line()};
   const FigureFiles files = write_path_plot(plot, folder.path());
   const std::string svg = read_text_file(files.svg);
@@ -52,14 +52,14 @@ TEST(PathPlot, DrawsAPanelPerMethod) {
 
 TEST(PathPlot, TheTargetDomainIsSeenWhereNothingIsHeldOut) {
   const TempFolder folder;
-  const std::string svg = read_text_file(write_path_plot(plot_of({"A"}), folder.path()).svg);
+  const std::string svg = read_text_file(write_path_plot(path_plot_of({"A"}), folder.path()).svg);
   EXPECT_NE(svg.find(">target domain<"), std::string::npos);
   EXPECT_EQ(svg.find("held out"), std::string::npos);
 }
 
 TEST(PathPlot, PolygonsEndWhereTheyBeginAndPathsDont) {
   const TempFolder folder;
-  write_path_plot(plot_of({"A"}), folder.path());
+  write_path_plot(path_plot_of({"A"}), folder.path());
   EXPECT_EQ(read_text_file(folder.path() / "paths_outlines_1.dat"),
             "# x, y\n0.5 0.5\n0.75 0.5\n0.75 0.75\n0.5 0.75\n0.5 0.5\nNaN NaN\n");
   EXPECT_EQ(read_text_file(folder.path() / "paths_recorded.dat"),
@@ -68,7 +68,7 @@ TEST(PathPlot, PolygonsEndWhereTheyBeginAndPathsDont) {
 
 TEST(PathPlot, ScalesAreEqual) {
   const TempFolder folder;
-  PathPlot plot = plot_of({"A"});
+  PathPlot plot = path_plot_of({"A"});
   const auto height = [&] {
     const std::string svg = read_text_file(write_path_plot(plot, folder.path()).svg);
     return std::stod(svg.substr(svg.find("height=\"") + 8));
@@ -80,7 +80,7 @@ TEST(PathPlot, ScalesAreEqual) {
 
 TEST(PathPlot, CopesWithoutPaths) {
   const TempFolder folder;
-  PathPlot plot = plot_of({"A"});
+  PathPlot plot = path_plot_of({"A"});
   plot.recorded.clear();
   plot.predictions[0] = {"A", {}, {}};
   EXPECT_EQ(markup_error(read_text_file(write_path_plot(plot, folder.path()).svg)), "");
@@ -89,9 +89,9 @@ TEST(PathPlot, CopesWithoutPaths) {
 TEST(PathPlot, RejectsWhatItCantDraw) {
   const TempFolder folder;
   EXPECT_TRUE(
-      says(message_of<InputError>([&] { write_path_plot(plot_of({}), folder.path()); }),
+      says(message_of<InputError>([&] { write_path_plot(path_plot_of({}), folder.path()); }),
            {"path plot 'paths': 0 methods and 1 fixed polygons", "must be 1 to 6 and at least 1"}));
-  PathPlot plot = plot_of({"A"});
+  PathPlot plot = path_plot_of({"A"});
   plot.recorded = {RowMatrix::Zero(3, 3)};
   EXPECT_TRUE(says(message_of<ShapeError>([&] { write_path_plot(plot, folder.path()); }),
                    {"path plot 'paths': 3 points of 3 coordinates", "must be at least 1 of 2"}));

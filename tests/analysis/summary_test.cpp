@@ -1,4 +1,5 @@
 #include "analysis/summary.h"
+#include "tests/special_values.h"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +9,10 @@
 namespace npdr::analysis {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 // Mean (1 + 2 + 6) / 3 = 3; squares 4 + 1 + 9 = 14 over n - 1 = 2.
 TEST(Summary, CountsFailuresAndLeavesThemOut) {
   Vector values(5);
-  values << 1, kNaN, 2, std::numeric_limits<double>::infinity(), 6;
+  values << 1, kNan, 2, std::numeric_limits<double>::infinity(), 6;
   const Summary summary = summarize(values);
   EXPECT_DOUBLE_EQ(summary.mean, 3.0);
   EXPECT_DOUBLE_EQ(summary.std, std::sqrt(7.0));
@@ -25,7 +24,7 @@ TEST(Summary, OfTooFewValuesIsNan) {
   const Summary one = summarize(Vector::Constant(1, 5.0));
   EXPECT_EQ(one.mean, 5.0);
   EXPECT_TRUE(std::isnan(one.std));
-  const Summary none = summarize(Vector::Constant(2, kNaN));
+  const Summary none = summarize(Vector::Constant(2, kNan));
   EXPECT_TRUE(std::isnan(none.mean));
   EXPECT_TRUE(std::isnan(none.std));
   EXPECT_EQ(none.n, 0);

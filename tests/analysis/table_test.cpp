@@ -2,20 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
+#include "tests/special_values.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::analysis {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-Table small_table() {
+Table table_a2() {
   Table table;
   table.name = "table_a2";
   table.caption = "Fit to 5 recordings & more";
@@ -24,14 +21,14 @@ Table small_table() {
   Cell dtw = Summary{1071.2, 31.25, 4997, 3};
   dtw.notes = {table.footnote("3 of 5000 samples failed, < 1 %")};
   table.rows = {{"DTW dist.", {dtw, MeanStd{1070, 30}, "a|b_c"}},
-                {"RMSE", {MeanStd{0.2632, kNaN, 1}, MeanStd{0.263, 0.004}, {}}},
+                {"RMSE", {MeanStd{0.2632, kNan, 1}, MeanStd{0.263, 0.004}, {}}},
                 {"Samples", {5000.0, {}, "say \"x, y\""}}};
   table.command = "npdr report \\\n  furuta.toml";
   return table;
 }
 
 TEST(Table, AsMarkdownLinesUp) {
-  EXPECT_EQ(to_markdown(small_table()),
+  EXPECT_EQ(to_markdown(table_a2()),
             R"(Fit to 5 recordings & more
 
 | Metric    |           NPDR (MAF) | NPDR (MAF), published | Remark     |
@@ -50,7 +47,7 @@ Made by:
 }
 
 TEST(Table, AsCsvHasAllDigitsInColumnsOfTheirOwn) {
-  EXPECT_EQ(to_csv(small_table()),
+  EXPECT_EQ(to_csv(table_a2()),
             "Metric,NPDR (MAF) mean,NPDR (MAF) std,NPDR (MAF) n,\"NPDR (MAF), published mean\","
             "\"NPDR (MAF), published std\",\"NPDR (MAF), published n\",Remark\n"
             "DTW dist.,1071.2,31.25,4997,1070,30,,a|b_c\n"
@@ -59,7 +56,7 @@ TEST(Table, AsCsvHasAllDigitsInColumnsOfTheirOwn) {
 }
 
 TEST(Table, AsLatexUsesBooktabs) {
-  EXPECT_EQ(to_latex(small_table()),
+  EXPECT_EQ(to_latex(table_a2()),
             R"(% Needs \usepackage{booktabs,graphicx}; table* for both columns of a page
 % Made by:
 %   npdr report \
@@ -85,7 +82,7 @@ TEST(Table, AsLatexUsesBooktabs) {
 }
 
 TEST(Table, AsLatexAlignsMeansAtTheirSigns) {
-  Table table = small_table();
+  Table table = table_a2();
   table.rows.resize(1);
   table.rows[0] = {"[a]", {MeanStd{0.5, 0.1, 10}, Cell(), "b"}};
   const std::string latex = to_latex(table);
@@ -97,7 +94,7 @@ TEST(Table, AsLatexAlignsMeansAtTheirSigns) {
 }
 
 TEST(Table, AsHtmlEscapesItsText) {
-  EXPECT_EQ(to_html(small_table()),
+  EXPECT_EQ(to_html(table_a2()),
             R"(<figure class="table" id="table-table_a2">
 <figcaption>Fit to 5 recordings &amp; more</figcaption>
 <div class="scroll" tabindex="0"><table>
@@ -116,7 +113,7 @@ TEST(Table, AsHtmlEscapesItsText) {
 }
 
 TEST(Table, AsHtmlBreaksLongTextsIntoLines) {
-  Table table = small_table();
+  Table table = table_a2();
   table.rows.front().cells.back() = Cell("FAR above what can be reached");
   const std::string html = to_html(table);
   EXPECT_NE(html.find("<td class=\"words\">FAR above"), std::string::npos);
@@ -124,7 +121,7 @@ TEST(Table, AsHtmlBreaksLongTextsIntoLines) {
 }
 
 TEST(Table, AsHtmlCanBeFolded) {
-  Table table = small_table();
+  Table table = table_a2();
   table.is_folded = true;
   const std::string html = to_html(table);
   EXPECT_NE(html.find("<details>\n<summary>Fit to 5 recordings &amp; more</summary>\n<div"),
@@ -149,7 +146,7 @@ TEST(Table, WritesCountsFlushRightAndInFull) {
 
 TEST(Table, IsWrittenInEveryFormat) {
   const TempFolder folder;
-  const Table table = small_table();
+  const Table table = table_a2();
   write_table(table, folder.path() / "tables");
   EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.md"), to_markdown(table));
   EXPECT_EQ(read_text_file(folder.path() / "tables" / "table_a2.csv"), to_csv(table));
@@ -158,7 +155,7 @@ TEST(Table, IsWrittenInEveryFormat) {
 
 TEST(Table, RemovesAllOfItsFiles) {
   const TempFolder folder;
-  write_table(small_table(), folder.path());
+  write_table(table_a2(), folder.path());
   for (const auto& file : table_files("table_a2", folder.path())) {
     EXPECT_TRUE(std::filesystem::exists(file)) << file;
   }
@@ -182,13 +179,13 @@ TEST(Table, FootnoteMarksGoOnAfterZ) {
 }
 
 TEST(Table, RejectsRaggedRowsLooseNotesAndNamesThatAreNoFileNames) {
-  Table table = small_table();
+  Table table = table_a2();
   table.rows[1].cells.pop_back();
   EXPECT_THROW(table.check(), ShapeError);
-  table = small_table();
+  table = table_a2();
   table.rows[0].cells[0].notes = {1};
   EXPECT_THROW(to_markdown(table), ShapeError);
-  table = small_table();
+  table = table_a2();
   table.name = "../table";
   EXPECT_THROW(table.check(), InputError);
 }

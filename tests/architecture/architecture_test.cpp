@@ -7,11 +7,10 @@
 
 #include "core/text.h"
 #include "tests/architecture/include_rules.h"
+#include "tests/architecture/source_root.h"
 
 namespace npdr::architecture {
 namespace {
-
-const std::filesystem::path kRoot = NPDR_SOURCE_DIR;
 
 // The folders that the project is built from, in the words of its own CMakeLists.txt.
 std::vector<std::string> built_folders() {

@@ -8,13 +8,12 @@
 #include <set>
 
 #include "core/text.h"
+#include "tests/architecture/source_root.h"
 
 namespace npdr::architecture {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kRoot = NPDR_SOURCE_DIR;
 
 std::vector<fs::path> documents() {
   std::vector<fs::path> files;

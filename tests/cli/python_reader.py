@@ -26,7 +26,8 @@ if getattr(posterior, "role", "posterior") != "posterior":
 error = np.max(np.abs(found - expected))
 
 outside = posterior.log_prob(np.outer([1e3, -1e3], np.isfinite(theta[0])))
-samples = posterior.sample(len(theta), np.random.default_rng(1))
+fewer = {"num_candidates": 20_000} if getattr(posterior, "pool", {}) else {}  # than by default, for time
+samples = posterior.sample(len(theta), np.random.default_rng(1), **fewer)
 few = []  # of one network each
 if getattr(posterior, "role", "") == "posterior" and not posterior.pool:
     few = [posterior.sample(1, np.random.default_rng(seed)) for seed in range(10)]

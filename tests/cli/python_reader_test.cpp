@@ -63,7 +63,7 @@ class PythonReader : public ::testing::Test {
   }
 
   Outcome shell(const std::string& command) const {
-    const std::string path = "export PATH=" NPDR_BINARY_DIR "/bin:$PATH\n";
+    const std::string path = "export OPENBLAS_NUM_THREADS=1 PATH=" NPDR_BINARY_DIR "/bin:$PATH\n";
     return run(folder_.path(), {"/bin/bash", "-c", path + command});
   }
 
@@ -75,7 +75,7 @@ class PythonReader : public ::testing::Test {
 
   void expect_reads(const std::string& posterior) const {
     const Outcome outcome =
-        shell("set -e; npdr sample " + posterior + " -n 4000 > theta.csv; npdr log-prob " +
+        shell("set -e; npdr sample " + posterior + " -n 1000 > theta.csv; npdr log-prob " +
               posterior + " theta.csv > log_prob.csv; " + python_ + " " +
               (kSources / "tests/cli/python_reader.py").string() + " " +
               (kSources / "python").string() + " " + posterior + " theta.csv log_prob.csv");

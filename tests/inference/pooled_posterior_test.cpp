@@ -48,7 +48,7 @@ constexpr double kCell = 4.0 / kCells;
 // Centers of cells of the prior's range.
 RowMatrix grid() { return Vector::LinSpaced(kCells, -1.0 + 0.5 * kCell, 3.0 - 0.5 * kCell); }
 
-const StreamId kId{1, "posterior", 0, 0, 0};
+const StreamId kPoolId{1, "posterior", 0, 0, 0};
 
 TEST(PooledPosterior, DensityIsThePoolOfBothAndIntegratesToOne) {
   for (const PoolPowers powers :
@@ -72,7 +72,7 @@ TEST(PooledPosterior, DensityIsThePoolOfBothAndIntegratesToOne) {
 // Both are means of the same weights over draws of q: one to 0.02 nats, one over the candidates.
 TEST(PooledPosterior, DrawingEstimatesItsNormalizer) {
   const PooledPosterior pool(some_pool({0.6, 0.9}));
-  const Samples samples = pool.draw(1300, kId);
+  const Samples samples = pool.draw(1300, kPoolId);
   ASSERT_TRUE(samples.report);
   const auto candidates = static_cast<double>(samples.report->num_evaluations);
   const double efficiency = samples.report->ess(0) / candidates;
@@ -84,7 +84,7 @@ TEST(PooledPosterior, DrawingEstimatesItsNormalizer) {
 
 TEST(PooledPosterior, SamplesHaveTheQuantilesOfTheDensity) {
   const PooledPosterior pool(some_pool({0.4, 0.9}));
-  const Samples samples = pool.draw(5000, kId);
+  const Samples samples = pool.draw(5000, kPoolId);
   const Vector density = pool.log_prob(grid()).array().exp();
   for (const double at : {0.0, 0.5, 1.0, 1.5, 2.0}) {
     const Index below = static_cast<Index>((at + 1.0) / kCell);
@@ -105,7 +105,7 @@ TEST(PooledPosterior, DrawsThatRepeatEachOtherMoveToTheirDensity) {
   parts.parameters.setZero();
   parts.parameters.tail(16)(0) = 2.6f;
   constexpr Index n = 2000;
-  const Samples samples = PooledPosterior(parts).draw(n, kId);
+  const Samples samples = PooledPosterior(parts).draw(n, kPoolId);
   ASSERT_TRUE(samples.report);
   ASSERT_LT(samples.report->ess(0), 2.0 * n);
   const std::set<double> different(samples.theta.data(), samples.theta.data() + n);
@@ -120,9 +120,9 @@ TEST(PooledPosterior, DrawsThatRepeatEachOtherMoveToTheirDensity) {
 
 TEST(PooledPosterior, ASampleDependsOnItsRowAlone) {
   const PooledPosterior pool(some_pool({0.4, 0.9}));
-  const RowMatrix many = pool.sample(1300, kId);
-  EXPECT_EQ(pool.sample(7, kId), many.topRows(7));
-  EXPECT_EQ(pool.sample(900, kId), many.topRows(900));
+  const RowMatrix many = pool.sample(1300, kPoolId);
+  EXPECT_EQ(pool.sample(7, kPoolId), many.topRows(7));
+  EXPECT_EQ(pool.sample(900, kPoolId), many.topRows(900));
   const std::set<double> different(many.data(), many.data() + many.size());
   EXPECT_GT(different.size(), 1100u);
 }
@@ -131,7 +131,7 @@ TEST(PooledPosterior, WithoutALikelihoodIsThePosteriorItself) {
   const NetworkParts parts = some_pool({1.0, 0.0});
   const PooledPosterior pool(parts);
   const auto alone = make_posterior(posterior_parts(parts));
-  EXPECT_EQ(pool.sample(700, kId), alone->sample(700, kId));
+  EXPECT_EQ(pool.sample(700, kPoolId), alone->sample(700, kPoolId));
   EXPECT_EQ(pool.log_prob(grid()), alone->log_prob(grid()));
 }
 
@@ -142,7 +142,7 @@ TEST(PooledPosterior, TakesLessOfALikelihoodThatContradictsIt) {
   EXPECT_GE(pool.powers().likelihood, 0.0);
   EXPECT_DOUBLE_EQ(pool.powers().posterior, 1.0 - 0.5 * pool.powers().likelihood);
   EXPECT_TRUE(pool.log_prob(grid()).array().isFinite().all());
-  EXPECT_GE(pool.draw(500, kId).report->ess(0), 500.0);
+  EXPECT_GE(pool.draw(500, kPoolId).report->ess(0), 500.0);
 }
 
 TEST(PooledPosterior, WhatANetworkDoesntKnowWeighsNothing) {

@@ -10,7 +10,7 @@
 namespace npdr::inference {
 namespace {
 
-const StreamId kId{1, "proposal", 2, 0, 0};
+const StreamId kProposalId{1, "proposal", 2, 0, 0};
 
 // A posterior of D parameters that correlate, and are known to a third of the prior's deviations.
 std::shared_ptr<const NetworkPosterior> some_posterior(Index dimension) {
@@ -54,7 +54,7 @@ TEST(TruncatedPrior, DrawsThePriorWithinTheRegion) {
   const auto posterior = some_posterior(3);
   const TruncatedPrior truncated(*posterior);
   constexpr Index n = 5000;
-  const RowMatrix drawn = truncated.sample(n, kId);
+  const RowMatrix drawn = truncated.sample(n, kProposalId);
   EXPECT_EQ(truncated.rows_within(drawn).size(), static_cast<std::size_t>(n));
   const RowMatrix prior = sample_prior(posterior->prior(), 400'000, {3, "prior", 0, 0, 0});
   const RowMatrix within = prior(truncated.rows_within(prior), Eigen::all);
@@ -99,10 +99,10 @@ TEST(TruncatedPrior, DoesntDependOnTheScaleOfParameters) {
 TEST(TruncatedPrior, RowsDependOnNoOthers) {
   const auto posterior = some_posterior(2);
   const TruncatedPrior truncated(*posterior);
-  const RowMatrix many = truncated.sample(1200, kId);
-  EXPECT_EQ(truncated.sample(700, kId), many.topRows(700));
-  EXPECT_EQ(TruncatedPrior(*posterior).sample(700, kId), many.topRows(700));
-  StreamId second = kId;
+  const RowMatrix many = truncated.sample(1200, kProposalId);
+  EXPECT_EQ(truncated.sample(700, kProposalId), many.topRows(700));
+  EXPECT_EQ(TruncatedPrior(*posterior).sample(700, kProposalId), many.topRows(700));
+  StreamId second = kProposalId;
   second.row = 500;
   EXPECT_EQ(truncated.sample(500, second), many.middleRows(500, 500));
 }
@@ -110,7 +110,7 @@ TEST(TruncatedPrior, RowsDependOnNoOthers) {
 // No two are the same, however few of the candidates count.
 TEST(TruncatedPrior, DrawsDiffer) {
   const auto posterior = some_posterior(12);
-  const RowMatrix drawn = TruncatedPrior(*posterior).sample(500, kId);
+  const RowMatrix drawn = TruncatedPrior(*posterior).sample(500, kProposalId);
   std::vector<double> first(drawn.col(0).begin(), drawn.col(0).end());
   std::ranges::sort(first);
   EXPECT_EQ(std::ranges::adjacent_find(first), first.end());

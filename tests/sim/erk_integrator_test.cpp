@@ -14,16 +14,16 @@ namespace npdr::sim {
 namespace {
 
 constexpr double kDt = 0.1;
-constexpr Index kSteps = 20;
+constexpr Index kErkSteps = 20;
 const std::vector<double> kStart(kLaneBlock, 2.0);
 
 double error_of(Integrator method, Index substeps) {
   ForcedDecay problem;
   ErkIntegrator integrator(method, problem, kDt, substeps);
-  integrator.integrate(0, kSteps, kStart.data());
+  integrator.integrate(0, kErkSteps, kStart.data());
   double worst = 0.0;
   for (Index i = 0; i < kLaneBlock; ++i) {
-    const double exact = ForcedDecay::exact(2.0, i, 0, kSteps, kDt);
+    const double exact = ForcedDecay::exact(2.0, i, 0, kErkSteps, kDt);
     worst = std::max(worst, std::abs(problem.final_state[static_cast<std::size_t>(i)] - exact));
   }
   return worst;
@@ -41,8 +41,8 @@ TEST(ErkIntegrator, EvaluatesTheRightHandSideOncePerStageAndOnceMore) {
        {std::pair{Integrator::erk2, 2}, {Integrator::erk4, 4}, {Integrator::erk5, 6}}) {
     ForcedDecay problem;
     ErkIntegrator integrator(method, problem, kDt, 3);
-    integrator.integrate(0, kSteps, kStart.data());
-    EXPECT_EQ(problem.num_rhs, stages * 3 * kSteps + 1) << name_of(method);
+    integrator.integrate(0, kErkSteps, kStart.data());
+    EXPECT_EQ(problem.num_rhs, stages * 3 * kErkSteps + 1) << name_of(method);
   }
 }
 
@@ -59,8 +59,8 @@ TEST(ErkIntegrator, StartsAgainFromAnotherState) {
   ForcedDecay fresh, used;
   ErkIntegrator first(Integrator::erk4, fresh, kDt, 1), second(Integrator::erk4, used, kDt, 1);
   second.integrate(3, 17, std::vector<double>(kLaneBlock, -9.0).data());
-  second.integrate(0, kSteps, kStart.data());
-  first.integrate(0, kSteps, kStart.data());
+  second.integrate(0, kErkSteps, kStart.data());
+  first.integrate(0, kErkSteps, kStart.data());
   EXPECT_EQ(fresh.final_state, used.final_state);
 }
 
@@ -71,8 +71,8 @@ TEST(ErkIntegrator, ALaneThatDivergedLeavesTheOthersAloneAndIsNotReported) {
   start[5] = std::numeric_limits<double>::infinity();
   testing::internal::CaptureStderr();
   testing::internal::CaptureStdout();
-  ErkIntegrator(Integrator::erk4, healthy, kDt, 1).integrate(0, kSteps, kStart.data());
-  ErkIntegrator(Integrator::erk4, sick, kDt, 1).integrate(0, kSteps, start.data());
+  ErkIntegrator(Integrator::erk4, healthy, kDt, 1).integrate(0, kErkSteps, kStart.data());
+  ErkIntegrator(Integrator::erk4, sick, kDt, 1).integrate(0, kErkSteps, start.data());
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   for (const std::size_t i : {0u, 1u, 2u, 4u, 6u, 7u}) {

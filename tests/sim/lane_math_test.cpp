@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "core/random.h"
 #include "sim/lanes.h"
+#include "tests/special_values.h"
 
 namespace npdr::sim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> uniform_values(double limit, std::size_t count) {
   Stream stream({1, "lane_math", 0, 0, 0});

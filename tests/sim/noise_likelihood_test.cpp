@@ -12,7 +12,7 @@
 namespace npdr::sim {
 namespace {
 
-constexpr Index kSteps = 40;
+constexpr Index kNoisySteps = 40;
 
 ChannelNoise noise_of(bool is_correlated, bool is_heavy_tailed, double deviation) {
   return {.scale = {0.2, deviation},
@@ -23,7 +23,8 @@ ChannelNoise noise_of(bool is_correlated, bool is_heavy_tailed, double deviation
 }
 
 NoiseModel model_of(const ChannelNoise& noise, Index rollouts = 2) {
-  return NoiseModel({noise}, RowMatrix::Constant(rollouts, 1, 3.0), stored_restarts(kSteps, 10, 1));
+  return NoiseModel({noise}, RowMatrix::Constant(rollouts, 1, 3.0),
+                    stored_restarts(kNoisySteps, 10, 1));
 }
 
 // Errors of the model itself.
@@ -133,7 +134,7 @@ TEST(NoiseLikelihood, LeavesARolloutOut) {
   const NoiseModel both = model_of(noise_of(true, true, 1.0)),
                    one = model_of(noise_of(true, true, 1.0), 1);
   const std::vector<float> errors = errors_of(both, 5);
-  const std::vector<float> second(errors.begin() + kSteps, errors.end());
+  const std::vector<float> second(errors.begin() + kNoisySteps, errors.end());
   EXPECT_NEAR(NoiseLikelihood(both, errors)
                   .log_likelihood_without(0, std::vector<float>(errors.size(), 0.0f)),
               NoiseLikelihood(one, second).log_likelihood(std::vector<float>(second.size(), 0.0f)),
@@ -153,7 +154,8 @@ TEST(NoiseLikelihood, DrawsTheParametersThatMadeTheErrors) {
   // 4000 errors tell scale, correlation and degrees of freedom to some percent; the prior's
   // medians, which the errors were made with, lie within four deviations of the draws.
   ChannelNoise known = noise_of(true, true, 0.0);
-  const NoiseModel model({known}, RowMatrix::Constant(100, 1, 3.0), stored_restarts(kSteps, 0, 1));
+  const NoiseModel model({known}, RowMatrix::Constant(100, 1, 3.0),
+                         stored_restarts(kNoisySteps, 0, 1));
   const std::vector<float> errors = errors_of(model, 7), none(errors.size(), 0.0f);
   const NoiseLikelihood likelihood(
       NoiseModel({noise_of(true, true, 1.0)}, RowMatrix::Constant(100, 1, 3.0), model.restarts()),
@@ -194,17 +196,17 @@ TEST(NoiseLikelihood, OfStatesThatAreMetExactlyIsThatOfTheirRounding) {
 TEST(NoiseLikelihood, OfAFailedSimulationIsZero) {
   const NoiseModel model = model_of(noise_of(false, false, 1.0));
   const NoiseLikelihood likelihood(model, errors_of(model, 1));
-  const std::vector<float> failed(2 * kSteps, std::numeric_limits<float>::quiet_NaN());
+  const std::vector<float> failed(2 * kNoisySteps, std::numeric_limits<float>::quiet_NaN());
   EXPECT_EQ(likelihood.log_likelihood(failed), -std::numeric_limits<double>::infinity());
 }
 
 TEST(NoiseLikelihood, RefusesChannelsThatCannotHaveNoise) {
-  const std::vector<float> zeros(2 * kSteps);
+  const std::vector<float> zeros(2 * kNoisySteps);
   ChannelNoise silent = noise_of(false, false, 0.0);
   silent.scale.median = 0.0;
   EXPECT_THROW(NoiseLikelihood(model_of(silent), zeros).require_density(), InputError);
   const NoiseModel still({noise_of(false, false, 1.0)}, RowMatrix::Zero(2, 1),
-                         stored_restarts(kSteps, 0, 1));
+                         stored_restarts(kNoisySteps, 0, 1));
   EXPECT_THROW(NoiseLikelihood(still, zeros).require_density(), InputError);
   EXPECT_NO_THROW(NoiseLikelihood(model_of(noise_of(false, false, 1.0)), zeros).require_density());
   EXPECT_THROW(NoiseLikelihood(model_of(noise_of(false, false, 1.0)), std::vector<float>(3)),
@@ -214,9 +216,10 @@ TEST(NoiseLikelihood, RefusesChannelsThatCannotHaveNoise) {
 TEST(NoiseLikelihood, DrawsParametersOfSilentChannelsFromTheirPriors) {
   ChannelNoise silent = noise_of(true, false, 1.0);
   silent.scale = {};
-  const NoiseLikelihood likelihood(model_of(silent), std::vector<float>(2 * kSteps));
+  const NoiseLikelihood likelihood(model_of(silent), std::vector<float>(2 * kNoisySteps));
   Stream stream(StreamId{1, "draws", 0, 0, 0}), same(StreamId{1, "draws", 0, 0, 0});
-  const NoiseValues values = likelihood.draw_values(std::vector<float>(2 * kSteps), stream).front();
+  const NoiseValues values =
+      likelihood.draw_values(std::vector<float>(2 * kNoisySteps), stream).front();
   const NoiseValues expected = model_of(silent).draw_values(same).front();
   EXPECT_EQ(values.scale, 0.0);
   EXPECT_EQ(values.correlation, expected.correlation);

@@ -13,11 +13,11 @@
 #include "tests/sim/hybrid_controller.h"
 #include "tests/sim/ode_checks.h"
 #include "tests/sim/policy_rows.h"
+#include "tests/special_values.h"
 
 namespace npdr::sim {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Row i of the rows.

@@ -6,16 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <vector>
 
 #include "core/random.h"
 #include "sim/simulator.h"
+#include "tests/special_values.h"
 
 namespace npdr::sim {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::unique_ptr<Simulator> furuta(const SimulatorConfig& settings = {}) {
   SimulatorConfig config = settings;

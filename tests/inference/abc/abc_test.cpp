@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "inference/abc/abc_smc.h"
@@ -12,11 +11,10 @@
 #include "inference/weighted_moments.h"
 #include "tests/inference/tasks.h"
 #include "tests/message_of.h"
+#include "tests/special_values.h"
 
 namespace npdr::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(Acceptance, TakesTheNearestAndOfTiesTheFirst) {
   Vector distances(8);

@@ -14,7 +14,7 @@
 namespace npdr::inference {
 namespace {
 
-const StreamId kId{1, "c2st", 0, 0, 0};
+const StreamId kC2stId{1, "c2st", 0, 0, 0};
 
 // Four standard errors: false-alarm rate 6e-5, fixed seed.
 TEST(TwoSamples, CountRowsThatAreThereAgain) {
@@ -24,7 +24,7 @@ TEST(TwoSamples, CountRowsThatAreThereAgain) {
 }
 
 TEST(C2st, OfTheSameDistributionIsAHalf) {
-  const C2st found = c2st(gaussian(2000, 3, 1), gaussian(2000, 3, 2), kId);
+  const C2st found = c2st(gaussian(2000, 3, 1), gaussian(2000, 3, 2), kC2stId);
   EXPECT_NEAR(found.accuracy, 0.5, 4.0 * found.standard_error);
 }
 
@@ -34,7 +34,8 @@ TEST(C2st, OfTheSameDistributionIsAHalf) {
 TEST(C2st, OfShiftedGaussiansApproachesTheBestAccuracyFromBelow) {
   for (const double shift : {0.5, 1.0, 2.0}) {
     constexpr Index d = 2;
-    const C2st found = c2st(gaussian(2000, d, 1), gaussian(2000, d, 2, shift / std::sqrt(d)), kId);
+    const C2st found =
+        c2st(gaussian(2000, d, 1), gaussian(2000, d, 2, shift / std::sqrt(d)), kC2stId);
     const double best = normal_cdf(shift / 2.0);
     EXPECT_LT(found.accuracy, best + 4.0 * found.standard_error) << shift;
     EXPECT_GT(found.accuracy, best - 4.0 * found.standard_error - 0.02) << shift;
@@ -43,54 +44,54 @@ TEST(C2st, OfShiftedGaussiansApproachesTheBestAccuracyFromBelow) {
 
 // The same mean, half the deviation: only the second sample's spread tells.
 TEST(C2st, SeesADifferenceInSpread) {
-  EXPECT_GT(c2st(gaussian(1000, 2, 1), gaussian(1000, 2, 2, 0.0, 0.5), kId).accuracy, 0.65);
+  EXPECT_GT(c2st(gaussian(1000, 2, 1), gaussian(1000, 2, 2, 0.0, 0.5), kC2stId).accuracy, 0.65);
 }
 
 TEST(C2st, OfDisjointSamplesIsOne) {
-  EXPECT_EQ(c2st(gaussian(200, 2, 1), gaussian(200, 2, 2, 100.0), kId).accuracy, 1.0);
+  EXPECT_EQ(c2st(gaussian(200, 2, 1), gaussian(200, 2, 2, 100.0), kC2stId).accuracy, 1.0);
 }
 
 TEST(C2st, UnitsDontMatter) {
   const RowMatrix first = gaussian(200, 2, 1), second = gaussian(200, 2, 2, 0.5);
   // A power of two: no rounding.
-  EXPECT_EQ(c2st(first * 0x1p-30, second * 0x1p-30, kId).accuracy,
-            c2st(first, second, kId).accuracy);
+  EXPECT_EQ(c2st(first * 0x1p-30, second * 0x1p-30, kC2stId).accuracy,
+            c2st(first, second, kC2stId).accuracy);
 }
 
 // The second sample lies 10^40 deviations of the first away, beyond single precision.
 TEST(C2st, OfAPointAndAnotherIsOne) {
   const RowMatrix narrow = gaussian(50, 1, 1, 0.0, 1e-40);
-  EXPECT_EQ(c2st(narrow, RowMatrix::Ones(50, 1), kId).accuracy, 1.0);
+  EXPECT_EQ(c2st(narrow, RowMatrix::Ones(50, 1), kC2stId).accuracy, 1.0);
 }
 
 // Squares of the first sample leave the range of double.
 TEST(C2st, TellsApartWhatDiffersByAnyMagnitude) {
   const RowMatrix usual = gaussian(100, 1, 1), huge = gaussian(100, 1, 2, 0.0, 1e307);
   const RowMatrix tiny = gaussian(100, 1, 3, 0.0, 1e-307);
-  EXPECT_GT(c2st(huge, usual, kId).accuracy, 0.8);
-  EXPECT_GT(c2st(usual, huge, kId).accuracy, 0.8);
-  EXPECT_GT(c2st(tiny, usual, kId).accuracy, 0.8);
-  EXPECT_LT(c2st(huge, gaussian(100, 1, 4, 0.0, 1e307), kId).accuracy, 0.7);
+  EXPECT_GT(c2st(huge, usual, kC2stId).accuracy, 0.8);
+  EXPECT_GT(c2st(usual, huge, kC2stId).accuracy, 0.8);
+  EXPECT_GT(c2st(tiny, usual, kC2stId).accuracy, 0.8);
+  EXPECT_LT(c2st(huge, gaussian(100, 1, 4, 0.0, 1e307), kC2stId).accuracy, 0.7);
 }
 
 TEST(C2st, SameBitsForAnyThreadCount) {
   const RowMatrix first = gaussian(203, 2, 1), second = gaussian(203, 2, 2, 0.5);
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);
-  const Vector one = c2st(first, second, kId).fold_accuracy;
+  const Vector one = c2st(first, second, kC2stId).fold_accuracy;
   omp_set_num_threads(3);
-  EXPECT_EQ(c2st(first, second, kId).fold_accuracy, one);
+  EXPECT_EQ(c2st(first, second, kC2stId).fold_accuracy, one);
   omp_set_num_threads(threads);
 }
 
 TEST(C2st, RejectsWhatCantBeCompared) {
   const RowMatrix good = gaussian(20, 2, 1);
-  EXPECT_THROW(c2st(good, gaussian(20, 3, 2), kId), ShapeError);
-  EXPECT_THROW(c2st(good, gaussian(19, 2, 2), kId), ShapeError);
-  EXPECT_THROW(c2st(good.topRows(9), good.topRows(9), kId), InputError);
+  EXPECT_THROW(c2st(good, gaussian(20, 3, 2), kC2stId), ShapeError);
+  EXPECT_THROW(c2st(good, gaussian(19, 2, 2), kC2stId), ShapeError);
+  EXPECT_THROW(c2st(good.topRows(9), good.topRows(9), kC2stId), InputError);
   RowMatrix broken = good;
   broken(3, 1) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(c2st(good, broken, kId), InputError);
+  EXPECT_THROW(c2st(good, broken, kC2stId), InputError);
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kNumSimulations = 300;
-const StreamId kId{1, "", 0, 0, 0};
+constexpr Index kNumCalibrations = 300;
+const StreamId kCalibrationId{1, "", 0, 0, 0};
 
 struct Verdicts {
   Sbc sbc;
@@ -26,11 +26,11 @@ Vector spread(const VectorX<std::int64_t>& ranks, Index num_samples, std::string
 
 Verdicts judge(const Fault& fault) {
   const LinearGaussian task(2);
-  const RowMatrix theta = sample_prior(task.prior(), kNumSimulations, 1);
+  const RowMatrix theta = sample_prior(task.prior(), kNumCalibrations, 1);
   const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
   const CalibrationRanks ranks =
-      rank_truths(amortized(task, fault), theta, x, {.num_samples = 200}, kId);
-  RowMatrix of_parameters(kNumSimulations, 2);
+      rank_truths(amortized(task, fault), theta, x, {.num_samples = 200}, kCalibrationId);
+  RowMatrix of_parameters(kNumCalibrations, 2);
   of_parameters << spread(ranks.parameter.col(0), 200, "first"),
       spread(ranks.parameter.col(1), 200, "second");
   return {test_sbc(of_parameters), measure_coverage(spread(ranks.density, 200, "density")),
@@ -53,7 +53,7 @@ TEST(Calibration, CoverageOfAWrongWidthIsKnown) {
     for (Index i = 10; i < 100; i += 20) {
       const double expected = 1.0 - std::pow(1.0 - found.level(i), width * width);
       // Four standard errors (false-alarm rate 6e-5 each), and the ranks' own width.
-      const double error = std::sqrt(expected * (1.0 - expected) / kNumSimulations);
+      const double error = std::sqrt(expected * (1.0 - expected) / kNumCalibrations);
       EXPECT_NEAR(found.coverage(i), expected, 4.0 * error + 0.005) << width << ' ' << i;
     }
   }
@@ -67,7 +67,7 @@ TEST(Calibration, TheDensityOfTruthsIsKnown) {
     const double expected =
         -std::log(2.0 * M_PI) - half_log_det - 2.0 * std::log(w) - 1.0 / (w * w);
     // Four standard errors of an exponential variable over w^2 (false-alarm rate 6e-5 each).
-    const double error = 1.0 / (w * w) / std::sqrt(static_cast<double>(kNumSimulations));
+    const double error = 1.0 / (w * w) / std::sqrt(static_cast<double>(kNumCalibrations));
     EXPECT_NEAR(judge({.width = w}).mean_log_prob, expected, 4.0 * error) << w;
   }
 }
@@ -94,9 +94,9 @@ TEST(Calibration, ASimulationDependsOnItsOwnNumberAlone) {
   const RowMatrix theta = sample_prior(task.prior(), 10, 1);
   const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
   const CalibrationRanks none{.num_samples = 50};
-  const CalibrationRanks all = rank_truths(amortized(task), theta, x, none, kId);
+  const CalibrationRanks all = rank_truths(amortized(task), theta, x, none, kCalibrationId);
   const CalibrationRanks some =
-      rank_truths(amortized(task), theta.topRows(4), x.topRows(4), none, kId);
+      rank_truths(amortized(task), theta.topRows(4), x.topRows(4), none, kCalibrationId);
   EXPECT_EQ(some.num_done, 4);
   EXPECT_EQ(some.parameter, all.parameter.topRows(4));
   EXPECT_EQ(some.density, all.density.head(4));
@@ -104,8 +104,9 @@ TEST(Calibration, ASimulationDependsOnItsOwnNumberAlone) {
   EXPECT_EQ(some.theta, all.theta.topRows(4));
   EXPECT_EQ(some.log_prob, all.log_prob.head(4));
   EXPECT_NE(all.theta.row(0), all.theta.row(1));
-  EXPECT_THROW(rank_truths(amortized(task), theta, x.topRows(3), none, kId), ShapeError);
-  EXPECT_THROW(rank_truths(amortized(task), theta.topRows(3), x.topRows(3), some, kId), ShapeError)
+  EXPECT_THROW(rank_truths(amortized(task), theta, x.topRows(3), none, kCalibrationId), ShapeError);
+  EXPECT_THROW(rank_truths(amortized(task), theta.topRows(3), x.topRows(3), some, kCalibrationId),
+               ShapeError)
       << "more are done than there are";
 }
 
@@ -114,13 +115,13 @@ TEST(Calibration, GoesOnWithTheSameBits) {
   const RowMatrix theta = sample_prior(task.prior(), 10, 1);
   const RowMatrixF x = simulate(task.simulator(), theta, 1, 1);
   CalibrationRanks kept;
-  const CalibrationRanks all = rank_truths(amortized(task), theta, x, {.num_samples = 50}, kId,
-                                           [&](const CalibrationRanks& ranks) {
+  const CalibrationRanks all = rank_truths(amortized(task), theta, x, {.num_samples = 50},
+                                           kCalibrationId, [&](const CalibrationRanks& ranks) {
                                              if (ranks.num_done == 6) kept = ranks;
                                            });
   kept.resize(6, 2);
   Index num_calls = 0;
-  const CalibrationRanks resumed = rank_truths(amortized(task), theta, x, kept, kId,
+  const CalibrationRanks resumed = rank_truths(amortized(task), theta, x, kept, kCalibrationId,
                                                [&](const CalibrationRanks&) { ++num_calls; });
   EXPECT_EQ(num_calls, 4);
   EXPECT_EQ(resumed.num_done, 10);

@@ -12,7 +12,7 @@
 namespace npdr::inference {
 namespace {
 
-const StreamId kId{1, "failures", 0, 0, 0};
+const StreamId kFailuresId{1, "failures", 0, 0, 0};
 
 std::vector<bool> rows_where(const RowMatrix& u,
                              const std::function<bool(const Eigen::RowVectorXd&)>& fails) {
@@ -47,7 +47,7 @@ TEST(FailureDependence, FalseAlarmsAreAsRareAsTheySay) {
 TEST(FailureDependence, FindsABorderAmongManyParameters) {
   const RowMatrix u = gaussian(500, 20, 1);
   const FailureDependence found =
-      test_failures(u, rows_where(u, [](const auto& row) { return row(7) > 1.7; }), kId);
+      test_failures(u, rows_where(u, [](const auto& row) { return row(7) > 1.7; }), kFailuresId);
   EXPECT_LT(found.p_value, 1e-4);
   EXPECT_EQ(found.term, (std::pair<Index, Index>{7, -1}));
   EXPECT_GT(found.shift, 1.5);
@@ -57,12 +57,12 @@ TEST(FailureDependence, FindsABorderAmongManyParameters) {
 // Neither is to be seen in any mean.
 TEST(FailureDependence, FindsBothEndsAndPairs) {
   const RowMatrix u = gaussian(500, 5, 2);
-  const FailureDependence ends =
-      test_failures(u, rows_where(u, [](const auto& row) { return std::abs(row(2)) > 1.9; }), kId);
+  const FailureDependence ends = test_failures(
+      u, rows_where(u, [](const auto& row) { return std::abs(row(2)) > 1.9; }), kFailuresId);
   EXPECT_LT(ends.p_value, 1e-3);
   EXPECT_EQ(ends.term, (std::pair<Index, Index>{2, 2}));
-  const FailureDependence pair =
-      test_failures(u, rows_where(u, [](const auto& row) { return row(1) * row(3) > 1.3; }), kId);
+  const FailureDependence pair = test_failures(
+      u, rows_where(u, [](const auto& row) { return row(1) * row(3) > 1.3; }), kFailuresId);
   EXPECT_LT(pair.p_value, 1e-3);
   EXPECT_EQ(pair.term, (std::pair<Index, Index>{1, 3}));
 }
@@ -70,7 +70,7 @@ TEST(FailureDependence, FindsBothEndsAndPairs) {
 TEST(FailureDependence, FindsTheSameWhereMostRowsFail) {
   const RowMatrix u = gaussian(300, 3, 3);
   const FailureDependence found =
-      test_failures(u, rows_where(u, [](const auto& row) { return row(0) > -1.0; }), kId);
+      test_failures(u, rows_where(u, [](const auto& row) { return row(0) > -1.0; }), kFailuresId);
   EXPECT_LT(found.p_value, 1e-4);
   EXPECT_EQ(found.term, (std::pair<Index, Index>{0, -1}));
   EXPECT_GT(found.shift, 1.0);
@@ -78,19 +78,19 @@ TEST(FailureDependence, FindsTheSameWhereMostRowsFail) {
 
 TEST(FailureDependence, NothingIsSaidOfNothing) {
   const RowMatrix u = gaussian(50, 2, 1);
-  EXPECT_EQ(test_failures(u, std::vector<bool>(50, false), kId).p_value, 1.0);
-  EXPECT_EQ(test_failures(u, std::vector<bool>(50, true), kId).p_value, 1.0);
-  EXPECT_GT(test_failures(RowMatrix::Zero(50, 2), any_rows(50), kId).p_value, 0.5);
-  EXPECT_THROW(test_failures(u, std::vector<bool>(49), kId), ShapeError);
+  EXPECT_EQ(test_failures(u, std::vector<bool>(50, false), kFailuresId).p_value, 1.0);
+  EXPECT_EQ(test_failures(u, std::vector<bool>(50, true), kFailuresId).p_value, 1.0);
+  EXPECT_GT(test_failures(RowMatrix::Zero(50, 2), any_rows(50), kFailuresId).p_value, 0.5);
+  EXPECT_THROW(test_failures(u, std::vector<bool>(49), kFailuresId), ShapeError);
 }
 
 TEST(FailureDependence, SameBitsForAnyThreadCount) {
   const RowMatrix u = gaussian(200, 3, 1);
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);
-  const double one = test_failures(u, any_rows(200), kId).p_value;
+  const double one = test_failures(u, any_rows(200), kFailuresId).p_value;
   omp_set_num_threads(3);
-  EXPECT_EQ(test_failures(u, any_rows(200), kId).p_value, one);
+  EXPECT_EQ(test_failures(u, any_rows(200), kFailuresId).p_value, one);
   omp_set_num_threads(threads);
 }
 

@@ -9,7 +9,7 @@
 namespace npdr::inference {
 namespace {
 
-const StreamId kId{1, "local_c2st", 0, 0, 0};
+const StreamId kLocalC2stId{1, "local_c2st", 0, 0, 0};
 constexpr Index kNumSimulations = 300;
 
 // Data of the linear-Gaussian task, whose prior is N(0, I) already, at its tenth simulation.
@@ -28,12 +28,12 @@ LocalC2stData data_of(const Fault& fault) {
 
 // False-alarm rate 1 %, fixed seed.
 TEST(LocalC2st, TheExactPosteriorPasses) {
-  EXPECT_GT(local_c2st(data_of({}), kId, {.num_trials = 60}).p_value, 0.01);
+  EXPECT_GT(local_c2st(data_of({}), kLocalC2stId, {.num_trials = 60}).p_value, 0.01);
 }
 
 TEST(LocalC2st, AWrongPosteriorFails) {
-  EXPECT_LT(local_c2st(data_of({.width = 0.4}), kId, {.num_trials = 60}).p_value, 0.01);
-  EXPECT_LT(local_c2st(data_of({.shift = 1.5}), kId, {.num_trials = 60}).p_value, 0.01);
+  EXPECT_LT(local_c2st(data_of({.width = 0.4}), kLocalC2stId, {.num_trials = 60}).p_value, 0.01);
+  EXPECT_LT(local_c2st(data_of({.shift = 1.5}), kLocalC2stId, {.num_trials = 60}).p_value, 0.01);
 }
 
 TEST(LocalC2st, SameBitsForAnyThreadCount) {
@@ -41,9 +41,9 @@ TEST(LocalC2st, SameBitsForAnyThreadCount) {
   const LocalC2stConfig config{.num_trials = 3, .max_epochs = 5};
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);
-  const LocalC2st one = local_c2st(data, kId, config);
+  const LocalC2st one = local_c2st(data, kLocalC2stId, config);
   omp_set_num_threads(3);
-  const LocalC2st three = local_c2st(data, kId, config);
+  const LocalC2st three = local_c2st(data, kLocalC2stId, config);
   omp_set_num_threads(threads);
   EXPECT_EQ(one.statistic, three.statistic);
   EXPECT_EQ(one.null, three.null);
@@ -52,12 +52,12 @@ TEST(LocalC2st, SameBitsForAnyThreadCount) {
 TEST(LocalC2st, RejectsWhatDoesntGoTogether) {
   LocalC2stData data = data_of({});
   data.x_o.conservativeResize(1);
-  EXPECT_THROW(local_c2st(data, kId), ShapeError);
+  EXPECT_THROW(local_c2st(data, kLocalC2stId), ShapeError);
   data = data_of({});
   data.u.conservativeResize(39, Eigen::NoChange);
   data.u_sampled.conservativeResize(39, Eigen::NoChange);
   data.x.conservativeResize(39, Eigen::NoChange);
-  EXPECT_THROW(local_c2st(data, kId), InputError);
+  EXPECT_THROW(local_c2st(data, kLocalC2stId), InputError);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace npdr::inference {
 namespace {
 
-const StreamId kId{1, "classifier", 0, 0, 0};
+const StreamId kClassifierId{1, "classifier", 0, 0, 0};
 
 ClassifierConfig small() {
   ClassifierConfig config;
@@ -29,7 +29,7 @@ TEST(MlpClassifier, LearnsABorderThatIsNoLine) {
   const RowMatrixF x = gaussian(2000, 2, 1).cast<float>();
   const VectorF classes = (x.col(0).array() * x.col(1).array() > 0.0f).cast<float>();
   MlpClassifier classifier(2, small());
-  classifier.train(x.topRows(1000), classes.head(1000), kId);
+  classifier.train(x.topRows(1000), classes.head(1000), kClassifierId);
   EXPECT_GT(accuracy(classifier, x.bottomRows(1000), classes.tail(1000)), 0.95);
 }
 
@@ -41,7 +41,7 @@ TEST(MlpClassifier, LogitsAreTheLogRatioOfDensities) {
   VectorF classes(2 * n);
   classes << VectorF::Zero(n), VectorF::Ones(n);
   MlpClassifier classifier(1, small());
-  classifier.train(x, classes, kId);
+  classifier.train(x, classes, kClassifierId);
   RowMatrixF at(5, 1);
   at << -1.0f, -0.5f, 0.0f, 0.5f, 1.0f;
   // Logistic regression would have a standard error of 0.03 for the offset and 0.06 for the slope
@@ -53,8 +53,8 @@ TEST(MlpClassifier, SameIdGivesTheSameBits) {
   const RowMatrixF x = gaussian(300, 3, 1).cast<float>();
   const VectorF classes = (x.col(0).array() > 0.0f).cast<float>();
   MlpClassifier a(3, small()), b(3, small()), c(3, small());
-  a.train(x, classes, kId);
-  b.train(x, classes, kId);
+  a.train(x, classes, kClassifierId);
+  b.train(x, classes, kClassifierId);
   c.train(x, classes, {2, "classifier", 0, 0, 0});
   EXPECT_EQ(a.logits(x), b.logits(x));
   EXPECT_NE(a.logits(x), c.logits(x));
@@ -63,8 +63,10 @@ TEST(MlpClassifier, SameIdGivesTheSameBits) {
 TEST(MlpClassifier, RejectsShapesThatDontGoTogether) {
   EXPECT_THROW(MlpClassifier(0, small()), ShapeError);
   MlpClassifier classifier(2, small());
-  EXPECT_THROW(classifier.train(RowMatrixF::Zero(4, 3), VectorF::Zero(4), kId), ShapeError);
-  EXPECT_THROW(classifier.train(RowMatrixF::Zero(4, 2), VectorF::Zero(3), kId), ShapeError);
+  EXPECT_THROW(classifier.train(RowMatrixF::Zero(4, 3), VectorF::Zero(4), kClassifierId),
+               ShapeError);
+  EXPECT_THROW(classifier.train(RowMatrixF::Zero(4, 2), VectorF::Zero(3), kClassifierId),
+               ShapeError);
 }
 
 }  // namespace

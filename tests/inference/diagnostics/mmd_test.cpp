@@ -12,14 +12,14 @@
 namespace npdr::inference {
 namespace {
 
-const StreamId kId{1, "mmd", 0, 0, 0};
+const StreamId kMmdId{1, "mmd", 0, 0, 0};
 
 // Under the hypothesis p-values are uniform: the mean of 40 lies within four of its standard
 // errors, 1 / sqrt(12 * 40), of 0.5. False-alarm rate 6e-5.
 TEST(Mmd, OfTheSameDistributionHasUniformPValues) {
   double sum = 0.0;
   for (std::uint64_t trial = 0; trial < 40; ++trial) {
-    const Mmd found = mmd(gaussian(60, 2, 2 * trial + 1), gaussian(80, 2, 2 * trial + 2), kId);
+    const Mmd found = mmd(gaussian(60, 2, 2 * trial + 1), gaussian(80, 2, 2 * trial + 2), kMmdId);
     sum += found.p_value;
   }
   EXPECT_NEAR(sum / 40.0, 0.5, 4.0 / std::sqrt(12.0 * 40.0));
@@ -30,7 +30,7 @@ TEST(Mmd, OfTheSameDistributionHasUniformPValues) {
 TEST(Mmd, OfShiftedGaussiansIsTheKnownOne) {
   constexpr double shift = 1.0;
   constexpr Index n = 2000;
-  const Mmd found = mmd(gaussian(n, 1, 1), gaussian(n, 1, 2, shift), kId);
+  const Mmd found = mmd(gaussian(n, 1, 1), gaussian(n, 1, 2, shift), kMmdId);
   const double variance = 1.0 / (1.0 + shift * shift / 4.0);  // of one sample, standardized
   const double s2 = found.bandwidth * found.bandwidth, sum = s2 + 2.0 * variance;
   const double expected =
@@ -42,13 +42,13 @@ TEST(Mmd, OfShiftedGaussiansIsTheKnownOne) {
 }
 
 TEST(Mmd, SeesADifferenceInSpread) {
-  EXPECT_LT(mmd(gaussian(500, 2, 1), gaussian(500, 2, 2, 0.0, 0.7), kId).p_value, 0.01);
+  EXPECT_LT(mmd(gaussian(500, 2, 1), gaussian(500, 2, 2, 0.0, 0.7), kMmdId).p_value, 0.01);
 }
 
 // Against the sums of eq. 3 as they are written, over more rows than a tile has.
 TEST(Mmd, TilesAddUpToAllPairs) {
   const RowMatrix first = gaussian(600, 2, 1), second = gaussian(500, 2, 2, 0.3);
-  const Mmd found = mmd(first, second, kId, {.num_permutations = 1});
+  const Mmd found = mmd(first, second, kMmdId, {.num_permutations = 1});
   RowMatrix x(1100, 2);
   x << first, second;
   const Eigen::RowVectorXd mean = x.colwise().mean();
@@ -68,35 +68,35 @@ TEST(Mmd, TilesAddUpToAllPairs) {
 }
 
 TEST(Mmd, OfConstantSamplesIsNothing) {
-  const Mmd found = mmd(RowMatrix::Ones(20, 2), RowMatrix::Ones(20, 2), kId);
+  const Mmd found = mmd(RowMatrix::Ones(20, 2), RowMatrix::Ones(20, 2), kMmdId);
   EXPECT_NEAR(found.squared, 0.0, 1e-12);
   EXPECT_EQ(found.p_value, 1.0);
 }
 
 TEST(Mmd, TellsApartWhatDiffersByAnyMagnitude) {
   const RowMatrix huge = gaussian(100, 1, 2, 0.0, 1e307);
-  EXPECT_LT(mmd(huge, gaussian(100, 1, 1), kId).p_value, 0.01);
-  EXPECT_GT(mmd(huge, gaussian(100, 1, 5, 0.0, 1e307), kId).p_value, 0.01);
+  EXPECT_LT(mmd(huge, gaussian(100, 1, 1), kMmdId).p_value, 0.01);
+  EXPECT_GT(mmd(huge, gaussian(100, 1, 5, 0.0, 1e307), kMmdId).p_value, 0.01);
 }
 
 TEST(Mmd, SameBitsForAnyThreadCount) {
   const RowMatrix first = gaussian(700, 2, 1), second = gaussian(900, 2, 2, 0.1);
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);
-  const Mmd one = mmd(first, second, kId);
+  const Mmd one = mmd(first, second, kMmdId);
   omp_set_num_threads(3);
-  const Mmd three = mmd(first, second, kId);
+  const Mmd three = mmd(first, second, kMmdId);
   omp_set_num_threads(threads);
   EXPECT_EQ(one.squared, three.squared);
   EXPECT_EQ(one.p_value, three.p_value);
 }
 
 TEST(Mmd, RejectsWhatCantBeCompared) {
-  EXPECT_THROW(mmd(gaussian(20, 2, 1), gaussian(20, 3, 2), kId), ShapeError);
-  EXPECT_THROW(mmd(gaussian(20, 2, 1), gaussian(5, 2, 2), kId), InputError);
+  EXPECT_THROW(mmd(gaussian(20, 2, 1), gaussian(20, 3, 2), kMmdId), ShapeError);
+  EXPECT_THROW(mmd(gaussian(20, 2, 1), gaussian(5, 2, 2), kMmdId), InputError);
   RowMatrix broken = gaussian(20, 2, 1);
   broken(0, 0) = std::numeric_limits<double>::infinity();
-  EXPECT_THROW(mmd(broken, gaussian(20, 2, 2), kId), InputError);
+  EXPECT_THROW(mmd(broken, gaussian(20, 2, 2), kMmdId), InputError);
 }
 
 }  // namespace

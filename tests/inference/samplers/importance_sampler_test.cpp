@@ -13,11 +13,11 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kDimension = 3;
+constexpr Index kSamplerDimension = 3;
 const ImportanceConfig kSmall = {.level_size = 2000, .min_ess = 3000.0, .max_simulations = 100'000};
 
 // L(u) = N(y; A u, 0.1^2 I) of two numbers y: the posterior is a Gaussian, wide along one line.
-struct LinearGaussian {
+struct GaussianOnALine {
   Eigen::MatrixXd a = (Eigen::MatrixXd(2, 3) << 1.0, 0.5, 0.0, 0.0, 1.0, -1.0).finished();
   Vector y = (Vector(2) << 1.0, -0.5).finished();
   double variance = 0.01;
@@ -47,20 +47,20 @@ ImportanceSampler run(ImportanceSampler sampler, const LogLikelihood& log_likeli
 }
 
 ImportanceSample run_linear(const ImportanceConfig& config, const RowMatrix& start, Index block) {
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   return run(
-             ImportanceSampler(config, kDimension, start, {1, "refinement", 1, 0, 0}),
+             ImportanceSampler(config, kSamplerDimension, start, {1, "refinement", 1, 0, 0}),
              [&](const RowMatrix& u) { return problem.log_likelihood(u); }, block)
       .sample();
 }
 
 // Within five standard errors of the effective draws, with the posterior's covariance.
 void expect_posterior(const ImportanceSample& sample, double power) {
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   const Vector mean = weighted_mean(sample.u, sample.weights);
   const Eigen::MatrixXd covariance = problem.covariance(power);
   const Eigen::MatrixXd found = weighted_covariance(sample.u, sample.weights);
-  for (Index d = 0; d < kDimension; ++d) {
+  for (Index d = 0; d < kSamplerDimension; ++d) {
     EXPECT_NEAR(mean(d), problem.mean(power)(d),
                 5.0 * std::sqrt(covariance(d, d) / sample.certificate.ess));
     EXPECT_NEAR(found(d, d) / covariance(d, d), 1.0, 5.0 * std::sqrt(2.0 / sample.certificate.ess));
@@ -73,7 +73,7 @@ TEST(ImportanceSampler, FindsAGaussianPosteriorFromThePriorAlone) {
   EXPECT_GE(sample.certificate.ess, 3000.0);
   EXPECT_LT(sample.certificate.pareto_k, 0.7);
   // Four of its own standard errors.
-  EXPECT_NEAR(sample.certificate.log_evidence, LinearGaussian().log_evidence(),
+  EXPECT_NEAR(sample.certificate.log_evidence, GaussianOnALine().log_evidence(),
               4.0 * sample.certificate.log_evidence_error);
   EXPECT_LT(sample.certificate.log_evidence_error, 0.05);
   EXPECT_LT(std::abs(sample.certificate.half_difference), 4.0);
@@ -82,19 +82,19 @@ TEST(ImportanceSampler, FindsAGaussianPosteriorFromThePriorAlone) {
 
 TEST(ImportanceSampler, ForgetsAWrongStart) {
   // Draws far from the posterior, and narrow.
-  RowMatrix start(500, kDimension);
+  RowMatrix start(500, kSamplerDimension);
   Stream stream({1, "start", 0, 0, 0});
   for (Index i = 0; i < start.rows(); ++i) {
-    for (Index d = 0; d < kDimension; ++d) start(i, d) = 2.0 + 0.05 * stream.normal();
+    for (Index d = 0; d < kSamplerDimension; ++d) start(i, d) = 2.0 + 0.05 * stream.normal();
   }
   const ImportanceSample sample = run_linear(kSmall, start, 2000);
-  EXPECT_NEAR(sample.certificate.log_evidence, LinearGaussian().log_evidence(),
+  EXPECT_NEAR(sample.certificate.log_evidence, GaussianOnALine().log_evidence(),
               4.0 * sample.certificate.log_evidence_error);
   expect_posterior(sample, 1.0);
 }
 
 TEST(ImportanceSampler, KnowsItsBestPoint) {
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   double highest = -HUGE_VAL;
   const auto noting = [&](const RowMatrix& u) {
     Vector values = problem.log_likelihood(u);
@@ -137,12 +137,13 @@ TEST(ImportanceSampler, HasTheSameBitsWhateverTheBlocks) {
 
 // Starts again from its state now and then.
 ImportanceSample run_in_pieces(const ImportanceConfig& config, const RowMatrix& start) {
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   const StreamId id = {1, "refinement", 1, 0, 0};
-  ImportanceSampler sampler(config, kDimension, start, id);
+  ImportanceSampler sampler(config, kSamplerDimension, start, id);
   for (int block = 0; !sampler.is_done(); ++block) {
     sampler.tell(problem.log_likelihood(sampler.next(450)));
-    if (block % 3 == 1) sampler = ImportanceSampler(config, kDimension, {}, id, sampler.state());
+    if (block % 3 == 1)
+      sampler = ImportanceSampler(config, kSamplerDimension, {}, id, sampler.state());
   }
   return sampler.sample();
 }
@@ -151,7 +152,8 @@ TEST(ImportanceSampler, GoesOnFromAnyState) {
   ImportanceConfig impatient = kSmall;
   impatient.max_simulations = 6000;
   for (const ImportanceConfig& config : {kSmall, impatient}) {
-    for (const RowMatrix& start : {RowMatrix(), RowMatrix(RowMatrix::Random(300, kDimension))}) {
+    for (const RowMatrix& start :
+         {RowMatrix(), RowMatrix(RowMatrix::Random(300, kSamplerDimension))}) {
       const ImportanceSample whole = run_linear(config, start, 2000);
       const ImportanceSample pieces = run_in_pieces(config, start);
       EXPECT_EQ(pieces.u, whole.u);
@@ -161,14 +163,15 @@ TEST(ImportanceSampler, GoesOnFromAnyState) {
 }
 
 TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   const StreamId id = {1, "refinement", 1, 0, 0};
-  ImportanceSampler sampler(kSmall, kDimension, {}, id);
+  ImportanceSampler sampler(kSmall, kSamplerDimension, {}, id);
   for (int level = 0; level < 2; ++level) sampler.tell(problem.log_likelihood(sampler.next(2000)));
   const auto refuses = [&](const ImportanceState& state) {
-    EXPECT_THROW(ImportanceSampler(kSmall, kDimension, {}, id, state), ShapeError);
+    EXPECT_THROW(ImportanceSampler(kSmall, kSamplerDimension, {}, id, state), ShapeError);
   };
-  EXPECT_THROW(ImportanceSampler(kSmall, kDimension + 1, {}, id, sampler.state()), ShapeError);
+  EXPECT_THROW(ImportanceSampler(kSmall, kSamplerDimension + 1, {}, id, sampler.state()),
+               ShapeError);
   ImportanceState state = sampler.state();
   state.levels[1].u.conservativeResize(1999, Eigen::NoChange);
   refuses(state);
@@ -179,8 +182,8 @@ TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
   state.levels[1].kind = LevelKind::sweep;
   refuses(state);
   state = sampler.state();
-  state.walkers =
-      TemperedWalkers{.u = RowMatrix::Zero(200, kDimension), .log_likelihood = Vector::Zero(200)};
+  state.walkers = TemperedWalkers{.u = RowMatrix::Zero(200, kSamplerDimension),
+                                  .log_likelihood = Vector::Zero(200)};
   refuses(state);
   for (const double share : {0.0, 0.5, 1000.0, std::nan("")}) {
     state = sampler.state();
@@ -188,7 +191,7 @@ TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
     refuses(state);
   }
   state = sampler.state();
-  state.levels[1].proposal.flows.front().mean = Vector::Zero(kDimension + 1);
+  state.levels[1].proposal.flows.front().mean = Vector::Zero(kSamplerDimension + 1);
   refuses(state);
   state = sampler.state();
   state.levels[1].power = std::nan("");
@@ -210,7 +213,7 @@ TEST(ImportanceSampler, DrawsThePriorAgainWhereFewPointsArePossible) {
   };
   const ImportanceSampler sampler =
       run(ImportanceSampler({.level_size = 500, .min_ess = 300.0, .max_simulations = 200'000},
-                            kDimension, {}, {3, "refinement", 1, 0, 0}),
+                            kSamplerDimension, {}, {3, "refinement", 1, 0, 0}),
           log_likelihood, 500);
   const ImportanceCertificate certificate = sampler.sample().certificate;
   const double log_z = 3.0 * std::log(0.5 * std::erfc(1.2 / std::sqrt(2.0)));
@@ -219,14 +222,14 @@ TEST(ImportanceSampler, DrawsThePriorAgainWhereFewPointsArePossible) {
 }
 
 TEST(ImportanceSampler, GoesOnAfterItHasSettled) {
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   const StreamId id = {1, "refinement", 1, 0, 0};
   const auto result = [&](bool stops) {
-    ImportanceSampler sampler(kSmall, kDimension, {}, id);
+    ImportanceSampler sampler(kSmall, kSamplerDimension, {}, id);
     while (!sampler.is_done()) {
       sampler.tell(problem.log_likelihood(sampler.next(2000)));
       if (sampler.state().num_levels == 2) sampler.settle(0.01);
-      if (stops) sampler = ImportanceSampler(kSmall, kDimension, {}, id, sampler.state());
+      if (stops) sampler = ImportanceSampler(kSmall, kSamplerDimension, {}, id, sampler.state());
     }
     return sampler.sample();
   };
@@ -246,8 +249,8 @@ TEST(ImportanceSampler, SaysHowFarItCameWhenDrawsRunOut) {
   ImportanceConfig config = kSmall;
   config.max_simulations = 6000;
   const ImportanceSample sample =
-      run(ImportanceSampler(config, kDimension, {}, {1, "refinement", 1, 0, 0}), log_likelihood,
-          2000)
+      run(ImportanceSampler(config, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
+          log_likelihood, 2000)
           .sample();
   EXPECT_LT(sample.certificate.power, 1.0);
   EXPECT_EQ(sample.certificate.num_draws, 6000);
@@ -268,19 +271,20 @@ TEST(ImportanceSampler, KeepsHalfOfWhatIsLeftForTheLastLevels) {
 TEST(ImportanceSampler, LearnsAModeOfWhichAPointIsKnown) {
   const auto log_gaussian = [](const RowMatrix& u, double mean, double variance) -> Vector {
     return (u.array() - mean).square().rowwise().sum() / (-2.0 * variance) -
-           0.5 * static_cast<double>(kDimension) * std::log(2.0 * std::numbers::pi * variance);
+           0.5 * static_cast<double>(kSamplerDimension) *
+               std::log(2.0 * std::numbers::pi * variance);
   };
   const auto log_sum = [](const Vector& a, const Vector& b) -> Vector {
     return (a.array().exp() + b.array().exp()).log();
   };
-  const RowMatrix zero = RowMatrix::Zero(1, kDimension);
+  const RowMatrix zero = RowMatrix::Zero(1, kSamplerDimension);
   const double log_z =
       log_sum(log_gaussian(zero, -1.0, 1.25), log_gaussian(zero, 1.2, 1.01)).value();
   for (const std::uint64_t seed : {4, 16}) {
     const ImportanceSample sample =
         run(
             ImportanceSampler({.level_size = 1000, .min_ess = 200, .max_simulations = 100'000},
-                              kDimension, {}, {seed, "refinement", 1, 0, 0}),
+                              kSamplerDimension, {}, {seed, "refinement", 1, 0, 0}),
             [&](const RowMatrix& u) {
               return log_sum(log_gaussian(u, -1.0, 0.25), log_gaussian(u, 1.2, 0.01));
             },
@@ -299,9 +303,9 @@ TEST(ImportanceSampler, SaysThatAModeIsMissed) {
   const auto run_with = [&](std::size_t level_of_mode) {
     std::size_t level = 0;
     return run(
-        ImportanceSampler(config, kDimension, {}, {1, "refinement", 1, 0, 0}),
+        ImportanceSampler(config, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
         [&](const RowMatrix& u) {
-          Vector log_likelihood = LinearGaussian().log_likelihood(u);
+          Vector log_likelihood = GaussianOnALine().log_likelihood(u);
           if (level++ == level_of_mode) log_likelihood(u.rows() - 1) += 20.0;
           return log_likelihood;
         },
@@ -320,10 +324,10 @@ TEST(ImportanceSampler, SaysThatAModeIsMissed) {
 
 // What was reported at first isn't any more, and its proposal isn't among the next one's.
 TEST(ImportanceSampler, LearnsFurtherFlowsAfterLastLevels) {
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   bool was_reported = false, learns = false;
   ImportanceSampler sampler({.level_size = 1000, .min_ess = 900.0, .max_simulations = 100'000},
-                            kDimension, {}, {1, "refinement", 1, 0, 0});
+                            kSamplerDimension, {}, {1, "refinement", 1, 0, 0});
   std::vector<Parameters<float>> reported;
   while (!learns && !sampler.is_done()) {
     const ImportanceLevel& level = sampler.state().levels.back();
@@ -347,8 +351,8 @@ TEST(ImportanceSampler, LearnsFurtherFlowsAfterLastLevels) {
 }
 
 TEST(ImportanceSampler, SettlesOnALowerPower) {
-  const LinearGaussian problem;
-  ImportanceSampler sampler(kSmall, kDimension, {}, {1, "refinement", 1, 0, 0});
+  const GaussianOnALine problem;
+  ImportanceSampler sampler(kSmall, kSamplerDimension, {}, {1, "refinement", 1, 0, 0});
   while (sampler.power() < 0.5) {
     sampler.tell(problem.log_likelihood(sampler.next(2000)));
     // Draws of the power that has been reached, before it is drawn from.
@@ -367,9 +371,9 @@ TEST(ImportanceSampler, SettlesOnALowerPower) {
 }
 
 TEST(ImportanceSampler, ThinsItsDraws) {
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   const ImportanceSampler sampler = run(
-      ImportanceSampler(kSmall, kDimension, {}, {1, "refinement", 1, 0, 0}),
+      ImportanceSampler(kSmall, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
       [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000);
   ImportanceSample few = sampler.particles(1500);
   EXPECT_NEAR(static_cast<double>(few.u.rows()), 1500.0, 5.0 * std::sqrt(1500.0));
@@ -380,12 +384,12 @@ TEST(ImportanceSampler, ThinsItsDraws) {
 
 // Draws ran out before the last levels were worth enough.
 TEST(ImportanceSampler, GivesWhatTaughtWhereTheLastLevelsHaveTooFewDraws) {
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   ImportanceConfig config = kSmall;
   config.min_ess = 1e6;
   config.max_simulations = 30'000;
   const ImportanceSampler sampler = run(
-      ImportanceSampler(config, kDimension, {}, {1, "refinement", 1, 0, 0}),
+      ImportanceSampler(config, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
       [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000);
   ImportanceSample known = sampler.particles(2000);
   ASSERT_LT(known.certificate.ess, config.min_ess);
@@ -400,9 +404,9 @@ TEST(ImportanceSampler, KeepsIndependentDrawsThatAreNotSoFew) {
   ImportanceConfig config = kSmall;
   config.min_ess = 20'000.0;
   config.max_simulations = 30'000;
-  const LinearGaussian problem;
+  const GaussianOnALine problem;
   const ImportanceSampler sampler = run(
-      ImportanceSampler(config, kDimension, {}, {1, "refinement", 1, 0, 0}),
+      ImportanceSampler(config, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
       [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000);
   const ImportanceSample sample = sampler.particles(2000);
   ASSERT_LT(sample.certificate.ess, config.min_ess);
@@ -410,7 +414,7 @@ TEST(ImportanceSampler, KeepsIndependentDrawsThatAreNotSoFew) {
 }
 
 TEST(ImportanceSampler, RefusesALikelihoodThatIsZeroEverywhere) {
-  ImportanceSampler sampler(kSmall, kDimension, {}, {1, "refinement", 1, 0, 0});
+  ImportanceSampler sampler(kSmall, kSamplerDimension, {}, {1, "refinement", 1, 0, 0});
   const Vector none = Vector::Constant(2000, -std::numeric_limits<double>::infinity());
   EXPECT_THROW(sampler.tell(none), InputError);
 }

@@ -1,16 +1,13 @@
 #include "inference/samplers/importance_weights.h"
+#include "tests/special_values.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace npdr::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(ImportanceWeights, OfLogarithmsThatAreNone) {
   const Vector logs{{kNan, 1.0, kInfinity, 2.0, -kInfinity}};

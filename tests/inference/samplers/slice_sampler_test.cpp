@@ -14,7 +14,7 @@
 namespace npdr::inference {
 namespace {
 
-const StreamId kId{3, "slice", 0, 0, 0};
+const StreamId kSliceId{3, "slice", 0, 0, 0};
 
 // A Gaussian in D = 3 with correlation 0.95 and deviations 0.01, 1 and 0.1 around (1, -1, 0).
 Eigen::Matrix3d covariance() {
@@ -39,7 +39,7 @@ Vector log_gaussian(const RowMatrix& u) {
 // comparisons of false-alarm rate 6e-5, fixed seed.
 TEST(SliceSampler, FindsTheMomentsOfACorrelatedGaussian) {
   const RowMatrix start = random_matrix(50, 3, 1);
-  const ChainDraws draws = slice_sample(log_gaussian, start, 100, {}, kId);
+  const ChainDraws draws = slice_sample(log_gaussian, start, 100, {}, kSliceId);
   ASSERT_EQ(draws.u.rows(), 5000);
   const ChainDiagnostics diagnostics = diagnose(draws);
   EXPECT_LT(diagnostics.r_hat.maxCoeff(), 1.02);
@@ -64,7 +64,7 @@ TEST(SliceSampler, VisitsTwoModesInProportion) {
     };
     return (mode(0.3, -1.0) + mode(0.7, 1.0)).log();
   };
-  const ChainDraws draws = slice_sample(two, random_matrix(100, 1, 2), 100, {}, kId);
+  const ChainDraws draws = slice_sample(two, random_matrix(100, 1, 2), 100, {}, kSliceId);
   const double upper = (draws.u.array() > 0.0).cast<double>().mean();
   EXPECT_NEAR(upper, 0.7, 4.0 * std::sqrt(0.21 / diagnose(draws).ess(0)));
 }
@@ -83,7 +83,7 @@ TEST(SliceSampler, KeepsTheSharesOfModesOfUnequalWidth) {
   RowMatrix start = random_matrix(chains, 2, 3);
   start.topRows(chains / 2) *= 0.05;
   start.bottomRows(chains / 2) = (0.1 * start.bottomRows(chains / 2)).array() + 0.6;
-  const ChainDraws draws = slice_sample(two, start, 10, {}, kId);
+  const ChainDraws draws = slice_sample(two, start, 10, {}, kSliceId);
   const double wide = (draws.u.rowwise().sum().array() > 0.4).cast<double>().mean();
   EXPECT_NEAR(wide, 0.5, 4.0 * std::sqrt(0.25 / chains));
 }
@@ -96,7 +96,8 @@ TEST(SliceSampler, StaysWhereTheDensityIs) {
       return x > 0.0 && x < 1.0 ? 0.0 : -std::numeric_limits<double>::infinity();
     });
   };
-  const ChainDraws draws = slice_sample(uniform, RowMatrix::Constant(20, 1, 0.5), 200, {}, kId);
+  const ChainDraws draws =
+      slice_sample(uniform, RowMatrix::Constant(20, 1, 0.5), 200, {}, kSliceId);
   EXPECT_GT(draws.u.minCoeff(), 0.0);
   EXPECT_LT(draws.u.maxCoeff(), 1.0);
   EXPECT_NEAR(draws.u.mean(), 0.5, 4.0 * std::sqrt(1.0 / 12.0 / diagnose(draws).ess(0)));
@@ -109,8 +110,8 @@ TEST(SliceSampler, ADrawDependsNeitherOnHowManyFollowNorOnTheBatches) {
     return log_p;
   };
   const RowMatrix start = random_matrix(10, 3, 4);
-  const ChainDraws all = slice_sample(log_gaussian, start, 20, {}, kId);
-  const ChainDraws some = slice_sample(one_by_one, start, 5, {}, kId);
+  const ChainDraws all = slice_sample(log_gaussian, start, 20, {}, kSliceId);
+  const ChainDraws some = slice_sample(one_by_one, start, 5, {}, kSliceId);
   EXPECT_EQ(some.u, all.u.topRows(50));
   EXPECT_NE(some.u, slice_sample(log_gaussian, start, 5, {}, {4, "slice", 0, 0, 0}).u);
 }
@@ -119,8 +120,9 @@ TEST(SliceSampler, RejectsAStartThatCannotBe) {
   const LogDensity nowhere = [](const RowMatrix& u) -> Vector {
     return Vector::Constant(u.rows(), -std::numeric_limits<double>::infinity());
   };
-  EXPECT_THROW(slice_sample(nowhere, RowMatrix::Zero(2, 1), 5, {}, kId), InputError);
-  EXPECT_THROW(slice_sample(log_gaussian, RowMatrix::Zero(2, 3), 5, {.thin = 0}, kId), InputError);
+  EXPECT_THROW(slice_sample(nowhere, RowMatrix::Zero(2, 1), 5, {}, kSliceId), InputError);
+  EXPECT_THROW(slice_sample(log_gaussian, RowMatrix::Zero(2, 3), 5, {.thin = 0}, kSliceId),
+               InputError);
 }
 
 // Draws of C chains that each follow x' = rho x + sqrt(1 - rho^2) e.

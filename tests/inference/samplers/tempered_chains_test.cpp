@@ -14,20 +14,20 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kDimension = 4;
-const StreamId kId{1, "posterior", 0, 0, 0};
+constexpr Index kChainsDimension = 4;
+const StreamId kChainsId{1, "posterior", 0, 0, 0};
 
 // Gaussians, at least 8 of the wider one's deviations apart.
 struct Mode {
   double weight, deviation;
-  std::array<double, kDimension> mean;
+  std::array<double, kChainsDimension> mean;
 };
 const std::array<Mode, 3> kModes{{{0.6, 0.03, {-0.13, 0.13, -0.13, 0.13}},
                                   {0.3, 0.045, {0.1, 0.1, 0.1, -0.1}},
                                   {0.1, 0.06, {-0.1, -0.3, 0.3, 0.3}}}};
 
 Vector square_distances(const Mode& mode, const RowMatrix& u) {
-  const Eigen::RowVectorXd mean = Eigen::RowVectorXd::Map(mode.mean.data(), kDimension);
+  const Eigen::RowVectorXd mean = Eigen::RowVectorXd::Map(mode.mean.data(), kChainsDimension);
   return (u.rowwise() - mean).rowwise().squaredNorm();
 }
 
@@ -36,7 +36,7 @@ Vector log_likelihood(const RowMatrix& u) {
   std::vector<Vector> terms;
   for (const Mode& mode : kModes) {
     terms.emplace_back(-0.5 * square_distances(mode, u).array() / std::pow(mode.deviation, 2) +
-                       std::log(mode.weight) - kDimension * std::log(mode.deviation));
+                       std::log(mode.weight) - kChainsDimension * std::log(mode.deviation));
   }
   return log_sum(terms) - log_standard_normal(u);
 }
@@ -55,8 +55,8 @@ Vector shares(const RowMatrix& u) {
   return result;
 }
 
-TemperedDraws draw(Index n, const SamplerConfig& config = {}, const StreamId& id = kId) {
-  return sample_tempered(log_likelihood, kDimension, n, config, id);
+TemperedDraws draw(Index n, const SamplerConfig& config = {}, const StreamId& id = kChainsId) {
+  return sample_tempered(log_likelihood, kChainsDimension, n, config, id);
 }
 
 // Mean over ten seeds. The error of each follows from the effective size that it reports.
@@ -90,7 +90,7 @@ TEST(TemperedChains, EffectiveSizeIsThatOfAMeanWhereChainsMix) {
   // The prior again: independent draws, within five times the scatter of a variance of 200
   // families.
   const auto flat = [](const RowMatrix& u) -> Vector { return Vector::Zero(u.rows()); };
-  const TemperedDraws draws = sample_tempered(flat, 2, 2000, {.num_chains = 200}, kId);
+  const TemperedDraws draws = sample_tempered(flat, 2, 2000, {.num_chains = 200}, kChainsId);
   EXPECT_GT(draws.report.ess.minCoeff(), 2000.0 * (1.0 - 5.0 * std::sqrt(2.0 / 200.0)));
   EXPECT_LE(draws.report.ess.maxCoeff(), 2000.0);
   EXPECT_LT(draws.report.r_hat.maxCoeff(), 1.02);
@@ -120,11 +120,11 @@ TEST(TemperedChains, LikelihoodsThatAreNoNumbersAreNowhere) {
     });
   };
   const SamplerConfig config{.num_chains = 8, .num_candidates = 100};
-  EXPECT_GT(sample_tempered(cliff, 2, 20, config, kId).u.col(0).minCoeff(), 0.0);
+  EXPECT_GT(sample_tempered(cliff, 2, 20, config, kChainsId).u.col(0).minCoeff(), 0.0);
   const auto nowhere = [](const RowMatrix& u) -> Vector {
     return Vector::Constant(u.rows(), -std::numeric_limits<double>::infinity());
   };
-  EXPECT_THROW(sample_tempered(nowhere, 2, 20, config, kId), Error);
+  EXPECT_THROW(sample_tempered(nowhere, 2, 20, config, kChainsId), Error);
 }
 
 }  // namespace

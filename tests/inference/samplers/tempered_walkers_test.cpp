@@ -13,34 +13,36 @@ namespace npdr::inference {
 namespace {
 
 constexpr Index kWalkers = 2000;
-constexpr Index kDimension = 3;
+constexpr Index kWalkersDimension = 3;
 
 StreamId id(const char* name, std::uint64_t epoch) { return {1, name, 1, 0, epoch}; }
 
 // L(u) = N(u; 1.5, 0.05^2 I): a product of D equal posteriors.
 constexpr double kCentre = 1.5, kVariance = 0.0025;
 
-Vector log_likelihood(const RowMatrix& u) {
+Vector log_narrow_gaussian(const RowMatrix& u) {
   return -0.5 / kVariance * (u.array() - kCentre).square().rowwise().sum() -
-         0.5 * static_cast<double>(kDimension) * std::log(2.0 * std::numbers::pi * kVariance);
+         0.5 * static_cast<double>(kWalkersDimension) *
+             std::log(2.0 * std::numbers::pi * kVariance);
 }
 double log_evidence() {
   const double variance = 1.0 + kVariance;
-  return -0.5 * static_cast<double>(kDimension) *
+  return -0.5 * static_cast<double>(kWalkersDimension) *
          (kCentre * kCentre / variance + std::log(2.0 * std::numbers::pi * variance));
 }
 
 TemperedWalkers from_the_prior() {
-  TemperedWalkers walkers{.u = RowMatrix(kWalkers, kDimension), .log_likelihood = {}};
+  TemperedWalkers walkers{.u = RowMatrix(kWalkers, kWalkersDimension), .log_likelihood = {}};
   Stream stream(id("start", 0));
   for (double& value : walkers.u.reshaped()) value = stream.normal();
-  walkers.log_likelihood = log_likelihood(walkers.u);
+  walkers.log_likelihood = log_narrow_gaussian(walkers.u);
   return walkers;
 }
 
 void sweep(TemperedWalkers& walkers, std::uint64_t number) {
   const RowMatrix proposed = propose_steps(walkers, StepKind::wide, id("steps", number));
-  take_steps(walkers, StepKind::wide, proposed, log_likelihood(proposed), id("choice", number));
+  take_steps(walkers, StepKind::wide, proposed, log_narrow_gaussian(proposed),
+             id("choice", number));
 }
 
 // Correlation of two columns.
@@ -64,7 +66,7 @@ TEST(TemperedWalkers, ClimbToThePosteriorAndItsEvidence) {
   const double variance = kVariance / (1.0 + kVariance), worth = 0.25 * kWalkers;
   const Vector mean = walkers.u.colwise().mean();
   const Eigen::MatrixXd covariance = weighted_covariance(walkers.u, Vector::Ones(kWalkers));
-  for (Index d = 0; d < kDimension; ++d) {
+  for (Index d = 0; d < kWalkersDimension; ++d) {
     EXPECT_NEAR(mean(d), kCentre / (1.0 + kVariance), 5.0 * std::sqrt(variance / worth));
     EXPECT_NEAR(covariance(d, d) / variance, 1.0, 5.0 * std::sqrt(2.0 / worth));
   }
@@ -75,12 +77,12 @@ TEST(TemperedWalkers, KeepTheLawTheyHave) {
   TemperedWalkers walkers = from_the_prior();
   const double variance = kVariance / (1.0 + kVariance);
   walkers.u = (walkers.u.array() * std::sqrt(variance) + kCentre / (1.0 + kVariance)).matrix();
-  walkers.log_likelihood = log_likelihood(walkers.u);
+  walkers.log_likelihood = log_narrow_gaussian(walkers.u);
   walkers.power = 1.0;
   const RowMatrix before = walkers.u;
   for (std::uint64_t i = 1; i <= 50; ++i) sweep(walkers, i);
   const Eigen::MatrixXd covariance = weighted_covariance(walkers.u, Vector::Ones(kWalkers));
-  for (Index d = 0; d < kDimension; ++d) {
+  for (Index d = 0; d < kWalkersDimension; ++d) {
     EXPECT_NEAR(covariance(d, d) / variance, 1.0, 5.0 * std::sqrt(2.0 / kWalkers));
     // And they have forgotten where they were: correlations of independent draws, at 4 of their
     // standard errors, 1 / sqrt(W), and 0.2^2 to 0.05 that 50 sweeps may leave.
@@ -141,7 +143,7 @@ TEST(TemperedWalkers, NeedNeighborsForNearSteps) {
 TEST(TemperedWalkers, StayWhereAllNeighborsAreInOnePlace) {
   TemperedWalkers walkers = from_the_prior();
   walkers.u.rowwise() = Eigen::RowVector3d(0.1, 0.2, 0.3);
-  walkers.log_likelihood = log_likelihood(walkers.u);
+  walkers.log_likelihood = log_narrow_gaussian(walkers.u);
   choose_neighbors(walkers);
   const RowMatrix proposed = propose_steps(walkers, StepKind::near, id("steps", 1));
   EXPECT_EQ(proposed, walkers.u);
@@ -163,7 +165,7 @@ TEST(TemperedWalkers, KnowTheShapeOfTheirModeByTheirNeighbors) {
   }
   const RowMatrix after = ThinModes::to_normal(walkers.u);
   const Eigen::MatrixXd covariance = weighted_covariance(after, Vector::Ones(kWalkers));
-  for (Index d = 0; d < kDimension; ++d) {
+  for (Index d = 0; d < kWalkersDimension; ++d) {
     // The law is kept, within five standard errors of half as many independent draws, ...
     EXPECT_NEAR(covariance(d, d), 1.0, 5.0 * std::sqrt(4.0 / kWalkers)) << d;
     // ... and where they were is forgotten, as above.
@@ -188,7 +190,7 @@ TEST(TemperedWalkers, TakeTheirLikelihoodsAlong) {
   const std::vector<Index> rows = raise_power(walkers, 0.1, 100, id("raise", 1));
   ASSERT_EQ(walkers.u.rows(), 100);
   EXPECT_EQ(walkers.u, RowMatrix(before(rows, Eigen::all)));
-  EXPECT_EQ(walkers.log_likelihood, log_likelihood(walkers.u));
+  EXPECT_EQ(walkers.log_likelihood, log_narrow_gaussian(walkers.u));
   EXPECT_EQ(walkers.power, 0.1);
 }
 

@@ -39,7 +39,7 @@ TrainingConfig config() {
   return c;
 }
 
-const StreamId kId{1, "train", 1, 0, 0};
+const StreamId kTrainingId{1, "train", 1, 0, 0};
 
 TrainingState start() {
   TrainingState state;
@@ -50,7 +50,7 @@ TrainingState start() {
 TEST(Trainer, FindsTheLeastSquaresLine) {
   Line line;
   TrainingState state = start();
-  train(line, config(), kId, state, [](const TrainingState&) { return true; });
+  train(line, config(), kTrainingId, state, [](const TrainingState&) { return true; });
   EXPECT_NEAR(state.best_parameters(0), 2.0, 1e-2);
   EXPECT_NEAR(state.best_parameters(1), -1.0, 2e-2);
   EXPECT_EQ(line.rows_seen.size(), 400u);
@@ -60,10 +60,11 @@ TEST(Trainer, FindsTheLeastSquaresLine) {
 TEST(Trainer, ContinuesFromACheckpointWithTheSameBits) {
   Line line;
   TrainingState whole = start();
-  train(line, config(), kId, whole, [](const TrainingState&) { return true; });
+  train(line, config(), kTrainingId, whole, [](const TrainingState&) { return true; });
   TrainingState parts = start();
   while (!parts.finished(config())) {
-    train(line, config(), kId, parts, [](const TrainingState& s) { return s.epoch % 7 != 0; });
+    train(line, config(), kTrainingId, parts,
+          [](const TrainingState& s) { return s.epoch % 7 != 0; });
   }
   EXPECT_EQ(whole.epoch, parts.epoch);
   EXPECT_EQ(whole.best_parameters, parts.best_parameters);
@@ -76,7 +77,7 @@ TEST(Trainer, StopsEarlyAndKeepsTheBestWeights) {
   state.parameters << 2.0f, -1.0f;  // already perfect: every step makes it worse
   TrainingConfig c = config();
   c.stop_after_epochs = 5;
-  train(line, c, kId, state, [](const TrainingState&) { return true; });
+  train(line, c, kTrainingId, state, [](const TrainingState&) { return true; });
   EXPECT_EQ(state.epoch, 5);
   EXPECT_EQ(state.best_parameters(0), 2.0f);
 }
@@ -105,7 +106,7 @@ TEST(Trainer, AveragingBringsNoisyWeightsToTheMinimum) {
     c.learning_rate = 0.05;
     c.max_epochs = 60;
     c.average_epochs = average_epochs;
-    train(target, c, kId, state, [](const TrainingState&) { return true; });
+    train(target, c, kTrainingId, state, [](const TrainingState&) { return true; });
     return state.validation_loss.back();
   };
   EXPECT_LT(error(5.0), 0.5 * error(0.0));
@@ -116,7 +117,8 @@ TEST(Trainer, ReportsATrainingThatDiverged) {
   TrainingState state = start();
   TrainingConfig c = config();
   c.learning_rate = 1e38;
-  EXPECT_THROW(train(line, c, kId, state, [](const TrainingState&) { return true; }), Error);
+  EXPECT_THROW(train(line, c, kTrainingId, state, [](const TrainingState&) { return true; }),
+               Error);
 }
 
 TEST(Trainer, TakesAllRowsWhenTheyAreFewerThanABatch) {
@@ -125,7 +127,7 @@ TEST(Trainer, TakesAllRowsWhenTheyAreFewerThanABatch) {
   TrainingConfig c = config();
   c.batch_size = 1000;
   c.max_epochs = 3;
-  train(line, c, kId, state, [](const TrainingState&) { return true; });
+  train(line, c, kTrainingId, state, [](const TrainingState&) { return true; });
   EXPECT_EQ(line.rows_seen.size(), 400u);
 }
 
@@ -172,8 +174,8 @@ TEST(Trainer, RowsKeepTheirPartWhereOthersAreLeftOut) {
   c.max_epochs = 30;
   const auto go_on = [](const TrainingState&) { return true; };
   TrainingState one = start(), two = start();
-  train(first, c, kId, {1, 0}, one, go_on);
-  train(second, c, kId, {1, 0, left}, two, go_on);
+  train(first, c, kTrainingId, {1, 0}, one, go_on);
+  train(second, c, kTrainingId, {1, 0, left}, two, go_on);
   EXPECT_GT(second.validated.size(), 100u);
   for (const std::uint32_t row : second.validated) {
     EXPECT_FALSE(first.trained.contains(left[row])) << left[row];
@@ -185,7 +187,8 @@ TEST(Trainer, RejectsASplitThatLeavesNothingToValidate) {
   TrainingState state = start();
   TrainingConfig c = config();
   c.validation_fraction = 0.001;
-  EXPECT_THROW(train(line, c, kId, state, [](const TrainingState&) { return true; }), InputError);
+  EXPECT_THROW(train(line, c, kTrainingId, state, [](const TrainingState&) { return true; }),
+               InputError);
 }
 
 TEST(Adam, ClipsToTheNormAndSkipsABrokenGradient) {
