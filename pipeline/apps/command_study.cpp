@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "core/text.h"
@@ -11,6 +12,7 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/new_study.h"
 #include "pipeline/apps/size_text.h"
+#include "pipeline/apps/trial_rows.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_json.h"
@@ -144,6 +146,20 @@ void print_work(const Plan& plan) {
   print_policy_searches(plan);
 }
 
+// Of `npdr new`; whoever has made a line theirs takes the mark away.
+void print_edit_marks(const std::filesystem::path& study) {
+  std::ifstream file(study);
+  std::vector<std::string> numbers;
+  Index number = 1;
+  for (std::string line; std::getline(file, line); ++number) {
+    const bool is_marked = line.find("EDIT:") != std::string::npos || line.ends_with("# EDIT");
+    if (is_marked) numbers.push_back(std::to_string(number));
+  }
+  if (numbers.empty()) return;
+  fmt::print("marked EDIT, as npdr new wrote {}: {} {}\n", numbers.size() == 1 ? "it" : "them",
+             numbers.size() == 1 ? "line" : "lines", join(numbers));
+}
+
 void write_new_study(NewStudy wanted) {
   if (wanted.name.ends_with(".toml")) wanted.name.resize(wanted.name.size() - 5);
   const std::filesystem::path path = wanted.name + ".toml";
@@ -167,8 +183,14 @@ void add_validate_command(CLI::App& app, int& result) {
   study->add_to(*command);
   command->add_flag("--resolved", *resolved, "print it with all defaults filled in, too (JSON)");
   command->add_flag("--quiet")->group("");  // scripts may still say it
-  command->footer("Example:\n  npdr validate study.toml");
-  command->callback([&result, study, resolved] {
+  auto num_tries = std::make_shared<Index>(0);
+  command
+      ->add_option("--try", *num_tries,
+                   "simulate the first N rows, and print them: does the simulator work?")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000));
+  command->footer("Examples:\n  npdr validate study.toml\n  npdr validate study.toml --try 3");
+  command->callback([&result, study, resolved, num_tries] {
     result = guarded_main("npdr validate", [&] {
       const Plan plan = study->plan();
       const bool has_motion = plan.study.target.recording && plan.study.source().gives_motion;
@@ -176,6 +198,8 @@ void add_validate_command(CLI::App& app, int& result) {
       if (*resolved) print_json(to_json(plan.study));
       print_work(plan);
       print_warnings("npdr validate", plan);
+      print_edit_marks(study->file);
+      if (*num_tries > 0) try_rows(plan, *num_tries);
       return ExitStatus::done;
     });
   });

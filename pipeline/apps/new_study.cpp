@@ -157,10 +157,10 @@ class Writer {
 
   void add_head() {
     text_ += fmt::format(
-        "# Check it with `npdr validate {0}.toml`, run it with `npdr run {0}.toml`. Lines with "
-        "EDIT\n"
-        "# need you; docs/study-files.md explains every key.\n\n[study]\nname = \"{0}\"\n\n",
-        wanted_.name);
+        "# Check it with `npdr validate {0}.toml{1}`, run it with `npdr run {0}.toml`.\n"
+        "# Lines with EDIT need you; docs/study-files.md explains every key.\n\n[study]\nname = "
+        "\"{0}\"\n\n",
+        wanted_.name, wanted_.dataset.empty() ? " --try 3" : "");
   }
 
   void add_target() {

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "pipeline/artefacts/outside_file.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/process/shell_text.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/h5.h"
@@ -35,7 +36,19 @@ struct Wanted {
   }
 };
 
+// A posterior has no samples, but gives some.
+void require_samples(const h5::File& file) {
+  if (!file.has_attribute("schema")) return;
+  if (file.attribute<std::string>("schema") != kPosteriorSchema.name) return;
+  const std::string path = file.where();
+  throw InputError(
+      fmt::format("{}: is a posterior, must be samples: npdr sample {} -n 10000 > samples.csv, or "
+                  "evaluate.h5 of the same method and seed",
+                  path, shell_word(path)));
+}
+
 SampleSet read_hdf5(const h5::File& file, const std::string& name, const Wanted& wanted) {
+  require_samples(file);
   const h5::Dataset dataset = file.dataset(name);
   dataset.require_shape({-1, -1});
   dataset.require_readable(h5::ElementType::f64);

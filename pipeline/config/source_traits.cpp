@@ -44,8 +44,8 @@ constexpr std::array<SourceTraits, 7> kTraits = {{
      .name = "dataset",
      .gives_motion = false,
      .simulates = false,
-     .advice = "mend the dataset or the prior; where the prior is narrower on purpose, raise "
-               "limits.max_failed_fraction: rows outside of it are left out"},
+     .advice = "mend the dataset or the prior (rows outside of one that is narrower on purpose are "
+               "left out under a higher limits.max_failed_fraction)"},
 }};
 
 }  // namespace

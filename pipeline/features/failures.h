@@ -25,7 +25,8 @@ std::string where_failures_lie(const Plan& plan, const Node& simulation);
 /// What that means, and what to do about it.
 inline constexpr const char* kFailureAdvice =
     "Rows that failed are left out, so that posteriors are those of parameters that don't fail: "
-    "mend "
-    "the simulator there, or end the prior where it begins to fail";
+    "mend the simulator there, or end the prior where it begins to fail; docs/methods.md says "
+    "which "
+    "posteriors are right all the same";
 
 }  // namespace npdr::pipeline

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/error.h"
 #include "core/printable.h"
 
 namespace npdr::pipeline {
@@ -67,8 +68,10 @@ std::string FailureWords::tell(const std::string& label, int status,
     lines += "    " + line + "\n";
   }
   told_.merge(new_lines);
-  return fmt::format("npdr: {} failed ({}){}:\n{}    log: {}\n", label, how,
-                     repeats ? ", as above" : "", lines, log.path.string());
+  const bool is_stopped = status == static_cast<int>(ExitStatus::checkpointed);
+  return fmt::format("npdr: {} {} ({}){}:\n{}    log: {}\n", label,
+                     is_stopped ? "stopped" : "failed", how, repeats ? ", as above" : "", lines,
+                     log.path.string());
 }
 
 }  // namespace npdr::pipeline

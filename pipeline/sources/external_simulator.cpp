@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <utility>
 
@@ -19,10 +20,6 @@ namespace {
 
 using sim::RolloutStatus;
 
-// So many rows in a row that fail: perhaps the fault isn't theirs. With half of all rows failing
-// that happens by chance once in 2^33 rows.
-constexpr Index kHopelessRows = 32;
-
 constexpr std::size_t kLargestLog = 1 << 20;
 constexpr std::size_t kTailLines = 20;
 
@@ -38,16 +35,24 @@ std::string tail_of(const std::string& text) {
 
 }  // namespace
 
+Index hopeless_rows(double max_failed_fraction) {
+  constexpr double level = 1e-9;
+  if (max_failed_fraction >= 1.0) return kMostHopelessRows;
+  const double rows = std::ceil(std::log(level) / std::log(max_failed_fraction));
+  return static_cast<Index>(std::clamp(rows, 4.0, static_cast<double>(kMostHopelessRows)));
+}
+
 ExternalSimulator::ExternalSimulator(const ExternalConfig& external, sim::SimulatorInfo info,
                                      std::unique_ptr<ProgramCall> program,
-                                     std::filesystem::path log)
+                                     std::filesystem::path log, Index hopeless_rows)
     : info_(std::move(info)),
       folder_(external.folder),
       time_limit_(external.time_limit),
       start_time_(external.start_time),
       retries_(external.retries),
       program_(std::move(program)),
-      log_path_(std::move(log)) {}
+      log_path_(std::move(log)),
+      hopeless_rows_(hopeless_rows) {}
 
 ExternalSimulator::~ExternalSimulator() { write_log(); }
 
@@ -142,6 +147,9 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
                    outcome.summary),
        outcome, task);
   if (outcome.cannot_run) fail("can't be run", outcome.problem + tail_of(outcome.output));
+  if (outcome.has_other_columns && !has_given_columns_)
+    fail("gives other columns than the study's", outcome.problem);
+  has_given_columns_ = has_given_columns_ || outcome.succeeded;
   status = outcome.status;
   if (!outcome.succeeded) {
     report_note(fmt::format("a call of {} rows failed: {}", count, shortened(outcome.problem)));
@@ -175,7 +183,8 @@ void ExternalSimulator::give_up(Task& task, Index row, RolloutStatus status) {
 
 // Of many rows in a row a good one tells whether they fail, or the program, its licence, the disk.
 void ExternalSimulator::count_lost() {
-  if (++num_lost_ < kHopelessRows) return;
+  loss_ = last_failure_;
+  if (++num_lost_ < hopeless_rows_) return;
   const Index num_lost = std::exchange(num_lost_, 0);
   if (!good_) fail(fmt::format("failed for each of {} rows", num_lost), last_failure_);
   Task again = *std::exchange(good_, std::nullopt);

@@ -47,8 +47,9 @@ class ProgramRowSimulator final : public RowSimulator {
       auto program = stays_
                          ? make_worker_call(external, info, inputs, share)
                          : make_file_call(external, info, gives_motion ? &inputs : nullptr, share);
-      simulators_.push_back(std::make_unique<ExternalSimulator>(external, info, std::move(program),
-                                                                std::filesystem::path()));
+      simulators_.push_back(std::make_unique<ExternalSimulator>(
+          external, info, std::move(program), std::filesystem::path(),
+          hopeless_rows(study.limits.max_failed_fraction)));
     }
     log_to(config.log);
   }
@@ -81,6 +82,9 @@ class ProgramRowSimulator final : public RowSimulator {
   }
 
   std::string last_failure() const override {
+    for (const auto& simulator : simulators_) {
+      if (!simulator->last_loss().empty()) return simulator->last_loss();
+    }
     for (const auto& simulator : simulators_) {
       if (!simulator->last_failure().empty()) return simulator->last_failure();
     }

@@ -41,8 +41,8 @@ void require_text(const std::string& name, const std::string& line) {
   }
   if (line.find('\r') != std::string::npos) {
     throw InputError(name +
-                     ": its lines end in carriage returns alone (CR), must end in line feeds (LF "
-                     "or CR LF)");
+                     ": has a carriage return (CR) within a line, must end lines in line feeds (LF "
+                     "or CR LF) and have no CR elsewhere");
   }
 }
 
@@ -98,8 +98,11 @@ bool NumberTable::next(std::span<double> row) {
 }
 
 double NumberTable::number(std::size_t column) const {
-  const std::optional<double> value = parse(fields_[column]);
-  if (!value) throw problem(column, "a number");
+  const std::string& field = fields_[column];
+  const std::optional<double> value = parse(field);
+  if (!value) {
+    throw problem(column, field.empty() ? "a number, or nan (pandas: na_rep='nan')" : "a number");
+  }
   return *value;
 }
 
@@ -163,7 +166,11 @@ void NumberTable::read_header(Header header) {
     const Channel column = has_units ? parse_channel(field) : parse_feature(field);
     const std::size_t number = columns_.size() + 1;
     if (has_units) require_unit(column, field, number);
-    if (column.label.empty()) fail(fmt::format("column {} has no name", number));
+    if (column.label.empty()) {
+      fail(fmt::format(
+          "column {} has no name{}", number,
+          number == 1 ? "; leave out what only counts rows (pandas: index=False)" : ""));
+    }
     if (!labels.insert(column.label).second) {
       fail(fmt::format("column {} is a second one headed {}", number, quoted(column.label)));
     }

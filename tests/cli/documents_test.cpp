@@ -38,6 +38,7 @@ const std::map<std::string, std::string> kNotRun = {
     {"h5dump", "a program of HDF5, which nothing else here needs"},
     {"npdr new mine --recording recording.h5",
      "wants a recording; new_studies_test writes such studies"},
+    {"npdr validate mine.toml --try", "wants what that writes; external_test tries another"},
     {"npdr evidence ", "wants studies with refined posteriors; evidence_test makes some"},
     {"cd experiments/external/spring", "writes there; own_simulators_test compiles a copy"},
     {"cd ../../..", "goes back"},

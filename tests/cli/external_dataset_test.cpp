@@ -68,7 +68,9 @@ TEST_F(ExternalDataset, RowsOutsideOfThePriorAreNamed) {
   EXPECT_EQ(narrow.status, 3) << narrow.err;
   EXPECT_NE(narrow.err.find("of the dataset, 'a' = "), std::string::npos) << narrow.err;
   EXPECT_NE(narrow.err.find("outside of the prior, [8, 9]"), std::string::npos) << narrow.err;
-  EXPECT_NE(narrow.err.find("raise limits.max_failed_fraction"), std::string::npos) << narrow.err;
+  EXPECT_NE(narrow.err.find("left out under a higher limits.max_failed_fraction"),
+            std::string::npos)
+      << narrow.err;
 }
 
 TEST_F(ExternalDataset, ADatasetOfAnotherPriorIsNoticed) {

@@ -1,4 +1,6 @@
 /// Commands as simulators.
+#include <regex>
+
 #include "tests/analysis/markup_check.h"
 #include "tests/cli/external_examples.h"
 
@@ -175,6 +177,28 @@ TEST_F(External, ATruthIsObservedByTheCommandAndRoundsFollow) {
             "--set", "method.num_simulations=300"});
   EXPECT_NE(table("external-shell", "seeds").find("log p(truth)"), std::string::npos);
   EXPECT_NE(table("external-shell", "fit").find("truth"), std::string::npos);
+}
+
+// What a run would find after a shard.
+TEST_F(External, SomeRowsCanBeTried) {
+  const auto tried = [&](const std::string& number, const std::string& setting) {
+    return npdr({"validate", "shell.toml", "--try", number, "--set", setting});
+  };
+  const Outcome good = tried("2", "study.seeds=[1]");
+  EXPECT_EQ(good.status, 0) << good.err;
+  EXPECT_TRUE(std::regex_search(good.out, std::regex(R"(row 0: a = \S+, b = \S+
+  x: \S+ = \S+, \S+ = \S+
+row 1: a = \S+, b = \S+
+  x: .*
+2 rows in \S+ s
+)"))) << good.out;
+  const Outcome bad = tried("1", "simulator.command='echo no licence >&2; exit 5'");
+  EXPECT_EQ(bad.status, 3);
+  EXPECT_NE(bad.out.find("\n  crashed\n"), std::string::npos) << bad.out;
+  EXPECT_TRUE(says(bad.err.substr(0, bad.err.find('\n')),
+                   {"npdr validate: the row that was tried failed: exit status 5"}));
+  EXPECT_NE(bad.err.find("no licence"), std::string::npos) << bad.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "runs")) << "nothing is written";
 }
 
 TEST_F(External, OtherCommandsUnderstandSuchStudies) {

@@ -27,7 +27,11 @@ TEST_F(NewStudies, FitWhatTheyAreFor) {
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("EDIT"), std::string::npos) << outcome.out;
     const std::string study = std::string("by") + option + ".toml", text = text_of(folder_ / study);
-    EXPECT_EQ(npdr({"validate", study}).status, 0) << text;
+    const Outcome validated = npdr({"validate", study});
+    EXPECT_EQ(validated.status, 0) << text;
+    EXPECT_NE(validated.out.find("\nmarked EDIT, as npdr new wrote them: lines 8, 12, "),
+              std::string::npos)
+        << validated.out;
     EXPECT_NE(text.find("shard_size = 200"), std::string::npos) << text;
   }
   EXPECT_EQ(npdr({"new", "both", "--worker", "a", "--library", "b"}).status, 2);

@@ -66,6 +66,15 @@ TEST_F(SampleSets, AStudyIsNone) {
   EXPECT_TRUE(says(message, {"s.toml: is a study, must be samples", "npdr sample"}));
 }
 
+TEST_F(SampleSets, APosteriorIsNone) {
+  h5::File file = h5::File::create(folder_ / "infer.h5");
+  file.set_attribute("schema", "posterior");
+  file.close();
+  const std::string message =
+      message_of<InputError>([&] { read_sample_set(folder_ / "infer.h5", "theta", 3); }, &folder_);
+  EXPECT_TRUE(says(message, {"infer.h5: is a posterior, must be samples: npdr sample "}));
+}
+
 TEST_F(SampleSets, WithoutNamesTheOrderCounts) {
   const SampleSet named =
       read_sample_set(write("a.h5", {"mass", "length"}, {"kg", "m"}), "theta", 9);

@@ -23,6 +23,11 @@ TEST(FailureWords, TellACauseOnce) {
             "    log: logs/4.log\n");
 }
 
+TEST(FailureWords, OfAJobThatWasStoppedSaySo) {
+  EXPECT_EQ(FailureWords().tell("infer", 75, {"stopped on request"}, {"logs/1.log"}),
+            "npdr: infer stopped (exit status 75):\n    stopped on request\n    log: logs/1.log\n");
+}
+
 TEST(FailureWords, AreTheEndOfTheLogWhereAJobSaysNothing) {
   const TempFolder folder;
   std::string lines;

@@ -118,7 +118,7 @@ TEST_F(NumberTables, BlanksThatNobodySeesAreBlanks) {
 TEST_F(NumberTables, OfOtherSystemsAreNamed) {
   EXPECT_TRUE(
       says(problem_of(std::string("\xFF\xFEt\0,\0", 6)), {"t.csv: holds zero bytes", "UTF-8"}));
-  EXPECT_TRUE(says(problem_of("a,b\r1,2\r"), {"t.csv: its lines end in carriage returns"}));
+  EXPECT_TRUE(says(problem_of("a,b\r1,2\r"), {"t.csv: has a carriage return (CR) within a line"}));
 }
 
 TEST_F(NumberTables, SayWhereTheyAreWrong) {
@@ -131,6 +131,10 @@ TEST_F(NumberTables, SayWhereTheyAreWrong) {
   EXPECT_TRUE(says(problem_of("1,2\n3,\n"), {"t.csv:2: column 2 = ''", "must be a number"}));
   EXPECT_EQ(problem_of("a,a\n1,2\n"), "t.csv:1: column 2 is a second one headed 'a'");
   EXPECT_EQ(problem_of("a,\n1,2\n"), "t.csv:1: column 2 has no name");
+  EXPECT_EQ(problem_of(",a\n0,2\n"),
+            "t.csv:1: column 1 has no name; leave out what only counts rows (pandas: index=False)");
+  EXPECT_EQ(problem_of("a,b\n1,\n"),
+            "t.csv:2: column 2 'b' = '', must be a number, or nan (pandas: na_rep='nan')");
   EXPECT_TRUE(says(problem_of("a\n1\n\n2\n"), {"t.csv:3: is empty", "rows follow", "remove it"}));
   EXPECT_EQ(problem_of("a,\"b\n1,2\n"), "t.csv:1: column 2 has no closing quote");
   EXPECT_EQ(message_of<InputError>([&] { NumberTable(folder_ / "none.csv"); }, &folder_),
