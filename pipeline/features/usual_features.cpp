@@ -5,7 +5,7 @@
 
 namespace npdr::pipeline {
 
-std::optional<inference::UsualFeatures> usual_features_of(const SimulationFeatures& features,
+std::optional<inference::UsualFeatures> usual_features_of(const inference::FeatureSource& features,
                                                           Index most_rows, const StreamId& stream) {
   constexpr Index fewest = inference::kFewestSimulations;
   if (features.num_rows() < fewest) return std::nullopt;

@@ -5,14 +5,14 @@
 
 #include "core/random.h"
 #include "inference/diagnostics/out_of_distribution.h"
-#include "pipeline/features/simulation_features.h"
+#include "inference/feature_source.h"
 
 namespace npdr::pipeline {
 
-/// That of at most `most_rows` of them, which `stream` picks, of fewer where they have more than
-/// 10,000 features. What isn't finite is left out; none of fewer than
+/// That of at most `most_rows` of them, 80 or more, which `stream` picks; of fewer, but 80, where
+/// they have more than 10,000 features. What isn't finite is left out; none of fewer than
 /// inference::kFewestSimulations.
-std::optional<inference::UsualFeatures> usual_features_of(const SimulationFeatures& features,
+std::optional<inference::UsualFeatures> usual_features_of(const inference::FeatureSource& features,
                                                           Index most_rows, const StreamId& stream);
 
 }  // namespace npdr::pipeline
