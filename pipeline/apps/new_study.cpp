@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "pipeline/apps/marginal_fit.h"
 #include "pipeline/artefacts/channels.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
@@ -110,7 +111,7 @@ class Writer {
     study.external.folder = ".";
     if (!wanted_.dataset.empty()) {
       dataset_.emplace(wanted_.dataset, std::vector<std::string>{});
-      info_.parameters = ranges_of(*dataset_);
+      marginals_ = marginals_of(*dataset_);
     } else if (!is_program()) {
       if (!wanted_.simulator.empty()) require_built_in(wanted_.simulator);
       info_ = simulator_info(study);
@@ -122,30 +123,24 @@ class Writer {
     }
   }
 
-  // Parameters between the least and the largest value of all rows.
-  static std::vector<sim::Parameter> ranges_of(const DatasetFile& dataset) {
+  // What the parameters of all rows look drawn from.
+  static std::vector<MarginalFit> marginals_of(const DatasetFile& dataset) {
     if (dataset.parameters().size() > kMostParameters) {
       throw InputError(fmt::format("the dataset has {} parameters, must have <= {}",
                                    dataset.parameters().size(), kMostParameters));
     }
-    std::vector<sim::Parameter> ranges;
-    for (const auto& [label, unit] : dataset.parameters()) {
-      ranges.push_back(
-          {.name = label, .unit = unit, .lower = HUGE_VAL, .upper = -HUGE_VAL, .description = {}});
-    }
+    std::vector<MarginalFit> marginals(dataset.parameters().size());
     constexpr Index block = 4096;
     for (Index begin = 0; begin < dataset.num_rows(); begin += block) {
       std::vector<Index> rows(
           static_cast<std::size_t>(std::min(block, dataset.num_rows() - begin)));
       std::iota(rows.begin(), rows.end(), begin);
       const RowMatrix theta = dataset.theta(rows);
-      for (std::size_t d = 0; d < ranges.size(); ++d) {
-        const auto values = theta.col(static_cast<Index>(d));
-        ranges[d].lower = std::min(ranges[d].lower, values.minCoeff());
-        ranges[d].upper = std::max(ranges[d].upper, values.maxCoeff());
+      for (std::size_t d = 0; d < marginals.size(); ++d) {
+        marginals[d].observe(theta.col(static_cast<Index>(d)));
       }
     }
-    return ranges;
+    return marginals;
   }
 
   static void require_built_in(const std::string& name) {
@@ -256,13 +251,18 @@ class Writer {
   }
 
   void add_prior_of_dataset() {
-    text_ += "# EDIT: what theta was drawn from; here the range of its values.\n[prior]\n";
-    for (const sim::Parameter& p : info_.parameters) {
-      require("a parameter of the dataset", p.name, column_name());
-      const bool is_constant = !(p.lower < p.upper);
-      text_ += fmt::format("{}{} = {{ uniform = [{}, {}] }}  # [{}]{}\n", is_constant ? "# " : "",
-                           toml_key(p.name), exact(p.lower), exact(p.upper), toml_comment(p.unit),
-                           is_constant ? " the same in all rows" : "");
+    text_ +=
+        "# EDIT: what theta was drawn from; here what its values look like, of uniform,\n"
+        "# log_uniform, normal and log_normal.\n[prior]\n";
+    for (std::size_t d = 0; d < marginals_.size(); ++d) {
+      const auto& [name, unit] = dataset_->parameters()[d];
+      require("a parameter of the dataset", name, column_name());
+      const bool is_constant = marginals_[d].is_constant();
+      const inference::Marginal fit = marginals_[d].likeliest();
+      const auto number_of = [&](double v) { return fit.is_unbounded() ? number(v) : exact(v); };
+      text_ += fmt::format("{}{} = {{ {} = [{}, {}] }}  # [{}]{}\n", is_constant ? "# " : "",
+                           toml_key(name), name_of(fit.kind), number_of(fit.a), number_of(fit.b),
+                           toml_comment(unit), is_constant ? " the same in all rows" : "");
     }
     text_ += "\n";
   }
@@ -314,6 +314,7 @@ class Writer {
   std::optional<Target> recording_;
   std::optional<DatasetFile> dataset_;
   sim::SimulatorInfo info_;
+  std::vector<MarginalFit> marginals_;  // of the dataset
   std::string text_;
 };
 

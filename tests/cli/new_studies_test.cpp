@@ -41,10 +41,11 @@ TEST_F(NewStudies, FitWhatTheyAreFor) {
 
 TEST_F(NewStudies, TakeADataset) {
   std::ofstream theta(folder_ / "theta.csv"), x(folder_ / "x.csv");
-  theta << "k [N/m],m,g\n";
+  theta << "k [N/m],m,g,rate\n";
   x << "peak,mean\n";
   for (int i = 0; i <= 100; ++i) {
-    theta << 10.0 + 0.2 * i << "," << (i == 100 ? "6.123456789" : "2") << ",7\n";
+    theta << 10.0 + 0.2 * i << "," << (i == 100 ? "6.123456789" : fmt::format("{}", 2.0 + 0.04 * i))
+          << ",7," << std::pow(10.0, i / 50.0) << "\n";
     x << i << "," << -i << "\n";
   }
   theta.close();
@@ -56,7 +57,7 @@ TEST_F(NewStudies, TakeADataset) {
   const std::string text = text_of(folder_ / "finished.toml");
   for (const char* part : {"dataset = \"d.h5\"", "k = { uniform = [10.0, 30.0] }  # [N/m]",
                            "m = { uniform = [2.0, 6.123456789] }", "# g = { uniform = [7.0, 7.0] }",
-                           "num_simulations = 101"}) {
+                           "rate = { log_uniform = [1.0, 100.0] }", "num_simulations = 101"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
   }
   const Outcome simulated = npdr({"run", "finished.toml", "--until", "simulate"});

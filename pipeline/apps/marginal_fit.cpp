@@ -1,0 +1,53 @@
+#include "pipeline/apps/marginal_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace npdr::pipeline {
+namespace {
+
+using Kind = inference::Marginal::Kind;
+
+// The mean log density of a normal at its own maximum.
+double log_normal_density(double variance) {
+  return -0.5 * std::log(2.0 * std::numbers::pi * std::numbers::e * variance);
+}
+
+}  // namespace
+
+void MarginalFit::Moments::observe(double value, Index count) {
+  const double before = value - mean;
+  mean += before / static_cast<double>(count);
+  sum_of_squares += before * (value - mean);
+}
+
+void MarginalFit::observe(const Vector& values) {
+  for (const double value : values) {
+    ++count_;
+    low_ = std::min(low_, value);
+    high_ = std::max(high_, value);
+    values_.observe(value, count_);
+    if (low_ > 0.0) logarithms_.observe(std::log(value), count_);
+  }
+}
+
+inference::Marginal MarginalFit::likeliest() const {
+  inference::Marginal best{.name = "", .unit = "", .kind = Kind::uniform, .a = low_, .b = high_};
+  if (is_constant()) return best;
+  double most = -std::log(high_ - low_) + 3.0 / static_cast<double>(count_);
+  const auto consider = [&](Kind kind, double a, double b, double mean_log_density) {
+    if (!(mean_log_density > most)) return;
+    most = mean_log_density;
+    best = {.name = "", .unit = "", .kind = kind, .a = a, .b = b};
+  };
+  const double variance = values_.variance(count_);
+  consider(Kind::normal, values_.mean, std::sqrt(variance), log_normal_density(variance));
+  if (!(low_ > 0.0)) return best;
+  const double mean = logarithms_.mean, of_log = logarithms_.variance(count_);
+  consider(Kind::log_uniform, low_, high_, -std::log(std::log(high_ / low_)) - mean);
+  consider(Kind::log_normal, mean, std::sqrt(of_log), log_normal_density(of_log) - mean);
+  return best;
+}
+
+}  // namespace npdr::pipeline

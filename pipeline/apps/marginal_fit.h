@@ -1,0 +1,36 @@
+/// Marginals that values look drawn from.
+#pragma once
+
+#include <cmath>
+
+#include "core/types.h"
+#include "inference/prior.h"
+
+namespace npdr::pipeline {
+
+/// Chooses by the largest likelihood, each form at the parameters where its own is largest:
+/// uniform and log-uniform between the least and the largest value, normal and log-normal with the
+/// moments of the values or of their logarithms. Another form than uniform has to be exp(3) times
+/// as likely.
+class MarginalFit {
+ public:
+  void observe(const Vector& values);
+
+  bool is_constant() const { return !(low_ < high_); }
+  /// Without name and unit. Of constant values: uniform.
+  inference::Marginal likeliest() const;
+
+ private:
+  // Of numbers that come one after the other (Welford 1962).
+  struct Moments {
+    double mean = 0.0, sum_of_squares = 0.0;
+    void observe(double value, Index count);
+    double variance(Index count) const { return sum_of_squares / static_cast<double>(count); }
+  };
+
+  Index count_ = 0;
+  double low_ = HUGE_VAL, high_ = -HUGE_VAL;
+  Moments values_, logarithms_;  ///< the second of values > 0
+};
+
+}  // namespace npdr::pipeline
