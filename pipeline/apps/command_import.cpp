@@ -14,6 +14,7 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
+#include "pipeline/config/study.h"
 #include "pipeline/import/csv_import.h"
 #include "pipeline/process/shell_text.h"
 #include "pipeline/store/number_table.h"
@@ -195,19 +196,29 @@ void check_dataset_arguments(const ImportArguments& arguments) {
   throw InputError("--theta and --x make a dataset; leave out recordings and what belongs to them");
 }
 
+std::string words_of_failed(const DatasetCounts& counts) {
+  if (counts.num_failed == 0) return "";
+  const std::string words =
+      fmt::format("; {} of x aren't finite and count as failed", counted(counts.num_failed, "row"));
+  constexpr double allowed = LimitsConfig{}.max_failed_fraction;
+  const double share =
+      static_cast<double>(counts.num_failed) / static_cast<double>(counts.num_rows);
+  if (share <= allowed) return words;
+  return words + fmt::format(
+                     ", {:.2g} of all: studies stop at more than "
+                     "limits.max_failed_fraction = {}, and may raise that",
+                     share, allowed);
+}
+
 void import_simulations(const ImportArguments& arguments) {
   check_dataset_arguments(arguments);
   const DatasetCounts counts =
       import_dataset(arguments.theta, arguments.x, arguments.output,
                      parse_csv_format(arguments.delimiter, arguments.decimal_comma));
   for (const std::string& file : counts.unended) print_line("{}", warning_of_end(file));
-  print_line(
-      "wrote {}: {} rows; theta {}; x {}{}", arguments.output, counts.num_rows,
-      fmt::join(feature_names(counts.parameters), ", "),
-      fmt::join(feature_names(counts.features), ", "),
-      counts.num_failed == 0
-          ? ""
-          : fmt::format("; {} rows of x aren't finite and count as failed", counts.num_failed));
+  print_line("wrote {}: {} rows; theta {}; x {}{}", arguments.output, counts.num_rows,
+             fmt::join(feature_names(counts.parameters), ", "),
+             fmt::join(feature_names(counts.features), ", "), words_of_failed(counts));
   const std::string file = shell_word(arguments.output);
   print_line("next: npdr new NAME --dataset {}; npdr run STUDY.toml --set simulator.dataset={}",
              file, file);

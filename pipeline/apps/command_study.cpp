@@ -152,8 +152,9 @@ void print_edit_marks(const std::filesystem::path& study) {
   std::vector<std::string> numbers;
   Index number = 1;
   for (std::string line; std::getline(file, line); ++number) {
-    const bool is_marked = line.find("EDIT:") != std::string::npos || line.ends_with("# EDIT");
-    if (is_marked) numbers.push_back(std::to_string(number));
+    const std::string comment = line.substr(std::min(line.find('#'), line.size()));
+    if (comment.find(" EDIT:") != std::string::npos || trimmed(comment) == "# EDIT")
+      numbers.push_back(std::to_string(number));
   }
   if (numbers.empty()) return;
   fmt::print("marked EDIT, as npdr new wrote {}: {} {}\n", numbers.size() == 1 ? "it" : "them",

@@ -45,10 +45,44 @@ std::string result_text(const Plan& plan, const sim::Trajectories& x, Index row)
                      counted(x.num_steps, "state"), numbers_text(channels, last));
 }
 
-// What rows are to replay.
-Target replayed_target(const Plan& plan) {
+// The first round of the first experiment. Studies that only refine have none.
+Use first_use(const Plan& plan) {
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::simulate && node.uses.front().round == 1) return node.uses.front();
+  }
+  return {.seed = plan.study.seeds.front(), .round = 1};
+}
+
+// What its rows replay.
+Target replayed_target(const Plan& plan, const Source& source, const Use& use) {
   if (!plan.study.source().gives_motion) return {};
-  return plan.study.target.recording ? plan.target : plan.source->behave({});
+  const Target all = plan.study.target.recording ? plan.target : source.behave({});
+  const Target used = all.first(all.num_rollouts() - plan.study.target.held_out);
+  const Index seen = use.method.empty() ? 0 : num_rollouts_seen(plan.study.method(use.method), use);
+  return seen > 0 ? used.first(seen) : used;
+}
+
+// All rows by one call: a program may be wrong about several.
+std::unique_ptr<Source> source_of_one_call(const Study& study) {
+  Study alone = study;
+  alone.external.parallel_calls = 1;
+  return make_source(alone);
+}
+
+void tell_of_failures(const sim::Trajectories& x, const RowSimulator& simulator) {
+  const Index good = std::ranges::count(x.status, sim::RolloutStatus::ok);
+  const std::string last = simulator.last_failure(), warning = simulator.last_warning();
+  const std::string why = last.empty() ? "" : ": " + last;
+  if (!warning.empty()) report_error("npdr validate", "warning: " + warning);
+  if (good == 0) throw FailedRolloutsError("no row that was tried has a result" + why);
+  if (good < x.num_rows) {
+    report_error("npdr validate", fmt::format("warning: {} of {} rows failed{}", x.num_rows - good,
+                                              x.num_rows, why));
+  } else if (!last.empty()) {
+    report_error(
+        "npdr validate",
+        "warning: a call failed that went well when it was repeated, or with fewer rows" + why);
+  }
 }
 
 }  // namespace
@@ -58,28 +92,24 @@ void try_rows(const Plan& plan, Index count) {
   if (!study.source().simulates) {
     throw InputError("--try: simulator.dataset has finished simulations, there is none to try");
   }
-  const std::uint64_t seed = study.seeds.front();
-  const auto simulator = plan.source->open({.simulator = study.simulator,
-                                            .target = replayed_target(plan),
-                                            .seed = seed,
-                                            .num_rows = count});
-  const RowMatrix theta = inference::sample_prior(inference::Prior(study.prior), count, seed, 1);
+  const Use use = first_use(plan);
+  const std::unique_ptr<Source> source = source_of_one_call(study);
+  const auto simulator = source->open({.simulator = study.simulator,
+                                       .target = replayed_target(plan, *source, use),
+                                       .seed = use.seed});
+  const RowMatrix theta =
+      inference::sample_prior(inference::Prior(study.prior), count, use.seed, use.stream_round());
   const auto start = std::chrono::steady_clock::now();
-  const sim::Trajectories x = simulator->simulate(plan.source->parameters().complete(theta),
-                                                  {seed, kSimulationStream, 1, 0, 0});
+  const sim::Trajectories x = simulator->simulate(
+      source->parameters().complete(theta),
+      {use.seed, kSimulationStream, static_cast<std::uint64_t>(use.round), 0, 0});
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   for (Index i = 0; i < count; ++i) {
     fmt::print("row {}: {}\n  {}\n", i, numbers_text(parameters_of(plan), theta.row(i)),
                result_text(plan, x, i));
   }
-  fmt::print("{} in {:.2g} s\n", counted(count, "row"), taken.count());
-  const Index good = std::ranges::count(x.status, sim::RolloutStatus::ok);
-  const std::string last = simulator->last_failure();
-  if (good > 0 && !last.empty()) report_error("npdr validate", "warning: " + last);
-  if (good > 0) return;
-  throw FailedRolloutsError(fmt::format(
-      "{}{}", count == 1 ? "the row that was tried failed" : "all rows that were tried failed",
-      last.empty() ? "" : ": " + last));
+  fmt::print("{} in {:.3g} s\n", counted(count, "row"), taken.count());
+  tell_of_failures(x, *simulator);
 }
 
 }  // namespace npdr::pipeline

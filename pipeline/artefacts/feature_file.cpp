@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/error.h"
 #include "core/feature_names.h"
 #include "core/text.h"
 #include "pipeline/artefacts/outside_file.h"
@@ -64,19 +65,10 @@ FeatureColumns columns_of(const std::string& where, Index num_columns,
   return found;
 }
 
-FeatureColumns require_columns(const std::string& where, Index num_columns,
-                               const std::vector<Channel>& named, const Expected& wanted) {
-  try {
-    return columns_of(where, num_columns, named, wanted);
-  } catch (const InputError& error) {
-    throw ColumnsError(error.what());
-  }
-}
-
 FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Expected& expected) {
   NumberTable table(path);
   const FeatureColumns found =
-      require_columns(table.name(), table.num_columns(), table.columns(), expected);
+      columns_of(table.name(), table.num_columns(), table.columns(), expected);
   FeatureRows rows{found.features, RowMatrix(num_rows, table.num_columns())};
   std::vector<double> row(static_cast<std::size_t>(table.num_columns()));
   Index count = 0;
@@ -107,7 +99,7 @@ FeatureRows read_hdf5(const h5::File& file, Index num_rows, const Expected& expe
   if (width < 1) throw InputError(x.where() + " is empty");
   x.require_readable(h5::ElementType::f64);
   const std::vector<Channel> named = column_channels(x, width);
-  const FeatureColumns found = require_columns(x.where(), width, named, expected);
+  const FeatureColumns found = columns_of(x.where(), width, named, expected);
   FeatureRows rows{found.features, RowMatrix(num_rows, width)};
   x.read_rows<double>(0, x.num_rows(), {rows.x.data(), static_cast<std::size_t>(rows.x.size())});
   rows.x = RowMatrix(rows.x(Eigen::all, found.columns));

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
 #include "core/feature_names.h"
 #include "core/target.h"
 #include "core/types.h"
@@ -27,16 +26,10 @@ struct FeatureDemands {
   bool needs_line_ends = false;  ///< of CSV: of its last line, too, which a cut file lacks
 };
 
-/// A file has other columns than those expected, whatever stands in its rows.
-class ColumnsError : public InputError {
- public:
-  using InputError::InputError;
-};
-
 /// Reads exactly `num_rows` rows of a file. With `expected` features there must be a column of
 /// each; where the file names its columns they may be in any order. Throws InputError that names
-/// the file and what is wrong with it, ColumnsError where its columns are. A child process reads
-/// HDF5 first, so no other thread may be using it.
+/// the file and what is wrong with it. A child process reads HDF5 first, so no other thread may be
+/// using it.
 FeatureRows read_features(const std::filesystem::path& path, FileFormat format, Index num_rows,
                           const std::vector<Channel>& expected, const FeatureDemands& demands = {});
 

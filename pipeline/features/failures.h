@@ -26,7 +26,6 @@ std::string where_failures_lie(const Plan& plan, const Node& simulation);
 inline constexpr const char* kFailureAdvice =
     "Rows that failed are left out, so that posteriors are those of parameters that don't fail: "
     "mend the simulator there, or end the prior where it begins to fail; docs/methods.md says "
-    "which "
-    "posteriors are right all the same";
+    "which posteriors are right all the same";
 
 }  // namespace npdr::pipeline

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -37,9 +38,9 @@ std::string tail_of(const std::string& text) {
 
 Index hopeless_rows(double max_failed_fraction) {
   constexpr double level = 1e-9;
-  if (max_failed_fraction >= 1.0) return kMostHopelessRows;
+  if (max_failed_fraction >= 1.0) return std::numeric_limits<Index>::max();
   const double rows = std::ceil(std::log(level) / std::log(max_failed_fraction));
-  return static_cast<Index>(std::clamp(rows, 4.0, static_cast<double>(kMostHopelessRows)));
+  return static_cast<Index>(std::max(rows, 4.0));
 }
 
 ExternalSimulator::ExternalSimulator(const ExternalConfig& external, sim::SimulatorInfo info,
@@ -115,10 +116,21 @@ void ExternalSimulator::solve(Task& task, Index begin, Index end, bool is_bad) {
     give_up(task, begin, status);
     return;
   }
+  if (is_whole && !good_ && count > hopeless_rows_) require_a_good_row(task, begin, end);
   const Index middle = begin + count / 2;
   const Index lost_before = task.num_lost;
   solve(task, begin, middle, false);
   solve(task, middle, end, task.num_lost == lost_before);
+}
+
+// Rows spread over the first call, which has failed.
+void ExternalSimulator::require_a_good_row(Task& task, Index begin, Index end) {
+  RolloutStatus status = RolloutStatus::ok;
+  for (Index k = 0; k < hopeless_rows_; ++k) {
+    const Index row = begin + k * (end - begin - 1) / (hopeless_rows_ - 1);
+    if (call(task, row, row + 1, status)) return;
+  }
+  fail(fmt::format("failed for each of {} rows", hopeless_rows_), last_failure_);
 }
 
 bool ExternalSimulator::repeat(Task& task, Index begin, Index end, RolloutStatus& status) {
@@ -147,16 +159,16 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
                    outcome.summary),
        outcome, task);
   if (outcome.cannot_run) fail("can't be run", outcome.problem + tail_of(outcome.output));
-  if (outcome.has_other_columns && !has_given_columns_)
-    fail("gives other columns than the study's", outcome.problem);
-  has_given_columns_ = has_given_columns_ || outcome.succeeded;
   status = outcome.status;
   if (!outcome.succeeded) {
     report_note(fmt::format("a call of {} rows failed: {}", count, shortened(outcome.problem)));
   }
   if (!outcome.warning.empty()) last_warning_ = outcome.warning;
-  if (outcome.succeeded) take(task, begin, result);
-  return outcome.succeeded;
+  if (!outcome.succeeded) return false;
+  if (std::ranges::count(result.status, RolloutStatus::crashed) > 0)
+    loss_ = outcome.problem + tail_of(outcome.output);
+  take(task, begin, result);
+  return true;
 }
 
 // Rows that failed on their own are lost, but need no further call.
@@ -178,12 +190,12 @@ void ExternalSimulator::keep_as_good(const Task& task, Index row) {
 void ExternalSimulator::give_up(Task& task, Index row, RolloutStatus status) {
   sim::lose_row(row, status, task.result);
   ++task.num_lost;
+  loss_ = last_failure_;
   count_lost();
 }
 
 // Of many rows in a row a good one tells whether they fail, or the program, its licence, the disk.
 void ExternalSimulator::count_lost() {
-  loss_ = last_failure_;
   if (++num_lost_ < hopeless_rows_) return;
   const Index num_lost = std::exchange(num_lost_, 0);
   if (!good_) fail(fmt::format("failed for each of {} rows", num_lost), last_failure_);

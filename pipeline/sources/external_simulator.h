@@ -21,21 +21,21 @@
 
 namespace npdr::pipeline {
 
-/// With half of all rows failing, so many in a row do by chance once in 2^33 rows.
-inline constexpr Index kMostHopelessRows = 32;
+/// So many rows in a row that fail are perhaps not to blame, where nobody says how many may: with
+/// half of all rows failing that happens by chance once in 2^33 rows.
+inline constexpr Index kHopelessRows = 32;
 
-/// The number of rows in a row that fail by chance once in 10^9 times where a share of
-/// `max_failed_fraction` fails, 4 to 32: 7 for 0.05.
+/// The same where a share of `max_failed_fraction` may fail: as many in a row do by chance once in
+/// 10^9 times, 7 for 0.05, 4 at least.
 Index hopeless_rows(double max_failed_fraction);
 
 /// Several may work at the same time, one a thread.
 class ExternalSimulator {
  public:
-  /// `log`: what all calls print, up to a MiB; empty: nowhere. `hopeless_rows`: so many rows in a
-  /// row that fail are perhaps not to blame.
+  /// `log`: what all calls print, up to a MiB; empty: nowhere.
   ExternalSimulator(const ExternalConfig& external, sim::SimulatorInfo info,
                     std::unique_ptr<ProgramCall> program, std::filesystem::path log,
-                    Index hopeless_rows = kMostHopelessRows);
+                    Index hopeless_rows = kHopelessRows);
   /// Brings the log to the disk.
   ~ExternalSimulator();
   ExternalSimulator(const ExternalSimulator&) = delete;
@@ -45,9 +45,8 @@ class ExternalSimulator {
   /// of row 0. `num_rows`: what the time limit is for; a call has its share of it. Row i is NaN
   /// where its status isn't ok; where a value isn't finite, the row diverged. Rows outside of their
   /// parameters' limits aren't simulated. Throws Error with the program and the end of its output
-  /// when it can't be run, has never given the study's columns but others, or fails for each of
-  /// `hopeless_rows` and for one that went well before, if there was any; Checkpointed when this
-  /// process is asked to stop.
+  /// when it can't be run, or fails for each of `hopeless_rows` and for one that went well before,
+  /// if there was any; Checkpointed when this process is asked to stop.
   sim::Trajectories simulate(const RowMatrix& theta, const StreamId& first, Index num_rows = 0);
 
   /// The time limit [s] of a call with `count` of `num_rows` rows: the share of the whole one, and
@@ -58,10 +57,11 @@ class ExternalSimulator {
   /// Brings the log to the disk, and begins another.
   void log_to(std::filesystem::path log);
 
-  /// What the last rows were lost to: the words of the call that failed first of those that had
-  /// them; without any, the number that made a row diverge, "row 12 has nan in 'omega', step 17 of
-  /// rollout 2"; "": none was lost.
-  const std::string& last_loss() const { return loss_.empty() ? lost_number_ : loss_; }
+  /// The words of the call that a row was lost to, the last of such; "": none was.
+  const std::string& last_loss() const { return loss_; }
+  /// The number that made a row diverge, the last of such: "row 12 has nan in 'omega', step 17 of
+  /// rollout 2"; "": none did.
+  const std::string& lost_number() const { return lost_number_; }
   /// The words of the call that failed first of the last rows that any failed of, even if it went
   /// well when it was repeated; "": none did.
   const std::string& last_failure() const { return last_failure_; }
@@ -81,6 +81,7 @@ class ExternalSimulator {
   };
 
   void solve(Task& task, Index begin, Index end, bool is_bad);
+  void require_a_good_row(Task& task, Index begin, Index end);
   bool repeat(Task& task, Index begin, Index end, sim::RolloutStatus& status);
   bool call(Task& task, Index begin, Index end, sim::RolloutStatus& status);
   void take(Task& task, Index begin, const sim::Trajectories& rows);
@@ -100,12 +101,11 @@ class ExternalSimulator {
   std::filesystem::path log_path_;
   std::string log_;
   std::string last_failure_;
-  std::string loss_;  ///< by a call that failed
+  std::string loss_;
   std::string lost_number_;
   std::string last_warning_;
   Index num_calls_ = 0;
   Index hopeless_rows_;
-  bool has_given_columns_ = false;
   std::optional<Task> good_;  ///< the last row that has a result
   Index num_lost_ = 0;        ///< rows since then
 };

@@ -72,7 +72,6 @@ class FileCall final : public ProgramCall {
       if (!inputs_) outcome.warning = precision_problem(x, info_.state_channels);
     } catch (const InputError& error) {
       outcome.succeeded = false;
-      outcome.has_other_columns = dynamic_cast<const ColumnsError*>(&error) != nullptr;
       outcome.status = RolloutStatus::bad_output;
       outcome.problem = fmt::format("{}; x must have {}", error.what(), expected_columns());
     }

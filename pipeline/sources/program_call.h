@@ -27,8 +27,7 @@ struct ProgramRows {
 /// How it went. When it failed, `status` is that of a row that it would be about.
 struct ProgramOutcome {
   bool succeeded = true;
-  bool cannot_run = false;         ///< there is no such program
-  bool has_other_columns = false;  ///< than those of the study, which no row is to blame for
+  bool cannot_run = false;  ///< there is no such program
   sim::RolloutStatus status = sim::RolloutStatus::ok;
   std::string summary;             ///< "exit status 1 after 0.5 s"
   std::string problem;             ///< also where only rows failed; empty: none

@@ -49,7 +49,7 @@ class ProgramRowSimulator final : public RowSimulator {
                          : make_file_call(external, info, gives_motion ? &inputs : nullptr, share);
       simulators_.push_back(std::make_unique<ExternalSimulator>(
           external, info, std::move(program), std::filesystem::path(),
-          hopeless_rows(study.limits.max_failed_fraction)));
+          num_rows_ > 0 ? hopeless_rows(study.limits.max_failed_fraction) : kHopelessRows));
     }
     log_to(config.log);
   }
@@ -82,11 +82,11 @@ class ProgramRowSimulator final : public RowSimulator {
   }
 
   std::string last_failure() const override {
-    for (const auto& simulator : simulators_) {
-      if (!simulator->last_loss().empty()) return simulator->last_loss();
-    }
-    for (const auto& simulator : simulators_) {
-      if (!simulator->last_failure().empty()) return simulator->last_failure();
+    for (const auto words : {&ExternalSimulator::last_loss, &ExternalSimulator::lost_number,
+                             &ExternalSimulator::last_failure}) {
+      for (const auto& simulator : simulators_) {
+        if (const std::string& found = ((*simulator).*words)(); !found.empty()) return found;
+      }
     }
     return "";
   }

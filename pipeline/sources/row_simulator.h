@@ -36,8 +36,8 @@ class RowSimulator {
   /// Completes the log, and begins another; empty: none. For programs, whose output is kept.
   virtual void log_to(const std::filesystem::path& /*log*/) {}
 
-  /// Problem of the last row that was lost, or where none was of the last call that failed, for
-  /// people; "": there was neither, or it can't say.
+  /// Why rows were lost, for people: the problem of a call, or else a number; where none was, that
+  /// of a call which went well when it was repeated; "": there was none, or it can't say.
   virtual std::string last_failure() const { return ""; }
 
   /// What is probably wrong with rows that it gave, for people; "": nothing, as far as it can say.

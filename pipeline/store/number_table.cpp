@@ -101,7 +101,7 @@ double NumberTable::number(std::size_t column) const {
   const std::string& field = fields_[column];
   const std::optional<double> value = parse(field);
   if (!value) {
-    throw problem(column, field.empty() ? "a number, or nan (pandas: na_rep='nan')" : "a number");
+    throw problem(column, field.empty() ? "a number; pandas leaves nan empty" : "a number");
   }
   return *value;
 }

@@ -25,7 +25,7 @@ TEST(CurvePlot, ABandIsTheSpreadOfTheExperiments) {
   EXPECT_THROW(curve_of("A", Vector::LinSpaced(3, 0, 1), experiments), ShapeError);
 }
 
-CurvePlot plot_of(const std::vector<std::string>& methods) {
+CurvePlot curve_plot_of(const std::vector<std::string>& methods) {
   CurvePlot plot{"learning", "search iteration", "return", {}};
   const RowMatrix experiments = RowMatrix::Random(4, 2);
   for (const std::string& method : methods) {
@@ -36,7 +36,7 @@ CurvePlot plot_of(const std::vector<std::string>& methods) {
 
 TEST(CurvePlot, DrawsABandAndACurveOfEachMethod) {
   const TempFolder folder;
-  const FigureFiles files = write_curve_plot(plot_of({"A", "B <&>"}), folder.path());
+  const FigureFiles files = write_curve_plot(curve_plot_of({"A", "B <&>"}), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);
@@ -49,7 +49,7 @@ TEST(CurvePlot, DrawsABandAndACurveOfEachMethod) {
 TEST(CurvePlot, CopesWithConstantAndMissingValues) {
   const TempFolder folder;
   for (const double value : {0.0, -3.0, std::nan("")}) {
-    CurvePlot plot = plot_of({"A"});
+    CurvePlot plot = curve_plot_of({"A"});
     Curve& curve = plot.curves.front();
     for (Vector* part : {&curve.mean, &curve.lower, &curve.upper}) part->setConstant(value);
     EXPECT_EQ(markup_error(read_text_file(write_curve_plot(plot, folder.path()).svg)), "");
@@ -58,10 +58,10 @@ TEST(CurvePlot, CopesWithConstantAndMissingValues) {
 
 TEST(CurvePlot, RejectsWhatCantBeDrawn) {
   const TempFolder folder;
-  EXPECT_THROW(write_curve_plot(plot_of({}), folder.path()), InputError);
-  EXPECT_THROW(write_curve_plot(plot_of({"1", "2", "3", "4", "5", "6", "7"}), folder.path()),
+  EXPECT_THROW(write_curve_plot(curve_plot_of({}), folder.path()), InputError);
+  EXPECT_THROW(write_curve_plot(curve_plot_of({"1", "2", "3", "4", "5", "6", "7"}), folder.path()),
                InputError);
-  CurvePlot other = plot_of({"A"});
+  CurvePlot other = curve_plot_of({"A"});
   other.curves.front().upper.resize(3);
   EXPECT_THROW(write_curve_plot(other, folder.path()), ShapeError);
   other.curves.front() = {};

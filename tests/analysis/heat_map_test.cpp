@@ -12,7 +12,7 @@
 namespace npdr::analysis {
 namespace {
 
-HeatMapPlot plot_of(const std::vector<std::string>& methods) {
+HeatMapPlot heat_map_of(const std::vector<std::string>& methods) {
   HeatMapPlot plot;
   plot.name = "robustness";
   plot.x = {"pole_mass", "kg", (Vector(3) << 0.1, 0.2, 0.4).finished()};
@@ -28,7 +28,7 @@ HeatMapPlot plot_of(const std::vector<std::string>& methods) {
 TEST(HeatMap, DrawsAMapPerMethod) {
   const TempFolder folder;
   const FigureFiles files =
-      write_heat_maps(plot_of({"A", "B", "C", "D <&>"}), folder.path());  // two rows
+      write_heat_maps(heat_map_of({"A", "B", "C", "D <&>"}), folder.path());  // two rows
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);
@@ -41,7 +41,7 @@ TEST(HeatMap, DrawsAMapPerMethod) {
 
 TEST(HeatMap, EachPointOfTheGridIsACell) {
   const TempFolder folder;
-  write_heat_maps(plot_of({"A"}), folder.path());
+  write_heat_maps(heat_map_of({"A"}), folder.path());
   const std::string data = read_text_file(folder.path() / "robustness_1.dat");
   EXPECT_EQ(data.substr(data.find('\n') + 1), "0 0 1\n0 1 2\n1 0 3\n1 1 4\n2 0 5\n2 1 6\n");
 }
@@ -49,7 +49,7 @@ TEST(HeatMap, EachPointOfTheGridIsACell) {
 TEST(HeatMap, AMarkLiesBetweenItsNeighbors) {
   const TempFolder folder;
   const auto script = [&](double x, double y) {
-    HeatMapPlot plot = plot_of({"A"});
+    HeatMapPlot plot = heat_map_of({"A"});
     plot.mark = {x, y};
     return read_text_file(write_heat_maps(plot, folder.path()).script);
   };
@@ -61,7 +61,7 @@ TEST(HeatMap, AMarkLiesBetweenItsNeighbors) {
 
 TEST(HeatMap, LabelsAsManyCellsAsThereIsRoomFor) {
   const TempFolder folder;
-  HeatMapPlot plot = plot_of({"A"});
+  HeatMapPlot plot = heat_map_of({"A"});
   plot.x.points = Vector::LinSpaced(40, 0.1001, 0.4991);
   plot.maps.front().values = RowMatrix::Constant(40, 2, std::nan(""));
   const std::string svg = read_text_file(write_heat_maps(plot, folder.path()).svg);
@@ -72,11 +72,11 @@ TEST(HeatMap, LabelsAsManyCellsAsThereIsRoomFor) {
 
 TEST(HeatMap, RejectsWhatCantBeDrawn) {
   const TempFolder folder;
-  EXPECT_THROW(write_heat_maps(plot_of({}), folder.path()), InputError);
-  HeatMapPlot other = plot_of({"A"});
+  EXPECT_THROW(write_heat_maps(heat_map_of({}), folder.path()), InputError);
+  HeatMapPlot other = heat_map_of({"A"});
   other.maps.front().values.resize(2, 3);
   EXPECT_THROW(write_heat_maps(other, folder.path()), ShapeError);
-  other = plot_of({"A"});
+  other = heat_map_of({"A"});
   other.high = other.low;
   EXPECT_THROW(write_heat_maps(other, folder.path()), InputError);
 }

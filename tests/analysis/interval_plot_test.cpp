@@ -10,7 +10,7 @@
 namespace npdr::analysis {
 namespace {
 
-IntervalPlot plot_of(std::size_t num_sets) {
+IntervalPlot interval_plot_of(std::size_t num_sets) {
   IntervalPlot plot{.name = "intervals",
                     .title = "place",
                     .parameters = {"pole_mass", "pole_length"},
@@ -28,7 +28,8 @@ IntervalPlot plot_of(std::size_t num_sets) {
 
 TEST(IntervalPlot, DrawsTheRowsAndBothIntervalsOfEachSet) {
   const TempFolder folder;
-  const std::string svg = read_text_file(write_interval_plot(plot_of(2), folder.path()).svg);
+  const std::string svg =
+      read_text_file(write_interval_plot(interval_plot_of(2), folder.path()).svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 1 + 2 * 2);
   for (const char* words : {">pole mass<", ">pole length<", ">set 1<", ">nominal<"}) {
@@ -44,14 +45,15 @@ TEST(IntervalPlot, DrawsTheRowsAndBothIntervalsOfEachSet) {
 
 TEST(IntervalPlot, RowsHaveTips) {
   const TempFolder folder;
-  const std::string svg = read_text_file(write_interval_plot(plot_of(1), folder.path()).svg);
+  const std::string svg =
+      read_text_file(write_interval_plot(interval_plot_of(1), folder.path()).svg);
   EXPECT_NE(svg.find("<title>pole_mass [kg]\nA: 1 &amp; more</title>"), std::string::npos);
   EXPECT_EQ(count_of(svg, "<rect class=\"tip\""), 2);
 }
 
 TEST(IntervalPlot, FitsIntoAWidthThatIsGiven) {
   const TempFolder folder;
-  IntervalPlot plot = plot_of(1);
+  IntervalPlot plot = interval_plot_of(1);
   plot.width = 340.0;
   const std::string svg = read_text_file(write_interval_plot(plot, folder.path()).svg);
   EXPECT_NE(svg.find("viewBox=\"0 0 340 "), std::string::npos) << svg.substr(0, 400);
@@ -62,15 +64,15 @@ TEST(IntervalPlot, FitsIntoAWidthThatIsGiven) {
 
 TEST(IntervalPlot, RejectsWhatCantBeDrawn) {
   const TempFolder folder;
-  EXPECT_THROW(write_interval_plot(plot_of(0), folder.path()), InputError);
-  EXPECT_THROW(write_interval_plot(plot_of(kMaxMethods + 1), folder.path()), InputError);
-  IntervalPlot plot = plot_of(1);
+  EXPECT_THROW(write_interval_plot(interval_plot_of(0), folder.path()), InputError);
+  EXPECT_THROW(write_interval_plot(interval_plot_of(kMaxMethods + 1), folder.path()), InputError);
+  IntervalPlot plot = interval_plot_of(1);
   plot.sets[0].quantiles.conservativeResize(2, 4);
   EXPECT_THROW(write_interval_plot(plot, folder.path()), ShapeError);
-  plot = plot_of(1);
+  plot = interval_plot_of(1);
   plot.points[0].place.resize(1);
   EXPECT_THROW(write_interval_plot(plot, folder.path()), ShapeError);
-  plot = plot_of(1);
+  plot = interval_plot_of(1);
   plot.tips.pop_back();
   EXPECT_THROW(write_interval_plot(plot, folder.path()), ShapeError);
 }

@@ -61,6 +61,16 @@ TEST_F(ExternalDataset, UnitsThatAStudyCantHaveAreRefused) {
   EXPECT_NE(outcome.err.find("must be with units that are"), std::string::npos) << outcome.err;
 }
 
+TEST_F(ExternalDataset, MoreFailedRowsThanAStudyAllowsAreToldAtOnce) {
+  folder_.file("t.csv", "a\n1\n2\n3\n4\n");
+  folder_.file("y.csv", "y\n1\nnan\n3\n4\n");
+  const Outcome imported = npdr({"import", "--theta", "t.csv", "--x", "y.csv", "-o", "d.h5"});
+  EXPECT_NE(imported.out.find("; 1 row of x aren't finite and count as failed, 0.25 of all: "
+                              "studies stop at more than limits.max_failed_fraction = 0.05"),
+            std::string::npos)
+      << imported.out;
+}
+
 // Where it was cut on purpose, the rest is left out.
 TEST_F(ExternalDataset, RowsOutsideOfThePriorAreNamed) {
   import_dataset();

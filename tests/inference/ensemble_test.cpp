@@ -52,13 +52,13 @@ NetworkParts random_parts(NetworkRole role, EstimatorKind kind) {
 
 // Centers of n cells of [-kFar, kFar].
 constexpr double kFar = 12.0;
-RowMatrix grid(Index n) {
+RowMatrix cell_grid(Index n) {
   return Vector::LinSpaced(n, 0.5 - 0.5 * double(n), 0.5 * double(n) - 0.5) *
          (2.0 * kFar / double(n));
 }
 
 void expect_mean_of_members(const NetworkParts& parts) {
-  const RowMatrix theta = grid(50);
+  const RowMatrix theta = cell_grid(50);
   Vector mean = Vector::Zero(theta.rows());
   for (Index m = 0; m < kNetworks; ++m) {
     const auto one = make_posterior(network_of(parts, m));
@@ -78,7 +78,7 @@ TEST(Ensemble, MixturesOfItsNetworksAreOne) {
   const DirectPosterior posterior(random_parts(NetworkRole::posterior, EstimatorKind::mdn));
   EXPECT_EQ(posterior.mixture().num_components(), 2 * kNetworks);
   EXPECT_NEAR(posterior.mixture().log_weights.array().exp().sum(), 1.0, 1e-12);
-  const RowMatrix theta = grid(50);
+  const RowMatrix theta = cell_grid(50);
   const Vector by_mixture = posterior.mixture().log_prob(posterior.prior().to_normal(theta)) +
                             posterior.prior().log_det_to_normal(theta);
   EXPECT_LT((by_mixture - posterior.log_prob(theta)).array().abs().maxCoeff(), 1e-4);
@@ -90,7 +90,7 @@ TEST(Ensemble, SamplesFollowTheMean) {
   const DirectPosterior posterior(random_parts(NetworkRole::posterior, EstimatorKind::nsf));
   constexpr Index cells = 4800, n = 30'000;
   const double width = 2.0 * kFar / cells;
-  const RowMatrix theta = grid(cells);
+  const RowMatrix theta = cell_grid(cells);
   const Vector mass = posterior.log_prob(theta).array().exp() * width;
   EXPECT_NEAR(mass.sum(), 1.0, 1e-3);
   const RowMatrix samples = posterior.sample(n, {1, "posterior", 0, 0, 0});

@@ -27,8 +27,8 @@ NetworkParts some_ratio(SamplerKind sampler) {
   return parts;
 }
 
-// Midpoints of a grid over the prior's box.
-RowMatrix grid(Index n) {
+// Midpoints of a box_grid over the prior's box.
+RowMatrix box_grid(Index n) {
   RowMatrix theta(n * n, 2);
   for (Index i = 0; i < n; ++i) {
     for (Index j = 0; j < n; ++j) {
@@ -44,7 +44,7 @@ TEST(SurrogatePosterior, DensityIntegratesToOneAndEndsWithThePrior) {
   constexpr Index n = 200;
   const double cell = 4.0 / (n * n);
   // 20,000 points of importance sampling with weights that vary by less than a factor of three.
-  EXPECT_NEAR(posterior->log_prob(grid(n)).array().exp().sum() * cell, 1.0, 0.03);
+  EXPECT_NEAR(posterior->log_prob(box_grid(n)).array().exp().sum() * cell, 1.0, 0.03);
   RowMatrix outside(1, 2);
   outside << 0.0, 1.5;
   EXPECT_EQ(posterior->log_prob(outside)(0), -std::numeric_limits<double>::infinity());
@@ -52,13 +52,13 @@ TEST(SurrogatePosterior, DensityIntegratesToOneAndEndsWithThePrior) {
 
 TEST(SurrogatePosterior, DensityUpToAConstantDiffersByAConstant) {
   const auto posterior = make_posterior(some_ratio(SamplerKind::slice));
-  const RowMatrix theta = grid(5);
+  const RowMatrix theta = box_grid(5);
   const Vector difference = posterior->log_prob(theta) - posterior->relative_log_prob(theta);
   EXPECT_LT((difference.array() - difference(0)).abs().maxCoeff(), 1e-9);
 }
 
 TEST(SurrogatePosterior, BothSamplersHaveTheMeanOfTheDensity) {
-  const RowMatrix points = grid(100);
+  const RowMatrix points = box_grid(100);
   const auto reference = make_posterior(some_ratio(SamplerKind::slice));
   const Vector weights = reference->relative_log_prob(points).array().exp();
   const Eigen::RowVectorXd mean = (weights.transpose() * points) / weights.sum();

@@ -21,7 +21,7 @@ std::shared_ptr<const NetworkPosterior> some_posterior(Index dimension) {
 }
 
 // A pool that is wider than the q that candidates come from, and one that is narrower.
-std::shared_ptr<const NetworkPosterior> some_pool(PoolPowers powers) {
+std::shared_ptr<const NetworkPosterior> pool_with(PoolPowers powers) {
   const LinearGaussian task(2);
   PosteriorEstimationConfig c = small_config(Algorithm::npe_nle, EstimatorKind::maf, 1, 500);
   c.training.max_epochs = 60;
@@ -42,8 +42,8 @@ TEST(TruncatedPrior, HoldsAllButTheLeastProbableSamplesOfThePosterior) {
   // Of 20,000 samples 2 are expected, more than 10 with a probability of 1e-5; the share that lies
   // outside is itself told by some draws, and may be twice as large.
   EXPECT_LT(share_outside(*some_posterior(3)), 8e-4);
-  EXPECT_LT(share_outside(*some_pool({0.5, 0.2})), 8e-4) << "wider";
-  EXPECT_LT(share_outside(*some_pool({0.9, 0.8})), 8e-4) << "narrower";
+  EXPECT_LT(share_outside(*pool_with({0.5, 0.2})), 8e-4) << "wider";
+  EXPECT_LT(share_outside(*pool_with({0.9, 0.8})), 8e-4) << "narrower";
   // Rows far out in the prior are none of them.
   const auto posterior = some_posterior(3);
   EXPECT_EQ(TruncatedPrior(*posterior).rows_within(RowMatrix::Constant(4, 3, -5.0)).size(), 0u);

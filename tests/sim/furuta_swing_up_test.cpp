@@ -4,20 +4,17 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/error.h"
 #include "core/random.h"
 #include "sim/furuta.h"
 #include "tests/message_of.h"
+#include "tests/sim/angles.h"
 #include "tests/sim/hybrid_controller.h"
 #include "tests/sim/ode_checks.h"
 
 namespace npdr::sim {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180.0;
 
 FurutaSwingUp nominal_task() { return FurutaSwingUp(theta_of(Furuta())); }
 

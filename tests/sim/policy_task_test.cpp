@@ -1,24 +1,22 @@
 #include "sim/policy_task.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/error.h"
 #include "sim/furuta.h"
 #include "tests/message_of.h"
+#include "tests/sim/angles.h"
 #include "tests/sim/hybrid_controller.h"
 #include "tests/sim/ode_checks.h"
 #include "tests/sim/policy_rows.h"
+#include "tests/sim/thread_count.h"
 #include "tests/special_values.h"
 
 namespace npdr::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Row i of the rows.
 PolicyRows only(const PolicyRows& rows, Index i) {
@@ -47,15 +45,6 @@ void spoil(PolicyRows& rows, Index row, int how) {
   if (how % 4 == 2) rows.theta(row, 5) = -1.0;
   if (how % 4 == 3) rows.initial_states(row, 0) = 3.0;
 }
-
-class ThreadCount {
- public:
-  explicit ThreadCount(int count) : before_(omp_get_max_threads()) { omp_set_num_threads(count); }
-  ~ThreadCount() { omp_set_num_threads(before_); }
-
- private:
-  int before_;
-};
 
 // The closed loop one step at a time: controller and reward by tests/sim/hybrid_controller.h, the
 // motion by CVODE with a tolerance of 1e-12, the delay between them by a list of voltages.

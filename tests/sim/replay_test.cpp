@@ -1,7 +1,6 @@
 #include "sim/replay.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "core/random.h"
 #include "sim/simulator.h"
+#include "tests/sim/thread_count.h"
 #include "tests/special_values.h"
 
 namespace npdr::sim {
@@ -59,15 +59,6 @@ void spoil(RowMatrix& theta, Index row, int how) {
 bool same_bits(std::span<const float> a, std::span<const float> b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
-
-class ThreadCount {
- public:
-  explicit ThreadCount(int count) : before_(omp_get_max_threads()) { omp_set_num_threads(count); }
-  ~ThreadCount() { omp_set_num_threads(before_); }
-
- private:
-  int before_;
-};
 
 TEST(Replay, SameBitsForAnyThreadCount) {
   const Target target = short_target();

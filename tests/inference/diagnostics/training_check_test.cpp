@@ -10,7 +10,7 @@
 namespace npdr::inference {
 namespace {
 
-TrainingConfig config() {
+TrainingConfig checked_config() {
   TrainingConfig c;
   c.stop_after_epochs = 2;
   c.max_epochs = 5;
@@ -19,7 +19,7 @@ TrainingConfig config() {
 
 TEST(TrainingCheck, StoppedByPatienceIsConverged) {
   const Vector training{{4.0, 2.0, 1.0, 0.5}}, validation{{5.0, 3.0, 3.1, 3.2}};
-  const TrainingCheck found = check_training(training, validation, config());
+  const TrainingCheck found = check_training(training, validation, checked_config());
   EXPECT_TRUE(found.is_converged);
   EXPECT_EQ(found.num_epochs, 4);
   EXPECT_EQ(found.best_epoch, 2);
@@ -28,36 +28,38 @@ TEST(TrainingCheck, StoppedByPatienceIsConverged) {
 
 TEST(TrainingCheck, StoppedByTheLimitIsNot) {
   const Vector falling{{5.0, 4.0, 3.0, 2.0, 1.0}}, flat{{5.0, 4.0, 3.0, 3.1, 3.1}};
-  EXPECT_FALSE(check_training(falling, falling, config()).is_converged);
-  EXPECT_TRUE(check_training(flat, flat, config()).is_converged);
+  EXPECT_FALSE(check_training(falling, falling, checked_config()).is_converged);
+  EXPECT_TRUE(check_training(flat, flat, checked_config()).is_converged);
 }
 
 // No epoch was better than the weights that it began with: patience ran out all the same.
 TEST(TrainingCheck, NothingLeftToLearnFromTheBeginningIsConverged) {
   const Vector losses{{5.0, 4.0}};
-  EXPECT_TRUE(check_training(losses, losses, config()).is_converged);
+  EXPECT_TRUE(check_training(losses, losses, checked_config()).is_converged);
 }
 
 TEST(TrainingCheck, WeightsThatJumpAboutAreNot) {
   const Vector validation{{4.0, 5.0, 5.0, 5.0}};
   for (const double loss : {1.6e13, std::nan("")}) {
-    EXPECT_FALSE(check_training(Vector::Constant(4, loss), validation, config()).is_converged);
+    EXPECT_FALSE(
+        check_training(Vector::Constant(4, loss), validation, checked_config()).is_converged);
   }
-  EXPECT_TRUE(check_training(Vector::Constant(4, 900.0), validation, config()).is_converged);
+  EXPECT_TRUE(
+      check_training(Vector::Constant(4, 900.0), validation, checked_config()).is_converged);
 }
 
 TEST(TrainingCheck, ValidationFarAboveTrainingDoesNotPass) {
   const Vector training{{4.0, -3.3, -3.5, -3.6}}, validation{{5.0, 2.0, 2.1, 2.2}};
-  const TrainingCheck far = check_training(training, validation, config());
+  const TrainingCheck far = check_training(training, validation, checked_config());
   EXPECT_TRUE(far.is_converged);
   EXPECT_TRUE(far.is_far_from_training());
   EXPECT_FALSE(far.passes());
-  EXPECT_TRUE(check_training(training, training, config()).passes());
+  EXPECT_TRUE(check_training(training, training, checked_config()).passes());
 }
 
 TEST(TrainingCheck, SaysHowMuchTheLastTenthOfTheEpochsBrought) {
   Vector losses = Vector::LinSpaced(20, 20.0, 1.0);  // by 1 nat an epoch
-  TrainingConfig long_config = config();
+  TrainingConfig long_config = checked_config();
   long_config.max_epochs = 20;
   EXPECT_NEAR(check_training(losses, losses, long_config).recent_fall, 2.0, 1e-12);
   losses.tail(3).setConstant(4.0);
@@ -79,7 +81,8 @@ TEST(TrainingCheck, RarelyAccusesANetworkThatGeneralizes) {
         excess += 0.5 * (u * u - 1.0) / static_cast<double>(rows);
       }
       const Vector training{{1.0, 1.0, 1.0}}, validation = training.array() + excess;
-      alarms += check_training(training, validation, config()).is_far_from_training() ? 1 : 0;
+      alarms +=
+          check_training(training, validation, checked_config()).is_far_from_training() ? 1 : 0;
     }
     EXPECT_LE(alarms, 12) << dimension;
   }
@@ -87,9 +90,9 @@ TEST(TrainingCheck, RarelyAccusesANetworkThatGeneralizes) {
 
 TEST(TrainingCheck, SkipsLossesThatAreNoNumbers) {
   const Vector losses{{std::nan(""), 2.0, 1.0, 3.0}};
-  EXPECT_EQ(check_training(losses, losses, config()).best_epoch, 3);
-  EXPECT_THROW(check_training(losses, Vector(), config()), InputError);
-  EXPECT_THROW(check_training(losses, losses.head(2), config()), InputError);
+  EXPECT_EQ(check_training(losses, losses, checked_config()).best_epoch, 3);
+  EXPECT_THROW(check_training(losses, Vector(), checked_config()), InputError);
+  EXPECT_THROW(check_training(losses, losses.head(2), checked_config()), InputError);
 }
 
 }  // namespace

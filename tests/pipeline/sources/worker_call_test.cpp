@@ -223,7 +223,7 @@ TEST_F(Workers, RowsThatFailOnTheirOwnNeedNoFurtherRequest) {
 TEST_F(Workers, ARowThatDivergesSaysWhichNumberIsNone) {
   ExternalSimulator simulator = Workers::simulator("nan", "1");
   simulator.simulate(RowMatrix::Ones(2, 1), {1, "test", 0, 0, 0});
-  EXPECT_EQ(simulator.last_loss(), "row 0 has nan in 'x', step 1 of rollout 1");
+  EXPECT_EQ(simulator.lost_number(), "row 0 has nan in 'x', step 1 of rollout 1");
 }
 
 TEST_F(Workers, AWorkerThatCantBeRunIsAnErrorAtOnce) {

@@ -134,7 +134,7 @@ TEST_F(NumberTables, SayWhereTheyAreWrong) {
   EXPECT_EQ(problem_of(",a\n0,2\n"),
             "t.csv:1: column 1 has no name; leave out what only counts rows (pandas: index=False)");
   EXPECT_EQ(problem_of("a,b\n1,\n"),
-            "t.csv:2: column 2 'b' = '', must be a number, or nan (pandas: na_rep='nan')");
+            "t.csv:2: column 2 'b' = '', must be a number; pandas leaves nan empty");
   EXPECT_TRUE(says(problem_of("a\n1\n\n2\n"), {"t.csv:3: is empty", "rows follow", "remove it"}));
   EXPECT_EQ(problem_of("a,\"b\n1,2\n"), "t.csv:1: column 2 has no closing quote");
   EXPECT_EQ(message_of<InputError>([&] { NumberTable(folder_ / "none.csv"); }, &folder_),

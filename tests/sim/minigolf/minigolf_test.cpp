@@ -7,18 +7,16 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 #include "core/error.h"
 #include "core/random.h"
 #include "sim/minigolf/arm.h"
 #include "sim/minigolf/course.h"
 #include "tests/message_of.h"
+#include "tests/sim/angles.h"
 
 namespace npdr::sim {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // Table A4's prior, obstacles within half a turn, everything else nominal.
 RowMatrix prior_draws(const Simulator& simulator, Index count) {
