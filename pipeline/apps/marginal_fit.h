@@ -14,6 +14,7 @@ namespace npdr::pipeline {
 /// as likely.
 class MarginalFit {
  public:
+  /// Takes more values.
   void observe(const Vector& values);
 
   bool is_constant() const { return !(low_ < high_); }

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/prior.h"
-#include "pipeline/artefacts/feature_file.h"
+#include "pipeline/apps/command_line.h"
 #include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
@@ -105,10 +105,10 @@ void try_rows(const Plan& plan, Index count) {
       {use.seed, kSimulationStream, static_cast<std::uint64_t>(use.round), 0, 0});
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   for (Index i = 0; i < count; ++i) {
-    fmt::print("row {}: {}\n  {}\n", i, numbers_text(parameters_of(plan), theta.row(i)),
-               result_text(plan, x, i));
+    print_line("row {}: {}", i, numbers_text(parameters_of(plan), theta.row(i)));
+    print_line("  {}", result_text(plan, x, i));
   }
-  fmt::print("{} in {:.3g} s\n", counted(count, "row"), taken.count());
+  print_line("{} in {:.3g} s", counted(count, "row"), taken.count());
   tell_of_failures(x, *simulator);
 }
 
