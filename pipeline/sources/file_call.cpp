@@ -14,6 +14,7 @@
 #include "pipeline/sources/command_text.h"
 #include "pipeline/sources/precision.h"
 #include "pipeline/sources/program_call.h"
+#include "pipeline/sources/python_path.h"
 #include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
@@ -94,6 +95,7 @@ class FileCall final : public ProgramCall {
     std::map<std::string, std::string> environment = {
         {"NPDR_SEEDS", folder.seeds()},
         {"NPDR_FIRST_ROW", std::to_string(rows.first_row)},
+        {"PYTHONPATH", python_path()},
         {"OMP_NUM_THREADS", std::to_string(threads_)}};
     write_seeds_file(folder.seeds(), rows.seeds);
     const std::unique_lock lock = lock_files(external_.format);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,10 +10,10 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/process/child_process.h"
 #include "pipeline/process/worker_process.h"
 #include "pipeline/sources/command_text.h"
 #include "pipeline/sources/program_call.h"
+#include "pipeline/sources/python_path.h"
 #include "pipeline/store/hostile_json.h"
 
 namespace npdr::pipeline {
@@ -61,15 +60,6 @@ std::vector<std::string> labels_of(const std::vector<Channel>& channels) {
   std::vector<std::string> labels;
   for (const Channel& channel : channels) labels.push_back(channel.label);
   return labels;
-}
-
-// Where npdr_worker.py lies: beside the executables.
-std::string python_path() {
-  std::string path = (executable_folder().parent_path() / "lib").string();
-  if (const char* const own = std::getenv("PYTHONPATH"); own != nullptr && *own != '\0') {
-    path += std::string(":") + own;
-  }
-  return path;
 }
 
 Json parse_header(const std::string& header) {

@@ -26,6 +26,35 @@ TEST_F(External, APythonScriptIsASimulator) {
   expect_exact_posterior("external-python");
 }
 
+// That of docs/external-simulators.md.
+std::string documented_function() {
+  const std::string page = text_of(NPDR_SOURCE_DIR "/docs/external-simulators.md");
+  const std::size_t begin = page.find("import npdr_command\n");
+  return page.substr(begin, page.find("```", begin) - begin);
+}
+
+TEST_F(External, APythonFunctionIsASimulator) {
+  const std::string python = python_with("numpy");
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+  folder_.file("sim.py", documented_function());
+  const std::string command = "simulator.command='" + python + " sim.py {theta} {x}'";
+  run_well({"shell.toml", "--set", command});
+  expect_exact_posterior("external-shell");
+  const auto problem_of = [&](const std::string& function) {
+    folder_.file("sim.py", "import npdr_command\nnpdr_command.run(" + function + ")\n");
+    const Outcome outcome = npdr({"validate", "shell.toml", "--try", "3", "--set", command});
+    EXPECT_EQ(outcome.status, 3) << outcome.out;
+    return outcome.err;
+  };
+  for (const auto& [function, problem] : std::vector<std::pair<std::string, std::string>>{
+           {"lambda theta, rng: theta[\"c\"]", "the study has no parameter 'c'; it has a, b"},
+           {"lambda theta, rng: [1.0, 2.0][:1 + (theta[\"a\"] > 0)]", "as many in all rows"},
+           {"lambda theta, rng: {\"total\": 1.0, str(theta[\"a\"]): 2.0}", "as of other rows"},
+           {"lambda theta, rng: [1j, 2.0]", "must be real ones"}}) {
+    EXPECT_NE(problem_of(function).find(problem), std::string::npos) << problem_of(function);
+  }
+}
+
 TEST_F(External, RowsThatAreProbablyWrongAreToldAtOnceAndInTheReport) {
   folder_.file("exact.sh", "sed 's/a,b/total,difference/' \"$1\" > \"$2\"\n");
   const Outcome outcome =

@@ -5,7 +5,7 @@ endfunction()
 
 file(REMOVE_RECURSE ${FOLDER})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${FOLDER}/prefix)
-foreach(file bin/npdr bin/npdr-infer lib/npdr_worker.py include/npdr_simulator.h share/npdr/docs/python.md
+foreach(file bin/npdr bin/npdr-infer lib/npdr_command.py lib/npdr_worker.py include/npdr_simulator.h share/npdr/docs/python.md
              share/npdr/python/npdr_posterior.py share/npdr/experiments/pendulum.toml)
   if(NOT EXISTS ${FOLDER}/prefix/${file})
     message(FATAL_ERROR "${file} isn't installed")
