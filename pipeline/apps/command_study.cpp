@@ -213,13 +213,16 @@ void add_new_command(CLI::App& app, int& result) {
   auto wanted = std::make_shared<NewStudy>();
   command->add_option("NAME", wanted->name, "of the study; NAME.toml is written")->required();
   command->add_option("--recording", wanted->recording, "recorded rollouts (npdr import)");
+  command->add_option("--observation", wanted->observation, "x_o: CSV with one row, or HDF5");
   command->add_option("--simulator", wanted->simulator, "a built-in one (npdr list simulators)");
   command->add_option("--worker", wanted->worker, "program that stays: 'python3 sim.py'");
   command->add_option("--library", wanted->library, "shared library with npdr_simulator.h");
   command->add_option("--mjcf", wanted->mjcf, "model of MuJoCo");
   command->add_option("--dataset", wanted->dataset, "finished simulations (npdr import --theta)");
   command->add_option("--command", wanted->command, "program that reads and writes files");
-  command->footer("Example: npdr new spring --recording spring.h5 --worker 'python3 spring.py'");
+  command->footer(
+      "Examples:\n  npdr new spring --recording spring.h5 --worker 'python3 spring.py'\n"
+      "  npdr new counts --observation x_o.csv --command 'python3 counts.py {theta} {x}'");
   command->callback([&result, wanted] {
     result = guarded_main("npdr new", [&] {
       write_new_study(*wanted);

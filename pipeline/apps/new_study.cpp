@@ -14,6 +14,7 @@
 #include "pipeline/apps/marginal_fit.h"
 #include "pipeline/artefacts/channels.h"
 #include "pipeline/artefacts/dataset_file.h"
+#include "pipeline/artefacts/feature_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/prior_check.h"
@@ -168,6 +169,8 @@ class Writer {
             "held_out = 1  # that it doesn't, to predict; EDIT: 0 to use all\n",
             recording_->num_rollouts() - 1);
       }
+    } else if (!wanted_.observation.empty()) {
+      text_ += fmt::format("observation = {}\n", quoted_toml(wanted_.observation));
     } else if (dataset_) {
       text_ += "observation = \"x_o.csv\"  # EDIT: the file of what was observed\n";
     } else if (is_program()) {
@@ -194,7 +197,7 @@ class Writer {
       const auto states = recording_ ? info_.state_channels : std::vector<Channel>{{"q", "rad"}};
       text_ += fmt::format("states = {}{}\nactions = {}{}\n", toml_list(states), mark,
                            toml_list(info_.action_channels), mark);
-    } else if (is_program()) {
+    } else if (is_program() && wanted_.observation.empty()) {
       text_ += "features = [\"x0\", \"x1\"]  # EDIT: what the command writes\n";
     }
     if (is_own && gives_motion() && !recording_) {
@@ -211,7 +214,7 @@ class Writer {
           "# Restart from the recorded state after so many steps where errors grow with time:\n"
           "# segment_length = 50\n";
     }
-    if (is_program()) add_described_parameter();
+    if (is_program() && wanted_.observation.empty()) add_described_parameter();
     text_ += "\n";
   }
 
@@ -321,9 +324,9 @@ class Writer {
 }  // namespace
 
 bool NewStudy::is_specific() const {
-  return std::ranges::any_of(
-      std::vector<std::string>{simulator, command, worker, library, mjcf, dataset, recording},
-      [](const std::string& text) { return !text.empty(); });
+  return std::ranges::any_of(std::vector<std::string>{simulator, command, worker, library, mjcf,
+                                                      dataset, recording, observation},
+                             [](const std::string& text) { return !text.empty(); });
 }
 
 std::string new_study_text(const NewStudy& wanted) {
@@ -345,6 +348,16 @@ std::string new_study_text(const NewStudy& wanted) {
     throw InputError("--dataset can't go with --recording: a dataset has features of its own");
   }
   if (!wanted.recording.empty()) require("--recording", wanted.recording, file_path());
+  if (!wanted.observation.empty()) {
+    require("--observation", wanted.observation, file_path());
+    if (!wanted.recording.empty() || (wanted.command.empty() && wanted.dataset.empty())) {
+      throw InputError(
+          "--observation goes with --command or --dataset, which give numbers x; motion is "
+          "observed "
+          "by a --recording");
+    }
+    read_observation(wanted.observation, {});
+  }
   if (found.size() != 1) {
     throw InputError(found.empty() ? "--recording needs one of --simulator, --worker, --library, "
                                      "--mjcf and --command beside it"

@@ -11,10 +11,11 @@ struct NewStudy {
   std::string simulator;  ///< a built-in one
   std::string command;
   std::string worker;
-  std::string library;    ///< a file
-  std::string mjcf;       ///< a file
-  std::string dataset;    ///< a file
-  std::string recording;  ///< a file
+  std::string library;      ///< a file
+  std::string mjcf;         ///< a file
+  std::string dataset;      ///< a file
+  std::string recording;    ///< a file
+  std::string observation;  ///< a file with x_o
 
   /// Whether anything but the name is given.
   bool is_specific() const;
@@ -23,7 +24,8 @@ struct NewStudy {
 /// The text of a study that fits: channels of the recording, parameters of the simulator with a
 /// prior around their nominal values, those of a dataset with one over their ranges, an embedding
 /// of all steps. What only the user can know is marked with `EDIT`. Throws InputError for files
-/// that can't be read, more than one simulator, a recording without a simulator.
+/// that can't be read, more than one simulator, a recording or an observation without a simulator
+/// that goes with it.
 std::string new_study_text(const NewStudy& wanted);
 
 }  // namespace npdr::pipeline

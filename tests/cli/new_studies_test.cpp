@@ -68,6 +68,20 @@ TEST_F(NewStudies, TakeADataset) {
             std::string::npos);
 }
 
+TEST_F(NewStudies, TakeAnObservation) {
+  folder_.file("x_o.csv", "peak,mean\n50,-50\n");
+  ASSERT_EQ(npdr({"new", "seen", "--observation", "x_o.csv", "--command", "sim"}).status, 0);
+  EXPECT_NE(text_of(folder_ / "seen.toml").find("observation = \"x_o.csv\"\n"), std::string::npos);
+  const Outcome validated = npdr({"validate", "seen.toml"});
+  EXPECT_EQ(validated.status, 0) << validated.err;
+  EXPECT_NE(validated.out.find("2 features each"), std::string::npos) << validated.out;
+  EXPECT_TRUE(says(npdr({"new", "a", "--observation", "x_o.csv", "--worker", "sim"}).err,
+                   {"npdr new: --observation goes with --command or --dataset"}));
+  folder_.file("x_o.csv", "peak\nhigh\n");
+  EXPECT_TRUE(says(npdr({"new", "b", "--observation", "x_o.csv", "--command", "sim"}).err,
+                   {"npdr new: x_o.csv:2: column 1 'peak' = 'high', must be a number"}));
+}
+
 TEST_F(NewStudies, QuoteNamesThatNeedIt) {
   copy_example("spring");
   std::string text = text_of(folder_ / "spring.c");
