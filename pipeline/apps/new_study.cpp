@@ -352,9 +352,8 @@ std::string new_study_text(const NewStudy& wanted) {
     require("--observation", wanted.observation, file_path());
     if (!wanted.recording.empty() || (wanted.command.empty() && wanted.dataset.empty())) {
       throw InputError(
-          "--observation goes with --command or --dataset, which give numbers x; motion is "
-          "observed "
-          "by a --recording");
+          "--observation goes with --command or --dataset, which give numbers x; of motion there "
+          "is a --recording");
     }
     read_observation(wanted.observation, {});
   }

@@ -10,8 +10,8 @@
 
 A study names the program: simulator.command = "python3 sim.py {theta} {x}". theta["a"] is a
 parameter; rng is numpy's random generator with the row's own seed. A result must depend on nothing
-but these. A row with a number that isn't finite has no result. An exception ends the call: npdr asks
-for fewer and fewer of its rows, until only those that raise one are lost.
+but these. A row with a number that isn't finite has no result. An exception ends the call: npdr
+asks for fewer and fewer of its rows, until only those that raise one are lost.
 """
 
 import csv
