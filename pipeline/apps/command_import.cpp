@@ -198,8 +198,8 @@ void check_dataset_arguments(const ImportArguments& arguments) {
 
 std::string words_of_failed(const DatasetCounts& counts) {
   if (counts.num_failed == 0) return "";
-  const std::string words =
-      fmt::format("; {} of x aren't finite and count as failed", counted(counts.num_failed, "row"));
+  const std::string words = fmt::format("; counted as failed, not being finite: {} of x",
+                                        counted(counts.num_failed, "row"));
   constexpr double allowed = LimitsConfig{}.max_failed_fraction;
   const double share =
       static_cast<double>(counts.num_failed) / static_cast<double>(counts.num_rows);

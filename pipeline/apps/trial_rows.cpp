@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "inference/prior.h"
 #include "pipeline/apps/command_line.h"
+#include "pipeline/features/targets.h"
 #include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
@@ -54,10 +55,9 @@ Use first_use(const Plan& plan) {
 }
 
 // What its rows replay.
-Target replayed_target(const Plan& plan, const Source& source, const Use& use) {
+Target replayed_target(const Plan& plan, const Use& use) {
   if (!plan.study.source().gives_motion) return {};
-  const Target all = plan.study.target.recording ? plan.target : source.behave({});
-  const Target used = all.first(all.num_rollouts() - plan.study.target.held_out);
+  const Target used = make_seen_target(plan);
   const Index seen = use.method.empty() ? 0 : num_rollouts_seen(plan.study.method(use.method), use);
   return seen > 0 ? used.first(seen) : used;
 }
@@ -94,9 +94,8 @@ void try_rows(const Plan& plan, Index count) {
   }
   const Use use = first_use(plan);
   const std::unique_ptr<Source> source = source_of_one_call(study);
-  const auto simulator = source->open({.simulator = study.simulator,
-                                       .target = replayed_target(plan, *source, use),
-                                       .seed = use.seed});
+  const auto simulator = source->open(
+      {.simulator = study.simulator, .target = replayed_target(plan, use), .seed = use.seed});
   const RowMatrix theta =
       inference::sample_prior(inference::Prior(study.prior), count, use.seed, use.stream_round());
   const auto start = std::chrono::steady_clock::now();

@@ -5,6 +5,7 @@
 
 #include "inference/prior.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/features/targets.h"
 #include "pipeline/plan/shards.h"
 
 namespace npdr::pipeline {
@@ -26,9 +27,8 @@ std::optional<double> seconds_so_far(const Plan& plan) {
 // Rows of a whole batch: a simulator advances so many together.
 double time_rows(const Plan& plan) {
   constexpr Index num_rows = 64;
-  const Target all = plan.study.target.truth ? plan.source->behave({}) : plan.target;
-  const Target seen = all.first(all.num_rollouts() - plan.study.target.held_out);
-  const auto simulator = plan.source->open({.simulator = plan.study.simulator, .target = seen});
+  const auto simulator =
+      plan.source->open({.simulator = plan.study.simulator, .target = make_seen_target(plan)});
   const RowMatrix theta = inference::sample_prior(inference::Prior(plan.study.prior), num_rows, 1);
   const auto start = std::chrono::steady_clock::now();
   simulator->simulate(plan.source->parameters().complete(theta), {1, "row_time", 0, 0, 0});

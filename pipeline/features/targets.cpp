@@ -14,6 +14,11 @@ Target read_seen_target(const Plan& plan, const Node& node) {
   return read_target(plan, node, num_rollouts_seen(plan.study.method(use.method), use));
 }
 
+Target make_seen_target(const Plan& plan) {
+  const Target all = plan.study.target.truth ? plan.source->behave({}) : plan.target;
+  return all.first(all.num_rollouts() - plan.study.target.held_out);
+}
+
 std::optional<Target> read_held_out(const Plan& plan, const Node& node) {
   const auto sources = plan.inputs(node, Stage::held_out);
   if (sources.empty()) return std::nullopt;

@@ -85,6 +85,13 @@ TEST_F(Commands, ValidatePrintsTheResolvedStudyAndItsWork) {
       << folds.out << folds.err;
 }
 
+TEST_F(Commands, ATrialReplaysWhatInferenceSees) {
+  const Outcome outcome =
+      npdr({"validate", "small.toml", "--try", "1", "--set", "target.held_out=1"});
+  EXPECT_NE(outcome.out.find("\n  2 rollouts of 400 states; the last: theta = "), std::string::npos)
+      << outcome.out << outcome.err;
+}
+
 TEST_F(Commands, AnotherFileWithTheSameNameIsWarnedOfTheReportThatItReplaces) {
   std::ofstream(file("copy.toml")) << small_study().with("evaluate", {"num_samples = 40"});
   EXPECT_TRUE(says(npdr({"validate", "copy.toml"}).err,

@@ -65,7 +65,7 @@ TEST_F(ExternalDataset, MoreFailedRowsThanAStudyAllowsAreToldAtOnce) {
   folder_.file("t.csv", "a\n1\n2\n3\n4\n");
   folder_.file("y.csv", "y\n1\nnan\n3\n4\n");
   const Outcome imported = npdr({"import", "--theta", "t.csv", "--x", "y.csv", "-o", "d.h5"});
-  EXPECT_NE(imported.out.find("; 1 row of x aren't finite and count as failed, 0.25 of all: "
+  EXPECT_NE(imported.out.find("; counted as failed, not being finite: 1 row of x, 0.25 of all: "
                               "studies stop at more than limits.max_failed_fraction = 0.05"),
             std::string::npos)
       << imported.out;

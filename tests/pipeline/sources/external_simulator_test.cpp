@@ -209,10 +209,11 @@ TEST_F(ExternalSimulators, FewerRowsAreHopelessWhereFewMayFail) {
 TEST_F(ExternalSimulators, RowsAtBothEndsMayFail) {
   study_.external.command = "BAD='0 1 2 3 4 5 6 7 8 9 63' WHAT=crash sh sim.sh";
   ExternalSimulator simulator = program(folder_ / "log", hopeless_rows(0.05));
-  RowMatrix theta = RowMatrix::Zero(64, 2);
+  RowMatrix theta = RowMatrix::Constant(64, 2, 0.5);
   theta.col(0).setLinSpaced(0.0, 63.0);
-  const sim::Trajectories x = simulator.simulate(theta, {1, "test", 0, 0, 0});
+  const sim::Trajectories x = simulator.simulate(theta, {7, "test", 1, 0, 0});
   EXPECT_EQ(failed_rows(x, RolloutStatus::crashed).size(), 11u);
+  expect_others_as_ever(x);
 }
 
 TEST_F(ExternalSimulators, ACallThatWentWellWhenItWasRepeatedLostNoRow) {
