@@ -200,6 +200,7 @@ constexpr Maker kTasks[] = {two_moons,
                             gaussian_linear_uniform,
                             gaussian_mixture,
                             bernoulli_glm_whitened,
+                            bernoulli_glm_whitened_raw,
                             sir,
                             lotka_volterra,
                             slcp_with_noise};

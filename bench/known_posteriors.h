@@ -1,6 +1,6 @@
 /// Inference tasks whose posterior can be sampled, given any observation: those of the benchmark of
 /// Lueckmann et al. (2021, "Benchmarking Simulation-Based Inference") with the same names there,
-/// and slcp with 92 more features that say nothing. Exactly, but for three (likelihood_tasks.h).
+/// and slcp with 92 more features that say nothing. Exactly, but for four (likelihood_tasks.h).
 #pragma once
 
 #include <functional>
@@ -20,7 +20,8 @@ struct KnownPosterior {
 };
 
 /// "two_moons", "slcp", "gaussian_linear", "gaussian_linear_uniform", "gaussian_mixture",
-/// "bernoulli_glm_whitened", "sir", "lotka_volterra", "slcp_with_noise".
+/// "bernoulli_glm_whitened", "bernoulli_glm_whitened_raw", "sir", "lotka_volterra",
+/// "slcp_with_noise".
 std::vector<std::string> known_posterior_names();
 /// Throws InputError for another name.
 KnownPosterior known_posterior(const std::string& name);

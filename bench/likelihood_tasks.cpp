@@ -106,7 +106,31 @@ double log_binomial(double successes, double n, double p) {
 struct Neuron {
   RowMatrix design;  ///< (100, 10): 1, v_t
   RowMatrix root;    ///< (10, 10): (beta, f) = root theta
+
   Vector logits(const Vector& theta) const { return design * (root * theta); }
+
+  Vector spikes(const Vector& theta, Stream& stream) const {
+    return logits(theta).unaryExpr([&](double logit) {
+      return stream.uniform() < 1.0 / (1.0 + std::exp(-logit)) ? 1.0 : 0.0;
+    });
+  }
+
+  // How many spikes there were, and the mean stimulus of one: all that the spikes say of theta.
+  Vector summary(const Vector& spikes) const {
+    Vector sums = design.transpose() * spikes;
+    sums.tail(9) /= std::max(sums(0), 1.0);
+    return sums;
+  }
+
+  // sum_t z_t logit_t - log(1 + exp(logit_t)), of which a summary says the first sum.
+  double log_likelihood(const Vector& theta, Vector summary) const {
+    summary.tail(9) *= summary(0);
+    double value = summary.dot(root * theta);
+    for (const double logit : logits(theta)) {
+      value -= std::max(logit, 0.0) + std::log1p(std::exp(-std::abs(logit)));
+    }
+    return value;
+  }
 };
 
 Neuron neuron() {
@@ -129,27 +153,26 @@ Neuron neuron() {
 
 KnownPosterior bernoulli_glm_whitened() {
   const Neuron cell = neuron();
-  const auto simulator = [cell](const Vector& theta, Stream& stream) {
-    const Vector spikes = cell.logits(theta).unaryExpr([&](double logit) {
-      return stream.uniform() < 1.0 / (1.0 + std::exp(-logit)) ? 1.0 : 0.0;
-    });
-    Vector x = cell.design.transpose() * spikes;
-    x.tail(9) /= std::max(x(0), 1.0);
-    return VectorF(x.cast<float>());
-  };
-  // sum_t z_t logit_t - log(1 + exp(logit_t)), of which x says the first sum.
-  const auto log_likelihood = [cell](const Vector& theta, const VectorF& x_o) {
-    Vector sums = x_o.cast<double>();
-    sums.tail(9) *= sums(0);
-    double value = sums.dot(cell.root * theta);
-    for (const double logit : cell.logits(theta)) {
-      value -= std::max(logit, 0.0) + std::log1p(std::exp(-std::abs(logit)));
-    }
-    return value;
-  };
-  return likelihood_task("bernoulli_glm_whitened",
-                         same_marginals(10, Marginal::Kind::normal, 0.0, 1.0), simulator,
-                         log_likelihood);
+  return likelihood_task(
+      "bernoulli_glm_whitened", same_marginals(10, Marginal::Kind::normal, 0.0, 1.0),
+      [cell](const Vector& theta, Stream& stream) {
+        return VectorF(cell.summary(cell.spikes(theta, stream)).cast<float>());
+      },
+      [cell](const Vector& theta, const VectorF& x_o) {
+        return cell.log_likelihood(theta, x_o.cast<double>());
+      });
+}
+
+KnownPosterior bernoulli_glm_whitened_raw() {
+  const Neuron cell = neuron();
+  return likelihood_task(
+      "bernoulli_glm_whitened_raw", same_marginals(10, Marginal::Kind::normal, 0.0, 1.0),
+      [cell](const Vector& theta, Stream& stream) {
+        return VectorF(cell.spikes(theta, stream).cast<float>());
+      },
+      [cell](const Vector& theta, const VectorF& x_o) {
+        return cell.log_likelihood(theta, cell.summary(x_o.cast<double>()));
+      });
 }
 
 KnownPosterior sir() {

@@ -1,7 +1,7 @@
 /// Tasks of the benchmark of Lueckmann et al. (2021) whose likelihood is known, but no way to draw
 /// from the posterior: samples are those of importance sampling (inference/samplers/
 /// importance_sampler.h) of an effective size of five times their number, without replacement but
-/// where a weight is large. Names are those of that benchmark, but for the first.
+/// where a weight is large. Names are those of that benchmark, but for the first two.
 #pragma once
 
 #include "bench/known_posteriors.h"
@@ -13,6 +13,8 @@ namespace npdr::bench {
 /// whitened: beta = sqrt(2) theta_1, f = L theta_2...10, L L' = (F'F)^-1 with F of second
 /// differences. The stimulus is a draw of our own.
 KnownPosterior bernoulli_glm_whitened();
+/// The same, but x (100) are the spikes z_t.
+KnownPosterior bernoulli_glm_whitened_raw();
 
 /// An epidemic: dS/dt = -beta S I / N, dI/dt = beta S I / N - gamma I with N = 1e6, I(0) = 1.
 /// x (10) ~ Binomial(1000, I / N) at t = 0, 17, ..., 153. log beta ~ N(log 0.4, 0.5),

@@ -112,13 +112,17 @@ function(npdr_test name)
 endfunction()
 
 # npdr_bench(<name> SOURCES <...> LINK <...> [OWN_MAIN]): a Google Benchmark program, or with OWN_MAIN
-# any other; run by hand, never by ctest.
+# one with a command line of its own, which spends its time in the libraries; run by hand, never by ctest.
 function(npdr_bench name)
   cmake_parse_arguments(ARG "OWN_MAIN" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} fmt::fmt)
-  target_precompile_headers(${name} REUSE_FROM npdr_core)
-  if(NOT ARG_OWN_MAIN)
+  if(ARG_OWN_MAIN)
+    target_include_directories(${name} SYSTEM PRIVATE ${CLI11_INCLUDE_DIR})
+    target_compile_options(${name} PRIVATE -O1)
+    target_precompile_headers(${name} REUSE_FROM npdr_apps)
+  else()
     target_link_libraries(${name} PRIVATE benchmark::benchmark_main)
+    target_precompile_headers(${name} REUSE_FROM npdr_core)
   endif()
 endfunction()

@@ -182,13 +182,13 @@ class HelpersOfFirstStates : public Helpers {
                      .with("observation_noise", {"scale_prior = [0.1, 1.0]"})
                      .with("simulate", {"shard_size = 50"})
                      .method("Refined", {"algorithm = \"refine\"",
-                                         "refine = { level_size = 1000, min_ess = 1000, "
+                                         "refine = { level_size = 1000, min_ess = 200, "
                                          "infer_first_states = true }"})
                      .with("cluster", {"refine_tasks = 1"}));
   }
 
   static Target recorded() {
-    constexpr Index steps = 120;
+    constexpr Index steps = 60;
     constexpr double dt = 0.01, h = dt / 10, noise = 0.01;
     Target target{dt, {{"q", "m"}, {"v", "m/s"}}, {{"force", "N"}}, {}, "test"};
     Stream stream({12, "helpers_test", 0, 0, 0});
