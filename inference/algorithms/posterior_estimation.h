@@ -33,7 +33,7 @@ struct PosteriorEstimationConfig {
   SamplerConfig sampler;           ///< "nle", "nre_a", "nre_b"
   Index principal_components = 0;  ///< of x that the network sees, at most; 0: x itself
   TrainedEmbeddingConfig embedding = {};
-  Tails tails = Tails::kept;  ///< of x; states of a motion keep theirs, whose differences count
+  Tails tails = Tails::kept;  ///< of x
 };
 
 /// The simulations of all rounds so far, the failed ones left out, and what was observed.

@@ -68,7 +68,7 @@ Distance judge(const Vector& usual, double observed) {
 
 }  // namespace
 
-UsualFeatures usual_features(const RowMatrixF& x) {
+UsualFeatures usual_features(const RowMatrixF& x, Tails tails) {
   if (x.rows() < kFewestSimulations) {
     throw InputError("out of distribution: " + std::to_string(x.rows()) +
                      " simulations, must be at least " + std::to_string(kFewestSimulations));
@@ -78,7 +78,7 @@ UsualFeatures usual_features(const RowMatrixF& x) {
   const RowMatrixF first_half = x.topRows(known);
   const Index components = std::clamp(known / kRowsPerComponent, Index{1}, kMostComponents);
   UsualFeatures usual;
-  usual.transform = fit_feature_transform(MatrixFeatures(first_half), components);
+  usual.transform = fit_feature_transform(MatrixFeatures(first_half), components, tails);
   keep_leading_components(usual.transform);
   usual.transform.apply(first_half, usual.known);
   usual.distances = distances_of(x.bottomRows(x.rows() - known), usual);

@@ -2,9 +2,10 @@
 /// them it extrapolates, and its posterior means nothing (Cannon, Ward and Schmon 2022,
 /// "Investigating the impact of model misspecification in neural simulation-based inference").
 ///
-/// x is standardized and projected on principal components of unit variance, z, as many as have 99
-/// % of the variance, at most 20; half of the simulations make that map, the other half say what is
-/// usual. Three distances:
+/// x is standardized, where asked for without the tails of features that span orders of magnitude
+/// (over their deviation all small values would be one), and projected on principal components of
+/// unit variance, z, as many as have 99 % of the variance, at most 20; half of the simulations make
+/// that map, the other half say what is usual. Three distances:
 /// - |z|, Mahalanobis' within the components (Lee et al. 2018, "A simple unified framework for
 ///   detecting out-of-distribution samples and adversarial attacks"): far out in known directions;
 /// - the residual beyond the components (Jackson and Mudholkar 1979, "Control procedures for
@@ -51,7 +52,7 @@ struct UsualFeatures {
 /// That of simulations x (n, F), which are independent draws in any order. At most one component
 /// for each 40 rows. Throws InputError for fewer than kFewestSimulations rows, or what isn't
 /// finite.
-UsualFeatures usual_features(const RowMatrixF& x);
+UsualFeatures usual_features(const RowMatrixF& x, Tails tails = Tails::kept);
 
 /// The first feature that is the same in all simulations, and another in x_o (F).
 std::optional<Index> changed_constant(const UsualFeatures& usual, const VectorF& x_o);

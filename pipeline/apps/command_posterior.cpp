@@ -213,7 +213,7 @@ void require_numbers(const PosteriorArguments& arguments, bool are_numbers) {
 // Weighted particles, and weighted draws of a network, are drawn again and again.
 void note_repeats(const RowMatrix& theta) {
   const Index repeats = inference::num_repeated_rows(theta);
-  if (repeats == 0) return;
+  if (repeats < std::max<Index>(1, theta.rows() / 100)) return;
   fmt::print(stderr,
              "{} of {} rows repeat others: this posterior is drawn from weighted points; they are "
              "right for means and predictions, but no {} different draws\n",

@@ -1,5 +1,7 @@
 #include "pipeline/apps/marginal_fit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,6 +10,14 @@ namespace npdr::pipeline {
 namespace {
 
 using Kind = inference::Marginal::Kind;
+
+constexpr std::ptrdiff_t kMostLevels = 1000;
+
+// To two digits of `step`, which is > 0.
+double rounded(double value, double step) {
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(step))), 0, 300);
+  return std::stod(fmt::format("{:.{}f}", value, decimals));
+}
 
 // The mean log density of a normal at its own maximum.
 double log_normal_density(double variance) {
@@ -25,6 +35,7 @@ void MarginalFit::Moments::observe(double value, Index count) {
 void MarginalFit::observe(const Vector& values) {
   for (const double value : values) {
     ++count_;
+    if (std::ssize(different_) <= kMostLevels) different_.insert(value);
     low_ = std::min(low_, value);
     high_ = std::max(high_, value);
     values_.observe(value, count_);
@@ -32,9 +43,18 @@ void MarginalFit::observe(const Vector& values) {
   }
 }
 
+double MarginalFit::num_steps() const {
+  const Index num_levels = std::ssize(different_);
+  return static_cast<double>((num_levels > kMostLevels ? count_ : num_levels) - 1);
+}
+
 inference::Marginal MarginalFit::likeliest() const {
   inference::Marginal best{.name = "", .unit = "", .kind = Kind::uniform, .a = low_, .b = high_};
   if (is_constant()) return best;
+  const double half = 0.5 * (high_ - low_) / num_steps();
+  best.a = rounded(low_ - half, half);
+  if (low_ > 0.0) best.a = std::max(best.a, 0.0);
+  best.b = rounded(high_ + half, half);
   double most = -std::log(high_ - low_) + 3.0 / static_cast<double>(count_);
   const auto consider = [&](Kind kind, double a, double b, double mean_log_density) {
     if (!(mean_log_density > most)) return;
@@ -45,7 +65,10 @@ inference::Marginal MarginalFit::likeliest() const {
   consider(Kind::normal, values_.mean, std::sqrt(variance), log_normal_density(variance));
   if (!(low_ > 0.0)) return best;
   const double mean = logarithms_.mean, of_log = logarithms_.variance(count_);
-  consider(Kind::log_uniform, low_, high_, -std::log(std::log(high_ / low_)) - mean);
+  const double factor = std::pow(high_ / low_, 0.5 / num_steps());
+  consider(Kind::log_uniform, rounded(low_ / factor, low_ - low_ / factor),
+           rounded(high_ * factor, high_ * factor - high_),
+           -std::log(std::log(high_ / low_)) - mean);
   consider(Kind::log_normal, mean, std::sqrt(of_log), log_normal_density(of_log) - mean);
   return best;
 }

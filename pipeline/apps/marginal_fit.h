@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <set>
 
 #include "core/types.h"
 #include "inference/prior.h"
@@ -11,7 +12,9 @@ namespace npdr::pipeline {
 /// Chooses by the largest likelihood, each form at the parameters where its own is largest:
 /// uniform and log-uniform between the least and the largest value, normal and log-normal with the
 /// moments of the values or of their logarithms. Another form than uniform has to be exp(3) times
-/// as likely.
+/// as likely. Bounds are then moved out by half of a step between different values, of a grid of
+/// them and of draws alike, but not below 0 where all are positive: nothing can be learned of
+/// values at an end, where the density is cut.
 class MarginalFit {
  public:
   /// Takes more values.
@@ -29,7 +32,10 @@ class MarginalFit {
     double variance(Index count) const { return sum_of_squares / static_cast<double>(count); }
   };
 
+  double num_steps() const;
+
   Index count_ = 0;
+  std::set<double> different_;  ///< so many that they can't be a grid's at most
   double low_ = HUGE_VAL, high_ = -HUGE_VAL;
   Moments values_, logarithms_;  ///< the second of values > 0
 };

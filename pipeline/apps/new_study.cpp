@@ -256,7 +256,8 @@ class Writer {
   void add_prior_of_dataset() {
     text_ +=
         "# EDIT: what theta was drawn from; here what its values look like, of uniform,\n"
-        "# log_uniform, normal and log_normal.\n[prior]\n";
+        "# log_uniform, normal and log_normal, with bounds half of a step between values further "
+        "out.\n[prior]\n";
     for (std::size_t d = 0; d < marginals_.size(); ++d) {
       const auto& [name, unit] = dataset_->parameters()[d];
       require("a parameter of the dataset", name, column_name());

@@ -165,6 +165,10 @@ struct Study {
 
   /// Traits of the source that its rows come from.
   const SourceTraits& source() const { return traits_of(external.kind()); }
+  /// Of features: states of a motion keep theirs, whose differences count.
+  inference::Tails tails() const {
+    return source().gives_motion ? inference::Tails::kept : inference::Tails::compressed;
+  }
 
   /// Throws InputError with the nearest name when no method is called `method_name`.
   const MethodConfig& method(const std::string& method_name) const;

@@ -6,7 +6,8 @@
 namespace npdr::pipeline {
 
 std::optional<inference::UsualFeatures> usual_features_of(const inference::FeatureSource& features,
-                                                          Index most_rows, const StreamId& stream) {
+                                                          inference::Tails tails, Index most_rows,
+                                                          const StreamId& stream) {
   constexpr Index fewest = inference::kFewestSimulations;
   if (features.num_rows() < fewest) return std::nullopt;
   const Index allowed =
@@ -21,7 +22,7 @@ std::optional<inference::UsualFeatures> usual_features_of(const inference::Featu
   }
   if (std::ssize(finite) < fewest) return std::nullopt;
   if (std::ssize(finite) < x.rows()) x = x(finite, Eigen::all).eval();
-  return inference::usual_features(x);
+  return inference::usual_features(x, tails);
 }
 
 }  // namespace npdr::pipeline

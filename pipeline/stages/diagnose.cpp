@@ -245,7 +245,8 @@ PredictiveResult check_predictions(const Case& c) {
 std::optional<inference::OutOfDistribution> check_observation(const Case& c) {
   constexpr Index most_rows = 4000;
   const SimulationFeatures features(c.plan, simulations_of(c, false), c.target, *c.embedding);
-  const auto usual = usual_features_of(features, most_rows, c.stream("usual_features"));
+  const auto usual =
+      usual_features_of(features, c.plan.study.tails(), most_rows, c.stream("usual_features"));
   if (!usual) return std::nullopt;
   return inference::test_out_of_distribution(*usual, c.x_o);
 }

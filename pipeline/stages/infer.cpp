@@ -93,7 +93,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const inference::SeriesSelection& series = embedding->selection();
   auto config =
       estimation_config(method, {series.num_rollouts, series.num_steps(), series.num_channels()});
-  if (!plan.study.source().gives_motion) config.tails = inference::Tails::compressed;
+  config.tails = plan.study.tails();
 
   inference::RoundData data;
   data.prior = &prior;
@@ -121,7 +121,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const StreamId picks{use.seed, "usual_features", use.stream_round(), 0, 0};
   write_posterior(writer.file(), method, *posterior, target, checkpoint.trainings,
                   {features.num_rows(), features.num_failed()},
-                  usual_features_of(features, most_usual, picks));
+                  usual_features_of(features, config.tails, most_usual, picks));
 }
 
 }  // namespace

@@ -95,6 +95,42 @@ TEST_F(ExternalDataset, ADatasetOfAnotherPriorIsNoticed) {
   EXPECT_NE(strict.out.find("Dataset"), std::string::npos) << strict.out;
 }
 
+TEST_F(ExternalDataset, CorrelatedParametersOfADatasetAreNoticed) {
+  import_dataset();
+  change_dataset(
+      "awk -F, 'NR > 1 { print $1 \",\" 0.6 * $1 + 0.8 * $2; next } 1' theta.csv > other.csv && "
+      "mv other.csv theta.csv");
+  run_well({"dataset.toml"});
+  EXPECT_NE(
+      table("external-dataset", "parameters").find("b and a of the dataset are correlated (0."),
+      std::string::npos);
+  EXPECT_EQ(npdr({"run", "dataset.toml", "--strict"}).status, 4);
+}
+
+TEST_F(ExternalDataset, ADatasetThatLiesAtThePriorsEndIsNoticed) {
+  import_dataset();
+  change_dataset(
+      "awk -F, 'NR > 1 && NR % 20 == 0 { print \"9,\" $2; next } 1' theta.csv > other.csv && "
+      "mv other.csv theta.csv");
+  run_well({"dataset.toml", "--set", "prior.a={uniform=[-9.0, 9.0]}"});
+  EXPECT_NE(table("external-dataset", "parameters")
+                .find("0.05 of the dataset's rows have a at an end of its prior, [-9, 9], as grids "
+                      "have, where posteriors can't be learned: widen prior.a by half of a step"),
+            std::string::npos)
+      << table("external-dataset", "parameters");
+}
+
+// One theta of ten simulations is one draw of the prior.
+TEST_F(ExternalDataset, ParametersThatSeveralSimulationsShareCountOnce) {
+  import_dataset();
+  change_dataset(
+      "awk -F, 'NR > 1 { if (NR % 10 == 2) theta = $0; print theta; next } 1' theta.csv > "
+      "other.csv "
+      "&& mv other.csv theta.csv");
+  run_well({"dataset.toml"});
+  EXPECT_EQ(table("external-dataset", "parameters").find("isn't distributed"), std::string::npos);
+}
+
 TEST_F(ExternalDataset, ADatasetWhoseRowsAreAllTheSameIsTold) {
   import_dataset();
   change_dataset("awk 'NR > 1 { print \"7,7\"; next } 1' x.csv > same.csv && mv same.csv x.csv");

@@ -55,9 +55,9 @@ TEST_F(NewStudies, TakeADataset) {
   const Outcome outcome = npdr({"new", "finished", "--dataset", "d.h5"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string text = text_of(folder_ / "finished.toml");
-  for (const char* part : {"dataset = \"d.h5\"", "k = { uniform = [10.0, 30.0] }  # [N/m]",
-                           "m = { uniform = [2.0, 6.123456789] }", "# g = { uniform = [7.0, 7.0] }",
-                           "rate = { log_uniform = [1.0, 100.0] }", "num_simulations = 101"}) {
+  for (const char* part : {"dataset = \"d.h5\"", "k = { uniform = [9.9, 30.1] }  # [N/m]",
+                           "m = { uniform = [1.979, 6.144] }", "# g = { uniform = [7.0, 7.0] }",
+                           "rate = { log_uniform = [0.977, 102.3] }", "num_simulations = 101"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
   }
   const Outcome simulated = npdr({"run", "finished.toml", "--until", "simulate"});

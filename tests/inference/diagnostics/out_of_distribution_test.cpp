@@ -56,6 +56,25 @@ TEST(OutOfDistribution, FindsADirectionThatNoSimulationHas) {
   EXPECT_LT(found.p_value, 1e-3);
 }
 
+// Rates exp(a + b t) over six decades: over their deviation all but the largest are nearly equal.
+TEST(OutOfDistribution, FindsWhatNoCountsDoAmongSmallOnes) {
+  const RowMatrix theta = gaussian(1000, 2, 1);
+  RowMatrixF x(1000, 8);
+  for (Index f = 0; f < 8; ++f) {
+    x.col(f) =
+        (4.0 + 2.0 * theta.col(0).array() + 0.5 * static_cast<double>(f) * theta.col(1).array())
+            .exp()
+            .round()
+            .cast<float>();
+  }
+  VectorF zigzag(8);
+  zigzag << 5, 300, 5, 300, 5, 300, 5, 300;
+  EXPECT_GT(tested(x, zigzag).p_value, 0.1);
+  const UsualFeatures usual = usual_features(x, Tails::compressed);
+  EXPECT_LT(test_out_of_distribution(usual, zigzag).p_value, 1e-3);
+  EXPECT_GT(test_out_of_distribution(usual, x.row(999).transpose()).p_value, 0.01);
+}
+
 TEST(OutOfDistribution, FindsAFeatureThatWasTheSameInAllSimulations) {
   RowMatrixF x = features(gaussian(1000, 2, 1), 2);
   VectorF same = observation(0.0, 0.0);

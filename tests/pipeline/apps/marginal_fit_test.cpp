@@ -28,13 +28,37 @@ TEST(MarginalFit, FindsWhatValuesAreDrawnFrom) {
     const inference::Marginal found = fit_to(theta.col(d)).likeliest();
     EXPECT_EQ(found.kind, truth.kind) << truth.name;
     if (!truth.is_unbounded()) {
-      EXPECT_EQ(found.a, theta.col(d).minCoeff());
-      EXPECT_EQ(found.b, theta.col(d).maxCoeff());
+      const double low = theta.col(d).minCoeff(), high = theta.col(d).maxCoeff();
+      const double step = (high - low) / 999.0;
+      EXPECT_LT(found.a, low);
+      EXPECT_GT(found.b, high);
+      EXPECT_GT(found.a, low - 0.55 * (truth.kind == Kind::uniform ? step : 0.01 * low));
+      EXPECT_LT(found.b, high + 0.55 * (truth.kind == Kind::uniform ? step : 0.01 * high));
       continue;
     }
     EXPECT_NEAR(found.a, truth.a, 5.0 * truth.b / std::sqrt(1000.0));
     EXPECT_NEAR(found.b, truth.b, 5.0 * truth.b / std::sqrt(2000.0));
   }
+}
+
+TEST(MarginalFit, BoundsOfAGridAreHalfAStepBeyondIt) {
+  const auto grid_of = [](double low, double high) {
+    return fit_to(Vector::LinSpaced(11, low, high).replicate(500, 1)).likeliest();
+  };
+  EXPECT_EQ(grid_of(0.0, 1.0).a, -0.05);
+  EXPECT_EQ(grid_of(0.0, 1.0).b, 1.05);
+  EXPECT_EQ(grid_of(0.01, 1.01).a, 0.0);
+  EXPECT_EQ(grid_of(1000.0, 3000.0).a, 900.0);
+  EXPECT_EQ(grid_of(1000.0, 3000.0).b, 3100.0);
+  // A decade in 10 steps: half of one is a factor of 10^0.05.
+  const inference::Marginal decade =
+      fit_to(Vector(Vector::LinSpaced(11, -3.0, -2.0).unaryExpr([](double v) {
+               return std::pow(10.0, v);
+             })).replicate(500, 1))
+          .likeliest();
+  EXPECT_EQ(decade.kind, Kind::log_uniform);
+  EXPECT_NEAR(decade.a, 1e-3 / std::pow(10.0, 0.05), 1e-5);
+  EXPECT_NEAR(decade.b, 1e-2 * std::pow(10.0, 0.05), 1e-4);
 }
 
 TEST(MarginalFit, FewValuesLookUniform) {

@@ -25,7 +25,8 @@ class Rows : public inference::FeatureSource {
 };
 
 Index num_seen(const Rows& rows, Index most_rows) {
-  const auto usual = usual_features_of(rows, most_rows, {1, "usual", 0, 0, 0});
+  const auto usual =
+      usual_features_of(rows, inference::Tails::kept, most_rows, {1, "usual", 0, 0, 0});
   return usual ? usual->known.rows() + usual->distances.rows() : 0;
 }
 
@@ -44,7 +45,7 @@ TEST(UsualFeatures, OfTooFewRowsAreNone) {
 TEST(UsualFeatures, AreThoseOfTheRowsThatTheStreamPicks) {
   const Rows rows(300, 0);
   const auto of = [&](const char* name) {
-    return usual_features_of(rows, 100, {1, name, 0, 0, 0})->known;
+    return usual_features_of(rows, inference::Tails::kept, 100, {1, name, 0, 0, 0})->known;
   };
   EXPECT_EQ(of("usual"), of("usual"));
   EXPECT_NE(of("usual"), of("other"));
