@@ -35,6 +35,11 @@ std::string noise_hint(const Study& study);
 /// their combination. Empty where there are none.
 std::string words_of_ridge(const ReportData& data, const std::string& method);
 
+/// That hardly any of the simulations of one round lie where a posterior of the default algorithm
+/// is, whose next rounds simulate there alone. Empty where at least 300 do, or a twentieth of the
+/// prior is.
+std::string words_of_region(const ReportData& data, const std::string& method);
+
 /// That seeds are far apart, about which parameters: most of them are wrong, each as sure as if it
 /// were right. Empty where they aren't.
 std::string contradiction_of_seeds(const ReportData& data, const std::string& method);

@@ -131,8 +131,8 @@ Verdict judge_contraction(const ReportData& data, const std::string& method) {
   std::vector<std::string> but;
   if (!unchanged.empty()) but.push_back(fmt::format("says little of {}", join(unchanged)));
   for (const std::string& words :
-       {words_of_ridge(data, method), contradiction_of_seeds(data, method),
-        contradiction_of_methods(data, method)}) {
+       {words_of_ridge(data, method), words_of_region(data, method),
+        contradiction_of_seeds(data, method), contradiction_of_methods(data, method)}) {
     if (!words.empty()) but.push_back(words);
   }
   return {Check::contraction, Judgment::passes, fmt::format("passes, up to {:.3g}", largest),

@@ -34,6 +34,7 @@ class Verdicts : public ::testing::Test {
   Verdicts()
       : plan_(make_plan(parse_study(kStudyText, "s.toml", {}), WorkFolder("runs"))),
         data_{plan_, sim::make_simulator(plan_.study.simulator)->info(), {kMethod}, {1}, {}, {}} {
+    plan_.study.methods.front().algorithm.num_simulations = 1'000'000;  // enough anywhere
     data_.target.state_channels = data_.info.state_channels;
     data_.target.rollouts = {{"one", RowMatrix::Ones(201, 2), RowMatrix::Zero(200, 1)}};
     data_.baseline.prior = PriorPredictions{{{"rmse", Vector::Constant(100, 1.0)}}, {}};
