@@ -41,7 +41,7 @@ endif()
 # What nearly every file includes is compiled once for all libraries, by npdr_core, and once more, with JSON,
 # for the upper layers of the pipeline, by npdr_artefacts; for those of them that are compiled quickly by
 # npdr_config and npdr_report, and with command lines by npdr_apps; for tests likewise (tests/CMakeLists.txt).
-# Benchmarks use npdr_core's. Those who share it must have the owner's flags and definitions. Files still include all
+# Benchmarks use npdr_core's or npdr_apps's. Those who share it must have the owner's flags and definitions. Files still include all
 # that they use: CMAKE_DISABLE_PRECOMPILE_HEADERS with NPDR_UNITY=OFF, as in the preset asan and scripts/tidy, shows
 # whether they do.
 set(NPDR_COMMON_HEADERS <Eigen/Core> <algorithm> <cmath> <filesystem> <fmt/format.h> <fstream>
@@ -112,14 +112,14 @@ function(npdr_test name)
 endfunction()
 
 # npdr_bench(<name> SOURCES <...> LINK <...> [OWN_MAIN]): a Google Benchmark program, or with OWN_MAIN
-# one with a command line of its own, which spends its time in the libraries; run by hand, never by ctest.
+# one with a command line of its own, compiled quickly; run by hand, never by ctest.
 function(npdr_bench name)
   cmake_parse_arguments(ARG "OWN_MAIN" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} fmt::fmt)
   if(ARG_OWN_MAIN)
     target_include_directories(${name} SYSTEM PRIVATE ${CLI11_INCLUDE_DIR})
-    target_compile_options(${name} PRIVATE -O1)
+    target_compile_options(${name} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O1>)
     target_precompile_headers(${name} REUSE_FROM npdr_apps)
   else()
     target_link_libraries(${name} PRIVATE benchmark::benchmark_main)

@@ -33,6 +33,11 @@ double kolmogorov_tail(double lambda) {
 
 }  // namespace
 
+double kolmogorov_smirnov_p_value(double statistic, Index n) {
+  const double root = std::sqrt(static_cast<double>(n));
+  return kolmogorov_tail((root + 0.12 + 0.11 / root) * statistic);
+}
+
 KolmogorovSmirnov test_kolmogorov_smirnov(const Vector& values) {
   require_unit_interval(values);
   Vector sorted = values;
@@ -43,8 +48,7 @@ KolmogorovSmirnov test_kolmogorov_smirnov(const Vector& values) {
     const double below = static_cast<double>(i) / n, above = static_cast<double>(i + 1) / n;
     test.statistic = std::max({test.statistic, sorted(i) - below, above - sorted(i)});
   }
-  const double root = std::sqrt(n);
-  test.p_value = kolmogorov_tail((root + 0.12 + 0.11 / root) * test.statistic);
+  test.p_value = kolmogorov_smirnov_p_value(test.statistic, sorted.size());
   return test;
 }
 

@@ -22,6 +22,9 @@ struct ChiSquare {
   double p_value = 1.0;       ///< P(chi^2 with B - 1 degrees of freedom >= statistic)
 };
 
+/// P(the statistic of n draws is as large).
+double kolmogorov_smirnov_p_value(double statistic, Index n);
+
 /// Tests n >= 1 values in [0, 1]. Throws InputError for none, or one outside, as the next does.
 KolmogorovSmirnov test_kolmogorov_smirnov(const Vector& values);
 /// `num_bins` >= 2; the p-value needs five values or more in each bin by expectation.

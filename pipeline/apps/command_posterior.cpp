@@ -210,7 +210,8 @@ void require_numbers(const PosteriorArguments& arguments, bool are_numbers) {
               "anew, with a smaller training.learning_rate where that may have made them so");
 }
 
-// Weighted particles, and weighted draws of a network, are drawn again and again.
+// Weighted particles, and weighted draws of a network, are drawn again and again; fewer than a
+// hundredth of them change nothing.
 void note_repeats(const RowMatrix& theta) {
   const Index repeats = inference::num_repeated_rows(theta);
   if (repeats < std::max<Index>(1, theta.rows() / 100)) return;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 namespace npdr::pipeline {
@@ -11,12 +12,25 @@ namespace {
 
 using Kind = inference::Marginal::Kind;
 
-constexpr std::ptrdiff_t kMostLevels = 1000;
+constexpr std::ptrdiff_t kMostLevels = 10'000, kFewLevels = 20;
 
-// To two digits of `step`, which is > 0.
+// To two digits of `step`.
 double rounded(double value, double step) {
+  if (!(step > 0.0)) return value;
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(step))), 0, 300);
   return std::stod(fmt::format("{:.{}f}", value, decimals));
+}
+
+// How much larger the largest step between the values is than the smallest.
+template <class Map>
+double unevenness(const std::set<double>& values, const Map& map) {
+  double least = HUGE_VAL, most = 0.0;
+  for (auto value = values.begin(); std::next(value) != values.end(); ++value) {
+    const double step = map(*std::next(value)) - map(*value);
+    least = std::min(least, step);
+    most = std::max(most, step);
+  }
+  return most / least;
 }
 
 // The mean log density of a normal at its own maximum.
@@ -48,6 +62,12 @@ double MarginalFit::num_steps() const {
   return static_cast<double>((num_levels > kMostLevels ? count_ : num_levels) - 1);
 }
 
+bool MarginalFit::is_even_grid() const {
+  return std::ssize(different_) <= kFewLevels &&
+         unevenness(different_, [](double v) { return v; }) <=
+             unevenness(different_, [](double v) { return std::log(v); });
+}
+
 inference::Marginal MarginalFit::likeliest() const {
   inference::Marginal best{.name = "", .unit = "", .kind = Kind::uniform, .a = low_, .b = high_};
   if (is_constant()) return best;
@@ -66,9 +86,11 @@ inference::Marginal MarginalFit::likeliest() const {
   if (!(low_ > 0.0)) return best;
   const double mean = logarithms_.mean, of_log = logarithms_.variance(count_);
   const double factor = std::pow(high_ / low_, 0.5 / num_steps());
-  consider(Kind::log_uniform, rounded(low_ / factor, low_ - low_ / factor),
-           rounded(high_ * factor, high_ * factor - high_),
-           -std::log(std::log(high_ / low_)) - mean);
+  const double low = low_ / factor, high = high_ * factor;
+  if (!is_even_grid()) {
+    consider(Kind::log_uniform, rounded(low, std::min(low, low_ - low)),
+             rounded(high, high - high_), -std::log(std::log(high_ / low_)) - mean);
+  }
   consider(Kind::log_normal, mean, std::sqrt(of_log), log_normal_density(of_log) - mean);
   return best;
 }

@@ -12,9 +12,10 @@ namespace npdr::pipeline {
 /// Chooses by the largest likelihood, each form at the parameters where its own is largest:
 /// uniform and log-uniform between the least and the largest value, normal and log-normal with the
 /// moments of the values or of their logarithms. Another form than uniform has to be exp(3) times
-/// as likely. Bounds are then moved out by half of a step between different values, of a grid of
-/// them and of draws alike, but not below 0 where all are positive: nothing can be learned of
-/// values at an end, where the density is cut.
+/// as likely, and of at most 20 values those of a grid of even steps aren't log-uniform. Bounds are
+/// then moved out by half of a step between different values, of a grid of them (10,000 at most)
+/// and of draws alike, but not below 0 where all are positive: nothing can be learned of values at
+/// an end, where the density is cut.
 class MarginalFit {
  public:
   /// Takes more values.
@@ -33,6 +34,7 @@ class MarginalFit {
   };
 
   double num_steps() const;
+  bool is_even_grid() const;  // rather than one of even factors
 
   Index count_ = 0;
   std::set<double> different_;  ///< so many that they can't be a grid's at most

@@ -17,104 +17,120 @@ namespace npdr::pipeline {
 namespace {
 
 constexpr Index kMostRows = 10'000, kMostCompared = 100'000;
-constexpr Index kFewestCorrelated = 20;
 constexpr double kFalseAlarmRate = 1e-4;
 constexpr double kGraveDistance = 0.05, kGraveShare = 0.05, kGraveCorrelation = 0.2;
-constexpr double kShareAtTheEnds = 0.01;
+
+// F(theta), (n, D), of rows that are trained on and lie in the prior: uniform for draws of it.
+struct UniformTheta {
+  RowMatrix f;
+  Index num_different = 0;  ///< rows of the same theta aren't independent
+};
+
+UniformTheta uniform_theta(const Plan& plan, std::uint64_t seed, Index count) {
+  const inference::Prior prior(plan.study.prior);
+  const RowMatrix all = *plan.source->theta(seed, count);
+  std::vector<Index> inside;
+  std::set<std::vector<double>> different;
+  for (Index i = 0; i < all.rows(); ++i) {
+    if (!prior.contains(all.row(i).transpose())) continue;
+    inside.push_back(i);
+    different.emplace(all.row(i).begin(), all.row(i).end());
+  }
+  const RowMatrix u = prior.to_normal(all(inside, Eigen::all));
+  return {u.unaryExpr([](double v) { return normal_cdf(v); }), std::ssize(different)};
+}
+
+const std::string& name_of(const Plan& plan, Index d) {
+  return plan.study.prior[static_cast<std::size_t>(d)].name;
+}
+
+// How far F is off because it has few values, such as those of whole numbers: half of a step.
+double half_step(const Eigen::Ref<const Vector>& values) {
+  const std::set<double> different(values.begin(), values.end());
+  return different.size() > 1 ? 0.5 / static_cast<double>(different.size()) : 0.0;
+}
+
+void find_other_marginals(const Plan& plan, const UniformTheta& theta, DatasetFaults& found) {
+  for (Index d = 0; d < theta.f.cols(); ++d) {
+    const double statistic = inference::test_kolmogorov_smirnov(theta.f.col(d)).statistic;
+    const double excess = std::max(0.0, statistic - half_step(theta.f.col(d)));
+    const double p_value = inference::kolmogorov_smirnov_p_value(excess, theta.num_different);
+    if (inference::corrected(p_value, theta.f.cols()) >= kFalseAlarmRate) continue;
+    found.are_grave |= excess > kGraveDistance;
+    found.faults.push_back(fmt::format(
+        "{} of the dataset isn't distributed as the prior says (Kolmogorov-Smirnov {:.2f}, p = "
+        "{:.1g}): where its theta wasn't drawn from this prior, posteriors are those of another "
+        "one",
+        name_of(plan, d), statistic, p_value));
+  }
+}
+
+// Where the density of a bounded prior ends, as far out as u can be.
+void find_theta_at_the_ends(const Plan& plan, const UniformTheta& theta, DatasetFaults& found) {
+  constexpr double end = 1e-6, least = 0.02, grave = 0.05;
+  constexpr Index fewest = 5;  // draws have an extreme, too, which bounds may be taken from
+  for (Index d = 0; d < theta.f.cols(); ++d) {
+    const inference::Marginal& marginal = plan.study.prior[static_cast<std::size_t>(d)];
+    if (marginal.is_unbounded()) continue;
+    const auto f = theta.f.col(d).array();
+    const Index count = std::max((f < end).count(), (f > 1.0 - end).count());
+    const double share = static_cast<double>(count) / static_cast<double>(f.size());
+    if (count < fewest || share < least) continue;
+    found.are_grave |= share > grave;
+    found.faults.push_back(fmt::format(
+        "{0:.2g} of {1} in the dataset lie at an end of its prior, [{2}, {3}], as those of a grid "
+        "do, where a posterior's density is cut: widen prior.{1} by half of a step between values",
+        share, marginal.name, marginal.lower(), marginal.upper()));
+  }
+}
+
+// The pair whose F correlate most: with a deviation of 1 / sqrt(n) where they don't, nearly normal
+// for few rows, since F is bounded.
+void find_correlated_theta(const Plan& plan, const UniformTheta& theta, DatasetFaults& found) {
+  constexpr Index fewest = 20;
+  constexpr double rounding = 1e-9;
+  const Index dimension = theta.f.cols(), num_pairs = dimension * (dimension - 1) / 2;
+  if (theta.num_different < fewest) return;
+  RowMatrix centered = theta.f.rowwise() - theta.f.colwise().mean().eval();
+  for (Index d = 0; d < dimension; ++d) {
+    const bool is_constant = centered.col(d).cwiseAbs().maxCoeff() < rounding;
+    centered.col(d) /= is_constant ? HUGE_VAL : centered.col(d).norm();
+  }
+  const RowMatrix correlations = centered.transpose() * centered;
+  Index first = 0, second = 0;
+  double largest = 0.0;
+  for (Index d = 0; d < dimension; ++d) {
+    for (Index e = d + 1; e < dimension; ++e) {
+      if (!(std::abs(correlations(d, e)) > std::abs(largest))) continue;
+      first = d;
+      second = e;
+      largest = correlations(d, e);
+    }
+  }
+  const double p_value =
+      std::erfc(std::abs(largest) * std::sqrt(0.5 * static_cast<double>(theta.num_different)));
+  if (inference::corrected(p_value, num_pairs) >= kFalseAlarmRate) return;
+  found.are_grave |= std::abs(largest) > kGraveCorrelation;
+  found.faults.push_back(fmt::format(
+      "{} and {} of the dataset are correlated ({:.2f} between F of them, p < {:.1g}), and the "
+      "prior draws each by itself: where theta wasn't drawn from this prior, posteriors are those "
+      "of another one",
+      name_of(plan, first), name_of(plan, second), largest, std::max(2.0 * p_value, 1e-300)));
+}
+
+void find_foreign_theta(const Plan& plan, std::uint64_t seed, Index count, DatasetFaults& found) {
+  const UniformTheta theta = uniform_theta(plan, seed, count);
+  if (theta.f.rows() == 0) return;
+  find_theta_at_the_ends(plan, theta, found);
+  find_other_marginals(plan, theta, found);
+  find_correlated_theta(plan, theta, found);
+}
 
 // To six digits: independent rows of rounded theta may be the same, x with them.
 bool is_rounded(const RowMatrix& theta) {
   return std::ranges::all_of(theta.reshaped(), [](double value) {
     return std::stod(fmt::format("{:.6g}", value)) == value;
   });
-}
-
-// theta of the first `count` rows that are trained on, but for those outside of the prior, and each
-// once that several simulations have: rows of the same theta aren't independent.
-RowMatrix different_theta(const Plan& plan, const inference::Prior& prior, std::uint64_t seed,
-                          Index count) {
-  const RowMatrix all = *plan.source->theta(seed, count);
-  const bool may_be_the_same = is_rounded(all);
-  std::set<std::vector<double>> seen;
-  std::vector<Index> kept;
-  for (Index i = 0; i < all.rows(); ++i) {
-    if (!prior.contains(all.row(i).transpose())) continue;
-    const bool is_new =
-        may_be_the_same || seen.emplace(all.row(i).begin(), all.row(i).end()).second;
-    if (is_new) kept.push_back(i);
-  }
-  return all(kept, Eigen::all);
-}
-
-// How far F of theta may be off: half of a step where values are few, such as whole numbers.
-double distance_allowed(const Eigen::Ref<const Vector>& values) {
-  const std::set<double> different(values.begin(), values.end());
-  const auto count = static_cast<double>(different.size());
-  return kGraveDistance + (count > 1.0 ? 0.5 / count : 0.0);
-}
-
-// Where the density of a bounded prior ends, u is as far out as it gets.
-void find_theta_at_the_ends(const Plan& plan, const RowMatrix& theta, DatasetFaults& found) {
-  for (Index d = 0; d < theta.cols(); ++d) {
-    const inference::Marginal& marginal = plan.study.prior[static_cast<std::size_t>(d)];
-    const auto values = theta.col(d).array();
-    const Index at_ends = (values == marginal.lower() || values == marginal.upper()).count();
-    const double share = static_cast<double>(at_ends) / static_cast<double>(theta.rows());
-    if (share < kShareAtTheEnds) continue;
-    found.are_grave = true;
-    found.faults.push_back(fmt::format(
-        "{0:.2g} of the dataset's rows have {1} at an end of its prior, [{2}, {3}], as grids have, "
-        "where posteriors can't be learned: widen prior.{1} by half of a step between its values",
-        share, marginal.name, marginal.lower(), marginal.upper()));
-  }
-}
-
-// The pair with the largest correlation of F(theta), whose deviation is 1 / sqrt(n) where there is
-// none: F is bounded, so nearly normal for few rows.
-void find_correlated_theta(const Plan& plan, RowMatrix uniform, DatasetFaults& found) {
-  const Index dimension = uniform.cols(), num_pairs = dimension * (dimension - 1) / 2;
-  if (num_pairs == 0 || uniform.rows() < kFewestCorrelated) return;
-  uniform.rowwise() -= uniform.colwise().mean().eval();
-  for (Index d = 0; d < dimension; ++d) uniform.col(d).normalize();  // but of constant ones
-  RowMatrix correlations = (uniform.transpose() * uniform).cwiseAbs();
-  correlations.diagonal().setZero();
-  Index d = 0, e = 0;
-  const double largest = correlations.maxCoeff(&d, &e);
-  const double p_value = std::erfc(largest * std::sqrt(0.5 * static_cast<double>(uniform.rows())));
-  if (inference::corrected(p_value, num_pairs) >= kFalseAlarmRate) return;
-  found.are_grave |= largest > kGraveCorrelation;
-  const auto& prior = plan.study.prior;
-  found.faults.push_back(fmt::format(
-      "{} and {} of the dataset are correlated ({:.2f} between F of each, p = {:.1g}), and the "
-      "prior "
-      "draws every parameter by itself: where theta wasn't drawn from this prior, posteriors are "
-      "those of another one",
-      prior[static_cast<std::size_t>(d)].name, prior[static_cast<std::size_t>(e)].name, largest,
-      p_value));
-}
-
-void find_other_marginals(const Plan& plan, const RowMatrix& uniform, DatasetFaults& found) {
-  for (Index d = 0; d < uniform.cols(); ++d) {
-    const auto test = inference::test_kolmogorov_smirnov(uniform.col(d));
-    if (inference::corrected(test.p_value, uniform.cols()) >= kFalseAlarmRate) continue;
-    found.are_grave |= test.statistic > distance_allowed(uniform.col(d));
-    found.faults.push_back(fmt::format(
-        "{} of the dataset isn't distributed as the prior says (Kolmogorov-Smirnov {:.2f}, p = "
-        "{:.1g}): where its theta wasn't drawn from this prior, posteriors are those of another "
-        "one",
-        plan.study.prior[static_cast<std::size_t>(d)].name, test.statistic, test.p_value));
-  }
-}
-
-void find_foreign_theta(const Plan& plan, std::uint64_t seed, Index count, DatasetFaults& found) {
-  const inference::Prior prior(plan.study.prior);
-  const RowMatrix theta = different_theta(plan, prior, seed, count);
-  if (theta.rows() == 0) return;
-  const RowMatrix uniform =
-      prior.to_normal(theta).unaryExpr([](double u) { return normal_cdf(u); });
-  find_theta_at_the_ends(plan, theta, found);
-  find_other_marginals(plan, uniform, found);
-  find_correlated_theta(plan, uniform, found);
 }
 
 void find_copies(const DatasetFile& dataset, std::vector<Index> rows, DatasetFaults& found) {

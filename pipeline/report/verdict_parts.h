@@ -36,8 +36,9 @@ std::string noise_hint(const Study& study);
 std::string words_of_ridge(const ReportData& data, const std::string& method);
 
 /// That hardly any of the simulations of one round lie where a posterior of the default algorithm
-/// is, whose next rounds simulate there alone. Empty where at least 300 do, or a twentieth of the
-/// prior is.
+/// is, whose next rounds simulate there alone. Empty where at least 300 do, or more than a
+/// twentieth of the prior is, or 2^-D: posteriors of many parameters are a small part of it without
+/// being narrow in any.
 std::string words_of_region(const ReportData& data, const std::string& method);
 
 /// That seeds are far apart, about which parameters: most of them are wrong, each as sure as if it

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/random.h"
 #include "pipeline/report/table_parts.h"
 #include "pipeline/report/verdict_parts.h"
 
@@ -14,10 +15,17 @@ namespace {
 constexpr Index kPriorDraws = 10'000;
 constexpr double kShareOfPosterior = 0.99;
 
-// The share of the prior within the ellipsoid that holds 99 % of a run's samples, in coordinates of
-// which the prior is standard normal; 1 where the samples have none.
-double share_of_prior(const inference::Prior& prior, const RowMatrix& theta) {
-  const RowMatrix samples = prior.to_normal(theta);
+// Draws of the prior in the coordinates in which it is N(0, I).
+RowMatrix normal_draws(Index dimension) {
+  RowMatrix draws(kPriorDraws, dimension);
+  Stream stream({1, "region", 0, 0, 0});
+  for (double& value : draws.reshaped<Eigen::RowMajor>()) value = stream.normal();
+  return draws;
+}
+
+// The share of the prior, of which these are draws, within the ellipsoid that holds 99 % of samples
+// in the same coordinates, and no less than is likely; 1 where the samples have none.
+double share_of_prior(const RowMatrix& draws, const RowMatrix& samples) {
   const Eigen::RowVectorXd mean = samples.colwise().mean();
   const RowMatrix centered = samples.rowwise() - mean;
   const Eigen::LLT<Eigen::MatrixXd> root(centered.transpose() * centered /
@@ -31,15 +39,15 @@ double share_of_prior(const inference::Prior& prior, const RowMatrix& theta) {
   std::sort(own.begin(), own.end());
   const double farthest =
       own(static_cast<Index>(kShareOfPosterior * static_cast<double>(own.size() - 1)));
-  const RowMatrix draws = prior.to_normal(inference::sample_prior(prior, kPriorDraws, 1));
-  const auto within = (distances(draws.rowwise() - mean).array() <= farthest).count();
-  return static_cast<double>(within) / static_cast<double>(kPriorDraws);
+  const Index within = (distances(draws.rowwise() - mean).array() <= farthest).count();
+  constexpr double unseen = 3.0;  // of a share that has more none are drawn with 5 %
+  return (static_cast<double>(within) + unseen) / static_cast<double>(kPriorDraws);
 }
 
 }  // namespace
 
 std::string words_of_region(const ReportData& data, const std::string& method) {
-  constexpr double largest_share = 0.05, most_simulations = 300.0;
+  constexpr double most_simulations = 300.0;
   constexpr Index rounds = 4;
   const Study& study = data.plan.study;
   const inference::AlgorithmConfig& algorithm = study.method(method).algorithm;
@@ -47,17 +55,18 @@ std::string words_of_region(const ReportData& data, const std::string& method) {
                          algorithm.kind == inference::Algorithm::npe_nle;
   if (!can_go_on) return "";
   const inference::Prior prior(study.prior);
+  const RowMatrix draws = normal_draws(prior.dimension());
   const double share = each(data.runs_of(method), [&](const EvaluatedRun* run) {
-                         return share_of_prior(prior, run->evaluation.theta);
+                         return share_of_prior(draws, prior.to_normal(run->evaluation.theta));
                        }).mean();
   const double expected = share * static_cast<double>(algorithm.num_simulations);
+  const double largest_share = std::min(0.05, std::exp2(-static_cast<double>(prior.dimension())));
   if (share > largest_share || expected > most_simulations) return "";
   return fmt::format(
-      "only about {:.0f} of {} simulations lie where it is, in {:.2g} of the prior: more of them "
-      "there make it more exact, by num_rounds = {} and num_simulations = {}, for this observation "
-      "alone",
-      std::max(expected, 1.0), algorithm.num_simulations, std::max(share, 1.0 / kPriorDraws),
-      rounds, (algorithm.num_simulations + rounds - 1) / rounds);
+      "only about {:.0f} of {} simulations lie where it is: more of them there make it more exact, "
+      "by num_rounds = {} and num_simulations = {}, for this observation alone",
+      std::ceil(expected), algorithm.num_simulations, rounds,
+      (algorithm.num_simulations + rounds - 1) / rounds);
 }
 
 }  // namespace npdr::pipeline

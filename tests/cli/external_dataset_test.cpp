@@ -4,7 +4,14 @@
 namespace npdr::pipeline {
 namespace {
 
-class ExternalDataset : public External {};
+class ExternalDataset : public External {
+ protected:
+  // By what awk does with each row of theta.csv.
+  void change_theta(const std::string& action) const {
+    change_dataset("awk -F, 'NR > 1 { " + action +
+                   "; next } 1' theta.csv > other.csv && mv other.csv theta.csv");
+  }
+};
 
 TEST_F(ExternalDataset, ADatasetNeedsNoSimulator) {
   const Outcome imported = import_dataset();
@@ -97,38 +104,46 @@ TEST_F(ExternalDataset, ADatasetOfAnotherPriorIsNoticed) {
 
 TEST_F(ExternalDataset, CorrelatedParametersOfADatasetAreNoticed) {
   import_dataset();
-  change_dataset(
-      "awk -F, 'NR > 1 { print $1 \",\" 0.6 * $1 + 0.8 * $2; next } 1' theta.csv > other.csv && "
-      "mv other.csv theta.csv");
+  change_theta("print $1 \",\" 0.6 * $1 + 0.8 * $2");
   run_well({"dataset.toml"});
   EXPECT_NE(
-      table("external-dataset", "parameters").find("b and a of the dataset are correlated (0."),
+      table("external-dataset", "parameters").find("a and b of the dataset are correlated (0."),
       std::string::npos);
-  EXPECT_EQ(npdr({"run", "dataset.toml", "--strict"}).status, 4);
+  const Outcome strict = npdr({"run", "dataset.toml", "--strict"});
+  EXPECT_EQ(strict.status, 4);
+  EXPECT_NE(strict.out.find("Dataset: a and b"), std::string::npos) << strict.out;
 }
 
+// A grid of 11 values: distributed as the prior but for half of a step.
 TEST_F(ExternalDataset, ADatasetThatLiesAtThePriorsEndIsNoticed) {
   import_dataset();
-  change_dataset(
-      "awk -F, 'NR > 1 && NR % 20 == 0 { print \"9,\" $2; next } 1' theta.csv > other.csv && "
-      "mv other.csv theta.csv");
-  run_well({"dataset.toml", "--set", "prior.a={uniform=[-9.0, 9.0]}"});
-  EXPECT_NE(table("external-dataset", "parameters")
-                .find("0.05 of the dataset's rows have a at an end of its prior, [-9, 9], as grids "
-                      "have, where posteriors can't be learned: widen prior.a by half of a step"),
+  change_theta("print NR % 11 \",\" $2");
+  const auto faults_with = [&](const std::string& prior) {
+    run_well({"dataset.toml", "--set", "prior.a={uniform=" + prior + "}"});
+    return table("external-dataset", "parameters");
+  };
+  const std::string at_ends = faults_with("[0.0, 10.0]");
+  EXPECT_NE(at_ends.find("0.091 of a in the dataset lie at an end of its prior, [0, 10], as those "
+                         "of a grid do, where a posterior's density is cut: widen prior.a by half "
+                         "of a step between values"),
             std::string::npos)
-      << table("external-dataset", "parameters");
+      << at_ends;
+  EXPECT_EQ(at_ends.find("isn't distributed"), std::string::npos) << at_ends;
+  const Outcome strict =
+      npdr({"run", "dataset.toml", "--set", "prior.a={uniform=[0.0, 10.0]}", "--strict"});
+  EXPECT_EQ(strict.status, 4);
+  EXPECT_NE(strict.out.find("Dataset: 0.091 of a"), std::string::npos) << strict.out;
+  EXPECT_EQ(faults_with("[-0.5, 10.5]").find("the dataset"), std::string::npos);
 }
 
 // One theta of ten simulations is one draw of the prior.
 TEST_F(ExternalDataset, ParametersThatSeveralSimulationsShareCountOnce) {
   import_dataset();
-  change_dataset(
-      "awk -F, 'NR > 1 { if (NR % 10 == 2) theta = $0; print theta; next } 1' theta.csv > "
-      "other.csv "
-      "&& mv other.csv theta.csv");
-  run_well({"dataset.toml"});
-  EXPECT_EQ(table("external-dataset", "parameters").find("isn't distributed"), std::string::npos);
+  for (const std::string format : {"%.9f,%.9f", "%.3f,%.3f"}) {
+    change_theta("if (NR % 10 == 2) theta = sprintf(\"" + format + "\", $1, $2); print theta");
+    run_well({"dataset.toml"});
+    EXPECT_EQ(table("external-dataset", "parameters").find("the dataset"), std::string::npos);
+  }
 }
 
 TEST_F(ExternalDataset, ADatasetWhoseRowsAreAllTheSameIsTold) {

@@ -61,6 +61,20 @@ TEST(MarginalFit, BoundsOfAGridAreHalfAStepBeyondIt) {
   EXPECT_NEAR(decade.b, 1e-2 * std::pow(10.0, 0.05), 1e-4);
 }
 
+TEST(MarginalFit, BoundsOfAnyStepHoldTheValues) {
+  const auto bounds_of = [](const Vector& values) {
+    const inference::Marginal found = fit_to(values.replicate(200, 1)).likeliest();
+    EXPECT_LT(found.lower(), values.minCoeff());
+    EXPECT_GT(found.upper(), values.maxCoeff());
+    return found;
+  };
+  EXPECT_EQ(bounds_of(Vector{{1.0, 1e5, 1e10}}).kind, Kind::log_uniform);
+  EXPECT_GT(bounds_of(Vector{{1e-6, 1.0, 1e6}}).a, 0.0);
+  EXPECT_EQ(bounds_of(Vector{{1.0, 2.0, 3.0}}).kind, Kind::uniform);
+  const Vector nearly_constant = Vector::LinSpaced(50, 5.0, 5.0 + 1e-12);
+  EXPECT_EQ(fit_to(nearly_constant).likeliest().kind, Kind::uniform);
+}
+
 TEST(MarginalFit, FewValuesLookUniform) {
   EXPECT_EQ(fit_to(Vector{{0.1, 1.0, 10.0}}).likeliest().kind, Kind::uniform);
   const MarginalFit constant = fit_to(Vector::Constant(5, 7.0));
