@@ -24,7 +24,7 @@ RowMatrix normal_draws(Index dimension) {
 }
 
 // The share of the prior, of which these are draws, within the ellipsoid that holds 99 % of samples
-// in the same coordinates, and no less than is likely; 1 where the samples have none.
+// in the same coordinates, and what so many draws may miss; 1 where the samples have none.
 double share_of_prior(const RowMatrix& draws, const RowMatrix& samples) {
   const Eigen::RowVectorXd mean = samples.colwise().mean();
   const RowMatrix centered = samples.rowwise() - mean;
@@ -40,7 +40,7 @@ double share_of_prior(const RowMatrix& draws, const RowMatrix& samples) {
   const double farthest =
       own(static_cast<Index>(kShareOfPosterior * static_cast<double>(own.size() - 1)));
   const Index within = (distances(draws.rowwise() - mean).array() <= farthest).count();
-  constexpr double unseen = 3.0;  // of a share that has more none are drawn with 5 %
+  constexpr double unseen = 3.0;  // where that many are expected none is drawn in 5 % of cases
   return (static_cast<double>(within) + unseen) / static_cast<double>(kPriorDraws);
 }
 
