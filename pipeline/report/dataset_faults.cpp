@@ -90,7 +90,7 @@ void find_correlated_theta(const Plan& plan, const UniformTheta& theta, DatasetF
   constexpr Index fewest = 20;
   constexpr double rounding = 1e-9;
   const Index dimension = theta.f.cols(), num_pairs = dimension * (dimension - 1) / 2;
-  if (theta.num_different < fewest) return;
+  if (num_pairs == 0 || theta.num_different < fewest) return;
   RowMatrix centered = theta.f.rowwise() - theta.f.colwise().mean().eval();
   for (Index d = 0; d < dimension; ++d) {
     const bool is_constant = centered.col(d).cwiseAbs().maxCoeff() < rounding;

@@ -114,6 +114,13 @@ TEST_F(ExternalDataset, CorrelatedParametersOfADatasetAreNoticed) {
   EXPECT_NE(strict.out.find("Dataset: a and b"), std::string::npos) << strict.out;
 }
 
+TEST_F(ExternalDataset, OneParameterCorrelatesWithNothing) {
+  import_dataset();
+  change_dataset("sed -i '/^b = /d; /^\\[\\[reference/,$d' dataset.toml");
+  run_well({"dataset.toml"});
+  EXPECT_EQ(table("external-dataset", "parameters").find("the dataset"), std::string::npos);
+}
+
 // A grid of 11 values: distributed as the prior but for half of a step.
 TEST_F(ExternalDataset, ADatasetThatLiesAtThePriorsEndIsNoticed) {
   import_dataset();
