@@ -41,9 +41,9 @@ endif()
 # What nearly every file includes is compiled once for all libraries, by npdr_core, and once more, with JSON,
 # for the upper layers of the pipeline, by npdr_artefacts; for those of them that are compiled quickly by
 # npdr_config and npdr_report, and with command lines by npdr_apps; for tests likewise (tests/CMakeLists.txt).
-# Benchmarks use npdr_core's or npdr_apps's. Those who share it must have the owner's flags and definitions. Files still include all
-# that they use: CMAKE_DISABLE_PRECOMPILE_HEADERS with NPDR_UNITY=OFF, as in the preset asan and scripts/tidy, shows
-# whether they do.
+# Benchmarks use npdr_core's, or npdr_apps's with a command line of their own. Those who share it must have the
+# owner's flags and definitions. Files still include all that they use: CMAKE_DISABLE_PRECOMPILE_HEADERS with
+# NPDR_UNITY=OFF, as in the preset asan and scripts/tidy, shows whether they do.
 set(NPDR_COMMON_HEADERS <Eigen/Core> <algorithm> <cmath> <filesystem> <fmt/format.h> <fstream>
                         <functional> <map> <memory> <optional> <set> <string> <vector>)
 

@@ -50,7 +50,8 @@ struct UsualFeatures {
 };
 
 /// That of simulations x (n, F), which are independent draws in any order. At most one component
-/// for each 40 rows. Throws InputError for fewer than kFewestSimulations rows, or what isn't
+/// for each 40 rows. `tails`: what becomes of features that span orders of magnitude
+/// (feature_transform.h). Throws InputError for fewer than kFewestSimulations rows, or what isn't
 /// finite.
 UsualFeatures usual_features(const RowMatrixF& x, Tails tails = Tails::kept);
 

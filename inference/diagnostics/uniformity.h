@@ -22,7 +22,8 @@ struct ChiSquare {
   double p_value = 1.0;       ///< P(chi^2 with B - 1 degrees of freedom >= statistic)
 };
 
-/// P(the statistic of n draws is as large).
+/// P(Kolmogorov and Smirnov's statistic of n >= 1 uniform draws is as large), by the approximation
+/// of KolmogorovSmirnov::p_value.
 double kolmogorov_smirnov_p_value(double statistic, Index n);
 
 /// Tests n >= 1 values in [0, 1]. Throws InputError for none, or one outside, as the next does.

@@ -112,10 +112,10 @@ void find_correlated_theta(const Plan& plan, const UniformTheta& theta, DatasetF
   if (inference::corrected(p_value, num_pairs) >= kFalseAlarmRate) return;
   found.are_grave |= std::abs(largest) > kGraveCorrelation;
   found.faults.push_back(fmt::format(
-      "{} and {} of the dataset are correlated ({:.2f} between F of them, p < {:.1g}), and the "
+      "{} and {} of the dataset are correlated ({:.2f} between F of them, p = {:.1g}), and the "
       "prior draws each by itself: where theta wasn't drawn from this prior, posteriors are those "
       "of another one",
-      name_of(plan, first), name_of(plan, second), largest, std::max(2.0 * p_value, 1e-300)));
+      name_of(plan, first), name_of(plan, second), largest, p_value));
 }
 
 void find_foreign_theta(const Plan& plan, std::uint64_t seed, Index count, DatasetFaults& found) {
