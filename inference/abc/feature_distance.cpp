@@ -1,9 +1,12 @@
 #include "inference/abc/feature_distance.h"
 
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
 #include "core/error.h"
+#include "inference/matrix_features.h"
 #include "inference/row_blocks.h"
 
 namespace npdr::inference {
@@ -42,6 +45,19 @@ Vector feature_distances(const FeatureSource& x, const FeatureTransform& transfo
     distances.segment(begin, count) =
         (z.rowwise() - observed.row(0)).cast<double>().rowwise().norm();
   });
+  return distances;
+}
+
+Vector mean_feature_distances(const RowMatrixF& x, const FeatureTransform& transform,
+                              const VectorF& x_o) {
+  const Index num_varying = num_varying_outputs(transform);
+  Vector distances = feature_distances(MatrixFeatures(x), transform, x_o) /
+                     std::sqrt(static_cast<double>(num_varying));
+  for (Index i = 0; i < x.rows(); ++i) {
+    if (num_varying == 0 || !x.row(i).allFinite()) {
+      distances(i) = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
   return distances;
 }
 

@@ -1,33 +1,23 @@
 #include "pipeline/predictions/judge.h"
 
-#include <algorithm>
+#include <vector>
 
-#include "analysis/feature_comparison.h"
-#include "pipeline/artefacts/schemas.h"
-#include "pipeline/artefacts/simulation_file.h"
+#include "inference/embeddings/embedding.h"
+#include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
 
 namespace npdr::pipeline {
 
 namespace {
 
-// The standard deviation of each feature over the simulations of the prior.
-Vector prior_deviation(const Node& simulation) {
-  constexpr Index rows_at_once = 1024;
-  const h5::File file = open_artefact(simulation.path, kSimulationSchema, simulation.key);
-  const h5::Dataset x = simulated_values(file);
-  const auto status = file.dataset("status").read<std::uint8_t>();
-  analysis::FeatureSpread spread(x.row_size());
-  RowMatrixF block;
-  for (Index begin = 0; begin < x.num_rows(); begin += rows_at_once) {
-    block.resize(std::min(rows_at_once, x.num_rows() - begin), x.row_size());
-    x.read_rows<float>(begin, block.rows(), {block.data(), static_cast<std::size_t>(block.size())});
-    for (Index i = 0; i < block.rows(); ++i) {
-      if (status[static_cast<std::size_t>(begin + i)] != 0) continue;
-      spread.add({block.row(i).data(), static_cast<std::size_t>(block.cols())});
-    }
-  }
-  return spread.deviation();
+// Features in units of their deviation over the simulations of the prior.
+inference::FeatureTransform scale_of_features(const Plan& plan, const Node& simulation,
+                                              const Target& target) {
+  inference::EmbeddingConfig as_it_is;
+  as_it_is.kind = inference::EmbeddingKind::identity;
+  const auto embedding = inference::make_embedding(as_it_is, target, 1);
+  const SimulationFeatures features(plan, std::vector{&simulation}, target, *embedding);
+  return inference::fit_feature_transform(features, 0, plan.study.tails());
 }
 
 }  // namespace
@@ -35,7 +25,8 @@ Vector prior_deviation(const Node& simulation) {
 Judge::Judge(const Plan& plan, const Node& node)
     : plan_(plan), seen_(plan, read_target(plan, node), log_of(node.path)) {
   if (plan.study.source().predicts_features()) {
-    seen_.set_feature_deviation(prior_deviation(*plan.inputs(node, Stage::simulate).front()));
+    const Node& of_prior = *plan.inputs(node, Stage::simulate).front();
+    seen_.set_scale_of_features(scale_of_features(plan, of_prior, seen_.target()));
   }
   if (std::optional<Target> held_out = read_held_out(plan, node)) {
     const std::filesystem::path log = log_of(node.path);

@@ -1,6 +1,6 @@
 #include "pipeline/predictions/prediction.h"
 
-#include "analysis/feature_comparison.h"
+#include "inference/abc/feature_distance.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -25,9 +25,9 @@ sim::Trajectories Predictor::simulate(const RowMatrix& complete, const StreamId&
 std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajectories) const {
   std::map<std::string, Vector> values;
   if (!plan_.study.source().gives_motion) {
-    const Vector x_o = target_.rollouts.front().states.row(1).transpose();
+    const VectorF x_o = target_.rollouts.front().states.row(1).transpose().cast<float>();
     values[name_of(Metric::distance)] =
-        analysis::feature_distance(features_of(trajectories), x_o, feature_deviation_);
+        inference::mean_feature_distances(features_of(trajectories), scale_, x_o);
     return values;
   }
   const analysis::Metrics metrics(target_, metrics_config());

@@ -8,6 +8,7 @@
 #include "analysis/metrics.h"
 #include "analysis/quantiles.h"
 #include "analysis/trajectory_view.h"
+#include "inference/feature_transform.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/sources/row_simulator.h"
 #include "sim/simulator.h"
@@ -22,8 +23,9 @@ class Predictor {
 
   const Target& target() const { return target_; }
 
-  /// Sets the deviations by which distances of features are scaled, (F); not needed for rollouts.
-  void set_feature_deviation(Vector deviation) { feature_deviation_ = std::move(deviation); }
+  /// Sets the coordinates, one for each feature, that distances of features are measured in; not
+  /// needed for rollouts.
+  void set_scale_of_features(inference::FeatureTransform scale) { scale_ = std::move(scale); }
 
   /// Rollouts, or features, of complete parameters (n, P); `first`: see RowSimulator. Not for a
   /// source that simulates nothing.
@@ -41,7 +43,7 @@ class Predictor {
   const Plan& plan_;
   Target target_;
   std::unique_ptr<RowSimulator> simulator_;  // none: nothing can be simulated
-  Vector feature_deviation_;
+  inference::FeatureTransform scale_;
 };
 
 /// Features of a simulator that gives these, as (n, F).

@@ -154,7 +154,8 @@ Table make_fit_table(const ReportData& data) {
   if (study.source().predicts_features()) {
     table.footnote(
         "Distance to x_o: root of the mean over features of ((x - x_o) / s)², s the standard "
-        "deviation of the feature over simulations of the prior");
+        "deviation of the feature over simulations of the prior; features that span orders of "
+        "magnitude after a logarithm of a kind");
   }
   note_recorded_goal(table, data);
   return table;

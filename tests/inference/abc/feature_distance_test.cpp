@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "inference/matrix_features.h"
 #include "tests/inference/tasks.h"
+#include "tests/special_values.h"
 
 namespace npdr::inference {
 namespace {
@@ -54,6 +55,39 @@ TEST(FeatureDistance, TellsNearFromFarAlsoWhereFewRowsAre) {
   distances.minCoeff(&nearest);
   EXPECT_EQ(nearest, 100);
   EXPECT_NEAR(distances(125) / distances(100), 24.0, 1e-3);
+}
+
+TEST(FeatureDistance, OnAverageIsThatOfFeaturesThatVary) {
+  const RowMatrixF x = features();
+  const MatrixFeatures source(x);
+  const FeatureTransform transform = fit_feature_transform(source, 0);
+  RowMatrixF rows = x.topRows(3);
+  rows(1, 2) = kFloatNan;  // in a feature that doesn't count, but the row failed
+  const VectorF x_o = x.row(9).transpose();
+  const Vector mean = mean_feature_distances(rows, transform, x_o);
+  const Vector norm = feature_distances(source, transform, x_o);
+  EXPECT_DOUBLE_EQ(mean(0), norm(0) / std::sqrt(2.0));
+  EXPECT_TRUE(std::isnan(mean(1)));
+  EXPECT_DOUBLE_EQ(mean(2), norm(2) / std::sqrt(2.0));
+  const RowMatrixF same = RowMatrixF::Ones(200, 3);
+  const FeatureTransform of_same = fit_feature_transform(MatrixFeatures(same), 0);
+  EXPECT_TRUE(std::isnan(mean_feature_distances(same, of_same, VectorF::Zero(3))(0)));
+}
+
+// Values of e^(3 u), u normal: their deviation is some 90, of which 0.01 and 1 are nothing.
+TEST(FeatureDistance, WithoutTailsTellsSmallValuesApart) {
+  RowMatrixF x(400, 1);
+  for (Index i = 0; i < x.rows(); ++i) {
+    Stream stream({1, "decades", 0, static_cast<std::uint64_t>(i), 0});
+    x(i, 0) = static_cast<float>(std::exp(3.0 * stream.normal()));
+  }
+  const auto distance = [&](Tails tails) {
+    const FeatureTransform transform = fit_feature_transform(MatrixFeatures(x), 0, tails);
+    return mean_feature_distances(RowMatrixF::Constant(1, 1, 0.01f), transform,
+                                  VectorF::Ones(1))(0);
+  };
+  EXPECT_LT(distance(Tails::kept), 0.1);
+  EXPECT_GT(distance(Tails::compressed), 0.5);
 }
 
 TEST(FeatureDistance, RejectsAnotherNumberOfFeatures) {
