@@ -11,7 +11,6 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
-#include "pipeline/apps/marginal_fit.h"
 #include "pipeline/artefacts/channels.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/feature_file.h"
@@ -19,6 +18,7 @@
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/prior_check.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/sources/marginal_fit.h"
 
 namespace npdr::pipeline {
 namespace {

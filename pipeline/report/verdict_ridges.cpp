@@ -4,16 +4,12 @@
 #include <cmath>
 
 #include "pipeline/report/contraction.h"
+#include "pipeline/report/correlated_pair.h"
 #include "pipeline/report/table_parts.h"
 #include "pipeline/report/verdict_parts.h"
 
 namespace npdr::pipeline {
 namespace {
-
-struct Ridge {
-  Index first = 0, second = 0;
-  double correlation = 0.0;
-};
 
 // In coordinates of which the prior is standard normal, of mean 0 and length 1.
 Vector standardized(const ReportData& data, const EvaluatedRun& run, Index d) {
@@ -47,32 +43,26 @@ bool is_broad(const ReportData& data, const std::string& method, Index d) {
          }).mean() < most;
 }
 
-Ridge sharpest_ridge(const ReportData& data, const std::string& method) {
+CorrelatedPair sharpest_ridge(const ReportData& data, const std::string& method) {
   std::vector<Index> broad;
   for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
     if (is_broad(data, method, d)) broad.push_back(d);
   }
-  Ridge sharpest;
-  const RowMatrix found = correlations(data, data.runs_of(method), broad);
-  for (std::size_t i = 0; i < broad.size(); ++i) {
-    for (std::size_t j = i + 1; j < broad.size(); ++j) {
-      const double r = found(static_cast<Index>(i), static_cast<Index>(j));
-      if (std::abs(r) > std::abs(sharpest.correlation)) sharpest = {broad[i], broad[j], r};
-    }
-  }
-  return sharpest;
+  const CorrelatedPair of_broad = most_correlated(correlations(data, data.runs_of(method), broad));
+  if (of_broad.correlation == 0.0) return of_broad;
+  return {broad[static_cast<std::size_t>(of_broad.first)],
+          broad[static_cast<std::size_t>(of_broad.second)], of_broad.correlation};
 }
 
 }  // namespace
 
 std::string words_of_ridge(const ReportData& data, const std::string& method) {
   constexpr double least = 0.95;
-  const Ridge ridge = sharpest_ridge(data, method);
+  const CorrelatedPair ridge = sharpest_ridge(data, method);
   if (!(std::abs(ridge.correlation) >= least)) return "";
   return fmt::format(
       "of {} and {} it knows little but a combination (correlation {:.2f}): measure one of them, "
-      "or "
-      "{} tells them apart",
+      "or {} tells them apart",
       name_of_parameter(data, ridge.first), name_of_parameter(data, ridge.second),
       ridge.correlation,
       data.plan.study.source().gives_motion ? "record motion that" : "add a feature that");

@@ -1,4 +1,4 @@
-#include "pipeline/apps/marginal_fit.h"
+#include "pipeline/sources/marginal_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -73,6 +73,35 @@ TEST(MarginalFit, BoundsOfAnyStepHoldTheValues) {
   EXPECT_EQ(bounds_of(Vector{{1.0, 2.0, 3.0}}).kind, Kind::uniform);
   const Vector nearly_constant = Vector::LinSpaced(50, 5.0, 5.0 + 1e-12);
   EXPECT_EQ(fit_to(nearly_constant).likeliest().kind, Kind::uniform);
+}
+
+TEST(MarginalFit, OfAGridIsWhereverItBegins) {
+  const auto kind_of = [](const Vector& levels) {
+    return fit_to(levels.replicate(100, 1)).likeliest().kind;
+  };
+  EXPECT_EQ(kind_of(Vector{{1e-6, 0.5, 1.0}}), Kind::uniform);
+  EXPECT_EQ(kind_of(Vector::LinSpaced(5, 1e-6, 1.0)), Kind::uniform);
+  EXPECT_EQ(kind_of(Vector{{0.1, 10.0}}), Kind::uniform);
+  EXPECT_EQ(kind_of(Vector{{0.1, 0.5, 1.0, 2.0}}), Kind::log_uniform);
+}
+
+// Draws of 1 in 10 levels or less: far from uniform, near their own form.
+TEST(MarginalFit, OfRoundedDrawsIsWhatTheyWereDrawnFrom) {
+  const auto kind_of = [](const inference::Marginal& truth) {
+    const RowMatrix theta = inference::sample_prior(inference::Prior({truth}), 1000, 1);
+    return fit_to(theta.col(0).array().round()).likeliest().kind;
+  };
+  EXPECT_EQ(kind_of({"a", "1", Kind::uniform, 0.0, 10.0}), Kind::uniform);
+  EXPECT_EQ(kind_of({"b", "1", Kind::normal, 10.0, 1.0}), Kind::normal);
+}
+
+// 15 draws of a uniform by chance look log-uniform, by 0.08 nats each: too little, unless each
+// counted 100 times.
+TEST(MarginalFit, DrawsThatAreThereOftenAreOneEach) {
+  const Vector drawn{
+      {1.53, 1.92, 1.97, 2.21, 2.29, 2.59, 2.63, 2.86, 2.96, 3.19, 3.39, 4.94, 5.07, 5.35, 5.94}};
+  EXPECT_EQ(fit_to(drawn).likeliest().kind, Kind::uniform);
+  EXPECT_EQ(fit_to(drawn.replicate(100, 1)).likeliest().kind, Kind::uniform);
 }
 
 TEST(MarginalFit, FewValuesLookUniform) {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cmath>
-#include <set>
 
 #include "core/types.h"
+#include "inference/diagnostics/levels.h"
 #include "inference/prior.h"
 
 namespace npdr::pipeline {
@@ -12,10 +12,16 @@ namespace npdr::pipeline {
 /// Chooses by the largest likelihood, each form at the parameters where its own is largest:
 /// uniform and log-uniform between the least and the largest value, normal and log-normal with the
 /// moments of the values or of their logarithms. Another form than uniform has to be exp(3) times
-/// as likely, and of at most 20 values those of a grid of even steps aren't log-uniform. Bounds are
-/// then moved out by half of a step between different values, of a grid of them (10,000 at most)
-/// and of draws alike, but not below 0 where all are positive: nothing can be learned of values at
-/// an end, where the density is cut.
+/// as likely, draws that are there several times being one.
+///
+/// A grid of 20 values at most is uniform where it is even, and log-uniform where its factors are
+/// more so, if one of them is within 0.05 of it by inference::distance_of_levels(), and the nearest
+/// of all four if not, as values are that are rounded to few digits.
+///
+/// Bounds are moved out by half of a step between different values, of a grid of them (1000 at
+/// most) and of draws alike, but not below 0 where all are positive, and the first of a small
+/// grid isn't as near to it as none: nothing can be learned of values at an end, where the density
+/// is cut.
 class MarginalFit {
  public:
   /// Takes more values.
@@ -34,10 +40,17 @@ class MarginalFit {
   };
 
   double num_steps() const;
-  bool is_even_grid() const;  // rather than one of even factors
+  double num_draws() const;
+  bool is_small_grid() const;
+  inference::Marginal uniform() const;
+  inference::Marginal log_uniform() const;  // as the next, only of values > 0
+  inference::Marginal log_normal() const;
+  inference::Marginal normal() const;
+  inference::Marginal likeliest_of_draws() const;
+  inference::Marginal nearest_to_grid() const;
 
   Index count_ = 0;
-  std::set<double> different_;  ///< so many that they can't be a grid's at most
+  inference::Levels levels_;  ///< the first that came, kMostLevels + 1 of them at most
   double low_ = HUGE_VAL, high_ = -HUGE_VAL;
   Moments values_, logarithms_;  ///< the second of values > 0
 };

@@ -1,0 +1,60 @@
+#include "inference/diagnostics/levels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <ranges>
+
+#include "core/normal.h"
+
+namespace npdr::inference {
+namespace {
+
+template <class Map>
+double filled(const Levels& levels, const Map& map) {
+  if (levels.size() < 2) return 1.0;
+  double smallest = HUGE_VAL;
+  for (auto level = levels.begin(); std::next(level) != levels.end(); ++level) {
+    smallest = std::min(smallest, map(std::next(level)->first) - map(level->first));
+  }
+  const double range = map(levels.rbegin()->first) - map(levels.begin()->first);
+  return static_cast<double>(levels.size() - 1) / std::max(range / smallest, 1.0);
+}
+
+}  // namespace
+
+Levels levels_of(const Eigen::Ref<const Vector>& values) {
+  Levels levels;
+  for (const double value : values) ++levels[value];
+  return levels;
+}
+
+double filled_by_steps(const Levels& levels) {
+  return filled(levels, [](double value) { return value; });
+}
+
+double filled_by_factors(const Levels& levels) {
+  if (!(levels.begin()->first > 0.0)) return 0.0;
+  return filled(levels, [](double value) { return std::log(value); });
+}
+
+bool is_grid(const Levels& levels) {
+  return std::max(filled_by_steps(levels), filled_by_factors(levels)) >= 0.5;
+}
+
+double distance_of_levels(const Levels& levels, const Marginal& marginal) {
+  RowMatrix values(std::ssize(levels), 1);
+  std::ranges::copy(std::views::keys(levels), values.data());
+  const RowMatrix u = Prior({marginal}).to_normal(values);
+  double total = 0.0, below = 0.0, largest = 0.0;
+  for (const auto& [value, count] : levels) total += static_cast<double>(count);
+  Index next = 0;
+  for (const auto& [value, count] : levels) {
+    const double f = normal_cdf(u(next++, 0)), up_to = below + static_cast<double>(count);
+    largest = std::max({largest, below / total - f, f - up_to / total});
+    below = up_to;
+  }
+  return largest;
+}
+
+}  // namespace npdr::inference

@@ -1,0 +1,31 @@
+/// What is wrong with the parameters of a dataset.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "inference/prior.h"
+
+namespace npdr::pipeline {
+
+struct DatasetFaults {
+  std::vector<std::string> faults;  ///< a sentence each
+  bool are_grave = false;           ///< posteriors are those of something else
+};
+
+/// Looks at theta (n >= 1, D), all of it in the prior, for what draws of that don't have. Of each
+/// parameter the first that holds:
+/// - It is the same in all rows: grave.
+/// - Values lie within 1e-6 of an end of F, where the density of a bounded prior is cut, as a
+///   grid's do: told from a fiftieth on, grave above a twentieth.
+/// - They are distributed in another way than the prior, by Kolmogorov and Smirnov's test of
+///   inference::distance_of_levels(): grave where that is above 0.05.
+/// - They are less than five different ones.
+/// And the pair whose F are correlated most: grave above 0.2.
+///
+/// Draws of the prior, rounded or not, are accused by each of the two tests with probability 1e-4
+/// at most. Rows of the same theta are one draw, as are those that share a parameter whose values
+/// aren't a grid's (inference::is_grid()).
+DatasetFaults faults_of_theta(const RowMatrix& theta, const inference::Prior& prior);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,136 @@
+#include "pipeline/sources/marginal_fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace npdr::pipeline {
+namespace {
+
+using Kind = inference::Marginal::Kind;
+
+constexpr std::ptrdiff_t kMostLevels = 1000, kFewLevels = 20;
+constexpr double kLeastOfHalfStep = 0.05;
+
+// To two digits of `step`.
+double rounded(double value, double step) {
+  if (!(step > 0.0)) return value;
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(step))), 0, 300);
+  return std::stod(fmt::format("{:.{}f}", value, decimals));
+}
+
+// The mean log density of a normal at its own maximum.
+double log_normal_density(double variance) {
+  return -0.5 * std::log(2.0 * std::numbers::pi * std::numbers::e * variance);
+}
+
+}  // namespace
+
+void MarginalFit::Moments::observe(double value, Index count) {
+  const double before = value - mean;
+  mean += before / static_cast<double>(count);
+  sum_of_squares += before * (value - mean);
+}
+
+void MarginalFit::observe(const Vector& values) {
+  for (const double value : values) {
+    ++count_;
+    if (std::ssize(levels_) <= kMostLevels) ++levels_[value];
+    low_ = std::min(low_, value);
+    high_ = std::max(high_, value);
+    values_.observe(value, count_);
+    if (low_ > 0.0) logarithms_.observe(std::log(value), count_);
+  }
+}
+
+double MarginalFit::num_steps() const {
+  const Index num_levels = std::ssize(levels_);
+  return static_cast<double>((num_levels > kMostLevels ? count_ : num_levels) - 1);
+}
+
+double MarginalFit::num_draws() const {
+  if (std::ssize(levels_) > kMostLevels) return static_cast<double>(count_);
+  return inference::effective_count(levels_);
+}
+
+bool MarginalFit::is_small_grid() const {
+  const Index num_levels = std::ssize(levels_);
+  return num_levels <= kFewLevels && count_ >= 2 * num_levels && inference::is_grid(levels_);
+}
+
+inference::Marginal MarginalFit::uniform() const {
+  const double half = 0.5 * (high_ - low_) / num_steps();
+  const double low = rounded(low_ - half, half);
+  const bool is_positive = low_ > (is_small_grid() ? kLeastOfHalfStep * half : 0.0);
+  return {.name = "",
+          .unit = "",
+          .kind = Kind::uniform,
+          .a = is_positive ? std::max(low, 0.0) : low,
+          .b = rounded(high_ + half, half)};
+}
+
+inference::Marginal MarginalFit::log_uniform() const {
+  const double factor = std::pow(high_ / low_, 0.5 / num_steps());
+  const double low = low_ / factor, high = high_ * factor;
+  return {.name = "",
+          .unit = "",
+          .kind = Kind::log_uniform,
+          .a = rounded(low, std::min(low, low_ - low)),
+          .b = rounded(high, high - high_)};
+}
+
+inference::Marginal MarginalFit::normal() const {
+  return {.name = "",
+          .unit = "",
+          .kind = Kind::normal,
+          .a = values_.mean,
+          .b = std::sqrt(values_.variance(count_))};
+}
+
+inference::Marginal MarginalFit::log_normal() const {
+  return {.name = "",
+          .unit = "",
+          .kind = Kind::log_normal,
+          .a = logarithms_.mean,
+          .b = std::sqrt(logarithms_.variance(count_))};
+}
+
+inference::Marginal MarginalFit::likeliest_of_draws() const {
+  inference::Marginal best = uniform();
+  double most = -std::log(high_ - low_) + 3.0 / num_draws();
+  const auto consider = [&](double mean_log_density, const inference::Marginal& marginal) {
+    if (!(mean_log_density > most)) return;
+    most = mean_log_density;
+    best = marginal;
+  };
+  consider(log_normal_density(values_.variance(count_)), normal());
+  if (!(low_ > 0.0)) return best;
+  const double mean = logarithms_.mean;
+  consider(-std::log(std::log(high_ / low_)) - mean, log_uniform());
+  consider(log_normal_density(logarithms_.variance(count_)) - mean, log_normal());
+  return best;
+}
+
+inference::Marginal MarginalFit::nearest_to_grid() const {
+  constexpr double near = 0.05;
+  const bool is_even = inference::filled_by_steps(levels_) >= inference::filled_by_factors(levels_);
+  std::vector<inference::Marginal> forms = {is_even ? uniform() : log_uniform(), normal()};
+  if (low_ > 0.0) forms.insert(forms.end(), {is_even ? log_uniform() : uniform(), log_normal()});
+  const auto distance = [&](const inference::Marginal& marginal) {
+    return inference::distance_of_levels(levels_, marginal);
+  };
+  if (distance(forms.front()) <= near) return forms.front();
+  return *std::ranges::min_element(forms, {}, distance);
+}
+
+inference::Marginal MarginalFit::likeliest() const {
+  if (is_constant()) {
+    return {.name = "", .unit = "", .kind = Kind::uniform, .a = low_, .b = high_};
+  }
+  return is_small_grid() ? nearest_to_grid() : likeliest_of_draws();
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,48 @@
+#include "inference/diagnostics/levels.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "inference/diagnostics/uniformity.h"
+
+namespace npdr::inference {
+namespace {
+
+const Marginal kUnit{"a", "1", Marginal::Kind::uniform, 0.0, 1.0};
+
+TEST(Levels, CountHowOftenAValueIsThere) {
+  const Levels levels = levels_of(Vector{{2.0, 1.0, 2.0, 2.0}});
+  EXPECT_EQ(levels, (Levels{{1.0, 1}, {2.0, 3}}));
+  EXPECT_DOUBLE_EQ(effective_count(levels), 16.0 / 10.0);
+  EXPECT_DOUBLE_EQ(effective_count(levels_of(Vector::LinSpaced(7, 0.0, 1.0))), 7.0);
+}
+
+TEST(Levels, OfAGridFillIt) {
+  EXPECT_NEAR(filled_by_steps(levels_of(Vector::LinSpaced(11, -1.0, 1.0))), 1.0, 1e-9);
+  EXPECT_EQ(filled_by_factors(levels_of(Vector::LinSpaced(11, -1.0, 1.0))), 0.0);
+  EXPECT_NEAR(filled_by_factors(levels_of(Vector{{0.1, 1.0, 10.0}})), 1.0, 1e-9);
+  EXPECT_NEAR(filled_by_steps(levels_of(Vector{{0.0, 1.0, 4.0}})), 0.5, 1e-9);
+  EXPECT_EQ(filled_by_steps(levels_of(Vector::Constant(3, 7.0))), 1.0);
+  const Vector draws = sample_prior(Prior({kUnit}), 200, 1).col(0);
+  EXPECT_FALSE(is_grid(levels_of(draws)));
+  EXPECT_TRUE(is_grid(levels_of((draws.array() * 50.0).round() / 50.0)));
+}
+
+// Of values that are there once Kolmogorov's and Smirnov's, less 1 / n.
+TEST(Levels, AreAsFarFromThePriorAsDrawsAre) {
+  const Vector draws = sample_prior(Prior({kUnit}), 500, 1).col(0);
+  const double statistic = test_kolmogorov_smirnov(draws).statistic;
+  EXPECT_NEAR(distance_of_levels(levels_of(draws), kUnit), statistic - 1.0 / 500.0, 1e-12);
+  for (const double levels : {2.0, 5.0, 30.0}) {
+    const Vector rounded = (draws.array() * levels).round() / levels;
+    EXPECT_LE(distance_of_levels(levels_of(rounded), kUnit), statistic) << levels;
+  }
+  EXPECT_EQ(distance_of_levels(levels_of(Vector::LinSpaced(10, 0.05, 0.95)), kUnit), 0.0);
+  EXPECT_NEAR(distance_of_levels(levels_of(Vector::Constant(9, 0.4)), kUnit), 0.0, 1e-15);
+  // All values are up to 0.5, half of the prior.
+  EXPECT_NEAR(distance_of_levels(levels_of(Vector::LinSpaced(10, 0.0, 0.5)), kUnit), 0.4, 1e-12);
+}
+
+}  // namespace
+}  // namespace npdr::inference

@@ -1,0 +1,131 @@
+#include "pipeline/report/theta_faults.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/sources/marginal_fit.h"
+#include "tests/message_of.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using inference::Marginal;
+using Kind = Marginal::Kind;
+
+const std::vector<Marginal> kPrior = {{"a", "1", Kind::uniform, 0.0, 10.0},
+                                      {"b", "1", Kind::normal, 10.0, 1.0},
+                                      {"c", "1", Kind::log_uniform, 0.5, 100.5}};
+
+RowMatrix draws(const std::vector<Marginal>& prior, Index n, std::uint64_t seed = 1) {
+  return inference::sample_prior(inference::Prior(prior), n, seed);
+}
+
+std::string faults(const RowMatrix& theta, const std::vector<Marginal>& prior = kPrior) {
+  std::string text;
+  const DatasetFaults found = faults_of_theta(theta, inference::Prior(prior));
+  for (const std::string& fault : found.faults) text += fault + "\n";
+  return found.are_grave ? "grave: " + text : text;
+}
+
+// Each row `times` times.
+RowMatrix repeated(const RowMatrix& theta, Index times) {
+  RowMatrix result(theta.rows() * times, theta.cols());
+  for (Index i = 0; i < result.rows(); ++i) result.row(i) = theta.row(i / times);
+  return result;
+}
+
+// 40 of each design, with some five tests each: a false alarm in 2 % of all runs at most.
+TEST(ThetaFaults, DrawsOfThePriorHaveNone) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const RowMatrix theta = draws(kPrior, 1000, seed);
+    EXPECT_EQ(faults(theta), "") << seed;
+    EXPECT_EQ(faults(repeated(theta.topRows(100), 10)), "") << seed;
+    EXPECT_EQ(faults(theta.topRows(7)), "") << seed;
+    RowMatrix rounded = theta;
+    rounded.rightCols(2) = rounded.rightCols(2).array().round();
+    EXPECT_EQ(faults(rounded), "") << seed;
+    // Two parameters that ten simulations share, and one that they don't.
+    RowMatrix nested = theta;
+    nested.leftCols(2) = repeated(theta.topRows(100), 10).leftCols(2);
+    EXPECT_EQ(faults(nested), "") << seed;
+  }
+}
+
+// What is proposed for a grid is what it is told to have.
+TEST(ThetaFaults, GridsHaveNoneInWhatTheyLookDrawnFrom) {
+  for (const Vector& levels :
+       {Vector(Vector::LinSpaced(5, 1e-6, 1.0)), Vector(Vector::LinSpaced(6, 0.01, 1.01)),
+        Vector{{0.1, 1.0, 10.0, 100.0, 1000.0}}, Vector(Vector::LinSpaced(12, 0.0, 330.0)),
+        Vector{{0.1, 0.3, 0.5, 1.0, 2.0}}}) {
+    RowMatrix theta(levels.size() * levels.size(), 2);
+    for (Index i = 0; i < theta.rows(); ++i) {
+      theta.row(i) << levels(i / levels.size()), levels(i % levels.size());
+    }
+    std::vector<Marginal> prior;
+    for (Index d = 0; d < 2; ++d) {
+      MarginalFit fit;
+      fit.observe(repeated(theta, 40).col(d));
+      prior.push_back(fit.likeliest());
+      prior.back().name = d == 0 ? "a" : "b";
+    }
+    EXPECT_EQ(faults(repeated(theta, 40), prior), "") << levels.transpose();
+  }
+}
+
+TEST(ThetaFaults, AreOtherDistributions) {
+  std::vector<Marginal> wider = kPrior;
+  wider[1].b = 2.0;
+  EXPECT_TRUE(says(faults(draws(kPrior, 1000), wider),
+                   {"grave: b of the dataset isn't distributed as the prior says "
+                    "(Kolmogorov-Smirnov 0.",
+                    "posteriors are those of another one"}));
+  // Draws that several simulations share count once.
+  EXPECT_EQ(faults(draws(kPrior, 60), wider), faults(repeated(draws(kPrior, 60), 5), wider));
+  // Half of the prior isn't there.
+  RowMatrix half = draws(kPrior, 1000);
+  half.col(0) = (half.col(0).array() * 0.5).round();
+  EXPECT_TRUE(says(faults(half), {"grave: ", "a in the dataset lie at an end"}));
+  half.col(0).array() += 0.25;
+  EXPECT_TRUE(says(faults(half), {"grave: a of the dataset isn't distributed"}));
+}
+
+TEST(ThetaFaults, AreValuesAtAnEnd) {
+  RowMatrix theta = draws(kPrior, 1100);
+  for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = static_cast<double>(i % 11);
+  EXPECT_EQ(faults(theta),
+            "grave: 0.091 of a in the dataset lie at an end of its prior, [0, 10], where a "
+            "posterior's density is cut: values on a grid stand for those around them, which "
+            "prior.a = { uniform = [-0.5, 10.5] } holds\n");
+  RowMatrix clipped = draws(kPrior, 1000);
+  clipped.col(0) = (clipped.col(0).array() * 1.03).min(10.0);
+  EXPECT_TRUE(says(faults(clipped), {"0.034 of a in the dataset lie at an end",
+                                     "draw it from the prior, or leave these rows out"}));
+}
+
+TEST(ThetaFaults, AreValuesThatTeachNothing) {
+  RowMatrix theta = draws(kPrior, 1000);
+  theta.col(0).setConstant(3.5);
+  EXPECT_EQ(faults(theta),
+            "grave: a of the dataset is 3.5 in all rows: networks learn that value, whatever x is; "
+            "leave it out of [prior]\n");
+  for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = i % 2 == 0 ? 2.5 : 7.5;
+  EXPECT_EQ(faults(theta),
+            "a of the dataset has 2 different values: what posteriors say of those between them is "
+            "made up\n");
+}
+
+TEST(ThetaFaults, AreCorrelations) {
+  RowMatrix theta = draws(kPrior, 1000);
+  theta.col(1) = 10.0 + 0.8 * (theta.col(1).array() - 10.0) +
+                 0.6 * (theta.col(0).array() - 5.0) / std::sqrt(100.0 / 12.0);
+  EXPECT_TRUE(says(faults(theta), {"grave: a and b of the dataset are correlated (0.63 "
+                                   "between F of them",
+                                   "the prior draws each by itself"}));
+  // As those of 30 draws may be, however often each is simulated.
+  const RowMatrix few = repeated(theta.topRows(15), 50);
+  EXPECT_EQ(faults(few).find("correlated"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
