@@ -9,8 +9,10 @@
 
 #include "analysis/escape.h"
 #include "core/error.h"
+#include "core/normal.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "inference/diagnostics/bound_pressure.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/two_samples.h"
@@ -221,6 +223,26 @@ void note_repeats(const RowMatrix& theta) {
              repeats, theta.rows(), theta.rows());
 }
 
+// As a study's check does of its own observation. Of an angle over all of its period both ends may
+// hold samples.
+void warn_of_pressed_bounds(const inference::Prior& prior, const RowMatrix& theta) {
+  if (theta.rows() < inference::kFewestForBounds) return;
+  const RowMatrix v = prior.to_normal(theta).unaryExpr([](double u) { return normal_cdf(u); });
+  std::vector<std::string> pressed;
+  for (Index d = 0; d < v.cols(); ++d) {
+    const inference::Marginal& marginal = prior.marginals()[static_cast<std::size_t>(d)];
+    const inference::BoundPressure found = inference::test_bounds(v.col(d));
+    if (marginal.is_unbounded() || found.presses_lower() == found.presses_upper()) continue;
+    pressed.push_back(fmt::format("{} at {:.4g}", marginal.name,
+                                  found.presses_lower() ? marginal.lower() : marginal.upper()));
+  }
+  if (pressed.empty()) return;
+  fmt::print(stderr,
+             "warning: the samples press against the end of the prior ({}), which may exclude the "
+             "truth: widen it in a study of this observation\n",
+             join(pressed));
+}
+
 // Samples of posterior k = 0, 1, ... of those that are pooled, the first after the names of the
 // parameters. Each has random numbers of its own.
 void print_samples(const PosteriorArguments& arguments, Index k) {
@@ -231,6 +253,7 @@ void print_samples(const PosteriorArguments& arguments, Index k) {
   require_numbers(arguments, theta.allFinite());
   print_sampler(samples);
   note_repeats(theta);
+  if (!arguments.recording.empty()) warn_of_pressed_bounds(posterior->prior(), theta);
   std::vector<std::string> header;
   for (const auto& m : posterior->prior().marginals()) {
     header.push_back(analysis::quote_csv(fmt::format("{} [{}]", m.name, m.unit)));

@@ -293,6 +293,21 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
       says(wide.err, {"npdr sample: wide.csv: has 3 columns", "must have 2", "total, difference"}));
 }
 
+// Of the second observation a would be 2.
+TEST_F(External, SamplesOfAnotherObservationThatPressOnABoundAreTold) {
+  run_well({"shell.toml", "--until", "infer", "--set", "prior.a={uniform=[-1.0, 1.0]}"});
+  const std::string posterior = "runs/external-shell/npe-gaussian/seed-1/round-1/infer.h5";
+  const auto warnings = [&](const std::string& x) {
+    std::ofstream(folder_ / "x.csv") << "difference,total\n" << x << "\n";
+    return npdr({"sample", posterior, "--x", "x.csv"}).err;
+  };
+  EXPECT_EQ(warnings("0.1,0.2").find("press"), std::string::npos);
+  EXPECT_NE(warnings("1.9,2.1").find(
+                "warning: the samples press against the end of the prior (a at 1), which may "
+                "exclude the truth: widen it in a study of this observation"),
+            std::string::npos);
+}
+
 TEST_F(External, ACommandThatCannotBeRunIsAnError) {
   const Outcome outcome =
       npdr({"run", "shell.toml", "--set", "simulator.command=nosuchprogram {x}"});
