@@ -1,5 +1,7 @@
 #include "inference/diagnostics/levels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -10,15 +12,21 @@
 namespace npdr::inference {
 namespace {
 
+constexpr double kRounding = 1e-9;
+
 template <class Map>
 double filled(const Levels& levels, const Map& map) {
   if (levels.size() < 2) return 1.0;
-  double smallest = HUGE_VAL;
-  for (auto level = levels.begin(); std::next(level) != levels.end(); ++level) {
-    smallest = std::min(smallest, map(std::next(level)->first) - map(level->first));
-  }
   const double range = map(levels.rbegin()->first) - map(levels.begin()->first);
-  return static_cast<double>(levels.size() - 1) / std::max(range / smallest, 1.0);
+  double smallest = range;
+  Index num_steps = 0;
+  for (auto level = levels.begin(); std::next(level) != levels.end(); ++level) {
+    const double step = map(std::next(level)->first) - map(level->first);
+    if (!(step > kRounding * range)) continue;
+    smallest = std::min(smallest, step);
+    ++num_steps;
+  }
+  return static_cast<double>(num_steps) / std::max(range / smallest, 1.0);
 }
 
 }  // namespace
@@ -40,6 +48,12 @@ double filled_by_factors(const Levels& levels) {
 
 bool is_grid(const Levels& levels) {
   return std::max(filled_by_steps(levels), filled_by_factors(levels)) >= 0.5;
+}
+
+bool is_rounded(double value) { return std::stod(fmt::format("{:.6g}", value)) == value; }
+
+bool are_chosen(const Levels& levels) {
+  return is_grid(levels) || std::ranges::all_of(std::views::keys(levels), is_rounded);
 }
 
 double distance_of_levels(const Levels& levels, const Marginal& marginal) {

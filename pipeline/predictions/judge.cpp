@@ -1,32 +1,15 @@
 #include "pipeline/predictions/judge.h"
 
-#include <vector>
-
-#include "inference/embeddings/embedding.h"
-#include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
+#include "pipeline/predictions/feature_scale.h"
 
 namespace npdr::pipeline {
-
-namespace {
-
-// Features in units of their deviation over the simulations of the prior.
-inference::FeatureTransform scale_of_features(const Plan& plan, const Node& simulation,
-                                              const Target& target) {
-  inference::EmbeddingConfig as_it_is;
-  as_it_is.kind = inference::EmbeddingKind::identity;
-  const auto embedding = inference::make_embedding(as_it_is, target, 1);
-  const SimulationFeatures features(plan, std::vector{&simulation}, target, *embedding);
-  return inference::fit_feature_transform(features, 0, plan.study.tails());
-}
-
-}  // namespace
 
 Judge::Judge(const Plan& plan, const Node& node)
     : plan_(plan), seen_(plan, read_target(plan, node), log_of(node.path)) {
   if (plan.study.source().predicts_features()) {
     const Node& of_prior = *plan.inputs(node, Stage::simulate).front();
-    seen_.set_scale_of_features(scale_of_features(plan, of_prior, seen_.target()));
+    seen_.set_scale_of_features(scale_of_features(of_prior, plan.study.tails()));
   }
   if (std::optional<Target> held_out = read_held_out(plan, node)) {
     const std::filesystem::path log = log_of(node.path);

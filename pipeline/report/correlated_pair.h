@@ -12,7 +12,7 @@ struct CorrelatedPair {
   double correlation = 0.0;  ///< 0 where there is no pair
 };
 
-/// Of a matrix of correlations (D, D).
+/// Of a matrix of correlations (D, D), or of what grows with their size.
 inline CorrelatedPair most_correlated(const RowMatrix& correlations) {
   CorrelatedPair most;
   for (Index d = 0; d < correlations.rows(); ++d) {

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <initializer_list>
+#include <map>
 #include <set>
 #include <span>
 
+#include "inference/diagnostics/levels.h"
 #include "inference/prior.h"
 #include "pipeline/sources/dataset_rows.h"
 #include "pipeline/store/hash.h"
@@ -27,43 +28,48 @@ RowMatrix theta_in_prior(const Plan& plan, std::uint64_t seed, Index count) {
   return theta(inside, Eigen::all);
 }
 
-// To six digits: independent rows of rounded theta may be the same, x with them.
-bool is_rounded(const RowMatrix& theta) {
-  return std::ranges::all_of(theta.reshaped(), [](double value) {
-    return std::stod(fmt::format("{:.6g}", value)) == value;
-  });
+std::string hash_of(const Vector& values) {
+  Hasher hasher;
+  hasher.add_bytes(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double));
+  return hasher.hex();
 }
 
-// Those that are finite; the others have failed. By hashes: rows may have very many features.
-struct DifferentRows {
-  std::set<std::string> theta, x, both;
+// Rows of one theta, those that are finite: the others have failed.
+struct RowsOfTheta {
   Index count = 0;
+  std::set<std::string> different;  // hashes of x, which may have very many features
+};
 
-  void add(const Vector& of_theta, const Vector& of_x) {
-    if (!of_x.allFinite()) return;
+struct RowCopies {
+  std::map<std::string, RowsOfTheta> rows;
+  Index count = 0;
+  bool are_rounded = true;  // independent rows of rounded theta may be the same, x with them
+
+  void observe(const Vector& theta, const Vector& x) {
+    if (!x.allFinite()) return;
     ++count;
-    theta.insert(hash_of({&of_theta}));
-    x.insert(hash_of({&of_x}));
-    both.insert(hash_of({&of_theta, &of_x}));
+    are_rounded = are_rounded && std::ranges::all_of(theta, inference::is_rounded);
+    RowsOfTheta& same = rows[hash_of(theta)];
+    ++same.count;
+    same.different.insert(hash_of(x));
   }
 
-  Index num_copies() const { return count - std::ssize(both); }
+  Index num_copies() const {
+    Index copies = 0;
+    for (const auto& [theta, same] : rows) copies += same.count - std::ssize(same.different);
+    return copies;
+  }
 
-  // Where x has so few values that other theta have the same one, and some of the same theta
-  // haven't.
+  // Simulations of one theta whose x has few values may agree, but not all of nearly every theta.
   bool agree_by_chance() const {
     constexpr double nearly_all = 0.9;
-    const bool agree =
-        static_cast<double>(x.size()) < nearly_all * static_cast<double>(both.size());
-    return agree && theta.size() < both.size();
-  }
-
-  static std::string hash_of(std::initializer_list<const Vector*> parts) {
-    Hasher hasher;
-    for (const Vector* part : parts) {
-      hasher.add_bytes(part->data(), static_cast<std::size_t>(part->size()) * sizeof(double));
+    Index repeated = 0, all_same = 0;
+    for (const auto& [theta, same] : rows) {
+      if (same.count == 1) continue;
+      ++repeated;
+      if (same.different.size() == 1) ++all_same;
     }
-    return hasher.hex();
+    return static_cast<double>(all_same) < nearly_all * static_cast<double>(repeated);
   }
 };
 
@@ -71,24 +77,22 @@ void find_copies(const DatasetFile& dataset, std::vector<Index> rows, DatasetFau
   constexpr double grave = 0.05;
   constexpr std::size_t block = 256;
   std::ranges::sort(rows);  // as the file has them, which is faster read
-  DifferentRows different;
-  bool are_rounded = true;
+  RowCopies all;
   for (std::size_t begin = 0; begin < rows.size(); begin += block) {
     const auto some = std::span(rows).subspan(begin, std::min(block, rows.size() - begin));
     const RowMatrix theta = dataset.theta(some), x = dataset.x(some);
-    are_rounded = are_rounded && is_rounded(theta);
     for (Index i = 0; i < theta.rows(); ++i) {
-      different.add(theta.row(i).transpose(), x.row(i).transpose());
+      all.observe(theta.row(i).transpose(), x.row(i).transpose());
     }
   }
-  const Index copies = different.num_copies();
-  if (copies == 0 || different.agree_by_chance()) return;
+  const Index copies = all.num_copies();
+  if (copies == 0 || all.agree_by_chance()) return;
   found.are_grave |=
-      !are_rounded && static_cast<double>(copies) > grave * static_cast<double>(different.count);
+      !all.are_rounded && static_cast<double>(copies) > grave * static_cast<double>(all.count);
   found.faults.push_back(fmt::format(
       "{} of {} rows of the dataset are copies of others, theta and x: they count several times; "
       "leave each in it once",
-      copies, different.count));
+      copies, all.count));
 }
 
 }  // namespace

@@ -14,18 +14,18 @@ struct DatasetFaults {
 };
 
 /// Looks at theta (n >= 1, D), all of it in the prior, for what draws of that don't have. Of each
-/// parameter the first that holds:
+/// parameter:
 /// - It is the same in all rows: grave.
-/// - Values lie within 1e-6 of an end of F, where the density of a bounded prior is cut, as a
-///   grid's do: told from a fiftieth on, grave above a twentieth.
+/// - Values lie within 1e-6 of an end of F, where the density of a bounded prior is cut, as those
+///   of a grid or rounded ones do: told from a fiftieth on, grave above 0.075.
 /// - They are distributed in another way than the prior, by Kolmogorov and Smirnov's test of
 ///   inference::distance_of_levels(): grave where that is above 0.05.
 /// - They are less than five different ones.
-/// And the pair whose F are correlated most: grave above 0.2.
+/// And the pair whose F are correlated most surely: grave above 0.2.
 ///
-/// Draws of the prior, rounded or not, are accused by each of the two tests with probability 1e-4
-/// at most. Rows of the same theta are one draw, as are those that share a parameter whose values
-/// aren't a grid's (inference::is_grid()).
+/// Draws of the prior are accused by each of the two tests with a probability of 1e-4 at most. Rows
+/// of the same theta, which are about as often there each, are one draw, and so are those that
+/// share a parameter unless its values are inference::are_chosen().
 DatasetFaults faults_of_theta(const RowMatrix& theta, const inference::Prior& prior);
 
 }  // namespace npdr::pipeline

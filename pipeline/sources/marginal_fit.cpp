@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "core/error.h"
+
 namespace npdr::pipeline {
 namespace {
 
@@ -20,6 +22,10 @@ double rounded(double value, double step) {
   if (!(step > 0.0)) return value;
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(step))), 0, 300);
   return std::stod(fmt::format("{:.{}f}", value, decimals));
+}
+
+inference::Marginal marginal(Kind kind, double a, double b) {
+  return {.name = "", .unit = "", .kind = kind, .a = a, .b = b};
 }
 
 // The mean log density of a normal at its own maximum.
@@ -52,59 +58,45 @@ double MarginalFit::num_steps() const {
 }
 
 double MarginalFit::num_draws() const {
-  if (std::ssize(levels_) > kMostLevels) return static_cast<double>(count_);
-  return inference::effective_count(levels_);
+  const bool counts_each = std::ssize(levels_) > kMostLevels || inference::are_chosen(levels_);
+  return static_cast<double>(counts_each ? count_ : std::ssize(levels_));
 }
 
 bool MarginalFit::is_small_grid() const {
   const Index num_levels = std::ssize(levels_);
-  return num_levels <= kFewLevels && count_ >= 2 * num_levels && inference::is_grid(levels_);
+  return num_levels <= kFewLevels && count_ >= 2 * num_levels && inference::are_chosen(levels_);
 }
 
 inference::Marginal MarginalFit::uniform() const {
   const double half = 0.5 * (high_ - low_) / num_steps();
   const double low = rounded(low_ - half, half);
   const bool is_positive = low_ > (is_small_grid() ? kLeastOfHalfStep * half : 0.0);
-  return {.name = "",
-          .unit = "",
-          .kind = Kind::uniform,
-          .a = is_positive ? std::max(low, 0.0) : low,
-          .b = rounded(high_ + half, half)};
+  return marginal(Kind::uniform, is_positive ? std::max(low, 0.0) : low,
+                  rounded(high_ + half, half));
 }
 
 inference::Marginal MarginalFit::log_uniform() const {
   const double factor = std::pow(high_ / low_, 0.5 / num_steps());
   const double low = low_ / factor, high = high_ * factor;
-  return {.name = "",
-          .unit = "",
-          .kind = Kind::log_uniform,
-          .a = rounded(low, std::min(low, low_ - low)),
-          .b = rounded(high, high - high_)};
+  return marginal(Kind::log_uniform, rounded(low, std::min(low, low_ - low)),
+                  rounded(high, high - high_));
 }
 
 inference::Marginal MarginalFit::normal() const {
-  return {.name = "",
-          .unit = "",
-          .kind = Kind::normal,
-          .a = values_.mean,
-          .b = std::sqrt(values_.variance(count_))};
+  return marginal(Kind::normal, values_.mean, std::sqrt(values_.variance(count_)));
 }
 
 inference::Marginal MarginalFit::log_normal() const {
-  return {.name = "",
-          .unit = "",
-          .kind = Kind::log_normal,
-          .a = logarithms_.mean,
-          .b = std::sqrt(logarithms_.variance(count_))};
+  return marginal(Kind::log_normal, logarithms_.mean, std::sqrt(logarithms_.variance(count_)));
 }
 
 inference::Marginal MarginalFit::likeliest_of_draws() const {
   inference::Marginal best = uniform();
   double most = -std::log(high_ - low_) + 3.0 / num_draws();
-  const auto consider = [&](double mean_log_density, const inference::Marginal& marginal) {
+  const auto consider = [&](double mean_log_density, const inference::Marginal& form) {
     if (!(mean_log_density > most)) return;
     most = mean_log_density;
-    best = marginal;
+    best = form;
   };
   consider(log_normal_density(values_.variance(count_)), normal());
   if (!(low_ > 0.0)) return best;
@@ -119,17 +111,19 @@ inference::Marginal MarginalFit::nearest_to_grid() const {
   const bool is_even = inference::filled_by_steps(levels_) >= inference::filled_by_factors(levels_);
   std::vector<inference::Marginal> forms = {is_even ? uniform() : log_uniform(), normal()};
   if (low_ > 0.0) forms.insert(forms.end(), {is_even ? log_uniform() : uniform(), log_normal()});
-  const auto distance = [&](const inference::Marginal& marginal) {
-    return inference::distance_of_levels(levels_, marginal);
+  const auto distance = [&](const inference::Marginal& form) {
+    try {
+      return inference::distance_of_levels(levels_, form);
+    } catch (const InputError&) {  // no prior: levels are as far or as near as numbers can be
+      return 1.0;
+    }
   };
   if (distance(forms.front()) <= near) return forms.front();
   return *std::ranges::min_element(forms, {}, distance);
 }
 
 inference::Marginal MarginalFit::likeliest() const {
-  if (is_constant()) {
-    return {.name = "", .unit = "", .kind = Kind::uniform, .a = low_, .b = high_};
-  }
+  if (is_constant()) return marginal(Kind::uniform, low_, high_);
   return is_small_grid() ? nearest_to_grid() : likeliest_of_draws();
 }
 

@@ -12,11 +12,11 @@ namespace npdr::pipeline {
 /// Chooses by the largest likelihood, each form at the parameters where its own is largest:
 /// uniform and log-uniform between the least and the largest value, normal and log-normal with the
 /// moments of the values or of their logarithms. Another form than uniform has to be exp(3) times
-/// as likely, draws that are there several times being one.
+/// as likely, draws that are there several times being one, unless inference::are_chosen().
 ///
-/// A grid of 20 values at most is uniform where it is even, and log-uniform where its factors are
-/// more so, if one of them is within 0.05 of it by inference::distance_of_levels(), and the nearest
-/// of all four if not, as values are that are rounded to few digits.
+/// Of those a grid of 20 values at most is uniform where it is even, and log-uniform where its
+/// factors are more so, if one of them is within 0.05 of it by inference::distance_of_levels(), and
+/// the nearest of all four if not, as values are that are rounded to few digits.
 ///
 /// Bounds are moved out by half of a step between different values, of a grid of them (1000 at
 /// most) and of draws alike, but not below 0 where all are positive, and the first of a small

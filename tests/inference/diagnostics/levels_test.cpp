@@ -14,8 +14,6 @@ const Marginal kUnit{"a", "1", Marginal::Kind::uniform, 0.0, 1.0};
 TEST(Levels, CountHowOftenAValueIsThere) {
   const Levels levels = levels_of(Vector{{2.0, 1.0, 2.0, 2.0}});
   EXPECT_EQ(levels, (Levels{{1.0, 1}, {2.0, 3}}));
-  EXPECT_DOUBLE_EQ(effective_count(levels), 16.0 / 10.0);
-  EXPECT_DOUBLE_EQ(effective_count(levels_of(Vector::LinSpaced(7, 0.0, 1.0))), 7.0);
 }
 
 TEST(Levels, OfAGridFillIt) {
@@ -24,9 +22,19 @@ TEST(Levels, OfAGridFillIt) {
   EXPECT_NEAR(filled_by_factors(levels_of(Vector{{0.1, 1.0, 10.0}})), 1.0, 1e-9);
   EXPECT_NEAR(filled_by_steps(levels_of(Vector{{0.0, 1.0, 4.0}})), 0.5, 1e-9);
   EXPECT_EQ(filled_by_steps(levels_of(Vector::Constant(3, 7.0))), 1.0);
+  EXPECT_NEAR(filled_by_steps(levels_of(Vector{{0.1, 0.2, 0.3, 0.1 + 0.2, 0.4}})), 1.0, 1e-9);
   const Vector draws = sample_prior(Prior({kUnit}), 200, 1).col(0);
   EXPECT_FALSE(is_grid(levels_of(draws)));
   EXPECT_TRUE(is_grid(levels_of((draws.array() * 50.0).round() / 50.0)));
+}
+
+TEST(Levels, AreChosenWhereTheyAreAGridOrRounded) {
+  EXPECT_TRUE(is_rounded(0.000123456));
+  EXPECT_TRUE(is_rounded(-1.5e9));
+  EXPECT_FALSE(is_rounded(1.0 / 3.0));
+  EXPECT_TRUE(are_chosen(levels_of(Vector::LinSpaced(7, 0.0, 1.0))));
+  EXPECT_TRUE(are_chosen(levels_of(Vector{{0.0, 1.0, 10.0, 11.5, 300.0}})));
+  EXPECT_FALSE(are_chosen(levels_of(sample_prior(Prior({kUnit}), 20, 1).col(0))));
 }
 
 // Of values that are there once Kolmogorov's and Smirnov's, less 1 / n.

@@ -39,23 +39,37 @@ TEST(ShareOfPrior, OfNarrowPosteriorsIsTheirVolume) {
   }
 }
 
-// Off the middle, correlated: beside counting draws of the prior, 1e6 of them.
-TEST(ShareOfPrior, IsWhatCountingFinds) {
-  RowMatrix samples = normal(1000, 2, 3);
-  samples.col(1) = 0.9 * samples.col(0) + 0.2 * samples.col(1);
-  samples = (0.3 * samples).array() + 0.7;
-  const RowMatrix draws = normal(1'000'000, 2, 4);
+// Of 1e6 draws of the prior, those in the ellipsoid of the samples.
+double counted_share(const RowMatrix& samples) {
+  const RowMatrix draws = normal(1'000'000, samples.cols(), 4);
   const Eigen::RowVectorXd mean = samples.colwise().mean();
   const RowMatrix centered = samples.rowwise() - mean;
-  const Eigen::Matrix2d inverse = (centered.transpose() * centered / 1000.0).inverse();
+  const Eigen::MatrixXd inverse =
+      (centered.transpose() * centered / static_cast<double>(samples.rows())).inverse();
   const auto distances = [&](const RowMatrix& rows) -> Vector {
     const RowMatrix from_mean = rows.rowwise() - mean;
     return (from_mean * inverse).cwiseProduct(from_mean).rowwise().sum();
   };
   Vector own = distances(samples);
   std::sort(own.begin(), own.end());
-  const double counted = (distances(draws).array() <= own(989)).cast<double>().mean();
-  EXPECT_NEAR(share_of_prior(samples, kId) / counted, 1.0, 0.05);
+  const double farthest = own(static_cast<Index>(0.99 * static_cast<double>(own.size() - 1)));
+  return (distances(draws).array() <= farthest).cast<double>().mean();
+}
+
+// Off the middle, correlated; with tails as heavy as Student's t of 3 degrees of freedom; narrow,
+// and 3 % as wide as the prior.
+TEST(ShareOfPrior, IsWhatCountingFinds) {
+  RowMatrix correlated = normal(1000, 2, 3);
+  correlated.col(1) = 0.9 * correlated.col(0) + 0.2 * correlated.col(1);
+  correlated = (0.3 * correlated).array() + 0.7;
+  EXPECT_NEAR(share_of_prior(correlated, kId) / counted_share(correlated), 1.0, 0.05);
+  RowMatrix heavy = 0.1 * normal(1000, 5, 5);
+  const RowMatrix of_chi = normal(1000, 3, 6);
+  for (Index i = 0; i < heavy.rows(); ++i) heavy.row(i) *= std::sqrt(3.0) / of_chi.row(i).norm();
+  EXPECT_NEAR(share_of_prior(heavy, kId) / counted_share(heavy), 1.0, 0.1);
+  RowMatrix mixture = 0.05 * normal(1000, 5, 7);
+  mixture.topRows(30) *= 20.0;
+  EXPECT_NEAR(share_of_prior(mixture, kId) / counted_share(mixture), 1.0, 0.1);
 }
 
 TEST(ShareOfPrior, OfSamplesThatDontVaryIsAll) {

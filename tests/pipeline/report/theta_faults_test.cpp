@@ -24,7 +24,7 @@ RowMatrix draws(const std::vector<Marginal>& prior, Index n, std::uint64_t seed 
 std::string faults(const RowMatrix& theta, const std::vector<Marginal>& prior = kPrior) {
   std::string text;
   const DatasetFaults found = faults_of_theta(theta, inference::Prior(prior));
-  for (const std::string& fault : found.faults) text += fault + "\n";
+  for (const std::string& fault : found.faults) text += (text.empty() ? "" : "; ") + fault;
   return found.are_grave ? "grave: " + text : text;
 }
 
@@ -50,6 +50,24 @@ TEST(ThetaFaults, DrawsOfThePriorHaveNone) {
     nested.leftCols(2) = repeated(theta.topRows(100), 10).leftCols(2);
     EXPECT_EQ(faults(nested), "") << seed;
   }
+}
+
+// Rounded to a few places each form is proposed again, and has no fault.
+TEST(ThetaFaults, RoundedDrawsHaveNoneInWhatTheyLookDrawnFrom) {
+  const std::vector<Marginal> prior = {{"a", "1", Kind::uniform, 1.0, 3.0},
+                                       {"b", "1", Kind::normal, 10.0, 1.0},
+                                       {"c", "1", Kind::log_uniform, 1.0, 3.0},
+                                       {"d", "1", Kind::log_normal, 0.5, 0.3}};
+  const RowMatrix theta = (10.0 * draws(prior, 3000).array()).round() / 10.0;
+  std::vector<Marginal> found;
+  for (std::size_t d = 0; d < 4; ++d) {
+    MarginalFit fit;
+    fit.observe(theta.col(static_cast<Index>(d)));
+    found.push_back(fit.likeliest());
+    EXPECT_EQ(found.back().kind, prior[d].kind) << prior[d].name;
+    found.back().name = prior[d].name;
+  }
+  EXPECT_EQ(faults(theta, found), "");
 }
 
 // What is proposed for a grid is what it is told to have.
@@ -90,13 +108,32 @@ TEST(ThetaFaults, AreOtherDistributions) {
   EXPECT_TRUE(says(faults(half), {"grave: a of the dataset isn't distributed"}));
 }
 
+// A third of the rows has a default, which the others, by themselves, don't hide.
+TEST(ThetaFaults, AreDefaults) {
+  RowMatrix theta = draws(kPrior, 1000);
+  for (Index i = 0; i < theta.rows(); i += 3) theta(i, 0) = std::sqrt(30.0);
+  EXPECT_TRUE(says(faults(theta), {"grave: a of the dataset isn't distributed"}));
+}
+
+TEST(ThetaFaults, AtTheEndsDontHideOthers) {
+  RowMatrix theta = draws(kPrior, 1000);
+  for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = 0.1 * static_cast<double>(i % 41);
+  EXPECT_TRUE(says(faults(theta), {"grave: 0.025 of a in the dataset lie at an end",
+                                   "a of the dataset isn't distributed"}));
+}
+
 TEST(ThetaFaults, AreValuesAtAnEnd) {
   RowMatrix theta = draws(kPrior, 1100);
   for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = static_cast<double>(i % 11);
   EXPECT_EQ(faults(theta),
             "grave: 0.091 of a in the dataset lie at an end of its prior, [0, 10], where a "
             "posterior's density is cut: values on a grid stand for those around them, which "
-            "prior.a = { uniform = [-0.5, 10.5] } holds\n");
+            "prior.a = { uniform = [-0.5, 10.5] } holds");
+  // Whatever the steps are.
+  for (Index i = 0; i < theta.rows(); ++i)
+    theta(i, 0) = std::vector{0.0, 1.0, 2.0, 5.0, 10.0}[i % 5];
+  EXPECT_TRUE(
+      says(faults(theta), {"grave: 0.2 of a in the dataset lie at an end", "prior.a = { "}));
   RowMatrix clipped = draws(kPrior, 1000);
   clipped.col(0) = (clipped.col(0).array() * 1.03).min(10.0);
   EXPECT_TRUE(says(faults(clipped), {"0.034 of a in the dataset lie at an end",
@@ -108,11 +145,11 @@ TEST(ThetaFaults, AreValuesThatTeachNothing) {
   theta.col(0).setConstant(3.5);
   EXPECT_EQ(faults(theta),
             "grave: a of the dataset is 3.5 in all rows: networks learn that value, whatever x is; "
-            "leave it out of [prior]\n");
+            "leave it out of [prior]");
   for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = i % 2 == 0 ? 2.5 : 7.5;
   EXPECT_EQ(faults(theta),
             "a of the dataset has 2 different values: what posteriors say of those between them is "
-            "made up\n");
+            "made up");
 }
 
 TEST(ThetaFaults, AreCorrelations) {
@@ -122,9 +159,14 @@ TEST(ThetaFaults, AreCorrelations) {
   EXPECT_TRUE(says(faults(theta), {"grave: a and b of the dataset are correlated (0.63 "
                                    "between F of them",
                                    "the prior draws each by itself"}));
-  // As those of 30 draws may be, however often each is simulated.
-  const RowMatrix few = repeated(theta.topRows(15), 50);
-  EXPECT_EQ(faults(few).find("correlated"), std::string::npos);
+  // As those of 15 draws may be, however often each is simulated.
+  EXPECT_EQ(faults(repeated(theta.topRows(15), 50)).find("correlated"), std::string::npos);
+  // Two that a few draws correlate more, by chance, don't hide it.
+  RowMatrix nested(1000, 4);
+  nested << theta, repeated(draws(kPrior, 50, 7), 20).col(0);
+  std::vector<Marginal> prior = kPrior;
+  prior.push_back({"d", "1", Kind::uniform, 0.0, 10.0});
+  EXPECT_TRUE(says(faults(nested, prior), {"grave: a and b of the dataset are correlated"}));
 }
 
 }  // namespace

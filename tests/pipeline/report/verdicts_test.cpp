@@ -111,6 +111,7 @@ TEST_F(Verdicts, APosteriorWhereHardlyAnySimulationsLieAsksForRounds) {
   };
   EXPECT_TRUE(says(reason_around(0.02), {"only about 5 of 1000 simulations lie where it is:",
                                          "num_rounds = 4 and num_simulations = 250"}));
+  EXPECT_TRUE(says(reason_around(0.002), {"hardly any of 1000 simulations lie where it is"}));
   EXPECT_EQ(reason_around(0.1), "");
   algorithm.num_simulations = 100'000;
   EXPECT_EQ(reason_around(0.02), "") << "there are enough";

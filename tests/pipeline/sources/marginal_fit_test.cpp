@@ -86,6 +86,15 @@ TEST(MarginalFit, OfAGridIsWhereverItBegins) {
 }
 
 // Draws of 1 in 10 levels or less: far from uniform, near their own form.
+TEST(MarginalFit, OfAGridMayBeAsWideOrNarrowAsNumbersAre) {
+  const auto fit = [](double low, double high) {
+    return fit_to(Vector{{low, high}}.replicate(100, 1)).likeliest();
+  };
+  EXPECT_NO_THROW(fit(-1e308, 1e308));
+  EXPECT_NO_THROW(fit(1e-308, 1e308));
+  EXPECT_NO_THROW(fit(1.0, std::nextafter(1.0, 2.0)));
+}
+
 TEST(MarginalFit, OfRoundedDrawsIsWhatTheyWereDrawnFrom) {
   const auto kind_of = [](const inference::Marginal& truth) {
     const RowMatrix theta = inference::sample_prior(inference::Prior({truth}), 1000, 1);
@@ -100,8 +109,9 @@ TEST(MarginalFit, OfRoundedDrawsIsWhatTheyWereDrawnFrom) {
 TEST(MarginalFit, DrawsThatAreThereOftenAreOneEach) {
   const Vector drawn{
       {1.53, 1.92, 1.97, 2.21, 2.29, 2.59, 2.63, 2.86, 2.96, 3.19, 3.39, 4.94, 5.07, 5.35, 5.94}};
-  EXPECT_EQ(fit_to(drawn).likeliest().kind, Kind::uniform);
-  EXPECT_EQ(fit_to(drawn.replicate(100, 1)).likeliest().kind, Kind::uniform);
+  const Vector unrounded = (1.0 + 1e-7) * drawn;
+  EXPECT_EQ(fit_to(unrounded).likeliest().kind, Kind::uniform);
+  EXPECT_EQ(fit_to(unrounded.replicate(100, 1)).likeliest().kind, Kind::uniform);
 }
 
 TEST(MarginalFit, FewValuesLookUniform) {
