@@ -87,16 +87,35 @@ UsualFeatures usual_features(const RowMatrixF& x, Tails tails) {
   return usual;
 }
 
-// No distance says how far that is. Rounding of single precision is no difference.
-std::optional<Index> changed_constant(const UsualFeatures& usual, const VectorF& x_o) {
+namespace {
+
+// Rounding of single precision is no difference.
+bool is_changed_constant(float lowest, float highest, float observed) {
   constexpr float rounding = 1e-5f;
+  const float size = std::abs(lowest);
+  const bool is_constant = highest - lowest <= rounding * size;
+  return is_constant && std::abs(observed - lowest) > rounding * std::max(size, std::abs(observed));
+}
+
+// Of features on one side of 0, the observed one on that side, too, or not. Of counts 0 is next
+// to 1.
+bool is_nearer_to_zero(float least, float observed) {
+  constexpr float far = 0.01f;
+  const float unit = least == std::round(least) ? 1.0f : 0.0f;
+  return least > 0.0f && observed + unit < far * (least + unit);
+}
+
+}  // namespace
+
+// No distance says how far that is.
+std::optional<Index> impossible_feature(const UsualFeatures& usual, const VectorF& x_o) {
+  const VectorF& scale = usual.transform.inverse_scale;
   for (Index f = 0; f < x_o.size(); ++f) {
     const float lowest = usual.lowest(f), highest = usual.highest(f);
-    const float size = std::abs(lowest);
-    const bool is_constant = highest - lowest <= rounding * size;
-    if (is_constant && std::abs(x_o(f) - lowest) > rounding * std::max(size, std::abs(x_o(f)))) {
-      return f;
-    }
+    if (is_changed_constant(lowest, highest, x_o(f))) return f;
+    const bool is_compressed = scale.size() > 0 && scale(f) > 0.0f;
+    if (!is_compressed) continue;
+    if (is_nearer_to_zero(lowest, x_o(f)) || is_nearer_to_zero(-highest, -x_o(f))) return f;
   }
   return std::nullopt;
 }
@@ -112,7 +131,7 @@ OutOfDistribution test_out_of_distribution(const UsualFeatures& usual, const Vec
   result.num_components = usual.transform.basis.cols();
   result.num_reference = usual.distances.rows();
   result.mahalanobis = judge(usual.distances.col(0), observed(0, 0));
-  const bool leaves = changed_constant(usual, x_o).has_value();
+  const bool leaves = impossible_feature(usual, x_o).has_value();
   result.residual = judge(usual.distances.col(1),
                           leaves ? std::numeric_limits<double>::infinity() : observed(0, 1));
   result.nearest = judge(usual.distances.col(2), observed(0, 2));

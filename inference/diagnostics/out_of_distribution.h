@@ -10,7 +10,8 @@
 ///   detecting out-of-distribution samples and adversarial attacks"): far out in known directions;
 /// - the residual beyond the components (Jackson and Mudholkar 1979, "Control procedures for
 ///   residuals associated with principal component analysis"): a direction that no simulation has;
-///   infinite where the observation differs in a feature that is the same in all simulations;
+///   infinite where the observation differs in a feature that is the same in all simulations, or
+///   lies nearer to 0 than any of them by far;
 /// - to the nearest simulation of the first half, in z: a hole or a bend of the distribution.
 #pragma once
 
@@ -55,8 +56,11 @@ struct UsualFeatures {
 /// finite.
 UsualFeatures usual_features(const RowMatrixF& x, Tails tails = Tails::kept);
 
-/// The first feature that is the same in all simulations, and another in x_o (F).
-std::optional<Index> changed_constant(const UsualFeatures& usual, const VectorF& x_o);
+/// The first feature that is the same in all simulations, and another in x_o (F); or, of those that
+/// span orders of magnitude (and are compressed), on one side of 0 in all of them, and in x_o on
+/// the other or 100 times nearer to it, which logarithms of a kind don't show. Where the density of
+/// such a feature is finite at 0, the next of n simulations does so with probability 0.01 / n.
+std::optional<Index> impossible_feature(const UsualFeatures& usual, const VectorF& x_o);
 
 /// Tests x_o (F). Throws ShapeError when the widths differ and InputError for what isn't finite.
 OutOfDistribution test_out_of_distribution(const UsualFeatures& usual, const VectorF& x_o);

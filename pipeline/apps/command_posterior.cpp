@@ -139,9 +139,10 @@ std::string conspicuous_feature(const inference::UsualFeatures& usual,
     return f < std::ssize(names) ? "'" + names[static_cast<std::size_t>(f)].label + "'"
                                  : fmt::format("feature {}", f + 1);
   };
-  if (const auto changed = inference::changed_constant(usual, x)) {
-    return fmt::format("{} is {:.6g}, in all simulations {:.6g}", name_of(*changed), x(*changed),
-                       usual.lowest(*changed));
+  if (const auto f = inference::impossible_feature(usual, x)) {
+    const float lowest = usual.lowest(*f), highest = usual.highest(*f);
+    return fmt::format("{} is {:.6g}, in all simulations {:.6g}{}", name_of(*f), x(*f), lowest,
+                       lowest < highest ? fmt::format(" to {:.6g}", highest) : "");
   }
   RowMatrixF z;
   Index farthest = 0;

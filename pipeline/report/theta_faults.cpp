@@ -33,22 +33,33 @@ struct Column {
   Index num_draws = 0;  // that are independent
 };
 
-// The share of the column at an end of its prior, the larger of both.
-double share_at_the_ends(const Column& column) {
+double share_of(const Column& column, const inference::Levels::value_type& level) {
+  return static_cast<double>(level.second) / static_cast<double>(column.values.size());
+}
+
+bool lies_on_a_bound(const Column& column, double value) {
   constexpr double end = 1e-6;
-  constexpr Index fewest = 5;  // draws have an extreme, too, which bounds may be taken from
-  if (column.prior.is_unbounded()) return 0.0;
-  const Vector u = inference::Prior({column.prior}).to_normal(column.values).col(0);
-  const double farthest = -normal_quantile(end);
-  const Index most = std::max((u.array() < -farthest).count(), (u.array() > farthest).count());
-  return most < fewest ? 0.0 : static_cast<double>(most) / static_cast<double>(u.size());
+  if (column.prior.is_unbounded()) return false;
+  const double f = normal_cdf(
+      inference::Prior({column.prior}).to_normal(RowMatrix::Constant(1, 1, value))(0, 0));
+  return f < end || f > 1.0 - end;
+}
+
+// An end that is far more frequent than others, of values that weren't chosen.
+bool looks_clipped(const Column& column, double share) {
+  constexpr double times_usual = 5.0;
+  return !inference::are_chosen(column.levels) &&
+         share * static_cast<double>(column.levels.size()) > times_usual;
+}
+
+// Of few levels, or many that fill a grid; what is clipped has many.
+bool has_steps(const Column& column) {
+  constexpr std::size_t few = 20;
+  return column.levels.size() <= few || inference::is_grid(column.levels);
 }
 
 std::string advice_at_the_ends(const Column& column) {
-  constexpr std::size_t few = 20;
-  if (column.levels.size() > few && !inference::is_grid(column.levels)) {
-    return "draw it from the prior, or leave these rows out";
-  }
+  if (!has_steps(column)) return "draw it from the prior, or leave these rows out";
   MarginalFit fit;
   fit.observe(column.values);
   const Marginal around = fit.likeliest();
@@ -58,6 +69,14 @@ std::string advice_at_the_ends(const Column& column) {
       column.prior.name, name_of(around.kind), around.a, around.b);
 }
 
+// A design of few levels, each of them repeated, wasn't drawn: all of its rows tell of it.
+Index num_draws_of(const inference::Levels& levels, Index num_rows, Index num_different_rows) {
+  constexpr Index few = 20;
+  if (!inference::are_chosen(levels)) return std::ssize(levels);
+  const bool is_design = std::ssize(levels) <= few && num_rows >= 2 * std::ssize(levels);
+  return is_design ? num_rows : num_different_rows;
+}
+
 class Inspection {
  public:
   Inspection(const RowMatrix& theta, const inference::Prior& prior) : theta_(theta), prior_(prior) {
@@ -65,7 +84,7 @@ class Inspection {
     for (Index d = 0; d < theta.cols(); ++d) {
       const inference::Levels levels = inference::levels_of(theta.col(d));
       columns_.push_back({prior.marginals()[static_cast<std::size_t>(d)], theta.col(d), levels,
-                          inference::are_chosen(levels) ? num_different : std::ssize(levels)});
+                          num_draws_of(levels, theta.rows(), num_different)});
     }
   }
 
@@ -75,9 +94,8 @@ class Inspection {
         tell_constant(column);
         continue;
       }
-      find_values_at_the_ends(column);
+      if (!find_values_at_the_ends(column)) find_frequent_value(column);
       find_another_prior(column);
-      find_few_values(column);
     }
     find_correlation();
     return std::move(found_);
@@ -96,15 +114,30 @@ class Inspection {
          true);
   }
 
-  void find_values_at_the_ends(const Column& column) {
+  // At the one that has more.
+  bool find_values_at_the_ends(const Column& column) {
+    const auto &lowest = *column.levels.begin(), &highest = *column.levels.rbegin();
+    const bool is_lowest_first = lowest.second >= highest.second;
+    return tell_end(column, is_lowest_first ? lowest : highest) ||
+           tell_end(column, is_lowest_first ? highest : lowest);
+  }
+
+  bool tell_end(const Column& column, const inference::Levels::value_type& level) {
     constexpr double least = 0.02, grave = 0.075;
-    const double share = share_at_the_ends(column);
-    if (share < least) return;
-    tell(fmt::format("{:.2g} of {} in the dataset lie at an end of its prior, [{}, {}], "
-                     "where a posterior's density is cut: {}",
-                     share, column.prior.name, column.prior.lower(), column.prior.upper(),
+    constexpr Index fewest = 5;  // draws have an extreme, too, which bounds may be taken from
+    const double share = share_of(column, level);
+    if (share < least || level.second < fewest) return false;
+    const bool is_bound = lies_on_a_bound(column, level.first);
+    if (!is_bound && !looks_clipped(column, share)) return false;
+    tell(fmt::format("{:.2g} of {} in the dataset are {:.6g}, {}, where a posterior's density is "
+                     "cut: {}",
+                     share, column.prior.name, level.first,
+                     is_bound ? fmt::format("an end of its prior, [{}, {}]", column.prior.lower(),
+                                            column.prior.upper())
+                              : "an end of it, as if clipped",
                      advice_at_the_ends(column)),
          share > grave);
+    return true;
   }
 
   void find_another_prior(const Column& column) {
@@ -113,18 +146,25 @@ class Inspection {
     const double p_value = inference::kolmogorov_smirnov_p_value(distance, column.num_draws);
     if (inference::corrected(p_value, theta_.cols()) >= kFalseAlarmRate) return;
     tell(fmt::format("{} of the dataset isn't distributed as the prior says "
-                     "(Kolmogorov-Smirnov {:.2f}, p = {:.1g}): where its theta wasn't drawn "
-                     "from this prior, posteriors are those of another one",
+                     "(Kolmogorov-Smirnov {:.2f}, p = {:.1g}): posteriors are those of "
+                     "the distribution that it was drawn from; ignore this if you mean that one",
                      column.prior.name, distance, p_value),
          distance > grave);
   }
 
-  void find_few_values(const Column& column) {
+  // Networks learn single values. Those of an even grid keep them from it.
+  void find_frequent_value(const Column& column) {
+    constexpr double least = 0.15, times_usual = 2.0;
     constexpr std::size_t few = 5;
-    if (column.levels.size() >= few) return;
-    tell(fmt::format("{} of the dataset has {} different values: what posteriors say of those "
-                     "between them is made up",
-                     column.prior.name, column.levels.size()),
+    const auto& most =
+        *std::ranges::max_element(column.levels, {}, &inference::Levels::value_type::second);
+    const double share = share_of(column, most);
+    const bool is_usual = share * static_cast<double>(column.levels.size()) < times_usual;
+    if (share < least || (column.levels.size() >= few && is_usual)) return;
+    tell(fmt::format("{:.2g} of {} in the dataset are {:.6g}: its posterior may peak at values "
+                     "that many rows have, and is made up between them; spread them over the steps "
+                     "that they stand for",
+                     share, column.prior.name, most.first),
          false);
   }
 
@@ -139,8 +179,8 @@ class Inspection {
     if (num_pairs == 0 || inference::corrected(p_value, num_pairs) >= kFalseAlarmRate) return;
     const double correlation = r(pair.first, pair.second);
     tell(fmt::format("{} and {} of the dataset are correlated ({:.2f} between F of them, p = "
-                     "{:.1g}), and the prior draws each by itself: where theta wasn't drawn from "
-                     "this prior, posteriors are those of another one",
+                     "{:.1g}), and the prior draws each by itself: posteriors are those of the "
+                     "distribution that theta was drawn from; ignore this if you mean that one",
                      prior_.marginals()[static_cast<std::size_t>(pair.first)].name,
                      prior_.marginals()[static_cast<std::size_t>(pair.second)].name, correlation,
                      p_value),

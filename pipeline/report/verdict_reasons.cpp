@@ -34,8 +34,9 @@ std::string outside_reason(const Study& study, const inference::OutOfDistributio
   add(ood.residual, "that beyond them");
   add(ood.nearest, "that to the nearest simulation");
   if (std::isinf(ood.residual.observed)) {
-    distances += (distances.empty() ? "" : ", ") +
-                 std::string("and another value of a feature that is the same in all of them");
+    distances +=
+        (distances.empty() ? "" : ", ") +
+        std::string("and a value of a feature that is another, or far nearer to 0, in all of them");
   }
   return fmt::format(
       "the observation lies outside of what was simulated (seed {}: {}); the network extrapolates "

@@ -22,10 +22,10 @@ sim::Trajectories as_simulated(const inference::Prior& prior, const RowMatrix& t
     const std::span<float> row = result.row(i);
     std::ranges::transform(x.row(i), row.begin(), [](double v) { return static_cast<float>(v); });
     sim::RolloutStatus& status = result.status[static_cast<std::size_t>(i)];
-    if (!std::ranges::all_of(row, [](float v) { return std::isfinite(v); })) {
-      status = sim::RolloutStatus::diverged;
-    } else if (!prior.contains(theta.row(i).transpose())) {
+    if (!prior.contains(theta.row(i).transpose())) {
       status = sim::RolloutStatus::out_of_limits;
+    } else if (!std::ranges::all_of(row, [](float v) { return std::isfinite(v); })) {
+      status = sim::RolloutStatus::diverged;
     }
     if (status == sim::RolloutStatus::ok) continue;
     std::ranges::fill(row, std::numeric_limits<float>::quiet_NaN());

@@ -92,9 +92,10 @@ inference::Marginal MarginalFit::log_normal() const {
 
 inference::Marginal MarginalFit::likeliest_of_draws() const {
   inference::Marginal best = uniform();
-  double most = -std::log(high_ - low_) + 3.0 / num_draws();
+  const double margin = 3.0 / num_draws();
+  double most = -std::log(high_ - low_);
   const auto consider = [&](double mean_log_density, const inference::Marginal& form) {
-    if (!(mean_log_density > most)) return;
+    if (!(mean_log_density > most + margin)) return;
     most = mean_log_density;
     best = form;
   };

@@ -11,8 +11,9 @@ namespace npdr::pipeline {
 
 /// Chooses by the largest likelihood, each form at the parameters where its own is largest:
 /// uniform and log-uniform between the least and the largest value, normal and log-normal with the
-/// moments of the values or of their logarithms. Another form than uniform has to be exp(3) times
-/// as likely, draws that are there several times being one, unless inference::are_chosen().
+/// moments of the values or of their logarithms. In the order uniform, normal, log-uniform,
+/// log-normal one has to be exp(3) times as likely as those before it, draws that are there several
+/// times being one, unless inference::are_chosen().
 ///
 /// Of those a grid of 20 values at most is uniform where it is even, and log-uniform where its
 /// factors are more so, if one of them is within 0.05 of it by inference::distance_of_levels(), and

@@ -132,7 +132,7 @@ TEST_F(ExternalDataset, ADatasetThatLiesAtThePriorsEndIsNoticed) {
     return table("external-dataset", "parameters");
   };
   const std::string at_ends = faults_with("[0.0, 10.0]");
-  EXPECT_NE(at_ends.find("0.091 of a in the dataset lie at an end of its prior, [0, 10], where a "
+  EXPECT_NE(at_ends.find("0.091 of a in the dataset are 0, an end of its prior, [0, 10], where a "
                          "posterior's density is cut: values on a grid stand for those around "
                          "them, which prior.a = { uniform = [-0.5, 10.5] } holds"),
             std::string::npos)

@@ -4,7 +4,7 @@
 
     def simulate(theta, rng):
         total = theta["a"] + theta["b"] + 0.5 * rng.normal()
-        return {"total": total}     # or a list of numbers, in the order of x_o
+        return {"total": total}     # or a list of numbers, as an x_o without a header
 
     npdr_command.run(simulate)
 

@@ -75,6 +75,29 @@ TEST(OutOfDistribution, FindsWhatNoCountsDoAmongSmallOnes) {
   EXPECT_GT(test_out_of_distribution(usual, x.row(999).transpose()).p_value, 0.01);
 }
 
+// Log-normal, the least of 400 some 1e-4: a logarithm of a kind is linear there.
+TEST(OutOfDistribution, FindsWhatIsNearerToZeroThanAnySimulation) {
+  RowMatrixF x = (3.0 * gaussian(400, 1, 1)).array().exp().matrix().cast<float>();
+  for (const float sign : {1.0f, -1.0f}) {
+    x *= sign;
+    const UsualFeatures usual = usual_features(x, Tails::compressed);
+    const float nearest = sign * x.cwiseAbs().minCoeff();
+    const auto p_value = [&](float value) {
+      return test_out_of_distribution(usual, VectorF::Constant(1, value)).p_value;
+    };
+    EXPECT_GT(p_value(0.5f * nearest), 0.01);
+    EXPECT_LT(p_value(0.005f * nearest), 1e-3);
+    EXPECT_LT(p_value(0.0f), 1e-3);
+    EXPECT_LT(p_value(-nearest), 1e-3);
+    EXPECT_EQ(impossible_feature(usual, VectorF::Constant(1, 0.0f)), Index{0});
+  }
+  // Counts of which none happens to be 0.
+  const RowMatrixF counts = x.cwiseAbs().array().ceil();
+  const UsualFeatures usual = usual_features(counts, Tails::compressed);
+  EXPECT_EQ(impossible_feature(usual, VectorF::Zero(1)), std::nullopt);
+  EXPECT_EQ(impossible_feature(usual, VectorF::Constant(1, -100.0f)), Index{0});
+}
+
 TEST(OutOfDistribution, FindsAFeatureThatWasTheSameInAllSimulations) {
   RowMatrixF x = features(gaussian(1000, 2, 1), 2);
   VectorF same = observation(0.0, 0.0);
