@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 #include <ranges>
 
@@ -50,7 +51,9 @@ bool is_grid(const Levels& levels) {
   return std::max(filled_by_steps(levels), filled_by_factors(levels)) >= 0.5;
 }
 
-bool is_rounded(double value) { return std::stod(fmt::format("{:.6g}", value)) == value; }
+bool is_rounded(double value) {
+  return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr) == value;
+}
 
 bool are_chosen(const Levels& levels) {
   return is_grid(levels) || std::ranges::all_of(std::views::keys(levels), is_rounded);

@@ -16,7 +16,7 @@ namespace {
 
 void print_place(const std::string& what, const std::filesystem::path& path, bool is_there) {
   fmt::print("{:<12} {}{}\n", what, printable_line(path.string()),
-             is_there ? "" : "  (isn't there yet: npdr run)");
+             is_there ? "" : "  (isn't there yet, or is of other settings: npdr run)");
 }
 
 // Posteriors of the last round and iteration, of a method and seed each.

@@ -7,7 +7,6 @@
 #include <set>
 #include <span>
 
-#include "inference/diagnostics/levels.h"
 #include "inference/prior.h"
 #include "pipeline/sources/dataset_rows.h"
 #include "pipeline/store/hash.h"
@@ -42,13 +41,14 @@ struct RowsOfTheta {
 
 struct RowCopies {
   std::map<std::string, RowsOfTheta> rows;
+  std::vector<std::set<double>> values;  // different ones, of each parameter
   Index count = 0;
-  bool are_rounded = true;  // independent rows of rounded theta may be the same, x with them
 
   void observe(const Vector& theta, const Vector& x) {
     if (!x.allFinite()) return;
     ++count;
-    are_rounded = are_rounded && std::ranges::all_of(theta, inference::is_rounded);
+    values.resize(static_cast<std::size_t>(theta.size()));
+    for (std::size_t d = 0; d < values.size(); ++d) values[d].insert(theta(static_cast<Index>(d)));
     RowsOfTheta& same = rows[hash_of(theta)];
     ++same.count;
     same.different.insert(hash_of(x));
@@ -58,6 +58,13 @@ struct RowCopies {
     Index copies = 0;
     for (const auto& [theta, same] : rows) copies += same.count - std::ssize(same.different);
     return copies;
+  }
+
+  // Of rows that were drawn by themselves: those of rounded theta may be the same, x with them.
+  double expected_copies() const {
+    double num_pairs = 0.5 * static_cast<double>(count) * static_cast<double>(count);
+    for (const auto& different : values) num_pairs /= static_cast<double>(different.size());
+    return num_pairs;
   }
 
   // Simulations of one theta whose x has few values may agree, but not all of nearly every theta.
@@ -74,7 +81,7 @@ struct RowCopies {
 };
 
 void find_copies(const DatasetFile& dataset, std::vector<Index> rows, DatasetFaults& found) {
-  constexpr double grave = 0.05;
+  constexpr double grave = 0.05, by_chance = 10.0;
   constexpr std::size_t block = 256;
   std::ranges::sort(rows);  // as the file has them, which is faster read
   RowCopies all;
@@ -87,8 +94,8 @@ void find_copies(const DatasetFile& dataset, std::vector<Index> rows, DatasetFau
   }
   const Index copies = all.num_copies();
   if (copies == 0 || all.agree_by_chance()) return;
-  found.are_grave |=
-      !all.are_rounded && static_cast<double>(copies) > grave * static_cast<double>(all.count);
+  found.are_grave |= static_cast<double>(copies) > std::max(grave * static_cast<double>(all.count),
+                                                            by_chance * all.expected_copies());
   found.faults.push_back(fmt::format(
       "{} of {} rows of the dataset are copies of others, theta and x: they count several times; "
       "leave each in it once",

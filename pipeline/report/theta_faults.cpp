@@ -45,11 +45,12 @@ bool lies_on_a_bound(const Column& column, double value) {
   return f < end || f > 1.0 - end;
 }
 
-// An end that is far more frequent than others, of values that weren't chosen.
+// An end that is far more frequent than others, of values that aren't those of a coarse grid.
 bool looks_clipped(const Column& column, double share) {
-  constexpr double times_usual = 5.0;
-  return !inference::are_chosen(column.levels) &&
-         share * static_cast<double>(column.levels.size()) > times_usual;
+  constexpr double times_usual = 5.0, most_filled = 0.1;
+  const double filled = std::max(inference::filled_by_steps(column.levels),
+                                 inference::filled_by_factors(column.levels));
+  return filled < most_filled && share * static_cast<double>(column.levels.size()) > times_usual;
 }
 
 // Of few levels, or many that fill a grid; what is clipped has many.
@@ -94,8 +95,9 @@ class Inspection {
         tell_constant(column);
         continue;
       }
-      if (!find_values_at_the_ends(column)) find_frequent_value(column);
+      const bool lies_at_an_end = find_values_at_the_ends(column);
       find_another_prior(column);
+      if (!lies_at_an_end) find_frequent_value(column);
     }
     find_correlation();
     return std::move(found_);

@@ -36,7 +36,8 @@ std::string outside_reason(const Study& study, const inference::OutOfDistributio
   if (std::isinf(ood.residual.observed)) {
     distances +=
         (distances.empty() ? "" : ", ") +
-        std::string("and a value of a feature that is another, or far nearer to 0, in all of them");
+        std::string(
+            "and a feature that in all of them has another value, or one far farther from 0");
   }
   return fmt::format(
       "the observation lies outside of what was simulated (seed {}: {}); the network extrapolates "

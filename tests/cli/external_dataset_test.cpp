@@ -173,6 +173,7 @@ TEST_F(ExternalDataset, FailedRowsOfADatasetAreTold) {
 // Those of theta alone may have been simulated anew.
 TEST_F(ExternalDataset, ADatasetsCopiesAreNoticed) {
   import_dataset();
+  change_theta("printf \"%.4f,%.4f\\n\", $1, $2");
   const std::string note = "500 of 1000 rows of the dataset are copies of others";
   const auto noted_after_doubling = [&](const std::string& files) {
     const std::string twice = "for file in " + files +
@@ -184,6 +185,7 @@ TEST_F(ExternalDataset, ADatasetsCopiesAreNoticed) {
   };
   EXPECT_FALSE(noted_after_doubling("theta"));
   EXPECT_TRUE(noted_after_doubling("x"));
+  EXPECT_EQ(npdr({"run", "dataset.toml", "--strict"}).status, 4) << "also of rounded theta";
 }
 
 // Of ten simulations of one theta some have the same counts; of rows that are there twice all.

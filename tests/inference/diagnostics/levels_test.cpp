@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "inference/diagnostics/uniformity.h"
 
@@ -32,6 +33,7 @@ TEST(Levels, AreChosenWhereTheyAreAGridOrRounded) {
   EXPECT_TRUE(is_rounded(0.000123456));
   EXPECT_TRUE(is_rounded(-1.5e9));
   EXPECT_FALSE(is_rounded(1.0 / 3.0));
+  EXPECT_TRUE(is_rounded(std::numeric_limits<double>::denorm_min()));
   EXPECT_TRUE(are_chosen(levels_of(Vector::LinSpaced(7, 0.0, 1.0))));
   EXPECT_TRUE(are_chosen(levels_of(Vector{{0.0, 1.0, 10.0, 11.5, 300.0}})));
   EXPECT_FALSE(are_chosen(levels_of(sample_prior(Prior({kUnit}), 20, 1).col(0))));

@@ -151,6 +151,9 @@ TEST(ThetaFaults, AreValuesThatWereClipped) {
   EXPECT_TRUE(
       says(faults(clipped, wider), {"0.05 of a in the dataset are 0, an end of it, as if clipped",
                                     "draw it from the prior, or leave these rows out"}));
+  // Also where all are rounded.
+  clipped.col(0) = (1e4 * clipped.col(0).array()).round() / 1e4;
+  EXPECT_NE(faults(clipped, wider).find("as if clipped"), std::string::npos);
 }
 
 // Levels of a design that isn't even: their distribution isn't any prior's.

@@ -227,10 +227,10 @@ TEST_F(Verdicts, NothingIsInfinitelyFar) {
   ood.residual = {std::numeric_limits<double>::infinity(), 0.0, 1e-5};
   const Verdict found = verdict_of(Check::ood);
   EXPECT_EQ(found.judgment, Judgment::fails);
-  EXPECT_NE(
-      found.reason.find("2 times the usual distance within the simulations' directions, and "
-                        "a value of a feature that is another, or far nearer to 0, in all of them"),
-      std::string::npos)
+  EXPECT_NE(found.reason.find(
+                "2 times the usual distance within the simulations' directions, and "
+                "a feature that in all of them has another value, or one far farther from 0"),
+            std::string::npos)
       << found.reason;
   EXPECT_EQ(found.reason.find("inf"), std::string::npos);
 }
