@@ -15,7 +15,7 @@ Vector feature_distances(const FeatureSource& x, const FeatureTransform& transfo
 
 /// The same of x (n, F) as a root of the mean over the F' outputs of z that vary, (n):
 ///   d_i = |z(x_i) - z(x_o)| / sqrt(F').
-/// NaN for a row that isn't finite, and where no output varies.
+/// NaN for a row that isn't finite, and where no output varies. Throws ShapeError as above.
 Vector mean_feature_distances(const RowMatrixF& x, const FeatureTransform& transform,
                               const VectorF& x_o);
 

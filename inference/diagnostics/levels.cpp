@@ -59,6 +59,13 @@ bool are_chosen(const Levels& levels) {
   return is_grid(levels) || std::ranges::all_of(std::views::keys(levels), is_rounded);
 }
 
+bool is_design(const Levels& levels) {
+  if (std::ssize(levels) > kFewLevels) return false;
+  Index count = 0;
+  for (const Index of_level : std::views::values(levels)) count += of_level;
+  return count >= 2 * std::ssize(levels) && are_chosen(levels);
+}
+
 double distance_of_levels(const Levels& levels, const Marginal& marginal) {
   RowMatrix values(std::ssize(levels), 1);
   std::ranges::copy(std::views::keys(levels), values.data());

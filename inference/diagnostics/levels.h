@@ -29,10 +29,16 @@ bool is_rounded(double value);
 /// Whether values may repeat although each was chosen by itself: levels are a grid, or rounded.
 bool are_chosen(const Levels& levels);
 
+/// As many different values as a grid by design has at most.
+inline constexpr Index kFewLevels = 20;
+/// Whether levels are those of a design: few, chosen, and there twice or more in the mean.
+bool is_design(const Levels& levels);
+
 /// How far values are from draws of `marginal`, each level standing for those around it: the
 /// largest distance of F(level) from the interval between the share of values below it and the
 /// share of those up to it. Draws that are rounded anyhow are as far as the draws were before or
 /// less; draws that aren't are by 1 / n nearer than Kolmogorov's and Smirnov's statistic says.
+/// Throws InputError for a marginal that is no prior.
 double distance_of_levels(const Levels& levels, const Marginal& marginal);
 
 }  // namespace npdr::inference

@@ -55,8 +55,7 @@ bool looks_clipped(const Column& column, double share) {
 
 // Of few levels, or many that fill a grid; what is clipped has many.
 bool has_steps(const Column& column) {
-  constexpr std::size_t few = 20;
-  return column.levels.size() <= few || inference::is_grid(column.levels);
+  return std::ssize(column.levels) <= inference::kFewLevels || inference::is_grid(column.levels);
 }
 
 std::string advice_at_the_ends(const Column& column) {
@@ -70,12 +69,10 @@ std::string advice_at_the_ends(const Column& column) {
       column.prior.name, name_of(around.kind), around.a, around.b);
 }
 
-// A design of few levels, each of them repeated, wasn't drawn: all of its rows tell of it.
+// A design wasn't drawn: all of its rows tell of it.
 Index num_draws_of(const inference::Levels& levels, Index num_rows, Index num_different_rows) {
-  constexpr Index few = 20;
-  if (!inference::are_chosen(levels)) return std::ssize(levels);
-  const bool is_design = std::ssize(levels) <= few && num_rows >= 2 * std::ssize(levels);
-  return is_design ? num_rows : num_different_rows;
+  if (inference::is_design(levels)) return num_rows;
+  return inference::are_chosen(levels) ? num_different_rows : std::ssize(levels);
 }
 
 class Inspection {

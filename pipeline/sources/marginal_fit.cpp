@@ -14,7 +14,7 @@ namespace {
 
 using Kind = inference::Marginal::Kind;
 
-constexpr std::ptrdiff_t kMostLevels = 1000, kFewLevels = 20;
+constexpr std::ptrdiff_t kMostLevels = 1000;
 constexpr double kLeastOfHalfStep = 0.05;
 
 // To two digits of `step`.
@@ -62,15 +62,10 @@ double MarginalFit::num_draws() const {
   return static_cast<double>(counts_each ? count_ : std::ssize(levels_));
 }
 
-bool MarginalFit::is_small_grid() const {
-  const Index num_levels = std::ssize(levels_);
-  return num_levels <= kFewLevels && count_ >= 2 * num_levels && inference::are_chosen(levels_);
-}
-
 inference::Marginal MarginalFit::uniform() const {
   const double half = 0.5 * (high_ - low_) / num_steps();
   const double low = rounded(low_ - half, half);
-  const bool is_positive = low_ > (is_small_grid() ? kLeastOfHalfStep * half : 0.0);
+  const bool is_positive = low_ > (inference::is_design(levels_) ? kLeastOfHalfStep * half : 0.0);
   return marginal(Kind::uniform, is_positive ? std::max(low, 0.0) : low,
                   rounded(high_ + half, half));
 }
@@ -125,7 +120,7 @@ inference::Marginal MarginalFit::nearest_to_grid() const {
 
 inference::Marginal MarginalFit::likeliest() const {
   if (is_constant()) return marginal(Kind::uniform, low_, high_);
-  return is_small_grid() ? nearest_to_grid() : likeliest_of_draws();
+  return inference::is_design(levels_) ? nearest_to_grid() : likeliest_of_draws();
 }
 
 }  // namespace npdr::pipeline

@@ -42,7 +42,6 @@ class MarginalFit {
 
   double num_steps() const;
   double num_draws() const;
-  bool is_small_grid() const;
   inference::Marginal uniform() const;
   inference::Marginal log_uniform() const;  // as the next, only of values > 0
   inference::Marginal log_normal() const;

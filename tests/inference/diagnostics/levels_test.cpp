@@ -39,6 +39,15 @@ TEST(Levels, AreChosenWhereTheyAreAGridOrRounded) {
   EXPECT_FALSE(are_chosen(levels_of(sample_prior(Prior({kUnit}), 20, 1).col(0))));
 }
 
+TEST(Levels, AreADesignWhereFewAreChosenAndRepeated) {
+  const Vector grid = Vector::LinSpaced(kFewLevels, 0.0, 1.0);
+  EXPECT_FALSE(is_design(levels_of(grid)));
+  EXPECT_TRUE(is_design(levels_of(grid.replicate(2, 1))));
+  EXPECT_FALSE(is_design(levels_of(Vector::LinSpaced(kFewLevels + 1, 0.0, 1.0).replicate(2, 1))));
+  const Vector draws = sample_prior(Prior({kUnit}), kFewLevels, 1).col(0);
+  EXPECT_FALSE(is_design(levels_of(draws.replicate(2, 1))));
+}
+
 // Of values that are there once Kolmogorov's and Smirnov's, less 1 / n.
 TEST(Levels, AreAsFarFromThePriorAsDrawsAre) {
   const Vector draws = sample_prior(Prior({kUnit}), 500, 1).col(0);
