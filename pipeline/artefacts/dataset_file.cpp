@@ -186,8 +186,9 @@ DatasetFile::DatasetFile(const std::filesystem::path& path,
   if (x_.has_attribute("labels")) {
     x_columns_ = match_columns(x_.where(), features_, features);
   } else if (features.size() != features_.size()) {
-    throw InputError(fmt::format("{} has {} columns, must have {}: {}", x_.where(),
-                                 features_.size(), features.size(), join(feature_names(features))));
+    throw InputError(fmt::format("{} has {}, must have {}: {}", x_.where(),
+                                 counted(std::ssize(features_), "column"), features.size(),
+                                 join(feature_names(features))));
   }
   features_ = features;
 }
@@ -214,8 +215,8 @@ DatasetCounts import_dataset(const std::filesystem::path& theta, const std::file
   DatasetCounts counts;
   counts.num_rows = count_rows(theta, format);
   if (const Index others = count_rows(x, format); others != counts.num_rows) {
-    throw InputError(fmt::format("{}: has {} rows, must have {} like {}", x.string(), others,
-                                 counts.num_rows, theta.string()));
+    throw InputError(fmt::format("{}: has {}, must have {} like {}", x.string(),
+                                 counted(others, "row"), counts.num_rows, theta.string()));
   }
   NumberTable theta_table(theta, Header::optional, format);
   NumberTable x_table(x, Header::optional, format);

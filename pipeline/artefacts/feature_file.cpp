@@ -57,8 +57,9 @@ FeatureColumns columns_of(const std::string& where, Index num_columns,
   FeatureColumns found{expected, {}};
   if (expected.empty()) found.features = named.empty() ? numbered_features(num_columns) : named;
   if (num_columns != static_cast<Index>(found.features.size())) {
-    throw InputError(fmt::format("{}: has {} columns, must have {}: {}", where, num_columns,
-                                 found.features.size(), join(feature_names(found.features))));
+    throw InputError(fmt::format("{}: has {}, must have {}: {}", where,
+                                 counted(num_columns, "column"), found.features.size(),
+                                 join(feature_names(found.features))));
   }
   found.columns.resize(found.features.size());
   std::iota(found.columns.begin(), found.columns.end(), Index{0});
@@ -74,13 +75,14 @@ FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Ex
   Index count = 0;
   for (; table.next(row); ++count) {
     if (count == num_rows) {
-      throw InputError(
-          fmt::format("{}: has more than {} rows, must have {}", table.name(), num_rows, num_rows));
+      throw InputError(fmt::format("{}: has more than {}, must have {}", table.name(),
+                                   counted(num_rows, "row"), num_rows));
     }
     for (Index c = 0; c < rows.x.cols(); ++c) rows.x(count, c) = row[static_cast<std::size_t>(c)];
   }
   if (count < num_rows) {
-    throw InputError(fmt::format("{}: has {} rows, must have {}", table.name(), count, num_rows));
+    throw InputError(
+        fmt::format("{}: has {}, must have {}", table.name(), counted(count, "row"), num_rows));
   }
   // The rest of a number that lacks digits is another number.
   if (expected.demands.needs_line_ends && !table.has_line_end()) {

@@ -264,8 +264,8 @@ Values read_values(NumberTable& table, const Columns& columns) {
     if (columns.time) values.times.push_back(columns.time->number(table));
   }
   if (values.count >= 2) return values;
-  throw InputError(fmt::format("{}: has {} rows below its header, must have at least 2",
-                               table.name(), values.count));
+  throw InputError(fmt::format("{}: has {} below its header, must have at least 2", table.name(),
+                               counted(values.count, "row")));
 }
 
 std::vector<Channel> channels_of_columns(const std::vector<Column>& columns) {

@@ -59,6 +59,7 @@ void mark_report(const Node& node, const std::filesystem::path& study,
                         {"num_checks", summary.num_checks},
                         {"failed", summary.failed},
                         {"unknown", summary.unknown},
+                        {"unchecked", summary.unchecked},
                         {"reasons", summary.reasons}});
   }
   const nlohmann::ordered_json json = {{"key", node.key},
@@ -79,7 +80,7 @@ std::vector<CheckSummary> read_check_summaries(const Node& node) {
   try {
     for (const auto& verdict : marker.at("checks")) {
       summaries.push_back({verdict.at("method"), verdict.at("num_checks"), verdict.at("failed"),
-                           verdict.at("unknown"), verdict.at("reasons")});
+                           verdict.at("unknown"), verdict.at("unchecked"), verdict.at("reasons")});
     }
   } catch (const nlohmann::ordered_json::exception&) {
     throw InputError(node.path.string() + ": is damaged; remove it and run the study again");
@@ -117,6 +118,7 @@ std::string words_of(const CheckSummary& summary) {
                         counted(summary.num_checks, "check"));
   }
   if (!summary.unknown.empty()) text += "; can't tell: " + join(summary.unknown);
+  if (!summary.unchecked.empty()) text += "; not checked: " + join(summary.unchecked);
   return text;
 }
 

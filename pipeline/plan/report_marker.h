@@ -11,12 +11,13 @@ namespace npdr::pipeline {
 struct CheckSummary {
   std::string method;
   Index num_checks = 0;
-  std::vector<std::string> failed;   ///< titles of the checks
-  std::vector<std::string> unknown;  ///< of those that can't tell
-  std::vector<std::string> reasons;  ///< what was found and what to do, a sentence each
+  std::vector<std::string> failed;     ///< titles of the checks
+  std::vector<std::string> unknown;    ///< of those that can't tell
+  std::vector<std::string> unchecked;  ///< what no check looked at, where all pass
+  std::vector<std::string> reasons;    ///< what was found and what to do, a sentence each
 };
 
-/// "NPE: 2 of 7 checks FAIL: Training, RMSE"; "NPE: all 7 checks pass".
+/// "NPE: 2 of 7 checks FAIL: Training, RMSE"; "NPE: all 7 checks pass; not checked: Calibration".
 std::string words_of(const CheckSummary& summary);
 
 /// The key is the plan's, this build made the report, whose verdicts another one may find

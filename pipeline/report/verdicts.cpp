@@ -102,11 +102,9 @@ std::string why_not_held_out(const ReportData& data, const MethodConfig& method)
   const bool any_left_out =
       study.target.held_out > 0 || study.evaluate.leave_out > 0 || method.num_rollouts > 0;
   if (!study.target.recording || any_left_out || data.target.num_rollouts() < 2) return "";
-  return fmt::format(
-      "{}: there are none, so nothing shows whether it is too sure because the simulator lacks "
-      "something; set target.held_out = 1 with target.num_rollouts for the others, or "
-      "evaluate.leave_out = 2",
-      traits_of(Check::held_out).title);
+  return "there are none, so nothing shows whether it is too sure because the simulator lacks "
+         "something; set target.held_out = 1 with target.num_rollouts for the others, or "
+         "evaluate.leave_out = 2";
 }
 
 // The same of the noise of recorded first states, in which simulations begin; "" where each device
@@ -125,7 +123,7 @@ std::string why_not_first_states(const ReportData& data, const MethodConfig& met
       !is_gaussian || !begins_in_motion) {
     return "";
   }
-  return "First states: simulations begin in recorded ones as if these were exact, and parameters "
+  return "simulations begin in recorded ones as if these were exact, and parameters "
          "may make up for the noise that they have; unless the device began at rest, compare with "
          "a refinement (algorithm = \"refine\", refine.infer_first_states = true)";
 }
@@ -139,17 +137,30 @@ std::string why_not_calibrated(const ReportData& data, const MethodConfig& metho
   const bool has_network =
       inference::traits_of(method.algorithm.kind).family == inference::AlgorithmFamily::network;
   if (!study.source().simulates && has_network) {
-    return "Calibration: a dataset can't be asked for other simulations, so nothing shows whether "
+    return "a dataset can't be asked for other simulations, so nothing shows whether "
            "posteriors are too sure, or too unsure; keep rows back, and see where their parameters "
            "lie in what npdr sample --x draws for them";
   }
   const bool could_be = study.why_unchecked(Check::coverage, method).empty();
   if (!could_be || data.checks_of(method.name).calibrates()) return "";
   return fmt::format(
-      "Calibration: it wasn't checked, so nothing shows whether posteriors are too sure, or too "
+      "it wasn't checked, so nothing shows whether posteriors are too sure, or too "
       "unsure, over the prior; a table [diagnose] in the study checks it: for each seed {} more "
       "are simulated, and a posterior is sampled for each",
       study.diagnose.num_simulations);
+}
+
+// What no check looked at, of a method that passes all, and why.
+void add_unchecked(const ReportData& data, CheckSummary& summary) {
+  const MethodConfig& method = data.plan.study.method(summary.method);
+  const auto add = [&](std::string_view title, const std::string& why_not) {
+    if (why_not.empty()) return;
+    summary.unchecked.emplace_back(title);
+    summary.reasons.push_back(fmt::format("{}: {}", title, why_not));
+  };
+  add(traits_of(Check::held_out).title, why_not_held_out(data, method));
+  add("Calibration", why_not_calibrated(data, method));
+  add("First states", why_not_first_states(data, method));
 }
 
 }  // namespace
@@ -182,19 +193,14 @@ std::vector<CheckSummary> check_summaries(const ReportData& data) {
   for (const std::string& method : data.methods) {
     const std::vector<Verdict> verdicts = verdicts_of(data, method);
     if (verdicts.empty()) continue;
-    CheckSummary summary{method, std::ssize(verdicts), {}, {}, {}};
+    CheckSummary summary{method, std::ssize(verdicts), {}, {}, {}, {}};
     for (const Verdict& verdict : verdicts) {
       const std::string title(traits_of(verdict.check).title);
       if (verdict.judgment == Judgment::fails) summary.failed.push_back(title);
       if (verdict.judgment == Judgment::unknown) summary.unknown.push_back(title);
       if (!verdict.reason.empty()) summary.reasons.push_back(title + ": " + verdict.reason);
     }
-    if (summary.failed.empty() && summary.unknown.empty()) {
-      for (const auto& why_not : {why_not_held_out, why_not_calibrated, why_not_first_states}) {
-        const std::string but = why_not(data, data.plan.study.method(method));
-        if (!but.empty()) summary.reasons.push_back(but);
-      }
-    }
+    if (summary.failed.empty() && summary.unknown.empty()) add_unchecked(data, summary);
     summaries.push_back(std::move(summary));
   }
   return summaries;

@@ -85,8 +85,8 @@ bool NumberTable::next() {
   if (!next_line()) return false;
   fields_ = csv_fields(line_, place(), format_.delimiter);
   if (static_cast<Index>(fields_.size()) != num_columns_) {
-    fail(fmt::format("has {} columns, must have {} like the first line{}", fields_.size(),
-                     num_columns_, hint(line_)));
+    fail(fmt::format("has {}, must have {} like the first line{}",
+                     counted(std::ssize(fields_), "column"), num_columns_, hint(line_)));
   }
   return true;
 }
@@ -238,8 +238,9 @@ std::vector<Index> match_columns(const std::string& where, const std::vector<Cha
                                  const std::vector<Channel>& expected) {
   std::vector<Index> columns = find_columns(where, found, expected);
   if (found.size() == expected.size()) return columns;
-  throw InputError(fmt::format("{}: has {} columns, must have {}: {}", where, found.size(),
-                               expected.size(), join(feature_names(expected))));
+  throw InputError(fmt::format("{}: has {}, must have {}: {}", where,
+                               counted(std::ssize(found), "column"), expected.size(),
+                               join(feature_names(expected))));
 }
 
 std::string warning_of_end(const std::string& file) {

@@ -38,7 +38,7 @@ TEST_F(DatasetFiles, ImportKeepsNamesAndValues) {
 
 TEST_F(DatasetFiles, ImportNeedsFilesThatGoTogether) {
   EXPECT_TRUE(
-      says(problem_of("a\n1\n2\n", "1\n"), {"x.csv: has 1 rows", "must have 2 like theta.csv"}));
+      says(problem_of("a\n1\n2\n", "1\n"), {"x.csv: has 1 row", "must have 2 like theta.csv"}));
   EXPECT_TRUE(says(problem_of("1\n2\n", "1\n2\n"), {"theta.csv:1:", "must name the parameters"}));
   EXPECT_TRUE(says(
       problem_of("a\n1\ninf\n", "1\n2\n"),

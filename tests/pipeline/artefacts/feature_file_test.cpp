@@ -63,10 +63,10 @@ TEST_F(FeatureFiles, WithNamesNeedAnObservationWithNames) {
 }
 
 TEST_F(FeatureFiles, MustHaveTheRowsAndColumnsThatAreExpected) {
-  EXPECT_EQ(problem_of("1,2\n", 2), "x.csv: has 1 rows, must have 2");
+  EXPECT_EQ(problem_of("1,2\n", 2), "x.csv: has 1 row, must have 2");
   EXPECT_TRUE(
       says(problem_of("1,2\n3,4\n5,6\n", 2), {"x.csv: has more than 2 rows", "must have 2"}));
-  EXPECT_TRUE(says(problem_of("1\n2\n", 2), {"x.csv: has 1 columns", "must have 2"}));
+  EXPECT_TRUE(says(problem_of("1\n2\n", 2), {"x.csv: has 1 column", "must have 2"}));
   EXPECT_TRUE(says(problem_of("peak,men\n1,2\n", 1),
                    {"x.csv: has no column 'mean'", "'men'", "it has peak, men"}));
   EXPECT_TRUE(says(problem_of("peak,mean,rest\n1,2,3\n", 1),
@@ -113,7 +113,7 @@ TEST_F(FeatureFiles, AnObservationIsOneFiniteRow) {
   };
   EXPECT_TRUE(says(problem("a,b\n1,nan\n"),
                    {"x_o.csv: 'b' = nan", "must be a number of magnitude 3.40282e+38"}));
-  EXPECT_TRUE(says(problem("1,2\n3,4\n"), {"x_o.csv: has more than 1 rows", "must have 1"}));
+  EXPECT_TRUE(says(problem("1,2\n3,4\n"), {"x_o.csv: has more than 1 row,", "must have 1"}));
   EXPECT_TRUE(says(problem("1e200\n"),
                    {"x_o.csv: 'x0' = 1e+200", "must be a number of magnitude 3.40282e+38"}));
 }

@@ -191,7 +191,7 @@ TEST_F(CsvImport, RaggedAndBrokenFilesAreRefused) {
   EXPECT_EQ(problem(replaced(kCsv, "2,6\n", "2,\"6\n")), "a.csv:3: column 4 has no closing quote");
   EXPECT_EQ(problem(""), "a.csv: is empty");
   EXPECT_TRUE(says(problem(kCsv.substr(0, kCsv.find("0.1,0.2"))),
-                   {"a.csv: has 1 rows below its header", "must have at least 2"}));
+                   {"a.csv: has 1 row below its header", "must have at least 2"}));
   EXPECT_TRUE(says(problem("t [s];theta [rad]\n0;1\n1;1\n"),
                    {"a.csv:1: column 1 is headed 't [s];theta [rad]'", "must be 'label [unit]'",
                     "'theta [rad]'", "'gain [1]'", "--delimiter ';'"}));

@@ -13,7 +13,7 @@ TEST(ReportMarker, KeepsTheVerdicts) {
   const TempFolder folder;
   Node node;
   node.path = folder / "report.json";
-  mark_report(node, "s.toml", {}, {{"A", 7, {"Training"}, {"RMSE"}, {"why"}}});
+  mark_report(node, "s.toml", {}, {{"A", 7, {"Training"}, {"RMSE"}, {}, {"why"}}});
   const CheckSummary found = read_check_summaries(node).front();
   EXPECT_EQ(words_of(found), "A: 1 of 7 checks FAIL: Training; can't tell: RMSE");
   EXPECT_EQ(found.reasons, std::vector<std::string>{"why"});
@@ -31,7 +31,7 @@ TEST(ReportMarker, TellsOfAllThatItsReportShows) {
   const TempFolder folder;
   const Plan plan = plan_in(folder);
   std::filesystem::create_directories(plan.work.study("small"));
-  mark_report(plan.nodes.back(), "s.toml", {}, {{"NPDR (MAF)", 7, {"Training"}, {}, {}}});
+  mark_report(plan.nodes.back(), "s.toml", {}, {{"NPDR (MAF)", 7, {"Training"}, {}, {}, {}}});
   ASSERT_TRUE(reported_checks(plan, "NPDR (MAF)"));
   EXPECT_EQ(reported_checks(plan, "NPDR (MAF)")->failed.size(), 1u);
   EXPECT_FALSE(reported_checks(plan, "NPDR (MoG)")) << "was never checked";

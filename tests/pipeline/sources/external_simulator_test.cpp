@@ -287,7 +287,7 @@ TEST_F(ExternalSimulators, TheFirstFailureIsTheOneThatIsTold) {
   const sim::Trajectories x =
       simulator.simulate(RowMatrix::Constant(4, 2, 1.0), {1, "test", 0, 0, 0});
   EXPECT_EQ(x.status, std::vector<RolloutStatus>(4, RolloutStatus::ok)) << "each row alone";
-  EXPECT_NE(simulator.last_failure().find("has 1 rows, must have 4"), std::string::npos)
+  EXPECT_NE(simulator.last_failure().find("has 1 row, must have 4"), std::string::npos)
       << simulator.last_failure();
 }
 

@@ -124,7 +124,7 @@ TEST_F(NumberTables, OfOtherSystemsAreNamed) {
 TEST_F(NumberTables, SayWhereTheyAreWrong) {
   EXPECT_EQ(problem_of(""), "t.csv: is empty");
   EXPECT_TRUE(says(problem_of("a,b\n1,2\n3\n"),
-                   {"t.csv:3: has 1 columns", "must have 2 like the first line"}));
+                   {"t.csv:3: has 1 column", "must have 2 like the first line"}));
   EXPECT_TRUE(
       says(problem_of("a,b\n1,2\n3,x\n"), {"t.csv:3: column 2 'b' = 'x'", "must be a number"}));
   EXPECT_TRUE(says(problem_of("1,2\n3,+-4\n"), {"t.csv:2: column 2 = '+-4'", "must be a number"}));
