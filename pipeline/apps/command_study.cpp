@@ -26,6 +26,22 @@ Index num_of(const Plan& plan, Stage stage) {
   return std::ranges::count(plan.nodes, stage, &Node::stage);
 }
 
+// Calibration may cost more than inference does, and small studies go without.
+void print_calibration(const Plan& plan) {
+  Index num_simulations = 0;
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::simulate && is_calibration(node)) {
+      num_simulations += num_rows(plan, node);
+    }
+  }
+  if (num_simulations == 0) {
+    fmt::print("calibration isn't checked\n");
+    return;
+  }
+  fmt::print("to check calibration: {} of the simulations, and a posterior sampled for each\n",
+             num_simulations);
+}
+
 // What is made of the posteriors, which costs simulations, too.
 void print_judging(const Plan& plan) {
   const Study& study = plan.study;
@@ -43,6 +59,7 @@ void print_judging(const Plan& plan) {
   fmt::print("to check them: {} diagnos{}s, {} samples of each posterior{}\n", diagnoses,
              diagnoses == 1 ? "i" : "e", study.diagnose.num_samples,
              simulates && predicts ? ", those at the observation simulated" : "");
+  print_calibration(plan);
 }
 
 void print_refinements(const Plan& plan) {

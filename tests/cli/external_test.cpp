@@ -254,7 +254,12 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
                    {"8 artefacts: ", "1000 simulations in 1 shard, 2 features each",
                     "\nto judge them: 1 evaluation and 1 baseline of 1000 samples, each simulated",
                     "\nto check them: 1 diagnosis, 200 samples of each posterior, those at the "
-                    "observation simulated"}));
+                    "observation simulated",
+                    "\ncalibration isn't checked"}));
+  EXPECT_NE(npdr({"validate", "shell.toml", "--set", "diagnose={ num_simulations = 60 }"})
+                .out.find("\nto check calibration: 60 of the simulations, and a posterior sampled "
+                          "for each\n"),
+            std::string::npos);
   EXPECT_NE(npdr({"validate", "shell.toml", "--set", "diagnose.checks=[\"training\"]"})
                 .out.find("samples of each posterior\n"),
             std::string::npos)
