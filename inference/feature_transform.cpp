@@ -42,7 +42,38 @@ RowMatrixF columns_of(const FeatureTransform& transform, const RowMatrixF& x, bo
   return columns;
 }
 
-// Bounds from the quantiles of the first columns. One that hardly varies there has no bounds.
+struct Range {
+  float low, high;
+};
+
+bool is_constant(const Range& range) {
+  return !(range.high - range.low >
+           kRounding * std::max(std::abs(range.low), std::abs(range.high)));
+}
+
+float quantile_of(const std::vector<float>& sorted, double p) {
+  return sorted[static_cast<std::size_t>(p * static_cast<double>(sorted.size() - 1))];
+}
+
+// Where the usual values lie. One that nearly all rows share hides what the others are: then as far
+// from it as 95 % of these, on both sides.
+Range usual_range(std::vector<float> values) {
+  std::ranges::sort(values);
+  const Range range{quantile_of(values, 0.05), quantile_of(values, 0.95)};
+  if (!is_constant(range)) return range;
+  const float center = quantile_of(values, 0.5);
+  std::vector<float> distances;
+  for (const float value : values) {
+    if (!is_constant(Range{std::min(value, center), std::max(value, center)}))
+      distances.push_back(std::abs(value - center));
+  }
+  if (distances.empty()) return range;
+  std::ranges::sort(distances);
+  const float reach = quantile_of(distances, 0.95);
+  return {center - reach, center + reach};
+}
+
+// Bounds from the first columns. One that doesn't vary there has no bounds.
 template <class Columns>
 Bounds usual_bounds(const FeatureSource& x, Index num_columns, const Columns& columns_of_rows) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -51,15 +82,10 @@ Bounds usual_bounds(const FeatureSource& x, Index num_columns, const Columns& co
   for_each_block(x, std::min(kRowsForBounds, x.num_rows()), [&](Index, const RowMatrixF& rows) {
     const RowMatrixF columns = columns_of_rows(rows);
     for (Index f = 0; f < num_columns; ++f) {
-      std::vector<float> values(columns.col(f).begin(), columns.col(f).end());
-      std::sort(values.begin(), values.end());
-      const auto quantile = [&](double p) {
-        return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1))];
-      };
-      const float low = quantile(0.05), high = quantile(0.95), range = high - low;
-      if (!(range > kRounding * std::max(std::abs(low), std::abs(high)))) continue;
-      bounds.lower(f) = low - kUsualRanges * range;
-      bounds.upper(f) = high + kUsualRanges * range;
+      const Range range = usual_range({columns.col(f).begin(), columns.col(f).end()});
+      if (is_constant(range)) continue;
+      bounds.lower(f) = range.low - kUsualRanges * (range.high - range.low);
+      bounds.upper(f) = range.high + kUsualRanges * (range.high - range.low);
     }
   });
   return bounds;

@@ -162,7 +162,9 @@ PooledPosterior::Candidates PooledPosterior::candidates(StreamId batch, Index mo
   Candidates all{.theta = RowMatrix(0, prior().dimension()), .log_weights = {}};
   while (all.size() < most) {
     const RowMatrix more = posterior_.sample(kCandidates, batch);
-    ++batch.epoch;  // an ensemble takes more rows of random numbers than it gives samples
+    // An ensemble takes more rows of random numbers than it gives samples, and callers count
+    // epochs.
+    batch = within(batch, "pool_candidates");
     all.theta.conservativeResize(all.size() + more.rows(), Eigen::NoChange);
     all.theta.bottomRows(more.rows()) = more;
     all.log_weights.conservativeResize(all.theta.rows());

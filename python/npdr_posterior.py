@@ -136,8 +136,8 @@ class Network:
 class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l, or of both, pooled
     def __init__(self, path):
         with h5py.File(path) as f:
-            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 21] or "network_1" not in f:
-                raise ValueError(f"{path}: not a trained posterior of schema 21; npdr run makes one")
+            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 22] or "network_1" not in f:
+                raise ValueError(f"{path}: not a trained posterior of schema 22; npdr run makes one")
             embedding = json.loads(f.attrs["trained_embedding"])
             config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]
             names = [f"network_{m + 1}" for m in range(config["num_networks"])]

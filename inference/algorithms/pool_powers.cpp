@@ -15,6 +15,7 @@ namespace {
 constexpr Index kMostRows = 300;
 constexpr Index kRowsForOne = 20;           // simulations for each judging one
 constexpr Index kDraws = 1000;              // of q, for each row
+constexpr Index kRowsOfOne = 64 * kDraws;   // random ones: an ensemble takes more
 constexpr Index kSteps = 40;                // of a and b, and of their sum
 constexpr Index kUnsharpened = kSteps / 2;  // of the sum 1
 constexpr double kOneDeviation = 0.5;       // [nats] by which it lowers a Gaussian's log density
@@ -96,7 +97,7 @@ PoolPowers pool_powers(const NetworkParts& parts, const RoundData& data,
   std::vector<PoolEvidence> evidence(rows.size());
   parallel_for(std::ssize(rows), [&](Index i) {
     StreamId draws = named(id, "pool_score");
-    draws.row = static_cast<std::uint64_t>(i * kDraws);
+    draws.row = static_cast<std::uint64_t>(i * kRowsOfOne);
     const auto place = static_cast<std::size_t>(i);
     evidence[place] = evidence_given(parts, x.row(i).transpose(), data.theta.row(rows[place]),
                                      region ? &*region : nullptr, draws);

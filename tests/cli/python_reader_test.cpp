@@ -158,7 +158,7 @@ TEST_F(PythonReader, RefusesWhatItCantRead) {
     EXPECT_NE(found.find(message), std::string::npos) << found;
   };
   expect_says("npdr_posterior", "Posterior", "runs/one/target.h5",
-              "target.h5: not a trained posterior of schema 21; npdr run makes one");
+              "target.h5: not a trained posterior of schema 22; npdr run makes one");
   expect_says("npdr_particles", "Particles", "runs/one/maf/seed-1/round-1/infer.h5",
               "infer.h5: holds no particles; read it by npdr_posterior.py");
 }

@@ -31,6 +31,19 @@ TEST(FeatureTransform, AFewSimulationsThatAllButDivergedDontSetTheScale) {
   EXPECT_NEAR(with_outliers.cwiseAbs().maxCoeff(), 100.0f + std::log(1e6f / 300.0f), 2.0f);
 }
 
+// Nor where nearly all simulations share a value, and what the others have tells something.
+TEST(FeatureTransform, OneThatDivergedDoesntHideWhatFewOthersHave) {
+  RowMatrixF x = RowMatrixF::Zero(1000, 1);
+  for (Index i = 0; i < 1000; i += 25) x(i, 0) = static_cast<float>(1 + i % 4);
+  for (const float outlier : {1e12f, -1e12f}) {
+    x(101, 0) = outlier;
+    RowMatrixF z;
+    fit_feature_transform(MatrixFeatures(x), 0).apply(x, z);
+    EXPECT_GT(z(25, 0) - z(0, 0), 0.05f);
+    EXPECT_GT(outlier * z(101, 0), 0.0f);
+  }
+}
+
 // What few simulations have can be told apart, however far from all others.
 TEST(FeatureTransform, WhatLiesFarOutKeepsItsOrder) {
   RowMatrixF x = random_matrix(1000, 1, 1).cast<float>();

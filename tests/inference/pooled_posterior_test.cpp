@@ -98,12 +98,12 @@ TEST(PooledPosterior, SamplesHaveTheQuantilesOfTheDensity) {
 }
 
 TEST(PooledPosterior, DrawsThatRepeatEachOtherMoveToTheirDensity) {
-  // The likelihood says nothing, so that the pool is the uniform prior, and q is N(0, 0.31^2 I)
+  // The likelihood says nothing, so that the pool is the uniform prior, and q is N(0, 0.30^2 I)
   // over u: few of its draws have nearly all of the weight. The scale is the first of the last 16.
   NetworkParts parts = some_pool({0.0, 1.0});
   parts.likelihood->parameters.setZero();
   parts.parameters.setZero();
-  parts.parameters.tail(16)(0) = 2.6f;
+  parts.parameters.tail(16)(0) = 2.8f;
   constexpr Index n = 2000;
   const Samples samples = PooledPosterior(parts).draw(n, kPoolId);
   ASSERT_TRUE(samples.report);
@@ -125,6 +125,23 @@ TEST(PooledPosterior, ASampleDependsOnItsRowAlone) {
   EXPECT_EQ(pool.sample(900, kPoolId), many.topRows(900));
   const std::set<double> different(many.data(), many.data() + many.size());
   EXPECT_GT(different.size(), 1100u);
+}
+
+// As for neighboring simulations of calibration, each of which takes several batches of candidates.
+TEST(PooledPosterior, CandidatesOfAnotherEpochAreOthers) {
+  const PooledPosterior pool(some_pool({0.4, 0.9}, 0.5));
+  std::set<double> different;
+  constexpr Index n = 1000;
+  for (const std::uint64_t epoch : {0u, 1u}) {
+    StreamId id = kPoolId;
+    id.epoch = epoch;
+    const Samples samples = pool.draw(n, id);
+    ASSERT_GE(samples.report->num_evaluations, 2 * 4000);
+    std::set<double> own(samples.theta.data(), samples.theta.data() + n);
+    const std::size_t both = different.size() + own.size();
+    different.merge(own);
+    EXPECT_GE(different.size() + 5, both) << epoch;  // floats may agree
+  }
 }
 
 TEST(PooledPosterior, WithoutALikelihoodIsThePosteriorItself) {
