@@ -28,18 +28,23 @@ Index num_of(const Plan& plan, Stage stage) {
 
 // Calibration may cost more than inference does, and small studies go without.
 void print_calibration(const Plan& plan) {
-  Index num_simulations = 0;
+  Index num_simulations = 0, num_posteriors = 0;
   for (const Node& node : plan.nodes) {
     if (node.stage == Stage::simulate && is_calibration(node)) {
       num_simulations += num_rows(plan, node);
     }
+    if (node.stage != Stage::diagnose) continue;
+    const MethodConfig& method = plan.study.method(node.uses.front().method);
+    if (plan.study.diagnose_of(method).calibrates()) {
+      num_posteriors += plan.study.diagnose.num_simulations;
+    }
   }
-  if (num_simulations == 0) {
+  if (num_posteriors == 0) {
     fmt::print("calibration isn't checked\n");
     return;
   }
-  fmt::print("to check calibration: {} of the simulations, and a posterior sampled for each\n",
-             num_simulations);
+  fmt::print("to check calibration: {} of the simulations, and {} posteriors sampled for them\n",
+             num_simulations, num_posteriors);
 }
 
 // What is made of the posteriors, which costs simulations, too.

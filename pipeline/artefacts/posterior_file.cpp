@@ -359,12 +359,16 @@ PosteriorNotes read_posterior_notes(const ArtefactFile& artefact) {
                        .regression = read_regression_counts(file),
                        .certificate = read_certificate(file),
                        .losses = {},
+                       .likelihood_losses = {},
                        .pool = {},
                        .powers = read_power_scores(file),
                        .residuals = read_residuals(file)};
   Layout f = Layout::reader(file);
   describe(f, notes.rows);
-  if (auto group = f.group("likelihood", notes.pool)) describe(*group, *notes.pool);
+  if (auto group = f.group("likelihood", notes.pool)) {
+    describe(*group, *notes.pool);
+    notes.likelihood_losses = read_losses(*group);
+  }
   if (!holds_particles(file)) notes.losses = read_losses(f);
   return notes;
 }

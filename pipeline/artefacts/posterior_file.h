@@ -78,7 +78,8 @@ struct PosteriorNotes {
   RowCounts rows;
   std::optional<RegressionCounts> regression;
   std::optional<inference::ImportanceCertificate> certificate;
-  std::vector<TrainingLosses> losses;  ///< one a network
+  std::vector<TrainingLosses> losses;             ///< one a network
+  std::vector<TrainingLosses> likelihood_losses;  ///< the same of those of a pool's likelihood
   std::optional<PoolNotes> pool;
   PowerScores powers;                         ///< empty where none was chosen
   std::optional<sim::ErrorMemory> residuals;  ///< of refinements

@@ -100,7 +100,9 @@ Row row_of(const ReportData& data, const EvaluatedRun& run, const Columns& has, 
   row.cells.emplace_back(run.notes.rows.used + run.notes.rows.failed);
   row.cells.emplace_back(run.notes.rows.failed);
   Index epochs = 0;
-  for (const TrainingLosses& network : run.notes.losses) epochs += network.training.size();
+  for (const auto* losses : {&run.notes.losses, &run.notes.likelihood_losses}) {
+    for (const TrainingLosses& network : *losses) epochs += network.training.size();
+  }
   row.cells.push_back(epochs > 0 ? Cell(epochs) : Cell());
   if (has.has_sampler) add_sampler_cells(run, row, table);
   if (has.has_pool) add_pool_cells(run, row, table);

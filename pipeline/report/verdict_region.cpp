@@ -12,10 +12,11 @@ namespace npdr::pipeline {
 
 std::string words_of_region(const ReportData& data, const std::string& method) {
   constexpr double most_simulations = 300.0;
-  constexpr Index rounds = 4;
+  constexpr Index rounds = 4, fewest_simulations = 100;  // of one of them
   const Study& study = data.plan.study;
   const inference::AlgorithmConfig& algorithm = study.method(method).algorithm;
   const bool can_go_on = study.source().simulates && algorithm.num_rounds == 1 &&
+                         algorithm.num_simulations >= rounds * fewest_simulations &&
                          algorithm.kind == inference::Algorithm::npe_nle;
   if (!can_go_on) return "";
   const inference::Prior prior(study.prior);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
-#include <tuple>
 
 #include "core/error.h"
 #include "inference/diagnostics/calibration.h"
@@ -22,6 +21,7 @@
 #include "pipeline/process/stop_request.h"
 #include "pipeline/stages/rank_report.h"
 #include "pipeline/stages/stages.h"
+#include "pipeline/stages/training_curves.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -251,19 +251,6 @@ std::optional<inference::OutOfDistribution> check_observation(const Case& c) {
   return inference::test_out_of_distribution(*usual, c.x_o);
 }
 
-// Of the network that has learned least: one that isn't converged, or has the largest gap.
-inference::TrainingCheck check_training_curves(const Case& c) {
-  std::vector<inference::TrainingCheck> checks;
-  for (const auto& [training, validation] : read_posterior_notes(c.last_posterior()).losses) {
-    checks.push_back(inference::check_training(training, validation, c.method.training));
-  }
-  const auto is_better = [](const auto& a, const auto& b) {
-    return std::tuple(!a.is_converged, a.generalization_gap) <
-           std::tuple(!b.is_converged, b.generalization_gap);
-  };
-  return *std::ranges::max_element(checks, is_better);
-}
-
 // The list of all checks: what each of them adds to the diagnosis.
 void run_check(Check check, const Case& c, Diagnosis& diagnosis) {
   const inference::CalibrationRanks& ranks = c.calibration.ranks;
@@ -290,7 +277,8 @@ void run_check(Check check, const Case& c, Diagnosis& diagnosis) {
       diagnosis.failures = test_failures(c.plan, simulations_of(c, false));
       break;
     case Check::training:
-      diagnosis.training = check_training_curves(c);
+      diagnosis.training =
+          check_training_curves(read_posterior_notes(c.last_posterior()), c.method.training);
       diagnosis.max_epochs = c.method.training.max_epochs;
       break;
     case Check::sampling:

@@ -257,8 +257,8 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
                     "observation simulated",
                     "\ncalibration isn't checked"}));
   EXPECT_NE(npdr({"validate", "shell.toml", "--set", "diagnose={ num_simulations = 60 }"})
-                .out.find("\nto check calibration: 60 of the simulations, and a posterior sampled "
-                          "for each\n"),
+                .out.find("\nto check calibration: 60 of the simulations, and 60 posteriors "
+                          "sampled for them\n"),
             std::string::npos);
   EXPECT_NE(npdr({"validate", "shell.toml", "--set", "diagnose.checks=[\"training\"]"})
                 .out.find("samples of each posterior\n"),
