@@ -17,15 +17,25 @@ Vector quantiles_of(const inference::Marginal& marginal) {
   return inference::Prior({marginal}).to_theta(u).col(0);
 }
 
+double deviation(const ReportData& data, Index d, const Vector& theta) {
+  const bool takes_log =
+      is_log(data.plan.study.prior[static_cast<std::size_t>(d)]) && !(data.period_of(d) > 0.0);
+  return data.summary_of(d, takes_log ? Vector(theta.array().log()) : theta).std;
+}
+
 }  // namespace
 
+bool is_log(const inference::Marginal& marginal) {
+  using Kind = inference::Marginal::Kind;
+  return marginal.kind == Kind::log_uniform || marginal.kind == Kind::log_normal;
+}
+
 double prior_deviation(const ReportData& data, Index d) {
-  const Vector quantiles = quantiles_of(data.plan.study.prior[static_cast<std::size_t>(d)]);
-  return data.summary_of(d, quantiles).std;
+  return deviation(data, d, quantiles_of(data.plan.study.prior[static_cast<std::size_t>(d)]));
 }
 
 double contraction(const ReportData& data, const EvaluatedRun& run, Index d, double prior_std) {
-  const double std = data.summary_of(d, run.evaluation.theta.col(d)).std;
+  const double std = deviation(data, d, run.evaluation.theta.col(d));
   return 1.0 - std * std / (prior_std * prior_std);
 }
 

@@ -1,11 +1,15 @@
 /// Contraction, which says how much narrower than the prior a posterior is:
 ///   1 - Var(theta_d | x_o) / Var(theta_d),
-/// both variances around the circular mean for a periodic parameter.
+/// both variances around the circular mean for a periodic parameter, and of logarithms for one over
+/// decades: its variance would be that of its largest values.
 #pragma once
 
 #include "pipeline/report/data.h"
 
 namespace npdr::pipeline {
+
+/// The prior is uniform or normal in the logarithm.
+bool is_log(const inference::Marginal& marginal);
 
 /// Deviation of parameter d under the prior.
 double prior_deviation(const ReportData& data, Index d);

@@ -8,16 +8,12 @@
 #include "analysis/figure.h"
 #include "analysis/pair_plot.h"
 #include "analysis/quantiles.h"
+#include "pipeline/report/contraction.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
 
 namespace npdr::pipeline {
 namespace {
-
-bool is_log(const inference::Marginal& m) {
-  using Kind = inference::Marginal::Kind;
-  return m.kind == Kind::log_uniform || m.kind == Kind::log_normal;
-}
 
 // Values of a parameter as they are drawn; NaN where a log has none.
 Vector drawn(const inference::Marginal& m, const Vector& values) {

@@ -20,7 +20,8 @@ Cell contraction_cell(Table& table, const ReportData& data, const std::string& m
 Table make_contraction_table(const ReportData& data) {
   Table table = empty_table(
       "What the data tell about each parameter: 1 - posterior variance / prior variance, mean and "
-      "standard deviation over seeds. 0: nothing, 1: all; below 0: the posterior is wider.",
+      "standard deviation over seeds. 0: nothing, 1: all; below 0: the posterior is wider. Of "
+      "logarithms where the prior is log_uniform or log_normal.",
       "Parameter", data.methods);
   Index d = 0;
   for (const inference::Marginal& marginal : data.plan.study.prior) {

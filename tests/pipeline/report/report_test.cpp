@@ -81,6 +81,16 @@ TEST(ReportTables, ContractionOfAWideNormalIsThatOfItsAngle) {
   EXPECT_NEAR(contraction(table, 0), 0.0, 0.05);
 }
 
+// The prior but for its few largest values, which make up most of its variance.
+TEST(ReportTables, ContractionOfDecadesIsThatOfLogarithms) {
+  const Plan plan = golf_plan_of({"ball_rolling_friction = { log_uniform = [1e-7, 1e-3] }"});
+  RowMatrix theta(1000, 1);
+  for (Index i = 0; i < 1000; ++i) theta(i, 0) = std::pow(10.0, -7.0 + 3.9 * (double(i) / 999.0));
+  const analysis::Table table =
+      contraction_table().make({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
+  EXPECT_NEAR(contraction(table, 0), 1.0 - 3.9 * 3.9 / (4.0 * 4.0), 5e-3);
+}
+
 // Two of one name would write the same files.
 // Of two channels one has noise, whose parameters all have priors. The third sample has failed.
 TEST(ReportTables, NoiseIsThatOfChannelsThatHaveAny) {
