@@ -40,7 +40,11 @@ void print_calibration(const Plan& plan) {
     }
   }
   if (num_posteriors == 0) {
-    fmt::print("calibration isn't checked\n");
+    const bool could_be = std::ranges::any_of(plan.study.methods, [&](const MethodConfig& method) {
+      return plan.study.why_unchecked(Check::coverage, method).empty();
+    });
+    fmt::print("calibration isn't checked{}\n",
+               could_be ? "; a table [diagnose] in the study checks it" : "");
     return;
   }
   fmt::print("to check calibration: {} of the simulations, and {} posteriors sampled for them\n",

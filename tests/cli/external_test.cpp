@@ -255,7 +255,7 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
                     "\nto judge them: 1 evaluation and 1 baseline of 1000 samples, each simulated",
                     "\nto check them: 1 diagnosis, 200 samples of each posterior, those at the "
                     "observation simulated",
-                    "\ncalibration isn't checked"}));
+                    "\ncalibration isn't checked; a table [diagnose] in the study checks it"}));
   EXPECT_NE(npdr({"validate", "shell.toml", "--set", "diagnose={ num_simulations = 60 }"})
                 .out.find("\nto check calibration: 60 of the simulations, and 60 posteriors "
                           "sampled for them\n"),
