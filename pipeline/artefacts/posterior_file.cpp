@@ -385,6 +385,7 @@ void list_posterior(Layout f) {
   PoolNotes pool;
   inference::PooledLikelihood likelihood;
   describe(f.group("likelihood"), pool, likelihood);
+  describe(f.group("likelihood").group("training").group(group_of_network(0)), losses);
   describe_embedding(f, {});
   describe(f, rows);
   std::optional<inference::UsualFeatures> usual;

@@ -52,9 +52,10 @@ void write_network(h5::File& file, const inference::NetworkParts& parts) {
   method.density_estimator = parts.estimator;
   inference::TrainingState state;
   state.training_loss = state.validation_loss = {1.0, 0.5};
+  const std::vector<inference::TrainingState> trainings(parts.likelihood ? 2 : 1, state);
   RowMatrixF x(40, 2);
   for (Index i = 0; i < x.size(); ++i) x(i) = static_cast<float>(i * i % 17);
-  write_posterior(file, method, *inference::make_posterior(parts), {}, {state}, {},
+  write_posterior(file, method, *inference::make_posterior(parts), {}, trainings, {},
                   inference::usual_features(x));
 }
 
