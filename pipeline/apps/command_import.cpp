@@ -233,9 +233,9 @@ void import_recording(const ImportArguments& arguments) {
       import_csv({arguments.files.begin(), arguments.files.end()}, csv_options(arguments));
   write_recording(target, arguments.output);
   for (const std::string& note : notes) print_line("{}", note);
-  print_line("wrote {}: {} rollouts of {} steps of {} s; states {}; actions {}", arguments.output,
-             target.num_rollouts(), target.num_steps(), target.dt, to_string(target.state_channels),
-             to_string(target.action_channels));
+  print_line("wrote {}: {} of {} steps of {} s; states {}; actions {}", arguments.output,
+             counted(target.num_rollouts(), "rollout"), target.num_steps(), target.dt,
+             to_string(target.state_channels), to_string(target.action_channels));
   print_line(
       "next: npdr run STUDY.toml --set target.recording={}; npdr new NAME writes a study to start "
       "from",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/dataset_file.h"
@@ -132,8 +133,8 @@ void print_file(const std::string& path, bool study, bool digest) {
   }
   if (!file.has_attribute("schema")) {
     const Target target = read_recording(path);
-    print_line("{}: a recording of {} rollouts of {} steps of {} s", path, target.num_rollouts(),
-               target.num_steps(), target.dt);
+    print_line("{}: a recording of {} of {} steps of {} s", path,
+               counted(target.num_rollouts(), "rollout"), target.num_steps(), target.dt);
     Lines attributes;
     add_attributes(file, "  ", attributes);
     print_lines(attributes);

@@ -218,10 +218,11 @@ void require_numbers(const PosteriorArguments& arguments, bool are_numbers) {
 void note_repeats(const RowMatrix& theta) {
   const Index repeats = inference::num_repeated_rows(theta);
   if (repeats < std::max<Index>(1, theta.rows() / 100)) return;
-  fmt::print(stderr,
-             "{} of {} rows repeat others: this posterior is drawn from weighted points; they are "
-             "right for means and predictions, but no {} different draws\n",
-             repeats, theta.rows(), theta.rows());
+  fmt::print(
+      stderr,
+      "note: {} of {} rows repeat others: this posterior is drawn from weighted points; they are "
+      "right for means and predictions, but no {} different draws\n",
+      repeats, theta.rows(), theta.rows());
 }
 
 // As a study's check does of its own observation. Of an angle over all of its period both ends may

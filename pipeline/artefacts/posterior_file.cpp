@@ -344,10 +344,10 @@ void require_like_observation(const std::string& where, const Target& found,
   }
   const auto require = [&](Index count, Index expected, const char* what) {
     if (count == expected) return;
-    differences.push_back(fmt::format("{} {}, must be {}", count, what, expected));
+    differences.push_back(fmt::format("{}, must be {}", counted(count, what), expected));
   };
-  require(found.num_rollouts(), x_o.num_rollouts, "rollouts");
-  require(found.num_steps(), x_o.num_steps, "steps");
+  require(found.num_rollouts(), x_o.num_rollouts, "rollout");
+  require(found.num_steps(), x_o.num_steps, "step");
   if (differences.empty()) return;
   throw InputError(fmt::format("{}: {}; it must be like what '{}' was trained for", where,
                                join(differences, "; "), posterior.string()));

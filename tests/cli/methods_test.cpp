@@ -95,7 +95,7 @@ TEST_F(Methods, SamplesThatRepeatOthersAreCounted) {
   ASSERT_EQ(run(folder_.path(), {"npdr", "run", "abc.toml", "--until", "infer"}).status, 0);
   const Outcome samples = run(folder_.path(), {"npdr", "sample", "abc.toml", "-n", "500"});
   EXPECT_EQ(samples.status, 0) << samples.err;
-  EXPECT_TRUE(samples.err.starts_with("480 of 500 rows repeat others: ")) << samples.err;
+  EXPECT_TRUE(samples.err.starts_with("note: 480 of 500 rows repeat others: ")) << samples.err;
 }
 
 }  // namespace

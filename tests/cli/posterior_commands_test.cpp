@@ -126,7 +126,7 @@ TEST_F(PosteriorCommands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
                rollout.actions.conservativeResize(399, 1);
              }
            }),
-           {"npdr sample: x.h5: 1 rollouts", "must be 2", "399 steps", "must be 400", posterior}));
+           {"npdr sample: x.h5: 1 rollout,", "must be 2", "399 steps", "must be 400", posterior}));
   EXPECT_TRUE(
       says(rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
            {"npdr sample: x.h5: dataset 'states': channels are theta [deg], theta_dot [rad/s]",
