@@ -64,8 +64,8 @@ Range usual_range(std::vector<float> values) {
   const float center = quantile_of(values, 0.5);
   std::vector<float> distances;
   for (const float value : values) {
-    if (!is_constant(Range{std::min(value, center), std::max(value, center)}))
-      distances.push_back(std::abs(value - center));
+    if (is_constant({std::min(value, center), std::max(value, center)})) continue;
+    distances.push_back(std::abs(value - center));
   }
   if (distances.empty()) return range;
   std::ranges::sort(distances);
