@@ -9,6 +9,7 @@
 #include "core/matrix_blocking.h"
 #include "inference/feature_blocks.h"
 #include "inference/heavy_tails.h"
+#include "inference/lower_quantile.h"
 
 namespace npdr::inference {
 namespace {
@@ -51,17 +52,13 @@ bool is_constant(const Range& range) {
            kRounding * std::max(std::abs(range.low), std::abs(range.high)));
 }
 
-float quantile_of(const std::vector<float>& sorted, double p) {
-  return sorted[static_cast<std::size_t>(p * static_cast<double>(sorted.size() - 1))];
-}
-
 // Where the usual values lie. One that nearly all rows share hides what the others are: then as far
 // from it as 95 % of these, on both sides.
 Range usual_range(std::vector<float> values) {
   std::ranges::sort(values);
-  const Range range{quantile_of(values, 0.05), quantile_of(values, 0.95)};
+  const Range range{lower_quantile(values, 0.05), lower_quantile(values, 0.95)};
   if (!is_constant(range)) return range;
-  const float center = quantile_of(values, 0.5);
+  const float center = lower_quantile(values, 0.5);
   std::vector<float> distances;
   for (const float value : values) {
     if (is_constant({std::min(value, center), std::max(value, center)})) continue;
@@ -69,7 +66,7 @@ Range usual_range(std::vector<float> values) {
   }
   if (distances.empty()) return range;
   std::ranges::sort(distances);
-  const float reach = quantile_of(distances, 0.95);
+  const float reach = lower_quantile(distances, 0.95);
   return {center - reach, center + reach};
 }
 

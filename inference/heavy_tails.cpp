@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/types.h"
+#include "inference/lower_quantile.h"
 
 namespace npdr::inference {
 namespace {
@@ -18,10 +19,6 @@ constexpr double kFewOfOther = 0.05;  // values of the other sign
 constexpr double kOutliers = 0.002;   // at either end
 constexpr double kSmallest = 1e-30;   // scale
 constexpr double kRounding = 1e-6;    // of numbers near the center
-
-double quantile_of(const std::vector<double>& sorted, double p) {
-  return sorted[static_cast<std::size_t>(p * static_cast<double>(sorted.size() - 1))];
-}
 
 double log_deviation(const Eigen::ArrayXd& values) {
   return 0.5 * std::log((values - values.mean()).square().mean());
@@ -49,8 +46,8 @@ class Search {
  public:
   explicit Search(const std::vector<double>& sorted)
       : usual_(Eigen::Map<const Eigen::ArrayXd>(sorted.data(), std::ssize(sorted))
-                   .max(quantile_of(sorted, kOutliers))
-                   .min(quantile_of(sorted, 1.0 - kOutliers))) {}
+                   .max(lower_quantile(sorted, kOutliers))
+                   .min(lower_quantile(sorted, 1.0 - kOutliers))) {}
 
   const std::optional<Compression>& found() const { return found_; }
 
@@ -61,11 +58,11 @@ class Search {
     Eigen::ArrayXd values(std::ssize(distances));
     std::ranges::copy_if(usual_, values.begin(), [&](double v) { return v != center; });
     const double before = -log_deviation(values);
-    const double least =
-        std::max({kSmallest, kRounding * std::abs(center),
-                  distances.back() / Compression::kLargestRatio, quantile_of(distances, kStrays)});
+    const double least = std::max({kSmallest, kRounding * std::abs(center),
+                                   distances.back() / Compression::kLargestRatio,
+                                   lower_quantile(distances, kStrays)});
     for (int k = 0; k <= kHalvings; ++k) {
-      const double scale = std::max(least, quantile_of(distances, std::ldexp(1.0, -k)));
+      const double scale = std::max(least, lower_quantile(distances, std::ldexp(1.0, -k)));
       const double gain = log_likelihood(values, center, scale) - before;
       if (!(gain > best_)) continue;
       best_ = gain;
@@ -88,7 +85,7 @@ bool is_of_one_sign(const std::vector<double>& values) {
 
 bool is_wide(const std::vector<double>& magnitudes) {
   return !magnitudes.empty() &&
-         quantile_of(magnitudes, 0.95) >= kWide * quantile_of(magnitudes, 0.05);
+         lower_quantile(magnitudes, 0.95) >= kWide * lower_quantile(magnitudes, 0.05);
 }
 
 }  // namespace
@@ -97,12 +94,12 @@ std::optional<Compression> compression_of(std::vector<float> values) {
   if (values.size() < kFewestValues) return std::nullopt;
   std::ranges::sort(values);
   const std::vector<double> sorted(values.begin(), values.end());
-  const double low = quantile_of(sorted, 0.05), high = quantile_of(sorted, 0.95);
-  const double whole = quantile_of(sorted, 0.995) - quantile_of(sorted, 0.005);
+  const double low = lower_quantile(sorted, 0.05), high = lower_quantile(sorted, 0.95);
+  const double whole = lower_quantile(sorted, 0.995) - lower_quantile(sorted, 0.005);
   const bool is_heavy = whole > 0.0 && whole >= kHeavy * (high - low);
   Search search(sorted);
   if (is_heavy) {
-    for (const double center : {low, quantile_of(sorted, 0.5), high}) search.look_around(center);
+    for (const double center : {low, lower_quantile(sorted, 0.5), high}) search.look_around(center);
   }
   if (is_of_one_sign(sorted) && (is_heavy || is_wide(distances_from(0.0, sorted)))) {
     search.look_around(0.0);

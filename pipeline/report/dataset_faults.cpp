@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 
+#include "inference/diagnostics/levels.h"
 #include "inference/prior.h"
 #include "pipeline/sources/dataset_rows.h"
 #include "pipeline/store/hash.h"
@@ -41,14 +42,16 @@ struct RowsOfTheta {
 
 struct RowCopies {
   std::map<std::string, RowsOfTheta> rows;
-  std::vector<std::set<double>> values;  // different ones, of each parameter
+  std::vector<std::vector<double>> values;  // of each parameter
   Index count = 0;
 
   void observe(const Vector& theta, const Vector& x) {
     if (!x.allFinite()) return;
     ++count;
     values.resize(static_cast<std::size_t>(theta.size()));
-    for (std::size_t d = 0; d < values.size(); ++d) values[d].insert(theta(static_cast<Index>(d)));
+    for (std::size_t d = 0; d < values.size(); ++d) {
+      values[d].push_back(theta(static_cast<Index>(d)));
+    }
     RowsOfTheta& same = rows[hash_of(theta)];
     ++same.count;
     same.different.insert(hash_of(x));
@@ -63,7 +66,10 @@ struct RowCopies {
   // Of rows that were drawn by themselves: those of rounded theta may be the same, x with them.
   double expected_copies() const {
     double num_pairs = 0.5 * static_cast<double>(count) * static_cast<double>(count);
-    for (const auto& different : values) num_pairs /= static_cast<double>(different.size());
+    for (const std::vector<double>& of_one : values) {
+      const auto levels = inference::levels_of(Vector::Map(of_one.data(), std::ssize(of_one)));
+      num_pairs /= static_cast<double>(levels.size());
+    }
     return num_pairs;
   }
 
