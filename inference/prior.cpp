@@ -113,6 +113,8 @@ double Marginal::lower() const {
 
 double Marginal::upper() const { return is_unbounded() ? kInfinity : b; }
 
+bool Marginal::is_log() const { return kind == Kind::log_uniform || kind == Kind::log_normal; }
+
 bool Marginal::is_unbounded() const { return kind == Kind::normal || kind == Kind::log_normal; }
 
 std::pair<double, double> Marginal::central_range(double u) const {

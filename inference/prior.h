@@ -32,6 +32,8 @@ struct Marginal {
   double lower() const;  ///< no theta below has positive density; may be -infinity
   double upper() const;
 
+  /// Whether theta is uniform or normal in its logarithm.
+  bool is_log() const;
   /// Whether the density has no bound on at least one side.
   bool is_unbounded() const;
   /// [theta(-u), theta(u)] where it is unbounded, the bounds otherwise.

@@ -41,13 +41,12 @@ double mass_outside(const Marginal& m, const sim::Parameter& p) {
 // The rule that a marginal breaks: what it must be; "" for none.
 std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
   if (m.is_unbounded()) {
-    const bool is_log = m.kind == Marginal::Kind::log_normal;
-    const std::string form = is_log ? "[mean of log, std of log]" : "[mean, std]";
+    const std::string form = m.is_log() ? "[mean of log, std of log]" : "[mean, std]";
     if (!(m.b > 0.0)) return form + " with std > 0";
     if (!is_wide_enough(m.b, std::abs(m.a))) return form + " with std " + width_words();
     if (m.overflows()) {
       return fmt::format("{} with {} within the range of double", form,
-                         is_log ? "exp(mean +- 9 std)" : "mean +- 9 std");
+                         m.is_log() ? "exp(mean +- 9 std)" : "mean +- 9 std");
     }
     const double outside = mass_outside(m, p);
     if (outside <= kMostMassOutside) return "";

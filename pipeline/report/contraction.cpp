@@ -19,16 +19,11 @@ Vector quantiles_of(const inference::Marginal& marginal) {
 
 double deviation(const ReportData& data, Index d, const Vector& theta) {
   const bool takes_log =
-      is_log(data.plan.study.prior[static_cast<std::size_t>(d)]) && !(data.period_of(d) > 0.0);
+      data.plan.study.prior[static_cast<std::size_t>(d)].is_log() && !(data.period_of(d) > 0.0);
   return data.summary_of(d, takes_log ? Vector(theta.array().log()) : theta).std;
 }
 
 }  // namespace
-
-bool is_log(const inference::Marginal& marginal) {
-  using Kind = inference::Marginal::Kind;
-  return marginal.kind == Kind::log_uniform || marginal.kind == Kind::log_normal;
-}
 
 double prior_deviation(const ReportData& data, Index d) {
   return deviation(data, d, quantiles_of(data.plan.study.prior[static_cast<std::size_t>(d)]));

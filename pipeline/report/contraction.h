@@ -8,9 +8,6 @@
 
 namespace npdr::pipeline {
 
-/// The prior is uniform or normal in the logarithm.
-bool is_log(const inference::Marginal& marginal);
-
 /// Deviation of parameter d under the prior.
 double prior_deviation(const ReportData& data, Index d);
 

@@ -8,7 +8,6 @@
 #include "analysis/figure.h"
 #include "analysis/pair_plot.h"
 #include "analysis/quantiles.h"
-#include "pipeline/report/contraction.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
 
@@ -17,7 +16,7 @@ namespace {
 
 // Values of a parameter as they are drawn; NaN where a log has none.
 Vector drawn(const inference::Marginal& m, const Vector& values) {
-  return is_log(m) ? Vector(values.array().log10()) : values;
+  return m.is_log() ? Vector(values.array().log10()) : values;
 }
 
 // Where the methods' samples are, within the prior; an unbounded one is shown over three
@@ -40,7 +39,7 @@ analysis::PairParameter axis_of(const analysis::PairPlot& plot, const inference:
   range = range.widened(0.15);
   const double lower = std::clamp(range.lower, ends(0), ends(1));
   const double upper = std::clamp(range.upper, ends(0), ends(1));
-  const std::string label = is_log(m) ? "log₁₀ " + m.name : m.name;
+  const std::string label = m.is_log() ? "log₁₀ " + m.name : m.name;
   if (!(lower < upper)) return {label, m.unit, ends(0), ends(1)};
   return {label, m.unit, lower, upper};
 }
