@@ -181,12 +181,19 @@ class EachCall : public Faults, public ::testing::WithParamInterface<CallAndErro
            message.find("recording.h5") != std::string::npos;
   }
 
-  // The one of a stage that is made in the shortest time.
-  static Artefact quick(const std::string& stage) {
-    const std::vector<Artefact> all = folder_->artefacts_of(stage);
-    const auto found = std::ranges::find_if(
-        all, [](const Artefact& a) { return a.label.find("ABC") != std::string::npos; });
-    return found == all.end() ? all.back() : *found;
+  // Of each stage the artefact that is made in the shortest time.
+  static std::vector<Artefact> quickest() {
+    const std::vector<Artefact> all = folder_->artefacts();
+    std::vector<Artefact> chosen;
+    for (const std::string stage :
+         {"target", "propose", "simulate", "infer", "baseline", "evaluate", "diagnose"}) {
+      const auto is_quick = [&](const Artefact& a) {
+        const bool has_methods = stage != "target" && stage != "baseline";
+        return a.stage == stage && (!has_methods || a.label.find("ABC") != std::string::npos);
+      };
+      chosen.push_back(*std::ranges::find_if(all, is_quick));
+    }
+    return chosen;
   }
 
   static std::string content(const Artefact& artefact) {
@@ -238,12 +245,11 @@ class EachCall : public Faults, public ::testing::WithParamInterface<CallAndErro
 
 TEST_P(EachCall, ThatFailsIsReportedOrDoesNoHarm) {
   fmt::print("{}\n", Fates::title());
+  const std::vector<Artefact> artefacts = quickest();
   Fates all;
   for (const int error : GetParam().errors) {
     Fates fates;
-    for (const std::string stage :
-         {"target", "propose", "simulate", "infer", "baseline", "evaluate", "diagnose"}) {
-      const Artefact artefact = quick(stage);
+    for (const Artefact& artefact : artefacts) {
       for (int n = 1; fail(artefact, GetParam().call, error, n, fates);) n = next(n);
     }
     const std::string name = error == 0 ? "half" : strerrorname_np(error);

@@ -20,7 +20,7 @@ inline std::string fault_study() {
       .with("observation_noise", {"scale = 0.1"})
       .with("simulate", {"shard_size = 64"})
       .method("MAF", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 200", embedding,
-                      kSmallFlow, "training = { max_epochs = 300, stop_after_epochs = 300 }"})
+                      kSmallFlow, "training = { max_epochs = 100, stop_after_epochs = 100 }"})
       .method("MoG", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 200", embedding,
                       kSmallMixture, "training = { max_epochs = 40 }"})
       .method("ABC", {"algorithm = \"abc_smc\"", "num_rounds = 2", "num_simulations = 200",
