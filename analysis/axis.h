@@ -1,18 +1,18 @@
 /// Axes with few ticks, for panels that have little room.
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/types.h"
 
 namespace npdr::analysis {
 
 /// Range of the values that were added; those that aren't finite don't count.
 struct Range {
-  double lower = std::numeric_limits<double>::infinity();
-  double upper = -std::numeric_limits<double>::infinity();
+  double lower = kInfinity;
+  double upper = -kInfinity;
 
   void add(double value);
   void add(const Eigen::Ref<const Vector>& values);

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -83,7 +83,7 @@ class Search {
     }
     num_evaluations_ += points.rows();
     for (double& v : values) {
-      if (!std::isfinite(v)) v = std::numeric_limits<double>::infinity();
+      if (!std::isfinite(v)) v = kInfinity;
     }
     return values;
   }

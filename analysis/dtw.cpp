@@ -5,16 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::analysis {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Replaces column j - 1 of D by column j, for kLanes stepped series at once.
 //   held (n, channels): the series along the column, the same for every lane

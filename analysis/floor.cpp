@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <nlopt.hpp>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::analysis {
@@ -27,7 +27,7 @@ void check(const FloorConfig& config) {
 }
 
 // The prior's box and the map from the unit cube, where the searches live, to it.
-struct Box {
+struct Bounds {
   const Vector& lower;
   const Vector& upper;
 
@@ -158,13 +158,13 @@ DifferentialEvolutionConfig global_config(const FloorConfig& config, Index resta
 FloorResult find_floor(const BatchObjective& objective, const Vector& lower, const Vector& upper,
                        const RowMatrix& starting_points, const FloorConfig& config) {
   check(config);
-  const Box box{lower, upper};
+  const Bounds box{lower, upper};
   box.check(starting_points);
   const BatchObjective in_unit_cube = [&](const RowMatrix& unit) {
     return objective(box.to_theta(unit));
   };
   FloorResult result;
-  result.value = std::numeric_limits<double>::infinity();
+  result.value = kInfinity;
   result.restart_values = Vector::Constant(config.num_restarts, result.value);
   for (Index r = 0; r < config.num_restarts; ++r) {
     const RowMatrix start = r == 0 ? box.to_unit(starting_points) : RowMatrix();

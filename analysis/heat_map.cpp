@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analysis/figure_layout.h"
 #include "analysis/number_text.h"
+#include "core/constants.h"
 
 namespace npdr::analysis {
 namespace {
@@ -30,7 +30,7 @@ Axis cell_axis(const GridAxis& grid, double room) {
 // Position of a value among the cells; NaN outside of the points.
 double position(const Vector& points, double value) {
   const Index last = points.size() - 1;
-  if (value < points(0) || value > points(last)) return std::numeric_limits<double>::quiet_NaN();
+  if (value < points(0) || value > points(last)) return kNaN;
   Index i = 0;
   while (i < last && points(i + 1) < value) ++i;
   if (i == last) return static_cast<double>(i);

@@ -4,17 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "analysis/dtw.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
 namespace npdr::analysis {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<Index> select_channels(const Target& target, const std::vector<Index>& wanted) {
   const Index count = target.num_states();

@@ -1,6 +1,6 @@
 #include "analysis/path_plot.h"
 
-#include <limits>
+#include "core/constants.h"
 
 namespace npdr::analysis {
 namespace {
@@ -25,7 +25,7 @@ DataTable table_of(const PathPlot& plot, const std::string& name,
                         plot.name, line.rows(), line.cols());
     count += line.rows() + (are_closed ? 2 : 1);
   }
-  RowMatrix points = RowMatrix::Constant(count, 2, std::numeric_limits<double>::quiet_NaN());
+  RowMatrix points = RowMatrix::Constant(count, 2, kNaN);
   Index row = 0;
   for (const RowMatrix& line : lines) {
     points.middleRows(row, line.rows()) = line;

@@ -4,18 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string_view>
 
 #include "analysis/ensembles.h"
 #include "analysis/quantiles.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
 namespace npdr::analysis {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void check_shape(const RowMatrix& found, Index rows, Index cols, std::string_view name) {
   if (found.rows() == rows && found.cols() == cols) return;

@@ -2,8 +2,9 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "core/constants.h"
 
 namespace npdr {
 namespace {
@@ -64,8 +65,8 @@ double log_normal_density(double u) {
 double normal_cdf(double u) { return 0.5 * std::erfc(-u / std::numbers::sqrt2); }
 
 double normal_quantile(double p) {
-  if (p <= 0.0) return -std::numeric_limits<double>::infinity();
-  if (p >= 1.0) return std::numeric_limits<double>::infinity();
+  if (p <= 0.0) return -kInfinity;
+  if (p >= 1.0) return kInfinity;
   const double q = p - 0.5;
   if (std::abs(q) <= 0.425) {
     const double r = 0.180625 - q * q;

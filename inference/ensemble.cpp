@@ -1,9 +1,9 @@
 #include "inference/ensemble.h"
 
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -63,7 +63,7 @@ void LogMeanExp::add(const VectorF& values) {
   const VectorF sum =
       (larger == smaller)
           .select(larger + std::log(2.0f), larger + (smaller - larger).exp().log1p());
-  log_sum_ = is_nan.select(std::numeric_limits<float>::quiet_NaN(), sum.array()).eval();
+  log_sum_ = is_nan.select(kFloatNaN, sum.array()).eval();
 }
 
 VectorF LogMeanExp::result() const {

@@ -1,9 +1,9 @@
 #include "inference/kernel_density.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "inference/estimators/gaussian_mixture.h"
@@ -70,7 +70,7 @@ Vector KernelDensity::log_prob(const RowMatrix& points) const {
   Vector result(points.rows());
   parallel_for(points.rows(), [&](Index i) {
     if (!points.row(i).allFinite()) {
-      result(i) = -std::numeric_limits<double>::infinity();
+      result(i) = -kInfinity;
       return;
     }
     const Vector at = whitened(points.row(i));

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/constants.h"
+
 namespace npdr::inference {
 namespace {
 
@@ -45,20 +47,19 @@ ParetoTail fit_pareto_tail(const Vector& excess) {
 }
 
 double pareto_k(const Vector& weights) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   const auto n = static_cast<double>(weights.size());
   const auto tail = static_cast<Index>(std::ceil(std::min(0.2 * n, 3.0 * std::sqrt(n))));
-  if (tail < kFewest || tail >= weights.size()) return infinity;
+  if (tail < kFewest || tail >= weights.size()) return kInfinity;
   std::vector<double> sorted(weights.begin(), weights.end());
   std::ranges::sort(sorted);
   const double threshold = sorted[sorted.size() - static_cast<std::size_t>(tail) - 1];
-  if (!(sorted.back() > 0.0)) return infinity;
+  if (!(sorted.back() > 0.0)) return kInfinity;
   const Vector excess =
       Eigen::Map<const Vector>(sorted.data(), std::ssize(sorted)).tail(tail).array() - threshold;
   constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
-  if (excess(tail - 1) <= rounding * sorted.back()) return -infinity;  // they all weigh the same
+  if (excess(tail - 1) <= rounding * sorted.back()) return -kInfinity;  // they all weigh the same
   const double k = fit_pareto_tail(excess).k;
-  return std::isfinite(k) ? k : infinity;
+  return std::isfinite(k) ? k : kInfinity;
 }
 
 }  // namespace npdr::inference

@@ -1,10 +1,10 @@
 /// A posterior p(theta | x_o), whatever method made it.
 #pragma once
 
-#include <limits>
 #include <memory>
 #include <optional>
 
+#include "core/constants.h"
 #include "core/random.h"
 #include "core/types.h"
 #include "inference/prior.h"
@@ -17,7 +17,7 @@ struct SamplerReport {
   Vector ess;    ///< (D) effective sample sizes of the chains; (1) that of importance weights
   Index num_evaluations = 0;  ///< of the density
   /// log Z [nats], which relative_log_prob() lacks, by the weights of the candidates; NaN: unknown.
-  double log_normalizer = std::numeric_limits<double>::quiet_NaN();
+  double log_normalizer = kNaN;
 };
 
 /// Samples of a posterior, and how good they are where that isn't certain.

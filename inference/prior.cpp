@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/normal.h"
 #include "inference/standard_normal.h"
@@ -13,7 +14,6 @@
 namespace npdr::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Probabilities stay this far from 0 and 1, so that u stays finite (|u| < 8.3).
 constexpr double kSmallestProbability = 0x1p-53;
 constexpr double kSmallestPositive = std::numeric_limits<double>::min();
@@ -96,7 +96,7 @@ double to_normal(const Marginal& m, double theta) {
 }
 
 double to_theta(const Marginal& m, double u) {
-  if (!std::isfinite(u)) return std::numeric_limits<double>::quiet_NaN();  // not the border
+  if (!std::isfinite(u)) return kNaN;  // not the border
   if (m.kind == Marginal::Kind::normal) return m.a + m.b * u;
   if (m.kind == Marginal::Kind::log_normal) {
     return std::clamp(std::exp(m.a + m.b * u), kSmallestPositive, kLargest);

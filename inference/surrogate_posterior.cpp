@@ -3,9 +3,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/direct_posterior.h"
 #include "inference/ensemble.h"
@@ -20,8 +20,7 @@ namespace {
 // exp(log_weights), the largest 1; NaN, which a network may say far from what it knows, counts as
 // 0.
 Vector weights_of(Vector log_weights) {
-  log_weights = log_weights.array().isNaN().select(-std::numeric_limits<double>::infinity(),
-                                                   log_weights.array());
+  log_weights = log_weights.array().isNaN().select(-kInfinity, log_weights.array());
   const double largest = log_weights.maxCoeff();
   if (!std::isfinite(largest)) throw Error("posterior: its density is 0 or infinite throughout");
   return (log_weights.array() - largest).exp();

@@ -1,9 +1,9 @@
 #include "sim/channel_errors.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/normal.h"
 
 namespace npdr::sim {
@@ -53,7 +53,7 @@ Eigen::ArrayXd scores(const ChannelNoise& noise, const NoiseValues& values,
 double ChannelIntegrand::operator()(const Vector& z) const {
   const double value = log_density(noise_, errors_, transform_.values(z)) - 0.5 * z.squaredNorm() -
                        0.5 * static_cast<double>(z.size()) * kLogTwoPi;
-  return std::isnan(value) ? -std::numeric_limits<double>::infinity() : value;
+  return std::isnan(value) ? -kInfinity : value;
 }
 
 Vector guess_of(const ChannelNoise& noise, double size, double correlation) {

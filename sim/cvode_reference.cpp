@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::sim {
@@ -62,7 +62,7 @@ void CvodeReference::integrate(Index first, Index last, const double* y) {
   for (Index t = first; t < last; ++t) {
     problem_.begin_step(t);
     alive = alive && advance();
-    if (!alive) std::fill_n(state, problem_.num_states(), std::numeric_limits<double>::quiet_NaN());
+    if (!alive) std::fill_n(state, problem_.num_states(), kNaN);
     broadcast(state);
     problem_.end_step(t, lanes_.data());
   }

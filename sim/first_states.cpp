@@ -3,9 +3,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::sim {
@@ -168,7 +168,7 @@ double FirstStateErrors::log_density(const std::vector<NoiseValues>& values) con
   for (Index s = 0; s < num_segments(); ++s) {
     const Gaussian first = gaussian(s, values, &squares);
     const Eigen::LLT<Eigen::MatrixXd> factor(first.precision);
-    if (factor.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+    if (factor.info() != Eigen::Success) return kNaN;
     const Vector half = factor.matrixL().solve(first.shift);
     sum += 0.5 * half.squaredNorm() - factor.matrixLLT().diagonal().array().log().sum();
   }

@@ -7,7 +7,8 @@
 
 #include <bit>
 #include <cstdint>
-#include <limits>
+
+#include "core/constants.h"
 
 namespace npdr::sim {
 
@@ -66,8 +67,7 @@ inline double expm1_polynomial(double z) {
 /// Sine and cosine of x [rad] to about 1 ulp for |x| <= kLargestAngle; NaN beyond and for NaN.
 inline SinCos lane_sincos(double x) {
   using namespace detail;
-  const double angle =
-      ((x <= kLargestAngle) & (x >= -kLargestAngle)) ? x : std::numeric_limits<double>::quiet_NaN();
+  const double angle = ((x <= kLargestAngle) & (x >= -kLargestAngle)) ? x : kNaN;
   // Cody and Waite: x = n pi/2 + hi + lo. The first two parts of pi/2 have 33 bits, so that their
   // products with n < 2^20 are exact; the third has the next 53.
   const double shifted = angle * 6.36619772367581382433e-01 + kRoundToInteger;
@@ -110,7 +110,7 @@ inline double lane_exp(double x) {
   const double c = r - r * r * expm1_polynomial(r * r);
   const double value = 1.0 - ((lo - r * c / (2.0 - c)) - hi);
   const double scaled = value * bits_to_double((double_to_bits(shifted) + 1023) << 52);
-  return x < -708.0 ? 0.0 : (x > 709.0 ? std::numeric_limits<double>::infinity() : scaled);
+  return x < -708.0 ? 0.0 : (x > 709.0 ? kInfinity : scaled);
 }
 
 /// Hyperbolic tangent to within 4 ulp, NaN for NaN.

@@ -3,14 +3,13 @@
 #include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 
+#include "core/constants.h"
+
 namespace npdr::sim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // First and second derivatives of f, by differences.
 struct Curve {

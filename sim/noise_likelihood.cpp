@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "sim/channel_errors.h"
 #include "sim/noise_integral.h"
@@ -13,7 +13,6 @@
 namespace npdr::sim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 
 // log of density times prior over the unknown parameters of all channels, one after the other,

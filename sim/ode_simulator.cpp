@@ -1,8 +1,8 @@
 #include "sim/ode_simulator.h"
 
 #include <algorithm>
-#include <limits>
 
+#include "core/constants.h"
 #include "sim/batch_integrator.h"
 #include "sim/ode_policy_task.h"
 #include "sim/replay.h"
@@ -39,7 +39,7 @@ Trajectories OdeSimulator::replay(const Target& target, const RowMatrix& theta) 
     RolloutStatus& status = result.status[static_cast<std::size_t>(i)];
     if (status != RolloutStatus::ok || is_possible(theta.row(i), info_)) continue;
     status = RolloutStatus::out_of_limits;
-    std::ranges::fill(result.row(i), std::numeric_limits<float>::quiet_NaN());
+    std::ranges::fill(result.row(i), kFloatNaN);
   }
   return result;
 }

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "sim/simulator.h"
@@ -22,7 +22,7 @@ void check_width(const PolicyTaskInfo& info, const RowMatrix& policies) {
 
 void PolicyRollouts::resize(Index rows) {
   const auto n = static_cast<std::size_t>(rows);
-  returns.setConstant(rows, std::numeric_limits<double>::quiet_NaN());
+  returns.setConstant(rows, kNaN);
   num_steps.assign(n, 0);
   success.assign(n, 0);
   status.assign(n, RolloutStatus::ok);

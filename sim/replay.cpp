@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "sim/row_batches.h"
@@ -29,7 +30,7 @@ void mark_failures(const std::vector<std::uint8_t>& failed, Trajectories& result
     const auto begin = failed.begin() + i * result.num_rollouts;
     if (std::none_of(begin, begin + result.num_rollouts, [](auto f) { return f != 0; })) continue;
     result.status[static_cast<std::size_t>(i)] = RolloutStatus::diverged;
-    std::ranges::fill(result.row(i), std::numeric_limits<float>::quiet_NaN());
+    std::ranges::fill(result.row(i), kFloatNaN);
   }
 }
 

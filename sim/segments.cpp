@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
+
 namespace npdr::sim {
 
 Segments cut(const Target& target, Index segment_length) {
@@ -53,7 +55,7 @@ void store_states(const Segments& segments, const double* states, Index store_ev
 }
 
 void lose_row(Index i, RolloutStatus status, Trajectories& result) {
-  std::ranges::fill(result.row(i), std::numeric_limits<float>::quiet_NaN());
+  std::ranges::fill(result.row(i), kFloatNaN);
   result.status[static_cast<std::size_t>(i)] = status;
 }
 

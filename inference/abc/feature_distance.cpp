@@ -1,10 +1,10 @@
 #include "inference/abc/feature_distance.h"
 
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/matrix_features.h"
 #include "inference/row_blocks.h"
@@ -55,7 +55,7 @@ Vector mean_feature_distances(const RowMatrixF& x, const FeatureTransform& trans
                      std::sqrt(static_cast<double>(num_varying));
   for (Index i = 0; i < x.rows(); ++i) {
     if (num_varying == 0 || !x.row(i).allFinite()) {
-      distances(i) = std::numeric_limits<double>::quiet_NaN();
+      distances(i) = kNaN;
     }
   }
   return distances;

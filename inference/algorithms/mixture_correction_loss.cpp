@@ -1,7 +1,8 @@
 #include "inference/algorithms/mixture_correction_loss.h"
 
 #include <cmath>
-#include <limits>
+
+#include "core/constants.h"
 
 namespace npdr::inference {
 namespace {
@@ -21,7 +22,7 @@ MixtureCorrection::MixtureCorrection(const GaussianMixture& proposal)
   inverse_factor_.resize(index(d * d));
   blocks_.resize(index((proposal.num_components() + kLanes - 1) / kLanes));
   for (Block& block : blocks_) {
-    block.log_constant.setConstant(-std::numeric_limits<double>::infinity());
+    block.log_constant.setConstant(-kInfinity);
     block.precision_minus_identity.assign(index(d * d), Lanes::Zero());
     block.precision_times_mean.assign(index(d), Lanes::Zero());
   }

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/matrix_blocking.h"
 #include "inference/estimators/dense.h"
@@ -115,7 +115,7 @@ void MlpClassifier::train(const RowMatrixF& x, const VectorF& classes, const Str
   Scratch scratch;
   RowMatrixF batch;
   VectorF batch_classes;
-  double smallest = std::numeric_limits<double>::infinity();
+  double smallest = kInfinity;
   Index epochs_without_improvement = 0;
   for (Index epoch = 1; epoch <= config_.max_epochs; ++epoch) {
     const auto order = Stream(of_epoch(id, epoch)).permutation(static_cast<std::uint32_t>(n));

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/uniformity.h"
@@ -132,8 +132,7 @@ OutOfDistribution test_out_of_distribution(const UsualFeatures& usual, const Vec
   result.num_reference = usual.distances.rows();
   result.mahalanobis = judge(usual.distances.col(0), observed(0, 0));
   const bool leaves = impossible_feature(usual, x_o).has_value();
-  result.residual = judge(usual.distances.col(1),
-                          leaves ? std::numeric_limits<double>::infinity() : observed(0, 1));
+  result.residual = judge(usual.distances.col(1), leaves ? kInfinity : observed(0, 1));
   result.nearest = judge(usual.distances.col(2), observed(0, 2));
   result.p_value = corrected(
       std::min({result.mahalanobis.p_value, result.residual.p_value, result.nearest.p_value}), 3);

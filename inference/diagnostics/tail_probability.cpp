@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/pareto_tail.h"
 
@@ -43,8 +43,7 @@ double fewest_expected(Index count) {
 double tail_probability(const Vector& reference, double observed) {
   constexpr Index fewest_above = 10;
   if (reference.size() < 1) throw InputError("tail probability: no reference values");
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const auto numbered = [](double value) { return std::isnan(value) ? infinity : value; };
+  const auto numbered = [](double value) { return std::isnan(value) ? kInfinity : value; };
   Vector sorted = reference.unaryExpr(numbered);
   std::sort(sorted.begin(), sorted.end(), std::greater<>());
   const double value = numbered(observed);

@@ -4,9 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
+
+#include "core/constants.h"
 
 namespace npdr::inference {
 
@@ -93,7 +94,7 @@ GaussianMixture corrected_for_proposal(const GaussianMixture& mixture,
   for (Index k = 0; k < mixture.num_components(); ++k) {
     const auto i = static_cast<std::size_t>(k);
     if (mixture.log_weights(k) < std::log(kLeastDividedWeight)) {
-      result.log_weights(k) = -std::numeric_limits<double>::infinity();
+      result.log_weights(k) = -kInfinity;
       continue;
     }
     const Surplus surplus = surplus_of(mixture.precision(k), mixture.means[i], other, other_mean);

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "core/constants.h"
 
 namespace npdr::inference {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Coordinate d of every half of a chain: (n, 2 C), a half a column. An odd draw in the middle is
 // left out.
@@ -53,7 +52,7 @@ double effective_size(const Eigen::MatrixXd& halves) {
   const auto correlation = [&](Index lag) {
     return 1.0 - (v.within - autocovariance(centered, lag) * n / (n - 1.0)) / v.total;
   };
-  double sum = 0.0, pair_before = std::numeric_limits<double>::infinity();
+  double sum = 0.0, pair_before = kInfinity;
   for (Index t = 0; t + 1 < halves.rows(); t += 2) {
     const double pair = (t == 0 ? 1.0 : correlation(t)) + correlation(t + 1);
     if (!(pair > 0.0)) break;

@@ -3,10 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/matrix_blocking.h"
 #include "core/parallel.h"
@@ -168,9 +168,9 @@ Vector FlowReference::log_density(const RowMatrix& u) const {
     const Vector tail = log_tail(v);
     for (Index i = 0; i < count; ++i) {
       const auto value = static_cast<double>(log_prob(i));
-      const double flow = std::isfinite(value) ? value : -std::numeric_limits<double>::infinity();
+      const double flow = std::isfinite(value) ? value : -kInfinity;
       const double both = log_mixture(flow, tail(i)) - log_det;
-      result(first + i) = std::isfinite(both) ? both : -std::numeric_limits<double>::infinity();
+      result(first + i) = std::isfinite(both) ? both : -kInfinity;
     }
   });
   return result;

@@ -1,8 +1,8 @@
 // Of ImportanceSampler: the draws that it gives.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/pareto_tail.h"
 #include "inference/samplers/importance_sampler.h"
@@ -30,7 +30,7 @@ ImportanceSample ImportanceSampler::draws_of_pool(std::size_t num_levels, double
 }
 
 Vector ImportanceSampler::best_point() const {
-  double highest = -std::numeric_limits<double>::infinity();
+  double highest = -kInfinity;
   Vector best;
   for (const ImportanceLevel& level : state_.levels) {
     for (Index i = 0; i < level.log_likelihood.size(); ++i) {

@@ -2,9 +2,9 @@
 // densities.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "core/constants.h"
 #include "inference/samplers/importance_sampler.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/standard_normal.h"
@@ -87,14 +87,13 @@ ImportanceSampler::Pool ImportanceSampler::pool(std::size_t num_levels) const {
 // levels wouldn't be kept.
 bool ImportanceSampler::has_enough_points(const Pool& pool) const {
   const bool is_full = std::ssize(state_.levels) >= num_kept_levels();
-  return (pool.log_likelihood.array() > -std::numeric_limits<double>::infinity()).count() >=
+  return (pool.log_likelihood.array() > -kInfinity).count() >=
          (is_full ? kFewestOfAll : kFewestPoints);
 }
 
 // The largest power at which the points are worth enough.
 double ImportanceSampler::choose_power(const Pool& pool) const {
-  const auto possible =
-      (pool.log_likelihood.array() > -std::numeric_limits<double>::infinity()).count();
+  const auto possible = (pool.log_likelihood.array() > -kInfinity).count();
   const double wanted =
       kWantedShare * static_cast<double>(std::min<Index>(config_.level_size, possible));
   return largest_power(0.0, state_.wanted_power, [&](double power) {

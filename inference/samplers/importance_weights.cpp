@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "core/constants.h"
 
 namespace npdr::inference {
 namespace {
 
-constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
-
-bool is_number(double log) { return log < std::numeric_limits<double>::infinity(); }
+bool is_number(double log) { return log < kInfinity; }
 
 }  // namespace
 
@@ -18,13 +17,13 @@ Vector log_sum(std::span<const Vector> terms) {
   for (const Vector& term : terms) largest = largest.cwiseMax(term);
   Vector sum = Vector::Zero(largest.size());
   for (const Vector& term : terms) {
-    sum.array() += (largest.array() > kMinusInfinity).select((term - largest).array().exp(), 0.0);
+    sum.array() += (largest.array() > -kInfinity).select((term - largest).array().exp(), 0.0);
   }
   return largest.array() + sum.array().log();
 }
 
 double largest_number(const Vector& logs) {
-  double largest = kMinusInfinity;
+  double largest = -kInfinity;
   for (const double value : logs) {
     if (is_number(value)) largest = std::max(largest, value);
   }
@@ -32,13 +31,13 @@ double largest_number(const Vector& logs) {
 }
 
 Vector numbers(const Vector& logs) {
-  return logs.unaryExpr([](double log) { return is_number(log) ? log : kMinusInfinity; });
+  return logs.unaryExpr([](double log) { return is_number(log) ? log : -kInfinity; });
 }
 
 Vector exponentials(const Vector& logs) {
   const double largest = largest_number(logs);
   Vector result = Vector::Zero(logs.size());
-  for (Index i = 0; i < logs.size() && largest > kMinusInfinity; ++i) {
+  for (Index i = 0; i < logs.size() && largest > -kInfinity; ++i) {
     if (is_number(logs(i))) result(i) = std::exp(logs(i) - largest);
   }
   return result;

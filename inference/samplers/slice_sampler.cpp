@@ -3,10 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::inference {
@@ -16,9 +16,7 @@ constexpr double kFirstWidth = 1.0;  // of an interval, in deviations of the pri
 constexpr int kMostSteps = 40;       // of stepping out, to both sides together
 constexpr int kMostShrinks = 200;    // an interval of 1e-60 of its width: the density is broken
 
-double finite_or_never(double log_p) {
-  return std::isnan(log_p) ? -std::numeric_limits<double>::infinity() : log_p;
-}
+double finite_or_never(double log_p) { return std::isnan(log_p) ? -kInfinity : log_p; }
 
 // One chain: where it is, and what it is doing along the current direction.
 class Chain {
@@ -127,7 +125,7 @@ class Population {
     const Vector log_p = log_density_(start);
     num_points_ += start.rows();
     for (Index c = 0; c < start.rows(); ++c) {
-      if (!(log_p(c) > -std::numeric_limits<double>::infinity())) {
+      if (!(log_p(c) > -kInfinity)) {
         throw InputError("slice sampler: chain " + std::to_string(c) +
                          " would begin where the density is 0; choose another start");
       }

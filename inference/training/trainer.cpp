@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/flush_subnormals.h"
 
@@ -145,7 +145,7 @@ void train(Objective& objective, const TrainingConfig& config, const StreamId& i
     state.best_parameters = state.parameters;
     state.best_validation_loss = validate(objective, config, split, state.parameters);
     if (!std::isfinite(state.best_validation_loss)) {
-      state.best_validation_loss = std::numeric_limits<double>::infinity();
+      state.best_validation_loss = kInfinity;
     }
   } else {
     optimizer.set_state(state.adam);

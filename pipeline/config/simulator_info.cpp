@@ -1,8 +1,8 @@
 #include "pipeline/config/simulator_info.h"
 
 #include <algorithm>
-#include <limits>
 
+#include "core/constants.h"
 #include "core/feature_names.h"
 #include "pipeline/config/library_config.h"
 #include "sim/library/library_simulator.h"
@@ -10,13 +10,10 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
 sim::Parameter described(const DescribedParameter& c) {
   return {c.name,
           c.unit,
-          c.nominal.value_or(kUnknown),
+          c.nominal.value_or(kNaN),
           c.lower.value_or(-kInfinity),
           c.upper.value_or(kInfinity),
           c.description,

@@ -11,9 +11,8 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
 #include "analysis/pair_plot.h"
+#include "core/constants.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/choice_field.h"
 #include "pipeline/config/constraint.h"
@@ -33,7 +32,7 @@ inline constexpr double kMaxSeries = 1e6;
 /// > 0 and <= 1.
 /// [median, deviation] of noise, the median above `low` and below `high`, the deviation > 0.
 Constraint<std::vector<double>> noise_prior(double low, const std::string& name,
-                                            double high = std::numeric_limits<double>::infinity());
+                                            double high = kInfinity);
 Constraint<double> correlation_constraint();
 Constraint<double> degrees_constraint();
 Constraint<double> quantile_constraint();

@@ -1,9 +1,9 @@
 #include "pipeline/features/simulation_distances.h"
 
 #include <cmath>
-#include <limits>
 
 #include "analysis/metrics.h"
+#include "core/constants.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
@@ -52,9 +52,7 @@ Vector metric_distances(const Plan& plan, const Node& node, const Target& target
     distances.segment(begin, count) = is_dtw ? metrics.dtw(view) : metrics.rmse(view);
     progress.update(begin + count);
   }
-  const auto failed = [](double d) {
-    return std::isfinite(d) ? d : std::numeric_limits<double>::infinity();
-  };
+  const auto failed = [](double d) { return std::isfinite(d) ? d : kInfinity; };
   return distances.unaryExpr(failed);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/scatter.h"
+#include "core/constants.h"
 #include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
@@ -24,7 +25,6 @@ constexpr double kFewestCounts = 4.0;    // of an encoder, that are a leap
 constexpr double kLargestScatter = 0.5;
 // Samples by which filtered rates usually lag: they count where a rollout has few.
 constexpr double kUsualLag = 10.0;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double quantile(std::vector<double> values, double level) {
   const double last = static_cast<double>(values.size() - 1);

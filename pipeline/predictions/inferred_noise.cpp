@@ -1,7 +1,8 @@
 #include "pipeline/predictions/inferred_noise.h"
 
 #include <algorithm>
-#include <limits>
+
+#include "core/constants.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -13,8 +14,7 @@ RowMatrix values_of(double sim::NoiseValues::*parameter, const NoiseOfSamples& n
     const auto row = static_cast<std::size_t>(i);
     const bool has_failed = seen.status[row] != sim::RolloutStatus::ok;
     for (Index c = 0; c < values.cols(); ++c) {
-      values(i, c) = has_failed ? std::numeric_limits<double>::quiet_NaN()
-                                : noise[row][static_cast<std::size_t>(c)].*parameter;
+      values(i, c) = has_failed ? kNaN : noise[row][static_cast<std::size_t>(c)].*parameter;
     }
   }
   return values;

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "analysis/interval_plot.h"
+#include "core/constants.h"
 #include "core/feature_names.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
@@ -39,7 +40,7 @@ Surprise surprise_of(const ReportData& data, const std::string& method) {
     const auto place = [&](double value) { return std::clamp((value - x_o) / unit, -kFar, kFar); };
     surprise.size(f) = std::abs((summary.mean - x_o) / unit);
     if (!std::isfinite(surprise.size(f))) {  // no rollout succeeded
-      surprise.size(f) = std::numeric_limits<double>::infinity();
+      surprise.size(f) = kInfinity;
     }
     surprise.quantiles.row(f) = interval_quantiles(x).unaryExpr(place);
   }

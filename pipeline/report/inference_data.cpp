@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 
 #include "core/atomic_file.h"
+#include "core/constants.h"
 #include "inference/particle_posterior.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/report/inference_chains.h"
@@ -36,8 +36,7 @@ void write_parameters(NetcdfGroup& group, const std::vector<inference::Marginal>
     const auto column = [&](const T& one) {
       return chain_of(one.theta.col(static_cast<Index>(d)));
     };
-    constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    group.variable(prior[d].name, kOfDraws, joined(chains, count, none, column), prior[d].unit);
+    group.variable(prior[d].name, kOfDraws, joined(chains, count, kNaN, column), prior[d].unit);
   }
 }
 
@@ -55,10 +54,9 @@ void write_weighted(const Plan& plan, const Chains& chains, h5::File& file) {
   NetcdfGroup weighted = make_group(file, "weighted_posterior", chains.seeds, most);
   write_parameters(weighted, plan.study.prior, parts, most);
   weighted.variable("log_weight", kOfDraws,
-                    joined(parts, most, -std::numeric_limits<double>::infinity(),
-                           [](const inference::ParticleParts& part) {
-                             return chain_of((part.weights / part.weights.sum()).array().log());
-                           }));
+                    joined(parts, most, -kInfinity, [](const inference::ParticleParts& part) {
+                      return chain_of((part.weights / part.weights.sum()).array().log());
+                    }));
 }
 
 void write_sample_stats(const Chains& chains, h5::File& file) {

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
+#include "core/constants.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
 #include "pipeline/report/verdicts.h"
@@ -18,7 +18,7 @@ bool any_was_sampled(const ReportData& data) {
 // The worst of all parameters; NaN, in which chains were too short to say, is worst.
 Cell worst(const Vector& values, double sign) {
   if (values.size() == 0) return {};
-  if (values.hasNaN()) return std::numeric_limits<double>::quiet_NaN();
+  if (values.hasNaN()) return kNaN;
   return sign * (sign * values).maxCoeff();
 }
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "pipeline/sources/lost_numbers.h"
 #include "pipeline/sources/precision.h"
@@ -28,7 +28,7 @@ sim::Trajectories as_simulated(const inference::Prior& prior, const RowMatrix& t
       status = sim::RolloutStatus::diverged;
     }
     if (status == sim::RolloutStatus::ok) continue;
-    std::ranges::fill(row, std::numeric_limits<float>::quiet_NaN());
+    std::ranges::fill(row, kFloatNaN);
   }
   return result;
 }

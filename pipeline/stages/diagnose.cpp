@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/diagnostics/calibration.h"
 #include "pipeline/artefacts/diagnosis_checkpoint.h"
@@ -212,7 +212,7 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
 
 // A posterior whose samples can't be simulated doesn't predict what was observed.
 PredictiveResult without_predictions(PredictiveResult result) {
-  result.median.setConstant(result.observed.size(), std::numeric_limits<double>::quiet_NaN());
+  result.median.setConstant(result.observed.size(), kNaN);
   result.check.summary_p_value.setZero(result.observed.size());
   result.check.p_value = 0.0;
   return result;

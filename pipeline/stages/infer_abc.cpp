@@ -1,6 +1,6 @@
-#include <limits>
 #include <optional>
 
+#include "core/constants.h"
 #include "inference/abc/abc.h"
 #include "inference/abc/feature_distance.h"
 #include "pipeline/artefacts/particle_file.h"
@@ -38,7 +38,7 @@ Vector euclidean_distances(const Plan& plan, const Node& node, const Target& tar
   const auto embedding =
       inference::make_embedding(method.embedding, target, plan.study.simulator.store_every);
   const SimulationFeatures features(plan, node, target, *embedding);
-  Vector distances = Vector::Constant(num_rows, std::numeric_limits<double>::infinity());
+  Vector distances = Vector::Constant(num_rows, kInfinity);
   if (features.num_rows() == 0) return distances;
   if (!transform) {
     transform = inference::fit_feature_transform(features, method.embedding.principal_components);
@@ -48,9 +48,7 @@ Vector euclidean_distances(const Plan& plan, const Node& node, const Target& tar
   return distances;
 }
 
-Index count_infinite(const Vector& distances) {
-  return (distances.array() == std::numeric_limits<double>::infinity()).count();
-}
+Index count_infinite(const Vector& distances) { return (distances.array() == kInfinity).count(); }
 
 }  // namespace
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <system_error>
 #include <unordered_set>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/feature_names.h"
 #include "core/printable.h"
@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kLongestLine = std::size_t{64} << 20;
 
 std::optional<double> parse_number(const std::string& field) {
-  if (field == "NA") return std::numeric_limits<double>::quiet_NaN();
+  if (field == "NA") return kNaN;
   const char* const begin = field.data() + (field.starts_with('+') ? 1 : 0);
   const char* const end = field.data() + field.size();
   double value = 0.0;

@@ -1,8 +1,8 @@
 #include "sim/minigolf/club_motion.h"
 
 #include <algorithm>
-#include <limits>
 
+#include "core/constants.h"
 #include "sim/minigolf/arm.h"
 #include "sim/minigolf/head.h"
 
@@ -73,7 +73,7 @@ double ClubMotion::clearance(Index t, const Eigen::Vector3d& point) const {
   const auto step = static_cast<std::size_t>(t);
   const double bound = during_[step].exteriorDistance(point) - kHeadBoundingRadius;
   if (bound > kHeadBoundingRadius) return bound;
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest = kInfinity;
   for (Index k = -1; k < fine_; ++k) nearest = std::min(nearest, head_gap(pose(t, k, true), point));
   return std::max(bound, nearest - 0.5 * motion_[step]);
 }

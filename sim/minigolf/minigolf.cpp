@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <sstream>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
@@ -163,7 +163,7 @@ Trajectories Minigolf::replay(const Target& target, const RowMatrix& theta) cons
       status = simulate(config_.minigolf, course, tasks[h], target.dt, keep);
     }
     if (status != RolloutStatus::ok) {
-      std::ranges::fill(result.row(i), std::numeric_limits<float>::quiet_NaN());
+      std::ranges::fill(result.row(i), kFloatNaN);
     }
   });
   return result;

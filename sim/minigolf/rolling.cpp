@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "core/constants.h"
 
 namespace npdr::sim {
 namespace {
@@ -23,7 +24,7 @@ double phi2(double b, double t) {
 }  // namespace
 
 double RollingLaw::time_to_rest(double speed) const {
-  if (a_ == 0.0) return std::numeric_limits<double>::infinity();
+  if (a_ == 0.0) return kInfinity;
   const double ratio = b_ * speed / a_;
   return ratio < kSmall ? speed / a_ * (1.0 - ratio / 2.0 + ratio * ratio / 3.0)
                         : std::log1p(ratio) / b_;

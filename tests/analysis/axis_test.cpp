@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::analysis {
@@ -60,9 +61,8 @@ TEST(Axis, MayHaveTicksAtTheEnds) {
 }
 
 TEST(Range, HoldsTheFiniteValues) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   Range range;
-  range.add((Vector(4) << 3.0, -1.0, infinity, std::nan("")).finished());
+  range.add((Vector(4) << 3.0, -1.0, kInfinity, std::nan("")).finished());
   EXPECT_EQ(range.lower, -1.0);
   EXPECT_EQ(range.upper, 3.0);
   EXPECT_EQ(range.widened(0.25).lower, -2.0);
@@ -80,7 +80,7 @@ TEST(Range, OfOneValueOrNoneCanBeShown) {
 
 TEST(Axis, RejectsEmptyAndInfiniteRanges) {
   EXPECT_THROW(make_axis({1.0, 1.0}, "", "m"), InputError);
-  EXPECT_THROW(make_axis({0.0, std::numeric_limits<double>::infinity()}, "", "m"), InputError);
+  EXPECT_THROW(make_axis({0.0, kInfinity}, "", "m"), InputError);
   EXPECT_THROW(make_axis({std::nan(""), 1.0}, "", "m"), InputError);
 }
 

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -75,7 +75,7 @@ TEST(DensityCurve, EndsHoweverFarSamplesLieBeyondTheRange) {
 }
 
 TEST(DensityCurve, IsZeroWithoutSamples) {
-  const Vector unusable = Vector::Constant(3, std::numeric_limits<double>::quiet_NaN());
+  const Vector unusable = Vector::Constant(3, kNaN);
   EXPECT_EQ(density_curve(unusable, 0.0, 1.0).col(1).maxCoeff(), 0.0);
   EXPECT_EQ(density_curve(Vector(), 0.0, 1.0).col(1).maxCoeff(), 0.0);
   EXPECT_EQ(density_curve(Vector::Constant(3, 7.0), 0.0, 1.0).col(1).maxCoeff(), 0.0);

@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
-#include "tests/special_values.h"
 
 namespace npdr::analysis {
 namespace {
@@ -182,7 +181,7 @@ TEST(Dtw, AValueThatIsNotFiniteGivesNanAndLeavesTheOtherLanesAlone) {
   const RowMatrix recorded = random_walk(7, 20, 2);
   std::vector<RowMatrix> series = {random_walk(8, 20, 2), random_walk(9, 20, 2)};
   const DtwResult clean = dtw(recorded, series[1]);
-  series[0](19, 1) = std::numeric_limits<double>::quiet_NaN();
+  series[0](19, 1) = kNaN;
   EXPECT_TRUE(std::isnan(dtw(recorded, series[0]).distance));
   EXPECT_TRUE(std::isnan(dtw(series[0], recorded).distance));
   const auto batch = dtw_batch(recorded, stack(series), 2);

@@ -1,15 +1,14 @@
 #include "analysis/feature_comparison.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 namespace npdr::analysis {
 namespace {
 
 TEST(FeaturePrediction, SummarizesTheFiniteValues) {
   Vector values(6);
-  values << 4, 1, 3, 2, 5, std::numeric_limits<double>::quiet_NaN();
+  values << 4, 1, 3, 2, 5, kNaN;
   const FeaturePrediction prediction = predict_feature(values, 2.0);
   EXPECT_DOUBLE_EQ(prediction.summary.mean, 3.0);
   EXPECT_EQ(prediction.summary.n_failed, 1);

@@ -5,9 +5,9 @@
 #include <set>
 
 #include "core/atomic_file.h"
+#include "core/constants.h"
 #include "tests/analysis/markup_check.h"
 #include "tests/message_of.h"
-#include "tests/special_values.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::analysis {
@@ -110,7 +110,7 @@ TEST(Figure, DrawsEveryKindOfSeries) {
 TEST(Figure, DrawsDataWithoutAnythingToShow) {
   Figure figure = drawn_grid_of(1, 2);
   figure.panels[0].series[0].table = add_table(figure, "none", RowMatrix(0, 2));
-  figure.panels[1].series[0].table = add_table(figure, "NaN", RowMatrix::Constant(3, 2, kNan));
+  figure.panels[1].series[0].table = add_table(figure, "NaN", RowMatrix::Constant(3, 2, kNaN));
   const Drawn drawn = draw(figure);
   EXPECT_EQ(markup_error(drawn.svg), "");
   EXPECT_NE(drawn.svg.find(">panel 1<"), std::string::npos);
@@ -130,7 +130,7 @@ TEST(Figure, MarksPlacesInsideOfTheAxes) {
             std::string::npos);
   EXPECT_EQ(mark(LegendMark::diamond, 5e-4, 7.0).find("first"), std::string::npos);
   EXPECT_EQ(mark(LegendMark::line, 2e-3, 0.5).find("first"), std::string::npos);
-  EXPECT_EQ(mark(LegendMark::dot, kNan, 0.5).find("first"), std::string::npos);
+  EXPECT_EQ(mark(LegendMark::dot, kNaN, 0.5).find("first"), std::string::npos);
 }
 
 TEST(Figure, LegendEntriesShowTheirMark) {

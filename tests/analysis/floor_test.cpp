@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 
+#include "core/constants.h"
 #include "core/error.h"
-#include "tests/special_values.h"
 
 namespace npdr::analysis {
 namespace {
@@ -115,7 +114,7 @@ TEST(Floor, FindsAMinimumOnSeveralBoundsExactly) {
 // Half of the box gives NaN or infinity, and the minimum lies on the edge of that half.
 TEST(Floor, AvoidsPointsWhereTheObjectiveIsNotFinite) {
   const auto objective = rowwise([](const Vector& theta) {
-    if (theta(0) < 0.0) return theta(1) < 0.0 ? kNan : -std::numeric_limits<double>::infinity();
+    if (theta(0) < 0.0) return theta(1) < 0.0 ? kNaN : -kInfinity;
     return (theta.array() + 1.0).square().sum();
   });
   const FloorResult result = find_in_cube(objective, 3, 2.0);
@@ -179,14 +178,14 @@ TEST(Floor, RejectsBadBoxesStartsAndConfigs) {
   EXPECT_THROW(find_floor(objective, zero, Vector::Ones(3), RowMatrix()), ShapeError);
   EXPECT_THROW(find_floor(objective, Vector(), Vector(), RowMatrix()), ShapeError);
   EXPECT_THROW(find_floor(objective, one, zero, RowMatrix()), InputError);
-  EXPECT_THROW(find_floor(objective, zero, Vector::Constant(2, kNan), RowMatrix()), InputError);
+  EXPECT_THROW(find_floor(objective, zero, Vector::Constant(2, kNaN), RowMatrix()), InputError);
   EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Zero(1, 3)), ShapeError);
   EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Constant(1, 2, 1.5)), InputError);
-  EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Constant(1, 2, kNan)), InputError);
+  EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Constant(1, 2, kNaN)), InputError);
   for (const auto& spoil : std::vector<void (*)(FloorConfig&)>{
            [](FloorConfig& c) { c.num_restarts = 0; }, [](FloorConfig& c) { c.population = 3; },
            [](FloorConfig& c) { c.max_generations = -1; },
-           [](FloorConfig& c) { c.global_tolerance = kNan; },
+           [](FloorConfig& c) { c.global_tolerance = kNaN; },
            [](FloorConfig& c) { c.max_local_evaluations = 0; },
            [](FloorConfig& c) { c.local_step = 0.6; },
            [](FloorConfig& c) { c.local_tolerance = 0.0; }}) {
@@ -199,7 +198,7 @@ TEST(Floor, RejectsBadBoxesStartsAndConfigs) {
 TEST(Floor, RejectsAnObjectiveThatIsFiniteNowhereOrMiscounts) {
   FloorConfig config;
   config.max_generations = 2;
-  EXPECT_THROW(find_in_cube(rowwise([](const Vector&) { return kNan; }), 2, 1.0, config), Error);
+  EXPECT_THROW(find_in_cube(rowwise([](const Vector&) { return kNaN; }), 2, 1.0, config), Error);
   EXPECT_THROW(find_in_cube([](const RowMatrix&) { return Vector::Zero(1); }, 2, 1.0), ShapeError);
 }
 

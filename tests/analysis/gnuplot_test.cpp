@@ -4,9 +4,9 @@
 
 #include <cstdlib>
 #include <iterator>
-#include <limits>
 
 #include "core/atomic_file.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
 #include "tests/message_of.h"
@@ -106,7 +106,7 @@ TEST(Gnuplot, StringsStandForThemselves) {
 TEST(Gnuplot, DataFilesHaveAllDigits) {
   const TempFolder folder;
   RowMatrix values(2, 2);
-  values << 0.1, 1.0 / 3.0, std::numeric_limits<double>::infinity(), -2e-300;
+  values << 0.1, 1.0 / 3.0, kInfinity, -2e-300;
   write_data_file(folder.path() / "data.dat", "one\ntwo\x1b[2J", values);
   EXPECT_EQ(read_text_file(folder.path() / "data.dat"),
             "# one\uFFFDtwo\uFFFD[2J\n0.1 0.3333333333333333\nNaN -2e-300\n");

@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "analysis/dtw.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "tests/message_of.h"
-#include "tests/special_values.h"
 
 namespace npdr::analysis {
 namespace {
@@ -97,7 +97,7 @@ TEST(Metrics, SpeedAtTheEndIsThatFromWhereTheSegmentBegan) {
 
 TEST(Metrics, FailedRolloutsHaveNoEnd) {
   std::vector<float> simulated = kSimulated;
-  simulated[3] = kFloatNan;
+  simulated[3] = kFloatNaN;
   const Metrics metrics(small_target());
   EXPECT_TRUE(std::isnan(metrics.final_error(view_of(simulated, 1))(0)));
   EXPECT_TRUE(
@@ -130,7 +130,7 @@ TEST(Metrics, OfThePerfectSimulationAreZero) {
 
 TEST(Metrics, AFailedSampleIsNanAndTheOthersAreNot) {
   std::vector<float> simulated(4 * 12, 1.0f);
-  simulated[12 + 5] = kFloatNan;
+  simulated[12 + 5] = kFloatNaN;
   simulated[24] = std::numeric_limits<float>::infinity();
   MetricsConfig config;
   config.channels = {0};  // the NaN is in the other channel

@@ -1,5 +1,5 @@
 #include "analysis/number_text.h"
-#include "tests/special_values.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -43,11 +43,11 @@ TEST(NumberText, RoundsBeforeItCountsDigits) {
 }
 
 TEST(NumberText, LeavesOutWhatIsNotKnown) {
-  EXPECT_EQ(plain(0.263, kNan), "0.263");
-  EXPECT_EQ(plain(7.26e-4, kNan), "7.26e-4");
-  EXPECT_EQ(mean_std_text(1070.0, kNan, NumberStyle::latex), "$1.07\\mathrm{e}{+}3$");
-  EXPECT_EQ(plain(kNan, 0.1), "n/a");
-  EXPECT_EQ(number_text(kNan, NumberStyle::plain), "n/a");
+  EXPECT_EQ(plain(0.263, kNaN), "0.263");
+  EXPECT_EQ(plain(7.26e-4, kNaN), "7.26e-4");
+  EXPECT_EQ(mean_std_text(1070.0, kNaN, NumberStyle::latex), "$1.07\\mathrm{e}{+}3$");
+  EXPECT_EQ(plain(kNaN, 0.1), "n/a");
+  EXPECT_EQ(number_text(kNaN, NumberStyle::plain), "n/a");
   EXPECT_EQ(number_text(-kInfinity, NumberStyle::plain), "-inf");
   EXPECT_EQ(number_text(kInfinity, NumberStyle::latex), "$\\infty$");
 }

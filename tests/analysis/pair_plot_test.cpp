@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <sstream>
 
 #include "core/atomic_file.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "tests/analysis/markup_check.h"
@@ -122,7 +122,7 @@ TEST(PairPlot, KeepsItsScaleWithConstantAndFarSamples) {
   plot.sets[1].samples.col(1).setConstant(0.75);
   plot.sets[0].samples.col(2).array() += 10.0;
   plot.sets[1].samples.col(2).array() -= 10.0;
-  plot.sets[1].samples(0, 2) = std::numeric_limits<double>::quiet_NaN();
+  plot.sets[1].samples(0, 2) = kNaN;
   const FigureFiles files = write_pair_plot(plot, folder.path());
   const std::string script = read_text_file(files.script);
   const std::string line = "set arrow from first 0.75, graph 0 to first 0.75, graph 1 nohead front";

@@ -10,11 +10,11 @@
 #include <string>
 
 #include "analysis/summary.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/normal.h"
 #include "core/random.h"
 #include "tests/message_of.h"
-#include "tests/special_values.h"
 
 namespace npdr::analysis {
 namespace {
@@ -182,7 +182,7 @@ TEST(LogScore, FarFromAllSamplesIsFinite) {
 }
 
 TEST(PredictiveScores, LeaveOutFailedSamples) {
-  const std::vector<float> all = {1, 2, 7, kFloatNan, 4, 8, std::numeric_limits<float>::infinity(),
+  const std::vector<float> all = {1, 2, 7, kFloatNaN, 4, 8, std::numeric_limits<float>::infinity(),
                                   0};
   const std::vector<float> usable = {1, 2, 4, 8};
   const std::vector<RowMatrix> observed = constant(1, 1, 2, 3.0);
@@ -197,7 +197,7 @@ TEST(PredictiveScores, LeaveOutFailedSamples) {
 }
 
 TEST(PredictiveScores, AreNanWhenEverySampleFailed) {
-  const std::vector<float> values = {1, kFloatNan, kFloatNan, 2};
+  const std::vector<float> values = {1, kFloatNaN, kFloatNaN, 2};
   const std::vector<RowMatrix> observed = constant(1, 1, 2, 0.0);
   const RowMatrix ones = RowMatrix::Ones(1, 2);
   const PredictiveScores scores = predictive_scores({values, 2, 1, 1, 2}, observed, ones);
@@ -251,7 +251,7 @@ TEST(PredictiveScores, AnObservationThatIsOneMoreDrawIsHardlyEverCoveredLeast) {
 TEST(PredictiveScores, SamplesThatFailedArentCompared) {
   std::vector<float> values(20 * 2 * 15 * 3);
   Stream({6, "predictive_scores_test"}).fill_normal(values);
-  values[7 * 2 * 15 * 3] = kFloatNan;
+  values[7 * 2 * 15 * 3] = kFloatNaN;
   const ComparedCoverage found =
       compare_coverage({values, 20, 2, 15, 3}, constant(2, 15, 3, 100.0), 0.8);
   EXPECT_EQ(found.num_samples, 19);
@@ -259,7 +259,7 @@ TEST(PredictiveScores, SamplesThatFailedArentCompared) {
   EXPECT_EQ(found.observed, 0.0);
   EXPECT_GT(found.samples(0), 0.5);
   EXPECT_EQ(
-      compare_coverage({{&kFloatNan, 1}, 1, 1, 1, 1}, constant(1, 1, 1, 0.0), 0.5).num_samples, 0);
+      compare_coverage({{&kFloatNaN, 1}, 1, 1, 1, 1}, constant(1, 1, 1, 0.0), 0.5).num_samples, 0);
 }
 
 // Scores for 6 values as (n, H, T, C) = (1, 1, 3, 2).

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -53,7 +54,7 @@ TEST(Quantiles, KeepRolloutsAndChannelsApart) {
 }
 
 TEST(Quantiles, LeaveOutFailedSamples) {
-  std::vector<float> values = {1.0f, 1.0f, 5.0f, std::numeric_limits<float>::quiet_NaN()};
+  std::vector<float> values = {1.0f, 1.0f, 5.0f, kFloatNaN};
   const Bands bands = quantile_bands({values, 2, 1, 2, 1});
   EXPECT_EQ(bands.num_samples, 1);
   EXPECT_EQ(bands.median[0](0, 0), 1.0);

@@ -1,10 +1,9 @@
 #include "analysis/summary.h"
-#include "tests/special_values.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 namespace npdr::analysis {
 namespace {
@@ -12,7 +11,7 @@ namespace {
 // Mean (1 + 2 + 6) / 3 = 3; squares 4 + 1 + 9 = 14 over n - 1 = 2.
 TEST(Summary, CountsFailuresAndLeavesThemOut) {
   Vector values(5);
-  values << 1, kNan, 2, std::numeric_limits<double>::infinity(), 6;
+  values << 1, kNaN, 2, kInfinity, 6;
   const Summary summary = summarize(values);
   EXPECT_DOUBLE_EQ(summary.mean, 3.0);
   EXPECT_DOUBLE_EQ(summary.std, std::sqrt(7.0));
@@ -24,7 +23,7 @@ TEST(Summary, OfTooFewValuesIsNan) {
   const Summary one = summarize(Vector::Constant(1, 5.0));
   EXPECT_EQ(one.mean, 5.0);
   EXPECT_TRUE(std::isnan(one.std));
-  const Summary none = summarize(Vector::Constant(2, kNan));
+  const Summary none = summarize(Vector::Constant(2, kNaN));
   EXPECT_TRUE(std::isnan(none.mean));
   EXPECT_TRUE(std::isnan(none.std));
   EXPECT_EQ(none.n, 0);

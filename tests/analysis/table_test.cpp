@@ -4,9 +4,9 @@
 
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
-#include "tests/special_values.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::analysis {
@@ -21,7 +21,7 @@ Table table_a2() {
   Cell dtw = Summary{1071.2, 31.25, 4997, 3};
   dtw.notes = {table.footnote("3 of 5000 samples failed, < 1 %")};
   table.rows = {{"DTW dist.", {dtw, MeanStd{1070, 30}, "a|b_c"}},
-                {"RMSE", {MeanStd{0.2632, kNan, 1}, MeanStd{0.263, 0.004}, {}}},
+                {"RMSE", {MeanStd{0.2632, kNaN, 1}, MeanStd{0.263, 0.004}, {}}},
                 {"Samples", {5000.0, {}, "say \"x, y\""}}};
   table.command = "npdr report \\\n  furuta.toml";
   return table;

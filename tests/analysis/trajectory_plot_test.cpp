@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "core/atomic_file.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
 #include "tests/temp_folder.h"
@@ -113,7 +113,7 @@ TEST(TrajectoryPlot, CopesWithConstantSeriesAndWildBands) {
   wild.bands.upper[0](5, 1) = 1e12;
   Prediction missing = prediction_of("missing", target);
   for (auto* part : {&missing.bands.lower, &missing.bands.median, &missing.bands.upper}) {
-    (*part)[0].setConstant(std::numeric_limits<double>::quiet_NaN());
+    (*part)[0].setConstant(kNaN);
   }
   const FigureFiles files =
       write_trajectory_plot({"motion", {wild, missing}}, target, folder.path());

@@ -1,8 +1,7 @@
 #include "core/target.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 #include "core/error.h"
 #include "tests/message_of.h"
@@ -32,7 +31,7 @@ TEST(Target, AcceptsAgreeingShapes) {
 
 TEST(Target, NamesTheNanItFinds) {
   Target target = two_rollouts();
-  target.rollouts[1].states(2, 1) = std::numeric_limits<double>::quiet_NaN();
+  target.rollouts[1].states(2, 1) = kNaN;
   const std::string message = problem_of(target);
   EXPECT_NE(message.find("file.h5: state of rollout 1 ('b') of channel 'rate' is nan at step 2"),
             std::string::npos)
@@ -56,7 +55,7 @@ TEST(Target, RejectsAWrongShapeAndABadTimeStep) {
   target = two_rollouts();
   target.dt = 0.0;
   EXPECT_NE(problem_of(target).find("dt"), std::string::npos);
-  target.dt = std::numeric_limits<double>::quiet_NaN();
+  target.dt = kNaN;
   EXPECT_NE(problem_of(target).find("dt"), std::string::npos);
 }
 

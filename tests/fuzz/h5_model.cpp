@@ -5,14 +5,14 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
+
 namespace npdr::pipeline {
 namespace {
 
 using h5::ElementType;
 using Json = nlohmann::ordered_json;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<double, 20> kNumbers = {
     0.0,  1.0,    -1.0,   2.0,       3.0,        255.0,  0.5,    kNaN,   1e9,     1e300,
     1e-9, 0x1p31, 0x1p53, kInfinity, -kInfinity, 5e-324, -1e300, 9.3e18, -9.3e18, 4096.0};

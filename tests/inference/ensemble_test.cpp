@@ -1,4 +1,5 @@
 #include "inference/ensemble.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -112,9 +113,8 @@ TEST(Ensemble, SamplesDoNotDependOnTheirNumber) {
 TEST(Ensemble, LogOfAMeanStandsImpossibleValues) {
   constexpr float none = -std::numeric_limits<float>::infinity();
   LogMeanExp mean;
-  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-  mean.add(Eigen::Vector<float, 5>(0.0f, none, 200.0f, nan, 0.0f));
-  mean.add(Eigen::Vector<float, 5>(0.0f, none, none, 0.0f, nan));
+  mean.add(Eigen::Vector<float, 5>(0.0f, none, 200.0f, kFloatNaN, 0.0f));
+  mean.add(Eigen::Vector<float, 5>(0.0f, none, none, 0.0f, kFloatNaN));
   const VectorF result = mean.result();
   EXPECT_FLOAT_EQ(result(0), 0.0f);
   EXPECT_EQ(result(1), none);

@@ -1,9 +1,9 @@
 #include "inference/kernel_density.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "core/error.h"
@@ -59,12 +59,12 @@ TEST(KernelDensity, LeavesOutWhatDoesNotVaryAndWhatIsNotFinite) {
   const RowMatrix points = normal_points(20, 1);
   RowMatrix wider = RowMatrix::Zero(21, 3);
   wider.col(0).head(20) = points.col(0);
-  wider(20, 0) = std::numeric_limits<double>::quiet_NaN();
+  wider(20, 0) = kNaN;
   wider.col(1).setConstant(9.81);
   const Vector expected = KernelDensity(points, Vector::Ones(20)).log_prob(points);
   const Vector found = KernelDensity(wider, Vector::Ones(21)).log_prob(wider);
   EXPECT_EQ(found.head(20), expected);
-  EXPECT_EQ(found(20), -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(found(20), -kInfinity);
   EXPECT_THROW(KernelDensity(RowMatrix::Ones(5, 2), Vector::Ones(5)), InputError);
 }
 

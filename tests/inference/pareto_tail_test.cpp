@@ -1,4 +1,5 @@
 #include "inference/pareto_tail.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -46,13 +47,12 @@ TEST(ParetoTail, OfFewExcesses) {
 }
 
 TEST(ParetoTail, OfWeightsThatTellNothing) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(pareto_k(Vector::Ones(10)), infinity);
-  EXPECT_EQ(pareto_k(Vector::Zero(1000)), infinity);
-  EXPECT_EQ(pareto_k(Vector::Ones(1000)), -infinity);
+  EXPECT_EQ(pareto_k(Vector::Ones(10)), kInfinity);
+  EXPECT_EQ(pareto_k(Vector::Zero(1000)), kInfinity);
+  EXPECT_EQ(pareto_k(Vector::Ones(1000)), -kInfinity);
   Vector rounded = Vector::Ones(1000);
   rounded.head(500).array() += std::numeric_limits<double>::epsilon();
-  EXPECT_EQ(pareto_k(rounded), -infinity) << "but for rounding";
+  EXPECT_EQ(pareto_k(rounded), -kInfinity) << "but for rounding";
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "inference/particle_posterior.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "tests/inference/tasks.h"
@@ -68,8 +68,7 @@ TEST(ParticlePosterior, DensityIntegratesToOneOverThePrior) {
   RowMatrix grid(n, 1);
   for (Index i = 0; i < n; ++i) grid(i, 0) = (double(i) + 0.5) / double(n);
   EXPECT_NEAR(posterior.log_prob(grid).array().exp().mean(), 1.0, 1e-3);
-  EXPECT_EQ(posterior.log_prob(RowMatrix::Constant(1, 1, 1.5))(0),
-            -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(posterior.log_prob(RowMatrix::Constant(1, 1, 1.5))(0), -kInfinity);
 }
 
 TEST(ParticlePosterior, SmoothSamplesAreNewAndStayInsideOfThePrior) {
@@ -86,14 +85,14 @@ TEST(ParticlePosterior, SmoothSamplesAreNewAndStayInsideOfThePrior) {
 TEST(ParticlePosterior, ParticlesMayLieOutsideOfThePrior) {
   ParticleParts parts = parts_of(sample_prior(unit_box(2), 40, 4).array() + 5.0, Vector::Ones(40));
   parts.theta.col(1).setConstant(0.5);
-  parts.theta(7, 0) = std::numeric_limits<double>::infinity();
+  parts.theta(7, 0) = kInfinity;
   parts.space = ParticleSpace::theta;
   const ParticlePosterior posterior(parts);
   const Vector best = posterior.map({1, "map", 0, 0, 0});
   EXPECT_GT(best(0), 5.0);
   EXPECT_LT(best(0), 6.0);
   const Vector log_prob = posterior.log_prob(parts.theta);
-  EXPECT_EQ(log_prob(7), -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(log_prob(7), -kInfinity);
   EXPECT_GT(posterior.log_prob(best.transpose())(0), std::log(0.5)) << "40 in an interval of 1";
 }
 

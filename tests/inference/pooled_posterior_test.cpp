@@ -1,4 +1,5 @@
 #include "inference/pooled_posterior.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -64,8 +65,7 @@ TEST(PooledPosterior, DensityIsThePoolOfBothAndIntegratesToOne) {
     const Vector difference =
         pool.log_prob(grid()) - (prior + powers.posterior * q + powers.likelihood * l);
     EXPECT_LT((difference.array() - difference(0)).abs().maxCoeff(), 1e-9);
-    EXPECT_EQ(pool.log_prob(RowMatrix::Constant(1, 1, 3.5))(0),
-              -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(pool.log_prob(RowMatrix::Constant(1, 1, 3.5))(0), -kInfinity);
   }
 }
 
@@ -163,7 +163,7 @@ TEST(PooledPosterior, TakesLessOfALikelihoodThatContradictsIt) {
 }
 
 TEST(PooledPosterior, WhatANetworkDoesntKnowWeighsNothing) {
-  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::nan(""), infinity = kInfinity;
   const PoolEvidence evidence{Vector{{1.0, nan, -infinity, 1.0}}, Vector{{2.0, 3.0, 3.0, nan}}};
   for (const PoolPowers powers :
        {PoolPowers{0.5, 0.5}, PoolPowers{1.0, 0.5}, PoolPowers{1.5, 0.2}}) {

@@ -1,9 +1,9 @@
 #include "inference/prior.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "core/normal.h"
@@ -68,7 +68,7 @@ TEST(Prior, StaysInsideOfTheSupportHoweverFarUGoes) {
 
 // A network that overflows has no sample to give, rather than one on the border.
 TEST(Prior, HasNoParametersWhereUIsntFinite) {
-  const double infinity = std::numeric_limits<double>::infinity();
+  const double infinity = kInfinity;
   RowMatrix u(2, 4);
   u.row(0).setConstant(infinity);
   u.row(1).setConstant(-infinity);
@@ -109,7 +109,7 @@ TEST(Prior, DensityIsZeroOutsideOfTheSupport) {
   theta << 1.71, 1e-3, 0.5, 1.0, 1.0, 1e-3, 0.5, 0.0, 1.0, 1e-3, 0.5, -1.0, 1.0, 1e-3, 0.5,
       std::nan("");
   for (Index row = 0; row < 3; ++row) {
-    EXPECT_EQ(all_kinds().log_prob(theta)(row), -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(all_kinds().log_prob(theta)(row), -kInfinity);
     EXPECT_FALSE(all_kinds().contains(theta.row(row).transpose()));
   }
   EXPECT_FALSE(all_kinds().contains(theta.row(3).transpose()));

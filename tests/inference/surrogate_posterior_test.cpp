@@ -1,4 +1,5 @@
 #include "inference/surrogate_posterior.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>
@@ -47,7 +48,7 @@ TEST(SurrogatePosterior, DensityIntegratesToOneAndEndsWithThePrior) {
   EXPECT_NEAR(posterior->log_prob(box_grid(n)).array().exp().sum() * cell, 1.0, 0.03);
   RowMatrix outside(1, 2);
   outside << 0.0, 1.5;
-  EXPECT_EQ(posterior->log_prob(outside)(0), -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(posterior->log_prob(outside)(0), -kInfinity);
 }
 
 TEST(SurrogatePosterior, DensityUpToAConstantDiffersByAConstant) {

@@ -1,11 +1,11 @@
 #include "sim/batch_vector.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 #include <sundials/sundials_nvector.h>
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 
 #include "core/error.h"
@@ -61,7 +61,7 @@ TEST(BatchVector, LinearCombinationLeavesOutTermsWithoutWeight) {
   const ContextPtr context = make_context();
   const VectorPtr x = counting_vector(context.get(), 1.0);
   const VectorPtr bad = make_batch_vector(kSize, context.get());
-  values(bad.get())[3] = std::numeric_limits<double>::quiet_NaN();
+  values(bad.get())[3] = kNaN;
   std::array<N_Vector, 2> terms = {x.get(), bad.get()};
   std::array<double, 2> coefficients = {2.0, 0.0};
   const VectorPtr sum(N_VClone(x.get()));
@@ -82,7 +82,7 @@ TEST(BatchVector, ScaleMultipliesAndCopies) {
 TEST(BatchVector, NormOfALaneThatDivergedIsZero) {
   const ContextPtr context = make_context();
   const VectorPtr x = make_batch_vector(kSize, context.get());
-  values(x.get())[0] = std::numeric_limits<double>::quiet_NaN();
+  values(x.get())[0] = kNaN;
   EXPECT_EQ(N_VWrmsNorm(x.get(), x.get()), 0.0);
 }
 

@@ -1,9 +1,9 @@
 #include "sim/cvode_reference.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "tests/sim/forced_decay.h"
@@ -31,7 +31,7 @@ TEST(CvodeReference, ShowsTheStateOfTheFirstLaneInEveryLane) {
 TEST(CvodeReference, GoesOnAsNanInSilenceOnceItDiverged) {
   ForcedDecay problem;
   testing::internal::CaptureStderr();
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double nan = kNaN;
   CvodeReference(problem, 0.1).integrate(0, 5, std::vector<double>(kLaneBlock, nan).data());
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_EQ(problem.steps.size(), 5u);

@@ -1,9 +1,9 @@
 #include "sim/erk_integrator.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -67,8 +67,8 @@ TEST(ErkIntegrator, StartsAgainFromAnotherState) {
 TEST(ErkIntegrator, ALaneThatDivergedLeavesTheOthersAloneAndIsNotReported) {
   ForcedDecay healthy, sick;
   std::vector<double> start = kStart;
-  start[3] = std::numeric_limits<double>::quiet_NaN();
-  start[5] = std::numeric_limits<double>::infinity();
+  start[3] = kNaN;
+  start[5] = kInfinity;
   testing::internal::CaptureStderr();
   testing::internal::CaptureStdout();
   ErkIntegrator(Integrator::erk4, healthy, kDt, 1).integrate(0, kErkSteps, kStart.data());

@@ -1,10 +1,10 @@
 #include "sim/first_states.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -244,7 +244,7 @@ TEST(FirstStates, ThatAreLikeliestFitBest) {
 TEST(FirstStates, OfAFailedSimulationHaveNoLikelihood) {
   const NoiseModel model = model_of({noise_of(0.3, 0.0), noise_of(0.1, 0.0)});
   Case made = make_case(model, 7);
-  made.simulated.back() = std::numeric_limits<float>::quiet_NaN();
+  made.simulated.back() = kFloatNaN;
   const NoiseLikelihood likelihood(model, made.recorded, made.first);
   EXPECT_EQ(likelihood.log_likelihood(made.simulated), -HUGE_VAL);
 }

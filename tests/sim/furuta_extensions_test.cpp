@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "core/constants.h"
 #include "sim/furuta.h"
 #include "tests/sim/ode_checks.h"
 
@@ -45,7 +45,7 @@ TEST(FurutaExtensions, DelayHoldsTheFirstSampleBeforeTheRecording) {
 TEST(FurutaExtensions, DelayThatMakesNoSenseReadsNothingOutsideTheRecording) {
   EXPECT_EQ(delayed(-3.0, 9), 0.25 * 9.0);
   EXPECT_EQ(delayed(1e300, 9), 0.0);
-  EXPECT_TRUE(std::isfinite(delayed(std::numeric_limits<double>::quiet_NaN(), 9)));
+  EXPECT_TRUE(std::isfinite(delayed(kNaN, 9)));
 }
 
 TEST(FurutaExtensions, DelayReachesAcrossTheBordersOfSegments) {

@@ -1,9 +1,9 @@
 #include "sim/furuta_swing_up.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -110,7 +110,7 @@ TEST(FurutaSwingUp, RewardOfOneStateByHand) {
   EXPECT_NEAR(reward(Vector{{0.1, kPi - 0.2, 2.0, -4.0}}, 3.0), std::exp(-0.246), 1e-14);
   EXPECT_EQ(reward(Vector{{0.0, kPi, 0.0, 0.0}}, 0.0), 1.0);
   EXPECT_NEAR(reward(Vector::Zero(4), 0.0), std::exp(-kPi * kPi), 1e-15);
-  EXPECT_EQ(reward(Vector::Zero(4), std::numeric_limits<double>::infinity()), 0.0);
+  EXPECT_EQ(reward(Vector::Zero(4), kInfinity), 0.0);
 }
 
 TEST(FurutaSwingUp, LimitsAreThoseOfTheDevice) {
@@ -124,7 +124,7 @@ TEST(FurutaSwingUp, LimitsAreThoseOfTheDevice) {
       EXPECT_FALSE(within_limits(state)) << s;
     }
     Vector state = Vector::Zero(4);
-    state(s) = std::numeric_limits<double>::quiet_NaN();
+    state(s) = kNaN;
     EXPECT_FALSE(within_limits(state)) << s;
   }
 }

@@ -1,4 +1,5 @@
 #include "sim/lane_math.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,6 @@
 
 #include "core/random.h"
 #include "sim/lanes.h"
-#include "tests/special_values.h"
 
 namespace npdr::sim {
 namespace {
@@ -80,7 +80,7 @@ TEST(LaneMath, SineAndCosineKeepTheirRelativeAccuracyNextToTheirZeros) {
 }
 
 TEST(LaneMath, SineAndCosineOfWhatIsNoAngleAreNan) {
-  const std::vector<double> x = {kNan, kInfinity, -kInfinity, 1e6, -1e6, 1e300, -1e300, kNan};
+  const std::vector<double> x = {kNaN, kInfinity, -kInfinity, 1e6, -1e6, 1e300, -1e300, kNaN};
   for (const SinCos& v : sincos_of(x)) {
     EXPECT_TRUE(std::isnan(v.sin));
     EXPECT_TRUE(std::isnan(v.cos));
@@ -99,7 +99,7 @@ TEST(LaneMath, HyperbolicTangentIsExactToFourUlp) {
 
 TEST(LaneMath, HyperbolicTangentHasItsLimits) {
   const std::vector<double> values =
-      tanh_of({kInfinity, -kInfinity, 1e300, -1e300, 0.0, -0.0, 25.0, kNan});
+      tanh_of({kInfinity, -kInfinity, 1e300, -1e300, 0.0, -0.0, 25.0, kNaN});
   EXPECT_EQ((std::vector<double>{values.begin(), values.begin() + 7}),
             (std::vector<double>{1.0, -1.0, 1.0, -1.0, 0.0, 0.0, 1.0}));
   EXPECT_TRUE(std::signbit(values[5]));
@@ -118,7 +118,7 @@ TEST(LaneMath, ExponentialIsExactToOneUlp) {
 
 TEST(LaneMath, ExponentialHasItsLimits) {
   const std::vector<double> values =
-      exp_of({-kInfinity, -1e300, -709.0, 0.0, -0.0, 710.0, kInfinity, kNan});
+      exp_of({-kInfinity, -1e300, -709.0, 0.0, -0.0, 710.0, kInfinity, kNaN});
   EXPECT_EQ((std::vector<double>{values.begin(), values.begin() + 7}),
             (std::vector<double>{0.0, 0.0, 0.0, 1.0, 1.0, kInfinity, kInfinity}));
   EXPECT_TRUE(std::isnan(values[7]));
@@ -134,7 +134,7 @@ TEST(LaneMath, WrappedAnglesAreNearestToZero) {
   for (const double x : uniform_values(100.0, 1000)) {
     EXPECT_LE(std::abs(lane_wrap(x)), pi * (1.0 + 1e-14)) << x;
   }
-  EXPECT_TRUE(std::isnan(lane_wrap(kNan)));
+  EXPECT_TRUE(std::isnan(lane_wrap(kNaN)));
   EXPECT_TRUE(std::isnan(lane_wrap(kInfinity)));
 }
 

@@ -1,9 +1,9 @@
 #include "sim/noise_likelihood.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -63,7 +63,7 @@ double log_integral_on_grid(const NoiseModel& model, const std::vector<float>& e
                             bool is_correlated, bool is_heavy_tailed) {
   constexpr double step = 0.1, most = 4.5;
   const auto end = [&](bool is_unknown) { return is_unknown ? most : 0.0; };
-  double highest = -std::numeric_limits<double>::infinity();
+  double highest = -kInfinity;
   std::vector<double> terms;
   for (double a = -3.0; a <= 3.0; a += step) {
     for (double b = -end(is_correlated); b <= end(is_correlated); b += step) {
@@ -196,8 +196,8 @@ TEST(NoiseLikelihood, OfStatesThatAreMetExactlyIsThatOfTheirRounding) {
 TEST(NoiseLikelihood, OfAFailedSimulationIsZero) {
   const NoiseModel model = model_of(noise_of(false, false, 1.0));
   const NoiseLikelihood likelihood(model, errors_of(model, 1));
-  const std::vector<float> failed(2 * kNoisySteps, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_EQ(likelihood.log_likelihood(failed), -std::numeric_limits<double>::infinity());
+  const std::vector<float> failed(2 * kNoisySteps, kFloatNaN);
+  EXPECT_EQ(likelihood.log_likelihood(failed), -kInfinity);
 }
 
 TEST(NoiseLikelihood, RefusesChannelsThatCannotHaveNoise) {

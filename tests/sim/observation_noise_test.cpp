@@ -1,9 +1,9 @@
 #include "sim/observation_noise.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "core/error.h"
@@ -61,7 +61,7 @@ TEST(ObservationNoise, IsAddedToTheSeriesAndAFunctionOfTheStream) {
 
 TEST(ObservationNoise, OfScaleZeroChangesNothingAndNanStaysNan) {
   std::vector<float> series(8, 1.5f);
-  series[2] = std::numeric_limits<float>::quiet_NaN();
+  series[2] = kFloatNaN;
   Stream stream = noise_stream();
   add_observation_noise(series, 0.0 * amplitudes(), stream);
   EXPECT_EQ(series[0], 1.5f);

@@ -1,9 +1,9 @@
 #include "sim/policy_task.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "sim/furuta.h"
@@ -13,7 +13,6 @@
 #include "tests/sim/ode_checks.h"
 #include "tests/sim/policy_rows.h"
 #include "tests/sim/thread_count.h"
-#include "tests/special_values.h"
 
 namespace npdr::sim {
 namespace {
@@ -41,7 +40,7 @@ void expect_same_row(const PolicyRollouts& a, Index i, const PolicyRollouts& b, 
 // Rows that end early, don't work at all or can't be simulated.
 void spoil(PolicyRows& rows, Index row, int how) {
   if (how % 4 == 0) rows.policies(row, 2) = -50.0;
-  if (how % 4 == 1) rows.policies(row, 4) = kNan;
+  if (how % 4 == 1) rows.policies(row, 4) = kNaN;
   if (how % 4 == 2) rows.theta(row, 5) = -1.0;
   if (how % 4 == 3) rows.initial_states(row, 0) = 3.0;
 }
@@ -172,9 +171,9 @@ TEST(PolicyTask, WhatCantBeRunEarnsNothing) {
   const auto task = swing_up(100);
   PolicyRows rows = random_rows(4);
   rows.initial_states(1, 0) = 2.5;       // beyond the limits
-  rows.policies(2, 1) = kNan;            // no action
+  rows.policies(2, 1) = kNaN;            // no action
   rows.initial_states.row(3).setZero();  // infinity times sign(0)
-  rows.policies(3, 1) = std::numeric_limits<double>::infinity();
+  rows.policies(3, 1) = kInfinity;
   const PolicyRollouts result = run(*task, rows);
   EXPECT_EQ(result.num_steps, (std::vector<Index>{100, 0, 0, 0}));
   EXPECT_GT(result.returns(0), 0.0);

@@ -1,4 +1,5 @@
 #include "sim/replay.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,6 @@
 #include "core/random.h"
 #include "sim/simulator.h"
 #include "tests/sim/thread_count.h"
-#include "tests/special_values.h"
 
 namespace npdr::sim {
 namespace {
@@ -51,7 +51,7 @@ RowMatrix random_thetas(Index count) {
 
 // Rows that can't be simulated: no number, no mass, a motor too stiff for the step.
 void spoil(RowMatrix& theta, Index row, int how) {
-  if (how % 3 == 0) theta(row, 11) = kNan;
+  if (how % 3 == 0) theta(row, 11) = kNaN;
   if (how % 3 == 1) theta.row(row).segment(4, 2).setZero();
   if (how % 3 == 2) theta(row, 3) = 1e4;
 }

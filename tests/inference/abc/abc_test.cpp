@@ -1,4 +1,5 @@
 #include "inference/abc/abc.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,6 @@
 #include "inference/weighted_moments.h"
 #include "tests/inference/tasks.h"
 #include "tests/message_of.h"
-#include "tests/special_values.h"
 
 namespace npdr::inference {
 namespace {

@@ -1,4 +1,5 @@
 #include "inference/abc/feature_distance.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,6 @@
 #include "core/error.h"
 #include "inference/matrix_features.h"
 #include "tests/inference/tasks.h"
-#include "tests/special_values.h"
 
 namespace npdr::inference {
 namespace {
@@ -62,7 +62,7 @@ TEST(FeatureDistance, OnAverageIsThatOfFeaturesThatVary) {
   const MatrixFeatures source(x);
   const FeatureTransform transform = fit_feature_transform(source, 0);
   RowMatrixF rows = x.topRows(3);
-  rows(1, 2) = kFloatNan;  // in a feature that doesn't count, but the row failed
+  rows(1, 2) = kFloatNaN;  // in a feature that doesn't count, but the row failed
   const VectorF x_o = x.row(9).transpose();
   const Vector mean = mean_feature_distances(rows, transform, x_o);
   const Vector norm = feature_distances(source, transform, x_o);

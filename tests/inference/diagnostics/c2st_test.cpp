@@ -1,10 +1,10 @@
 #include "inference/diagnostics/c2st.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>
 
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "core/normal.h"
@@ -90,7 +90,7 @@ TEST(C2st, RejectsWhatCantBeCompared) {
   EXPECT_THROW(c2st(good, gaussian(19, 2, 2), kC2stId), ShapeError);
   EXPECT_THROW(c2st(good.topRows(9), good.topRows(9), kC2stId), InputError);
   RowMatrix broken = good;
-  broken(3, 1) = std::numeric_limits<double>::quiet_NaN();
+  broken(3, 1) = kNaN;
   EXPECT_THROW(c2st(good, broken, kC2stId), InputError);
 }
 

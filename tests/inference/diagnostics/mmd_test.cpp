@@ -1,10 +1,10 @@
 #include "inference/diagnostics/mmd.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>
 
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "tests/inference/diagnostics/samples.h"
@@ -95,7 +95,7 @@ TEST(Mmd, RejectsWhatCantBeCompared) {
   EXPECT_THROW(mmd(gaussian(20, 2, 1), gaussian(20, 3, 2), kMmdId), ShapeError);
   EXPECT_THROW(mmd(gaussian(20, 2, 1), gaussian(5, 2, 2), kMmdId), InputError);
   RowMatrix broken = gaussian(20, 2, 1);
-  broken(0, 0) = std::numeric_limits<double>::infinity();
+  broken(0, 0) = kInfinity;
   EXPECT_THROW(mmd(broken, gaussian(20, 2, 2), kMmdId), InputError);
 }
 

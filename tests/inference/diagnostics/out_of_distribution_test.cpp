@@ -1,8 +1,7 @@
 #include "inference/diagnostics/out_of_distribution.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 #include "core/error.h"
 #include "tests/inference/diagnostics/samples.h"
@@ -152,7 +151,7 @@ TEST(OutOfDistribution, RejectsWhatCantBeJudged) {
   EXPECT_THROW(tested(x, VectorF::Zero(3)), ShapeError);
   EXPECT_THROW(tested(x.topRows(39), VectorF::Zero(kFeatures)), InputError);
   VectorF broken = VectorF::Zero(kFeatures);
-  broken(4) = std::numeric_limits<float>::quiet_NaN();
+  broken(4) = kFloatNaN;
   EXPECT_THROW(tested(x, broken), InputError);
 }
 

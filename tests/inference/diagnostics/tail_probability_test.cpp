@@ -1,9 +1,9 @@
 #include "inference/diagnostics/tail_probability.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -89,7 +89,7 @@ TEST(TailProbability, OfEqualValuesIsThatOfTheOthers) {
 
 TEST(TailProbability, WhatIsNoNumberIsFarOut) {
   const Vector reference = exponentials(100, 1);
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double nan = kNaN;
   EXPECT_DOUBLE_EQ(tail_probability(reference, nan), 1e-5);
   EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, 2.0), nan), 1e-5);
   EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(20, 2.0), nan), 5e-5);

@@ -1,10 +1,10 @@
 #include "inference/policy_search/policy_optimizer.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "core/error.h"
@@ -163,7 +163,7 @@ TEST_P(EveryOptimizer, WhatDoesntFitIsAnError) {
   EXPECT_THROW(optimizer->tell(policies.leftCols(2), returns), ShapeError);
   EXPECT_THROW(optimizer->tell(policies, returns.head(25)), ShapeError);
   Vector bad = returns;
-  bad(3) = std::numeric_limits<double>::quiet_NaN();
+  bad(3) = kNaN;
   EXPECT_THROW(optimizer->tell(policies, bad), InputError);
   EXPECT_EQ(optimizer->state().iteration, 0);
   PolicySearchState state = optimizer->state();
@@ -188,7 +188,7 @@ TEST(PolicyOptimizer, ConfigOutOfRangeIsAnError) {
                    {"policy.elite_fraction = 1.5", "must be in (0, 1]"}));
   EXPECT_EQ(problem_of({.smoothing = 0.0}), "policy.smoothing = 0, must be in (0, 1]");
   Vector initial = Vector::Zero(3);
-  initial(1) = std::numeric_limits<double>::infinity();
+  initial(1) = kInfinity;
   EXPECT_THROW(make_policy_optimizer({}, initial), InputError);
 }
 

@@ -1,9 +1,9 @@
 #include "inference/samplers/importance_certificate.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 namespace npdr::inference {
 namespace {
@@ -30,7 +30,7 @@ TEST(ImportanceCertificate, SaysWhatIsWrong) {
   bad.power = 0.25;
   EXPECT_EQ(verdict(bad), "FAILS: power 0.25, not 1");
   bad.ess = 999.0;
-  bad.pareto_k = std::numeric_limits<double>::infinity();
+  bad.pareto_k = kInfinity;
   bad.half_difference = -4.1;
   EXPECT_EQ(verdict(bad),
             "FAILS: power 0.25, not 1, too few effective draws, heavy weights, halves differ");
@@ -68,7 +68,7 @@ TEST(ImportanceCertificate, FindsLessThanAnotherWhoseEvidenceIsLarger) {
 
 TEST(ImportanceCertificate, NumbersThatAreNoneAreFaults) {
   ImportanceCertificate bad = kGood;
-  bad.ess = bad.pareto_k = bad.half_difference = std::numeric_limits<double>::quiet_NaN();
+  bad.ess = bad.pareto_k = bad.half_difference = kNaN;
   bad.missed_share = bad.ess;
   EXPECT_EQ(verdict(bad),
             "FAILS: too few effective draws, heavy weights, a mode may be missed, halves differ");

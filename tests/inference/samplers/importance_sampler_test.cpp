@@ -1,4 +1,5 @@
 #include "inference/samplers/importance_sampler.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -208,8 +209,7 @@ TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
 // first level of 500 finds too few to fit a flow to.
 TEST(ImportanceSampler, DrawsThePriorAgainWhereFewPointsArePossible) {
   const auto log_likelihood = [](const RowMatrix& u) -> Vector {
-    return (u.rowwise().minCoeff().array() > 1.2)
-        .select(Vector::Zero(u.rows()), -std::numeric_limits<double>::infinity());
+    return (u.rowwise().minCoeff().array() > 1.2).select(Vector::Zero(u.rows()), -kInfinity);
   };
   const ImportanceSampler sampler =
       run(ImportanceSampler({.level_size = 500, .min_ess = 300.0, .max_simulations = 200'000},
@@ -415,7 +415,7 @@ TEST(ImportanceSampler, KeepsIndependentDrawsThatAreNotSoFew) {
 
 TEST(ImportanceSampler, RefusesALikelihoodThatIsZeroEverywhere) {
   ImportanceSampler sampler(kSmall, kSamplerDimension, {}, {1, "refinement", 1, 0, 0});
-  const Vector none = Vector::Constant(2000, -std::numeric_limits<double>::infinity());
+  const Vector none = Vector::Constant(2000, -kInfinity);
   EXPECT_THROW(sampler.tell(none), InputError);
 }
 

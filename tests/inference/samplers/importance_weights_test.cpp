@@ -1,5 +1,5 @@
 #include "inference/samplers/importance_weights.h"
-#include "tests/special_values.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -10,13 +10,13 @@ namespace npdr::inference {
 namespace {
 
 TEST(ImportanceWeights, OfLogarithmsThatAreNone) {
-  const Vector logs{{kNan, 1.0, kInfinity, 2.0, -kInfinity}};
+  const Vector logs{{kNaN, 1.0, kInfinity, 2.0, -kInfinity}};
   EXPECT_EQ(largest_number(logs), 2.0);
   const Vector weights = exponentials(logs);
   EXPECT_EQ(weights(1), std::exp(-1.0));
   EXPECT_EQ(weights(3), 1.0);
   EXPECT_EQ(weights.sum(), 1.0 + std::exp(-1.0));
-  EXPECT_TRUE(exponentials(Vector::Constant(2, kNan)).isZero(0.0));
+  EXPECT_TRUE(exponentials(Vector::Constant(2, kNaN)).isZero(0.0));
   const std::vector<Vector> terms = {Vector{{-kInfinity, 0.0}}, Vector{{-kInfinity, 0.0}}};
   EXPECT_EQ(log_sum(terms)(0), -kInfinity);
   EXPECT_DOUBLE_EQ(log_sum(terms)(1), std::log(2.0));
@@ -73,7 +73,7 @@ TEST(ChooseRows, KeepsAllThatWeighWhereMoreAreWanted) {
 
 // The second point is at 8 where 4 is the most, the third one where the density is 0.
 TEST(HeavyShare, IsWhatLiesAboveTheMost) {
-  const Vector weights{{1.0, 3.0, 0.5, 0.0}}, log_ratios{{0.0, std::log(8.0), kInfinity, kNan}};
+  const Vector weights{{1.0, 3.0, 0.5, 0.0}}, log_ratios{{0.0, std::log(8.0), kInfinity, kNaN}};
   EXPECT_DOUBLE_EQ(heavy_share(weights, log_ratios, std::log(4.0)), (1.5 + 0.5) / 4.5);
   EXPECT_EQ(heavy_share(weights.head(2), log_ratios.head(2), std::log(8.0)), 0.0);
 }

@@ -1,8 +1,8 @@
 #include "inference/samplers/resampler.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <vector>
 
 #include "core/error.h"
@@ -19,8 +19,7 @@ TEST(Resampler, DrawsSystematicallyAsOftenAsWeightsSay) {
 
 TEST(Resampler, RejectsWeightsThatAreNone) {
   Vector weights(3);
-  for (const double bad :
-       {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {-1.0, kNaN, kInfinity}) {
     weights << 0.2, bad, 0.3;
     EXPECT_THROW(Resampler{weights}, Error);
   }

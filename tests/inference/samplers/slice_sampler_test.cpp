@@ -1,11 +1,11 @@
 #include "inference/samplers/slice_sampler.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "inference/samplers/chain_diagnostics.h"
@@ -92,8 +92,8 @@ TEST(SliceSampler, KeepsTheSharesOfModesOfUnequalWidth) {
 TEST(SliceSampler, StaysWhereTheDensityIs) {
   const LogDensity uniform = [](const RowMatrix& u) -> Vector {
     return u.col(0).unaryExpr([](double x) {
-      if (x > 2.0) return std::numeric_limits<double>::quiet_NaN();
-      return x > 0.0 && x < 1.0 ? 0.0 : -std::numeric_limits<double>::infinity();
+      if (x > 2.0) return kNaN;
+      return x > 0.0 && x < 1.0 ? 0.0 : -kInfinity;
     });
   };
   const ChainDraws draws =
@@ -118,7 +118,7 @@ TEST(SliceSampler, ADrawDependsNeitherOnHowManyFollowNorOnTheBatches) {
 
 TEST(SliceSampler, RejectsAStartThatCannotBe) {
   const LogDensity nowhere = [](const RowMatrix& u) -> Vector {
-    return Vector::Constant(u.rows(), -std::numeric_limits<double>::infinity());
+    return Vector::Constant(u.rows(), -kInfinity);
   };
   EXPECT_THROW(slice_sample(nowhere, RowMatrix::Zero(2, 1), 5, {}, kSliceId), InputError);
   EXPECT_THROW(slice_sample(log_gaussian, RowMatrix::Zero(2, 3), 5, {.thin = 0}, kSliceId),

@@ -1,10 +1,10 @@
 #include "inference/samplers/tempered_chains.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "core/error.h"
@@ -115,14 +115,14 @@ TEST(TemperedChains, FewChainsAndCandidatesWillDo) {
 TEST(TemperedChains, LikelihoodsThatAreNoNumbersAreNowhere) {
   const auto cliff = [](const RowMatrix& u) -> Vector {
     return u.col(0).unaryExpr([](double x) {
-      if (x < -1.0) return std::numeric_limits<double>::quiet_NaN();
-      return x < 0.0 ? std::numeric_limits<double>::infinity() : 1e30 * x;
+      if (x < -1.0) return kNaN;
+      return x < 0.0 ? kInfinity : 1e30 * x;
     });
   };
   const SamplerConfig config{.num_chains = 8, .num_candidates = 100};
   EXPECT_GT(sample_tempered(cliff, 2, 20, config, kChainsId).u.col(0).minCoeff(), 0.0);
   const auto nowhere = [](const RowMatrix& u) -> Vector {
-    return Vector::Constant(u.rows(), -std::numeric_limits<double>::infinity());
+    return Vector::Constant(u.rows(), -kInfinity);
   };
   EXPECT_THROW(sample_tempered(nowhere, 2, 20, config, kChainsId), Error);
 }

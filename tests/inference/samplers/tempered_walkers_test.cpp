@@ -1,9 +1,9 @@
 #include "inference/samplers/tempered_walkers.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "core/error.h"
@@ -93,9 +93,7 @@ TEST(TemperedWalkers, KeepTheLawTheyHave) {
 TEST(TemperedWalkers, StayWhereALikelihoodIsNoNumber) {
   TemperedWalkers walkers = from_the_prior();
   const RowMatrix before = walkers.u;
-  for (const double none :
-       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-        -std::numeric_limits<double>::infinity()}) {
+  for (const double none : {kNaN, kInfinity, -kInfinity}) {
     take_steps(walkers, StepKind::wide, propose_steps(walkers, StepKind::wide, id("steps", 1)),
                Vector::Constant(kWalkers, none), id("choice", 1));
     EXPECT_EQ(walkers.u, before);

@@ -1,7 +1,7 @@
 #include "pipeline/artefacts/layout.h"
+#include "core/constants.h"
 
 #include <functional>
-#include <limits>
 #include <map>
 #include <optional>
 
@@ -74,9 +74,8 @@ TEST_F(LayoutFile, SizesOfTheSameNameMustBeEqual) {
 }
 
 TEST_F(LayoutFile, WhatMustBeFiniteIs) {
-  EXPECT_TRUE(says(
-      message_after([](Example& e) { e.theta(1, 0) = std::numeric_limits<double>::infinity(); }),
-      {"a.h5: dataset 'theta'", "must be finite"}));
+  EXPECT_TRUE(says(message_after([](Example& e) { e.theta(1, 0) = kInfinity; }),
+                   {"a.h5: dataset 'theta'", "must be finite"}));
 }
 
 TEST(LayoutTables, AreThoseOfTheDocument) {

@@ -1,10 +1,10 @@
 #include "pipeline/artefacts/particle_file.h"
+#include "core/constants.h"
 
 #include <functional>
 
 #include "core/error.h"
 #include "pipeline/artefacts/schemas.h"
-#include "tests/special_values.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -83,7 +83,7 @@ TEST_F(ParticleFile, ComesBackAsItWas) {
 TEST_F(ParticleFile, OfARegressionMayHoldWhatIsNotFinite) {
   inference::ParticleParts parts = small_parts();
   parts.space = inference::ParticleSpace::theta;
-  parts.theta(1, 0) = kNan;
+  parts.theta(1, 0) = kNaN;
   const auto path = written([&](h5::File& file) {
     write_particles(file, "linear_regression", parts, {});
     write_regression(file, {Vector::Ones(2), Eigen::MatrixXd::Identity(2, 2), {}}, {4, 2, 1});
@@ -117,9 +117,9 @@ TEST_F(ParticleFile, WhatMakesNoPosteriorIsRefused) {
   EXPECT_TRUE(says(message_after([](auto& parts) { parts.theta.setConstant(0.5); }),
                    {"p.h5: kernel density: no parameter of the 4 finite samples varies",
                     "rerun stage 'infer'"}));
-  EXPECT_NE(message_after([](auto& parts) { parts.theta(0, 0) = kNan; }).find("'particles/theta'"),
+  EXPECT_NE(message_after([](auto& parts) { parts.theta(0, 0) = kNaN; }).find("'particles/theta'"),
             std::string::npos);
-  EXPECT_NE(message_after([](auto& parts) { parts.weights(0) = kNan; }).find("'particles/weight'"),
+  EXPECT_NE(message_after([](auto& parts) { parts.weights(0) = kNaN; }).find("'particles/weight'"),
             std::string::npos);
   EXPECT_NE(message_after([](auto& parts) { parts.theta.conservativeResize(4, 1); }).find("(4, 1)"),
             std::string::npos);
@@ -140,7 +140,7 @@ TEST_F(ParticleFile, WhatMakesNoPopulationIsRefused) {
       says(message([](auto& p) { p.distances(1) = -1.0; }),
            {"p.h5: distances and epsilon", "must be finite and >= 0", "rerun stage 'infer'"}));
   EXPECT_TRUE(
-      says(message([](auto& p) { p.epsilon = kNan; }),
+      says(message([](auto& p) { p.epsilon = kNaN; }),
            {"p.h5: distances and epsilon", "must be finite and >= 0", "rerun stage 'infer'"}));
   EXPECT_NE(message([](auto& p) { p.distances = Vector::Ones(3); }).find("(3)"), std::string::npos);
   EXPECT_NE(message([](auto& p) { p.kernel = Eigen::MatrixXd::Ones(3, 3); }).find("(3, 3)"),

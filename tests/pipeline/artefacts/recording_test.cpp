@@ -1,9 +1,9 @@
 #include "pipeline/artefacts/recording.h"
+#include "core/constants.h"
 
 #include <hdf5.h>
 
 #include <cstdlib>
-#include <limits>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -78,7 +78,7 @@ TEST(Recording, MayHaveNoActionsNoNamesAndNoSource) {
 TEST(Recording, IsWrittenAsAWholeOrNotAtAll) {
   const TempFolder folder;
   Target target = twin();
-  target.rollouts[1].states(3, 2) = std::numeric_limits<double>::quiet_NaN();
+  target.rollouts[1].states(3, 2) = kNaN;
   EXPECT_THROW(write_recording(target, folder / "a.h5"), InputError);
   EXPECT_EQ(folder.size(), 0);
 }
@@ -182,9 +182,7 @@ TEST_F(EditedRecording, ChecksTheTimeStep) {
                    {"a.h5: dt = 0,", "must be a positive time [s]"}));
   EXPECT_TRUE(says(reading([](hid_t file) { write_double(file, "dt", 5e-324); }),
                    {"a.h5: dt = 4.94066e-324, must be a positive time [s], and not below 1e-307"}));
-  EXPECT_TRUE(says(reading([](hid_t file) {
-                     write_double(file, "dt", std::numeric_limits<double>::quiet_NaN());
-                   }),
+  EXPECT_TRUE(says(reading([](hid_t file) { write_double(file, "dt", kNaN); }),
                    {"a.h5: dt = nan", "must be a positive time [s]"}));
 }
 
@@ -294,7 +292,7 @@ TEST_F(EditedRecording, NamesTheNanItFinds) {
   write_recording(target, folder_ / "a.h5");
   h5::File file = h5::File::create(folder_ / "b.h5");
   file.set_attribute("dt", 0.004);
-  target.rollouts[1].states(7, 2) = std::numeric_limits<double>::quiet_NaN();
+  target.rollouts[1].states(7, 2) = kNaN;
   for (const auto& [name, values, channels] :
        {std::tuple{"states", &Rollout::states, &target.state_channels},
         {"actions", &Rollout::actions, &target.action_channels}}) {

@@ -1,6 +1,5 @@
 #include "pipeline/features/usual_features.h"
-
-#include "tests/special_values.h"
+#include "core/constants.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -11,7 +10,7 @@ class Rows : public inference::FeatureSource {
   Rows(Index n, Index num_lost) : x_(n, 2) {
     Stream stream({1, "features", 0, 0, 0});
     for (float& value : x_.reshaped()) value = static_cast<float>(stream.normal());
-    x_.bottomRows(num_lost).col(1).setConstant(kFloatNan);
+    x_.bottomRows(num_lost).col(1).setConstant(kFloatNaN);
   }
   Index num_rows() const override { return x_.rows(); }
   Index num_features() const override { return x_.cols(); }

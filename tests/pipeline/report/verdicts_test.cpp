@@ -1,4 +1,5 @@
 #include "pipeline/report/verdicts.h"
+#include "core/constants.h"
 
 #include "pipeline/report/registry.h"
 #include "tests/message_of.h"
@@ -225,7 +226,7 @@ TEST_F(Verdicts, NothingIsInfinitelyFar) {
   auto& ood = *data_.diagnoses.front().result.ood;
   ood.p_value = 1e-5;
   ood.mahalanobis = {3.0, 1.5, 0.1};
-  ood.residual = {std::numeric_limits<double>::infinity(), 0.0, 1e-5};
+  ood.residual = {kInfinity, 0.0, 1e-5};
   const Verdict found = verdict_of(Check::ood);
   EXPECT_EQ(found.judgment, Judgment::fails);
   EXPECT_NE(found.reason.find(

@@ -1,6 +1,5 @@
 #include "pipeline/sources/precision.h"
-
-#include <limits>
+#include "core/constants.h"
 
 #include "tests/message_of.h"
 
@@ -24,7 +23,7 @@ TEST(Precision, SaysWhichColumnsFloatsCantTellApart) {
   EXPECT_NE(precision_problem(varying(0.0, 1e-37), kColumns), "");
   EXPECT_NE(precision_problem(varying(0.0, 1e-300), kColumns), "") << "whose square is 0";
   RowMatrix partly_lost = varying(1e8, 1.5);
-  partly_lost(3, 1) = std::numeric_limits<double>::quiet_NaN();
+  partly_lost(3, 1) = kNaN;
   EXPECT_NE(precision_problem(partly_lost, kColumns), "");
 }
 

@@ -1,8 +1,7 @@
 #include "pipeline/sources/repeated_outlier.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 #include "core/random.h"
 #include "tests/message_of.h"
@@ -58,7 +57,7 @@ TEST_F(RepeatedOutlier, AreNoneOfWhatMeasurementsDo) {
   EXPECT_EQ(found(), "") << "a sensor that is clipped";
   for (Index i = 0; i < 64; ++i) x_(i, 0) = i % 2 == 0 ? 0.0f : 1.0f;
   EXPECT_EQ(found(), "") << "a bit";
-  x_.col(0).setConstant(std::numeric_limits<float>::quiet_NaN());
+  x_.col(0).setConstant(kFloatNaN);
   EXPECT_EQ(found(), "") << "nothing there";
 }
 

@@ -1,8 +1,7 @@
 #include "pipeline/sources/repeated_rows.h"
+#include "core/constants.h"
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 namespace npdr::pipeline {
 namespace {
@@ -45,8 +44,7 @@ TEST(RepeatedRows, AreUsualAmongCounts) {
 
 TEST(RepeatedRows, DontCountFailures) {
   RowMatrixF x = with_zeros(3);
-  for (float& value : x.col(0))
-    value = value == 0.0f ? std::numeric_limits<float>::quiet_NaN() : value;
+  for (float& value : x.col(0)) value = value == 0.0f ? kFloatNaN : value;
   EXPECT_EQ(repeated_rows(theta(64), x), "");
 }
 

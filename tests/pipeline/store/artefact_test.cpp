@@ -1,4 +1,5 @@
 #include "pipeline/store/artefact.h"
+#include "core/constants.h"
 
 #include <unistd.h>
 
@@ -217,7 +218,7 @@ TEST(ContentKey, IsTheSameForever) {
 
 TEST(ContentKey, RefusesWhatJsonCantHold) {
   Json document;
-  document["a"]["b"] = {1.0, std::numeric_limits<double>::quiet_NaN()};
+  document["a"]["b"] = {1.0, kNaN};
   EXPECT_THROW(content_key(document), InputError);
   document["a"]["b"] = "\xff";
   EXPECT_THROW(content_key(document), InputError);

@@ -1,6 +1,6 @@
 #include "pipeline/store/h5.h"
+#include "core/constants.h"
 
-#include <limits>
 #include <numeric>
 
 #include "counted.h"
@@ -203,7 +203,7 @@ TEST(H5, SaysWhereAValueIsntFinite) {
   const TempFolder folder;
   File file = File::create(folder / "a.h5");
   RowMatrix values = counted(4, 3);
-  values(2, 1) = std::numeric_limits<double>::quiet_NaN();
+  values(2, 1) = kNaN;
   file.write("theta", values);
   EXPECT_TRUE(std::isnan(file.read_matrix<double>("theta")(2, 1)));
   EXPECT_TRUE(
