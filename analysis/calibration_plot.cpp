@@ -6,12 +6,12 @@
 namespace npdr::analysis {
 namespace {
 
-constexpr std::size_t kPanelsPerRow = 4;
+constexpr std::size_t kChecksPerRow = 4;
 constexpr double kBand = 2.5758;  // normal deviations on either side that hold 99 %
 
 Figure figure_of(const std::string& name, std::size_t num_panels) {
   require(num_panels > 0, "calibration plot '{}': must have something to draw", name);
-  return {.name = name, .columns = std::min(num_panels, kPanelsPerRow)};
+  return {.name = name, .columns = std::min(num_panels, kChecksPerRow)};
 }
 
 // A panel that shows what a posterior without fault gives, from table "expected".

@@ -7,7 +7,7 @@
 namespace npdr::analysis {
 namespace {
 
-constexpr double kMargin = 0.03;  // of the shown values, below and above them
+constexpr double kCurveMargin = 0.03;  // of the shown values, below and above them
 constexpr double kBandOpacity = 0.22;
 
 // The curve as a table (points, 4).
@@ -57,8 +57,8 @@ FigureFiles write_curve_plot(const CurvePlot& plot, const std::filesystem::path&
   }
   bands.insert(bands.end(), curves.begin(), curves.end());
   if (x.lower == x.upper) x.add(x.lower + 1.0);
-  figure.panels.push_back({.x = make_axis(x.widened(kMargin), plot.x_title, "", 3, 0.0),
-                           .y = make_axis(y.widened(kMargin), plot.y_title, "", 3, 0.0),
+  figure.panels.push_back({.x = make_axis(x.widened(kCurveMargin), plot.x_title, "", 3, 0.0),
+                           .y = make_axis(y.widened(kCurveMargin), plot.y_title, "", 3, 0.0),
                            .series = bands});
   return write_figure(figure, directory);
 }

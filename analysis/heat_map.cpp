@@ -11,7 +11,7 @@ namespace npdr::analysis {
 namespace {
 
 constexpr double kPanel = 210.0;  // [px]
-constexpr std::size_t kPanelsPerRow = 3;
+constexpr std::size_t kMapsPerRow = 3;
 constexpr const char* kMarkColor = "#d7191c";
 
 // The axis of cells 0, 1, ..., with as many labels as there is room for when each takes `room` px.
@@ -57,7 +57,7 @@ FigureFiles write_heat_maps(const HeatMapPlot& plot, const std::filesystem::path
       !plot.maps.empty() && num_x > 0 && num_y > 0 && plot.low < plot.high,
       "heat map '{}': must have a map, points on both axes, and colors from low to a larger high",
       plot.name);
-  Figure figure{plot.name, std::min(plot.maps.size(), kPanelsPerRow), {kPanel, kPanel}};
+  Figure figure{plot.name, std::min(plot.maps.size(), kMapsPerRow), {kPanel, kPanel}};
   figure.colors = {plot.value_title, plot.low, plot.high};
   double widest = 0.0;
   for (const double point : plot.x.points) {

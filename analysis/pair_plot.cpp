@@ -1,7 +1,6 @@
 #include "analysis/pair_plot.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "analysis/density_curve.h"
 

@@ -10,7 +10,7 @@ constexpr const char* kFixedColor = "#333333";
 constexpr const char* kHeldOutColor = "#888888";
 constexpr const char* kPathColor = kMethodColors[0];
 constexpr const char* kShapeColor = kMethodColors[1];
-constexpr double kMargin = 0.05;  // of the shown range, on every side
+constexpr double kPathMargin = 0.05;  // of the shown range, on every side
 
 enum class LineKind { path, polygon };
 
@@ -63,8 +63,8 @@ FigureFiles write_path_plot(const PathPlot& plot, const std::filesystem::path& d
   Range x, y;
   x.add(figure.tables.front().values.col(0));
   y.add(figure.tables.front().values.col(1));
-  const Axis x_axis = make_axis(x.widened(kMargin), "x", plot.unit, 4, 0.0);
-  const Axis y_axis = make_axis(y.widened(kMargin), "y", plot.unit, 4, 0.0);
+  const Axis x_axis = make_axis(x.widened(kPathMargin), "x", plot.unit, 4, 0.0);
+  const Axis y_axis = make_axis(y.widened(kPathMargin), "y", plot.unit, 4, 0.0);
   figure.sizes.panel_height = kPanelWidth * y.length() / x.length();
   const auto line = [](const std::string& table, const char* color, double size,
                        double opacity = 1.0) {

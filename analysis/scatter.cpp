@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/quantiles.h"
+#include "core/constants.h"
 
 namespace npdr::analysis {
 namespace {
@@ -27,7 +28,7 @@ double rounding_of(const Vector& series) { return smallest_step(series) / std::s
 
 double smallest_step(const Vector& series) {
   const double dust = dust_of(series);
-  double smallest = HUGE_VAL;
+  double smallest = kInfinity;
   for (const double step : differences(series)) {
     if (std::abs(step) > dust) smallest = std::min(smallest, std::abs(step));
   }

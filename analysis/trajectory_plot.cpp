@@ -7,7 +7,7 @@ namespace {
 
 constexpr Index kMaxRollouts = 6;
 constexpr Index kMaxChannels = 12;
-constexpr double kMargin = 0.06;  // of a row's range, below and above it
+constexpr double kRowMargin = 0.06;  // of a row's range, below and above it
 
 // The time, then for each channel the recorded series of rollout h and lower, median and upper of
 // each method; at a stride that keeps at most max_points of them.
@@ -66,7 +66,7 @@ Range shown_range(const TrajectoryPlot& plot, const Target& target,
       widen(p.bands.upper[k], 1.0);
     }
   }
-  const double margin = kMargin * recorded.length();
+  const double margin = kRowMargin * recorded.length();
   return {shown.lower - margin, shown.upper + margin};
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <string>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/samplers/group_moves.h"
 #include "inference/samplers/resampler.h"
@@ -48,7 +49,7 @@ double weighted_quantile(const Vector& values, const Vector& weights, double bel
 
 // The largest 1; 0 where there is no such density.
 Vector weights_of(const Vector& log_weights) {
-  const Vector finite = log_weights.array().isNaN().select(-HUGE_VAL, log_weights);
+  const Vector finite = log_weights.array().isNaN().select(-kInfinity, log_weights);
   return (finite.array() - finite.maxCoeff()).exp();
 }
 
@@ -97,7 +98,7 @@ TruncatedPrior::TruncatedPrior(const NetworkPosterior& posterior)
 // log p(u | x_o) / p(u) but for a constant, (n); -infinity where there is no such density.
 Vector TruncatedPrior::log_ratio(const RowMatrix& theta) const {
   const Vector ratio = posterior_.relative_log_prob(theta) - posterior_.prior().log_prob(theta);
-  return ratio.array().isFinite().select(ratio, -HUGE_VAL);
+  return ratio.array().isFinite().select(ratio, -kInfinity);
 }
 
 std::vector<std::uint32_t> TruncatedPrior::rows_within(const RowMatrix& theta) const {
@@ -111,7 +112,7 @@ std::vector<std::uint32_t> TruncatedPrior::rows_within(const RowMatrix& theta) c
 
 // `values` (n) where u lies within the region, elsewhere -infinity.
 Vector TruncatedPrior::inside(const RowMatrix& theta, const Vector& values) const {
-  return (log_ratio(theta).array() >= threshold_).select(values, -HUGE_VAL);
+  return (log_ratio(theta).array() >= threshold_).select(values, -kInfinity);
 }
 
 // n of each of the three, with the logs of p over the sum of their densities.
@@ -125,7 +126,7 @@ TruncatedPrior::Candidates TruncatedPrior::draw_mixture(Index n, const StreamId&
   const Vector near = near_.log_prob(theta) - prior.log_prob(theta);
   const Vector gaussian = around_.log_prob(u) - log_standard_normal(u);
   const Vector log_weights = -log_of_sum(near, gaussian);
-  return {u, log_weights.array().isFinite().select(log_weights, -HUGE_VAL)};
+  return {u, log_weights.array().isFinite().select(log_weights, -kInfinity)};
 }
 
 // Some of them lie in the region; the weights of the others are 0.

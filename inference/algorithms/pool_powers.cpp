@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/constants.h"
 #include "core/parallel.h"
 #include "inference/estimators/gaussian_mixture.h"
 #include "inference/pooled_posterior.h"
@@ -35,7 +36,7 @@ PoolEvidence evidence_given(NetworkParts parts, const VectorF& x, const RowMatri
   if (region == nullptr) return evidence;
   const Vector all = evidence.posterior;
   const std::vector<std::uint32_t> within = region->rows_within(points);
-  evidence.posterior.tail(kDraws).setConstant(-HUGE_VAL);
+  evidence.posterior.tail(kDraws).setConstant(-kInfinity);
   evidence.posterior(within) = all(within);
   return evidence;
 }
@@ -57,7 +58,7 @@ double score_of(const std::vector<PoolEvidence>& rows, PoolPowers powers) {
 
 struct Scored {
   PoolPowers powers;
-  double score = -HUGE_VAL;
+  double score = -kInfinity;
 };
 
 // The best powers of each sum.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "analysis/scatter.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "sim/savitzky_golay.h"
@@ -70,7 +71,7 @@ double dust_of(const Vector& position) {
   for (const double step : differences_of(position)) {
     if (std::abs(step) > rounding_of(position)) steps.push_back(std::abs(step));
   }
-  if (steps.empty()) return HUGE_VAL;
+  if (steps.empty()) return kInfinity;
   const auto middle = steps.begin() + std::ssize(steps) / 2;
   std::ranges::nth_element(steps, middle);
   return std::max(rounding_of(position), share * *middle);
@@ -84,7 +85,7 @@ double count_of(const Vector& position) {
   const double dust = dust_of(position);
   const Vector third = differences_of(differences_of(differences_of(position))).cwiseAbs();
   if ((third.array() > dust).count() < fewest) return 0.0;
-  return (third.array() > dust).select(third.array(), HUGE_VAL).minCoeff();
+  return (third.array() > dust).select(third.array(), kInfinity).minCoeff();
 }
 
 // sigma of positions, which may scatter more before or after t than elsewhere.

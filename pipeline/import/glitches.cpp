@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include "core/constants.h"
+
 namespace npdr::pipeline {
 namespace {
 
@@ -38,7 +40,7 @@ std::vector<Index> find_lone_steps(const Vector& position) {
   const Vector steps = position.tail(n) - position.head(n);
   Vector sorted = steps.cwiseAbs();
   std::sort(sorted.begin(), sorted.end(), std::greater());
-  double least = HUGE_VAL;
+  double least = kInfinity;
   for (Index k = 1; k <= std::max<Index>(n / 100, 3); ++k) {
     if (sorted(k) > 0.0 && sorted(k - 1) > larger * sorted(k)) least = sorted(k - 1);
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/quantiles.h"
+#include "core/constants.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
@@ -60,7 +61,7 @@ Cell inferred_cell(Table& table, const Vector& samples) {
 
 // Says by what a refinement that chose its power has multiplied the scales.
 void note_factor(Table& table, Cell& cell, const std::vector<const EvaluatedRun*>& runs) {
-  double smallest = HUGE_VAL, largest = 0.0;
+  double smallest = kInfinity, largest = 0.0;
   for (const EvaluatedRun* run : runs) {
     if (!run->notes.certificate) return;
     const double factor = run->notes.powers.noise_factor_at(run->notes.certificate->power);

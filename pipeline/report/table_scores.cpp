@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/constants.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
 
@@ -46,7 +47,7 @@ void add(Table& table, const ReportData& data, const std::string& label, const P
       return each(part.of_run(*run), [&](const PredictionScores* s) { return number(*s); }).mean();
     });
     // A log score of what was held to be impossible; summaries are of finite numbers.
-    if (of_seeds.size() > 0 && of_seeds.minCoeff() == -HUGE_VAL) return Cell("-inf");
+    if (of_seeds.size() > 0 && of_seeds.minCoeff() == -kInfinity) return Cell("-inf");
     return cell_of_seeds(table, analysis::summarize(of_seeds));
   });
   std::vector<Cell>& cells = table.rows.back().cells;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/constants.h"
 #include "core/normal.h"
 #include "inference/diagnostics/levels.h"
 #include "inference/diagnostics/uniformity.h"
@@ -193,7 +194,7 @@ class Inspection {
     RowMatrix centered = f.rowwise() - f.colwise().mean().eval();
     for (Index d = 0; d < centered.cols(); ++d) {
       const bool is_constant = centered.col(d).cwiseAbs().maxCoeff() < rounding;
-      centered.col(d) /= is_constant ? HUGE_VAL : centered.col(d).norm();
+      centered.col(d) /= is_constant ? kInfinity : centered.col(d).norm();
     }
     return centered.transpose() * centered;
   }

@@ -7,6 +7,7 @@
 
 #include "analysis/quantiles.h"
 #include "analysis/scatter.h"
+#include "core/constants.h"
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 #include "pipeline/features/noise.h"
@@ -213,7 +214,7 @@ double covered_by(const PredictionScores& scores) {
 // What predicts held-out rollouts best without any inference.
 struct Uninformed {
   std::string whose;
-  double crps = HUGE_VAL;
+  double crps = kInfinity;
 };
 
 // Draws of the prior or, of recordings, the nominal parameters, which may be a

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/text.h"
 #include "pipeline/report/verdict_parts.h"
 
@@ -107,7 +108,7 @@ Verdict judge_residuals(const ReportData& data, const std::string& method) {
         "its likeliest parameters couldn't be simulated again; see why in the log of stage infer"};
   }
   const auto worst = std::ranges::max_element(runs, {}, [](const EvaluatedRun* run) {
-    return std::isnan(excess_of(*run)) ? HUGE_VAL : excess_of(*run);
+    return std::isnan(excess_of(*run)) ? kInfinity : excess_of(*run);
   });
   const auto failed = static_cast<std::size_t>(
       std::ranges::count_if(runs, [](const EvaluatedRun* run) { return is_excessive(*run); }));

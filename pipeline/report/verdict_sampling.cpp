@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/text.h"
 #include "pipeline/report/verdict_parts.h"
 #include "pipeline/report/verdicts.h"
@@ -14,7 +15,7 @@ namespace {
 // Of the weights of draws of the prior.
 Verdict judge_weights(const Runs& runs) {
   constexpr double fewest = 100.0;
-  double smallest = HUGE_VAL;
+  double smallest = kInfinity;
   std::size_t failed = 0;
   for (const EvaluatedRun* run : runs) {
     const double size = run->evaluation.sampler->ess.minCoeff();
@@ -137,7 +138,7 @@ Verdict pass_certificates(const ReportData& data, const Runs& runs, const std::s
 Verdict judge_certificates(const ReportData& data, const Runs& runs) {
   std::vector<std::string> faults, remedies;
   std::size_t failed = 0;
-  double smallest = HUGE_VAL, heaviest = -HUGE_VAL, power = 1.0, largest_power = 0.0;
+  double smallest = kInfinity, heaviest = -kInfinity, power = 1.0, largest_power = 0.0;
   bool has_pool = false;
   for (const EvaluatedRun* run : runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;

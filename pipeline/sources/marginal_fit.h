@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/types.h"
 #include "inference/diagnostics/levels.h"
 #include "inference/prior.h"
@@ -51,7 +52,7 @@ class MarginalFit {
 
   Index count_ = 0;
   inference::Levels levels_;  ///< the first that came, kMostLevels + 1 of them at most
-  double low_ = HUGE_VAL, high_ = -HUGE_VAL;
+  double low_ = kInfinity, high_ = -kInfinity;
   Moments values_, logarithms_;  ///< the second of values > 0
 };
 

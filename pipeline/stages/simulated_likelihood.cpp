@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
@@ -108,7 +109,7 @@ LikeliestFirstStates SimulatedLikelihood::likeliest_first_states(const Vector& t
       noise.begin_without(from + share * (fit.errors - from));
       const auto next = simulate_one(*open(noise, 1, {}), theta);
       if (step == 0 && share == 1.0) {
-        found.off = next ? noise.distance(fit.states, next->row(0), fit.values) : HUGE_VAL;
+        found.off = next ? noise.distance(fit.states, next->row(0), fit.values) : kInfinity;
         if (!found.is_coarse()) return found;
       }
       if (!next) continue;

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/random.h"
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/policy_outcomes.h"
@@ -25,7 +26,7 @@ PolicyOutcomes try_policy(const Node& node, const sim::PolicyTask& task, const R
     outcomes.returns.row(i) = rollouts.returns.transpose();
     for (Index s = 0; s < n; ++s) {
       const bool is_ok = std::isfinite(rollouts.returns(s));
-      outcomes.success(i, s) = is_ok ? rollouts.success[static_cast<std::size_t>(s)] : NAN;
+      outcomes.success(i, s) = is_ok ? rollouts.success[static_cast<std::size_t>(s)] : kNaN;
     }
     progress.update((i + 1) * n);
   }

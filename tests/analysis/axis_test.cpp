@@ -62,7 +62,7 @@ TEST(Axis, MayHaveTicksAtTheEnds) {
 
 TEST(Range, HoldsTheFiniteValues) {
   Range range;
-  range.add((Vector(4) << 3.0, -1.0, kInfinity, std::nan("")).finished());
+  range.add((Vector(4) << 3.0, -1.0, kInfinity, kNaN).finished());
   EXPECT_EQ(range.lower, -1.0);
   EXPECT_EQ(range.upper, 3.0);
   EXPECT_EQ(range.widened(0.25).lower, -2.0);
@@ -81,7 +81,7 @@ TEST(Range, OfOneValueOrNoneCanBeShown) {
 TEST(Axis, RejectsEmptyAndInfiniteRanges) {
   EXPECT_THROW(make_axis({1.0, 1.0}, "", "m"), InputError);
   EXPECT_THROW(make_axis({0.0, kInfinity}, "", "m"), InputError);
-  EXPECT_THROW(make_axis({std::nan(""), 1.0}, "", "m"), InputError);
+  EXPECT_THROW(make_axis({kNaN, 1.0}, "", "m"), InputError);
 }
 
 }  // namespace

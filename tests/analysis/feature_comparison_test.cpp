@@ -1,7 +1,8 @@
 #include "analysis/feature_comparison.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
+
+#include "core/constants.h"
 
 namespace npdr::analysis {
 namespace {

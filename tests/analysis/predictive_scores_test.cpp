@@ -291,7 +291,7 @@ TEST(PredictiveScores, RejectValuesThatCannotBeScored) {
   const auto problem = [](const auto&... arguments) {
     return message_of<InputError>([&] { score(arguments...); });
   };
-  EXPECT_TRUE(says(problem(constant(1, 3, 2, std::nan("")), ones),
+  EXPECT_TRUE(says(problem(constant(1, 3, 2, kNaN), ones),
                    {"predictive scores: observed rollout 0", "isn't finite", "leave it out"}));
   EXPECT_TRUE(says(problem(observed, RowMatrix{{1.0, 0.0}}),
                    {"predictive scores: amplitude of channel 1 in rollout 0 = 0",

@@ -1,9 +1,10 @@
 #include "analysis/summary.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "core/constants.h"
 
 namespace npdr::analysis {
 namespace {

@@ -1,8 +1,8 @@
 #include "core/target.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "tests/message_of.h"
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "core/error.h"
 #include "tests/faults/fault_study.h"
 
 namespace npdr::pipeline {
@@ -181,7 +182,7 @@ class EachCall : public Faults, public ::testing::WithParamInterface<CallAndErro
            message.find("recording.h5") != std::string::npos;
   }
 
-  // Of each stage the artefact that is made in the shortest time.
+  // Of each of these stages the artefact that is made in the shortest time.
   static std::vector<Artefact> quickest() {
     const std::vector<Artefact> all = folder_->artefacts();
     std::vector<Artefact> chosen;
@@ -191,7 +192,9 @@ class EachCall : public Faults, public ::testing::WithParamInterface<CallAndErro
         const bool has_methods = stage != "target" && stage != "baseline";
         return a.stage == stage && (!has_methods || a.label.find("ABC") != std::string::npos);
       };
-      chosen.push_back(*std::ranges::find_if(all, is_quick));
+      const auto found = std::ranges::find_if(all, is_quick);
+      if (found == all.end()) throw InputError("no artefact of " + stage);
+      chosen.push_back(*found);
     }
     return chosen;
   }

@@ -1,5 +1,4 @@
 #include "inference/ensemble.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/direct_posterior.h"
 #include "inference/matrix_features.h"

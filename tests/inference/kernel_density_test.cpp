@@ -1,11 +1,11 @@
 #include "inference/kernel_density.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "inference/weighted_moments.h"

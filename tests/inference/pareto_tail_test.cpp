@@ -1,5 +1,4 @@
 #include "inference/pareto_tail.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
 #include "core/random.h"
 
 namespace npdr::inference {

@@ -1,11 +1,11 @@
 #include "inference/particle_posterior.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "tests/inference/tasks.h"
 

@@ -1,5 +1,4 @@
 #include "inference/pooled_posterior.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/algorithms/pool_powers.h"
 #include "inference/ensemble.h"
@@ -163,8 +163,7 @@ TEST(PooledPosterior, TakesLessOfALikelihoodThatContradictsIt) {
 }
 
 TEST(PooledPosterior, WhatANetworkDoesntKnowWeighsNothing) {
-  const double nan = std::nan(""), infinity = kInfinity;
-  const PoolEvidence evidence{Vector{{1.0, nan, -infinity, 1.0}}, Vector{{2.0, 3.0, 3.0, nan}}};
+  const PoolEvidence evidence{Vector{{1.0, kNaN, -kInfinity, 1.0}}, Vector{{2.0, 3.0, 3.0, kNaN}}};
   for (const PoolPowers powers :
        {PoolPowers{0.5, 0.5}, PoolPowers{1.0, 0.5}, PoolPowers{1.5, 0.2}}) {
     const Vector weights = evidence.log_weights(powers);

@@ -1,10 +1,10 @@
 #include "inference/prior.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/normal.h"
 
@@ -68,10 +68,9 @@ TEST(Prior, StaysInsideOfTheSupportHoweverFarUGoes) {
 
 // A network that overflows has no sample to give, rather than one on the border.
 TEST(Prior, HasNoParametersWhereUIsntFinite) {
-  const double infinity = kInfinity;
   RowMatrix u(2, 4);
-  u.row(0).setConstant(infinity);
-  u.row(1).setConstant(-infinity);
+  u.row(0).setConstant(kInfinity);
+  u.row(1).setConstant(-kInfinity);
   EXPECT_TRUE(all_kinds().to_theta(u).array().isNaN().all());
 }
 
@@ -106,8 +105,7 @@ TEST(Prior, LogDensityOfEachKindIntegratesToOne) {
 
 TEST(Prior, DensityIsZeroOutsideOfTheSupport) {
   RowMatrix theta(4, 4);
-  theta << 1.71, 1e-3, 0.5, 1.0, 1.0, 1e-3, 0.5, 0.0, 1.0, 1e-3, 0.5, -1.0, 1.0, 1e-3, 0.5,
-      std::nan("");
+  theta << 1.71, 1e-3, 0.5, 1.0, 1.0, 1e-3, 0.5, 0.0, 1.0, 1e-3, 0.5, -1.0, 1.0, 1e-3, 0.5, kNaN;
   for (Index row = 0; row < 3; ++row) {
     EXPECT_EQ(all_kinds().log_prob(theta)(row), -kInfinity);
     EXPECT_FALSE(all_kinds().contains(theta.row(row).transpose()));
@@ -134,7 +132,7 @@ TEST(Prior, RejectsImpossibleMarginals) {
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::log_normal, 0.0, 0.0}}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::log_normal, 800.0, 1.0}}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::log_normal, 0.0, 100.0}}), InputError);
-  EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::uniform, 0.0, std::nan("")}}), InputError);
+  EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::uniform, 0.0, kNaN}}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::uniform, 0.0, 1.0},
                       {"a", "1", Marginal::Kind::uniform, 0.0, 1.0}}),
                InputError);

@@ -1,11 +1,11 @@
 #include "inference/surrogate_posterior.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "inference/estimators/ratio_estimator.h"
 
 namespace npdr::inference {

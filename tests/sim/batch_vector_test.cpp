@@ -1,5 +1,4 @@
 #include "sim/batch_vector.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 #include <sundials/sundials_nvector.h>
@@ -8,6 +7,7 @@
 #include <cstdint>
 #include <numeric>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::sim {

@@ -1,11 +1,11 @@
 #include "sim/cvode_reference.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "core/constants.h"
 #include "tests/sim/forced_decay.h"
 
 namespace npdr::sim {
@@ -31,8 +31,7 @@ TEST(CvodeReference, ShowsTheStateOfTheFirstLaneInEveryLane) {
 TEST(CvodeReference, GoesOnAsNanInSilenceOnceItDiverged) {
   ForcedDecay problem;
   testing::internal::CaptureStderr();
-  const double nan = kNaN;
-  CvodeReference(problem, 0.1).integrate(0, 5, std::vector<double>(kLaneBlock, nan).data());
+  CvodeReference(problem, 0.1).integrate(0, 5, std::vector<double>(kLaneBlock, kNaN).data());
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_EQ(problem.steps.size(), 5u);
   EXPECT_TRUE(std::isnan(problem.final_state[0]));

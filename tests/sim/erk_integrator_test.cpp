@@ -1,5 +1,4 @@
 #include "sim/erk_integrator.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "tests/sim/forced_decay.h"
 

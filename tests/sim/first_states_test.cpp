@@ -1,5 +1,4 @@
 #include "sim/first_states.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "sim/noise_likelihood.h"
 
@@ -144,7 +144,7 @@ TEST(FirstStates, IntegrateUnknownScalesOfAllChannels) {
   const NoiseModel model = model_of({noise_of(0.3, 0.0, 1.0), noise_of(0.3, 0.0, 1.0)});
   const Case made = make_case(model, 4);
   constexpr double step = 0.05;
-  double sum = 0.0, highest = -HUGE_VAL;
+  double sum = 0.0, highest = -kInfinity;
   std::vector<double> terms;
   for (double a = -4.0; a <= 4.0; a += step) {
     for (double b = -4.0; b <= 4.0; b += step) {
@@ -246,7 +246,7 @@ TEST(FirstStates, OfAFailedSimulationHaveNoLikelihood) {
   Case made = make_case(model, 7);
   made.simulated.back() = kFloatNaN;
   const NoiseLikelihood likelihood(model, made.recorded, made.first);
-  EXPECT_EQ(likelihood.log_likelihood(made.simulated), -HUGE_VAL);
+  EXPECT_EQ(likelihood.log_likelihood(made.simulated), -kInfinity);
 }
 
 TEST(FirstStates, RefuseOtherShapesAndHeavyTails) {

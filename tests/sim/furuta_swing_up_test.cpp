@@ -1,10 +1,10 @@
 #include "sim/furuta_swing_up.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "sim/furuta.h"

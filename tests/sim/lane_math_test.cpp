@@ -1,5 +1,4 @@
 #include "sim/lane_math.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/random.h"
 #include "sim/lanes.h"
 

@@ -1,5 +1,4 @@
 #include "sim/noise_likelihood.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::sim {

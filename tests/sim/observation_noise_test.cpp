@@ -1,11 +1,11 @@
 #include "sim/observation_noise.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::sim {

@@ -1,10 +1,10 @@
 #include "sim/policy_task.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "sim/furuta.h"
 #include "tests/message_of.h"

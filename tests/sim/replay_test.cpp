@@ -1,5 +1,4 @@
 #include "sim/replay.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/random.h"
 #include "sim/simulator.h"
 #include "tests/sim/thread_count.h"

@@ -1,10 +1,10 @@
 #include "inference/abc/abc.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/abc/abc_smc.h"
 #include "inference/abc/acceptance.h"
@@ -18,7 +18,7 @@ namespace {
 
 TEST(Acceptance, TakesTheNearestAndOfTiesTheFirst) {
   Vector distances(8);
-  distances << 3.0, 1.0, kInfinity, 2.0, 1.0, 2.0, 2.0, NAN;
+  distances << 3.0, 1.0, kInfinity, 2.0, 1.0, 2.0, 2.0, kNaN;
   EXPECT_EQ(accept_nearest(distances, 0.5).rows, (std::vector<Index>{1, 3, 4, 5}));
   EXPECT_EQ(accept_nearest(distances, 0.5).epsilon, 2.0);
   EXPECT_EQ(accept_nearest(distances, 0.25).rows, (std::vector<Index>{1, 4}));

@@ -1,10 +1,10 @@
 #include "inference/abc/feature_distance.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/matrix_features.h"
 #include "tests/inference/tasks.h"

@@ -1,11 +1,11 @@
 #include "inference/diagnostics/c2st.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/normal.h"
 #include "inference/diagnostics/two_samples.h"

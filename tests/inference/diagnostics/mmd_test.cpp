@@ -1,11 +1,11 @@
 #include "inference/diagnostics/mmd.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "tests/inference/diagnostics/samples.h"
 

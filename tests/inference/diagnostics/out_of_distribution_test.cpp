@@ -1,8 +1,8 @@
 #include "inference/diagnostics/out_of_distribution.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "tests/inference/diagnostics/samples.h"
 

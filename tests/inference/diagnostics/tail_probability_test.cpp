@@ -1,10 +1,10 @@
 #include "inference/diagnostics/tail_probability.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -89,11 +89,10 @@ TEST(TailProbability, OfEqualValuesIsThatOfTheOthers) {
 
 TEST(TailProbability, WhatIsNoNumberIsFarOut) {
   const Vector reference = exponentials(100, 1);
-  const double nan = kNaN;
-  EXPECT_DOUBLE_EQ(tail_probability(reference, nan), 1e-5);
-  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, 2.0), nan), 1e-5);
-  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(20, 2.0), nan), 5e-5);
-  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, nan), 1.0), 1.0);
+  EXPECT_DOUBLE_EQ(tail_probability(reference, kNaN), 1e-5);
+  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, 2.0), kNaN), 1e-5);
+  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(20, 2.0), kNaN), 5e-5);
+  EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, kNaN), 1.0), 1.0);
   EXPECT_DOUBLE_EQ(tail_probability(Vector::Constant(100, 2.0), 3.0), 1.0 / 101.0);
   EXPECT_THROW(tail_probability(Vector(), 1.0), InputError);
 }

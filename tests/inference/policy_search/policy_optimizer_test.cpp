@@ -1,5 +1,4 @@
 #include "inference/policy_search/policy_optimizer.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/policy_search/exploration.h"
 #include "tests/message_of.h"

@@ -1,9 +1,10 @@
 #include "inference/samplers/importance_certificate.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "core/constants.h"
 
 namespace npdr::inference {
 namespace {
@@ -63,7 +64,7 @@ TEST(ImportanceCertificate, FindsLessThanAnotherWhoseEvidenceIsLarger) {
   ImportanceCertificate weaker = other(9.0);
   weaker.power = 0.5;
   EXPECT_FALSE(finds_less(own, weaker));
-  EXPECT_FALSE(finds_less(own, other(std::nan(""))));
+  EXPECT_FALSE(finds_less(own, other(kNaN)));
 }
 
 TEST(ImportanceCertificate, NumbersThatAreNoneAreFaults) {

@@ -1,5 +1,4 @@
 #include "inference/samplers/importance_sampler.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/weighted_moments.h"
 
@@ -96,10 +96,10 @@ TEST(ImportanceSampler, ForgetsAWrongStart) {
 
 TEST(ImportanceSampler, KnowsItsBestPoint) {
   const GaussianOnALine problem;
-  double highest = -HUGE_VAL;
+  double highest = -kInfinity;
   const auto noting = [&](const RowMatrix& u) {
     Vector values = problem.log_likelihood(u);
-    values(0) = -HUGE_VAL;
+    values(0) = -kInfinity;
     highest = std::max(highest, values.maxCoeff());
     return values;
   };

@@ -1,10 +1,11 @@
 #include "inference/samplers/importance_weights.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
+
+#include "core/constants.h"
 
 namespace npdr::inference {
 namespace {

@@ -1,10 +1,10 @@
 #include "inference/samplers/resampler.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 
 namespace npdr::inference {

@@ -1,5 +1,4 @@
 #include "inference/samplers/slice_sampler.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/samplers/chain_diagnostics.h"
 #include "tests/inference/gradient_check.h"

@@ -1,5 +1,4 @@
 #include "inference/samplers/tempered_chains.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/standard_normal.h"

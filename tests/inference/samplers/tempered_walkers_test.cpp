@@ -1,11 +1,11 @@
 #include "inference/samplers/tempered_walkers.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "inference/weighted_moments.h"
 

@@ -1,10 +1,10 @@
 #include "pipeline/artefacts/layout.h"
-#include "core/constants.h"
 
 #include <functional>
 #include <map>
 #include <optional>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "tests/document_tables.h"

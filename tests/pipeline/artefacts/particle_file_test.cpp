@@ -1,8 +1,8 @@
 #include "pipeline/artefacts/particle_file.h"
-#include "core/constants.h"
 
 #include <functional>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "pipeline/artefacts/schemas.h"
 #include "tests/temp_folder.h"

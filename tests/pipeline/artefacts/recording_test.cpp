@@ -1,10 +1,10 @@
 #include "pipeline/artefacts/recording.h"
-#include "core/constants.h"
 
 #include <hdf5.h>
 
 #include <cstdlib>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "core/text.h"

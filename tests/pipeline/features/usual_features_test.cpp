@@ -1,4 +1,5 @@
 #include "pipeline/features/usual_features.h"
+
 #include "core/constants.h"
 
 namespace npdr::pipeline {

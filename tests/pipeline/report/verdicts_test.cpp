@@ -1,6 +1,6 @@
 #include "pipeline/report/verdicts.h"
-#include "core/constants.h"
 
+#include "core/constants.h"
 #include "pipeline/report/registry.h"
 #include "tests/message_of.h"
 #include "tests/pipeline/report/verdict_fixture.h"

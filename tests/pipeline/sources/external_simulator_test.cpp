@@ -1,6 +1,7 @@
 #include "pipeline/sources/external_simulator.h"
 
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "pipeline/config/simulator_info.h"

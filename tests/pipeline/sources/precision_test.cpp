@@ -1,6 +1,6 @@
 #include "pipeline/sources/precision.h"
-#include "core/constants.h"
 
+#include "core/constants.h"
 #include "tests/message_of.h"
 
 namespace npdr::pipeline {

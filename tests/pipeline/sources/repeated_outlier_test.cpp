@@ -1,8 +1,8 @@
 #include "pipeline/sources/repeated_outlier.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
 
+#include "core/constants.h"
 #include "core/random.h"
 #include "tests/message_of.h"
 

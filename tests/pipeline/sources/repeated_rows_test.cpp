@@ -1,7 +1,8 @@
 #include "pipeline/sources/repeated_rows.h"
-#include "core/constants.h"
 
 #include <gtest/gtest.h>
+
+#include "core/constants.h"
 
 namespace npdr::pipeline {
 namespace {

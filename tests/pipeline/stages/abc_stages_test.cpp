@@ -2,7 +2,6 @@
 #include <omp.h>
 
 #include <cmath>
-#include <limits>
 
 #include "inference/weighted_moments.h"
 #include "pipeline/artefacts/particle_file.h"

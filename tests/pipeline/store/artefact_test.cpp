@@ -1,8 +1,8 @@
 #include "pipeline/store/artefact.h"
-#include "core/constants.h"
 
 #include <unistd.h>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/store/content_key.h"

@@ -1,8 +1,8 @@
 #include "pipeline/store/h5.h"
-#include "core/constants.h"
 
 #include <numeric>
 
+#include "core/constants.h"
 #include "counted.h"
 #include "tests/temp_folder.h"
 
