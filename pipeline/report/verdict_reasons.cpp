@@ -95,6 +95,14 @@ std::string too_few(const char* what, Index count, const char* advice) {
   return fmt::format("{} {} are too few to find anything; {}", count, what, advice);
 }
 
+// More samples don't help a posterior that lies where its simulator fails.
+std::string too_few_predictions(Index count, Index num_failed, Index num_samples) {
+  const char* const what = "predictions to compare with";
+  if (2 * num_failed <= num_samples) return too_few(what, count, "raise diagnose.num_samples");
+  return fmt::format("{} of {} samples failed in the simulator; {}", num_failed, num_samples,
+                     too_few(what, count, kFailureAdvice));
+}
+
 }  // namespace
 
 std::string failure_reason(Check check, const Study& study, const ResultOf<Diagnosis>& run) {
@@ -143,7 +151,7 @@ std::string too_little_to_tell(Check check, const Diagnosis& found, double level
   if (check == Check::predictive && !found.predictive->median.hasNaN()) {
     const Index reference = found.predictive->check.overall.num_reference;
     if (6.0 * smallest_tail_probability(reference) >= level) {
-      return too_few("predictions to compare with", reference, "raise diagnose.num_samples");
+      return too_few_predictions(reference, found.predictive->num_failed, found.num_samples);
     }
   }
   return "";

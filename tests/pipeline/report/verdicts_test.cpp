@@ -218,6 +218,12 @@ TEST_F(Verdicts, ChecksThatCouldFindNothingCantTell) {
             "NPDR (MAF): 4 of 8 checks pass; can't tell: Posterior predictive, x_o among "
             "simulations, Bounds of the prior, Contraction");
   EXPECT_NE(verdict_of(Check::ood).reason.find("raise method.num_simulations"), std::string::npos);
+  EXPECT_TRUE(verdict_of(Check::predictive).reason.ends_with("; raise diagnose.num_samples"));
+  diagnosis.num_samples = 200;
+  diagnosis.predictive->num_failed = 132;
+  EXPECT_TRUE(says(
+      verdict_of(Check::predictive).reason,
+      {"132 of 200 samples failed in the simulator; 20 predictions", "mend the simulator there"}));
   diagnosis.ood.reset();
   EXPECT_EQ(verdict_of(Check::ood).judgment, Judgment::unknown);
 }
