@@ -20,6 +20,7 @@
 #include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/apps/help_format.h"
+#include "pipeline/artefacts/feature_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_warnings.h"
@@ -214,6 +215,11 @@ void print_warnings(const std::string& program, const Plan& plan) {
       report_error(program, fmt::format("{}: warning: {}",
                                         plan.study.places.of("target.recording").str(), warning));
     }
+  }
+  if (plan.study.target.observation) {
+    const std::string warning = warning_of_observation(*plan.study.target.observation);
+    const std::string where = plan.study.places.of("target.observation").str();
+    if (!warning.empty()) report_error(program, where + ": " + warning);
   }
   for (const std::string& warning : warnings_of(plan.study, info)) report_error(program, warning);
   for (const std::string& warning :

@@ -55,6 +55,15 @@ TEST_F(External, APythonFunctionIsASimulator) {
   }
 }
 
+TEST_F(External, AnObservationThatMayHaveBeenCutIsWarnedOf) {
+  const auto warnings = [&] { return npdr({"validate", "shell.toml"}).err; };
+  const std::string whole = text_of(folder_ / "x_o.csv");
+  EXPECT_EQ(warnings().find("x_o.csv"), std::string::npos) << warnings();
+  folder_.file("x_o.csv", whole.substr(0, whole.size() - 1));
+  EXPECT_TRUE(says(warnings(),
+                   {"npdr validate: shell.toml:8:15: warning: x_o.csv: its last line has no end"}));
+}
+
 TEST_F(External, RowsThatAreProbablyWrongAreToldAtOnceAndInTheReport) {
   folder_.file("exact.sh", "sed 's/a,b/total,difference/' \"$1\" > \"$2\"\n");
   const Outcome outcome =
