@@ -1,4 +1,6 @@
 /// Commands as simulators.
+#include <fmt/format.h>
+
 #include "tests/analysis/markup_check.h"
 #include "tests/cli/external_examples.h"
 

@@ -1,5 +1,7 @@
 #include "pipeline/features/usual_features.h"
 
+#include <gtest/gtest.h>
+
 #include "core/constants.h"
 
 namespace npdr::pipeline {
