@@ -24,6 +24,7 @@ class CallFolder {
   std::filesystem::path theta() const { return folder_.path() / ("theta" + extension_); }
   std::filesystem::path x() const { return folder_.path() / ("x" + extension_); }
   std::filesystem::path seeds() const { return folder_.path() / "seeds.txt"; }
+  std::filesystem::path failed() const { return folder_.path() / "failed.txt"; }
   std::filesystem::path segments() const { return folder_.path() / ("segments" + extension_); }
   std::filesystem::path actions() const { return folder_.path() / ("actions" + extension_); }
 

@@ -12,6 +12,7 @@
 #include "pipeline/process/shell_call.h"
 #include "pipeline/sources/call_files.h"
 #include "pipeline/sources/command_text.h"
+#include "pipeline/sources/failed_rows.h"
 #include "pipeline/sources/precision.h"
 #include "pipeline/sources/program_call.h"
 #include "pipeline/sources/python_path.h"
@@ -65,12 +66,7 @@ class FileCall final : public ProgramCall {
       return outcome;
     }
     try {
-      const RowMatrix x = read_rows(folder, rows.theta.rows());
-      take(x, result);
-      outcome.lost = first_lost_number({x.data(), static_cast<std::size_t>(x.size())}, result,
-                                       info_.state_channels, num_steps());
-      // Of motion the recording says it (simulate.cpp).
-      if (!inputs_) outcome.warning = precision_problem(x, info_.state_channels);
+      read_result(folder, result, outcome);
     } catch (const InputError& error) {
       outcome.succeeded = false;
       outcome.status = RolloutStatus::bad_output;
@@ -94,6 +90,7 @@ class FileCall final : public ProgramCall {
   ShellCall prepare(const ProgramRows& rows, const CallFolder& folder) const {
     std::map<std::string, std::string> environment = {
         {"NPDR_SEEDS", folder.seeds()},
+        {"NPDR_FAILED", folder.failed()},
         {"NPDR_FIRST_ROW", std::to_string(rows.first_row)},
         {"PYTHONPATH", python_path()},
         {"OMP_NUM_THREADS", std::to_string(threads_)}};
@@ -124,8 +121,24 @@ class FileCall final : public ProgramCall {
         .x;
   }
 
-  void take(const RowMatrix& x, sim::Trajectories& result) const {
-    if (!inputs_) return take_features(x, result);
+  // Throws InputError.
+  void read_result(const CallFolder& folder, sim::Trajectories& result,
+                   ProgramOutcome& outcome) const {
+    const auto failed = read_failed_rows(folder.failed(), result.num_rows);
+    RowMatrix x;
+    if (std::ssize(failed) < result.num_rows) {
+      x = read_rows(folder, result.num_rows);
+      inputs_ ? take_states(x, result) : take_features(x, result);
+    }
+    for (const auto& [row, why] : failed) sim::lose_row(row, RolloutStatus::crashed, result);
+    if (!failed.empty()) outcome.problem = failed.begin()->second;
+    outcome.lost = first_lost_number({x.data(), static_cast<std::size_t>(x.size())}, result,
+                                     info_.state_channels, num_steps());
+    // Of motion the recording says it (simulate.cpp).
+    if (!inputs_) outcome.warning = precision_problem(x, info_.state_channels);
+  }
+
+  void take_states(const RowMatrix& x, sim::Trajectories& result) const {
     const Index row_size = inputs_->segments.num_steps() * x.cols();
     for (Index i = 0; i < result.num_rows; ++i) {
       sim::store_states(inputs_->segments, x.data() + i * row_size, inputs_->store_every, i,

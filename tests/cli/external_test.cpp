@@ -55,6 +55,19 @@ TEST_F(External, APythonFunctionIsASimulator) {
            {"lambda theta, rng: [1j, 2.0]", "must be real ones"}}) {
     EXPECT_NE(problem_of(function).find(problem), std::string::npos) << problem_of(function);
   }
+  folder_.file("sim.py",
+               "import npdr_command\n"
+               "def simulate(theta, rng):\n"
+               "    if theta['a'] > 0:\n"
+               "        raise ValueError('a is\\npositive')\n"
+               "    return {'total': 1.0, 'difference': 2.0}\n"
+               "npdr_command.run(simulate)\n");
+  const Outcome outcome = npdr({"validate", "shell.toml", "--try", "9", "--set", command});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("  crashed\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("  x: total = 1, difference = 2\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.err.find(" of 9 rows failed: ValueError: a is positive\n"), std::string::npos)
+      << outcome.err;
 }
 
 TEST_F(External, AnObservationThatMayHaveBeenCutIsWarnedOf) {

@@ -10,13 +10,14 @@
 
 A study names the program: simulator.command = "python3 sim.py {theta} {x}". theta["a"] is a
 parameter; rng is numpy's random generator with the row's own seed. A result must depend on nothing
-but these. A row with a number that isn't finite has no result. An exception ends the call: npdr
-asks for fewer and fewer of its rows, until only those that raise one are lost.
+but these. A row with a number that isn't finite has no result. An exception fails the row that it
+comes from, and no other.
 """
 
 import csv
 import os
 import sys
+import traceback
 
 import numpy as np
 
@@ -34,17 +35,40 @@ def run(simulate):
         file.seek(0)
         rows = [_Parameters({name: float(value) for name, value in row.items()})
                 for row in csv.DictReader(file)]
-    xs = [simulate(theta, np.random.default_rng(seed)) for theta, seed in zip(rows, seeds)]
-    names = list(xs[0]) if isinstance(xs[0], dict) else None
-    lines = [_numbers(x, names) for x in xs]
-    if len({len(line) for line in lines}) > 1:
+    xs, failures = {}, {}
+    for i, (theta, seed) in enumerate(zip(rows, seeds)):
+        try:
+            xs[i] = simulate(theta, np.random.default_rng(seed))
+        except Exception as error:
+            if not failures:
+                traceback.print_exc()
+            failures[i] = "%s: %s" % (type(error).__name__, error)
+    if failures:
+        _write_failures(failures)
+    if xs:
+        _write_xs(xs, len(rows))
+
+
+def _write_failures(failures):
+    with open(os.environ["NPDR_FAILED"], "w", errors="backslashreplace") as file:
+        for row, why in failures.items():
+            file.write("%d %s\n" % (row, " ".join(why.split())[:1000]))
+
+
+def _write_xs(xs, num_rows):
+    first = next(iter(xs.values()))
+    names = list(first) if isinstance(first, dict) else None
+    lines = {row: _numbers(x, names) for row, x in xs.items()}
+    sizes = {len(line) for line in lines.values()}
+    if len(sizes) > 1:
         raise ValueError("simulate() returned as many numbers as %s, must be as many in all rows"
-                         % sorted({len(line) for line in lines}))
+                         % sorted(sizes))
+    failed = ["nan"] * sizes.pop()
     with open(sys.argv[2], "w", newline="") as file:
         out = csv.writer(file)
         if names is not None:
             out.writerow(names)
-        out.writerows(lines)
+        out.writerows(lines.get(row, failed) for row in range(num_rows))
 
 
 def _numbers(x, names):

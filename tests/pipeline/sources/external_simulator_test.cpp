@@ -16,7 +16,7 @@ using sim::RolloutStatus;
 // x = (2 a + k, seed), with rows whose a is in BAD doing something else. A line a call in `calls`.
 constexpr const char* kScript = R"sh(
 echo "$NPDR_FIRST_ROW $(wc -l < "$NPDR_SEEDS")" >> calls
-exec awk -F, -v seeds="$NPDR_SEEDS" -v bad=" $BAD " -v what="$WHAT" '
+exec awk -F, -v seeds="$NPDR_SEEDS" -v failed="$NPDR_FAILED" -v bad=" $BAD " -v what="$WHAT" '
   NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
   {
     getline seed < seeds
@@ -27,6 +27,7 @@ exec awk -F, -v seeds="$NPDR_SEEDS" -v bad=" $BAD " -v what="$WHAT" '
       if (what == "text") { print "oops," seed; next }
       if (what == "nan") { print "nan," seed; next }
       if (what == "short") next
+      if (what == "named") { print NR - 2, "a is", a > failed; print "0,0"; next }
     }
     printf "%.17g,%d\n", 2 * a + $column["k"], seed
   }' "$1" > "$2"
@@ -132,6 +133,40 @@ TEST_F(ExternalSimulators, ValuesThatAreNotFiniteAreADivergedRowWithoutAnotherCa
   const sim::Trajectories x = run(16, "5", "nan");
   EXPECT_EQ(failed_rows(x, RolloutStatus::diverged), (std::vector<Index>{5}));
   EXPECT_EQ(num_calls(), 1);
+}
+
+TEST_F(ExternalSimulators, RowsThatTheProgramNamesAreLostWithoutAnotherCall) {
+  const sim::Trajectories x = run(16, "3 5 15", "named");
+  EXPECT_EQ(failed_rows(x, RolloutStatus::crashed), (std::vector<Index>{3, 5, 15}));
+  EXPECT_EQ(num_calls(), 1);
+  expect_others_as_ever(x);
+}
+
+TEST_F(ExternalSimulators, ARowThatTheProgramNamesSaysWhy) {
+  study_.external.command = "printf '1 too stiff\\n0  too  soft\\n' > $NPDR_FAILED; : {theta} {x}";
+  ExternalSimulator simulator = program(folder_ / "log");
+  const sim::Trajectories x = simulator.simulate(RowMatrix::Zero(2, 2), {1, "test", 0, 0, 0});
+  EXPECT_EQ(failed_rows(x, RolloutStatus::crashed), (std::vector<Index>{0, 1}))
+      << "where all rows have failed there need be no x";
+  EXPECT_EQ(simulator.last_loss(), "too  soft");
+  EXPECT_EQ(simulator.num_calls(), 1);
+}
+
+TEST_F(ExternalSimulators, WhatNamesNoRowIsABadOutput) {
+  for (const auto& [text, found] :
+       std::vector<std::pair<std::string, std::string>>{{"2 why\\n", "line 1 = '2 why'"},
+                                                        {"0 why\\n-1\\n", "line 2 = '-1'"},
+                                                        {"all\\n", "line 1 = 'all'"},
+                                                        {"\\n", "line 1 = ''"},
+                                                        {"0 wh", "line 1 = '0 wh'"},
+                                                        {"0 %9000s\\n", "has 9003 bytes"}}) {
+    study_.external.command =
+        "printf '" + text + "' > $NPDR_FAILED; printf '1,2\\n1,2\\n' > {x}; : {theta}";
+    ExternalSimulator simulator = program(folder_ / "log");
+    simulator.simulate(RowMatrix::Zero(2, 2), {1, "test", 0, 0, 0});
+    EXPECT_TRUE(simulator.last_failure().starts_with("NPDR_FAILED")) << simulator.last_failure();
+    EXPECT_NE(simulator.last_failure().find(found), std::string::npos) << simulator.last_failure();
+  }
 }
 
 TEST_F(ExternalSimulators, ARowThatDivergesSaysWhichNumberIsNone) {

@@ -1,0 +1,17 @@
+/// Rows that a command couldn't simulate, by its own words.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "core/types.h"
+
+namespace npdr::pipeline {
+
+/// Reads the file of NPDR_FAILED, a line for each row that failed: its number in theta from 0, a
+/// blank, and why. Gives why by row; none where there is no such file. Throws InputError that names
+/// the line that is of another kind, or of none of `num_rows` rows.
+std::map<Index, std::string> read_failed_rows(const std::filesystem::path& path, Index num_rows);
+
+}  // namespace npdr::pipeline
