@@ -106,6 +106,8 @@ Observation embed_recording(const std::string& posterior, const std::string& rec
   const Channels channels = observed_channels(posterior);
   if (!traits_of(table.external.kind()).gives_motion) {
     const Target target = read_observation(recording, channels.states);
+    const std::string warning = warning_of_observation(recording);
+    if (!warning.empty()) fmt::print(stderr, "{}\n", warning);
     return {
         inference::observed_features(*inference::make_embedding(embedding, target, 1), target, 1),
         channels.states};

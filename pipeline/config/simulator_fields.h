@@ -103,7 +103,8 @@ void describe(Fields& f, ExternalConfig& c) {
     "for a call with all rows of a shard, or of a function of a library [s]");
   f("start_time", c.start_time, not_negative(),
     "added to the share of the time limit that a call with fewer rows has [s]");
-  f("retries", c.retries, between(0, 100), "of a call that failed, before its rows are split");
+  f("retries", c.retries, between(0, 100),
+    "of a call that failed, before its rows are split, and of rows that a call names as failed");
   f("parallel_calls", c.parallel_calls, between(0, 4096),
     "calls that share a shard's rows at the same time; 0: one for each thread");
   f("features", c.features, anything<std::vector<std::string>>(),

@@ -34,6 +34,15 @@ std::string tail_of(const std::string& text) {
   return tail;
 }
 
+// Row i of `part` is that of `whole` with the number rows[i].
+void give_back(const sim::Trajectories& part, const std::vector<Index>& rows,
+               sim::Trajectories& whole) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::ranges::copy(part.row(static_cast<Index>(i)), whole.row(rows[i]).begin());
+    whole.status[static_cast<std::size_t>(rows[i])] = part.status[i];
+  }
+}
+
 }  // namespace
 
 Index hopeless_rows(double max_failed_fraction) {
@@ -74,26 +83,22 @@ void ExternalSimulator::write_log() {
 sim::Trajectories ExternalSimulator::simulate(const RowMatrix& theta, const StreamId& first,
                                               Index num_rows) {
   std::vector<Index> possible;
-  Task task{{}, std::max(num_rows, theta.rows()), {}, {}, {}};
+  Task whole{theta, std::max(num_rows, theta.rows()), {}, {}, {}, {}};
   for (Index i = 0; i < theta.rows(); ++i) {
-    if (!sim::is_possible(theta.row(i), info_)) continue;
-    possible.push_back(i);
-    task.seeds.push_back(row_seed(first, i));
-    task.rows.push_back(first.row + static_cast<std::uint64_t>(i));
+    whole.seeds.push_back(row_seed(first, i));
+    whole.rows.push_back(first.row + static_cast<std::uint64_t>(i));
+    if (sim::is_possible(theta.row(i), info_)) possible.push_back(i);
   }
-  task.theta = theta(possible, Eigen::all);
-  task.result = program_->empty(std::ssize(possible));
+  Task task = part_of(whole, possible);
   if (!possible.empty()) solve(task, 0, task.theta.rows(), false);
+  repeat_named(task);
+  count_last_named(task);
   if (std::ssize(possible) == theta.rows()) return std::move(task.result);
   sim::Trajectories all = program_->empty(theta.rows());
   for (Index i = 0; i < theta.rows(); ++i) {
     sim::lose_row(i, RolloutStatus::out_of_limits, all);
   }
-  for (Index i = 0; i < std::ssize(possible); ++i) {
-    const Index row = possible[static_cast<std::size_t>(i)];
-    std::ranges::copy(task.result.row(i), all.row(row).begin());
-    all.status[static_cast<std::size_t>(row)] = task.result.status[static_cast<std::size_t>(i)];
-  }
+  give_back(task.result, possible, all);
   return all;
 }
 
@@ -101,6 +106,17 @@ double ExternalSimulator::time_limit(Index count, Index num_rows) const {
   if (count == num_rows) return time_limit_;
   const double share = static_cast<double>(count) / static_cast<double>(num_rows);
   return std::min(time_limit_, start_time_ + share * time_limit_);
+}
+
+ExternalSimulator::Task ExternalSimulator::part_of(const Task& task,
+                                                   const std::vector<Index>& rows) const {
+  Task part{
+      task.theta(rows, Eigen::all), task.num_rows, {}, {}, program_->empty(std::ssize(rows)), {}};
+  for (const Index row : rows) {
+    part.seeds.push_back(task.seeds[static_cast<std::size_t>(row)]);
+    part.rows.push_back(task.rows[static_cast<std::size_t>(row)]);
+  }
+  return part;
 }
 
 // Rows [begin, end). `is_bad`: they are known to fail together.
@@ -128,9 +144,25 @@ void ExternalSimulator::require_a_good_row(Task& task, Index begin, Index end) {
   RolloutStatus status = RolloutStatus::ok;
   for (Index k = 0; k < hopeless_rows_; ++k) {
     const Index row = begin + k * (end - begin - 1) / (hopeless_rows_ - 1);
-    if (call(task, row, row + 1, status)) return;
+    if (call(task, row, row + 1, status) && good_) return;
   }
   fail(fmt::format("failed for each of {} rows", hopeless_rows_), last_failure_);
+}
+
+// Asks for the rows that the program named in one more call: the one before may have been to blame.
+// Calls that bring some of them back aren't counted.
+void ExternalSimulator::repeat_named(Task& task) {
+  for (Index attempt = 0; attempt < retries_ && !task.named.empty();) {
+    const std::vector<Index> rows(task.named.begin(), task.named.end());
+    Task again = part_of(task, rows);
+    RolloutStatus status = RolloutStatus::ok;
+    const bool is_done = call(again, 0, std::ssize(rows), status);
+    if (!is_done || again.named.size() == rows.size()) ++attempt;
+    if (!is_done) continue;
+    give_back(again.result, rows, task.result);
+    task.named.clear();
+    for (const Index i : again.named) task.named.insert(rows[static_cast<std::size_t>(i)]);
+  }
 }
 
 bool ExternalSimulator::repeat(Task& task, Index begin, Index end, RolloutStatus& status) {
@@ -165,42 +197,58 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
   }
   if (!outcome.warning.empty()) last_warning_ = outcome.warning;
   if (!outcome.succeeded) return false;
-  if (std::ranges::count(result.status, RolloutStatus::crashed) > 0)
+  const Index num_named = std::ranges::count(result.status, RolloutStatus::crashed);
+  if (num_named > 0) {
     loss_ = outcome.problem + tail_of(outcome.output);
+    report_note(
+        fmt::format("{} of {} rows failed: {}", num_named, count, shortened(outcome.problem)));
+  }
   take(task, begin, result);
   return true;
 }
 
-// Rows that failed on their own are lost, but need no further call.
+// Rows that the program named need no further calls to be found.
 void ExternalSimulator::take(Task& task, Index begin, const sim::Trajectories& rows) {
   std::ranges::copy(rows.values, task.result.row(begin).begin());
   std::ranges::copy(rows.status, task.result.status.begin() + begin);
-  Index end = rows.num_rows;  // of all before those that are lost at the end
-  while (end > 0 && rows.status[static_cast<std::size_t>(end - 1)] == RolloutStatus::crashed) --end;
-  if (end > 0) keep_as_good(task, begin + end - 1);
-  for (Index i = end; i < rows.num_rows; ++i) count_lost();
+  std::optional<Index> good;
+  for (Index i = begin; i < begin + rows.num_rows; ++i) {
+    if (task.result.status[static_cast<std::size_t>(i)] == RolloutStatus::crashed) {
+      task.named.insert(i);
+    } else {
+      task.named.erase(i);
+      good = i;
+    }
+  }
+  if (good) keep_as_good(task, *good);
 }
 
 void ExternalSimulator::keep_as_good(const Task& task, Index row) {
-  const auto i = static_cast<std::size_t>(row);
-  good_ = Task{task.theta.row(row), task.num_rows, {task.seeds[i]}, {task.rows[i]}, {}};
+  good_ = part_of(task, {row});
   num_lost_ = 0;
 }
 
 void ExternalSimulator::give_up(Task& task, Index row, RolloutStatus status) {
   sim::lose_row(row, status, task.result);
+  task.named.erase(row);
   ++task.num_lost;
   loss_ = last_failure_;
-  count_lost();
+  count_lost(1);
+}
+
+void ExternalSimulator::count_last_named(const Task& task) {
+  Index count = 0;
+  while (task.named.contains(task.theta.rows() - 1 - count)) ++count;
+  count_lost(count);
 }
 
 // Of many rows in a row a good one tells whether they fail, or the program, its licence, the disk.
-void ExternalSimulator::count_lost() {
-  if (++num_lost_ < hopeless_rows_) return;
+void ExternalSimulator::count_lost(Index count) {
+  num_lost_ += count;
+  if (num_lost_ < hopeless_rows_) return;
   const Index num_lost = std::exchange(num_lost_, 0);
   if (!good_) fail(fmt::format("failed for each of {} rows", num_lost), last_failure_);
   Task again = *std::exchange(good_, std::nullopt);
-  again.result = program_->empty(1);
   RolloutStatus status = RolloutStatus::ok;
   if (repeat(again, 0, 1, status) && good_) return;
   fail(fmt::format("failed for the last {} rows, and then for one that it had simulated before",

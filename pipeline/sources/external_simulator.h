@@ -3,7 +3,9 @@
 /// When a call fails (exit status, signal, time limit, a result that isn't there or not what it
 /// must be) it is repeated `retries` times, and then its rows are halved down to single rows, so
 /// that only the culprits are lost: they get a status and NaN, all others keep their values. A
-/// single row is repeated, too, before it is given up. Where the program draws random numbers from
+/// single row is repeated, too, before it is given up. Rows that the program itself says to have
+/// failed, while others went well, are asked for together in one call more, `retries` times, and
+/// again for as long as that brings some of them back. Where the program draws random numbers from
 /// the seeds that it is given, a row's result doesn't depend on how the rows were split.
 #pragma once
 
@@ -11,6 +13,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -76,18 +79,22 @@ class ExternalSimulator {
     std::vector<std::uint32_t> seeds;
     std::vector<std::uint64_t> rows;  ///< of the simulation, for people
     sim::Trajectories result;
-    Index num_lost = 0;  ///< rows that were given up
+    std::set<Index> named;  ///< rows that the program said to have failed
+    Index num_lost = 0;     ///< rows that were given up
     bool has_failed = false;
   };
 
+  Task part_of(const Task& task, const std::vector<Index>& rows) const;
   void solve(Task& task, Index begin, Index end, bool is_bad);
   void require_a_good_row(Task& task, Index begin, Index end);
+  void repeat_named(Task& task);
   bool repeat(Task& task, Index begin, Index end, sim::RolloutStatus& status);
   bool call(Task& task, Index begin, Index end, sim::RolloutStatus& status);
   void take(Task& task, Index begin, const sim::Trajectories& rows);
   void give_up(Task& task, Index row, sim::RolloutStatus status);
   void keep_as_good(const Task& task, Index row);
-  void count_lost();
+  void count_last_named(const Task& task);
+  void count_lost(Index count);
   void note(const std::string& heading, const ProgramOutcome& outcome, Task& task);
   void write_log();
   [[noreturn]] void fail(const std::string& what, const std::string& why) const;

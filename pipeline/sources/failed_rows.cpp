@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <string_view>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/text.h"
@@ -13,38 +16,52 @@
 namespace npdr::pipeline {
 namespace {
 
-// More than anybody reads of why a row failed.
-constexpr std::uintmax_t kMostBytesARow = 4096;
+namespace fs = std::filesystem;
 
-void check_size(const std::filesystem::path& path, Index num_rows) {
-  const std::uintmax_t size = std::filesystem::file_size(path);
-  const std::uintmax_t most = kMostBytesARow * static_cast<std::uintmax_t>(num_rows);
-  if (size <= most) return;
-  throw InputError(fmt::format("NPDR_FAILED has {} bytes, must have {} of {} at most: a line a row",
-                               size, most, counted(num_rows, "row")));
+// More than anybody reads, of a call and of a row.
+constexpr std::uintmax_t kMostBytes = 1 << 24;
+constexpr std::size_t kMostOfARow = 1000;
+
+[[noreturn]] void fail(const std::string& why) { throw InputError("NPDR_FAILED " + why); }
+
+// False: there is none.
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  const fs::file_type type = fs::symlink_status(path, error).type();
+  if (type == fs::file_type::not_found) return false;
+  if (type != fs::file_type::regular) fail("must be a file");
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size > kMostBytes) {
+    fail(fmt::format("has {} bytes, must have {} or less: a line for each row that failed", size,
+                     kMostBytes));
+  }
+  return true;
 }
 
 }  // namespace
 
-std::map<Index, std::string> read_failed_rows(const std::filesystem::path& path, Index num_rows) {
+std::map<Index, std::string> read_failed_rows(const fs::path& path, Index num_rows) {
   std::map<Index, std::string> rows;
-  if (!std::filesystem::is_regular_file(path)) return rows;
-  check_size(path, num_rows);
+  if (!is_there(path)) return rows;
   std::ifstream stream(path, std::ios::binary);
+  if (!stream) fail(fmt::format("can't be read: {}", std::strerror(errno)));
   Index number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;
-    const std::size_t blank = std::min(line.find(' '), line.size());
+    const std::size_t blank = std::min(line.find_first_of(" \t\r"), line.size());
     const std::optional<Index> row = parse_count(std::string_view(line).substr(0, blank));
-    if (!row || *row >= num_rows || stream.eof()) {
-      throw InputError(fmt::format(
-          "NPDR_FAILED, line {} = {}, must be a row's number, 0 to {}, a blank, why it failed, and "
-          "the end of the line",
-          number, npdr::quoted(line), num_rows - 1));
+    // A file that was cut may end in the middle of a number.
+    const bool is_cut = stream.eof() && blank == line.size();
+    if (!row || *row >= num_rows || is_cut) {
+      fail(
+          fmt::format("has in line {} {}, must have a row's number, 0 to {}, a blank, why it "
+                      "failed, and the line's end",
+                      number, npdr::quoted(line), num_rows - 1));
     }
-    const std::string why = trimmed(line.substr(blank));
-    rows.emplace(*row, why.empty() ? "rows failed, and NPDR_FAILED doesn't say why" : why);
+    const std::string why = trimmed(line.substr(blank, kMostOfARow));
+    rows.emplace(*row, why.empty() ? "it failed, and NPDR_FAILED doesn't say why" : why);
   }
+  if (stream.bad()) fail("can't be read to its end");
   return rows;
 }
 

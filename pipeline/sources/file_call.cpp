@@ -70,7 +70,7 @@ class FileCall final : public ProgramCall {
     } catch (const InputError& error) {
       outcome.succeeded = false;
       outcome.status = RolloutStatus::bad_output;
-      outcome.problem = fmt::format("{}; x must have {}", error.what(), expected_columns());
+      outcome.problem = error.what();
     }
     return outcome;
   }
@@ -113,15 +113,19 @@ class FileCall final : public ProgramCall {
     return inputs_ ? inputs_->segments.num_steps() / inputs_->segments.num_rollouts : 0;
   }
 
+  // Throws InputError, as read_result().
   RowMatrix read_rows(const CallFolder& folder, Index count) const {
     const Index lines = inputs_ ? count * inputs_->segments.num_steps() : count;
     const std::unique_lock lock = lock_files(external_.format);
-    return read_features(folder.x(), external_.format, lines, info_.state_channels,
-                         {external_.names_from, true})
-        .x;
+    try {
+      return read_features(folder.x(), external_.format, lines, info_.state_channels,
+                           {external_.names_from, true})
+          .x;
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}; x must have {}", error.what(), expected_columns()));
+    }
   }
 
-  // Throws InputError.
   void read_result(const CallFolder& folder, sim::Trajectories& result,
                    ProgramOutcome& outcome) const {
     const auto failed = read_failed_rows(folder.failed(), result.num_rows);
@@ -131,7 +135,7 @@ class FileCall final : public ProgramCall {
       inputs_ ? take_states(x, result) : take_features(x, result);
     }
     for (const auto& [row, why] : failed) sim::lose_row(row, RolloutStatus::crashed, result);
-    if (!failed.empty()) outcome.problem = failed.begin()->second;
+    if (!failed.empty()) outcome.problem = failed.rbegin()->second;
     outcome.lost = first_lost_number({x.data(), static_cast<std::size_t>(x.size())}, result,
                                      info_.state_channels, num_steps());
     // Of motion the recording says it (simulate.cpp).

@@ -50,9 +50,13 @@ TEST_F(External, APythonFunctionIsASimulator) {
   };
   for (const auto& [function, problem] : std::vector<std::pair<std::string, std::string>>{
            {"lambda theta, rng: theta[\"c\"]", "the study has no parameter 'c'; it has a, b"},
-           {"lambda theta, rng: [1.0, 2.0][:1 + (theta[\"a\"] > 0)]", "as many in all rows"},
-           {"lambda theta, rng: {\"total\": 1.0, str(theta[\"a\"]): 2.0}", "as of other rows"},
-           {"lambda theta, rng: [1j, 2.0]", "must be real ones"}}) {
+           {"lambda theta, rng: [1.0, 2.0][:1 + (theta[\"a\"] > 0)]",
+            "returned 1 numbers and 2 numbers, must be the same of all rows"},
+           {"lambda theta, rng: {\"total\": 1.0, str(theta[\"a\"]): 2.0}",
+            "must be the same of all rows"},
+           {"lambda theta, rng: [1j, 2.0]", "must be real ones"},
+           {"lambda theta, rng: None", "simulate() returned None, must be numbers"},
+           {"lambda theta, rng: {\"total\": [1.0, 2.0]}", "returned 2 numbers with 1 names"}}) {
     EXPECT_NE(problem_of(function).find(problem), std::string::npos) << problem_of(function);
   }
   folder_.file("sim.py",
@@ -124,6 +128,7 @@ TEST_F(External, OfManyFeaturesTheGreatestSurprisesAreDrawnAndTheTableIsFolded) 
         .err;
   };
   EXPECT_EQ(warning("cat"), "") << "one that fits";
+  EXPECT_TRUE(says(warning("head -c -1"), {"warning: other.csv: its last line has no end"}));
   EXPECT_TRUE(says(warning("awk -F, -v OFS=, 'NR > 1 { $7 = 2 } { print }'"),
                    {"warning: other.csv is unlike all simulations that the posterior was learned "
                     "from",

@@ -35,52 +35,68 @@ def run(simulate):
         file.seek(0)
         rows = [_Parameters({name: float(value) for name, value in row.items()})
                 for row in csv.DictReader(file)]
-    xs, failures = {}, {}
+    lines, failures = {}, {}
     for i, (theta, seed) in enumerate(zip(rows, seeds)):
         try:
-            xs[i] = simulate(theta, np.random.default_rng(seed))
+            lines[i] = _numbers(simulate(theta, np.random.default_rng(seed)))
         except Exception as error:
-            if not failures:
-                traceback.print_exc()
-            failures[i] = "%s: %s" % (type(error).__name__, error)
+            failures[i] = traceback.format_exception_only(type(error), error)[-1]
+            traceback.print_exc()
     if failures:
         _write_failures(failures)
-    if xs:
-        _write_xs(xs, len(rows))
+    if lines:
+        _write_x(lines, len(rows))
 
 
-def _write_failures(failures):
-    with open(os.environ["NPDR_FAILED"], "w", errors="backslashreplace") as file:
-        for row, why in failures.items():
-            file.write("%d %s\n" % (row, " ".join(why.split())[:1000]))
+def _numbers(x):
+    """x as texts, by their names where it has any."""
+    if x is None:
+        raise TypeError("simulate() returned None, must be numbers")
+    if not isinstance(x, dict):
+        return _texts(x)
+    texts = _texts(list(x.values()))
+    if len(texts) != len(x):
+        raise ValueError("simulate() returned %d numbers with %d names" % (len(texts), len(x)))
+    return dict(zip(x, texts))
 
 
-def _write_xs(xs, num_rows):
-    first = next(iter(xs.values()))
-    names = list(first) if isinstance(first, dict) else None
-    lines = {row: _numbers(x, names) for row, x in xs.items()}
-    sizes = {len(line) for line in lines.values()}
-    if len(sizes) > 1:
-        raise ValueError("simulate() returned as many numbers as %s, must be as many in all rows"
-                         % sorted(sizes))
-    failed = ["nan"] * sizes.pop()
-    with open(sys.argv[2], "w", newline="") as file:
-        out = csv.writer(file)
-        if names is not None:
-            out.writerow(names)
-        out.writerows(lines.get(row, failed) for row in range(num_rows))
-
-
-def _numbers(x, names):
-    if names is not None:
-        if not isinstance(x, dict) or set(x) != set(names):
-            raise ValueError("simulate() returned %s, must be numbers named %s, as of other rows"
-                             % (x, ", ".join(map(str, names))))
-        x = [x[name] for name in names]
+def _texts(x):
     numbers = np.asarray(x)
     if np.iscomplexobj(numbers):
         raise TypeError("simulate() returned complex numbers, must be real ones")
-    return [repr(float(value)) for value in numbers.astype(float).ravel()]
+    return list(map(repr, numbers.astype(float).ravel().tolist()))
+
+
+def _write_failures(failures):
+    with open(os.environ["NPDR_FAILED"], "wb") as file:
+        for row, why in failures.items():
+            words = " ".join(why.split()).encode("utf-8", "backslashreplace")
+            file.write(b"%d %s\n" % (row, words[:1000]))
+
+
+def _write_x(lines, num_rows):
+    """Writes the rows, those that aren't among `lines` as failed ones."""
+    first = next(iter(lines.values()))
+    for line in lines.values():
+        if _kind(line) != _kind(first):  # neither of them is to blame: the call fails
+            raise ValueError("simulate() returned %s and %s, must be the same of all rows"
+                             % (_words(first), _words(line)))
+    with open(sys.argv[2], "w", newline="") as file:
+        out = csv.writer(file)
+        if isinstance(first, dict):
+            out.writerow(first)
+        for row in range(num_rows):
+            line = lines.get(row, ["nan"] * len(first))
+            out.writerow([line[name] for name in first] if isinstance(line, dict) else line)
+
+
+def _kind(line):
+    return set(line) if isinstance(line, dict) else len(line)
+
+
+def _words(line):
+    named = "numbers named %s" % ", ".join(map(str, line))
+    return named if isinstance(line, dict) else "%d numbers" % len(line)
 
 
 class _Parameters(dict):
