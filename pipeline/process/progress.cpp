@@ -50,6 +50,7 @@ void report_note(const std::string& note) noexcept {
 
 void report_error(const std::string& program, const std::string& message) noexcept {
   const std::string shown = printable(message);
+  std::fflush(stdout);  // whose lines stay whole where both are one file
   std::fputs((program + ": " + shown + "\n").c_str(), stderr);
   const int parent = parent_descriptor();
   if (parent < 0) return;

@@ -83,7 +83,7 @@ void ExternalSimulator::write_log() {
 sim::Trajectories ExternalSimulator::simulate(const RowMatrix& theta, const StreamId& first,
                                               Index num_rows) {
   std::vector<Index> possible;
-  Task whole{theta, std::max(num_rows, theta.rows()), {}, {}, {}, {}};
+  Task whole{theta, std::max(num_rows, theta.rows()), {}, {}, {}};
   for (Index i = 0; i < theta.rows(); ++i) {
     whole.seeds.push_back(row_seed(first, i));
     whole.rows.push_back(first.row + static_cast<std::uint64_t>(i));
@@ -92,6 +92,7 @@ sim::Trajectories ExternalSimulator::simulate(const RowMatrix& theta, const Stre
   Task task = part_of(whole, possible);
   if (!possible.empty()) solve(task, 0, task.theta.rows(), false);
   repeat_named(task);
+  if (!task.named.empty()) loss_ = task.why;
   count_last_named(task);
   if (std::ssize(possible) == theta.rows()) return std::move(task.result);
   sim::Trajectories all = program_->empty(theta.rows());
@@ -110,8 +111,7 @@ double ExternalSimulator::time_limit(Index count, Index num_rows) const {
 
 ExternalSimulator::Task ExternalSimulator::part_of(const Task& task,
                                                    const std::vector<Index>& rows) const {
-  Task part{
-      task.theta(rows, Eigen::all), task.num_rows, {}, {}, program_->empty(std::ssize(rows)), {}};
+  Task part{task.theta(rows, Eigen::all), task.num_rows, {}, {}, program_->empty(std::ssize(rows))};
   for (const Index row : rows) {
     part.seeds.push_back(task.seeds[static_cast<std::size_t>(row)]);
     part.rows.push_back(task.rows[static_cast<std::size_t>(row)]);
@@ -160,6 +160,7 @@ void ExternalSimulator::repeat_named(Task& task) {
     if (!is_done || again.named.size() == rows.size()) ++attempt;
     if (!is_done) continue;
     give_back(again.result, rows, task.result);
+    task.why = again.why;
     task.named.clear();
     for (const Index i : again.named) task.named.insert(rows[static_cast<std::size_t>(i)]);
   }
@@ -199,7 +200,7 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
   if (!outcome.succeeded) return false;
   const Index num_named = std::ranges::count(result.status, RolloutStatus::crashed);
   if (num_named > 0) {
-    loss_ = outcome.problem + tail_of(outcome.output);
+    task.why = outcome.problem + tail_of(outcome.output);
     report_note(
         fmt::format("{} of {} rows failed: {}", num_named, count, shortened(outcome.problem)));
   }

@@ -79,8 +79,9 @@ class ExternalSimulator {
     std::vector<std::uint32_t> seeds;
     std::vector<std::uint64_t> rows;  ///< of the simulation, for people
     sim::Trajectories result;
-    std::set<Index> named;  ///< rows that the program said to have failed
-    Index num_lost = 0;     ///< rows that were given up
+    std::set<Index> named = {};  ///< rows that the program said to have failed
+    std::string why = {};        ///< of the last of these
+    Index num_lost = 0;          ///< rows that were given up
     bool has_failed = false;
   };
 

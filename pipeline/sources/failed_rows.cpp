@@ -48,7 +48,8 @@ std::map<Index, std::string> read_failed_rows(const fs::path& path, Index num_ro
   Index number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;
-    const std::size_t blank = std::min(line.find_first_of(" \t\r"), line.size());
+    if (line.ends_with('\r')) line.pop_back();
+    const std::size_t blank = std::min(line.find_first_of(" \t"), line.size());
     const std::optional<Index> row = parse_count(std::string_view(line).substr(0, blank));
     // A file that was cut may end in the middle of a number.
     const bool is_cut = stream.eof() && blank == line.size();

@@ -39,7 +39,7 @@ def run(simulate):
     for i, (theta, seed) in enumerate(zip(rows, seeds)):
         try:
             lines[i] = _numbers(simulate(theta, np.random.default_rng(seed)))
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             failures[i] = traceback.format_exception_only(type(error), error)[-1]
             traceback.print_exc()
     if failures:

@@ -168,6 +168,12 @@ TEST_F(ExternalSimulators, NamedRowsComeBackWhereTheCallWasToBlame) {
   EXPECT_EQ(failed_rows(x, RolloutStatus::crashed), std::vector<Index>());
   EXPECT_EQ(text_of(folder_ / "calls"), "0 16\n5 11\n10 6\n15 1\n");
   expect_others_as_ever(x);
+
+  study_.external.command = "BAD= WHAT=tires sh sim.sh";
+  ExternalSimulator simulator = program(folder_ / "log");
+  simulator.simulate(RowMatrix::Zero(16, 2), {7, "test", 1, 0, 0});
+  EXPECT_EQ(simulator.last_failure(), "tired");
+  EXPECT_EQ(simulator.last_loss(), "") << "no row was lost to it";
 }
 
 TEST_F(ExternalSimulators, NamedRowsAreOneFailureOfAProgramThatAlwaysFails) {
