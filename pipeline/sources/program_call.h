@@ -58,8 +58,9 @@ struct ProgramInputs {
   Index store_every = 1;
 };
 
-/// A program that reads a file of theta and writes a file of x, each time anew; with `inputs` it
-/// reads them, too, and writes states. `threads`: what a call may use.
+/// A program that reads a file of theta and writes a file of x, each time anew, and may name rows
+/// that failed in another (failed_rows.h); with `inputs` it reads them, too, and writes states.
+/// `threads`: what a call may use.
 std::unique_ptr<ProgramCall> make_file_call(const ExternalConfig& external,
                                             const sim::SimulatorInfo& info,
                                             const ProgramInputs* inputs, int threads);
