@@ -220,6 +220,13 @@ TEST_F(Workers, RowsThatFailOnTheirOwnNeedNoFurtherRequest) {
   expect_only_five_is(run(12, "nan"), RolloutStatus::diverged);
 }
 
+TEST_F(Workers, RowsThatFailOnTheirOwnAreAskedForOnceMore) {
+  study_.external.retries = 1;
+  expect_only_five_is(run(12, "status"), RolloutStatus::crashed);
+  run(12, "status");
+  EXPECT_EQ(text_of(folder_ / "calls"), "0 12\n5 1\n");
+}
+
 TEST_F(Workers, ARowThatDivergesSaysWhichNumberIsNone) {
   ExternalSimulator simulator = Workers::simulator("nan", "1");
   simulator.simulate(RowMatrix::Ones(2, 1), {1, "test", 0, 0, 0});
