@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace npdr {
@@ -46,6 +47,23 @@ inline testing::AssertionResult says(const std::string& message,
   }
   if (std::ranges::count(message, '\n') == num_lines) return testing::AssertionSuccess();
   return testing::AssertionFailure() << "more lines than expected: " << message;
+}
+
+/// Tells whether a text holds all of the parts, wherever they stand.
+inline testing::AssertionResult has(const std::string& text,
+                                    const std::vector<std::string>& parts) {
+  for (const std::string& part : parts) {
+    if (text.find(part) == std::string::npos) {
+      return testing::AssertionFailure() << "'" << part << "' isn't in: " << text;
+    }
+  }
+  return testing::AssertionSuccess() << "it is in: " << text;
+}
+
+template <class Part>
+requires std::is_convertible_v<Part, std::string> testing::AssertionResult has(
+    const std::string& text, const Part& part) {
+  return has(text, std::vector<std::string>{part});
 }
 
 }  // namespace npdr

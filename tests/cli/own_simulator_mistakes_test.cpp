@@ -83,54 +83,6 @@ npdr_worker.serve(simulate, batch=True)
       << outcome.err;
 }
 
-TEST_F(OwnSimulators, MistakesAreNamedAtTheirPlace) {
-  copy_example("spring");
-  const std::string text = text_of(folder_ / "worker.toml");
-  const auto problem = [&](const std::string& from, const std::string& to) {
-    std::string changed = text;
-    const std::size_t at = changed.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    changed.replace(at, from.size(), to);
-    folder_.file("changed.toml", changed);
-    const Outcome outcome = npdr({"validate", "changed.toml"});
-    EXPECT_EQ(outcome.status, 2) << to;
-    return outcome.err;
-  };
-  const auto expect = [&](const std::string& from, const std::string& to,
-                          const std::vector<std::string>& parts) {
-    const std::string found = problem(from, to);
-    for (const std::string& part : parts) {
-      EXPECT_NE(found.find(part), std::string::npos) << part << " isn't in: " << found;
-    }
-  };
-  const std::string worker = "worker = \"python3 spring.py\"";
-  expect(worker, worker + "\nlibrary = \"spring.so\"", {"simulator has worker and library", "one"});
-  expect(worker, "library = \"none.so\"", {"none.so"});
-  expect(worker, worker + "\nintegrator = \"erk4\"", {"integrator", "means nothing to a worker"});
-  expect(worker, worker + "\nfeatures = [\"a\"]", {"features must be left out"});
-  expect(worker, worker + "\nsettings = { a = 1 }", {"settings", "simulator.library"});
-  expect(worker, worker + "\nfiles = [\"gone.py\"]", {"gone.py", "existing"});
-  expect("states = [\"q [m]\", \"v [m/s]\"]", "", {"simulator.states is missing"});
-  expect("\"v [m/s]\"]", "\"q [m/s]\"]", {"simulator.states", "distinct"});
-  expect("dt = 0.02", "", {"simulator.dt is missing", "target.inputs"});
-  expect("num_steps = 250", "", {"simulator.num_steps is missing"});
-  expect("[0.2, 2.0]", "[0.2]", {"initial_states", "1 number"});
-  expect("nominal = 20.0", "nominal = -20.0", {"nominal", "limits"});
-  expect("name = \"damping\"", "name = \"stiffness\"", {"stiffness", "there once"});
-  expect("stiffness = { uniform", "stifness = { uniform", {"stifness", "stiffness"});
-  expect("stiffness = 24.0", "stifness = 24.0", {"target.truth", "stifness", "stiffness"});
-  expect("uniform = [10.0, 40.0]", "uniform = [-10.0, 40.0]", {"stiffness", "0"});
-  expect("[prior]", "[simulator.goal]\nplace = { z = 0.0 }\nradius = 0.1\n\n[prior]",
-         {"simulator.goal.place", "'z'"});
-  expect("[prior]", "[simulator.goal]\nradius = 0.1\n\n[prior]",
-         {"simulator.goal.place is missing"});
-  expect("num_rollouts = 3", "num_rollouts = 3\nobservation = \"x.csv\"", {"observation"});
-  expect("nominal = 1.0\nlower = 1e-6", "lower = 1e-6",
-         {"simulator.parameter.nominal of 'mass' is missing", "simulator.parameters"});
-  expect("truth = { stiffness = 24.0, damping = 0.5, friction = 0.4 }", "recording = \"gone.h5\"",
-         {"gone.h5"});
-}
-
 TEST_F(OwnSimulators, ALibraryThatLoopsIsToldWithARowAfterItsTimeLimit) {
   copy_example("spring");
   const std::string rows = "for (int64_t i = 0; i < batch->num_rows; ++i) {";

@@ -43,19 +43,5 @@ TEST_F(ProgramCheck, AsksAShellForProgramsWithoutAFolder) {
   EXPECT_EQ(unknown_program("pythn3 sim.py"), "pythn3");
 }
 
-TEST_F(ProgramCheck, AStudySaysWhereTheCommandStands) {
-  const std::string text =
-      "[study]\nname = 'a'\n[target]\nobservation = '" +
-      folder_.file("x_o.csv", "a\n1\n").string() + "'\n[simulator]\nfolder = '" +
-      folder_.path().string() +
-      "'\ncommand = 'python3 sim.py'\n[prior]\na = { normal = [0.0, 1.0] }\n[[method]]\n"
-      "name = 'NPE'\nnum_simulations = 100\n";
-  const std::string message = message_of<InputError>([&] { parse_study(text, "s.toml"); });
-  EXPECT_TRUE(
-      message.starts_with("s.toml:7:11: simulator.command = 'python3 sim.py', must be a "
-                          "command that can be run: there is no 'sim.py' in the folder"))
-      << message;
-}
-
 }  // namespace
 }  // namespace npdr::pipeline

@@ -30,9 +30,8 @@ TEST(StudyKeys, SayTypeDefaultAndWhatIsAllowed) {
 TEST(StudyKeys, OfATableAreATableOfMarkdown) {
   EXPECT_EQ(keys_markdown("policy.grid.x").substr(0, 81),
             "| key | type | default | allowed | meaning |\n|---|---|---|---|---|\n| `parameter` ");
-  EXPECT_NE(keys_markdown("method.sampler")
-                .find("| `kind` | text | `\"slice\"` | `slice`, `importance` | Markov chains, or "),
-            std::string::npos);
+  EXPECT_TRUE(has(keys_markdown("method.sampler"),
+                  "| `kind` | text | `\"slice\"` | `slice`, `importance` | Markov chains, or "));
   EXPECT_EQ(message_of<InputError>([] { keys_markdown("method.trainning"); }).substr(0, 66),
             "unknown table 'method.trainning' (did you mean 'method.training'?)");
 }
@@ -49,7 +48,7 @@ TEST(StudyKeys, AreThoseOfTheDocument) {
     // Tables that are alike, such as the stages of [cluster], are there once.
     std::istringstream rows(keys_markdown(key.path.substr(0, key.path.rfind('.'))));
     for (std::string row; std::getline(rows, row);) {
-      EXPECT_NE(text.find(row + "\n"), std::string::npos)
+      EXPECT_TRUE(has(text, row + "\n"))
           << key.path << " has no row: add \"<!-- keys: TABLE -->\" to " << hint;
     }
   }

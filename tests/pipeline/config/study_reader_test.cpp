@@ -10,6 +10,8 @@ namespace {
 
 using inference::Marginal;
 
+const std::string kNumSimulations = "num_simulations = 200";
+
 Study small_study(const std::vector<std::string>& overrides = {}) {
   return parse_study(kStudyText, "s.toml", overrides);
 }
@@ -204,6 +206,67 @@ TEST(StudyReader, AcceptsWindowsLineEndsAndAByteOrderMark) {
   std::string text = "\xEF\xBB\xBF";
   for (const char c : std::string(kStudyText)) text += c == '\n' ? "\r\n" : std::string(1, c);
   EXPECT_EQ(problems_of(text), "");
+}
+
+TEST(StudyReader, OverridesMustBeUtf8) {
+  for (const char* text : {"\xe1z", "a\x7f"}) {
+    EXPECT_TRUE(says(problems_of(kStudyText, {std::string("target.recording=") + text}),
+                     {"--set target.recording="}));
+  }
+}
+
+TEST(StudyReader, NamesTooLongForTheFileSystemAreNoSurprise) {
+  const std::string name(5000, 'a');
+  EXPECT_TRUE(has(message_of<InputError>([&] { read_study(name); }), "can't be opened"));
+  EXPECT_TRUE(has(problems_of(kStudyText, {"target.recording=" + name.substr(0, 4000)}),
+                  "must be an existing HDF5 file"));
+}
+
+TEST(StudyReader, ATableOfChecksMeansAllOfThem) {
+  const auto checks = [](const std::string& text) {
+    return parse_study(kStudyText + text, "s.toml", {}).diagnose.checks.size();
+  };
+  EXPECT_EQ(checks("[diagnose]\n"), 12u);
+  EXPECT_EQ(checks("[diagnose]\nchecks = ['sbc']\n"), 1u);
+  EXPECT_EQ(checks("[diagnose]\nchecks = []\n"), 0u);
+}
+
+// Calibration is among them where its 300 simulations are at most a quarter of each method's.
+TEST(StudyReader, WithoutATableStudiesAreCheckedByWhatCostsLittle) {
+  const auto checks = [](const std::vector<std::string>& overrides) {
+    return join(to_names(parse_study(kStudyText, "s.toml", overrides).diagnose.checks));
+  };
+  const std::string cheap =
+      "predictive, ood, failures, training, sampling, bounds, contraction, fit";
+  EXPECT_EQ(checks({"target.held_out=1"}), cheap + ", held_out");
+  EXPECT_EQ(checks({"method.num_simulations=1199"}), cheap);
+  EXPECT_EQ(checks({"method.num_simulations=1200"}), "sbc, coverage, " + cheap);
+  EXPECT_EQ(checks({"method.num_simulations=1200", "method.\"NPDR (MAF)\".algorithm=nle",
+                    "method.\"NPDR (MAF)\".embedding.kind=all_steps"}),
+            cheap);
+}
+
+TEST(StudyReader, PopulationsOfSmcAreHalvedUnlessAStudySaysOtherwise) {
+  const auto quantile = [](const std::string& method) {
+    return parse_study(edited(kStudyText, kNumSimulations, method), "s.toml", {})
+        .methods[0]
+        .abc.quantile;
+  };
+  EXPECT_EQ(quantile("algorithm = 'abc_smc'"), 0.5);
+  EXPECT_EQ(quantile("algorithm = 'abc_smc'\nabc.quantile = 0.2"), 0.2);
+  EXPECT_EQ(quantile("algorithm = 'abc_rejection'\nnum_rounds = 1"), 0.1);
+}
+
+TEST(StudyReader, TheAlgorithmFollowsFromSettingsUnlessAStudySaysIt) {
+  using inference::Algorithm;
+  const auto algorithm = [](const std::string& method) {
+    return parse_study(edited(kStudyText, kNumSimulations, method), "s.toml", {})
+        .methods[0]
+        .algorithm.kind;
+  };
+  EXPECT_EQ(algorithm(kNumSimulations), Algorithm::npe_nle);
+  EXPECT_EQ(algorithm("num_rounds = 2"), Algorithm::npe_nle);
+  EXPECT_EQ(algorithm("num_atoms = 5"), Algorithm::npe_c);
 }
 
 }  // namespace

@@ -7,17 +7,6 @@
 namespace npdr::pipeline {
 namespace {
 
-TEST(StudySyntax, SyntaxErrorsHaveAPosition) {
-  EXPECT_EQ(problems_after("[study]", "[study"),
-            "s.toml:1:7: Error while parsing table header: expected ']', saw '\\n'");
-  EXPECT_EQ(problems_after("seeds = [1, 2]", "name = \"b\""),
-            "s.toml:3:8: Error while parsing key-value pair: cannot redefine existing string "
-            "'name'");
-  EXPECT_EQ(problems_after("seeds = [1, 2]", "seeds = one"),
-            "s.toml:3:9: Error while parsing value: could not determine value type; texts stand in "
-            "quotes, such as name = \"NPE\"");
-}
-
 TEST(StudySyntax, OfManyTheFirstAreTold) {
   std::string unknown = "[evaluate]\n";
   for (int i = 0; i < 100'000; ++i) unknown += "k" + std::to_string(i) + " = 1\n";
@@ -85,18 +74,16 @@ TEST(StudySyntax, QuotesOfLongValuesAreCut) {
 TEST(StudySyntax, ManyDotsThatAreAllowedDontOverflowTheStack) {
   std::string deep;
   for (int i = 0; i < 4'999; ++i) deep += "a.";
-  EXPECT_NE(problems_of(deep + "a = 1").find("unknown key 'a'"), std::string::npos);
+  EXPECT_TRUE(has(problems_of(deep + "a = 1"), "unknown key 'a'"));
   std::string digits;  // as many dots as may look like a number's
   for (int i = 0; i < 4'998; ++i) digits += "1.1 . ";
-  EXPECT_NE(problems_of(digits + "a = 1").find("unknown key '1'"), std::string::npos);
-  EXPECT_NE(problems_of(digits + ". . a = 1").find("holds 5000 dots"), std::string::npos);
+  EXPECT_TRUE(has(problems_of(digits + "a = 1"), "unknown key '1'"));
+  EXPECT_TRUE(has(problems_of(digits + ". . a = 1"), "holds 5000 dots"));
   std::string numbers;
   for (int i = 0; i < 20'000; ++i) numbers += "[0.25, -1.5e3],";
-  EXPECT_NE(problems_of("a = [" + numbers + "]").find("unknown key 'a'"), std::string::npos);
-  EXPECT_NE(problems_of(kStudyText, {deep.substr(0, 2000) + "a=1"}).find("unknown key 'a'"),
-            std::string::npos);
-  EXPECT_NE(problems_of(kStudyText, {deep.substr(0, 2002) + "a=1"}).find("holds 1001 dots"),
-            std::string::npos);
+  EXPECT_TRUE(has(problems_of("a = [" + numbers + "]"), "unknown key 'a'"));
+  EXPECT_TRUE(has(problems_of(kStudyText, {deep.substr(0, 2000) + "a=1"}), "unknown key 'a'"));
+  EXPECT_TRUE(has(problems_of(kStudyText, {deep.substr(0, 2002) + "a=1"}), "holds 1001 dots"));
 }
 
 }  // namespace
