@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include "core/atomic_file.h"
-#include "pipeline/artefacts/recording.h"
 #include "tests/cli/study_run.h"
 
 namespace npdr::pipeline {
@@ -241,65 +240,7 @@ TEST_F(Commands, ShardsKnowTheVersionOfTheirSchema) {
   }
 }
 
-TEST_F(Commands, ImportRefusesWhatItWouldIgnore) {
-  std::ofstream(file("a.csv")) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,0,0\n";
-  const auto rejected = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {"import", "a.csv", "-o", "a.h5", "--simulator", "pendulum"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = npdr(words);
-    EXPECT_EQ(outcome.status, 2);
-    return outcome.err;
-  };
-  for (const char* option : {"--states", "--actions"}) {
-    EXPECT_TRUE(says(rejected({"--dt", "0.1", option, "theta [rad]"}),
-                     {"npdr import: --simulator pendulum says which columns to take",
-                      "leave out --states and --actions, or it"}));
-  }
-  EXPECT_TRUE(
-      says(rejected({"--dt", "-0.1"}), {"npdr import: --dt = -0.1", "must be a time > 0 [s]"}));
-  EXPECT_TRUE(says(rejected({"--dt", "0"}), {"npdr import: --dt = 0", "must be a time > 0 [s]"}));
-}
-
-TEST_F(Commands, ImportLosesNothing) {
-  std::ofstream(file("b.csv")) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,0,0\n";
-  std::ofstream(file("b.data")) << text_of(file("b.csv"));
-  const std::string before = text_of(file("b.csv"));
-  const auto problem = [&](const std::vector<std::string>& words) {
-    std::vector<std::string> all = {"import", "--simulator", "pendulum", "--dt", "0.1"};
-    all.insert(all.end(), words.begin(), words.end());
-    const Outcome outcome = npdr(all);
-    EXPECT_EQ(outcome.status, 2);
-    return outcome.err;
-  };
-  EXPECT_TRUE(says(problem({"b.csv", "-o", "b.csv"}),
-                   {"npdr import: b.csv: is to hold HDF5", "must not end in .csv"}));
-  EXPECT_TRUE(says(problem({"b.data", "--force", "-o", "./b.data"}),
-                   {"npdr import: ./b.data: is one of the inputs", "must be another file"}));
-  EXPECT_TRUE(says(problem({"b.csv", "-o", "b.data"}), {"npdr import: b.data: is there already",
-                                                        "choose another name or add --force"}));
-  EXPECT_EQ(text_of(file("b.csv")), before);
-  EXPECT_EQ(text_of(file("b.data")), before);
-}
-
 TEST_F(Commands, ListsMayComeBeforeWhatTheyBelongTo) {
-  for (const char* name : {"b.csv", "c.csv"}) {
-    std::ofstream(file(name)) << "theta [rad],theta_dot [rad/s],torque [N m]\n0,0,0\n0,"
-                              << (name == std::string("b.csv") ? "0,0\n" : "1,0\n");
-  }
-  const auto imported = [](std::vector<std::string> words) {
-    words.insert(words.begin(), {"import", "--force", "-o", "b.h5", "--dt", "0.1"});
-    const Outcome outcome = npdr(words);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    return outcome.out;
-  };
-  const std::string states = "theta [rad],theta_dot [rad/s]";
-  const std::string expected =
-      imported({"b.csv", "c.csv", "--actions", "torque [N m]", "--states", states});
-  EXPECT_EQ(imported({"--actions", "torque [N m]", "--states", states, "b.csv", "c.csv"}),
-            expected);
-  EXPECT_EQ(imported({"--states", "theta [rad]", "--states", "theta_dot [rad/s]", "--actions",
-                      "torque [N m]", "b.csv", "c.csv"}),
-            expected);
   const std::string status = npdr({"status", "small.toml"}).out;
   EXPECT_EQ(npdr({"status", "--seeds", "1", "small.toml"}).out, status);
   EXPECT_EQ(npdr({"status", "--seeds", "1,1", "--seeds", "1", "small.toml"}).out, status);

@@ -68,16 +68,6 @@ TEST_F(ExternalDataset, UnitsThatAStudyCantHaveAreRefused) {
   EXPECT_NE(outcome.err.find("must be with units that are"), std::string::npos) << outcome.err;
 }
 
-TEST_F(ExternalDataset, MoreFailedRowsThanAStudyAllowsAreToldAtOnce) {
-  folder_.file("t.csv", "a\n1\n2\n3\n4\n");
-  folder_.file("y.csv", "y\n1\nnan\n3\n4\n");
-  const Outcome imported = npdr({"import", "--theta", "t.csv", "--x", "y.csv", "-o", "d.h5"});
-  EXPECT_NE(imported.out.find("; counted as failed, not being finite: 1 row of x, 0.25 of all: "
-                              "studies stop at more than limits.max_failed_fraction = 0.05"),
-            std::string::npos)
-      << imported.out;
-}
-
 // Where it was cut on purpose, the rest is left out.
 TEST_F(ExternalDataset, RowsOutsideOfThePriorAreNamed) {
   import_dataset();
@@ -249,15 +239,6 @@ TEST_F(ExternalDataset, SimulationsAreADataset) {
   run_well({"dataset.toml", "--set",
             "simulator.dataset=runs/external-shell/npe-gaussian/seed-1/round-1/simulate.h5"});
   expect_exact_posterior("external-dataset");
-}
-
-TEST_F(ExternalDataset, ImportRefusesHalfADataset) {
-  std::ofstream(folder_ / "theta.csv") << "a\n1\n";
-  const Outcome alone = npdr({"import", "--theta", "theta.csv", "-o", "d.h5"});
-  EXPECT_EQ(alone.status, 2);
-  EXPECT_EQ(alone.err,
-            "npdr import: a dataset is made of two CSV files: --theta FILE and --x FILE\n");
-  EXPECT_EQ(npdr({"import", "-o", "d.h5"}).status, 2);
 }
 
 }  // namespace

@@ -16,9 +16,6 @@ class DatasetFiles : public ::testing::Test {
     return import_dataset(folder_.file("theta.csv", theta), folder_.file("x.csv", x),
                           folder_ / "d.h5");
   }
-  std::string problem_of(const std::string& theta, const std::string& x) const {
-    return message_of<InputError>([&] { import(theta, x); }, &folder_);
-  }
 
   TempFolder folder_;
 };
@@ -34,17 +31,6 @@ TEST_F(DatasetFiles, ImportKeepsNamesAndValues) {
   EXPECT_EQ(dataset.theta(rows), (RowMatrix(2, 1) << 2, 6).finished());
   EXPECT_EQ(dataset.x(rows), (RowMatrix(2, 1) << 0.1, 0.3).finished());
   EXPECT_TRUE(std::isnan(dataset.x(std::vector<Index>{1})(0, 0)));
-}
-
-TEST_F(DatasetFiles, ImportNeedsFilesThatGoTogether) {
-  EXPECT_TRUE(
-      says(problem_of("a\n1\n2\n", "1\n"), {"x.csv: has 1 row", "must have 2 like theta.csv"}));
-  EXPECT_TRUE(says(problem_of("1\n2\n", "1\n2\n"), {"theta.csv:1:", "must name the parameters"}));
-  EXPECT_TRUE(says(
-      problem_of("a\n1\ninf\n", "1\n2\n"),
-      {"theta.csv: 'a' of row 2 = inf", "must be finite", "leave out this row in both files"}));
-  EXPECT_EQ(problem_of("a\n", "1\n"), "theta.csv: has a header, but no rows");
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "d.h5"));
 }
 
 TEST_F(DatasetFiles, RowsAreFoundAcrossBlocks) {

@@ -47,8 +47,7 @@ TEST(RecordingWarnings, AnglesThatWrap) {
 TEST(RecordingWarnings, RatesInDegrees) {
   Target target = turning();
   for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / std::numbers::pi;
-  EXPECT_NE(warning(target).find("degrees"), std::string::npos) << warning(target);
-  EXPECT_NE(warning(target).find("in an HDF5 file, correct the numbers"), std::string::npos);
+  EXPECT_TRUE(has(warning(target), {"degrees", "in an HDF5 file, correct the numbers"}));
 }
 
 // By a window that is longer than a swing, whose rates are far too small.
@@ -57,7 +56,7 @@ TEST(RecordingWarnings, RatesInDegreesThatAreNamedOtherwise) {
   target.state_channels[1].label = "alpha speed";
   EXPECT_EQ(recording_warnings(target), std::vector<std::string>{});
   for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / std::numbers::pi;
-  EXPECT_NE(warning(target).find("degrees"), std::string::npos) << warning(target);
+  EXPECT_TRUE(has(warning(target), "degrees"));
 }
 
 TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {

@@ -73,13 +73,6 @@ TEST(Resample, TheErrorOfALineIsItsCurvature) {
   }
 }
 
-TEST(Resample, AtLeastOneStepMustFit) {
-  EXPECT_TRUE(says(message_of<InputError>([] {
-                     even({0.0, 0.1}, 0.5);
-                   }),
-                   {"lasts 0.1 s", "must be at least one step of 0.5 s"}));
-}
-
 TEST(Resample, AStepThatFillsTheMemoryIsRefused) {
   EXPECT_TRUE(says(message_of<InputError>([] {
                      even({0.0, 0.1}, 1e-9);

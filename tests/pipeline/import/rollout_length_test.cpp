@@ -39,13 +39,7 @@ TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
   EXPECT_TRUE(long_one.rollouts[1].states.isApprox(second)) << "it begins where the first one ends";
 }
 
-TEST(RolloutLength, MayDifferOnlyWithAnOption) {
-  Target target = target_of({5, 3});
-  EXPECT_TRUE(says(message_of<InputError>([&] { cut_rollouts(target, {}, kCsvFiles); }),
-                   {"b.csv: has 4 rows", "the first file has 6", "cut them to one length",
-                    "--length shortest or --length STEPS"}));
-  EXPECT_TRUE(says(message_of<InputError>([&] { cut_rollouts(target, 4, kCsvFiles); }),
-                   {"--length 4: b.csv has 3 steps", "must have at least as many"}));
+TEST(RolloutLength, IsLeftAsItIsWhereAllAreEqual) {
   Target equal = target_of({3, 3});
   EXPECT_TRUE(cut_rollouts(equal, {}, kCsvFiles).empty());
 }
