@@ -1,10 +1,10 @@
 #include "inference/feature_transform.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "core/decompositions.h"
 #include "core/error.h"
 #include "core/matrix_blocking.h"
 #include "inference/feature_blocks.h"
@@ -178,12 +178,12 @@ RowMatrixF whitening_directions(const RowMatrix& z, Index components) {
   const Eigen::MatrixXd product =
       (wide ? Eigen::MatrixXd(z * z.transpose()) : Eigen::MatrixXd(z.transpose() * z)) /
       static_cast<double>(z.rows());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(product);
-  const Eigen::MatrixXd leading = eigen.eigenvectors().rightCols(components).rowwise().reverse();
+  const SymmetricEigen eigen(product);
+  const Eigen::MatrixXd leading = eigen.vectors.rightCols(components).rowwise().reverse();
   RowMatrix directions = wide ? RowMatrix(z.transpose() * leading) : RowMatrix(leading);
   const Eigen::RowVectorXd lengths = directions.colwise().norm();
   directions.array().rowwise() /= (lengths.array() > 0.0).select(lengths.array(), 1.0);
-  const Eigen::ArrayXd values = eigen.eigenvalues().tail(components).reverse();
+  const Eigen::ArrayXd values = eigen.values.tail(components).reverse();
   // A direction without variance carries nothing.
   const Eigen::ArrayXd scale = (values > 1e-9 * values(0)).select(1.0 / values.sqrt(), 0.0);
   return (directions.array().rowwise() * scale.transpose()).cast<float>();

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/constants.h"
+#include "core/decompositions.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "inference/estimators/gaussian_mixture.h"
@@ -50,10 +51,8 @@ KernelDensity::KernelDensity(const RowMatrix& all, const Vector& all_weights)
   const Eigen::MatrixXd correlation =
       scale_.cwiseInverse().asDiagonal() * covariance * scale_.cwiseInverse().asDiagonal();
   const double bandwidth = std::pow(effective_size(weights), -1.0 / static_cast<double>(d + 4));
-  factor_ =
-      bandwidth *
-      Eigen::MatrixXd(
-          (correlation + kSmallestVariance * Eigen::MatrixXd::Identity(d, d)).llt().matrixL());
+  factor_ = bandwidth *
+            Cholesky(correlation + kSmallestVariance * Eigen::MatrixXd::Identity(d, d)).lower();
   log_constant_ = -0.5 * static_cast<double>(d) * std::log(2.0 * std::numbers::pi) -
                   factor_.diagonal().array().log().sum() - scale_.array().log().sum();
   centers_ = whitened(points);

@@ -1,11 +1,11 @@
 #include "inference/surrogate_posterior.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 
 #include "core/constants.h"
+#include "core/decompositions.h"
 #include "core/error.h"
 #include "inference/direct_posterior.h"
 #include "inference/ensemble.h"
@@ -137,10 +137,11 @@ double SurrogatePosterior::estimate_log_normalizer() const {
   const Eigen::MatrixXd covariance =
       wider * wider * (centered.transpose() * centered) / static_cast<double>(num_samples - 1) +
       1e-10 * Eigen::MatrixXd::Identity(d, d);
-  const Eigen::MatrixXd precision = covariance.llt().solve(Eigen::MatrixXd::Identity(d, d));
-  GaussianMixture around{Vector(2),
-                         {mean.transpose(), Vector::Zero(d)},
-                         {precision.llt().matrixU(), Eigen::MatrixXd::Identity(d, d)}};
+  const Eigen::MatrixXd precision = Cholesky(covariance).inverse();
+  GaussianMixture around{
+      Vector(2),
+      {mean.transpose(), Vector::Zero(d)},
+      {Cholesky(precision).lower().transpose(), Eigen::MatrixXd::Identity(d, d)}};
   around.log_weights << std::log(1.0 - prior_share), std::log(prior_share);
   const RowMatrix points = around.sample(num_points, named(id, "normaliser_points"));
   return log_sum_exp(log_density(points) - around.log_prob(points)) -

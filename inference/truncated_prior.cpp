@@ -1,12 +1,12 @@
 #include "inference/truncated_prior.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
 
 #include "core/constants.h"
+#include "core/decompositions.h"
 #include "core/error.h"
 #include "inference/samplers/group_moves.h"
 #include "inference/samplers/resampler.h"
@@ -32,11 +32,10 @@ GaussianMixture wide_gaussian(const RowMatrix& u, const Vector& weights) {
   const Eigen::MatrixXd covariance =
       kWidth * kWidth * weighted_covariance(u, weights) +
       kLeastDeviation * kLeastDeviation * Eigen::MatrixXd::Identity(dimension, dimension);
-  const Eigen::MatrixXd precision =
-      covariance.llt().solve(Eigen::MatrixXd::Identity(dimension, dimension));
+  const Eigen::MatrixXd precision = Cholesky(covariance).inverse();
   return {.log_weights = Vector::Zero(1),
           .means = {weighted_mean(u, weights)},
-          .precision_factors = {precision.llt().matrixU()}};
+          .precision_factors = {Cholesky(precision).lower().transpose()}};
 }
 
 // The value that draws with a share `below` of all weight have less than.

@@ -1,11 +1,11 @@
 #include "sim/first_states.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "core/constants.h"
+#include "core/decompositions.h"
 #include "core/error.h"
 
 namespace npdr::sim {
@@ -167,10 +167,10 @@ double FirstStateErrors::log_density(const std::vector<NoiseValues>& values) con
   }
   for (Index s = 0; s < num_segments(); ++s) {
     const Gaussian first = gaussian(s, values, &squares);
-    const Eigen::LLT<Eigen::MatrixXd> factor(first.precision);
-    if (factor.info() != Eigen::Success) return kNaN;
-    const Vector half = factor.matrixL().solve(first.shift);
-    sum += 0.5 * half.squaredNorm() - factor.matrixLLT().diagonal().array().log().sum();
+    const Cholesky factor(first.precision);
+    if (!factor.is_positive_definite()) return kNaN;
+    const Vector half = factor.solve_lower(first.shift);
+    sum += 0.5 * half.squaredNorm() - factor.half_log_det();
   }
   return sum - 0.5 * squares;
 }
@@ -198,7 +198,7 @@ RowMatrix FirstStateErrors::first_errors(const std::vector<NoiseValues>& values)
   RowMatrix errors(num_segments(), num_channels_);
   for (Index s = 0; s < num_segments(); ++s) {
     const Gaussian first = gaussian(s, values, nullptr);
-    errors.row(s) = begun_.row(s) + first.precision.llt().solve(first.shift).transpose();
+    errors.row(s) = begun_.row(s) + Cholesky(first.precision).solve(first.shift).transpose();
   }
   return errors;
 }

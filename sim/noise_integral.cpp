@@ -1,12 +1,12 @@
 #include "sim/noise_integral.h"
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
 
 #include "core/constants.h"
+#include "core/decompositions.h"
 
 namespace npdr::sim {
 namespace {
@@ -34,11 +34,11 @@ Curve curve_at(const LogIntegrand& f, const Vector& z) {
       curvature(i, j) = curvature(j, i) = -(both - up(i) - up(j) + value) / (h * h);
     }
   }
-  Eigen::LLT<Eigen::MatrixXd> llt(curvature);
-  for (double ridge = 1.0; llt.info() != Eigen::Success && ridge < 1e12; ridge *= 10.0) {
-    llt.compute(curvature + ridge * identity);
+  Cholesky factor(curvature);
+  for (double ridge = 1.0; !factor.is_positive_definite() && ridge < 1e12; ridge *= 10.0) {
+    factor = Cholesky(curvature + ridge * identity);
   }
-  return {gradient, llt.solve(identity)};
+  return {gradient, factor.inverse()};
 }
 
 // Goes uphill by as much of `move` as leads there; false: none does.
@@ -89,7 +89,7 @@ Peak find_peak(const LogIntegrand& f, const Vector& guess) {
     const Vector move = curve.inverse * curve.gradient;
     const bool is_there = !(curve.gradient.dot(move) > 1e-8);
     if (is_there || step == most_steps || !climb(f, move, z)) {
-      return {z, Eigen::LLT<Eigen::MatrixXd>(curve.inverse).matrixL()};
+      return {z, Cholesky(curve.inverse).lower()};
     }
   }
 }

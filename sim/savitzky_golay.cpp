@@ -1,8 +1,8 @@
 #include "sim/savitzky_golay.h"
 
-#include <Eigen/QR>
 #include <string>
 
+#include "core/decompositions.h"
 #include "core/error.h"
 
 namespace npdr::sim {
@@ -24,7 +24,7 @@ Eigen::MatrixXd powers_of_positions(Index window, Index degree) {
 // Slopes of the quadratic that fits a window's samples, at each of them.
 Vector slopes_of_quadratic(const Eigen::Ref<const Vector>& samples, double dt) {
   const Eigen::MatrixXd powers = powers_of_positions(samples.size(), 2);
-  const Vector fit = powers.householderQr().solve(samples);
+  const Vector fit = least_squares(powers, Vector(samples));
   const Index m = samples.size() / 2;
   return (fit(1) + 2.0 * fit(2) * powers.col(1).array()) / (static_cast<double>(m) * dt);
 }
@@ -38,7 +38,7 @@ SavitzkyGolay savitzky_golay(Index window, Index degree, double dt) {
   }
   const Eigen::MatrixXd powers = powers_of_positions(window, degree);
   const Eigen::MatrixXd fit =
-      powers.householderQr().solve(Eigen::MatrixXd::Identity(window, window));
+      least_squares(powers, Eigen::MatrixXd(Eigen::MatrixXd::Identity(window, window)));
   const Index m = window / 2;
   return {fit.row(0).transpose(), fit.row(1).transpose() / (static_cast<double>(m) * dt)};
 }

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/decompositions.h"
 #include "core/error.h"
 
 namespace npdr::inference {
@@ -13,9 +14,9 @@ StepKernel::StepKernel(const Eigen::MatrixXd& covariance, Index dimension) {
     throw InputError("ABC: the population has no kernel of " + std::to_string(dimension) +
                      " parameters to propose with; rerun stage 'infer'");
   }
-  const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
-  factor_ = llt.matrixL();
-  if (llt.info() == Eigen::Success && factor_.diagonal().minCoeff() > 0.0) return;
+  const Cholesky cholesky(covariance);
+  factor_ = cholesky.lower();
+  if (cholesky.is_positive_definite() && factor_.diagonal().minCoeff() > 0.0) return;
   throw Error(
       "ABC: the accepted simulations span fewer dimensions than there are parameters; raise "
       "abc.quantile, abc.epsilon or num_simulations");

@@ -1,9 +1,10 @@
 #include "inference/diagnostics/share_of_prior.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "core/decompositions.h"
 
 namespace npdr::inference {
 namespace {
@@ -36,11 +37,10 @@ RowMatrix draws_around(Index dimension, double radius, const StreamId& id) {
 double share_of_prior(const RowMatrix& samples, const StreamId& id) {
   const Eigen::RowVectorXd mean = samples.colwise().mean();
   const RowMatrix centered = samples.rowwise() - mean;
-  const Eigen::LLT<Eigen::MatrixXd> root(centered.transpose() * centered /
-                                         static_cast<double>(centered.rows()));
-  if (root.info() != Eigen::Success) return 1.0;
-  const Eigen::MatrixXd lower = root.matrixL();
-  Vector own = squared_lengths(root.matrixL().solve(centered.transpose()).transpose());
+  const Cholesky root(centered.transpose() * centered / static_cast<double>(centered.rows()));
+  if (!root.is_positive_definite()) return 1.0;
+  const Eigen::MatrixXd& lower = root.lower();
+  Vector own = squared_lengths(root.solve_lower(Eigen::MatrixXd(centered.transpose())).transpose());
   std::sort(own.begin(), own.end());
   const double squared_radius =
       own(static_cast<Index>(kShareOfSamples * static_cast<double>(own.size() - 1)));

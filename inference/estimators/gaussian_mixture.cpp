@@ -1,13 +1,12 @@
 #include "inference/estimators/gaussian_mixture.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
 #include "core/constants.h"
+#include "core/decompositions.h"
 
 namespace npdr::inference {
 
@@ -52,11 +51,10 @@ RowMatrix GaussianMixture::sample(Index n, StreamId id) const {
 GaussianMixture narrower_than_prior(const GaussianMixture& mixture) {
   GaussianMixture narrow = mixture;
   for (Index k = 0; k < mixture.num_components(); ++k) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(mixture.precision(k));
-    const Eigen::MatrixXd precision = eigen.eigenvectors() *
-                                      eigen.eigenvalues().cwiseMax(1.0).asDiagonal() *
-                                      eigen.eigenvectors().transpose();
-    narrow.precision_factors[static_cast<std::size_t>(k)] = precision.llt().matrixU();
+    const SymmetricEigen eigen(mixture.precision(k));
+    const Eigen::MatrixXd precision =
+        eigen.vectors * eigen.values.cwiseMax(1.0).asDiagonal() * eigen.vectors.transpose();
+    narrow.precision_factors[static_cast<std::size_t>(k)] = Cholesky(precision).lower().transpose();
   }
   return narrow;
 }
@@ -73,15 +71,11 @@ struct Surplus {
 
 Surplus surplus_of(const Eigen::MatrixXd& precision, const Vector& mean,
                    const Eigen::MatrixXd& other_precision, const Vector& other_mean) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(precision - other_precision);
-  const Vector known = (eigen.eigenvalues().array() > 0.0).cast<double>();
+  const SymmetricEigen eigen(precision - other_precision);
+  const Vector known = (eigen.values.array() > 0.0).cast<double>();
   const Vector shift =
-      eigen.eigenvectors().transpose() * (precision * mean - other_precision * other_mean);
-  return {eigen.eigenvectors(), known.cwiseProduct(eigen.eigenvalues()), known.cwiseProduct(shift)};
-}
-
-double log_det(const Eigen::LLT<Eigen::MatrixXd>& factor) {
-  return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+      eigen.vectors.transpose() * (precision * mean - other_precision * other_mean);
+  return {eigen.vectors, known.cwiseProduct(eigen.values), known.cwiseProduct(shift)};
 }
 
 }  // namespace
@@ -103,16 +97,16 @@ GaussianMixture corrected_for_proposal(const GaussianMixture& mixture,
     };
     const Vector shift = surplus.axes * surplus.shift;
     // The component, nowhere wider than the proposal, and what is left of it after the division.
-    const Eigen::LLT<Eigen::MatrixXd> whole(sum_with(other));
+    const Cholesky whole(sum_with(other));
     const Vector whole_shift = other * other_mean + shift;
-    const Eigen::LLT<Eigen::MatrixXd> left(
+    const Cholesky left(
         sum_with(Eigen::MatrixXd::Identity(mixture.dimension(), mixture.dimension())));
     result.means[i] = left.solve(shift);
-    result.precision_factors[i] = left.matrixU();
+    result.precision_factors[i] = left.lower().transpose();
     // log of the integral of N(whole) N(0, I) / N(m, S), but for what all components share.
     result.log_weights(k) +=
-        0.5 * (log_det(whole) - log_det(left) - whole_shift.dot(whole.solve(whole_shift)) +
-               shift.dot(result.means[i]));
+        0.5 * (2.0 * whole.half_log_det() - 2.0 * left.half_log_det() -
+               whole_shift.dot(whole.solve(whole_shift)) + shift.dot(result.means[i]));
   }
   result.log_weights.array() -= log_sum_exp(result.log_weights);
   return result;

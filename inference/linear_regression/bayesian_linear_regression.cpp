@@ -1,11 +1,11 @@
 #include "inference/linear_regression/bayesian_linear_regression.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "core/decompositions.h"
 #include "core/error.h"
 
 namespace npdr::inference {
@@ -44,9 +44,7 @@ Precisions next_precisions(const RowMatrix& phi, const Vector& y, const Vector& 
 bool differ(double a, double b) { return std::abs(a - b) > kTolerance * std::abs(b); }
 
 WeightPosterior fixed_point(const RowMatrix& phi, const Vector& y) {
-  const Vector eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(phi.transpose() * phi)
-                                 .eigenvalues()
-                                 .cwiseMax(0.0);
+  const Vector eigenvalues = SymmetricEigen(phi.transpose() * phi).values.cwiseMax(0.0);
   WeightPosterior posterior =
       weight_posterior(phi, y, {1.0, static_cast<double>(y.size()) / y.squaredNorm()});
   for (int i = 0; i < kMostIterations; ++i) {
@@ -83,9 +81,9 @@ WeightPosterior weight_posterior(const RowMatrix& phi, const Vector& y,
   const Eigen::MatrixXd precision =
       precisions.weights * Eigen::MatrixXd::Identity(phi.cols(), phi.cols()) +
       precisions.noise * (phi.transpose() * phi);
-  const Eigen::LLT<Eigen::MatrixXd> factor(precision);
-  return {precisions.noise * factor.solve(phi.transpose() * y),
-          factor.solve(Eigen::MatrixXd::Identity(phi.cols(), phi.cols())), precisions};
+  const Cholesky factor(precision);
+  return {precisions.noise * factor.solve(Vector(phi.transpose() * y)), factor.inverse(),
+          precisions};
 }
 
 WeightPosterior maximize_evidence(const RowMatrix& phi, const Vector& y) {

@@ -1,8 +1,6 @@
 #include "inference/policy_search/exploration.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
+#include "core/decompositions.h"
 #include "core/error.h"
 
 namespace npdr::inference {
@@ -13,17 +11,16 @@ RowMatrix scatter_around(const Vector& center, const RowMatrix& x, const Vector&
 }
 
 RowMatrix with_min_std(const RowMatrix& covariance, double min_std) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  const Vector variances = eigen.eigenvalues().cwiseMax(min_std * min_std);
-  const RowMatrix bounded =
-      eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen(covariance);
+  const Vector variances = eigen.values.cwiseMax(min_std * min_std);
+  const RowMatrix bounded = eigen.vectors * variances.asDiagonal() * eigen.vectors.transpose();
   return 0.5 * (bounded + bounded.transpose());
 }
 
 RowMatrix draw_gaussian(const Vector& mean, const RowMatrix& covariance, Index n,
                         const StreamId& id) {
-  const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
-  if (llt.info() != Eigen::Success) {
+  const Cholesky factor(covariance);
+  if (!factor.is_positive_definite()) {
     throw Error("policy search: the covariance of the exploration isn't positive definite");
   }
   RowMatrix draws(n, mean.size());
@@ -33,7 +30,7 @@ RowMatrix draw_gaussian(const Vector& mean, const RowMatrix& covariance, Index n
     Stream stream(row);
     Vector z(mean.size());
     for (double& value : z) value = stream.normal();
-    draws.row(i) = (mean + llt.matrixL() * z).transpose();
+    draws.row(i) = (mean + factor.times(z)).transpose();
   }
   return draws;
 }

@@ -1,12 +1,12 @@
 #include "inference/samplers/flow_reference.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include "core/constants.h"
+#include "core/decompositions.h"
 #include "core/error.h"
 #include "core/matrix_blocking.h"
 #include "core/parallel.h"
@@ -113,11 +113,11 @@ FlowReference::FlowReference(const RowMatrix& u, const Vector& weights,
   Eigen::MatrixXd covariance = weighted_covariance(u, weights);
   // A parameter may hardly move, and there may be few points.
   covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().array();
-  const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
-  if (!covariance.allFinite() || llt.info() != Eigen::Success) {
+  const Cholesky factor(covariance);
+  if (!covariance.allFinite() || !factor.is_positive_definite()) {
     throw InputError("flow: the points have no covariance");
   }
-  parts.factor = Eigen::MatrixXd(llt.matrixL());
+  parts.factor = factor.lower();
   build(u.cols());
   TrainingState state;
   state.parameters = start;

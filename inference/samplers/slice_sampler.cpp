@@ -1,12 +1,12 @@
 #include "inference/samplers/slice_sampler.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "core/constants.h"
+#include "core/decompositions.h"
 #include "core/error.h"
 
 namespace npdr::inference {
@@ -196,11 +196,11 @@ class Population {
     for (const Chain& c : chains_) {
       covariance += (c.u() - mean) * (c.u() - mean).transpose() / count;
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(covariance);
-    const double largest = axes.eigenvalues().maxCoeff();
-    if (axes.info() != Eigen::Success || !(largest > 0.0)) return;
-    const Vector deviations = axes.eigenvalues().cwiseMax(1e-12 * largest).cwiseSqrt();
-    directions_ = axes.eigenvectors() * deviations.asDiagonal();
+    const SymmetricEigen axes(covariance);
+    const double largest = axes.values.maxCoeff();
+    if (!axes.has_converged || !(largest > 0.0)) return;
+    const Vector deviations = axes.values.cwiseMax(1e-12 * largest).cwiseSqrt();
+    directions_ = axes.vectors * deviations.asDiagonal();
     for (Chain& c : chains_) c.set_widths(Vector::Constant(d, kFirstWidth));
   }
 

@@ -1,12 +1,12 @@
 #include "inference/samplers/tempered_walkers.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "core/decompositions.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "inference/samplers/importance_weights.h"
@@ -30,7 +30,7 @@ Vector weights_at(const TemperedWalkers& walkers, double power) {
 Eigen::MatrixXd step_factor(const RowMatrix& u) {
   Eigen::MatrixXd covariance = weighted_covariance(u, Vector::Ones(u.rows()));
   covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().array();
-  return Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL();
+  return Cholesky(covariance).lower();
 }
 
 Stream stream_of(StreamId id, Index walker) {
