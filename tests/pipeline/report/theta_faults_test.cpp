@@ -153,7 +153,7 @@ TEST(ThetaFaults, AreValuesThatWereClipped) {
                                     "draw it from the prior, or leave these rows out"}));
   // Also where all are rounded.
   clipped.col(0) = (1e4 * clipped.col(0).array()).round() / 1e4;
-  EXPECT_NE(faults(clipped, wider).find("as if clipped"), std::string::npos);
+  EXPECT_TRUE(has(faults(clipped, wider), "as if clipped"));
 }
 
 // Levels of a design that isn't even: their distribution isn't any prior's.
@@ -189,7 +189,7 @@ TEST(ThetaFaults, AreCorrelations) {
                                    "between F of them",
                                    "the prior draws each by itself"}));
   // As those of 15 draws may be, however often each is simulated.
-  EXPECT_EQ(faults(repeated(theta.topRows(15), 50)).find("correlated"), std::string::npos);
+  EXPECT_FALSE(has(faults(repeated(theta.topRows(15), 50)), "correlated"));
   // Two that a few draws correlate more, by chance, don't hide it.
   RowMatrix nested(1000, 4);
   nested << theta, repeated(draws(kPrior, 50, 7), 20).col(0);

@@ -29,14 +29,6 @@ class Contradictions : public Verdicts {
   std::string reason() const { return verdict_of(Check::contraction).reason; }
 };
 
-TEST_F(Contradictions, OfMethodsAreSaid) {
-  add_method("NPDR (MoG)", 1.08);
-  EXPECT_EQ(reason(), "") << "2.8 deviations";
-  data_.runs.back().evaluation.theta = samples_around(1.1, 0.02);
-  EXPECT_TRUE(says(reason(), {"contradicts NPDR (MoG) about pole_mass (3.5) (distance of"}));
-  EXPECT_TRUE(reason().ends_with("in its own way")) << "a simulated truth: " << reason();
-}
-
 TEST_F(Contradictions, OfEachMethodAreSaidByItsFarthestParameter) {
   plan_.study.methods.push_back(plan_.study.methods.front());
   plan_.study.methods.back().name = "Third";
@@ -55,15 +47,6 @@ TEST_F(Contradictions, OfMethodsAreSaidWhereSeedsContradictEachOther) {
   data_.methods.pop_back();
   data_.runs.back().use.seed = 2;
   EXPECT_TRUE(says(reason(), {"contradicts NPDR (MoG) about pole_mass (3.9)"}));
-}
-
-TEST_F(Contradictions, OfMethodsAreJudgedByHeldOutRollouts) {
-  add_method("NPDR (MoG)", 1.1);
-  plan_.study.target.recording = "r.h5";
-  data_.target.rollouts.resize(2, data_.target.rollouts.front());
-  EXPECT_TRUE(reason().ends_with("; which predicts others better, target.held_out = 1 shows"));
-  data_.held_out.emplace();
-  EXPECT_TRUE(reason().ends_with("; compare how they predict held-out rollouts"));
 }
 
 TEST_F(Contradictions, ArentThoseOfMethodsThatInferOtherParameters) {
