@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
-#include "analysis/quantiles.h"
 #include "core/error.h"
+#include "core/quantile.h"
 
 namespace npdr::analysis {
 namespace {

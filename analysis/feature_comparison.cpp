@@ -5,16 +5,13 @@
 #include <iterator>
 #include <vector>
 
-#include "analysis/quantiles.h"
+#include "core/quantile.h"
 
 namespace npdr::analysis {
 
 FeaturePrediction predict_feature(const Eigen::Ref<const Vector>& values, double x_o) {
   FeaturePrediction prediction{summarize(values), {}, 0.0};
-  std::vector<double> sorted;
-  std::copy_if(values.begin(), values.end(), std::back_inserter(sorted),
-               [](double v) { return std::isfinite(v); });
-  std::ranges::sort(sorted);
+  const std::vector<double> sorted = sorted_finite(values);
   constexpr double probabilities[] = {0.05, 0.5, 0.95};
   for (std::size_t q = 0; q < 3; ++q) {
     prediction.quantiles[q] = quantile_of_sorted(sorted, probabilities[q]);

@@ -7,10 +7,10 @@
 #include <string_view>
 
 #include "analysis/ensembles.h"
-#include "analysis/quantiles.h"
 #include "core/constants.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/quantile.h"
 
 namespace npdr::analysis {
 namespace {

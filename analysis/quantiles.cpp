@@ -2,22 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "analysis/ensembles.h"
-#include "core/constants.h"
 #include "core/error.h"
+#include "core/quantile.h"
 
 namespace npdr::analysis {
-
-double quantile_of_sorted(std::span<const double> sorted, double p) {
-  if (sorted.empty()) return kNaN;
-  const double position = p * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(position);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  const double weight = position - static_cast<double>(below);
-  return sorted[below] + weight * (sorted[above] - sorted[below]);
-}
 
 Bands quantile_bands(const TrajectoryView& simulated, double coverage) {
   simulated.check();

@@ -1,17 +1,12 @@
-/// Quantiles of samples, and pointwise over samples of trajectories.
+/// Quantiles over samples of trajectories, pointwise.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "analysis/trajectory_view.h"
 #include "core/types.h"
 
 namespace npdr::analysis {
-
-/// The p-quantile of ascending values, linear between order statistics (definition 7 of Hyndman and
-/// Fan 1996): p in [0, 1]; NaN when there are none.
-double quantile_of_sorted(std::span<const double> sorted, double p);
 
 /// Predictive median and a band around it, pointwise in time: entry h is rollout h, (T, C), in the
 /// unit of the trajectories.

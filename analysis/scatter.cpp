@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/quantiles.h"
 #include "core/constants.h"
+#include "core/quantile.h"
 
 namespace npdr::analysis {
 namespace {
@@ -13,11 +13,7 @@ Vector differences(const Vector& values) {
   return values.tail(values.size() - 1) - values.head(values.size() - 1);
 }
 
-double median_size(const Vector& values) {
-  Vector sizes = values.cwiseAbs();
-  std::ranges::sort(sizes);
-  return quantile_of_sorted({sizes.data(), static_cast<std::size_t>(sizes.size())}, 0.5);
-}
+double median_size(const Vector& values) { return quantile(Vector(values.cwiseAbs()), 0.5); }
 
 // Smaller steps come from the arithmetic of whoever wrote the numbers.
 double dust_of(const Vector& series) { return 1e-9 * series.cwiseAbs().maxCoeff(); }

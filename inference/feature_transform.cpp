@@ -7,9 +7,9 @@
 #include "core/decompositions.h"
 #include "core/error.h"
 #include "core/matrix_blocking.h"
+#include "core/quantile.h"
 #include "inference/feature_blocks.h"
 #include "inference/heavy_tails.h"
-#include "inference/lower_quantile.h"
 
 namespace npdr::inference {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/quantile.h"
 #include "core/types.h"
-#include "inference/lower_quantile.h"
 
 namespace npdr::inference {
 namespace {

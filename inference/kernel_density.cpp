@@ -6,8 +6,8 @@
 #include "core/constants.h"
 #include "core/decompositions.h"
 #include "core/error.h"
+#include "core/log_sum_exp.h"
 #include "core/parallel.h"
-#include "inference/estimators/gaussian_mixture.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {

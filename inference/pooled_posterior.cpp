@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "inference/estimators/gaussian_mixture.h"
+#include "core/log_sum_exp.h"
 #include "inference/samplers/group_moves.h"
 #include "inference/standard_normal.h"
 #include "inference/weighted_moments.h"

@@ -7,6 +7,7 @@
 #include "core/constants.h"
 #include "core/decompositions.h"
 #include "core/error.h"
+#include "core/log_sum_exp.h"
 #include "inference/direct_posterior.h"
 #include "inference/ensemble.h"
 #include "inference/row_blocks.h"

@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/decompositions.h"
 #include "core/error.h"
+#include "core/log_sum_exp.h"
 #include "inference/samplers/group_moves.h"
 #include "inference/samplers/resampler.h"
 #include "inference/standard_normal.h"
@@ -50,13 +51,6 @@ double weighted_quantile(const Vector& values, const Vector& weights, double bel
 Vector weights_of(const Vector& log_weights) {
   const Vector finite = log_weights.array().isNaN().select(-kInfinity, log_weights);
   return (finite.array() - finite.maxCoeff()).exp();
-}
-
-// log (1 + e^a + e^b) of each.
-Vector log_of_sum(const Vector& a, const Vector& b) {
-  const Vector most = a.cwiseMax(b).cwiseMax(0.0);
-  return most.array() +
-         ((-most.array()).exp() + (a - most).array().exp() + (b - most).array().exp()).log();
 }
 
 }  // namespace
@@ -124,7 +118,9 @@ TruncatedPrior::Candidates TruncatedPrior::draw_mixture(Index n, const StreamId&
   const RowMatrix theta = prior.to_theta(u);
   const Vector near = near_.log_prob(theta) - prior.log_prob(theta);
   const Vector gaussian = around_.log_prob(u) - log_standard_normal(u);
-  const Vector log_weights = -log_of_sum(near, gaussian);
+  ColumnMatrixX<double> over_prior(3 * n, 3);
+  over_prior << Vector::Zero(3 * n), near, gaussian;
+  const Vector log_weights = -log_sum_exp_of_rows(over_prior);
   return {u, log_weights.array().isFinite().select(log_weights, -kInfinity)};
 }
 

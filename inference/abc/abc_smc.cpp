@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/log_sum_exp.h"
 #include "core/parallel.h"
 #include "inference/abc/acceptance.h"
 #include "inference/abc/step_kernel.h"
-#include "inference/estimators/gaussian_mixture.h"
 #include "inference/samplers/resampler.h"
 #include "inference/weighted_moments.h"
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/log_sum_exp.h"
 
 namespace npdr::inference {
 
@@ -40,8 +41,7 @@ double atomic_loss(const VectorX<S>& log_prob, const VectorX<S>& log_prior, Inde
   for (Index i = 0; i < n; ++i) {
     auto ratio = d_log_prob.segment(i * k, k);
     ratio = log_prob.segment(i * k, k) - log_prior.segment(i * k, k);
-    const S largest = ratio.maxCoeff();
-    const S log_sum = largest + std::log((ratio.array() - largest).exp().sum());
+    const S log_sum = log_sum_exp(ratio);
     loss += static_cast<double>(log_sum - ratio(0));
     ratio = (ratio.array() - log_sum).exp();  // dloss/dratio is softmax - (1, 0, ..., 0)
     ratio(0) -= S(1);

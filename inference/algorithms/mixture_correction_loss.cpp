@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/log_sum_exp.h"
 
 namespace npdr::inference {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "core/constants.h"
+#include "core/log_sum_exp.h"
 #include "core/parallel.h"
-#include "inference/estimators/gaussian_mixture.h"
 #include "inference/pooled_posterior.h"
 #include "inference/truncated_prior.h"
 

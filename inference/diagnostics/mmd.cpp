@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/matrix_blocking.h"
 #include "core/parallel.h"
+#include "core/quantile.h"
 #include "inference/diagnostics/two_samples.h"
 
 namespace npdr::inference {
@@ -37,9 +38,7 @@ double median_distance(const RowMatrixF& x, const StreamId& id) {
   for (Index i = 1; i < squares.rows(); ++i) {
     values.insert(values.end(), squares.row(i).begin(), squares.row(i).begin() + i);
   }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  const double median = std::sqrt(static_cast<double>(*middle));
+  const double median = std::sqrt(static_cast<double>(upper_median(std::move(values))));
   return median > 0.0 ? median : 1.0;  // more than half of the rows are the same
 }
 

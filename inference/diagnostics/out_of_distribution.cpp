@@ -6,6 +6,7 @@
 
 #include "core/constants.h"
 #include "core/error.h"
+#include "core/quantile.h"
 #include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/uniformity.h"
 #include "inference/feature_transform.h"
@@ -61,9 +62,7 @@ RowMatrix distances_of(const RowMatrixF& x, const UsualFeatures& usual) {
 }
 
 Distance judge(const Vector& usual, double observed) {
-  Vector sorted = usual;
-  std::sort(sorted.begin(), sorted.end());
-  return {observed, sorted(sorted.size() / 2), tail_probability(usual, observed)};
+  return {observed, upper_median(usual), tail_probability(usual, observed)};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/quantile.h"
 #include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/uniformity.h"
 
@@ -27,12 +28,12 @@ Vector with_ties(Vector predicted, double observed) {
 Vector excursions(const Vector& values) {
   Vector sorted = values;
   std::ranges::sort(sorted);
-  const Index last = sorted.size() - 1;
-  const double median = sorted(last / 2);
+  const auto at = [&](double p) { return lower_quantile(sorted, p); };
+  const double median = at(0.5);
   const Vector from_median = values.array() - median;
   const double usual = from_median.cwiseAbs().mean();
   if (usual == 0.0) return Vector::Zero(values.size());
-  const double below = median - sorted(last / 4), above = sorted(3 * last / 4) - median;
+  const double below = median - at(0.25), above = at(0.75) - median;
   return from_median.unaryExpr([&](double d) {
     const double quartile = d < 0.0 ? below : above;
     return std::abs(d) / (quartile > 0.0 ? quartile : usual);

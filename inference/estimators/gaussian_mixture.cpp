@@ -7,6 +7,7 @@
 
 #include "core/constants.h"
 #include "core/decompositions.h"
+#include "core/log_sum_exp.h"
 
 namespace npdr::inference {
 
@@ -110,12 +111,6 @@ GaussianMixture corrected_for_proposal(const GaussianMixture& mixture,
   }
   result.log_weights.array() -= log_sum_exp(result.log_weights);
   return result;
-}
-
-double log_sum_exp(const Vector& values) {
-  const double largest = values.maxCoeff();
-  if (!std::isfinite(largest)) return largest;
-  return largest + std::log((values.array() - largest).exp().sum());
 }
 
 }  // namespace npdr::inference

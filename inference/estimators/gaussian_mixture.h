@@ -48,7 +48,4 @@ inline constexpr double kLeastDividedWeight = 1e-4;
 GaussianMixture corrected_for_proposal(const GaussianMixture& mixture,
                                        const GaussianMixture& proposal);
 
-/// log sum_i exp(values_i) without overflow.
-double log_sum_exp(const Vector& values);
-
 }  // namespace npdr::inference

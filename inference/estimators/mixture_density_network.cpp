@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/log_sum_exp.h"
 #include "inference/estimators/dense.h"
 #include "inference/estimators/size_check.h"
 #include "inference/estimators/softplus.h"
@@ -14,17 +15,6 @@ namespace {
 
 constexpr double kSmallestDiagonal = 1e-3;
 const double kDiagonalOffset = std::log(std::expm1(1.0 - kSmallestDiagonal));
-
-// log of the sum of exp(x) over each row.
-template <typename Derived>
-auto log_sum_exp_of_rows(const Eigen::MatrixBase<Derived>& x) {
-  using S = typename Derived::Scalar;
-  Eigen::Array<S, Eigen::Dynamic, 1> largest = x.col(0), sum;
-  for (Index c = 1; c < x.cols(); ++c) largest = largest.max(x.col(c).array());
-  sum.setZero(x.rows());
-  for (Index c = 0; c < x.cols(); ++c) sum += (x.col(c).array() - largest).exp();
-  return (largest + sum.log()).eval();
-}
 
 // values[i] = u[i] - mean[i]; mean stays where it is with kStride = 0, where all points share it.
 template <int kStride, typename S>

@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/decompositions.h"
 #include "core/error.h"
+#include "core/log_sum_exp.h"
 #include "core/matrix_blocking.h"
 #include "core/parallel.h"
 #include "inference/training/trainer.h"
@@ -85,10 +86,7 @@ Vector draw_tail(Index dimension, Stream& stream) {
 
 // log(0.9 e^a + 0.1 e^b).
 double log_mixture(double a, double b) {
-  a += std::log1p(-kTailShare);
-  b += std::log(kTailShare);
-  const double largest = std::max(a, b);
-  return largest + std::log(std::exp(a - largest) + std::exp(b - largest));
+  return log_sum_exp(Eigen::Vector2d(a + std::log1p(-kTailShare), b + std::log(kTailShare)));
 }
 
 template <class Work>

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/constants.h"
+#include "core/log_sum_exp.h"
 #include "inference/samplers/importance_sampler.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/standard_normal.h"
@@ -58,7 +59,7 @@ Vector ImportanceSampler::log_mixture(std::size_t l, std::size_t num_levels) con
     terms.push_back(log_prior + level.power * numbers(points.log_likelihood) -
                     Vector::Constant(log_prior.size(), level.log_evidence));
   }
-  return log_sum(terms).array() - std::log(static_cast<double>(num_levels));
+  return log_sum_exp_of_terms(terms).array() - std::log(static_cast<double>(num_levels));
 }
 
 bool ImportanceSampler::has_proposal_of(std::size_t level, std::size_t other) const {
@@ -137,7 +138,7 @@ void ImportanceSampler::note_heavy_share(const std::vector<std::size_t>& levels)
     const Vector log_prior = log_standard_normal<double>(state_.levels[l].u);
     const Index first = static_cast<Index>(l) * config_.level_size, n = log_prior.size();
     log_ratios.segment(first, n) =
-        log_prior + power * all.log_likelihood.segment(first, n) - log_sum(terms);
+        log_prior + power * all.log_likelihood.segment(first, n) - log_sum_exp_of_terms(terms);
   }
   log_ratios.array() += std::log(static_cast<double>(levels.size()));
   state_.heavy_log_weight =

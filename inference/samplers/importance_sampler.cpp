@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/log_sum_exp.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/standard_normal.h"
 #include "inference/weighted_moments.h"
@@ -41,7 +42,7 @@ Vector ImportanceSampler::Proposal::log_density(const RowMatrix& u) const {
   const double each =
       (1.0 - prior_share) / static_cast<double>(std::max<std::size_t>(1, flows.size()));
   for (const FlowReference& flow : flows) add(flow.log_density(u), each);
-  return log_sum(terms);
+  return log_sum_exp_of_terms(terms);
 }
 
 // Strata: first the prior's rows, then those of the flows.

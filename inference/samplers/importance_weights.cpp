@@ -12,16 +12,6 @@ bool is_number(double log) { return log < kInfinity; }
 
 }  // namespace
 
-Vector log_sum(std::span<const Vector> terms) {
-  Vector largest = terms.front();
-  for (const Vector& term : terms) largest = largest.cwiseMax(term);
-  Vector sum = Vector::Zero(largest.size());
-  for (const Vector& term : terms) {
-    sum.array() += (largest.array() > -kInfinity).select((term - largest).array().exp(), 0.0);
-  }
-  return largest.array() + sum.array().log();
-}
-
 double largest_number(const Vector& logs) {
   double largest = -kInfinity;
   for (const double value : logs) {

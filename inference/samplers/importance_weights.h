@@ -2,16 +2,12 @@
 #pragma once
 
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "core/random.h"
 #include "core/types.h"
 
 namespace npdr::inference {
-
-/// log sum_k exp(t_k) of each row of the terms t_k, all of one size, at least one.
-Vector log_sum(std::span<const Vector> terms);
 
 /// Logarithms, -infinity where they are NaN or infinite.
 Vector numbers(const Vector& logs);

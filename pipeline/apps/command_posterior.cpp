@@ -9,6 +9,7 @@
 
 #include "analysis/escape.h"
 #include "core/error.h"
+#include "core/log_sum_exp.h"
 #include "core/normal.h"
 #include "core/printable.h"
 #include "core/text.h"
@@ -17,7 +18,6 @@
 #include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/two_samples.h"
 #include "inference/embeddings/embedding.h"
-#include "inference/estimators/gaussian_mixture.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
@@ -368,7 +368,7 @@ void print_log_prob(const ChosenPosteriors& chosen) {
   const double log_num = std::log(static_cast<double>(log_prob.cols()));
   fmt::print("log_prob\n");
   for (Index i = 0; i < log_prob.rows(); ++i) {
-    fmt::print("{:.17g}\n", inference::log_sum_exp(log_prob.row(i)) - log_num);
+    fmt::print("{:.17g}\n", log_sum_exp(log_prob.row(i)) - log_num);
   }
 }
 

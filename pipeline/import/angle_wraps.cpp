@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/quantile.h"
+
 namespace npdr::pipeline {
 namespace {
 
@@ -23,10 +25,7 @@ std::vector<double> steps_around(const Vector& steps, Index t, Index neighbors =
 }
 
 double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+  return values.empty() ? 0.0 : upper_median(std::move(values));
 }
 
 double mean_of(const std::vector<double>& values) {

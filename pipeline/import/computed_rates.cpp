@@ -9,6 +9,7 @@
 #include "analysis/scatter.h"
 #include "core/constants.h"
 #include "core/error.h"
+#include "core/quantile.h"
 #include "core/text.h"
 #include "sim/savitzky_golay.h"
 
@@ -72,9 +73,7 @@ double dust_of(const Vector& position) {
     if (std::abs(step) > rounding_of(position)) steps.push_back(std::abs(step));
   }
   if (steps.empty()) return kInfinity;
-  const auto middle = steps.begin() + std::ssize(steps) / 2;
-  std::ranges::nth_element(steps, middle);
-  return std::max(rounding_of(position), share * *middle);
+  return std::max(rounding_of(position), share * upper_median(std::move(steps)));
 }
 
 // An encoder's count: the smallest third difference, since a moving one may never step by one. A

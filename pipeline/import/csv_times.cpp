@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/quantile.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -78,7 +79,7 @@ double mean_step(const CsvRows& rows) {
 TimeSteps steps_of(const std::vector<double>& times) {
   std::vector<double> steps = differences(times);
   std::ranges::sort(steps);
-  return {steps.front(), steps[steps.size() / 2], steps.back()};
+  return {steps.front(), quantile_of_sorted(steps, 0.5, Between::upper), steps.back()};
 }
 
 double share_of_gaps(const std::vector<double>& times, double dt) {

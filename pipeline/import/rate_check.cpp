@@ -8,6 +8,7 @@
 
 #include "analysis/scatter.h"
 #include "core/constants.h"
+#include "core/quantile.h"
 #include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
@@ -26,33 +27,20 @@ constexpr double kLargestScatter = 0.5;
 // Samples by which filtered rates usually lag: they count where a rollout has few.
 constexpr double kUsualLag = 10.0;
 
-double quantile(std::vector<double> values, double level) {
-  const double last = static_cast<double>(values.size() - 1);
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(level * last);
-  std::ranges::nth_element(values, place);
-  return *place;
-}
-
-double median(const std::vector<double>& values) { return quantile(values, 0.5); }
+double median(auto values) { return quantile(std::move(values), 0.5, Between::lower); }
 
 double size_of(const Vector& values) {
-  const Vector sizes = values.cwiseAbs();
-  return quantile({sizes.begin(), sizes.end()}, 0.9);
+  return quantile(Vector(values.cwiseAbs()), 0.9, Between::lower);
 }
 
 // The same about the median.
-double spread_of(const Vector& values) {
-  return size_of(values.array() - median({values.begin(), values.end()}));
-}
+double spread_of(const Vector& values) { return size_of(values.array() - median(values)); }
 
 Vector differences(const Vector& values) {
   return values.tail(values.size() - 1) - values.head(values.size() - 1);
 }
 
-double median_size(const Vector& values) {
-  const Vector sizes = values.cwiseAbs();
-  return median({sizes.begin(), sizes.end()});
-}
+double median_size(const Vector& values) { return median(Vector(values.cwiseAbs())); }
 
 // Slopes of the positions, and averages of the rates that belong to them, of every whole window.
 struct Slopes {
@@ -122,7 +110,7 @@ std::vector<Index> find_leaps(const Vector& position, const Vector& rate, double
   if (position.size() < kFewestSamples) return {};
   const Vector steps = differences(position);
   Vector left = steps - 0.5 * dt * (rate.head(n) + rate.tail(n));
-  left.array() -= median({left.begin(), left.end()});
+  left.array() -= median(left);
   const Vector size = left.cwiseAbs();
   const double range = position.maxCoeff() - position.minCoeff();
   const double least = std::max({0.25 * range, kLeapStandsOut * median_size(left),

@@ -7,7 +7,7 @@
 
 #include "analysis/figure.h"
 #include "analysis/pair_plot.h"
-#include "analysis/quantiles.h"
+#include "core/quantile.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
 
@@ -27,14 +27,9 @@ analysis::PairParameter axis_of(const analysis::PairPlot& plot, const inference:
   const Vector ends = drawn(m, Vector{{low, high}});
   analysis::Range range;
   for (const analysis::SampleSet& set : plot.sets) {
-    std::vector<double> finite;
-    std::ranges::copy_if(set.samples.col(d), std::back_inserter(finite),
-                         [](double value) { return std::isfinite(value); });
-    if (finite.empty()) continue;
-    std::ranges::sort(finite);
-    for (const double level : {0.005, 0.995}) {
-      range.add(analysis::quantile_of_sorted(finite, level));
-    }
+    const std::vector<double> sorted = sorted_finite(set.samples.col(d));
+    if (sorted.empty()) continue;
+    for (const double level : {0.005, 0.995}) range.add(quantile_of_sorted(sorted, level));
   }
   range = range.widened(0.15);
   const double lower = std::clamp(range.lower, ends(0), ends(1));

@@ -9,7 +9,7 @@
 
 #include "analysis/interval_plot.h"
 #include "analysis/pair_plot.h"
-#include "analysis/quantiles.h"
+#include "core/quantile.h"
 
 namespace npdr::pipeline {
 
@@ -73,13 +73,10 @@ std::vector<MarkedPoint> marked_points(const ReportData& data) {
 RowMatrix interval_quantiles(const RowMatrix& samples) {
   RowMatrix quantiles(samples.cols(), std::ssize(analysis::kIntervalLevels));
   for (Index d = 0; d < samples.cols(); ++d) {
-    std::vector<double> sorted;
-    std::ranges::copy_if(samples.col(d), std::back_inserter(sorted),
-                         [](double value) { return std::isfinite(value); });
-    std::ranges::sort(sorted);
+    const std::vector<double> sorted = sorted_finite(samples.col(d));
     Index k = 0;
     for (const double level : analysis::kIntervalLevels) {
-      quantiles(d, k++) = analysis::quantile_of_sorted(sorted, level);
+      quantiles(d, k++) = quantile_of_sorted(sorted, level);
     }
   }
   return quantiles;

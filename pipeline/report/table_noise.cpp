@@ -5,8 +5,8 @@
 #include <iterator>
 #include <vector>
 
-#include "analysis/quantiles.h"
 #include "core/constants.h"
+#include "core/quantile.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
@@ -49,11 +49,8 @@ std::string prior_text(const sim::ChannelNoise& noise, double sim::NoiseValues::
 // Median and central 68 % of all seeds' samples.
 Cell inferred_cell(Table& table, const Vector& samples) {
   const analysis::Summary summary = analysis::summarize(samples);
-  std::vector<double> sorted;
-  std::ranges::copy_if(samples, std::back_inserter(sorted),
-                       [](double v) { return std::isfinite(v); });
-  std::ranges::sort(sorted);
-  const auto quantile = [&](double p) { return analysis::quantile_of_sorted(sorted, p); };
+  const std::vector<double> sorted = sorted_finite(samples);
+  const auto quantile = [&](double p) { return quantile_of_sorted(sorted, p); };
   Cell cell = sorted.empty() ? Cell() : Cell(around(quantile(0.5), quantile(0.16), quantile(0.84)));
   note_failed(table, cell, summary);
   return cell;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/quantiles.h"
+#include "core/quantile.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
@@ -85,8 +85,7 @@ std::string interval_text(double low, double high) {
 std::string interval_text(const Vector& samples) {
   std::vector<double> sorted(samples.begin(), samples.end());
   std::ranges::sort(sorted);
-  return interval_text(analysis::quantile_of_sorted(sorted, 0.05),
-                       analysis::quantile_of_sorted(sorted, 0.95));
+  return interval_text(quantile_of_sorted(sorted, 0.05), quantile_of_sorted(sorted, 0.95));
 }
 
 Vector samples_of(const ReportData& data, const std::string& method, Index d) {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/quantiles.h"
 #include "analysis/scatter.h"
 #include "core/constants.h"
+#include "core/quantile.h"
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 #include "pipeline/features/noise.h"
@@ -37,13 +37,7 @@ struct Yardstick {
   }
 };
 
-double median_of(const Vector& values) {
-  std::vector<double> finite;
-  std::ranges::copy_if(values, std::back_inserter(finite),
-                       [](double v) { return std::isfinite(v); });
-  std::ranges::sort(finite);
-  return analysis::quantile_of_sorted(finite, 0.5);
-}
+double median_of(const Vector& values) { return quantile_of_sorted(sorted_finite(values), 0.5); }
 
 // What noise of a known scale leaves of the observation at the truth, in RMSE's unit; 0 without it.
 double known_noise(const ReportData& data) {

@@ -5,6 +5,7 @@
 
 #include "core/constants.h"
 #include "core/error.h"
+#include "core/quantile.h"
 #include "inference/diagnostics/calibration.h"
 #include "pipeline/artefacts/diagnosis_checkpoint.h"
 #include "pipeline/artefacts/diagnosis_file.h"
@@ -232,9 +233,7 @@ PredictiveResult check_predictions(const Case& c) {
   }
   result.median.resize(result.observed.size());
   for (Index s = 0; s < result.median.size(); ++s) {
-    Vector values = predictions.summaries.col(s);
-    std::sort(values.begin(), values.end());
-    result.median(s) = values(values.size() / 2);
+    result.median(s) = upper_median(Vector(predictions.summaries.col(s)));
   }
   result.check = inference::check_prediction(predictions.summaries, result.observed,
                                              predictions.features, c.x_o);

@@ -13,15 +13,6 @@
 namespace npdr::analysis {
 namespace {
 
-TEST(Quantiles, AreLinearBetweenOrderStatistics) {
-  const std::vector<double> values = {1.0, 2.0, 4.0, 8.0};
-  EXPECT_EQ(quantile_of_sorted(values, 0.0), 1.0);
-  EXPECT_EQ(quantile_of_sorted(values, 1.0), 8.0);
-  EXPECT_DOUBLE_EQ(quantile_of_sorted(values, 0.5), 3.0);    // position 1.5
-  EXPECT_DOUBLE_EQ(quantile_of_sorted(values, 0.25), 1.75);  // position 0.75
-  EXPECT_TRUE(std::isnan(quantile_of_sorted({}, 0.5)));
-}
-
 // 11 samples of one rollout of two steps of one channel: 0, ..., 10 at the first step and ten times
 // that at the second. The 5 % quantile is at position 0.5, the 95 % quantile at 9.5.
 TEST(Quantiles, OfTrajectoriesArePointwise) {

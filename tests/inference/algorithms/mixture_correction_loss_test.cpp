@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/log_sum_exp.h"
 #include "core/normal.h"
 #include "tests/inference/gradient_check.h"
 

@@ -8,6 +8,7 @@
 
 #include "core/constants.h"
 #include "core/error.h"
+#include "core/log_sum_exp.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/standard_normal.h"
 
@@ -38,7 +39,7 @@ Vector log_likelihood(const RowMatrix& u) {
     terms.emplace_back(-0.5 * square_distances(mode, u).array() / std::pow(mode.deviation, 2) +
                        std::log(mode.weight) - kChainsDimension * std::log(mode.deviation));
   }
-  return log_sum(terms) - log_standard_normal(u);
+  return log_sum_exp_of_terms(terms) - log_standard_normal(u);
 }
 
 Vector shares(const RowMatrix& u) {
