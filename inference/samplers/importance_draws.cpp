@@ -19,14 +19,18 @@ constexpr double kFewOfWanted = 0.1;  // effective draws, that are too few for p
 ImportanceSample ImportanceSampler::preliminary(double power, Index most) const {
   if (state_.walkers) throw Error("importance sampling: no draws while walkers climb");
   const bool is_planned = !state_.levels.back().is_complete();
-  return draws_of_pool(std::min(num_before_last(), state_.levels.size() - is_planned), power, most);
+  return draws_of_all(std::min(state_.num_before_reported(), state_.levels.size() - is_planned),
+                      power, most);
 }
 
-ImportanceSample ImportanceSampler::draws_of_pool(std::size_t num_levels, double power,
-                                                  Index most) const {
-  const Vector weights = truncated(pool(num_levels).log_weights(power));
+ImportanceSample ImportanceSampler::draws_of_all(std::size_t num_levels, double power,
+                                                 Index most) const {
+  const Vector weights =
+      truncated(densities_.mixture_draws(state_.levels, num_levels).log_weights(power));
   const Choice choice = choose_rows(weights, most, level_id("refine_thinning"));
-  return {points(choice.rows), choice.weights, {.pool_ess = effective_size(weights)}};
+  return {points_of(state_.levels, config_.level_size, choice.rows),
+          choice.weights,
+          {.pool_ess = effective_size(weights)}};
 }
 
 Vector ImportanceSampler::best_point() const {
@@ -45,15 +49,16 @@ Vector ImportanceSampler::best_point() const {
 
 ImportanceSample ImportanceSampler::sample() const {
   const double power = state_.levels.back().power;
-  const std::size_t first = num_before_last();
+  const std::size_t first = state_.num_before_reported();
   const Index each = config_.level_size;
-  ImportanceSample sample{RowMatrix(num_levels_of(LevelKind::last) * each, dimension_), {}};
+  ImportanceSample sample{RowMatrix(state_.num_levels_of(LevelKind::reported) * each, dimension_),
+                          {}};
   Vector logs(sample.u.rows());
   for (std::size_t l = first; l < state_.levels.size(); ++l) {
     const ImportanceLevel& level = state_.levels[l];
     const Index row = static_cast<Index>(l - first) * each;
     sample.u.middleRows(row, each) = level.u;
-    logs.segment(row, each) = log_weights(l);
+    logs.segment(row, each) = densities_.log_weights(level);
   }
   sample.weights = exponentials(logs);
   const Evidence all = evidence(logs), even = evidence(logs(Eigen::seq(0, Eigen::last, 2))),
@@ -82,7 +87,7 @@ ImportanceSample ImportanceSampler::sample() const {
 ImportanceSample ImportanceSampler::particles(Index most) const {
   ImportanceSample sample = this->sample();
   if (sample.certificate.ess < kFewOfWanted * config_.min_ess) {
-    ImportanceSample known = draws_of_pool(num_before_last(), power(), most);
+    ImportanceSample known = draws_of_all(state_.num_before_reported(), power(), most);
     const double ess = effective_size(truncated(sample.weights.array().log()));
     if (known.certificate.pool_ess > ess) {
       sample.certificate.pool_ess = known.certificate.pool_ess;

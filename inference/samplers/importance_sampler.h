@@ -3,7 +3,7 @@
 /// Wanted are draws of the posterior at a power a of the likelihood (1: Bayes' theorem),
 ///   pi(u) = N(u; 0, I) L(u)^a / Z,      Z = int N(u; 0, I) L(u)^a du,
 /// over u, where the prior is N(0, I) (prior.h). Draws come in levels, each from a density q_k that
-/// can be evaluated: a flow (flow_reference.h) fitted to what the levels before have found of
+/// can be evaluated: a flow (flow_proposal.h) fitted to what the levels before have found of
 ///   N(u; 0, I) L(u)^b,
 /// mixed with a share of the prior, so that no weight is unbounded. Points of all levels are
 /// weighted as draws of the levels' mixture (Cornuet et al. 2012, "Adaptive multiple importance
@@ -14,66 +14,39 @@
 /// hardly raise b any more, walkers climb the rest (tempered_walkers.h); in the end they are one
 /// more level, of draws of pi_b itself, as good as they are.
 ///
-/// The result comes from last levels alone, which are drawn from a fixed mixture of the last
+/// The result comes from reported levels alone, which are drawn from a fixed mixture of the best
 /// flows, made before any of them was drawn. So they are independent draws of a known density, and
 /// Z, its standard error and the effective size mean what they say. Where they have found what the
-/// flows didn't know, such as another mode, they teach further flows, and other last levels follow;
-/// so those that stay are ones that look well, and the standard error is a little too small. Where
-/// even they are worth too few draws, the certificate says so, and particles() are of all points.
+/// flows didn't know, such as another mode, they teach further flows, and other reported levels
+/// follow; so those that stay are ones that look well, and the standard error is a little too
+/// small. Where even they are worth too few draws, the certificate says so, and particles() are of
+/// all points.
+///
+/// In short (importance_sampler.cpp has the table):
+///   draw a level from the prior, or half of it from the start's flow
+///   until the reported levels are worth min_ess, or no draws are left:
+///     after a sweep:           another sweep, until walkers have become a level
+///     after a reported level:  another one, or all of them become lessons
+///     after a lesson:
+///       if flows have learned enough:    begin the reported levels
+///       if hardly a point is possible:   draw the prior again
+///       if flows hardly raise b:         let walkers climb
+///       else:                            fit a flow to all points at the largest b, and draw it
 #pragma once
 
-#include <map>
-#include <optional>
-#include <utility>
+#include <array>
 #include <vector>
 
 #include "core/random.h"
 #include "core/types.h"
-#include "inference/samplers/flow_reference.h"
 #include "inference/samplers/importance_certificate.h"
 #include "inference/samplers/importance_config.h"
-#include "inference/samplers/tempered_walkers.h"
+#include "inference/samplers/importance_state.h"
+#include "inference/samplers/level_densities.h"
 
 namespace npdr::inference {
 
-/// A density to draw from: flows in equal shares, and the prior.
-struct ImportanceProposal {
-  std::vector<FlowParts> flows;
-  double prior_share = 1.0;  ///< 1 without flows
-};
-
-enum class LevelKind {
-  lesson,   ///< draws that teach
-  last,     ///< those that are reported
-  former,   ///< those that would have been, but were found to have something to teach
-  sweep,    ///< where walkers may go
-  walkers,  ///< where they were, as draws of pi_b
-};
-
-/// Draws of one proposal, or of walkers.
-struct ImportanceLevel {
-  LevelKind kind = LevelKind::lesson;
-  ImportanceProposal proposal;  ///< without flows where it is walkers', or that of the first last
-  double power = 0.0;           ///< b that the proposal was fitted to, or of the walkers
-  double log_evidence = 0.0;    ///< log Z_b of walkers, as far as it is known [nats]
-  RowMatrix u;                  ///< (n, D)
-  Vector log_likelihood;        ///< (m), of the first m <= n that have been told
-  bool is_complete() const { return log_likelihood.size() == u.rows(); }
-};
-
-/// State of the sampler: a checkpoint.
-struct ImportanceState {
-  std::vector<ImportanceLevel> levels;     ///< the first, and those that still count
-  std::optional<TemperedWalkers> walkers;  ///< while they climb
-  Index num_levels = 0;                    ///< that there have been
-  Index num_draws = 0;                     ///< told
-  double wanted_power = 0.0;               ///< a
-  Index num_draws_before = 0;              ///< told before a was reached; 0: it wasn't
-  double heavy_log_weight = 0.0;  ///< of last draws: Z times sqrt(level_size), as all points tell
-  double heavy_share = 0.0;       ///< of pi, at weights above that (importance_weights.h)
-};
-
-/// Weighted draws: independent ones, but for those of all points.
+/// Weighted draws, independent unless they come from all levels.
 struct ImportanceSample {
   RowMatrix u;     ///< (n, D)
   Vector weights;  ///< (n)
@@ -99,7 +72,7 @@ class ImportanceSampler {
   void tell(const Vector& log_likelihood);
 
   /// Draws of the posterior at a power up to power() from the points of all complete levels but
-  /// last ones, at most about `most` of them. Throws Error while walkers climb.
+  /// reported ones, at most about `most` of them. Throws Error while walkers climb.
   ImportanceSample preliminary(double power, Index most) const;
   /// Makes `power` the one that is wanted, in place of a higher one. Only where a level has just
   /// been planned; throws Error while walkers climb.
@@ -122,78 +95,57 @@ class ImportanceSampler {
   ImportanceSample particles(Index most) const;
 
  private:
-  // A proposal as it is used.
-  struct Proposal {
-    std::vector<FlowReference> flows;
-    double prior_share;
-    Index dimension;
-    Vector log_density(const RowMatrix& u) const;
-    RowMatrix sample(Index n, const StreamId& id) const;
+  // Knowledge of pi by the points of all levels.
+  struct Survey {
+    MixtureDraws draws;
+    double power;  // the largest b at which they are worth enough
   };
+  // A row of the table of what follows a lesson.
+  struct Transition {
+    bool (ImportanceSampler::*holds)(const Survey&) const;
+    void (ImportanceSampler::*begin)(const Survey&);
+  };
+  static const std::array<Transition, 4> kAfterLessons;
 
-  void require_shapes() const;
-  void require_proposal(const ImportanceLevel& level) const;
-  bool is_last(std::size_t level) const { return state_.levels[level].kind == LevelKind::last; }
-  bool repeats_last(std::size_t level) const {
-    return level > 0 && is_last(level) && is_last(level - 1);
-  }
-  Proposal restore(const ImportanceProposal& parts) const;
-  void push(ImportanceLevel level, Proposal proposal);
-  void begin_level(Proposal proposal, double power, LevelKind kind);
-  void begin_last_levels();
   void plan_next_level();
-  bool has_learned() const;
-  bool has_more_to_learn(const ImportanceCertificate& certificate) const;
-  void learn_from_last_levels();
-  Index num_levels_of(LevelKind kind) const;
-  std::size_t num_before_last() const;
-  void note_density(std::size_t points, std::size_t proposal);
-  void note_densities();
-  const Vector& density(std::size_t points, std::size_t proposal) const {
-    return densities_.at({numbers_[points], numbers_[proposal]});
-  }
-  Vector log_mixture(std::size_t level, std::size_t num_levels) const;
-  bool has_proposal_of(std::size_t level, std::size_t other) const;
-  void drop(std::size_t level);
-  Index num_kept_levels() const;
-  void drop_old_levels();
-  // The points of the first levels, by their number: level after level.
-  struct Pool {
-    Vector log_ratio;  // log of N(u; 0, I) over the mixture of all proposals
-    Vector log_likelihood;
-    Vector log_weights(double power) const { return log_ratio + power * log_likelihood; }
-  };
+  void go_on_climbing();
+  void go_on_reporting();
+  void teach();
 
-  Pool pool(std::size_t num_levels) const;
-  ImportanceSample draws_of_pool(std::size_t num_levels, double power, Index most) const;
-  bool has_enough_points(const Pool& pool) const;
-  void note_evidence(const Pool& pool);
-  Parameters<float> latest_flow() const;
-  bool is_worth_climbing(double power) const;
-  void begin_climb(const Pool& pool, double power);
-  void begin_sweep();
-  bool go_on_climbing();
-  void keep_walkers();
-  bool has_draws_to_climb(Index num_powers) const;
-  Index num_walkers() const;
-  double choose_power(const Pool& pool) const;
-  RowMatrix points(const std::vector<Index>& rows) const;
-  double learned_power() const;
-  std::vector<std::size_t> best_levels() const;
-  Vector log_weights(std::size_t level) const;
-  double efficiency(std::size_t level) const;
+  bool has_learned(const Survey& survey) const;
+  void begin_reported_levels(const Survey& survey);
+  bool lacks_points(const Survey& survey) const;
+  void draw_prior_again(const Survey& survey);
+  bool is_stuck(const Survey& survey) const;
+  void begin_climb(const Survey& survey);
+  bool always(const Survey&) const { return true; }
+  void fit_next_flow(const Survey& survey);
+
+  Survey survey();
+  double choose_power(const MixtureDraws& draws) const;
   void note_heavy_share(const std::vector<std::size_t>& levels);
+  bool has_more_to_learn(const ImportanceCertificate& certificate) const;
+  void learn_from_reported_levels();
+  std::vector<std::size_t> best_levels() const;
+  Parameters<float> latest_network() const;
+
+  bool has_draws_to_climb(Index num_powers) const;
+  void begin_sweep();
+  void keep_walkers();
+
+  void push(ImportanceLevel level);
+  void begin_level(ImportanceProposal proposal, double power, LevelKind kind);
+  void drop(std::size_t level);
+  void drop_old_levels();
+  Index num_kept_levels() const;
+  ImportanceSample draws_of_all(std::size_t num_levels, double power, Index most) const;
   StreamId level_id(const char* name) const;
 
   ImportanceConfig config_;
   Index dimension_;
   StreamId id_;
   ImportanceState state_;
-  std::vector<Proposal> proposals_;  // of the state's levels
-  std::vector<Index> numbers_;       // of those levels: each has its own
-  Index next_number_ = 0;
-  // log densities (n), by the numbers of the points' level and of the proposal's.
-  std::map<std::pair<Index, Index>, Vector> densities_;
+  LevelDensities densities_;
 };
 
 }  // namespace npdr::inference

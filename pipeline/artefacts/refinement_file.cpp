@@ -50,10 +50,10 @@ void describe(Layout f, std::optional<FirstStateMoves>& moves) {
            "of the noise, over its unit, that simulations of segments begin without", kFinite);
 }
 
-void describe(Layout f, inference::FlowParts& flow) {
+void describe(Layout f, inference::FlowProposal& flow) {
   f("mean", flow.mean, {{"D"}}, "m", kFinite);
   f("factor", flow.factor, {{"D"}, {"D"}}, "L", kFinite);
-  f("weights", flow.flow, {{"P"}}, "of the network", kFinite);
+  f("weights", flow.network, {{"P"}}, "of the network", kFinite);
 }
 
 void describe(Layout f, inference::ImportanceLevel& level);

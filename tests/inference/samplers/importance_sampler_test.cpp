@@ -198,7 +198,7 @@ TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
   state.levels[1].power = std::nan("");
   refuses(state);
   state = sampler.state();
-  state.levels[1].kind = LevelKind::last;
+  state.levels[1].kind = LevelKind::reported;
   refuses(state);
   state = sampler.state();
   state.num_draws = -1;
@@ -315,7 +315,7 @@ TEST(ImportanceSampler, SaysThatAModeIsMissed) {
   EXPECT_LT(without.sample().certificate.missed_share, 0.01);
   const std::size_t last_lesson =
       std::ranges::count_if(without.state().levels,
-                            [](const auto& level) { return level.kind != LevelKind::last; }) -
+                            [](const auto& level) { return level.kind != LevelKind::reported; }) -
       1;
   const ImportanceCertificate certificate = run_with(last_lesson).sample().certificate;
   EXPECT_GT(certificate.missed_share, 0.9);
@@ -333,16 +333,16 @@ TEST(ImportanceSampler, LearnsFurtherFlowsAfterLastLevels) {
     const ImportanceLevel& level = sampler.state().levels.back();
     RowMatrix u = sampler.next(1000);
     Vector log_likelihood = problem.log_likelihood(u);
-    if (level.kind == LevelKind::last && !was_reported) {
-      for (const FlowParts& flow : level.proposal.flows) reported.push_back(flow.flow);
+    if (level.kind == LevelKind::reported && !was_reported) {
+      for (const FlowProposal& flow : level.proposal.flows) reported.push_back(flow.network);
       was_reported = true;
       log_likelihood(500) += 12.0;  // a heavy point, as of a narrow mode
     }
-    if (level.kind == LevelKind::last) {
-      learns =
-          std::ranges::count(sampler.state().levels, LevelKind::former, &ImportanceLevel::kind) > 0;
+    if (level.kind == LevelKind::reported) {
+      learns = std::ranges::count(sampler.state().levels, LevelKind::formerly_reported,
+                                  &ImportanceLevel::kind) > 0;
       if (learns) {
-        EXPECT_NE(level.proposal.flows.front().flow, reported.front());
+        EXPECT_NE(level.proposal.flows.front().network, reported.front());
       }
     }
     sampler.tell(log_likelihood);

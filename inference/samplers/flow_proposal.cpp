@@ -1,4 +1,4 @@
-#include "inference/samplers/flow_reference.h"
+#include "inference/samplers/flow_proposal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include "core/log_sum_exp.h"
 #include "core/matrix_blocking.h"
 #include "core/parallel.h"
+#include "inference/estimators/maf.h"
 #include "inference/training/trainer.h"
 #include "inference/weighted_moments.h"
 
@@ -28,6 +29,16 @@ constexpr Index kBlock = 64;       // rows that are computed together
 constexpr Index kFewestRows = 10;  // of which two validate
 constexpr double kTailShare = 0.1;
 constexpr int kTailDegrees = 5;
+
+// The network f, of a dimension; its weights are the proposal's.
+struct Network {
+  explicit Network(Index dimension)
+      : flow(kFlow, dimension, 1, StreamId{0, "flow_structure", 0, 0, 0}, layout) {
+    fix_matrix_blocking();
+  }
+  ParameterLayout layout;
+  MaskedAutoregressiveFlow<float> flow;
+};
 
 // Maximum likelihood of weighted points, without a context.
 class FlowObjective final : public Objective {
@@ -61,9 +72,9 @@ class FlowObjective final : public Objective {
 };
 
 // (u - m) L^-T, (n, D).
-RowMatrix standardize(const FlowParts& parts, const RowMatrix& u) {
-  Eigen::MatrixXd v = (u.rowwise() - parts.mean.transpose()).transpose();
-  parts.factor.triangularView<Eigen::Lower>().solveInPlace(v);
+RowMatrix standardize(const FlowProposal& g, const RowMatrix& u) {
+  Eigen::MatrixXd v = (u.rowwise() - g.mean.transpose()).transpose();
+  g.factor.triangularView<Eigen::Lower>().solveInPlace(v);
   return v.transpose();
 }
 
@@ -99,15 +110,13 @@ void for_each_block(Index n, const Work& work) {
 
 }  // namespace
 
-FlowReference::FlowReference(const RowMatrix& u, const Vector& weights,
-                             const Parameters<float>& start, const StreamId& id) {
+FlowProposal fit_flow(const RowMatrix& u, const Vector& weights, const Parameters<float>& start,
+                      const StreamId& id) {
   if (u.rows() < kFewestRows) {
     throw InputError("flow: " + std::to_string(u.rows()) + " points, must be " +
                      std::to_string(kFewestRows) + " or more");
   }
-  fix_matrix_blocking();
-  FlowParts parts;
-  parts.mean = weighted_mean(u, weights);
+  FlowProposal fit{.mean = weighted_mean(u, weights), .factor = {}, .network = {}};
   Eigen::MatrixXd covariance = weighted_covariance(u, weights);
   // A parameter may hardly move, and there may be few points.
   covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().array();
@@ -115,54 +124,48 @@ FlowReference::FlowReference(const RowMatrix& u, const Vector& weights,
   if (!covariance.allFinite() || !factor.is_positive_definite()) {
     throw InputError("flow: the points have no covariance");
   }
-  parts.factor = factor.lower();
-  build(u.cols());
+  fit.factor = factor.lower();
+  const Network network(u.cols());
   TrainingState state;
   state.parameters = start;
   if (start.size() == 0) {
-    state.parameters = Parameters<float>::Zero(num_parameters_);
+    state.parameters = Parameters<float>::Zero(network.layout.size());
     Stream stream(within(id, "flow_weights"));
-    flow_->initialize(state.parameters, stream);
+    network.flow.initialize(state.parameters, stream);
   }
-  const RowMatrixF points = standardize(parts, u).cast<float>();
+  const RowMatrixF points = standardize(fit, u).cast<float>();
   const VectorF shares = (weights / weights.mean()).cast<float>();
-  FlowObjective objective(*flow_, points, shares);
+  FlowObjective objective(network.flow, points, shares);
   train(objective, kTraining, within(id, "flow_training"), state,
         [](const TrainingState&) { return true; });
-  parts.flow = state.best_parameters;
-  parts_ = std::make_shared<const FlowParts>(std::move(parts));
+  fit.network = state.best_parameters;
+  return fit;
 }
 
-FlowReference::FlowReference(FlowParts parts)
-    : parts_(std::make_shared<const FlowParts>(std::move(parts))) {
-  fix_matrix_blocking();
-  const Index d = dimension();
-  build(d);
-  if (parts_->flow.size() != num_parameters_ || parts_->factor.rows() != d ||
-      parts_->factor.cols() != d) {
-    throw ShapeError("flow: " + std::to_string(parts_->flow.size()) + " weights for " +
-                     std::to_string(d) + " parameters, must be " + std::to_string(num_parameters_));
+void FlowProposal::check() const {
+  const Index d = dimension(), num_weights = Network(d).layout.size();
+  if (network.size() != num_weights || factor.rows() != d || factor.cols() != d) {
+    throw ShapeError("flow: " + std::to_string(network.size()) + " weights for " +
+                     std::to_string(d) + " parameters, must be " + std::to_string(num_weights));
   }
 }
 
-void FlowReference::build(Index dimension) {
-  ParameterLayout layout;
-  flow_ = std::make_shared<MaskedAutoregressiveFlow<float>>(
-      kFlow, dimension, 1, StreamId{0, "flow_structure", 0, 0, 0}, layout);
-  num_parameters_ = layout.size();
+bool FlowProposal::operator==(const FlowProposal& other) const {
+  return mean == other.mean && factor == other.factor && network == other.network;
 }
 
-Vector FlowReference::log_density(const RowMatrix& u) const {
+Vector FlowProposal::log_density(const RowMatrix& u) const {
+  const Network f(dimension());
   Vector result(u.rows());
-  const double log_det = parts_->factor.diagonal().array().log().sum();
+  const double log_det = factor.diagonal().array().log().sum();
   for_each_block(u.rows(), [&](Index first, Index count) {
     // Always whole blocks, so that a row's bits don't depend on how many there are.
     RowMatrix rows = RowMatrix::Zero(kBlock, u.cols());
     rows.topRows(count) = u.middleRows(first, count);
-    const RowMatrix v = standardize(*parts_, rows);
-    const auto scratch = flow_->make_scratch();
+    const RowMatrix v = standardize(*this, rows);
+    const auto scratch = f.flow.make_scratch();
     VectorF log_prob;
-    flow_->log_prob(parts_->flow, v.cast<float>(), RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
+    f.flow.log_prob(network, v.cast<float>(), RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
     const Vector tail = log_tail(v);
     for (Index i = 0; i < count; ++i) {
       const auto value = static_cast<double>(log_prob(i));
@@ -174,20 +177,21 @@ Vector FlowReference::log_density(const RowMatrix& u) const {
   return result;
 }
 
-RowMatrix FlowReference::sample(Index n, const StreamId& id) const {
+RowMatrix FlowProposal::sample(Index n, const StreamId& id) const {
+  const Network f(dimension());
   RowMatrix u(n, dimension());
   for_each_block(n, [&](Index first, Index count) {
     StreamId row = id;
     row.row += static_cast<std::uint64_t>(first);
-    RowMatrix v = flow_->sample(parts_->flow, RowMatrixF::Zero(1, 1), kBlock, row).cast<double>();
+    RowMatrix v = f.flow.sample(network, RowMatrixF::Zero(1, 1), kBlock, row).cast<double>();
     for (Index i = 0; i < kBlock; ++i) {
       StreamId own = within(id, "flow_tail");
       own.row += static_cast<std::uint64_t>(first + i);
       Stream stream(own);
       if (stream.uniform() < kTailShare) v.row(i) = draw_tail(dimension(), stream);
     }
-    v = (v * parts_->factor.transpose()).eval();
-    u.middleRows(first, count) = v.topRows(count).rowwise() + parts_->mean.transpose();
+    v = (v * factor.transpose()).eval();
+    u.middleRows(first, count) = v.topRows(count).rowwise() + mean.transpose();
   });
   return u;
 }

@@ -1,4 +1,4 @@
-#include "inference/samplers/flow_reference.h"
+#include "inference/samplers/flow_proposal.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 // Points along a bent line.
 RowMatrix banana(Index n) {
-  Stream stream(StreamId{1, "flow_reference_test", 0, 0, 0});
+  Stream stream(StreamId{1, "flow_proposal_test", 0, 0, 0});
   RowMatrix u(n, 2);
   for (Index i = 0; i < n; ++i) {
     u(i, 0) = stream.normal();
@@ -20,12 +20,12 @@ RowMatrix banana(Index n) {
   return u;
 }
 
-FlowReference fitted() {
-  return {banana(4000), Vector::Ones(4000), Parameters<float>(), StreamId{1, "fit", 0, 0, 0}};
+FlowProposal fitted() {
+  return fit_flow(banana(4000), Vector::Ones(4000), Parameters<float>(), {1, "fit", 0, 0, 0});
 }
 
-TEST(FlowReference, IsADensityAndDrawsFromIt) {
-  const FlowReference flow = fitted();
+TEST(FlowProposal, IsADensityAndDrawsFromIt) {
+  const FlowProposal flow = fitted();
   // A grid of cells of 0.05 over [-10, 10]^2. Outside is less than 1e-3 of Student's t.
   constexpr Index side = 400;
   constexpr double step = 0.05;
@@ -48,29 +48,27 @@ TEST(FlowReference, IsADensityAndDrawsFromIt) {
   }
 }
 
-TEST(FlowReference, HasTheTailsOfStudentsT) {
-  const FlowReference flow = fitted();
+TEST(FlowProposal, HasTheTailsOfStudentsT) {
+  const FlowProposal flow = fitted();
   const double far = flow.log_density(RowMatrix{{100.0, 0.0}})(0);
   const double twice = flow.log_density(RowMatrix{{200.0, 0.0}})(0);
   // Density over distance: -(nu + D) = -7.
   EXPECT_NEAR((twice - far) / std::log(2.0), -7.0, 0.1);
 }
 
-TEST(FlowReference, RowsDoNotDependOnHowManyThereAre) {
-  const FlowReference flow = fitted();
+TEST(FlowProposal, RowsDoNotDependOnHowManyThereAre) {
+  const FlowProposal flow = fitted();
   const StreamId id{3, "draws", 0, 0, 0};
   const RowMatrix many = flow.sample(150, id);
   EXPECT_EQ(flow.sample(7, id), many.topRows(7));
   EXPECT_EQ(flow.log_density(many.topRows(7)), flow.log_density(many).head(7));
 }
 
-TEST(FlowReference, IsMadeFromItsParts) {
-  const FlowReference flow = fitted();
-  const RowMatrix u = banana(100);
-  EXPECT_EQ(FlowReference(flow.parts()).log_density(u), flow.log_density(u));
-  FlowParts parts = flow.parts();
-  parts.flow.conservativeResize(3);
-  EXPECT_THROW(FlowReference{parts}, ShapeError);
+TEST(FlowProposal, RefusesTheWeightsOfAnotherNetwork) {
+  FlowProposal flow = fitted();
+  EXPECT_NO_THROW(flow.check());
+  flow.network.conservativeResize(3);
+  EXPECT_THROW(flow.check(), ShapeError);
 }
 
 }  // namespace

@@ -8,45 +8,32 @@
 /// its scale: a flow has learned nothing of where no points are, and falls too fast.
 #pragma once
 
-#include <memory>
-
 #include "core/random.h"
 #include "core/types.h"
-#include "inference/estimators/maf.h"
+#include "inference/estimators/parameters.h"
 
 namespace npdr::inference {
 
-/// A fitted flow, as a file holds it.
-struct FlowParts {
-  Vector mean;             ///< (D)
-  RowMatrix factor;        ///< (D, D) lower
-  Parameters<float> flow;  ///< weights of the network
-};
+/// A fitted flow g. Const calls are thread-safe.
+struct FlowProposal {
+  Vector mean;                ///< (D)
+  RowMatrix factor;           ///< (D, D) lower
+  Parameters<float> network;  ///< weights of f
 
-/// Const calls are thread-safe.
-class FlowReference {
- public:
-  /// Fits the rows of u (n, D), n >= 10, with weights (n) > 0, from the network `start` (empty: a
-  /// fresh one). The fit depends on the arguments alone. Throws InputError for too few rows.
-  FlowReference(const RowMatrix& u, const Vector& weights, const Parameters<float>& start,
-                const StreamId& id);
+  Index dimension() const { return mean.size(); }
   /// Throws ShapeError when the parts don't go together.
-  explicit FlowReference(FlowParts parts);
-
-  const FlowParts& parts() const { return *parts_; }
-  Index dimension() const { return parts_->mean.size(); }
-
+  void check() const;
   /// log g of each row of u (n, D), (n) [nats]; of Student's t alone where the network overflows.
   Vector log_density(const RowMatrix& u) const;
   /// (n, D) draws of g; row i has the stream of row id.row + i.
   RowMatrix sample(Index n, const StreamId& id) const;
 
- private:
-  void build(Index dimension);
-
-  std::shared_ptr<const FlowParts> parts_;  // which copies have in common
-  Index num_parameters_ = 0;
-  std::shared_ptr<const MaskedAutoregressiveFlow<float>> flow_;
+  bool operator==(const FlowProposal& other) const;
 };
+
+/// The fit to the rows of u (n, D), n >= 10, with weights (n) > 0, from the network `start` (empty:
+/// a fresh one). It depends on the arguments alone. Throws InputError for too few rows.
+FlowProposal fit_flow(const RowMatrix& u, const Vector& weights, const Parameters<float>& start,
+                      const StreamId& id);
 
 }  // namespace npdr::inference
