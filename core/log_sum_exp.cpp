@@ -19,6 +19,10 @@ typename Values::Scalar log_of_sum(const Values& values) {
 double log_sum_exp(const Eigen::Ref<const Vector>& values) { return log_of_sum(values); }
 float log_sum_exp(const Eigen::Ref<const VectorF>& values) { return log_of_sum(values); }
 
+double log_mean_exp(const Eigen::Ref<const Vector>& values) {
+  return log_sum_exp(values) - std::log(static_cast<double>(values.size()));
+}
+
 Vector log_sum_exp_of_terms(std::span<const Vector> terms) {
   Vector largest = terms.front();
   for (const Vector& term : terms) largest = largest.cwiseMax(term);

@@ -12,6 +12,9 @@ namespace npdr {
 double log_sum_exp(const Eigen::Ref<const Vector>& values);
 float log_sum_exp(const Eigen::Ref<const VectorF>& values);
 
+/// log 1/n sum_i exp(x_i) of values (n), n >= 1.
+double log_mean_exp(const Eigen::Ref<const Vector>& values);
+
 /// Of each row of the terms, which are vectors of one size, one or more; -infinity where all are.
 Vector log_sum_exp_of_terms(std::span<const Vector> terms);
 

@@ -1,6 +1,5 @@
 #include "inference/pooled_posterior.h"
 
-#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <string>
@@ -9,7 +8,7 @@
 #include "core/log_sum_exp.h"
 #include "inference/samplers/group_moves.h"
 #include "inference/standard_normal.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {
@@ -27,11 +26,6 @@ constexpr double kImpossible = -1e100;
 
 constexpr PoolPowers kPosteriorAlone = {};
 
-// The largest 1.
-Vector weights_of(const Vector& log_weights) {
-  return (log_weights.array() - log_weights.maxCoeff()).exp();
-}
-
 // Those of a file may be anything.
 NetworkParts checked(NetworkParts parts) {
   if (parts.role != NetworkRole::posterior) {
@@ -45,27 +39,6 @@ NetworkParts checked(NetworkParts parts) {
                      "be " + std::to_string(networks) + ", as many as the posterior's");
   }
   return parts;
-}
-
-double log_mean_exp(const Vector& values) {
-  return log_sum_exp(values) - std::log(static_cast<double>(values.size()));
-}
-
-// Rows at `count` evenly spaced places along the cumulative weights; `uniform` in (0, 1) says where
-// the first is (Kitagawa 1996).
-std::vector<Index> systematic_resample(const Vector& weights, Index count, double uniform) {
-  const double step = weights.sum() / static_cast<double>(count);
-  std::vector<Index> rows;
-  double cumulative = 0.0;
-  for (Index i = 0; i < weights.size(); ++i) {
-    cumulative += weights(i);
-    while (std::ssize(rows) < count &&
-           (static_cast<double>(std::ssize(rows)) + uniform) * step < cumulative) {
-      rows.push_back(i);
-    }
-  }
-  while (std::ssize(rows) < count) rows.push_back(rows.back());  // by rounding alone
-  return rows;
 }
 
 }  // namespace
@@ -115,10 +88,6 @@ PoolEvidence PooledPosterior::evidence(const RowMatrix& theta) const {
   return evidence(theta, posterior_.log_prob(theta));
 }
 
-PoolEvidence PooledPosterior::evidence_of_draws(Index n, const StreamId& id) const {
-  return evidence(posterior_.sample(n, id));
-}
-
 PoolPowers PooledPosterior::powers() const {
   std::call_once(known_->has_powers, [&] { known_->powers = usable_powers(); });
   return known_->powers;
@@ -127,13 +96,14 @@ PoolPowers PooledPosterior::powers() const {
 PoolPowers PooledPosterior::usable_powers() const {
   constexpr int halvings = 20;
   const StreamId id{parts().structure_seed, "pool_powers", 0, 0, 0};
-  const PoolEvidence evidence = evidence_of_draws(kCandidates, id);
+  const RowMatrix draws = posterior_.sample(kCandidates, id);
+  const PoolEvidence evidence = this->evidence(draws);
   const PoolPowers wanted = parts().likelihood->powers;
   const auto part_of_way = [&](double part) {
     return PoolPowers{1.0 + part * (wanted.posterior - 1.0), part * wanted.likelihood};
   };
   const auto is_usable = [&](double part) {
-    return effective_size(weights_of(evidence.log_weights(part_of_way(part)))) >=
+    return WeightedPopulation(draws, evidence.log_weights(part_of_way(part))).effective_size() >=
            kSmallestEfficiency * static_cast<double>(kCandidates);
   };
   double high = 1.0, low = 0.0;
@@ -145,30 +115,16 @@ PoolPowers PooledPosterior::usable_powers() const {
   return part_of_way(low);
 }
 
-// Draws of q with their weights.
-struct PooledPosterior::Candidates {
-  RowMatrix theta;  // (n, D)
-  Vector log_weights;
-
-  Index size() const { return log_weights.size(); }
-  double effective_size() const { return inference::effective_size(weights_of(log_weights)); }
-  double log_mean_weight() const { return log_mean_exp(log_weights); }
-};
-
-// kCandidates at a time, until `is_enough` of them or `most`.
+// kCandidates at a time, until `is_enough` of them or kMostCandidates.
 template <typename Test>
-PooledPosterior::Candidates PooledPosterior::candidates(StreamId batch, Index most,
-                                                        const Test& is_enough) const {
-  Candidates all{.theta = RowMatrix(0, prior().dimension()), .log_weights = {}};
-  while (all.size() < most) {
+WeightedPopulation PooledPosterior::candidates(StreamId batch, const Test& is_enough) const {
+  WeightedPopulation all(prior().dimension());
+  while (all.size() < kMostCandidates) {
     const RowMatrix more = posterior_.sample(kCandidates, batch);
     // An ensemble takes more rows of random numbers than it gives samples, and callers count
     // epochs.
     batch = within(batch, "pool_candidates");
-    all.theta.conservativeResize(all.size() + more.rows(), Eigen::NoChange);
-    all.theta.bottomRows(more.rows()) = more;
-    all.log_weights.conservativeResize(all.theta.rows());
-    all.log_weights.tail(more.rows()) = evidence(more).log_weights(powers());
+    all.append({more, evidence(more).log_weights(powers())});
     if (is_enough(all)) break;
   }
   return all;
@@ -184,20 +140,13 @@ struct PooledPosterior::Group {
 PooledPosterior::Group PooledPosterior::draw_group(const StreamId& id) const {
   StreamId first = within(id, "pool_candidates");
   first.row = id.row * (kMostCandidates / kGroup);
-  const Candidates drawn = candidates(first, kMostCandidates, [](const Candidates& all) {
-    return all.effective_size() >= kEnough;
-  });
-  Group group{.theta = RowMatrix(kGroup, prior().dimension()),
+  const WeightedPopulation drawn = candidates(
+      first, [](const WeightedPopulation& all) { return all.effective_size() >= kEnough; });
+  Stream stream(within(id, "pool_resampling"));
+  Group group{.theta = drawn.resampled(kGroup, stream),
               .effective_size = drawn.effective_size(),
               .num_evaluations = drawn.size(),
               .log_mean_weight = drawn.log_mean_weight()};
-  Stream stream(within(id, "pool_resampling"));
-  const std::vector<Index> rows =
-      systematic_resample(weights_of(drawn.log_weights), kGroup, stream.uniform());
-  Index place = 0;
-  for (const std::uint32_t i : stream.permutation(kGroup)) {
-    group.theta.row(place++) = drawn.theta.row(rows[i]);
-  }
   if (group.effective_size < kEnough) {
     move(group.theta, stream);
     group.num_evaluations += (1 + kMoves) * kGroup;
@@ -218,20 +167,18 @@ void PooledPosterior::move(RowMatrix& theta, Stream& stream) const {
 
 Samples PooledPosterior::draw(Index n, const StreamId& id) const {
   if (n == 0 || powers() == kPosteriorAlone) return posterior_.draw(n, id);
-  RowMatrix theta(n, prior().dimension());
   SamplerReport report{.r_hat = {}, .ess = Vector::Zero(1)};
-  Vector log_means((n + kGroup - 1) / kGroup);
-  for (Index first = 0; first < n; first += kGroup) {
-    StreamId of_group = id;
-    of_group.row += static_cast<std::uint64_t>(first);
-    const Group group = draw_group(of_group);
-    const Index rows = std::min(kGroup, n - first);
-    theta.middleRows(first, rows) = group.theta.topRows(rows);
+  std::vector<double> log_means;
+  const auto draw_one = [&](const StreamId& of_group) {
+    Group group = draw_group(of_group);
     report.ess(0) += group.effective_size;
     report.num_evaluations += group.num_evaluations;
-    log_means(first / kGroup) = group.log_mean_weight;
-  }
-  report.log_normalizer = log_mean_exp(log_means);
+    log_means.push_back(group.log_mean_weight);
+    return std::move(group.theta);
+  };
+  const RowMatrix theta = draw_in_groups(n, kGroup, prior().dimension(), id, draw_one);
+  report.log_normalizer =
+      log_mean_exp(Eigen::Map<const Vector>(log_means.data(), std::ssize(log_means)));
   return {theta, report};
 }
 
@@ -244,11 +191,11 @@ double PooledPosterior::estimate_log_normalizer() const {
   if (powers() == kPosteriorAlone) return 0.0;
   const StreamId id{parts().structure_seed, "pool_normaliser", 0, 0, 0};
   // The squared relative error of a mean of n weights is (n / effective size - 1) / n.
-  const auto is_known = [](const Candidates& all) {
+  const auto is_known = [](const WeightedPopulation& all) {
     const auto n = static_cast<double>(all.size());
     return n / all.effective_size() - 1.0 <= n * kNormalizerError * kNormalizerError;
   };
-  return candidates(id, kMostCandidates, is_known).log_mean_weight();
+  return candidates(id, is_known).log_mean_weight();
 }
 
 Vector PooledPosterior::relative_log_prob(const RowMatrix& theta) const {

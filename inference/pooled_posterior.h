@@ -20,6 +20,7 @@
 
 #include "inference/direct_posterior.h"
 #include "inference/surrogate_posterior.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 
@@ -56,13 +57,11 @@ class PooledPosterior : public NetworkPosterior {
 
  private:
   struct Known;
-  struct Candidates;
   struct Group;
 
   PoolEvidence evidence(const RowMatrix& theta, const Vector& log_q) const;
-  PoolEvidence evidence_of_draws(Index n, const StreamId& id) const;
   template <typename Test>
-  Candidates candidates(StreamId batch, Index most, const Test& is_enough) const;
+  WeightedPopulation candidates(StreamId batch, const Test& is_enough) const;
   Group draw_group(const StreamId& id) const;
   void move(RowMatrix& theta, Stream& stream) const;
   PoolPowers usable_powers() const;

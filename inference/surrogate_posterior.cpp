@@ -4,41 +4,16 @@
 #include <cmath>
 #include <mutex>
 
-#include "core/constants.h"
-#include "core/decompositions.h"
 #include "core/error.h"
 #include "core/log_sum_exp.h"
 #include "inference/direct_posterior.h"
 #include "inference/ensemble.h"
 #include "inference/row_blocks.h"
-#include "inference/samplers/resampler.h"
 #include "inference/samplers/tempered_chains.h"
 #include "inference/standard_normal.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
-namespace {
-
-// exp(log_weights), the largest 1; NaN, which a network may say far from what it knows, counts as
-// 0.
-Vector weights_of(Vector log_weights) {
-  log_weights = log_weights.array().isNaN().select(-kInfinity, log_weights.array());
-  const double largest = log_weights.maxCoeff();
-  if (!std::isfinite(largest)) throw Error("posterior: its density is 0 or infinite throughout");
-  return (log_weights.array() - largest).exp();
-}
-
-// Row i of the result is a row of `candidates`, drawn with the stream of row id.row + i.
-RowMatrix resample(const RowMatrix& candidates, const Resampler& resampler, Index n, StreamId id) {
-  RowMatrix result(n, candidates.cols());
-  for (Index i = 0; i < n; ++i, ++id.row) {
-    Stream stream(id);
-    result.row(i) = candidates.row(resampler.draw(stream.uniform()));
-  }
-  return result;
-}
-
-}  // namespace
-
 // Written once, by whoever needs it first.
 struct SurrogatePosterior::Normalizer {
   std::once_flag once;
@@ -113,13 +88,15 @@ Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
 }
 
 Samples SurrogatePosterior::draw_by_importance(Index n, const StreamId& id) const {
-  const RowMatrix candidates = draw_standard_normal(parts().sampler.num_candidates,
-                                                    prior().dimension(), within(id, "candidates"));
-  const Resampler resampler(weights_of(surrogate(candidates)));
+  RowMatrix points = draw_standard_normal(parts().sampler.num_candidates, prior().dimension(),
+                                          within(id, "candidates"));
+  Vector log_weights = surrogate(points);
+  const WeightedPopulation candidates(std::move(points), std::move(log_weights));
+  if (!candidates.has_weight()) throw Error("posterior: its density is 0 or infinite throughout");
   SamplerReport report;
-  report.ess = Vector::Constant(1, resampler.effective_size());
-  report.num_evaluations = candidates.rows();
-  return {prior().to_theta(resample(candidates, resampler, n, id)), report};
+  report.ess = Vector::Constant(1, candidates.effective_size());
+  report.num_evaluations = candidates.size();
+  return {prior().to_theta(candidates.draw(n, id)), report};
 }
 
 double SurrogatePosterior::log_normalizer() const {
@@ -138,15 +115,12 @@ double SurrogatePosterior::estimate_log_normalizer() const {
   const Eigen::MatrixXd covariance =
       wider * wider * (centered.transpose() * centered) / static_cast<double>(num_samples - 1) +
       1e-10 * Eigen::MatrixXd::Identity(d, d);
-  const Eigen::MatrixXd precision = Cholesky(covariance).inverse();
-  GaussianMixture around{
-      Vector(2),
-      {mean.transpose(), Vector::Zero(d)},
-      {Cholesky(precision).lower().transpose(), Eigen::MatrixXd::Identity(d, d)}};
+  GaussianMixture around{Vector(2),
+                         {mean.transpose(), Vector::Zero(d)},
+                         {precision_factor(covariance), Eigen::MatrixXd::Identity(d, d)}};
   around.log_weights << std::log(1.0 - prior_share), std::log(prior_share);
   const RowMatrix points = around.sample(num_points, named(id, "normaliser_points"));
-  return log_sum_exp(log_density(points) - around.log_prob(points)) -
-         std::log(static_cast<double>(num_points));
+  return log_mean_exp(log_density(points) - around.log_prob(points));
 }
 
 Vector SurrogatePosterior::relative_log_prob(const RowMatrix& theta) const {

@@ -1,18 +1,13 @@
 #include "inference/truncated_prior.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include "core/constants.h"
-#include "core/decompositions.h"
 #include "core/error.h"
 #include "core/log_sum_exp.h"
 #include "inference/samplers/group_moves.h"
-#include "inference/samplers/resampler.h"
 #include "inference/standard_normal.h"
-#include "inference/weighted_moments.h"
 
 namespace npdr::inference {
 namespace {
@@ -27,65 +22,36 @@ constexpr Index kMoves = 50;              // where those weren't enough
 constexpr double kWidth = 2.0;            // of the Gaussian, in the posterior's deviations
 constexpr double kLeastDeviation = 1e-6;  // of it
 
-// Of u, in every direction `kWidth` times as wide as the weighted draws.
-GaussianMixture wide_gaussian(const RowMatrix& u, const Vector& weights) {
-  const Index dimension = u.cols();
-  const Eigen::MatrixXd covariance =
-      kWidth * kWidth * weighted_covariance(u, weights) +
-      kLeastDeviation * kLeastDeviation * Eigen::MatrixXd::Identity(dimension, dimension);
-  const Eigen::MatrixXd precision = Cholesky(covariance).inverse();
-  return {.log_weights = Vector::Zero(1),
-          .means = {weighted_mean(u, weights)},
-          .precision_factors = {Cholesky(precision).lower().transpose()}};
+// In every direction `kWidth` times as wide as the population.
+GaussianMixture wide_gaussian(const WeightedPopulation& of) {
+  const Index dimension = of.points().cols();
+  return {
+      .log_weights = Vector::Zero(1),
+      .means = {of.mean()},
+      .precision_factors = {precision_factor(kWidth * kWidth * of.covariance() +
+                                             kLeastDeviation * kLeastDeviation *
+                                                 Eigen::MatrixXd::Identity(dimension, dimension))}};
 }
 
-// The value that draws with a share `below` of all weight have less than.
-double weighted_quantile(const Vector& values, const Vector& weights, double below) {
-  std::vector<Index> order(static_cast<std::size_t>(values.size()));
-  std::iota(order.begin(), order.end(), Index{0});
-  std::ranges::sort(order, {}, [&](Index i) { return values(i); });
-  return values(order[static_cast<std::size_t>(Resampler(weights(order)).draw(below))]);
-}
-
-// The largest 1; 0 where there is no such density.
-Vector weights_of(const Vector& log_weights) {
-  const Vector finite = log_weights.array().isNaN().select(-kInfinity, log_weights);
-  return (finite.array() - finite.maxCoeff()).exp();
+// For draws of which no two are the same.
+bool are_enough(const WeightedPopulation& candidates) {
+  return candidates.has_weight() && candidates.effective_size() >= kEnough &&
+         candidates.weights().sum() >= static_cast<double>(kGroup);
 }
 
 }  // namespace
-
-// Draws of the mixture of prior, posterior and Gaussian, (n, D), and log p~ over that, but for a
-// constant.
-struct TruncatedPrior::Candidates {
-  RowMatrix u;
-  Vector log_weights;
-
-  void append(const RowMatrix& more, const Vector& their_log_weights) {
-    u.conservativeResize(u.rows() + more.rows(), more.cols());
-    u.bottomRows(more.rows()) = more;
-    log_weights.conservativeResize(u.rows());
-    log_weights.tail(more.rows()) = their_log_weights;
-  }
-  Vector weights() const { return weights_of(log_weights); }
-  // For draws of which no two are the same.
-  bool are_enough() const {
-    if (log_weights.size() == 0 || !std::isfinite(log_weights.maxCoeff())) return false;
-    const Vector w = weights();
-    return effective_size(w) >= kEnough && w.sum() >= static_cast<double>(kGroup);
-  }
-};
 
 TruncatedPrior::TruncatedPrior(const NetworkPosterior& posterior)
     : posterior_(posterior), near_(posterior.importance_proposal()) {
   const StreamId id{posterior.parts().structure_seed, "truncation", 0, 0, 0};
   const RowMatrix theta = near_.sample(kSupportDraws, id);
   const Vector near = near_.log_prob(theta) - posterior.prior().log_prob(theta);
-  around_ = wide_gaussian(posterior.prior().to_normal(theta), weights_of(log_ratio(theta) - near));
+  around_ = wide_gaussian({posterior.prior().to_normal(theta), log_ratio(theta) - near});
   // The tails of a posterior that is wider than its proposal lie in those of the Gaussian.
-  const Candidates draws = draw_mixture(kSupportDraws / 3, id);
-  const Vector ratio = log_ratio(posterior.prior().to_theta(draws.u));
-  threshold_ = weighted_quantile(ratio, weights_of(ratio + draws.log_weights), kOutside);
+  const WeightedPopulation draws = draw_mixture(kSupportDraws / 3, id);
+  const Vector ratio = log_ratio(posterior.prior().to_theta(draws.points()));
+  threshold_ =
+      WeightedPopulation(draws.points(), ratio + draws.log_weights()).quantile(ratio, kOutside);
 }
 
 // log p(u | x_o) / p(u) but for a constant, (n); -infinity where there is no such density.
@@ -109,7 +75,7 @@ Vector TruncatedPrior::inside(const RowMatrix& theta, const Vector& values) cons
 }
 
 // n of each of the three, with the logs of p over the sum of their densities.
-TruncatedPrior::Candidates TruncatedPrior::draw_mixture(Index n, const StreamId& id) const {
+WeightedPopulation TruncatedPrior::draw_mixture(Index n, const StreamId& id) const {
   const Prior& prior = posterior_.prior();
   RowMatrix u(3 * n, prior.dimension());
   u.topRows(n) = draw_standard_normal(n, prior.dimension(), within(id, "prior"));
@@ -125,17 +91,17 @@ TruncatedPrior::Candidates TruncatedPrior::draw_mixture(Index n, const StreamId&
 }
 
 // Some of them lie in the region; the weights of the others are 0.
-TruncatedPrior::Candidates TruncatedPrior::draw_candidates(StreamId id) const {
+WeightedPopulation TruncatedPrior::draw_candidates(StreamId id) const {
   const Prior& prior = posterior_.prior();
-  Candidates all{.u = RowMatrix(0, prior.dimension()), .log_weights = {}};
+  WeightedPopulation all(prior.dimension());
   id.row *= kRowsOfOne;
-  for (Index batch = 0; batch < kMostBatches && !all.are_enough(); ++batch, ++id.epoch) {
-    const Candidates more = draw_mixture(kGroup, id);
-    all.append(more.u, inside(prior.to_theta(more.u), more.log_weights));
+  for (Index batch = 0; batch < kMostBatches && !are_enough(all); ++batch, ++id.epoch) {
+    const WeightedPopulation more = draw_mixture(kGroup, id);
+    all.append({more.points(), inside(prior.to_theta(more.points()), more.log_weights())});
   }
-  if (!std::isfinite(all.log_weights.maxCoeff())) {
+  if (!all.has_weight()) {
     throw Error(
-        "truncated proposal: of " + std::to_string(all.log_weights.size()) +
+        "truncated proposal: of " + std::to_string(all.size()) +
         " candidates none lies where the posterior of an earlier round is; simulate more in "
         "each round, or take fewer rounds");
   }
@@ -162,33 +128,20 @@ void TruncatedPrior::move(RowMatrix& u, Stream& stream) const {
 // Weighted by p / (3 m), with m their mixture: the mean of p / m inside is the mass.
 double TruncatedPrior::prior_mass() const {
   const StreamId id{posterior_.parts().structure_seed, "truncated_mass", 0, 0, 0};
-  return 3.0 * draw_candidates(id).log_weights.array().exp().mean();
+  return 3.0 * draw_candidates(id).log_weights().array().exp().mean();
 }
 
 RowMatrix TruncatedPrior::draw_group(const StreamId& id) const {
-  const Prior& prior = posterior_.prior();
-  const Candidates candidates = draw_candidates(id);
+  const WeightedPopulation candidates = draw_candidates(id);
   Stream stream(within(id, "resampling"));
-  const std::vector<Index> rows =
-      Resampler(candidates.weights()).systematic(kGroup, stream.uniform());
-  RowMatrix u(kGroup, prior.dimension());
-  Index place = 0;
-  for (const std::uint32_t i : stream.permutation(kGroup)) {
-    u.row(place++) = candidates.u.row(rows[i]);
-  }
-  if (!candidates.are_enough()) move(u, stream);
-  return prior.to_theta(u);
+  RowMatrix u = candidates.resampled(kGroup, stream);
+  if (!are_enough(candidates)) move(u, stream);
+  return posterior_.prior().to_theta(u);
 }
 
 RowMatrix TruncatedPrior::sample(Index n, const StreamId& id) const {
-  RowMatrix theta(n, posterior_.prior().dimension());
-  for (Index first = 0; first < n; first += kGroup) {
-    StreamId of_group = id;
-    of_group.row += static_cast<std::uint64_t>(first);
-    const Index rows = std::min(kGroup, n - first);
-    theta.middleRows(first, rows) = draw_group(of_group).topRows(rows);
-  }
-  return theta;
+  return draw_in_groups(n, kGroup, posterior_.prior().dimension(), id,
+                        [&](const StreamId& group) { return draw_group(group); });
 }
 
 }  // namespace npdr::inference

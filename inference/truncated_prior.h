@@ -19,6 +19,7 @@
 
 #include "inference/estimators/gaussian_mixture.h"
 #include "inference/network_posterior.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 
@@ -38,12 +39,10 @@ class TruncatedPrior {
   RowMatrix sample(Index n, const StreamId& id) const;
 
  private:
-  struct Candidates;
-
   Vector log_ratio(const RowMatrix& theta) const;
   Vector inside(const RowMatrix& theta, const Vector& values) const;
-  Candidates draw_mixture(Index n, const StreamId& id) const;
-  Candidates draw_candidates(StreamId id) const;
+  WeightedPopulation draw_mixture(Index n, const StreamId& id) const;
+  WeightedPopulation draw_candidates(StreamId id) const;
   void move(RowMatrix& u, Stream& stream) const;
   RowMatrix draw_group(const StreamId& id) const;
 

@@ -49,6 +49,10 @@ RowMatrix GaussianMixture::sample(Index n, StreamId id) const {
   return u;
 }
 
+Eigen::MatrixXd precision_factor(const Eigen::MatrixXd& covariance) {
+  return Cholesky(Cholesky(covariance).inverse()).lower().transpose();
+}
+
 GaussianMixture narrower_than_prior(const GaussianMixture& mixture) {
   GaussianMixture narrow = mixture;
   for (Index k = 0; k < mixture.num_components(); ++k) {

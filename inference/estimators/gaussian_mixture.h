@@ -25,6 +25,9 @@ struct GaussianMixture {
   RowMatrix sample(Index n, StreamId id) const;
 };
 
+/// The factor U of the precision U^T U of a covariance (D, D).
+Eigen::MatrixXd precision_factor(const Eigen::MatrixXd& covariance);
+
 /// The mixture with every component made at least as narrow as the prior N(0, I) in every
 /// direction: eigenvalues of the precision below 1 become 1. Drawing from such a proposal keeps the
 /// correction below well defined: precision_k + precision_j - I stays positive definite.

@@ -365,10 +365,9 @@ void print_log_prob(const ChosenPosteriors& chosen) {
     log_prob.rightCols(1) = posterior->log_prob(theta);
     require_numbers(one, !log_prob.rightCols(1).hasNaN());
   }
-  const double log_num = std::log(static_cast<double>(log_prob.cols()));
   fmt::print("log_prob\n");
   for (Index i = 0; i < log_prob.rows(); ++i) {
-    fmt::print("{:.17g}\n", log_sum_exp(log_prob.row(i)) - log_num);
+    fmt::print("{:.17g}\n", log_mean_exp(log_prob.row(i)));
   }
 }
 
