@@ -8,12 +8,11 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "inference/algorithms/component_growth.h"
+#include "inference/algorithms/npe_nle.h"
 #include "inference/algorithms/pool_powers.h"
-#include "inference/algorithms/pooled_likelihood.h"
 #include "inference/algorithms/round_task.h"
 #include "inference/ensemble.h"
 #include "inference/pooled_posterior.h"
-#include "inference/truncated_prior.h"
 
 namespace npdr::inference {
 namespace {
@@ -63,14 +62,6 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   return parts;
 }
 
-// The simulations that train networks which are pooled.
-RoundData without_judging_rows(RoundData data) {
-  const Index rows = data.theta.rows() - num_judging_rows(data.theta.rows());
-  data.theta.conservativeResize(rows, Eigen::NoChange);
-  data.round.resize(static_cast<std::size_t>(rows));
-  return data;
-}
-
 // What is trained: the networks of the algorithm's role, and for "npe_nle" those of the likelihood.
 std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& config,
                                               const RoundData& data, const StreamId& id) {
@@ -79,9 +70,7 @@ std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& c
   if (config.algorithm.kind != Algorithm::npe_nle || num_varying_outputs(parts.transform) == 0) {
     return ensembles;
   }
-  parts.likelihood = data.posteriors.empty()
-                         ? untrained_likelihood(config, without_judging_rows(data), parts)
-                         : data.posteriors.back()->parts().likelihood;
+  parts.likelihood = untrained_likelihood(config, data, parts);
   ensembles.push_back(likelihood_parts(parts));
   return ensembles;
 }
@@ -185,7 +174,7 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
 
 RowMatrix propose(const PosteriorEstimationConfig& config, const NetworkPosterior& posterior,
                   Index n, const StreamId& id) {
-  if (config.algorithm.kind == Algorithm::npe_nle) return TruncatedPrior(posterior).sample(n, id);
+  if (config.algorithm.kind == Algorithm::npe_nle) return propose_for_npe_nle(posterior, n, id);
   if (!is_analytic(config.algorithm, config.estimator.kind)) return posterior.sample(n, id);
   return posterior.prior().to_theta(proposal_mixture(posterior).sample(n, id));
 }

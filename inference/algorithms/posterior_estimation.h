@@ -1,9 +1,6 @@
 /// One round of neural inference: simulations of all rounds so far -> posterior.
 ///
-///  - npe_nle: q(u | z) and l(z | u), both by maximum likelihood, pooled (pooled_posterior.h) by
-///    how they predict held-out parameters (pool_powers.h), l as pooled_likelihood.h says; later
-///    rounds draw from the prior where the last posterior is (truncated_prior.h); q learns from the
-///    simulations of all rounds that lie there, weighted as draws of the prior, l from all;
+///  - npe_nle: q(u | z) and l(z | u), both by maximum likelihood, pooled (npe_nle.h);
 ///  - npe_a: q(u | z), a mixture, by maximum likelihood on the last round's simulations; divided by
 ///    their proposal (likelihood_objective.h, gaussian_mixture.h);
 ///  - npe_b: q(u | z) by maximum likelihood weighted by p / p~ (likelihood_objective.h);

@@ -1,40 +1,22 @@
 #include "inference/algorithms/round_task.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "core/error.h"
 #include "inference/algorithms/likelihood_objective.h"
-#include "inference/algorithms/pool_powers.h"
+#include "inference/algorithms/npe_nle.h"
 #include "inference/algorithms/ratio_objective.h"
 #include "inference/dequantized_features.h"
-#include "inference/truncated_prior.h"
 
 namespace npdr::inference {
 namespace {
-
-std::vector<std::uint32_t> all_rows(const RoundData& data) {
-  std::vector<std::uint32_t> rows(data.round.size());
-  std::iota(rows.begin(), rows.end(), 0u);
-  return rows;
-}
 
 std::vector<std::uint32_t> rows_of_last_round(const RoundData& data) {
   const auto last = static_cast<std::uint32_t>(data.posteriors.size() + 1);
   std::vector<std::uint32_t> rows = all_rows(data);
   std::erase_if(rows, [&](std::uint32_t row) { return data.round[row] != last; });
   return rows;
-}
-
-// Rows that each round has drawn; those that failed count, too: what rows are draws of is the
-// mixture of what was drawn, whichever of it is left.
-std::vector<Index> num_drawn(const RoundData& data) {
-  std::vector<Index> counts = data.num_simulated;
-  for (std::uint32_t r = 1; std::ssize(counts) <= std::ssize(data.posteriors); ++r) {
-    counts.push_back(std::ranges::count(data.round, r));
-  }
-  return counts;
 }
 
 // w = p(theta) / p~(theta), with p~ the mixture of all that the rounds were drawn from, in
@@ -54,49 +36,6 @@ VectorF importance_weights(const RoundData& data) {
     proposal += share(r + 2) * (log_prob - log_prior).array().exp().matrix();
   }
   return proposal.cwiseInverse().cast<float>();
-}
-
-Index num_of_last_round(const std::vector<std::uint32_t>& rows, const RoundData& data) {
-  const auto last = static_cast<std::uint32_t>(data.posteriors.size() + 1);
-  return std::ranges::count_if(rows, [&](std::uint32_t row) { return data.round[row] == last; });
-}
-
-// Takes those that judge from the rows that are learned from: the last of the last round.
-void take_judging_rows(LearnedRows& learned, Index num_new) {
-  const Index count = std::min(num_judging_rows(std::ssize(learned.rows)), num_new);
-  learned.judging.assign(learned.rows.end() - count, learned.rows.end());
-  learned.rows.resize(learned.rows.size() - learned.judging.size());
-  std::erase_if(learned.likelihood_rows, [&](std::uint32_t row) {
-    return std::ranges::binary_search(learned.judging, row);
-  });
-}
-
-// Those of the last of the regions R_2, ..., R_r. Round j has drawn N_j rows of the prior within
-// R_j, whose share of the prior is Z_j, so that at u there are
-//   N_1 + sum_j 1[u in R_j] N_j / Z_j
-// of them for each of the prior's; of N_r rows that judge don't count. w is one over that, with a
-// mean of 1. Where regions lie within each other all are the same.
-LearnedRows rows_of_last_region(const RoundData& data, bool are_judged) {
-  const std::vector<Index> drawn = num_drawn(data);
-  Vector density = Vector::Constant(data.theta.rows(), static_cast<double>(drawn.front()));
-  LearnedRows learned{.likelihood_rows = all_rows(data)};
-  for (std::size_t j = 1; j <= data.posteriors.size(); ++j) {
-    const TruncatedPrior region(*data.posteriors[j - 1]);
-    const std::vector<std::uint32_t> within = region.rows_within(data.theta);
-    auto count = static_cast<double>(drawn[j]);
-    if (j == data.posteriors.size()) {
-      const Index num_new = num_of_last_round(within, data);
-      learned.rows = within;
-      if (are_judged) take_judging_rows(learned, num_new);
-      const Index num_learned = num_new - std::ssize(learned.judging);
-      if (num_new > 0) count *= static_cast<double>(num_learned) / static_cast<double>(num_new);
-    }
-    density(within).array() += count / region.prior_mass();
-  }
-  const Vector weights = density.cwiseInverse();
-  const double mean = learned.rows.empty() ? 1.0 : weights(learned.rows).mean();
-  learned.weights = (weights / mean).cast<float>();
-  return learned;
 }
 
 std::vector<GaussianMixture> proposal_mixtures(const RoundData& data) {
@@ -172,16 +111,27 @@ class RatioTask : public TaskOf<RatioEstimator<float>> {
 
 }  // namespace
 
-LearnedRows learned_rows(const PosteriorEstimationConfig& config, const RoundData& data,
-                         bool are_judged) {
-  const Algorithm algorithm = config.algorithm.kind;
-  if (algorithm == Algorithm::npe_nle && !data.posteriors.empty()) {
-    return rows_of_last_region(data, are_judged);
+std::vector<std::uint32_t> all_rows(const RoundData& data) {
+  std::vector<std::uint32_t> rows(data.round.size());
+  std::iota(rows.begin(), rows.end(), 0u);
+  return rows;
+}
+
+std::vector<Index> num_drawn(const RoundData& data) {
+  std::vector<Index> counts = data.num_simulated;
+  for (std::uint32_t r = 1; std::ssize(counts) <= std::ssize(data.posteriors); ++r) {
+    counts.push_back(std::ranges::count(data.round, r));
   }
+  return counts;
+}
+
+LearnedRows learned_rows(const PosteriorEstimationConfig& config, const RoundData& data,
+                         bool are_pooled) {
+  const Algorithm algorithm = config.algorithm.kind;
+  if (algorithm == Algorithm::npe_nle) return rows_of_npe_nle(data, are_pooled);
   LearnedRows learned{.likelihood_rows = all_rows(data)};
   learned.rows = algorithm == Algorithm::npe_a ? rows_of_last_round(data) : all_rows(data);
   if (algorithm == Algorithm::npe_b) learned.weights = importance_weights(data);
-  if (are_judged) take_judging_rows(learned, num_of_last_round(learned.rows, data));
   return learned;
 }
 

@@ -31,11 +31,15 @@ struct LearnedRows {
   }
 };
 
-/// For q those of the last round ("npe_a"); those that lie where the last round's posterior is,
-/// weighted as draws of the prior ("npe_nle", truncated_prior.h); all, weighted likewise ("npe_b");
-/// or all. `are_judged`: some of the last round's judge (pool_powers.h), and none learns from them.
+std::vector<std::uint32_t> all_rows(const RoundData& data);
+/// Rows that each round has drawn, (R); those that failed count, too: what rows are draws of is the
+/// mixture of what was drawn, whichever of it is left.
+std::vector<Index> num_drawn(const RoundData& data);
+
+/// For q those of the last round ("npe_a"); all, weighted as draws of the prior
+/// ("npe_b"); those of npe_nle.h; or all. `are_pooled`: powers of a pool are judged.
 LearnedRows learned_rows(const PosteriorEstimationConfig& config, const RoundData& data,
-                         bool are_judged);
+                         bool are_pooled);
 
 /// The task of the algorithm for `parts`, whose estimator and transform are set, on these rows and
 /// with these weights. Keeps references to its arguments.

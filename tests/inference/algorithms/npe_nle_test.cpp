@@ -1,4 +1,4 @@
-#include "inference/algorithms/pooled_likelihood.h"
+#include "inference/algorithms/npe_nle.h"
 
 #include <gtest/gtest.h>
 
