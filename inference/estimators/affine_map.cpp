@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "inference/estimators/scalar.h"
 #include "inference/estimators/softplus.h"
 
 namespace npdr::inference {
@@ -43,7 +44,6 @@ VectorX<S> AffineMap<S>::inverse(const VectorX<S>& z, const ColumnMatrixX<S>& ra
          (softplus(raw.col(0).array() + S(kScaleOffset)) + S(kSmallestScale));
 }
 
-template class AffineMap<float>;
-template class AffineMap<double>;
+template class AffineMap<NPDR_SCALAR>;
 
 }  // namespace npdr::inference

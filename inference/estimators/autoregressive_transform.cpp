@@ -3,6 +3,7 @@
 #include <string>
 
 #include "inference/estimators/dense.h"
+#include "inference/estimators/scalar.h"
 
 namespace npdr::inference {
 namespace {
@@ -197,7 +198,6 @@ ColumnMatrixX<S> AutoregressiveTransform<S>::inverse(const Parameters<S>& parame
   return u;
 }
 
-template class AutoregressiveTransform<float>;
-template class AutoregressiveTransform<double>;
+template class AutoregressiveTransform<NPDR_SCALAR>;
 
 }  // namespace npdr::inference

@@ -4,6 +4,7 @@
 #include "core/matrix_blocking.h"
 #include "inference/estimators/maf.h"
 #include "inference/estimators/mixture_density_network.h"
+#include "inference/estimators/scalar.h"
 
 namespace npdr::inference {
 
@@ -102,7 +103,6 @@ RowMatrixX<S> EmbeddedEstimator<S>::sample(const Parameters<S>& parameters, cons
   return estimator_->sample(parameters, embed(parameters, x, scratch), count, id);
 }
 
-template class EmbeddedEstimator<float>;
-template class EmbeddedEstimator<double>;
+template class EmbeddedEstimator<NPDR_SCALAR>;
 
 }  // namespace npdr::inference

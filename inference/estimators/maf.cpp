@@ -6,6 +6,7 @@
 
 #include "inference/estimators/affine_map.h"
 #include "inference/estimators/dense.h"
+#include "inference/estimators/scalar.h"
 #include "inference/estimators/size_check.h"
 #include "inference/estimators/spline_map.h"
 
@@ -149,7 +150,6 @@ RowMatrixX<S> MaskedAutoregressiveFlow<S>::sample(const Parameters<S>& parameter
   return z;
 }
 
-template class MaskedAutoregressiveFlow<float>;
-template class MaskedAutoregressiveFlow<double>;
+template class MaskedAutoregressiveFlow<NPDR_SCALAR>;
 
 }  // namespace npdr::inference

@@ -7,6 +7,7 @@
 
 #include "core/log_sum_exp.h"
 #include "inference/estimators/dense.h"
+#include "inference/estimators/scalar.h"
 #include "inference/estimators/size_check.h"
 #include "inference/estimators/softplus.h"
 
@@ -322,7 +323,6 @@ RowMatrixX<S> MixtureDensityNetwork<S>::sample(const Parameters<S>& parameters,
   return mixture(scratch, 0).sample(count, id).template cast<S>();
 }
 
-template class MixtureDensityNetwork<float>;
-template class MixtureDensityNetwork<double>;
+template class MixtureDensityNetwork<NPDR_SCALAR>;
 
 }  // namespace npdr::inference

@@ -4,6 +4,7 @@
 
 #include "core/matrix_blocking.h"
 #include "inference/estimators/dense.h"
+#include "inference/estimators/scalar.h"
 #include "inference/estimators/size_check.h"
 
 namespace npdr::inference {
@@ -97,7 +98,6 @@ void RatioEstimator<S>::backward(const Parameters<S>& parameters, const RowMatri
   dense_gradient(x, scratch.d_context, view(gradient, x_weight_), view(gradient, bias_));
 }
 
-template class RatioEstimator<float>;
-template class RatioEstimator<double>;
+template class RatioEstimator<NPDR_SCALAR>;
 
 }  // namespace npdr::inference

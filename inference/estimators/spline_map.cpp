@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "inference/estimators/estimator_config.h"
+#include "inference/estimators/scalar.h"
 #include "inference/estimators/softplus.h"
 
 namespace npdr::inference {
@@ -265,7 +266,6 @@ VectorX<S> SplineMap<S>::inverse(const VectorX<S>& z, const ColumnMatrixX<S>& ra
   return affine_.inverse(v, raw.leftCols(2));
 }
 
-template class SplineMap<float>;
-template class SplineMap<double>;
+template class SplineMap<NPDR_SCALAR>;
 
 }  // namespace npdr::inference

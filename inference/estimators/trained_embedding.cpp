@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "inference/estimators/dense.h"
+#include "inference/estimators/scalar.h"
 
 namespace npdr::inference {
 namespace {
@@ -176,7 +177,6 @@ void TrainedEmbedding<S>::backward(const Parameters<S>& parameters, const RowMat
   }
 }
 
-template class TrainedEmbedding<float>;
-template class TrainedEmbedding<double>;
+template class TrainedEmbedding<NPDR_SCALAR>;
 
 }  // namespace npdr::inference
