@@ -88,7 +88,7 @@ Bounds usual_bounds(const FeatureSource& x, Index num_columns, const Columns& co
   return bounds;
 }
 
-// What lies far out keeps its order.
+// Values that lie far out keep their order.
 void slow_down(RowMatrixF& z) {
   constexpr float farthest = FeatureTransform::kFarthest;
   if (z.size() == 0 || z.cwiseAbs().maxCoeff() <= farthest) return;

@@ -49,7 +49,7 @@ struct FeatureTransform {
   void apply(const RowMatrixF& x, RowMatrixF& z) const;
 };
 
-/// What becomes of features that span orders of magnitude.
+/// Treatment of features that span orders of magnitude.
 enum class Tails { kept, compressed, both };
 
 /// The transform for the rows of `x`, from their mean and deviation and, for components > 0, from

@@ -67,7 +67,7 @@ class NetworkPosterior : public Posterior {
   const Prior& prior() const override { return parts_.prior; }
   const NetworkParts& parts() const { return parts_; }
 
-  /// What is near this posterior, and soon drawn from, with a density that integrates to 1: q of a
+  /// A density near this posterior that is normalized and cheap to draw from: q of a
   /// pool, and itself in the role of a posterior.
   virtual const Posterior& importance_proposal() const { return *this; }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Index kFewest = 5;
 
-// Of the fit whose other parameter is theta: k, the mean of log(1 - theta x), and the scale
+// The fit whose other parameter is theta: k, the mean of log(1 - theta x), and the scale
 // -k / theta, which is the mean of x for an exponential tail.
 ParetoTail tail_at(const Eigen::ArrayXd& x, double theta) {
   constexpr double exponential = 1e-9;

@@ -26,7 +26,7 @@ constexpr double kImpossible = -1e100;
 
 constexpr PoolPowers kPosteriorAlone = {};
 
-// Those of a file may be anything.
+// Parts that a file holds may be anything.
 NetworkParts checked(NetworkParts parts) {
   if (parts.role != NetworkRole::posterior) {
     throw ShapeError("pool: its networks' role is '" + std::string(name_of(parts.role)) +

@@ -7,7 +7,7 @@
 /// sharpens posteriors that are too wide, as means of several networks are, a + b < 1 widens; what
 /// the data don't tell stays the prior.
 ///
-/// It is sampled by importance: draws of q, resampled with weights
+/// The pool is sampled by importance: draws of q, resampled with weights
 ///   w(u) = (q(u | z_o) / p(u))^(a - 1) l(z_o | u)^b
 /// (Dax et al. 2023, "Neural importance sampling for rapid and reliable gravitational-wave
 /// inference"; Gloeckler et al. 2022, "Variational methods for simulation-based inference"), so
@@ -24,7 +24,8 @@
 
 namespace npdr::inference {
 
-/// What both networks say of points, over the prior: log q(u | z_o) / p(u) and log l(z_o | u), (n).
+/// Log densities of both networks at points, over the prior: log q(u | z_o) / p(u) and
+/// log l(z_o | u), (n).
 struct PoolEvidence {
   Vector posterior;
   Vector likelihood;

@@ -38,7 +38,7 @@ AbcPopulation advance(Algorithm algorithm, const AbcConfig& config, const Prior&
 
 RowMatrix propose(Algorithm algorithm, const Prior& prior, const AbcPopulation& population, Index n,
                   const StreamId& id) {
-  if (algorithm == Algorithm::abc_mcmc) return propose_steps(prior, population, n, id);
+  if (algorithm == Algorithm::abc_mcmc) return propose_chain_steps(prior, population, n, id);
   if (algorithm == Algorithm::abc_smc) return propose_moved(prior, population, n, id);
   throw InputError("algorithm '" + name_of(algorithm) +
                    "' has one round, there is nothing to propose from");

@@ -46,8 +46,8 @@ AbcPopulation start_chains(const Prior& prior, const AbcPopulation& first, Index
           .num_chains = num_chains};
 }
 
-RowMatrix propose_steps(const Prior& prior, const AbcPopulation& population, Index n,
-                        const StreamId& id) {
+RowMatrix propose_chain_steps(const Prior& prior, const AbcPopulation& population, Index n,
+                              const StreamId& id) {
   require_chains(population, n);
   const StepKernel kernel(population.kernel, prior.dimension());
   RowMatrix u = prior.to_normal(population.theta.bottomRows(n));

@@ -22,8 +22,8 @@ AbcPopulation start_chains(const Prior& prior, const AbcPopulation& first, Index
                            const StreamId& id);
 
 /// (n, D) proposal of each chain. Throws InputError unless there are n chains.
-RowMatrix propose_steps(const Prior& prior, const AbcPopulation& population, Index n,
-                        const StreamId& id);
+RowMatrix propose_chain_steps(const Prior& prior, const AbcPopulation& population, Index n,
+                              const StreamId& id);
 
 /// Round id.round > 1, whose simulations are at the proposals of `previous`.
 AbcPopulation advance_chains(const Prior& prior, const AbcRound& round,

@@ -24,7 +24,7 @@ void take_judging_rows(LearnedRows& learned, Index num_new) {
   });
 }
 
-// Those of the last of the regions R_2, ..., R_r. Round j has drawn N_j rows of the prior within
+// Rows in the last of the regions R_2, ..., R_r. Round j has drawn N_j rows of the prior within
 // R_j, whose share of the prior is Z_j, so that at u there are
 //   N_1 + sum_j 1[u in R_j] N_j / Z_j
 // of them for each of the prior's; of N_r rows that judge don't count. w is one over that, with a

@@ -22,7 +22,7 @@ constexpr Index kUnsharpened = kSteps / 2;  // of the sum 1
 constexpr double kOneDeviation = 0.5;       // [nats] by which it lowers a Gaussian's log density
 constexpr double kStep = PoolPowers::kLargestSum / static_cast<double>(kSteps);
 
-// What the networks say of the parameters that x was simulated with, and of draws of q given x.
+// Log densities of the networks at the parameters that x was simulated with, and at draws of q.
 // Where rows come from a region alone, which q has learned and the likelihood can't, draws beyond
 // it don't count.
 PoolEvidence evidence_given(NetworkParts parts, const VectorF& x, const RowMatrix& theta,

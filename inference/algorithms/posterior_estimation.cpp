@@ -62,7 +62,8 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   return parts;
 }
 
-// What is trained: the networks of the algorithm's role, and for "npe_nle" those of the likelihood.
+// Ensembles to train: the networks of the algorithm's role, and for "npe_nle" those of the
+// likelihood.
 std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& config,
                                               const RoundData& data, const StreamId& id) {
   std::vector<NetworkParts> ensembles = {untrained_parts(config, data, id)};
@@ -99,7 +100,7 @@ void require_weights(const RoundTask& task, const TrainingState& state) {
                    ", as many as the network's");
 }
 
-// Of `count` networks from `first` on, one after the other.
+// Weights of `count` networks from `first` on, one after the other.
 Parameters<float> best_weights(const std::vector<TrainingState>& states, Index first, Index count) {
   std::vector<Parameters<float>> weights;
   for (Index k = first; k < first + count; ++k) {

@@ -7,12 +7,12 @@
 
 namespace npdr::inference {
 
-RatioObjective::RatioObjective(bool is_binary, Index num_atoms,
+RatioObjective::RatioObjective(const AlgorithmConfig& algorithm,
                                const RatioEstimator<float>& network,
                                const FeatureTransform& transform, const TrainingData& data,
                                const StreamId& id)
-    : is_binary_(is_binary),
-      num_atoms_(is_binary ? 2 : num_atoms),
+    : is_binary_(algorithm.kind == Algorithm::nre_a),
+      num_atoms_(is_binary_ ? 2 : algorithm.num_atoms),
       network_(network),
       transform_(transform),
       data_(data),

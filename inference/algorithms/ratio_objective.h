@@ -1,7 +1,8 @@
-/// The objective of NRE-A and NRE-B (ratio_loss.h): the other values of u for an x are those of
+/// The objective of NRE-A and NRE-B (ratio_loss.h): the other values of u for an x are taken from
 /// other simulations of the batch.
 #pragma once
 
+#include "inference/algorithms/algorithm_config.h"
 #include "inference/algorithms/training_data.h"
 #include "inference/estimators/ratio_estimator.h"
 #include "inference/feature_transform.h"
@@ -11,8 +12,9 @@ namespace npdr::inference {
 
 class RatioObjective : public Objective {
  public:
-  /// `num_atoms` values of u for each x; 2 with the binary loss. Keeps references to its arguments.
-  RatioObjective(bool is_binary, Index num_atoms, const RatioEstimator<float>& network,
+  /// num_atoms values of u for each x with the categorical loss ("nre_b"), 2 with the binary one
+  /// ("nre_a"). Keeps references to its arguments but the first.
+  RatioObjective(const AlgorithmConfig& algorithm, const RatioEstimator<float>& network,
                  const FeatureTransform& transform, const TrainingData& data, const StreamId& id);
 
   Index num_rows() const override { return data_.u.rows(); }

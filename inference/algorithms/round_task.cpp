@@ -103,9 +103,8 @@ class RatioTask : public TaskOf<RatioEstimator<float>> {
             const NetworkParts& parts, const StreamId& id)
       : TaskOf({parts.estimator, parts.prior.dimension(), parts.transform.num_outputs()}, data,
                parts) {
-    const bool is_binary = config.algorithm.kind == Algorithm::nre_a;
-    objective_ = std::make_unique<RatioObjective>(is_binary, config.algorithm.num_atoms, network_,
-                                                  parts.transform, data_, id);
+    objective_ =
+        std::make_unique<RatioObjective>(config.algorithm, network_, parts.transform, data_, id);
   }
 };
 

@@ -18,7 +18,7 @@
 
 namespace npdr::inference {
 
-/// What differs most, and how improbable that is.
+/// The largest difference, and how improbable it is.
 struct FailureDependence {
   Index num_failed = 0;
   Index num_good = 0;

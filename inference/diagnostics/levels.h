@@ -1,5 +1,4 @@
-/// Values that repeat: those of a grid, of rounded draws, or of draws that several simulations
-/// share.
+/// Values that repeat: values of a grid, rounded draws, or draws that several simulations share.
 #pragma once
 
 #include <map>
@@ -18,7 +17,7 @@ Levels levels_of(const Eigen::Ref<const Vector>& values);
 /// step apart: 1 of an even grid, most for draws that are rounded to few places, about 1 / n of n
 /// draws. 1 of a single level. Steps below 1e-9 of the range are rounding of the same level.
 double filled_by_steps(const Levels& levels);
-/// The same of their logarithms; 0 where a level isn't > 0.
+/// filled_by_steps() of their logarithms; 0 where a level isn't > 0.
 double filled_by_factors(const Levels& levels);
 
 /// Whether half of the places or more are filled, by steps or by factors.

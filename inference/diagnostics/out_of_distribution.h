@@ -41,7 +41,7 @@ struct OutOfDistribution {
 /// Fewer simulations than this say nothing.
 inline constexpr Index kFewestSimulations = 40;
 
-/// What x usually is among simulations: all that the test needs of them.
+/// Summary of the features x of simulations: all that the test needs of them.
 struct UsualFeatures {
   FeatureTransform transform;  ///< of z: its basis is (F, k)
   RowMatrixF known;            ///< (m, k), z of the first half

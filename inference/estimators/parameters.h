@@ -48,7 +48,7 @@ class ParameterLayout {
     size_ += (rows * cols + line - 1) / line * line;
     return block;
   }
-  /// The same of a layer.
+  /// Adds a layer, with its name.
   Block add(const std::string& name, Size rows, Size cols, const char* meaning) {
     layers_.push_back({prefix_ + name, rows, cols, meaning, add(rows.value, cols.value)});
     return layers_.back().block;
@@ -59,7 +59,7 @@ class ParameterLayout {
   void note(const std::string& name, Size size, const char* meaning, std::vector<Index> values) {
     fixed_.push_back({prefix_ + name, size, meaning, std::move(values)});
   }
-  /// What the names of all that is added from now on begin with.
+  /// Prefix of the names of all layers that are added from now on.
   void begin_names_with(std::string prefix) { prefix_ = std::move(prefix); }
 
   Index size() const { return size_; }

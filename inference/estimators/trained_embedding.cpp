@@ -82,7 +82,7 @@ void TrainedEmbedding<S>::convolve(const Parameters<S>& parameters, const Convol
   y = (y.rowwise() + view(parameters, layer.bias).row(0)).cwiseMax(S(0));
 }
 
-// What the linear layer sees, (n, inputs).
+// Inputs of the linear layer, (n, inputs).
 template <typename S>
 typename TrainedEmbedding<S>::Flat TrainedEmbedding<S>::last_inputs(const RowMatrixX<S>& z,
                                                                     const Scratch& scratch) const {

@@ -1,4 +1,4 @@
-/// What is known of how much importance-weighted draws are worth.
+/// Quality of importance-weighted draws.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace npdr::inference {
 
-/// Of independent draws of the last levels.
+/// Quality of the reported levels' independent draws.
 struct ImportanceCertificate {
   double power = 0.0;               ///< of the likelihood: less than wanted where draws ran out
   double wanted_power = 0.0;        ///< given, or chosen
@@ -21,7 +21,7 @@ struct ImportanceCertificate {
   double log_evidence = 0.0;        ///< log Z [nats]
   double log_evidence_error = 0.0;  ///< its standard error
   double half_difference = 0.0;     ///< of both halves' log Z, over its standard error
-  double pool_ess = 0.0;  ///< of the points before them, where it is those that are reported; or 0
+  double ess_of_all = 0.0;  ///< of the points of all levels, where these are the result; or 0
 };
 
 /// A Pareto k above 0.7 (Vehtari et al. 2024) where the efficiency is below 0.5: means may hang on

@@ -1,4 +1,4 @@
-// Of ImportanceSampler: walkers that go on where flows are stuck.
+// Transitions of ImportanceSampler by walkers, which go on where flows are stuck.
 #include <algorithm>
 #include <vector>
 

@@ -1,4 +1,4 @@
-// Of ImportanceSampler: the draws that it gives.
+// Results of ImportanceSampler.
 #include <algorithm>
 #include <cmath>
 
@@ -30,7 +30,7 @@ ImportanceSample ImportanceSampler::draws_of_all(std::size_t num_levels, double 
   const Choice choice = choose_rows(weights, most, level_id("refine_thinning"));
   return {points_of(state_.levels, config_.level_size, choice.rows),
           choice.weights,
-          {.pool_ess = effective_size(weights)}};
+          {.ess_of_all = effective_size(weights)}};
 }
 
 Vector ImportanceSampler::best_point() const {
@@ -89,8 +89,8 @@ ImportanceSample ImportanceSampler::particles(Index most) const {
   if (sample.certificate.ess < kFewOfWanted * config_.min_ess) {
     ImportanceSample known = draws_of_all(state_.num_before_reported(), power(), most);
     const double ess = effective_size(truncated(sample.weights.array().log()));
-    if (known.certificate.pool_ess > ess) {
-      sample.certificate.pool_ess = known.certificate.pool_ess;
+    if (known.certificate.ess_of_all > ess) {
+      sample.certificate.ess_of_all = known.certificate.ess_of_all;
       known.certificate = sample.certificate;
       return known;
     }

@@ -84,7 +84,7 @@ void ImportanceSampler::settle(double power) {
   plan_next_level();
 }
 
-// What follows a complete level.
+// Transitions after a complete level.
 void ImportanceSampler::plan_next_level() {
   switch (state_.levels.back().kind) {
     case LevelKind::sweep:
@@ -96,7 +96,7 @@ void ImportanceSampler::plan_next_level() {
   }
 }
 
-// What follows a lesson: the first that holds.
+// Transitions after a lesson: the first that holds.
 const std::array<ImportanceSampler::Transition, 4> ImportanceSampler::kAfterLessons = {{
     {&ImportanceSampler::has_learned, &ImportanceSampler::begin_reported_levels},
     {&ImportanceSampler::lacks_points, &ImportanceSampler::draw_prior_again},
@@ -208,7 +208,7 @@ void ImportanceSampler::fit_next_flow(const Survey& survey) {
   begin_level(std::move(proposal), power, LevelKind::lesson);
 }
 
-// Where the training of the next flow starts; empty: from anew.
+// Weights that the training of the next flow starts from; empty: fresh ones.
 Parameters<float> ImportanceSampler::latest_network() const {
   for (const ImportanceLevel& level : state_.levels | std::views::reverse) {
     if (!level.proposal.flows.empty()) return level.proposal.flows.front().network;
@@ -231,8 +231,8 @@ std::vector<std::size_t> ImportanceSampler::best_levels() const {
   return best;
 }
 
-// How much of pi, as all points tell, is where draws of the mixture q of these levels' proposals
-// hardly come: at weights w = pi / q above sqrt(n) times their mean Z, n a level's draws. A mode
+// Share of pi, as all points tell, that draws of the mixture q of these levels' proposals hardly
+// reach: at weights w = pi / q above sqrt(n) times their mean Z, n a level's draws. A mode
 // that q misses is; a point that q happens to give too little is worth no more than it weighs.
 void ImportanceSampler::note_heavy_share(const std::vector<std::size_t>& levels) {
   state_.heavy_share = 0.0;
@@ -308,7 +308,7 @@ Index ImportanceSampler::num_kept_levels() const {
   return std::min(kMostOldLevels, 2 + static_cast<Index>(most));
 }
 
-// All but the first, the walkers and the latest.
+// Drops all levels but the first, the walkers and the latest.
 void ImportanceSampler::drop_old_levels() {
   while (std::ssize(state_.levels) > num_kept_levels()) {
     drop(state_.levels[1].kind == LevelKind::walkers ? 2 : 1);

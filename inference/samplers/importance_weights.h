@@ -13,9 +13,9 @@ namespace npdr::inference {
 Vector numbers(const Vector& logs);
 /// The largest that is a number; -infinity: none is.
 double largest_number(const Vector& logs);
-/// exp of logarithms, the largest 1; those that aren't numbers are 0.
+/// exp of logarithms, the largest 1; 0 where a logarithm is no number.
 Vector exponentials(const Vector& logs);
-/// The same, cut off at their mean times sqrt(n) (Ionides 2008).
+/// exponentials(), cut off at their mean times sqrt(n) (Ionides 2008).
 Vector truncated(const Vector& logs);
 
 /// The largest power from `low` to `high` that is enough, where all below one that is are, too: by

@@ -81,7 +81,7 @@ class Climb {
   Index num_points_ = 0;
 };
 
-// Where chains begin: chain c in row c, of population c mod kPopulations.
+// Starts of the chains: chain c in row c, of population c mod kPopulations.
 struct Starts {
   RowMatrix u;
   std::vector<Index> families;

@@ -25,7 +25,7 @@
 
 namespace npdr::inference {
 
-/// What all walkers do in one sweep.
+/// Kind of the steps of a sweep.
 enum class StepKind { wide, near };
 
 struct TemperedWalkers {
@@ -48,11 +48,10 @@ std::vector<Index> raise_power(TemperedWalkers& walkers, double power, Index cou
 /// Chooses the neighbors of each by where they are now: the 30 nearest, or all others.
 void choose_neighbors(TemperedWalkers& walkers);
 
-/// Where the walkers (three or more) may go, (W, D). Throws ShapeError for near steps without
+/// Proposed places of the walkers (three or more), (W, D). Throws ShapeError for near steps without
 /// neighbors.
 RowMatrix propose_steps(const TemperedWalkers& walkers, StepKind kind, const StreamId& id);
-/// Goes there or stays, by the log likelihoods (W) there; those that aren't numbers are
-/// -infinity.
+/// Accepts or rejects these places by their log likelihoods (W); NaN is -infinity.
 void take_steps(TemperedWalkers& walkers, StepKind kind, const RowMatrix& proposed,
                 const Vector& log_likelihood, const StreamId& id);
 

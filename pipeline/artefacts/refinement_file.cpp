@@ -26,7 +26,7 @@ void describe(Layout f, std::optional<inference::ImportanceCertificate>& certifi
   group->attribute("log_evidence_error", c.log_evidence_error, "its standard error");
   group->attribute("half_difference", c.half_difference,
                    "of log Z by either half of the draws, over its standard error");
-  group->attribute("pool_ess", c.pool_ess,
+  group->attribute("pool_ess", c.ess_of_all,
                    "of the points that taught, where the particles are of those: the last levels "
                    "have too few; or 0");
 }

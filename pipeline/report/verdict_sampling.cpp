@@ -154,7 +154,7 @@ Verdict judge_certificates(const ReportData& data, const Runs& runs) {
     heaviest = std::max(heaviest, certificate.pareto_k);
     power = std::min(power, certificate.power);
     largest_power = std::max(largest_power, certificate.power);
-    has_pool |= certificate.pool_ess > 0.0;
+    has_pool |= certificate.ess_of_all > 0.0;
   }
   const std::string text =
       fmt::format(", effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest) +

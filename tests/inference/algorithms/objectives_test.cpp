@@ -57,11 +57,11 @@ TEST(RatioObjective, GradientEqualsCentralDifferences) {
   const SmallBatch small_batch;
   const EstimatorConfig config = small(EstimatorKind::resnet);
   const RatioEstimator<float> network(config, 2, 2);
-  for (const bool is_binary : {true, false}) {
-    RatioObjective objective(is_binary, 5, network, small_batch.transform, small_batch.data,
-                             {1, "train", 2, 0, 0});
+  for (const Algorithm kind : {Algorithm::nre_a, Algorithm::nre_b}) {
+    RatioObjective objective({.kind = kind, .num_atoms = 5}, network, small_batch.transform,
+                             small_batch.data, {1, "train", 2, 0, 0});
     expect_slope_is_gradient(objective, network.initial_parameters({1, "initial", 0, 0, 0}),
-                             small_batch.batch(), is_binary ? "binary" : "categorical");
+                             small_batch.batch(), name_of(kind));
   }
 }
 

@@ -98,10 +98,10 @@ TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
 TEST_F(RefinementFile, CertificatesAreReadAsTheyAreWritten) {
   h5::File file = h5::File::create(folder_.path() / "certificate.h5");
   EXPECT_FALSE(read_certificate(file).has_value());
-  write_certificate(file, {.ess = 12.0, .missed_share = 0.25, .pool_ess = 34.0});
+  write_certificate(file, {.ess = 12.0, .missed_share = 0.25, .ess_of_all = 34.0});
   EXPECT_EQ(read_certificate(file)->ess, 12.0);
   EXPECT_EQ(read_certificate(file)->missed_share, 0.25);
-  EXPECT_EQ(read_certificate(file)->pool_ess, 34.0);
+  EXPECT_EQ(read_certificate(file)->ess_of_all, 34.0);
 }
 
 TEST_F(RefinementFile, RefusesPowersWithoutTheirScores) {

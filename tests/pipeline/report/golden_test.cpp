@@ -189,7 +189,7 @@ class SpoiledMethod : public Verdicts {
         {"power_reached", [&] { certificate().power = n.at(0); }},
         {"pareto_k", [&] { certificate().pareto_k = n.at(0); }},
         {"ess", [&] { certificate().ess = n.at(0); }},
-        {"pool_ess", [&] { certificate().pool_ess = n.at(0); }},
+        {"pool_ess", [&] { certificate().ess_of_all = n.at(0); }},
         {"log_evidence",
          [&] {
            certificate().log_evidence = n.at(0);
