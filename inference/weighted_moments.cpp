@@ -18,4 +18,10 @@ Eigen::MatrixXd weighted_covariance(const RowMatrix& x, const Vector& weights) {
          (sum - weights.squaredNorm() / sum);
 }
 
+Eigen::MatrixXd regularized_covariance(const RowMatrix& x, const Vector& weights) {
+  Eigen::MatrixXd covariance = weighted_covariance(x, weights);
+  covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().array();
+  return covariance;
+}
+
 }  // namespace npdr::inference

@@ -15,4 +15,8 @@ Vector weighted_mean(const RowMatrix& x, const Vector& weights);
 /// equal weights the usual one with n - 1. NaN when one sample has all of the weight.
 Eigen::MatrixXd weighted_covariance(const RowMatrix& x, const Vector& weights);
 
+/// weighted_covariance() of points that may be few, or hardly vary in a column: its diagonal is
+/// larger by 1e-12 and 1e-9 of itself, which lets it be factored.
+Eigen::MatrixXd regularized_covariance(const RowMatrix& x, const Vector& weights);
+
 }  // namespace npdr::inference

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "inference/abc/step_kernel.h"
 #include "inference/samplers/resampler.h"
+#include "inference/samplers/step_length.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {
@@ -30,7 +31,6 @@ Vector equal_weights(Index n) { return Vector::Constant(n, 1.0 / static_cast<dou
 
 AbcPopulation start_chains(const Prior& prior, const AbcPopulation& first, Index num_chains,
                            const StreamId& id) {
-  constexpr double best_scale = 2.38;
   const Resampler resampler(first.weights);
   std::vector<Index> starts;
   for (Index c = 0; c < num_chains; ++c) {
@@ -42,7 +42,7 @@ AbcPopulation start_chains(const Prior& prior, const AbcPopulation& first, Index
           .weights = equal_weights(num_chains),
           .distances = first.distances(starts),
           .epsilon = first.epsilon,
-          .kernel = best_scale * best_scale / static_cast<double>(prior.dimension()) * covariance,
+          .kernel = kBestStep * kBestStep / static_cast<double>(prior.dimension()) * covariance,
           .num_chains = num_chains};
 }
 

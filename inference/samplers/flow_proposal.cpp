@@ -12,6 +12,7 @@
 #include "core/matrix_blocking.h"
 #include "core/parallel.h"
 #include "inference/estimators/maf.h"
+#include "inference/samplers/importance_constants.h"
 #include "inference/training/trainer.h"
 #include "inference/weighted_moments.h"
 
@@ -27,8 +28,6 @@ constexpr TrainingConfig kTraining = {.learning_rate = 2e-3,
                                       .max_epochs = 100};
 constexpr Index kBlock = 64;       // rows that are computed together
 constexpr Index kFewestRows = 10;  // of which two validate
-constexpr double kTailShare = 0.1;
-constexpr int kTailDegrees = 5;
 
 // The network f, of a dimension; its weights are the proposal's.
 struct Network {
@@ -117,9 +116,7 @@ FlowProposal fit_flow(const RowMatrix& u, const Vector& weights, const Parameter
                      std::to_string(kFewestRows) + " or more");
   }
   FlowProposal fit{.mean = weighted_mean(u, weights), .factor = {}, .network = {}};
-  Eigen::MatrixXd covariance = weighted_covariance(u, weights);
-  // A parameter may hardly move, and there may be few points.
-  covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().array();
+  const Eigen::MatrixXd covariance = regularized_covariance(u, weights);
   const Cholesky factor(covariance);
   if (!covariance.allFinite() || !factor.is_positive_definite()) {
     throw InputError("flow: the points have no covariance");

@@ -4,11 +4,11 @@
 #include <utility>
 #include <vector>
 
+#include "inference/samplers/step_length.h"
+
 namespace npdr::inference {
 namespace {
 
-constexpr double kLength = 2.38;  // over sqrt(2 D), for a Gaussian
-constexpr double kSpread = 0.5;   // of the logarithm of a step's length
 constexpr double kJitter = 1e-3;  // of each coordinate, out of the span of few rows
 
 using Rows = std::vector<std::uint32_t>;
@@ -17,12 +17,12 @@ using Rows = std::vector<std::uint32_t>;
 RowMatrix proposed_steps(const RowMatrix& u, const Rows& movers, const Rows& others,
                          Stream& stream) {
   const auto count = static_cast<std::uint32_t>(others.size());
-  const double length = kLength / std::sqrt(2.0 * static_cast<double>(u.cols()));
+  const double length = kBestStep / std::sqrt(2.0 * static_cast<double>(u.cols()));
   RowMatrix to(std::ssize(movers), u.cols());
   for (std::size_t i = 0; i < movers.size(); ++i) {
     const std::uint32_t j = stream.below(count);
     const std::uint32_t k = (j + 1 + stream.below(count - 1)) % count;
-    const double g = length * std::exp(kSpread * stream.normal());
+    const double g = length * std::exp(kSpreadOfSteps * stream.normal());
     auto row = to.row(static_cast<Index>(i));
     row = u.row(movers[i]) + g * (u.row(others[j]) - u.row(others[k]));
     for (double& value : row) value += kJitter * stream.normal();

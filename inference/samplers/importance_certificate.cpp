@@ -5,16 +5,10 @@
 #include <cmath>
 
 #include "core/text.h"
+#include "inference/samplers/importance_constants.h"
 
 namespace npdr::inference {
-namespace {
-
-constexpr double kLargestParetoK = 0.7;
-constexpr double kGoodEfficiency = 0.5;
-constexpr double kMostMissed = 0.05;
-constexpr double kLargestDifference = 4.0;  // in standard errors; beyond either by chance: 6e-5
-
-}  // namespace
+namespace {}  // namespace
 
 bool has_heavy_weights(const ImportanceCertificate& certificate) {
   // Few weights are large where most draws count, whatever their tail.

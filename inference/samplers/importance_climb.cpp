@@ -2,19 +2,13 @@
 #include <algorithm>
 #include <vector>
 
+#include "inference/samplers/importance_constants.h"
 #include "inference/samplers/importance_sampler.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/samplers/resampler.h"
 
 namespace npdr::inference {
 namespace {
-
-constexpr double kEffectiveShare = 0.5;  // of walkers, at the next power
-constexpr Index kSweeps = 50;            // at one power
-constexpr Index kSweepsOfNeighbors = 6;  // until they are chosen anew
-constexpr Index kSweepsAtEnd = 100;      // while walkers fill a level
-constexpr Index kSweepsOfKept = 10;      // of which one is kept
-constexpr double kClimbShare = 0.75;     // of the simulations, until the end of the climb
 
 // One sweep wide, the next one near.
 StepKind kind_of_sweep(const TemperedWalkers& walkers) {
@@ -26,7 +20,7 @@ StepKind kind_of_sweep(const TemperedWalkers& walkers) {
 // For walkers to walk at so many powers and at the end.
 bool ImportanceSampler::has_draws_to_climb(Index num_powers) const {
   const Index draws =
-      state_.num_draws + (num_powers * kSweeps + kSweepsAtEnd) * num_walkers(config_);
+      state_.num_draws + (num_powers * kSweepsOfPower + kSweepsAtEnd) * num_walkers(config_);
   return static_cast<double>(draws) <= kClimbShare * static_cast<double>(config_.max_simulations);
 }
 
@@ -60,15 +54,15 @@ void ImportanceSampler::go_on_climbing() {
   take_steps(walkers, kind_of_sweep(walkers), sweep.u, sweep.log_likelihood,
              level_id("refine_choice"));
   if (state_.levels.back().kind == LevelKind::walkers) {
-    if (walkers.num_sweeps % kSweepsOfKept == 0) keep_walkers();
+    if (walkers.num_sweeps % kSweepsOfLevel == 0) keep_walkers();
     if (state_.levels.back().u.rows() == config_.level_size) {
       state_.walkers.reset();
       return teach();
     }
-  } else if (walkers.num_sweeps >= kSweeps) {
+  } else if (walkers.num_sweeps >= kSweepsOfPower) {
     if (walkers.power < state_.wanted_power && has_draws_to_climb(1)) {
       const Index count = walkers.u.rows();
-      const double enough = kEffectiveShare * static_cast<double>(count);
+      const double enough = kEffectiveWalkers * static_cast<double>(count);
       raise_power(walkers, next_power(walkers, state_.wanted_power, enough), count,
                   level_id("refine_walkers"));
     } else {

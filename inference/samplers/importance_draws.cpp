@@ -5,16 +5,13 @@
 #include "core/constants.h"
 #include "core/error.h"
 #include "inference/pareto_tail.h"
+#include "inference/samplers/importance_constants.h"
 #include "inference/samplers/importance_sampler.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {
-namespace {
-
-constexpr double kFewOfWanted = 0.1;  // effective draws, that are too few for particles
-
-}  // namespace
+namespace {}  // namespace
 
 ImportanceSample ImportanceSampler::preliminary(double power, Index most) const {
   if (state_.walkers) throw Error("importance sampling: no draws while walkers climb");

@@ -7,27 +7,12 @@
 
 #include "core/constants.h"
 #include "core/error.h"
+#include "inference/samplers/importance_constants.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {
-namespace {
-
-constexpr double kPriorShare = 0.05;     // of every proposal
-constexpr Index kTrainingRows = 20'000;  // at most about so many points teach a flow
-constexpr double kWantedShare = 0.2;     // effective points that a flow is fitted to, of a level
-constexpr Index kFewestPoints = 100;     // that a flow is fitted to,
-constexpr Index kFewestOfAll = 20;       // where more levels wouldn't be kept
-constexpr Index kMostOldLevels = 40;     // levels that count at most, besides the first
-constexpr double kMostDensities = 5e7;   // of all their points by all their proposals
-constexpr Index kFlowsAtEnd = 3;         // of the reported levels' proposal
-constexpr double kAboutAsHigh = 0.8;     // ratio of powers that those were fitted to
-constexpr Index kFormerLevels = 10;      // formerly reported ones that teach
-constexpr Index kStuckLevels = 10;       // levels that have raised the power
-constexpr double kStuckRise = 1.5;       // by less than to this multiple
-constexpr Index kFewestRaises = 3;       // that a climb must have draws for
-
-}  // namespace
+namespace {}  // namespace
 
 ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimension,
                                      const RowMatrix& start, const StreamId& id,
@@ -44,7 +29,7 @@ ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimen
   if (start.rows() > 0) {
     proposal.flows.push_back(fit_flow(start, Vector::Ones(start.rows()), Parameters<float>(),
                                       within(id_, "refine_flow")));
-    proposal.prior_share = 0.5;
+    proposal.prior_share = kPriorShareOfStart;
   }
   state_.wanted_power = config_.likelihood_power;
   begin_level(std::move(proposal), 0.0, LevelKind::lesson);
@@ -174,7 +159,7 @@ void ImportanceSampler::begin_reported_levels(const Survey&) {
 bool ImportanceSampler::lacks_points(const Survey& survey) const {
   const bool is_full = std::ssize(state_.levels) >= num_kept_levels();
   return (survey.draws.log_likelihood.array() > -kInfinity).count() <
-         (is_full ? kFewestOfAll : kFewestPoints);
+         (is_full ? kFewestPointsAtEnd : kFewestPoints);
 }
 
 void ImportanceSampler::draw_prior_again(const Survey&) {
@@ -220,7 +205,7 @@ Parameters<float> ImportanceSampler::latest_network() const {
 std::vector<std::size_t> ImportanceSampler::best_levels() const {
   const double power = state_.learned_power();
   std::vector<std::size_t> best;
-  for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(best) < kFlowsAtEnd;) {
+  for (std::size_t l = state_.levels.size(); l-- > 1 && std::ssize(best) < kReportedFlows;) {
     const ImportanceLevel& level = state_.levels[l];
     const bool is_as_high =
         std::min(level.power, power) >= kAboutAsHigh * std::max(level.power, power);
@@ -275,7 +260,7 @@ void ImportanceSampler::learn_from_reported_levels() {
     state_.levels[l].proposal = proposal;
   }
   std::ranges::stable_sort(reported, std::greater(), [&](std::size_t l) { return heaviest[l]; });
-  const Index most = std::min(kFormerLevels, num_kept_levels() / 3);
+  const Index most = std::min(kMostFormerLevels, num_kept_levels() / 3);
   reported.erase(reported.begin(), reported.begin() + std::min(most, std::ssize(reported)));
   std::ranges::sort(reported, std::greater());
   for (const std::size_t level : reported) drop(level);

@@ -8,12 +8,11 @@
 
 #include "core/error.h"
 #include "core/log_sum_exp.h"
+#include "inference/samplers/importance_constants.h"
 #include "inference/standard_normal.h"
 
 namespace npdr::inference {
 namespace {
-
-constexpr Index kSweepsOfLevel = 10;  // of walkers, that have as many draws as a level
 
 void require(bool is_right, const std::string& what) {
   if (!is_right) throw ShapeError("importance sampling: " + what);

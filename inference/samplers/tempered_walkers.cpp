@@ -11,13 +11,13 @@
 #include "core/parallel.h"
 #include "inference/samplers/importance_weights.h"
 #include "inference/samplers/resampler.h"
+#include "inference/samplers/step_length.h"
 #include "inference/weighted_moments.h"
 
 namespace npdr::inference {
 namespace {
 
 constexpr double kWantedRate = 0.2;                 // of steps that are taken
-constexpr double kSpread = 0.5;                     // of a step's length, in nats
 constexpr double kShortest = 0.01, kLongest = 1.0;  // step lengths
 constexpr Index kNeighbors = 30;
 
@@ -28,9 +28,7 @@ Vector weights_at(const TemperedWalkers& walkers, double power) {
 
 // The factor L of the covariance L L^T; of a little more where walkers are all in one place.
 Eigen::MatrixXd step_factor(const RowMatrix& u) {
-  Eigen::MatrixXd covariance = weighted_covariance(u, Vector::Ones(u.rows()));
-  covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().array();
-  return Cholesky(covariance).lower();
+  return Cholesky(regularized_covariance(u, Vector::Ones(u.rows()))).lower();
 }
 
 Stream stream_of(StreamId id, Index walker) {
@@ -51,7 +49,7 @@ Eigen::RowVectorXd by_difference(const RowMatrix& u, Index i, Index j, Index k, 
 }
 
 double draw_length(double scale, Stream& stream) {
-  return scale * std::exp(kSpread * stream.normal());
+  return scale * std::exp(kSpreadOfSteps * stream.normal());
 }
 
 RowMatrix propose_wide(const RowMatrix& u, double scale, const StreamId& id) {
@@ -140,7 +138,7 @@ void choose_neighbors(TemperedWalkers& walkers) {
 }
 
 RowMatrix propose_steps(const TemperedWalkers& walkers, StepKind kind, const StreamId& id) {
-  const double scale = 2.38 / std::sqrt(static_cast<double>(walkers.u.cols())) *
+  const double scale = kBestStep / std::sqrt(static_cast<double>(walkers.u.cols())) *
                        walkers.step_lengths[static_cast<std::size_t>(kind)];
   return kind == StepKind::wide ? propose_wide(walkers.u, scale, id)
                                 : propose_near(walkers, scale, id);
