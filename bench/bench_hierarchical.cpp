@@ -22,7 +22,7 @@
 #include "analysis/table_writers.h"
 #include "core/error.h"
 #include "inference/prior.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/predictions/judge.h"

@@ -7,7 +7,7 @@
 
 #include "core/parallel.h"
 #include "inference/samplers/importance_sampler.h"
-#include "inference/samplers/resampler.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::bench {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/log_sum_exp.h"
 #include "core/parallel.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

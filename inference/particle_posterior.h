@@ -15,7 +15,7 @@
 
 #include "inference/kernel_density.h"
 #include "inference/posterior.h"
-#include "inference/samplers/resampler.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 

@@ -106,13 +106,8 @@ PoolPowers PooledPosterior::usable_powers() const {
     return WeightedPopulation(draws, evidence.log_weights(part_of_way(part))).effective_size() >=
            kSmallestEfficiency * static_cast<double>(kCandidates);
   };
-  double high = 1.0, low = 0.0;
-  if (is_usable(high)) return wanted;
-  for (int i = 0; i < halvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (is_usable(middle) ? low : high) = middle;
-  }
-  return part_of_way(low);
+  const double part = largest_power(0.0, 1.0, is_usable, halvings);
+  return part == 1.0 ? wanted : part_of_way(part);
 }
 
 // kCandidates at a time, until `is_enough` of them or kMostCandidates.

@@ -5,9 +5,8 @@
 
 #include "core/error.h"
 #include "inference/abc/step_kernel.h"
-#include "inference/samplers/resampler.h"
 #include "inference/samplers/step_length.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

@@ -7,8 +7,7 @@
 #include "core/parallel.h"
 #include "inference/abc/acceptance.h"
 #include "inference/abc/step_kernel.h"
-#include "inference/samplers/resampler.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

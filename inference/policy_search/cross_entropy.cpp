@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "inference/policy_search/best_rows.h"
 #include "inference/policy_search/exploration.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

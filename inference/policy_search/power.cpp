@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "inference/policy_search/exploration.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 

@@ -14,7 +14,7 @@
 #include "inference/estimators/maf.h"
 #include "inference/samplers/importance_constants.h"
 #include "inference/training/trainer.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

@@ -13,7 +13,7 @@ struct ImportanceCertificate {
   double power = 0.0;               ///< of the likelihood: less than wanted where draws ran out
   double wanted_power = 0.0;        ///< given, or chosen
   Index num_draws = 0;              ///< simulated in all
-  double ess = 0.0;                 ///< effective size of the weights (weighted_moments.h)
+  double ess = 0.0;                 ///< effective size of the weights (weighted_population.h)
   double wanted_ess = 0.0;          ///< at least
   double efficiency = 0.0;          ///< ess over the draws that are reported
   double missed_share = 0.0;        ///< of pi, by points that were known before (heavy_share())

@@ -4,8 +4,7 @@
 
 #include "inference/samplers/importance_constants.h"
 #include "inference/samplers/importance_sampler.h"
-#include "inference/samplers/importance_weights.h"
-#include "inference/samplers/resampler.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

@@ -7,8 +7,7 @@
 #include "inference/pareto_tail.h"
 #include "inference/samplers/importance_constants.h"
 #include "inference/samplers/importance_sampler.h"
-#include "inference/samplers/importance_weights.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {}  // namespace

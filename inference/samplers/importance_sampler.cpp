@@ -8,8 +8,7 @@
 #include "core/constants.h"
 #include "core/error.h"
 #include "inference/samplers/importance_constants.h"
-#include "inference/samplers/importance_weights.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {}  // namespace

@@ -55,7 +55,7 @@ struct ImportanceState {
   double wanted_power = 0.0;               ///< a
   Index num_draws_before = 0;              ///< told before a was reached; 0: it wasn't
   double heavy_log_weight = 0.0;  ///< of reported draws: Z times sqrt(level_size), by all points
-  double heavy_share = 0.0;       ///< of pi, at weights above that (importance_weights.h)
+  double heavy_share = 0.0;       ///< of pi, at weights above that (weighted_population.h)
 
   Index num_levels_of(LevelKind kind) const;
   /// Number of the levels before the reported ones.

@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "core/log_sum_exp.h"
-#include "inference/samplers/importance_weights.h"
 #include "inference/standard_normal.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 

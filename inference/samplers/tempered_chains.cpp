@@ -8,10 +8,10 @@
 
 #include "core/error.h"
 #include "inference/samplers/chain_diagnostics.h"
-#include "inference/samplers/importance_weights.h"
 #include "inference/samplers/slice_sampler.h"
 #include "inference/samplers/tempered_walkers.h"
 #include "inference/standard_normal.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

@@ -9,10 +9,8 @@
 #include "core/decompositions.h"
 #include "core/error.h"
 #include "core/parallel.h"
-#include "inference/samplers/importance_weights.h"
-#include "inference/samplers/resampler.h"
 #include "inference/samplers/step_length.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "analysis/predictive_scores.h"
 #include "core/parallel.h"
-#include "inference/samplers/resampler.h"
+#include "inference/weighted_population.h"
 #include "pipeline/predictions/power_weights.h"
 #include "pipeline/predictions/prediction.h"
 

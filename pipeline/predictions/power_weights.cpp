@@ -1,6 +1,6 @@
 #include "pipeline/predictions/power_weights.h"
 
-#include "inference/samplers/importance_weights.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::pipeline {
 

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "inference/samplers/importance_sampler.h"
-#include "inference/samplers/resampler.h"
+#include "inference/weighted_population.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/process/progress.h"

@@ -8,7 +8,7 @@
 #include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

@@ -9,7 +9,7 @@
 #include "inference/abc/abc_smc.h"
 #include "inference/abc/acceptance.h"
 #include "inference/particle_posterior.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 #include "tests/inference/tasks.h"
 #include "tests/message_of.h"
 

@@ -7,7 +7,7 @@
 #include "inference/matrix_features.h"
 #include "inference/surrogate_posterior.h"
 #include "inference/truncated_prior.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 #include "tests/inference/linear_gaussian_check.h"
 #include "tests/message_of.h"
 

@@ -9,7 +9,7 @@
 
 #include "core/constants.h"
 #include "core/error.h"
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

@@ -9,8 +9,8 @@
 #include "core/constants.h"
 #include "core/error.h"
 #include "core/log_sum_exp.h"
-#include "inference/samplers/importance_weights.h"
 #include "inference/standard_normal.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {

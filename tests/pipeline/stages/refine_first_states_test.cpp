@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/refinement_file.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "inference/weighted_moments.h"
+#include "inference/weighted_population.h"
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
