@@ -13,15 +13,6 @@
 namespace npdr::analysis {
 namespace {
 
-std::vector<double> sorted_finite(const Eigen::Ref<const Vector>& samples) {
-  std::vector<double> values;
-  for (const double v : samples) {
-    if (std::isfinite(v)) values.push_back(v);
-  }
-  std::sort(values.begin(), values.end());
-  return values;
-}
-
 double silverman_bandwidth(const std::vector<double>& sorted) {
   const auto n = static_cast<double>(sorted.size());
   double mean = 0.0, squares = 0.0;
