@@ -138,4 +138,8 @@ OutOfDistribution test_out_of_distribution(const UsualFeatures& usual, const Vec
   return result;
 }
 
+bool can_be_outside(Index num_reference, double level) {
+  return 3.0 * smallest_tail_probability(num_reference) < level;
+}
+
 }  // namespace npdr::inference

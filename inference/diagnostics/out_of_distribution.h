@@ -65,4 +65,8 @@ std::optional<Index> impossible_feature(const UsualFeatures& usual, const Vector
 /// Tests x_o (F). Throws ShapeError when the widths differ and InputError for what isn't finite.
 OutOfDistribution test_out_of_distribution(const UsualFeatures& usual, const VectorF& x_o);
 
+/// Whether so many simulations that say what is usual can give a p-value below `level` at all, of
+/// what isn't infinitely far.
+bool can_be_outside(Index num_reference, double level);
+
 }  // namespace npdr::inference

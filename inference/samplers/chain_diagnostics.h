@@ -9,6 +9,9 @@
 
 namespace npdr::inference {
 
+/// Largest R-hat at which chains count as having found the same places.
+inline constexpr double kLargestRHat = 1.1;
+
 /// Diagnostics of each coordinate.
 struct ChainDiagnostics {
   Vector r_hat;  ///< (D); 1 when the halves of all chains agree, above 1.01 they don't

@@ -122,41 +122,6 @@ std::string words_of(Metric metric) {
   return "";
 }
 
-std::string words_of(Check check) {
-  switch (check) {
-    case Check::sbc:
-      return "are posteriors of the right place and width, parameter by parameter?";
-    case Check::coverage:
-      return "do credible regions hold the truth as often as they say?";
-    case Check::tarp:
-      return "the same, by regions around random points";
-    case Check::local_c2st:
-      return "can a classifier tell the posterior at the observation from the true one?";
-    case Check::predictive:
-      return "do posterior samples predict what was observed?";
-    case Check::ood:
-      return "does the observation lie among the simulations?";
-    case Check::failures:
-      return "does it depend on the parameters which simulations fail?";
-    case Check::training:
-      return "has training ended, and not far below the validation loss?";
-    case Check::sampling:
-      return "do its chains agree, or enough of its weighted draws count?";
-    case Check::residuals:
-      return "does a refinement leave of the recording what its noise model says?";
-    case Check::bounds:
-      return "does the posterior press against the prior's bounds?";
-    case Check::contraction:
-      return "is the posterior narrower than the prior?";
-    case Check::fit:
-      return "is the samples' RMSE near the smallest that can be reached, and of hardly any as "
-             "large as the prior's?";
-    case Check::held_out:
-      return "do bands of predictions hold rollouts that inference hasn't seen?";
-    case Check::dataset:
-      return "is the dataset's theta of the prior, and no row there twice?";
-  }
-  return "";
-}
+std::string words_of(Check check) { return std::string(traits_of(check).question); }
 
 }  // namespace npdr::pipeline

@@ -1,10 +1,14 @@
-/// Checks that posteriors are put to.
+/// Checks that posteriors are put to: the one table of their names, of what each asks, and of the
+/// methods that it means something to. What each says of results is judge() of
+/// pipeline/findings/probe.h.
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 
 #include "core/enum_names.h"
+#include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
 
@@ -28,97 +32,101 @@ enum class Check {
   dataset
 };
 
-/// Conditions that a method must meet for a check to mean something to it.
-enum class CheckNeeds {
-  posterior,    ///< which all have that infer
-  simulations,  ///< among which an observation can lie
-  network,
-  sampler,     ///< since the density is only known up to a constant
-  likelihood,  ///< of the observation noise
+/// What a check looks at.
+enum class CheckInput {
+  calibration,  ///< fresh simulations of the prior, and the network of round 1, which has learned
+                ///< from all of it: a diagnosis
+  posterior,    ///< that of the last round, its simulations, its training: a diagnosis
+  samples,      ///< evaluated ones, or the rows of a dataset: judged for the report
 };
 
-/// Everything about a check that others than its own files need.
-struct CheckTraits : EnumRow<Check> {
-  std::string_view title;  ///< for people
-  CheckNeeds needs;
-  bool asks_simulator = true;  ///< for other simulations than those that inference has seen
-  /// Concerns the network of round 1, which has learned from the whole prior, over fresh
-  /// simulations of it; else the posterior of the last round.
-  bool calibrates = false;
-  bool has_p_value = true;
-  std::string_view failure = "FAILS";  ///< the verdict where p is too small, or where it has none
-  bool is_of_evaluation = false;       ///< judged for the report, without a diagnosis of its own
+/// Why a check means nothing to a method that infers, for people; "": it does mean something.
+using WhyUnchecked = std::string(const Study& study, const MethodConfig& method);
+
+WhyUnchecked always_checked, needs_calibration, needs_network, needs_simulations, needs_dataset,
+    needs_predictions, needs_sampler, needs_likelihood, needs_rmse, needs_held_out;
+
+/// What checks of a kind share.
+struct CheckKind {
+  WhyUnchecked* why_unchecked = always_checked;
+  CheckInput input = CheckInput::samples;
+  bool has_p_value = false;
+  bool is_of_some_methods = false;  ///< nothing is missing where it means nothing to a method
+};
+
+/// Everything about a check but what it says of results.
+struct CheckTraits : EnumRow<Check>, CheckKind {
+  std::string_view title, question;
 };
 
 /// Every check, in the documented order.
 constexpr auto enum_table(Check) {
   using enum Check;
-  using enum CheckNeeds;
+  using enum CheckInput;
+  constexpr CheckKind calibrates{
+      .why_unchecked = needs_calibration, .input = calibration, .has_p_value = true};
   return std::to_array<CheckTraits>({
-      // name, title, needs, asks_simulator, calibrates, has_p_value, failure, is_of_evaluation
-      {{sbc, "sbc"}, "SBC ranks, round 1", network, true, true},
-      {{coverage, "coverage"}, "Expected coverage, round 1", network, true, true},
-      {{tarp, "tarp"}, "TARP coverage, round 1", network, true, true},
-      {{local_c2st, "local_c2st"}, "Local C2ST at x_o, round 1", network, true, true},
-      {{predictive, "predictive"}, "Posterior predictive", posterior},
-      {{ood, "ood"}, "x_o among simulations", simulations, false, false, true, "x_o lies OUTSIDE"},
+      {{sbc, "sbc"},
+       calibrates,
+       "SBC ranks, round 1",
+       "are posteriors of the right place and width, parameter by parameter?"},
+      {{coverage, "coverage"},
+       calibrates,
+       "Expected coverage, round 1",
+       "do credible regions hold the truth as often as they say?"},
+      {{tarp, "tarp"},
+       calibrates,
+       "TARP coverage, round 1",
+       "the same, by regions around random points"},
+      {{local_c2st, "local_c2st"},
+       calibrates,
+       "Local C2ST at x_o, round 1",
+       "can a classifier tell the posterior at the observation from the true one?"},
+      {{predictive, "predictive"},
+       {.why_unchecked = needs_predictions, .input = posterior, .has_p_value = true},
+       "Posterior predictive",
+       "do posterior samples predict what was observed?"},
+      {{ood, "ood"},
+       {.why_unchecked = needs_simulations, .input = posterior, .has_p_value = true},
+       "x_o among simulations",
+       "does the observation lie among the simulations?"},
       {{failures, "failures"},
+       {.why_unchecked = needs_simulations, .input = posterior, .has_p_value = true},
        "Failures and parameters",
-       simulations,
-       false,
-       false,
-       true,
-       "failures DEPEND on them"},
-      {{training, "training"}, "Training", network, false, false, false, "NOT converged"},
+       "does it depend on the parameters which simulations fail?"},
+      {{training, "training"},
+       {.why_unchecked = needs_network, .input = posterior},
+       "Training",
+       "has training ended, and not far below the validation loss?"},
       {{sampling, "sampling"},
+       {.why_unchecked = needs_sampler, .is_of_some_methods = true},
        "Sampling",
-       sampler,
-       false,
-       false,
-       false,
-       "chains DON'T agree",
-       true},
+       "do its chains agree, or enough of its weighted draws count?"},
       {{residuals, "residuals"},
+       {.why_unchecked = needs_likelihood, .is_of_some_methods = true},
        "Residuals",
-       likelihood,
-       false,
-       false,
-       false,
-       "they AREN'T like the noise",
-       true},
+       "does a refinement leave of the recording what its noise model says?"},
       {{bounds, "bounds"},
+       {},
        "Bounds of the prior",
-       posterior,
-       false,
-       false,
-       false,
-       "PRESSES against them",
-       true},
+       "does the posterior press against the prior's bounds?"},
       {{contraction, "contraction"},
+       {},
        "Contraction",
-       posterior,
-       false,
-       false,
-       false,
-       "it IS the prior",
-       true},
-      {{fit, "fit"}, "RMSE", posterior, true, false, false, "FAR above what can be reached", true},
+       "is the posterior narrower than the prior?"},
+      {{fit, "fit"},
+       {.why_unchecked = needs_rmse},
+       "RMSE",
+       "is the samples' RMSE near the smallest that can be reached, and of hardly any as large as "
+       "the prior's?"},
       {{held_out, "held_out"},
+       {.why_unchecked = needs_held_out},
        "Held-out rollouts",
-       posterior,
-       true,
-       false,
-       false,
-       "predictions are TOO NARROW",
-       true},
+       "do bands of predictions hold rollouts that inference hasn't seen?"},
       {{dataset, "dataset"},
+       {.why_unchecked = needs_dataset},
        "Dataset",
-       simulations,
-       false,
-       false,
-       false,
-       "its rows AREN'T what they should be",
-       true},
+       "is the dataset's theta of the prior, and no row there twice?"},
   });
 }
 

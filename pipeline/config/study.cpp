@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/config/check.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -25,10 +26,10 @@ void add_parameter(std::string& text, const std::string& name, const std::option
 
 std::string to_text(const ObservationNoise& noise) {
   if (noise.is_silent()) return "none";
-  const bool is_correlated = noise.correlation || noise.correlation_prior;
-  const bool is_heavy_tailed = noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
-  std::string text = is_correlated ? "correlated" : is_heavy_tailed ? "heavy-tailed" : "white";
-  if (is_correlated && is_heavy_tailed) text += " and heavy-tailed";
+  std::string text = noise.is_correlated()     ? "correlated"
+                     : noise.is_heavy_tailed() ? "heavy-tailed"
+                                               : "white";
+  if (noise.is_correlated() && noise.is_heavy_tailed()) text += " and heavy-tailed";
   if (noise.scale > 0.0 || noise.scale_prior) {
     add_parameter(text, "scale", noise.scale, noise.scale_prior.has_value());
   }
@@ -51,47 +52,7 @@ const MethodConfig& Study::method(const std::string& method_name) const {
 }
 
 std::string Study::why_unchecked(Check check, const MethodConfig& method) const {
-  using inference::AlgorithmFamily;
-  const inference::AlgorithmTraits& algorithm = inference::traits_of(method.algorithm.kind);
-  const AlgorithmFamily family = algorithm.family;
-  const CheckTraits traits = traits_of(check);
-  if (traits.asks_simulator && !source().simulates) {
-    return "a dataset can't be asked for other simulations";
-  }
-  const bool has_network = family == AlgorithmFamily::network;
-  if (traits.needs == CheckNeeds::network && !has_network) {
-    return "there is no network that could be asked about other observations";
-  }
-  const bool has_density = algorithm.role == inference::NetworkRole::posterior;
-  if (traits.needs == CheckNeeds::sampler && family == AlgorithmFamily::abc) {
-    return "its chains are short, and agree as a whole; their R-hat is in the table of experiments";
-  }
-  const bool is_weighted = family == AlgorithmFamily::likelihood;
-  const bool is_pooled = method.algorithm.kind == inference::Algorithm::npe_nle;
-  if (traits.needs == CheckNeeds::sampler && !is_weighted && !is_pooled &&
-      (!has_network || has_density)) {
-    return "its samples need no chains";
-  }
-  if (traits.needs == CheckNeeds::likelihood && !is_weighted) {
-    return "it has no likelihood whose noise could be unlike what is left of the recording";
-  }
-  if (traits.needs == CheckNeeds::simulations && !has_network && family != AlgorithmFamily::abc) {
-    return "there are no simulations that it has learned from";
-  }
-  if (check == Check::predictive && is_weighted && method.refine.infer_first_states) {
-    return "its predictions begin in recorded first states, whose noise only 'residuals' takes "
-           "away";
-  }
-  if (check == Check::fit && !source().gives_motion) return "features have no RMSE";
-  if (check == Check::fit && std::ranges::count(evaluate.metrics, Metric::rmse) == 0) {
-    return "evaluate.metrics lacks rmse";
-  }
-  if (check == Check::fit && target.recording && !evaluate.floor) {
-    return "evaluate.floor is off";
-  }
-  if (check == Check::held_out && target.held_out == 0) return "no rollouts are held out";
-  if (check == Check::dataset && source().simulates) return "there is no dataset";
-  return "";
+  return traits_of(check).why_unchecked(*this, method);
 }
 
 DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
@@ -105,8 +66,17 @@ Index Study::num_iterations_of(const MethodConfig& method) const {
   return policy.is_used() && infers(method) ? method.num_iterations : 1;
 }
 
+inference::AlgorithmFamily family_of(const MethodConfig& method) {
+  return inference::traits_of(method.algorithm.kind).family;
+}
+
 bool infers(const MethodConfig& method) {
-  return inference::traits_of(method.algorithm.kind).family != inference::AlgorithmFamily::fixed;
+  return family_of(method) != inference::AlgorithmFamily::fixed;
+}
+
+bool learns(const MethodConfig& method) {
+  using enum inference::AlgorithmFamily;
+  return family_of(method) == network || family_of(method) == abc;
 }
 
 bool DiagnoseConfig::has(Check check) const {
@@ -114,12 +84,14 @@ bool DiagnoseConfig::has(Check check) const {
 }
 
 bool DiagnoseConfig::calibrates() const {
-  return std::ranges::any_of(checks, [](Check check) { return traits_of(check).calibrates; });
+  return std::ranges::any_of(
+      checks, [](Check check) { return traits_of(check).input == CheckInput::calibration; });
 }
 
 DiagnoseConfig DiagnoseConfig::of_diagnosis() const {
   DiagnoseConfig config = *this;
-  std::erase_if(config.checks, [](Check check) { return traits_of(check).is_of_evaluation; });
+  std::erase_if(config.checks,
+                [](Check check) { return traits_of(check).input == CheckInput::samples; });
   return config;
 }
 

@@ -18,7 +18,6 @@
 #include "inference/prior.h"
 #include "inference/samplers/importance_config.h"
 #include "inference/training_config.h"
-#include "pipeline/config/check.h"
 #include "pipeline/config/cluster_config.h"
 #include "pipeline/config/enum_lists.h"
 #include "pipeline/config/external_config.h"
@@ -56,6 +55,8 @@ struct ObservationNoise {
   bool redraw = true;  ///< fresh noise in each training epoch, not once per simulation
 
   bool is_silent() const { return scale == 0.0 && !scale_prior && !std; }
+  bool is_correlated() const { return correlation || correlation_prior; }
+  bool is_heavy_tailed() const { return degrees_of_freedom || degrees_of_freedom_prior; }
 };
 
 /// The model in words: "white, scale 0.3"; "correlated and heavy-tailed, scale inferred, ...".
@@ -79,6 +80,8 @@ struct EvaluateConfig {
   bool floor = true;    ///< search for the smallest RMSE in the prior, too; only with a recording
   Index leave_out = 0;  ///< parts of the rollouts that methods predict from the others; 0: none
 };
+
+enum class Check;  // check.h
 
 /// How posteriors are checked.
 struct DiagnoseConfig {
@@ -182,8 +185,11 @@ struct Study {
   Index num_iterations_of(const MethodConfig& method) const;
 };
 
+inference::AlgorithmFamily family_of(const MethodConfig& method);
 /// Whether a method infers anything: "prior" and "nominal" take what there is before.
 bool infers(const MethodConfig& method);
+/// Whether it does from simulations that it is given, by a network or those near the observation.
+bool learns(const MethodConfig& method);
 
 /// The names of what a study measures: its metrics, and again with the prefix "held_out_" when
 /// there are held-out rollouts.

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/diagnostics/out_of_distribution.h"
+#include "pipeline/config/check.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/cluster_check.h"
 #include "pipeline/config/constraint.h"

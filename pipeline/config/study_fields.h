@@ -14,6 +14,7 @@
 #include "analysis/pair_plot.h"
 #include "core/constants.h"
 #include "inference/diagnostics/out_of_distribution.h"
+#include "pipeline/config/check.h"
 #include "pipeline/config/choice_field.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/field_types.h"

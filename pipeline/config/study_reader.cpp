@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/config/check.h"
 #include "pipeline/config/method_settings.h"
 #include "pipeline/config/study_check.h"
 #include "pipeline/config/study_fields.h"
@@ -180,7 +181,7 @@ void resolve_checks(Study& study, const Reading& reading) {
   diagnose.num_samples = 200;
   const bool calibrates = can_calibrate_cheaply(study);
   std::erase_if(diagnose.checks, [&](Check check) {
-    return traits_of(check).calibrates &&
+    return traits_of(check).input == CheckInput::calibration &&
            (!calibrates || check == Check::tarp || check == Check::local_c2st);
   });
 }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/text.h"
+#include "pipeline/config/check.h"
 #include "pipeline/config/program_check.h"
 
 namespace npdr::pipeline {
@@ -127,11 +128,7 @@ class StudyWarnings {
 
   // Simulators of the user's may draw it; they are asked when they run (sources/row_check.h).
   void warn_of_exact_recording() {
-    const bool any_learns = std::ranges::any_of(study_.methods, [](const MethodConfig& method) {
-      const auto family = inference::traits_of(method.algorithm.kind).family;
-      return family == inference::AlgorithmFamily::network ||
-             family == inference::AlgorithmFamily::abc;
-    });
+    const bool any_learns = std::ranges::any_of(study_.methods, learns);
     const bool is_meant = study_.places.has("observation_noise.scale");
     if (!study_.target.recording || !study_.source().simulates || !any_learns || is_meant ||
         !study_.observation_noise.is_silent()) {

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/config/check.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/key_parts.h"
@@ -34,19 +35,9 @@ void note(std::vector<std::size_t>& nodes, std::size_t added) {
   if (std::ranges::find(nodes, added) == nodes.end()) nodes.push_back(added);
 }
 
-inference::AlgorithmFamily family_of(const MethodConfig& method) {
-  return inference::traits_of(method.algorithm.kind).family;
-}
-
 template <class T>
 bool is_among(const std::vector<T>& selected, const T& value) {
   return selected.empty() || std::ranges::find(selected, value) != selected.end();
-}
-
-// Rounds of simulations come before the inference.
-bool needs_simulations(const MethodConfig& method) {
-  using inference::AlgorithmFamily;
-  return family_of(method) == AlgorithmFamily::network || family_of(method) == AlgorithmFamily::abc;
 }
 
 }  // namespace
@@ -207,7 +198,7 @@ PlanBuilder::Rounds PlanBuilder::add_rounds(const MethodConfig& method, Use use,
     const auto previous = rounds.posteriors.empty()
                               ? std::nullopt
                               : std::optional<std::size_t>(rounds.posteriors.back());
-    if (needs_simulations(method)) {
+    if (learns(method)) {
       const std::size_t proposal = add_proposal(method, use, previous);
       rounds.simulations.push_back(add_simulation(method, use, target, proposal));
     }
@@ -270,7 +261,7 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   const bool is_abc = algorithm.family == inference::AlgorithmFamily::abc;
   const bool compares_trajectories =
       is_abc && method.abc.distance != inference::AbcDistance::euclidean;
-  if (!needs_simulations(method)) {
+  if (!learns(method)) {
     describe_known(plan_.study, json);
   } else if (!compares_trajectories) {
     json["observation_noise"] = to_json(plan_.study.observation_noise);

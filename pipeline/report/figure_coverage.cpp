@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "analysis/calibration_plot.h"
+#include "pipeline/config/check.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
 

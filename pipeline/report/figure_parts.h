@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "analysis/figure.h"
-#include "pipeline/report/data.h"
+#include "pipeline/config/check.h"
+#include "pipeline/findings/data.h"
 
 namespace npdr::pipeline {
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "analysis/calibration_plot.h"
+#include "pipeline/config/check.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
 

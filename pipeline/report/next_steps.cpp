@@ -6,8 +6,8 @@
 #include <map>
 #include <tuple>
 
+#include "pipeline/findings/findings.h"
 #include "pipeline/process/shell_text.h"
-#include "pipeline/report/verdicts.h"
 
 namespace npdr::pipeline {
 namespace {

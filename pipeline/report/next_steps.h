@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pipeline/report/data.h"
+#include "pipeline/findings/data.h"
 
 namespace npdr::pipeline {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/report/data.h"
+#include "pipeline/findings/data.h"
 #include "sim/policy_task.h"
 
 namespace npdr::pipeline {

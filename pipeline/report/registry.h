@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/report.h"
-#include "pipeline/report/data.h"
+#include "pipeline/findings/data.h"
 
 namespace npdr::pipeline {
 

@@ -10,7 +10,9 @@
 #include "core/atomic_file.h"
 #include "core/text.h"
 #include "pipeline/artefacts/simulation_file.h"
+#include "pipeline/config/check.h"
 #include "pipeline/features/failures.h"
+#include "pipeline/findings/findings.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/plan/shards.h"
@@ -19,7 +21,6 @@
 #include "pipeline/report/policy_parts.h"
 #include "pipeline/report/pooling_text.h"
 #include "pipeline/report/registry.h"
-#include "pipeline/report/verdicts.h"
 
 namespace npdr::pipeline {
 namespace {

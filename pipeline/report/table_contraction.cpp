@@ -1,20 +1,17 @@
-#include "pipeline/report/contraction.h"
+#include "pipeline/findings/findings.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
 
 namespace npdr::pipeline {
 namespace {
 
-Cell contraction_cell(Table& table, const ReportData& data, const std::string& method, Index d,
-                      double prior_std) {
+Cell contraction_cell(Table& table, const ReportData& data, const std::string& method, Index d) {
   if (!data.is_inferred(method, d)) {
     Cell cell;
     note_known(table, cell);
     return cell;
   }
-  return analysis::summarize(each(data.runs_of(method), [&](const EvaluatedRun* run) {
-    return contraction(data, *run, d, prior_std);
-  }));
+  return analysis::summarize(contraction(data, method, d));
 }
 
 Table make_contraction_table(const ReportData& data) {
@@ -23,20 +20,16 @@ Table make_contraction_table(const ReportData& data) {
       "standard deviation over seeds. 0: nothing, 1: all; below 0: the posterior is wider. Of "
       "logarithms where the prior is log_uniform or log_normal.",
       "Parameter", data.methods);
-  Index d = 0;
-  for (const inference::Marginal& marginal : data.plan.study.prior) {
-    const double prior_std = prior_deviation(data, d);
-    add_row(table, marginal.name, data.methods, [&](const std::string& method) {
-      return contraction_cell(table, data, method, d, prior_std);
-    });
-    ++d;
+  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
+    add_row(table, data.marginal(d).name, data.methods,
+            [&](const std::string& method) { return contraction_cell(table, data, method, d); });
   }
   return table;
 }
 
 }  // namespace
 
-/// Contraction of each parameter (contraction.h).
+/// Contraction of each parameter (findings.h).
 TableEntry contraction_table() {
   return {"contraction", Section::details, has_posteriors, make_contraction_table};
 }

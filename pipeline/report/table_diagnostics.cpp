@@ -3,9 +3,10 @@
 #include <algorithm>
 
 #include "core/text.h"
+#include "pipeline/config/check.h"
+#include "pipeline/findings/findings.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
-#include "pipeline/report/verdicts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -31,9 +32,7 @@ void note_left_out(const ReportData& data, const std::string& method, Table& tab
   std::vector<std::pair<std::string, std::vector<std::string>>> left_out;  // by reason
   for (const Check check : study.diagnose.checks) {
     const std::string why = study.why_unchecked(check, study.method(method));
-    // Nothing is missing where there is no sampler, or no likelihood.
-    const CheckNeeds needs = traits_of(check).needs;
-    if (why.empty() || needs == CheckNeeds::sampler || needs == CheckNeeds::likelihood) continue;
+    if (why.empty() || traits_of(check).is_of_some_methods) continue;
     if (left_out.empty() || left_out.back().first != why) left_out.push_back({why, {}});
     left_out.back().second.push_back(name_of(check));
   }
@@ -86,12 +85,11 @@ Table make_diagnostics_table(const ReportData& data) {
   for (std::size_t m = 0; m < data.methods.size(); ++m) {
     const std::string& method = data.methods[m];
     note_left_out(data, method, table);
-    for (const Verdict& verdict : verdicts_of(data, method)) {
-      Cell& cell =
-          std::ranges::find(table.rows, traits_of(verdict.check).title, &Row::label)->cells[m];
-      cell = Cell(verdict.text);
-      if (verdict.reason.empty()) continue;
-      cell.notes.push_back(table.footnote(method + ": " + verdict.reason));
+    for (const Finding& finding : findings_of(data, method)) {
+      Cell& cell = std::ranges::find(table.rows, finding.where, &Row::label)->cells[m];
+      cell = Cell(finding.evidence);
+      if (finding.what.empty()) continue;
+      cell.notes.push_back(table.footnote(method + ": " + finding.what));
     }
   }
   add_score(data, table);

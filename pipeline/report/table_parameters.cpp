@@ -78,7 +78,7 @@ Table make_parameters_table(const ReportData& data) {
     table.rows.push_back(std::move(row));
     ++d;
   }
-  for (const std::string& fault : data.dataset.faults) table.footnote(fault);
+  for (const Finding& finding : data.dataset) table.footnote(finding.what);
   return table;
 }
 

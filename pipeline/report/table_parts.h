@@ -6,7 +6,7 @@
 
 #include "analysis/summary.h"
 #include "analysis/table.h"
-#include "pipeline/report/data.h"
+#include "pipeline/findings/data.h"
 
 namespace npdr::pipeline {
 
@@ -65,15 +65,6 @@ void add_row(Table& table, std::string label, const Items& items, const CellOf& 
   Row row{std::move(label), {}};
   for (const auto& item : items) row.cells.push_back(cell_of_item(item));
   table.rows.push_back(std::move(row));
-}
-
-/// One number for each item: (items).
-template <class Items, class Number>
-Vector each(const Items& items, const Number& number_of) {
-  Vector numbers(static_cast<Index>(items.size()));
-  Index i = 0;
-  for (const auto& item : items) numbers(i++) = number_of(item);
-  return numbers;
 }
 
 /// The samples of all runs, one run after the other.

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "core/constants.h"
+#include "inference/samplers/chain_diagnostics.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
-#include "pipeline/report/verdicts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -30,7 +30,7 @@ void note_chains(const EvaluatedRun& run, Cell& cell, Table& table) {
     cell.notes.push_back(
         table.footnote("fewer than four draws of each chain say nothing: raise "
                        "evaluate.num_samples, or for ABC the rounds"));
-  } else if (r_hat.maxCoeff() > kLargestRHat) {
+  } else if (r_hat.maxCoeff() > inference::kLargestRHat) {
     cell.notes.push_back(table.footnote(
         "chains don't agree: raise sampler.num_warmup; where modes lie apart, which no chain "
         "crosses, sampler.num_candidates and num_chains; for ABC the rounds"));

@@ -11,6 +11,7 @@
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/config/check.h"
 #include "pipeline/features/failures.h"
 #include "pipeline/features/noise.h"
 #include "pipeline/features/series_summary.h"
@@ -250,46 +251,41 @@ std::optional<inference::OutOfDistribution> check_observation(const Case& c) {
   return inference::test_out_of_distribution(*usual, c.x_o);
 }
 
-// The list of all checks: what each of them adds to the diagnosis.
-void run_check(Check check, const Case& c, Diagnosis& diagnosis) {
-  const inference::CalibrationRanks& ranks = c.calibration.ranks;
-  switch (check) {
-    case Check::sbc:
-      diagnosis.sbc = check_ranks(c);
-      break;
-    case Check::coverage:
-      diagnosis.coverage = coverage_of(c, ranks.density, "diagnose_coverage");
-      break;
-    case Check::tarp:
-      diagnosis.tarp = coverage_of(c, ranks.distance, "diagnose_tarp");
-      break;
-    case Check::local_c2st:
-      diagnosis.local_c2st = check_at_x_o(c);
-      break;
-    case Check::predictive:
-      diagnosis.predictive = check_predictions(c);
-      break;
-    case Check::ood:
-      diagnosis.ood = check_observation(c);
-      break;
-    case Check::failures:
-      diagnosis.failures = test_failures(c.plan, simulations_of(c, false));
-      break;
-    case Check::training:
-      diagnosis.training =
-          check_training_curves(read_posterior_notes(c.last_posterior()), c.method.training);
-      diagnosis.max_epochs = c.method.training.max_epochs;
-      break;
-    case Check::sampling:
-    case Check::residuals:
-    case Check::bounds:
-    case Check::contraction:
-    case Check::fit:
-    case Check::held_out:
-    case Check::dataset:
-      break;  // judged for the report: of_diagnosis() leaves them out
-  }
-}
+// What a check adds to the diagnosis.
+struct CheckRun {
+  Check check;
+  void (*run)(const Case& c, Diagnosis& diagnosis);
+};
+
+constexpr CheckRun kCheckRuns[] = {
+    {Check::sbc, [](const Case& c, Diagnosis& d) { d.sbc = check_ranks(c); }},
+    {Check::coverage,
+     [](const Case& c, Diagnosis& d) {
+       d.coverage = coverage_of(c, c.calibration.ranks.density, "diagnose_coverage");
+     }},
+    {Check::tarp,
+     [](const Case& c, Diagnosis& d) {
+       d.tarp = coverage_of(c, c.calibration.ranks.distance, "diagnose_tarp");
+     }},
+    {Check::local_c2st, [](const Case& c, Diagnosis& d) { d.local_c2st = check_at_x_o(c); }},
+    {Check::predictive, [](const Case& c, Diagnosis& d) { d.predictive = check_predictions(c); }},
+    {Check::ood, [](const Case& c, Diagnosis& d) { d.ood = check_observation(c); }},
+    {Check::failures,
+     [](const Case& c, Diagnosis& d) {
+       d.failures = test_failures(c.plan, simulations_of(c, false));
+     }},
+    {Check::training,
+     [](const Case& c, Diagnosis& d) {
+       d.training =
+           check_training_curves(read_posterior_notes(c.last_posterior()), c.method.training);
+       d.max_epochs = c.method.training.max_epochs;
+     }},
+};
+
+static_assert(std::ranges::all_of(enum_table(Check{}), [](const CheckTraits& row) {
+  return (row.input == CheckInput::samples) ==
+         std::ranges::none_of(kCheckRuns, [&](const CheckRun& c) { return c.check == row.value; });
+}));
 
 }  // namespace
 
@@ -304,8 +300,8 @@ void run_diagnose(const Plan& plan, const Node& node) {
     diagnosis.num_failed = c.calibration.num_failed;
     diagnosis.truth_log_prob = c.calibration.ranks.log_prob;
   }
-  for (const Check check : values_of<Check>()) {
-    if (c.config.has(check)) run_check(check, c, diagnosis);
+  for (const auto& [check, run] : kCheckRuns) {
+    if (c.config.has(check)) run(c, diagnosis);
   }
   write_diagnosis(writer.file(), plan.study.prior, diagnosis);
   writer.finish();

@@ -42,8 +42,8 @@ const std::vector<Direction>& directions() {
 // which know nothing of each other.
 const std::vector<std::string>& layers() {
   static const std::vector<std::string> all = {
-      "process",  "store",       "config", "artefacts", "import", "sources", "plan",
-      "features", "predictions", "stages", "report",    "run",    "cluster", "apps"};
+      "process",     "store",    "config", "artefacts", "import", "sources", "plan", "features",
+      "predictions", "findings", "stages", "report",    "run",    "cluster", "apps"};
   return all;
 }
 

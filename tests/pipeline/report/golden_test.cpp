@@ -3,7 +3,7 @@
 
 #include "core/text.h"
 #include "tests/golden_file.h"
-#include "tests/pipeline/report/verdict_fixture.h"
+#include "tests/pipeline/findings/findings_fixture.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -45,10 +45,10 @@ class SpoiledMethod : public Verdicts {
     const CheckSummary summary = check_summaries(data_).front();
     std::vector<std::string> lines = {words_of(summary)};
     std::string told;
-    for (const Verdict& verdict : verdicts_of(data_, kMethod)) {
-      lines.push_back(std::string(name_of(verdict.check)) + ": " + verdict.text);
-      if (!verdict.reason.empty()) lines.back() += "\n  " + verdict.reason;
-      told += verdict.reason + "\n";
+    for (const Finding& verdict : findings_of(data_, kMethod)) {
+      lines.push_back(verdict.id + ": " + verdict.evidence);
+      if (!verdict.what.empty()) lines.back() += "\n  " + verdict.what;
+      told += verdict.what + "\n";
     }
     for (const std::string& reason : summary.reasons) {
       const std::size_t words = reason.find(": ") + 2;

@@ -1,6 +1,6 @@
 #include "pipeline/report/next_steps.h"
 
-#include "tests/pipeline/report/verdict_fixture.h"
+#include "tests/pipeline/findings/findings_fixture.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -10,7 +10,7 @@
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/report/data.h"
+#include "pipeline/findings/data.h"
 #include "pipeline/report/registry.h"
 #include "sim/observation_noise.h"
 #include "tests/pipeline/small_study.h"

@@ -1,4 +1,4 @@
-#include "pipeline/report/dataset_faults.h"
+#include "pipeline/findings/dataset_probes.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,10 @@
 #include <set>
 #include <span>
 
+#include "core/text.h"
 #include "inference/diagnostics/levels.h"
 #include "inference/prior.h"
+#include "pipeline/findings/probe.h"
 #include "pipeline/sources/dataset_rows.h"
 #include "pipeline/store/hash.h"
 
@@ -86,7 +88,7 @@ struct RowCopies {
   }
 };
 
-void find_copies(const DatasetFile& dataset, std::vector<Index> rows, DatasetFaults& found) {
+void find_copies(const DatasetFile& dataset, std::vector<Index> rows, Findings& found) {
   constexpr double grave = 0.05, by_chance = 10.0;
   constexpr std::size_t block = 256;
   std::ranges::sort(rows);  // as the file has them, which is faster read
@@ -100,30 +102,41 @@ void find_copies(const DatasetFile& dataset, std::vector<Index> rows, DatasetFau
   }
   const Index copies = all.num_copies();
   if (copies == 0 || all.agree_by_chance()) return;
-  found.are_grave |= static_cast<double>(copies) > std::max(grave * static_cast<double>(all.count),
-                                                            by_chance * all.expected_copies());
-  found.faults.push_back(fmt::format(
-      "{} of {} rows of the dataset are copies of others, theta and x: they count several times; "
-      "leave each in it once",
-      copies, all.count));
+  const bool is_grave =
+      static_cast<double>(copies) >
+      std::max(grave * static_cast<double>(all.count), by_chance * all.expected_copies());
+  found.push_back({.severity = is_grave ? Severity::wrong : Severity::suspicious,
+                   .what = fmt::format("{} of {} rows of the dataset are copies of others, theta "
+                                       "and x: they count several times; leave each in it once",
+                                       copies, all.count)});
 }
 
 }  // namespace
 
-DatasetFaults faults_of_dataset(const Plan& plan, const std::vector<std::string>& methods,
-                                std::uint64_t seed) {
+Findings find_in_dataset(const Plan& plan, const std::vector<std::string>& methods,
+                         std::uint64_t seed) {
   if (plan.study.source().simulates) return {};
   Index count = 0;  // rows of a method are the first of one that has more
   for (const std::string& method : methods) {
     count = std::max(count, plan.study.method(method).algorithm.num_simulations);
   }
   const RowMatrix theta = theta_in_prior(plan, seed, std::min(count, kMostRows));
-  DatasetFaults found;
-  if (theta.rows() > 0) found = faults_of_theta(theta, inference::Prior(plan.study.prior));
+  Findings found;
+  if (theta.rows() > 0) found = find_in_theta(theta, inference::Prior(plan.study.prior));
   const DatasetFile dataset = open_dataset(plan.study);
   const Index num_compared = std::min(count, kMostCompared);
   find_copies(dataset, dataset_rows(seed, dataset.num_rows(), num_compared), found);
   return found;
+}
+
+template <>
+Finding judge<Check::dataset>(const MethodResults& m) {
+  const Findings& found = m.data.dataset;
+  std::vector<std::string> words;
+  for (const Finding& finding : found) words.push_back(finding.what);
+  return std::ranges::count(found, Severity::wrong, &Finding::severity) == 0
+             ? passes("")
+             : fails("its rows AREN'T what they should be", join(words, "; "));
 }
 
 }  // namespace npdr::pipeline

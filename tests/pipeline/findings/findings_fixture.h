@@ -6,7 +6,8 @@
 #include <algorithm>
 
 #include "core/normal.h"
-#include "pipeline/report/verdicts.h"
+#include "pipeline/config/check.h"
+#include "pipeline/findings/findings.h"
 #include "tests/pipeline/small_study.h"
 
 namespace npdr::pipeline {
@@ -58,9 +59,9 @@ class Verdicts : public ::testing::Test {
     data_.runs = {run};
   }
 
-  Verdict verdict_of(Check check) const {
-    const std::vector<Verdict> all = verdicts_of(data_, kMethod);
-    return *std::ranges::find(all, check, &Verdict::check);
+  Finding finding_of(Check check) const {
+    const std::vector<Finding> all = findings_of(data_, kMethod);
+    return *std::ranges::find(all, name_of(check), &Finding::id);
   }
 
   Plan plan_;

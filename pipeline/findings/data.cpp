@@ -1,4 +1,4 @@
-#include "pipeline/report/data.h"
+#include "pipeline/findings/data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/target_file.h"
+#include "pipeline/findings/dataset_probes.h"
 
 namespace npdr::pipeline {
 
@@ -57,11 +58,11 @@ std::vector<std::string> ReportData::policy_methods() const {
 }
 
 bool ReportData::is_inferred(const std::string& method, Index d) const {
-  const inference::Marginal& marginal = plan.study.prior[static_cast<std::size_t>(d)];
+  const inference::Marginal& its = marginal(d);
   // Samples of a network that extrapolates may all lie on a bound.
   const auto is_bound = [&](double value) {
     const double rounding = 1e-12 * std::abs(value);
-    return value <= marginal.lower() + rounding || value >= marginal.upper() - rounding;
+    return value <= its.lower() + rounding || value >= its.upper() - rounding;
   };
   const auto varies = [&](const EvaluatedRun* run) {
     const auto column = run->evaluation.theta.col(d);
@@ -71,12 +72,12 @@ bool ReportData::is_inferred(const std::string& method, Index d) const {
 }
 
 double ReportData::period_of(Index d) const {
-  const std::string& name = plan.study.prior[static_cast<std::size_t>(d)].name;
-  return info.parameters[static_cast<std::size_t>(sim::parameter_index(info, name))].period;
+  const Index p = sim::parameter_index(info, marginal(d).name);
+  return info.parameters[static_cast<std::size_t>(p)].period;
 }
 
 analysis::Summary ReportData::summary_of(Index d, const Eigen::Ref<const Vector>& samples) const {
-  const inference::Prior prior({plan.study.prior[static_cast<std::size_t>(d)]});
+  const inference::Prior prior({marginal(d)});
   const double median = prior.to_theta(RowMatrix::Zero(1, 1))(0, 0);
   return analysis::summarize_periodic(samples, period_of(d), median);
 }
@@ -146,7 +147,7 @@ ReportData read_report_data(const Plan& plan, const Node& node) {
   read_artefacts(plan, node, data);
   list_methods_and_seeds(plan.study, data);
   if (has_posteriors(data)) {
-    data.dataset = faults_of_dataset(plan, data.methods, data.seeds.front());
+    data.dataset = find_in_dataset(plan, data.methods, data.seeds.front());
   }
   return data;
 }

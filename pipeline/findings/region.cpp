@@ -1,26 +1,24 @@
-// Words for a posterior so narrow that hardly any simulations lie where it is.
+// A posterior so narrow that hardly any simulations lie where it is.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "inference/diagnostics/share_of_prior.h"
-#include "pipeline/report/table_parts.h"
-#include "pipeline/report/verdict_parts.h"
+#include "pipeline/findings/probe.h"
 
 namespace npdr::pipeline {
 
-std::string words_of_region(const ReportData& data, const std::string& method) {
+std::string words_of_region(const MethodResults& m) {
   constexpr double most_simulations = 300.0;
   constexpr Index rounds = 4, fewest_simulations = 100;  // of one of them
-  const Study& study = data.plan.study;
-  const inference::AlgorithmConfig& algorithm = study.method(method).algorithm;
-  const bool can_go_on = study.source().simulates && algorithm.num_rounds == 1 &&
+  const inference::AlgorithmConfig& algorithm = m.method.algorithm;
+  const bool can_go_on = m.study.source().simulates && algorithm.num_rounds == 1 &&
                          algorithm.num_simulations >= rounds * fewest_simulations &&
-                         algorithm.kind == inference::Algorithm::npe_nle;
+                         m.is(inference::Algorithm::npe_nle);
   if (!can_go_on) return "";
-  const inference::Prior prior(study.prior);
-  const double share = each(data.runs_of(method), [&](const EvaluatedRun* run) {
+  const inference::Prior prior(m.study.prior);
+  const double share = each(m.runs, [&](const EvaluatedRun* run) {
                          return inference::share_of_prior(prior.to_normal(run->evaluation.theta),
                                                           {1, "region", 0, 0, 0});
                        }).mean();

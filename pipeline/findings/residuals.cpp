@@ -1,4 +1,4 @@
-// Verdict on what a refinement leaves of its recording.
+// What a refinement leaves of its recording.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 #include "core/constants.h"
 #include "core/text.h"
-#include "pipeline/report/verdict_parts.h"
+#include "pipeline/findings/probe.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -21,13 +21,13 @@ bool is_by_chance(const EvaluatedRun& run) {
   return excess_of(run) <= sim::largest_by_chance(found.num_errors, found.memory.size());
 }
 
-bool is_excessive(const EvaluatedRun& run) {
+bool is_excessive(const EvaluatedRun* run) {
   constexpr double most = 2.0;
-  return !is_by_chance(run) && !(excess_of(run) <= most);
+  return !is_by_chance(*run) && !(excess_of(*run) <= most);
 }
 
 // What was found of the run whose residuals are farthest from the noise.
-std::string words_of(const ReportData& data, const EvaluatedRun& run) {
+std::string words_of_residuals(const ReportData& data, const EvaluatedRun& run) {
   const sim::ErrorMemory& found = *run.notes.residuals;
   const Index c = found.worst_channel();
   std::string words = fmt::format(
@@ -48,48 +48,39 @@ std::string words_of(const ReportData& data, const EvaluatedRun& run) {
 }
 
 // Whether first states that were recorded count as exact.
-bool trusts_first_states(const ReportData& data, const MethodConfig& method) {
-  const Study& study = data.plan.study;
-  return study.source().gives_motion && study.target.recording && !method.refine.infer_first_states;
-}
-
-bool is_heavy_tailed(const ObservationNoise& noise) {
-  return noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
+bool trusts_first_states(const MethodResults& m) {
+  return m.study.source().gives_motion && m.study.target.recording &&
+         !m.method.refine.infer_first_states;
 }
 
 // Parameters may make up for what first states do, and leave nothing of it, at the full power of
 // the likelihood.
-std::string word_of_first_states(const ReportData& data, const MethodConfig& method,
-                                 const Runs& runs) {
+std::string word_of_first_states(const MethodResults& m) {
   const bool is_full = std::ranges::any_of(
-      runs, [](const EvaluatedRun* run) { return run->notes.certificate->power == 1.0; });
-  if (!is_full || !trusts_first_states(data, method) ||
-      is_heavy_tailed(data.plan.study.observation_noise)) {
-    return "";
-  }
+      m.runs, [](const EvaluatedRun* run) { return run->notes.certificate->power == 1.0; });
+  if (!is_full || !trusts_first_states(m) || m.study.observation_noise.is_heavy_tailed()) return "";
   return "it takes recorded first states for exact, and parameters may make up for the noise that "
          "they have; unless the device began at rest, refine.infer_first_states = true";
 }
 
 // What a study may do that it doesn't yet.
-std::string advice(const ReportData& data, const MethodConfig& method) {
-  const ObservationNoise& noise = data.plan.study.observation_noise;
-  const bool is_correlated = noise.correlation || noise.correlation_prior;
+std::string advice_on_residuals(const MethodResults& m) {
+  const ObservationNoise& noise = m.study.observation_noise;
   std::vector<std::string> ways;
-  const bool moves = data.plan.study.source().gives_motion;
-  if (trusts_first_states(data, method)) {
+  const bool moves = m.study.source().gives_motion;
+  if (trusts_first_states(m)) {
     ways.emplace_back(
         fmt::format("refine.infer_first_states = true{} where the first states are as "
                     "noisy as the others (a device that began at rest has none of it)",
-                    is_heavy_tailed(noise) ? ", without degrees of freedom," : ""));
+                    noise.is_heavy_tailed() ? ", without degrees of freedom," : ""));
   }
-  if (moves && !is_correlated) {
+  if (moves && !noise.is_correlated()) {
     ways.emplace_back("observation_noise.correlation_prior for errors that last");
   }
   if (!noise.scale_prior) ways.emplace_back("observation_noise.scale_prior for their size");
-  if (!method.refine.sampling.cross_validate) {
+  if (!m.method.refine.sampling.cross_validate) {
     ways.emplace_back(
-        data.target.num_rollouts() > 1
+        m.data.target.num_rollouts() > 1
             ? "refine.cross_validate = true where the simulator isn't quite right"
             : "refine.likelihood_power below 1 where the simulator isn't quite right");
   }
@@ -100,29 +91,24 @@ std::string advice(const ReportData& data, const MethodConfig& method) {
 
 }  // namespace
 
-Verdict judge_residuals(const ReportData& data, const std::string& method) {
-  const Runs runs = data.runs_of(method);
-  if (std::ranges::any_of(runs, [](const EvaluatedRun* run) { return !run->notes.residuals; })) {
-    return {
-        Check::residuals, Judgment::unknown, "can't tell",
-        "its likeliest parameters couldn't be simulated again; see why in the log of stage infer"};
+template <>
+Finding judge<Check::residuals>(const MethodResults& m) {
+  const auto lacks_them = [](const EvaluatedRun* run) { return !run->notes.residuals; };
+  if (std::ranges::any_of(m.runs, lacks_them)) {
+    return cannot_tell(
+        "its likeliest parameters couldn't be simulated again; see why in the log of stage infer");
   }
-  const auto worst = std::ranges::max_element(runs, {}, [](const EvaluatedRun* run) {
+  const EvaluatedRun& worst = **std::ranges::max_element(m.runs, {}, [](const EvaluatedRun* run) {
     return std::isnan(excess_of(*run)) ? kInfinity : excess_of(*run);
   });
-  const auto failed = static_cast<std::size_t>(
-      std::ranges::count_if(runs, [](const EvaluatedRun* run) { return is_excessive(*run); }));
-  const std::string text = fmt::format("variance {:.2g} times the noise's", excess_of(**worst));
-  const MethodConfig& config = data.plan.study.method(method);
-  const std::string reason = fmt::format("{}: {}", words_of(data, **worst), advice(data, config));
-  if (failed == 0) {
-    return {Check::residuals, Judgment::passes, "passes, " + text,
-            is_by_chance(**worst) ? word_of_first_states(data, config, runs) : reason};
-  }
-  return {Check::residuals, Judgment::fails,
-          std::string(traits_of(Check::residuals).failure) + seeds_text(failed, runs.size()) +
-              ", " + text,
-          reason};
+  const auto failed = static_cast<std::size_t>(std::ranges::count_if(m.runs, is_excessive));
+  const std::string size = fmt::format("variance {:.2g} times the noise's", excess_of(worst));
+  if (failed == 0 && is_by_chance(worst)) return passes(size, word_of_first_states(m));
+  const std::string what =
+      fmt::format("{}: {}", words_of_residuals(m.data, worst), advice_on_residuals(m));
+  if (failed == 0) return passes(size, what);
+  return fails("they AREN'T like the noise" + seeds_text(failed, m.runs.size()) + ", " + size,
+               what);
 }
 
 }  // namespace npdr::pipeline

@@ -1,7 +1,8 @@
-#include "pipeline/report/theta_faults.h"
+#include "pipeline/findings/dataset_probes.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/sources/marginal_fit.h"
@@ -23,9 +24,10 @@ RowMatrix draws(const std::vector<Marginal>& prior, Index n, std::uint64_t seed 
 
 std::string faults(const RowMatrix& theta, const std::vector<Marginal>& prior = kPrior) {
   std::string text;
-  const DatasetFaults found = faults_of_theta(theta, inference::Prior(prior));
-  for (const std::string& fault : found.faults) text += (text.empty() ? "" : "; ") + fault;
-  return found.are_grave ? "grave: " + text : text;
+  const Findings found = find_in_theta(theta, inference::Prior(prior));
+  for (const Finding& fault : found) text += (text.empty() ? "" : "; ") + fault.what;
+  const bool are_grave = std::ranges::count(found, Severity::wrong, &Finding::severity) > 0;
+  return are_grave ? "grave: " + text : text;
 }
 
 // Each row `times` times.

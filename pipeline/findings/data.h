@@ -1,9 +1,10 @@
-/// The artefacts that the report of a study is made from.
+/// The artefacts that posteriors are judged by, and the report of a study is made from.
 #pragma once
 
 #include <vector>
 
 #include "analysis/summary.h"
+#include "core/finding.h"
 #include "pipeline/artefacts/baseline_file.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/evaluation_file.h"
@@ -11,7 +12,6 @@
 #include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/plan/plan.h"
-#include "pipeline/report/dataset_faults.h"
 
 namespace npdr::pipeline {
 
@@ -43,7 +43,7 @@ struct ReportData {
   Target target = {};  ///< all rollouts that inference may see, or x_o
   std::optional<Target> held_out = {};
   std::vector<EvaluatedRun> folds = {};  ///< where the study leaves any out
-  DatasetFaults dataset = {};            ///< of the rows of the first seed
+  Findings dataset = {};                 ///< in the rows of the first seed
 
   /// Runs of the method, in the order of seeds: of its last round, or of `round` when that is > 0.
   std::vector<const EvaluatedRun*> runs_of(const std::string& method, Index round = 0) const;
@@ -53,6 +53,10 @@ struct ReportData {
 
   /// Checks of the method, in the order of seeds.
   std::vector<const ResultOf<Diagnosis>*> diagnoses_of(const std::string& method) const;
+  /// Parameter d of the prior.
+  const inference::Marginal& marginal(Index d) const {
+    return plan.study.prior[static_cast<std::size_t>(d)];
+  }
   /// The checks that mean something to the method.
   DiagnoseConfig checks_of(const std::string& method) const;
 
@@ -78,6 +82,15 @@ bool has_posteriors(const ReportData& data);
 bool evaluates_rounds(const ReportData& data);
 bool predicts_features(const ReportData& data);
 bool has_policies(const ReportData& data);
+
+/// One number for each item: (items).
+template <class Items, class Number>
+Vector each(const Items& items, const Number& number_of) {
+  Vector numbers(static_cast<Index>(items.size()));
+  Index i = 0;
+  for (const auto& item : items) numbers(i++) = number_of(item);
+  return numbers;
+}
 
 /// Reads all that `node` needs. Throws InputError.
 ReportData read_report_data(const Plan& plan, const Node& node);

@@ -1,5 +1,5 @@
 #include "tests/message_of.h"
-#include "tests/pipeline/report/verdict_fixture.h"
+#include "tests/pipeline/findings/findings_fixture.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -8,14 +8,14 @@ TEST_F(Verdicts, SeedsThatContradictEachOtherAreSaid) {
   data_.seeds = {1, 2};
   data_.runs.push_back(data_.runs.front());
   data_.runs.back().use.seed = 2;
-  EXPECT_EQ(verdict_of(Check::contraction).reason, "");
+  EXPECT_EQ(finding_of(Check::contraction).what, "");
   data_.runs.back().evaluation.theta = samples_around(1.1, 0.02);  // five deviations off
-  EXPECT_TRUE(says(verdict_of(Check::contraction).reason,
+  EXPECT_TRUE(says(finding_of(Check::contraction).what,
                    {"seeds contradict each other about pole_mass (3.5), pole_length (3.5)",
                     "believe all of them together", "try more simulations"}));
   plan_.study.policy.search.kind = inference::PolicyOptimizerKind::power;
   plan_.study.methods.front().num_iterations = 2;
-  EXPECT_EQ(verdict_of(Check::contraction).reason, "") << "each has an observation of its own";
+  EXPECT_EQ(finding_of(Check::contraction).what, "") << "each has an observation of its own";
 }
 
 class Contradictions : public Verdicts {
@@ -26,7 +26,7 @@ class Contradictions : public Verdicts {
     data_.runs.back().use.method = name;
     data_.runs.back().evaluation.theta = samples_around(mean, 0.02);
   }
-  std::string reason() const { return verdict_of(Check::contraction).reason; }
+  std::string reason() const { return finding_of(Check::contraction).what; }
 };
 
 TEST_F(Contradictions, OfEachMethodAreSaidByItsFarthestParameter) {

@@ -1,4 +1,4 @@
-#include "pipeline/report/theta_faults.h"
+#include "pipeline/findings/dataset_probes.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "core/normal.h"
 #include "inference/diagnostics/levels.h"
 #include "inference/diagnostics/uniformity.h"
-#include "pipeline/report/correlated_pair.h"
+#include "pipeline/findings/probe.h"
 #include "pipeline/sources/marginal_fit.h"
 
 namespace npdr::pipeline {
@@ -87,7 +87,7 @@ class Inspection {
     }
   }
 
-  DatasetFaults inspect() {
+  Findings inspect() {
     for (const Column& column : columns_) {
       if (column.levels.size() == 1) {
         tell_constant(column);
@@ -103,8 +103,8 @@ class Inspection {
 
  private:
   void tell(std::string fault, bool is_grave) {
-    found_.faults.push_back(std::move(fault));
-    found_.are_grave |= is_grave;
+    found_.push_back(
+        {.severity = is_grave ? Severity::wrong : Severity::suspicious, .what = std::move(fault)});
   }
 
   void tell_constant(const Column& column) {
@@ -216,12 +216,12 @@ class Inspection {
   const RowMatrix& theta_;
   const inference::Prior& prior_;
   std::vector<Column> columns_;
-  DatasetFaults found_;
+  Findings found_;
 };
 
 }  // namespace
 
-DatasetFaults faults_of_theta(const RowMatrix& theta, const inference::Prior& prior) {
+Findings find_in_theta(const RowMatrix& theta, const inference::Prior& prior) {
   return Inspection(theta, prior).inspect();
 }
 

@@ -1,9 +1,9 @@
 // Verdicts on what posteriors' samples predict.
-#include "pipeline/report/verdicts.h"
+#include "pipeline/findings/findings.h"
 
 #include "core/random.h"
 #include "tests/message_of.h"
-#include "tests/pipeline/report/verdict_fixture.h"
+#include "tests/pipeline/findings/findings_fixture.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -15,14 +15,14 @@ TEST_F(Verdicts, AFloorFarAboveTheScatterOfARecordingIsSaid) {
   auto& states = data_.target.rollouts.front().states;
   for (double& value : states.reshaped()) value += 0.004 * stream.normal();
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.02}}}};
-  EXPECT_EQ(verdict_of(Check::fit).reason, "");
+  EXPECT_EQ(finding_of(Check::fit).what, "");
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.04}}}};
-  EXPECT_EQ(verdict_of(Check::fit).judgment, Judgment::passes);
-  EXPECT_TRUE(says(verdict_of(Check::fit).reason,
+  EXPECT_LE(finding_of(Check::fit).severity, Severity::note);
+  EXPECT_TRUE(says(finding_of(Check::fit).what,
                    {"no parameters explain the recording better than the floor's 0.04", "10 times",
                     "what neighboring samples scatter by", "the simulator lacks something"}));
   plan_.study.observation_noise.correlation_prior = {0.5, 1.0};
-  EXPECT_EQ(verdict_of(Check::fit).reason, "") << "it may be noise";
+  EXPECT_EQ(finding_of(Check::fit).what, "") << "it may be noise";
 }
 
 TEST_F(Verdicts, HeldOutRolloutsAreJudgedWhereThereAreAny) {
@@ -50,7 +50,7 @@ TEST_F(Verdicts, TheErrorOfAnExactPosteriorIsNeverFarAboveTheFloor) {
     data_.baseline.prior->metrics["rmse"].setZero();
     data_.baseline.points = {{"floor", Vector(), {{"rmse", of(residual)}}}};
     data_.runs.front().evaluation.metrics["rmse"] = rmse;
-    ASSERT_EQ(judge_fit(data_, kMethod).judgment, Judgment::passes) << trial;
+    ASSERT_LE(finding_of(Check::fit).severity, Severity::note) << trial;
   }
 }
 

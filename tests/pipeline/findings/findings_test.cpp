@@ -1,9 +1,9 @@
-#include "pipeline/report/verdicts.h"
+#include "pipeline/findings/findings.h"
 
 #include "core/constants.h"
 #include "pipeline/report/registry.h"
 #include "tests/message_of.h"
-#include "tests/pipeline/report/verdict_fixture.h"
+#include "tests/pipeline/findings/findings_fixture.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -16,14 +16,14 @@ TEST_F(Verdicts, DensityThatHasLeakedIsHeldBackByTheCombinedLoss) {
   inference::AlgorithmConfig& algorithm = plan_.study.methods.front().algorithm;
   algorithm.kind = inference::Algorithm::npe_c;
   algorithm.num_rounds = 2;
-  const Verdict found = verdict_of(Check::bounds);
-  EXPECT_EQ(found.judgment, Judgment::fails);
-  EXPECT_TRUE(found.reason.ends_with("leaked there: try combined_loss = true")) << found.reason;
-  EXPECT_TRUE(has(found.reason, "pole_mass at 0.3 kg, pole_mass at 1.7 kg;"));
+  const Finding found = finding_of(Check::bounds);
+  EXPECT_EQ(found.severity, Severity::wrong);
+  EXPECT_TRUE(found.what.ends_with("leaked there: try combined_loss = true")) << found.what;
+  EXPECT_TRUE(has(found.what, "pole_mass at 0.3 kg, pole_mass at 1.7 kg;"));
   plan_.study.prior.front().unit = "1";
-  EXPECT_TRUE(has(verdict_of(Check::bounds).reason, "pole_mass at 0.3, pole_mass at 1.7;"));
+  EXPECT_TRUE(has(finding_of(Check::bounds).what, "pole_mass at 0.3, pole_mass at 1.7;"));
   const auto names_remedy = [&] {
-    return verdict_of(Check::bounds).reason.find("combined_loss") != std::string::npos;
+    return finding_of(Check::bounds).what.find("combined_loss") != std::string::npos;
   };
   algorithm.combined_loss = true;
   EXPECT_FALSE(names_remedy());
@@ -39,15 +39,15 @@ TEST_F(Verdicts, DensityThatHasLeakedIsHeldBackByTheCombinedLoss) {
 TEST_F(Verdicts, ACombinationThatAloneIsKnownIsSaid) {
   RowMatrix theta = samples_around(1.0, 0.2);
   add_run(theta, 0.02);
-  EXPECT_EQ(verdict_of(Check::contraction).reason, "");
+  EXPECT_EQ(finding_of(Check::contraction).what, "");
   theta.col(1) = 2.0 - theta.col(0).array() + 0.2 * (theta.col(1).array() - 1.0);
   add_run(theta, 0.02);
-  const Verdict found = verdict_of(Check::contraction);
-  EXPECT_EQ(found.judgment, Judgment::passes);
-  EXPECT_TRUE(says(found.reason, {"of pole_mass and pole_length it knows little but a combination",
-                                  "correlation -0.98", "record motion"}));
+  const Finding found = finding_of(Check::contraction);
+  EXPECT_LE(found.severity, Severity::note);
+  EXPECT_TRUE(says(found.what, {"of pole_mass and pole_length it knows little but a combination",
+                                "correlation -0.98", "record motion"}));
   add_run((1.0 + 0.1 * (theta.array() - 1.0)).matrix(), 0.02);
-  EXPECT_EQ(verdict_of(Check::contraction).reason, "") << "each is known by itself";
+  EXPECT_EQ(finding_of(Check::contraction).what, "") << "each is known by itself";
 }
 
 TEST_F(Verdicts, ParametersWhoseSamplesAllLieOnABoundArentKnown) {
@@ -55,24 +55,24 @@ TEST_F(Verdicts, ParametersWhoseSamplesAllLieOnABoundArentKnown) {
   theta.col(1).setConstant(1.7);
   add_run(theta, 0.02);
   EXPECT_TRUE(data_.is_inferred(kMethod, 1));
-  EXPECT_EQ(verdict_of(Check::bounds).judgment, Judgment::fails);
+  EXPECT_EQ(finding_of(Check::bounds).severity, Severity::wrong);
   theta.col(1).setConstant(1.2);
   add_run(theta, 0.02);
   EXPECT_FALSE(data_.is_inferred(kMethod, 1));
-  EXPECT_EQ(verdict_of(Check::bounds).judgment, Judgment::passes);
+  EXPECT_LE(finding_of(Check::bounds).severity, Severity::note);
 }
 
 TEST_F(Verdicts, APosteriorThatIsThePriorSaysNothing) {
   const inference::Prior prior(plan_.study.prior);
   add_run(sample_prior(prior, 400, 1), 0.02);
-  EXPECT_EQ(verdict_of(Check::contraction).text, "it IS the prior");
-  EXPECT_EQ(verdict_of(Check::bounds).judgment, Judgment::passes);
+  EXPECT_EQ(finding_of(Check::contraction).evidence, "it IS the prior");
+  EXPECT_LE(finding_of(Check::bounds).severity, Severity::note);
   // A posterior that contracts by a quarter is told from it (false alarms: 1e-3; fixed seed).
   RowMatrix narrower = sample_prior(prior, 400, 1);
   narrower.col(0) = 1.0 + std::sqrt(0.75) * (narrower.col(0).array() - 1.0);
   add_run(narrower, 0.02);
-  EXPECT_EQ(verdict_of(Check::contraction).judgment, Judgment::passes);
-  EXPECT_TRUE(has(verdict_of(Check::contraction).reason, "says little of pole_length"));
+  EXPECT_LE(finding_of(Check::contraction).severity, Severity::note);
+  EXPECT_TRUE(has(finding_of(Check::contraction).what, "says little of pole_length"));
 }
 
 // Half of the samples at either end of the prior: wider than it.
@@ -81,8 +81,8 @@ TEST_F(Verdicts, APosteriorOfTwoModesSaysMoreThanThePrior) {
   theta.col(0) = (theta.col(0).array() > 1.0).select(Vector::Constant(400, 1.6), 0.4);
   theta.col(0) += 0.05 * theta.col(1);
   add_run(theta, 0.02);
-  EXPECT_EQ(verdict_of(Check::contraction).judgment, Judgment::passes);
-  EXPECT_EQ(verdict_of(Check::contraction).reason, "says little of pole_length");
+  EXPECT_LE(finding_of(Check::contraction).severity, Severity::note);
+  EXPECT_EQ(finding_of(Check::contraction).what, "says little of pole_length");
 }
 
 TEST_F(Verdicts, NothingIsInfinitelyFar) {
@@ -90,12 +90,12 @@ TEST_F(Verdicts, NothingIsInfinitelyFar) {
   ood.p_value = 1e-5;
   ood.mahalanobis = {3.0, 1.5, 0.1};
   ood.residual = {kInfinity, 0.0, 1e-5};
-  const Verdict found = verdict_of(Check::ood);
-  EXPECT_EQ(found.judgment, Judgment::fails);
-  EXPECT_TRUE(has(found.reason,
+  const Finding found = finding_of(Check::ood);
+  EXPECT_EQ(found.severity, Severity::wrong);
+  EXPECT_TRUE(has(found.what,
                   "2 times the usual distance within the simulations' directions, and "
                   "a feature that in all of them has another value, or one far farther from 0"));
-  EXPECT_FALSE(has(found.reason, "inf"));
+  EXPECT_FALSE(has(found.what, "inf"));
 }
 
 TEST_F(Verdicts, TheTableHasThemAll) {

@@ -1,0 +1,81 @@
+#include "pipeline/config/check.h"
+
+#include <algorithm>
+
+namespace npdr::pipeline {
+
+using inference::AlgorithmFamily;
+
+namespace {
+
+std::string why_never_asked_again(const Study& study) {
+  return study.source().simulates ? "" : "a dataset can't be asked for other simulations";
+}
+
+}  // namespace
+
+std::string always_checked(const Study& /*study*/, const MethodConfig& /*method*/) { return ""; }
+
+std::string needs_network(const Study& /*study*/, const MethodConfig& method) {
+  return family_of(method) == AlgorithmFamily::network
+             ? ""
+             : "there is no network that could be asked about other observations";
+}
+
+std::string needs_calibration(const Study& study, const MethodConfig& method) {
+  const std::string why = why_never_asked_again(study);
+  return why.empty() ? needs_network(study, method) : why;
+}
+
+std::string needs_simulations(const Study& /*study*/, const MethodConfig& method) {
+  return learns(method) ? "" : "there are no simulations that it has learned from";
+}
+
+std::string needs_dataset(const Study& study, const MethodConfig& method) {
+  const std::string why = needs_simulations(study, method);
+  return why.empty() && study.source().simulates ? "there is no dataset" : why;
+}
+
+std::string needs_predictions(const Study& study, const MethodConfig& method) {
+  const std::string why = why_never_asked_again(study);
+  const bool begins_elsewhere =
+      family_of(method) == AlgorithmFamily::likelihood && method.refine.infer_first_states;
+  return why.empty() && begins_elsewhere ? "its predictions begin in recorded first states, whose "
+                                           "noise only 'residuals' takes away"
+                                         : why;
+}
+
+std::string needs_sampler(const Study& /*study*/, const MethodConfig& method) {
+  const AlgorithmFamily family = family_of(method);
+  if (family == AlgorithmFamily::abc) {
+    return "its chains are short, and agree as a whole; their R-hat is in the table of experiments";
+  }
+  const bool has_density =
+      inference::traits_of(method.algorithm.kind).role == inference::NetworkRole::posterior;
+  const bool is_sampled = family == AlgorithmFamily::likelihood ||
+                          method.algorithm.kind == inference::Algorithm::npe_nle ||
+                          (family == AlgorithmFamily::network && !has_density);
+  return is_sampled ? "" : "its samples need no chains";
+}
+
+std::string needs_likelihood(const Study& /*study*/, const MethodConfig& method) {
+  return family_of(method) == AlgorithmFamily::likelihood
+             ? ""
+             : "it has no likelihood whose noise could be unlike what is left of the recording";
+}
+
+std::string needs_rmse(const Study& study, const MethodConfig& /*method*/) {
+  if (!study.source().simulates) return why_never_asked_again(study);
+  if (!study.source().gives_motion) return "features have no RMSE";
+  if (std::ranges::count(study.evaluate.metrics, Metric::rmse) == 0) {
+    return "evaluate.metrics lacks rmse";
+  }
+  return study.target.recording && !study.evaluate.floor ? "evaluate.floor is off" : "";
+}
+
+std::string needs_held_out(const Study& study, const MethodConfig& /*method*/) {
+  if (!study.source().simulates) return why_never_asked_again(study);
+  return study.target.held_out == 0 ? "no rollouts are held out" : "";
+}
+
+}  // namespace npdr::pipeline

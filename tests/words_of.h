@@ -1,0 +1,16 @@
+/// The words of findings.
+#pragma once
+
+#include "core/finding.h"
+#include "core/text.h"
+
+namespace npdr {
+
+/// What they say, without "warning: "; "": there are none.
+inline std::string words_of(const Findings& findings) {
+  std::vector<std::string> words;
+  for (const Finding& finding : findings) words.push_back(finding.what);
+  return join(words, "\n");
+}
+
+}  // namespace npdr
