@@ -215,7 +215,9 @@ void import_simulations(const ImportArguments& arguments) {
   const DatasetCounts counts =
       import_dataset(arguments.theta, arguments.x, arguments.output,
                      parse_csv_format(arguments.delimiter, arguments.decimal_comma));
-  for (const std::string& file : counts.unended) print_line("{}", warning_of_end(file));
+  for (const std::string& file : counts.unended) {
+    print_line("{}", text_of(warning_of_end(file)));
+  }
   print_line("wrote {}: {} rows; theta {}; x {}{}", arguments.output, counts.num_rows,
              fmt::join(feature_names(counts.parameters), ", "),
              fmt::join(feature_names(counts.features), ", "), words_of_failed(counts));
@@ -229,10 +231,10 @@ void import_recording(const ImportArguments& arguments) {
     throw InputError("name recordings, CSV files with a rollout each, or --theta and --x");
   }
   check_window(arguments);
-  const auto [target, notes] =
+  const auto [target, findings] =
       import_csv({arguments.files.begin(), arguments.files.end()}, csv_options(arguments));
   write_recording(target, arguments.output);
-  for (const std::string& note : notes) print_line("{}", note);
+  for (const Finding& finding : findings) print_line("{}", text_of(finding));
   print_line("wrote {}: {} of {} steps of {} s; states {}; actions {}", arguments.output,
              counted(target.num_rollouts(), "rollout"), target.num_steps(), target.dt,
              to_string(target.state_channels), to_string(target.action_channels));

@@ -67,20 +67,24 @@ void require_folder(const std::string& work) {
       quoted(work)));
 }
 
-// A device that was driven is simulated without; "" where all that was done is used.
-std::string unused_actions(const Study& study, const sim::SimulatorInfo& info) {
-  if (!study.target.recording || !study.source().gives_motion) return "";
+// A device that was driven is simulated without.
+Findings find_unused_actions(const Study& study, const sim::SimulatorInfo& info) {
   std::vector<std::string> unused;
   for (const Channel& action : read_recording(*study.target.recording).action_channels) {
     const auto is_it = [&](const Channel& known) { return known.label == action.label; };
     if (std::ranges::any_of(info.action_channels, is_it)) continue;
     if (!std::ranges::any_of(info.state_channels, is_it)) unused.push_back(action.label);
   }
-  if (unused.empty()) return "";
-  return fmt::format(
-      "{}: warning: the simulator isn't given the recorded action{} {}: it moves as if there were "
-      "none; name it in simulator.actions, where the simulator is yours",
-      study.places.of("target.recording").str(), unused.size() == 1 ? "" : "s", join(unused));
+  if (unused.empty()) return {};
+  return {warning(fmt::format(
+      "the simulator isn't given the recorded action{} {}: it moves as if there were none; name it "
+      "in simulator.actions, where the simulator is yours",
+      unused.size() == 1 ? "" : "s", join(unused)))};
+}
+
+void add(Findings& all, Findings found, const std::string& where) {
+  for (Finding& finding : found) finding.where = where;
+  append(all, std::move(found));
 }
 
 }  // namespace
@@ -190,9 +194,9 @@ Plan StudyArguments::plan_here(const std::string& program) const {
   };
   if (!exists(plan.work) && exists(WorkFolder(there))) {
     const std::vector<std::string> option = {"--work", there};
-    report_error(program,
-                 fmt::format("warning: no results of this study in {}, but in {}; to use those: {}",
-                             work, there.string(), shell_text(option)));
+    report_warning(program,
+                   fmt::format("no results of this study in {}, but in {}; to use those: {}", work,
+                               there.string(), shell_text(option)));
   }
   return plan;
 }
@@ -208,24 +212,27 @@ std::vector<std::string> StudyArguments::words() const {
   return words;
 }
 
+void print_findings(const Findings& findings) {
+  for (const Finding& finding : findings) fmt::print(stderr, "{}\n", text_of(finding));
+}
+
+void print_warning(std::string what) { print_findings({warning(std::move(what))}); }
+
 void print_warnings(const std::string& program, const Plan& plan) {
+  const Study& study = plan.study;
   const sim::SimulatorInfo& info = plan.source->info();
-  if (plan.study.target.recording && plan.study.source().gives_motion) {
-    for (const std::string& warning : recording_warnings(plan.target)) {
-      report_error(program, fmt::format("{}: warning: {}",
-                                        plan.study.places.of("target.recording").str(), warning));
-    }
+  const std::string recording = study.places.of("target.recording").str();
+  const bool replays = study.target.recording && study.source().gives_motion;
+  Findings found;
+  if (replays) add(found, warnings_of(plan.target), recording);
+  if (study.target.observation) {
+    add(found, warnings_of_observation(*study.target.observation),
+        study.places.of("target.observation").str());
   }
-  if (plan.study.target.observation) {
-    const std::string warning = warning_of_observation(*plan.study.target.observation);
-    const std::string where = plan.study.places.of("target.observation").str();
-    if (!warning.empty()) report_error(program, where + ": " + warning);
-  }
-  for (const std::string& warning : warnings_of(plan.study, info)) report_error(program, warning);
-  for (const std::string& warning :
-       {unused_actions(plan.study, info), warning_of_replacement(plan)}) {
-    if (!warning.empty()) report_error(program, warning);
-  }
+  append(found, warnings_of(study, info));
+  if (replays) add(found, find_unused_actions(study, info), recording);
+  append(found, find_replaced_report(plan));
+  report_findings(program, found);
 }
 
 void UntilOption::add_to(CLI::App& app, const std::string& purpose) {

@@ -57,6 +57,10 @@ struct StudyArguments {
   std::vector<std::string> words() const;
 };
 
+/// Prints findings on stderr, as text_of(), or one warning.
+void print_findings(const Findings& findings);
+void print_warning(std::string what);
+
 /// Prints what in the plan's study is probably not what was meant, as "program: place: warning".
 void print_warnings(const std::string& program, const Plan& plan);
 

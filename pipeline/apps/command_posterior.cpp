@@ -10,14 +10,13 @@
 #include "analysis/escape.h"
 #include "core/error.h"
 #include "core/log_sum_exp.h"
-#include "core/normal.h"
 #include "core/printable.h"
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 #include "inference/diagnostics/out_of_distribution.h"
-#include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/two_samples.h"
 #include "inference/embeddings/embedding.h"
+#include "inference/samplers/chain_diagnostics.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
@@ -29,6 +28,7 @@
 #include "pipeline/artefacts/usual_features_file.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/findings/findings.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/forked_trial.h"
 #include "pipeline/store/hostile_json.h"
@@ -83,11 +83,11 @@ void warn_of_other_inputs(const std::string& recording, const Target& target,
   const double difference = difference_of_inputs(target, replayed, segment_length);
   const double rounding = 1e-6 * sim::reference_amplitude(replayed).maxCoeff();
   if (difference <= rounding) return;
-  fmt::print(stderr,
-             "warning: {} has other actions, or begins in other states, than the rollouts that the "
-             "simulations replayed (by up to {:.3g}); what it says of theta is then wrong: fit it "
-             "with a study of its own\n",
-             recording, difference);
+  print_warning(fmt::format(
+      "{} has other actions, or begins in other states, than the rollouts that the "
+      "simulations replayed (by up to {:.3g}); what it says of theta is then wrong: fit it "
+      "with a study of its own",
+      recording, difference));
 }
 
 struct Observation {
@@ -106,8 +106,7 @@ Observation embed_recording(const std::string& posterior, const std::string& rec
   const Channels channels = observed_channels(posterior);
   if (!traits_of(table.external.kind()).gives_motion) {
     const Target target = read_observation(recording, channels.states);
-    const std::string warning = warning_of_observation(recording);
-    if (!warning.empty()) fmt::print(stderr, "{}\n", warning);
+    print_findings(warnings_of_observation(recording));
     return {
         inference::observed_features(*inference::make_embedding(embedding, target, 1), target, 1),
         channels.states};
@@ -127,10 +126,10 @@ void warn_of_later_round(const std::string& posterior) {
   const auto document = read_artefact_info(posterior).identity.key_document;
   const auto round = document.find("round");
   if (round == document.end() || !round->is_number() || *round <= 1) return;
-  fmt::print(stderr,
-             "warning: {} is of round {}, whose simulations were made for its own observation; for "
-             "others take that of round 1\n",
-             posterior, round->get<Index>());
+  print_warning(
+      fmt::format("{} is of round {}, whose simulations were made for its own observation; for "
+                  "others take that of round 1",
+                  posterior, round->get<Index>()));
 }
 
 // The feature that is another than in all simulations, or far from their mean, where one is.
@@ -162,23 +161,22 @@ void warn_of_unlike_simulations(const PosteriorArguments& arguments,
   const auto usual = read_usual_features({arguments.posterior});
   constexpr double level = 1e-3;  // false alarms
   const Index num_reference = usual ? usual->distances.rows() : 1;
-  if (3.0 * inference::smallest_tail_probability(num_reference) >= level) {
+  if (!inference::can_be_outside(num_reference, level)) {
     fmt::print(stderr, "note: the simulations of {} were too few to tell whether {} is like them\n",
                arguments.posterior, arguments.recording);
     return;
   }
   const double p = inference::test_out_of_distribution(*usual, observation.x).p_value;
   if (p >= level) return;
-  fmt::print(stderr,
-             "warning: {} is unlike all simulations that the posterior was learned from (p = "
-             "{:.2g}; {}); what it says there is a guess: check the units, or widen the prior\n",
-             arguments.recording, p, conspicuous_feature(*usual, observation));
+  print_warning(
+      fmt::format("{} is unlike all simulations that the posterior was learned from (p = "
+                  "{:.2g}; {}); what it says there is a guess: check the units, or widen the prior",
+                  arguments.recording, p, conspicuous_feature(*usual, observation)));
 }
 
 std::string verdict_on_chains(double r_hat) {
-  constexpr double too_large = 1.1;
   if (std::isnan(r_hat)) return "; too few samples of each chain to say more";
-  return r_hat > too_large
+  return r_hat > inference::kLargestRHat
              ? "; they don't agree, so rows aren't independent, and modes may be badly weighted"
              : "";
 }
@@ -231,20 +229,18 @@ void note_repeats(const RowMatrix& theta) {
 // hold samples.
 void warn_of_pressed_bounds(const inference::Prior& prior, const RowMatrix& theta) {
   if (theta.rows() < inference::kFewestForBounds) return;
-  const RowMatrix v = prior.to_normal(theta).unaryExpr([](double u) { return normal_cdf(u); });
   std::vector<std::string> pressed;
-  for (Index d = 0; d < v.cols(); ++d) {
+  for (Index d = 0; d < theta.cols(); ++d) {
     const inference::Marginal& marginal = prior.marginals()[static_cast<std::size_t>(d)];
-    const inference::BoundPressure found = inference::test_bounds(v.col(d));
-    if (marginal.is_unbounded() || found.presses_lower() == found.presses_upper()) continue;
-    pressed.push_back(fmt::format("{} at {:.4g}", marginal.name,
-                                  found.presses_lower() ? marginal.lower() : marginal.upper()));
+    const std::vector<PressedBound> bounds = pressed_bounds(marginal, theta.col(d));
+    if (bounds.size() != 1) continue;
+    pressed.push_back(fmt::format("{} at {:.4g}", marginal.name, bounds.front().value));
   }
   if (pressed.empty()) return;
-  fmt::print(stderr,
-             "warning: the samples press against the end of the prior ({}), which may exclude the "
-             "truth: widen it in a study of this observation\n",
-             join(pressed));
+  print_warning(
+      fmt::format("the samples press against the end of the prior ({}), which may exclude the "
+                  "truth: widen it in a study of this observation",
+                  join(pressed)));
 }
 
 // Samples of posterior k = 0, 1, ... of those that are pooled, the first after the names of the

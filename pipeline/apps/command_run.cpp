@@ -71,10 +71,10 @@ void warn_of_another_run(const Plan& plan, const std::vector<const Node*>& missi
   for (const Node* node : missing) {
     const int process = processes[static_cast<std::size_t>(node - plan.nodes.data())];
     if (process == 0) continue;
-    report_error("npdr run",
-                 fmt::format("warning: process {} makes {} already, and this run does that work "
-                             "once more: stop one of both",
-                             process, node->label()));
+    report_warning("npdr run",
+                   fmt::format("process {} makes {} already, and this run does that work "
+                               "once more: stop one of both",
+                               process, node->label()));
     return;
   }
 }

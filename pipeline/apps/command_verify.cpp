@@ -43,7 +43,7 @@ ExitStatus verify_by_remake(const std::string& path, const StudyArguments& study
   report_error(kProgram, "makes again " + remake.title());
   const std::string difference = remake.difference_of_builds();
   if (!difference.empty()) {
-    report_error(kProgram, "warning: " + difference + "; bits may differ for that reason alone");
+    report_warning(kProgram, difference + "; bits may differ for that reason alone");
   }
   const bool is_same = remake.gives_same_bits();
   print_line("{}: made again, with {} bits", path, is_same ? "the same" : "OTHER");

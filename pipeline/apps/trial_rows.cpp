@@ -71,17 +71,16 @@ std::unique_ptr<Source> source_of_one_call(const Study& study) {
 
 void tell_of_failures(const sim::Trajectories& x, const RowSimulator& simulator) {
   const Index good = std::ranges::count(x.status, sim::RolloutStatus::ok);
-  const std::string last = simulator.last_failure(), warning = simulator.last_warning();
+  const std::string last = simulator.last_failure();
   const std::string why = last.empty() ? "" : ": " + last;
-  if (!warning.empty()) report_error("npdr validate", "warning: " + warning);
+  report_findings("npdr validate", simulator.last_warnings());
   if (good == 0) throw FailedRolloutsError("no row that was tried has a result" + why);
   if (good < x.num_rows) {
-    report_error("npdr validate", fmt::format("warning: {} of {} rows failed{}", x.num_rows - good,
-                                              x.num_rows, why));
+    report_warning("npdr validate",
+                   fmt::format("{} of {} rows failed{}", x.num_rows - good, x.num_rows, why));
   } else if (!last.empty()) {
-    report_error(
-        "npdr validate",
-        "warning: a call failed that went well when it was repeated, or with fewer rows" + why);
+    report_warning("npdr validate",
+                   "a call failed that went well when it was repeated, or with fewer rows" + why);
   }
 }
 

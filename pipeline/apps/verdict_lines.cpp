@@ -45,9 +45,8 @@ void warn_of_failed_checks(const Plan& plan, const std::string& method) {
                printable_line(method), printable_line(plan.command));
   }
   if (!checks || checks->failed.empty()) return;
-  fmt::print(stderr, "warning: {}\n",
-             printable_line(words_of(*checks) +
-                            "; what was found and what to do: " + report_path(plan).string()));
+  print_warning(printable_line(words_of(*checks) +
+                               "; what was found and what to do: " + report_path(plan).string()));
 }
 
 }  // namespace npdr::pipeline

@@ -146,11 +146,12 @@ Target read_observation(const std::filesystem::path& path, const std::vector<Cha
   return target;
 }
 
-std::string warning_of_observation(const std::filesystem::path& path) {
-  if (path.extension() != ".csv") return "";
+Findings warnings_of_observation(const std::filesystem::path& path) {
+  if (path.extension() != ".csv") return {};
   NumberTable table(path);
   while (table.next()) continue;
-  return table.has_line_end() ? "" : warning_of_end(table.name());
+  if (table.has_line_end()) return {};
+  return {warning_of_end(table.name())};
 }
 
 }  // namespace npdr::pipeline

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/feature_names.h"
+#include "core/finding.h"
 #include "core/target.h"
 #include "core/types.h"
 #include "pipeline/store/file_format.h"
@@ -41,8 +42,7 @@ Target read_observation(const std::filesystem::path& path, const std::vector<Cha
 Target observation_target(const std::vector<Channel>& features, const Vector& x_o,
                           const std::string& source);
 
-/// The warning of a file with x_o that, as CSV, doesn't end its last line (number_table.h); ""
-/// where it does.
-std::string warning_of_observation(const std::filesystem::path& path);
+/// Of a file with x_o that, as CSV, doesn't end its last line (number_table.h).
+Findings warnings_of_observation(const std::filesystem::path& path);
 
 }  // namespace npdr::pipeline

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "analysis/scatter.h"
+#include "core/quantile.h"
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 #include "pipeline/features/noise.h"

@@ -123,45 +123,44 @@ Bend largest_bend(const Target& target, const RatePair& pair, bool at_rest) {
 }
 
 // Few checks of a posterior pass where rates are wrong by more than noise.
-std::string warning_of(const Target& target, const RatePair& pair, const Bend& bend,
-                       const std::string& file, Index window) {
+Finding warning_of(const Target& target, const RatePair& pair, const Bend& bend,
+                   const std::string& file, Index window) {
   const std::string unit = target.state_channels[static_cast<std::size_t>(pair.rate)].unit;
-  return fmt::format(
-      "warning: {}:{}: {} may be off by {:.3g}{}: {} bends too much there for {} samples (give a "
+  return warning(fmt::format(
+      "{}:{}: {} may be off by {:.3g}{}: {} bends too much there for {} samples (give a "
       "shorter window, which is noisier, --differentiate={}{}), or a sample near it is wrong, "
       "missing or repeated (put it right); or leave these rows out",
       file, bend.row + 2, label_of(target, pair.rate), bend.difference,
       unit.empty() ? "" : " " + unit, label_of(target, pair.position), window,
       std::max(kShortest, (window + 1) / 4 * 2 + 1),
-      bend.row == 0 ? ", or --at-rest if it stood still" : "");
+      bend.row == 0 ? ", or --at-rest if it stood still" : ""));
 }
 
 }  // namespace
 
-std::vector<std::string> compute_rates(Target& target, const std::vector<RatePair>& pairs,
-                                       const std::vector<std::string>& files,
-                                       const RateOptions& options) {
+Findings compute_rates(Target& target, const std::vector<RatePair>& pairs,
+                       const std::vector<std::string>& files, const RateOptions& options) {
   const Index window = options.window;
   require_windows(target, files, window);
-  std::vector<std::string> notes;
+  Findings found;
   for (const RatePair& pair : pairs) {
     for (Rollout& rollout : target.rollouts) {
       rollout.states.col(pair.rate) =
           sim::slopes(rollout.states.col(pair.position), window, target.dt);
       if (options.at_rest) rollout.states(0, pair.rate) = 0.0;
     }
-    notes.push_back(
-        fmt::format("computed {}: slope of {} over {} samples, {:.4g} s (Savitzky-Golay); {}",
-                    label_of(target, pair.rate), label_of(target, pair.position), window,
-                    static_cast<double>(window - 1) * target.dt,
-                    words_of_first(target, pair.rate, options.at_rest)));
+    found.push_back(
+        note(fmt::format("computed {}: slope of {} over {} samples, {:.4g} s (Savitzky-Golay); {}",
+                         label_of(target, pair.rate), label_of(target, pair.position), window,
+                         static_cast<double>(window - 1) * target.dt,
+                         words_of_first(target, pair.rate, options.at_rest))));
     if (options.is_resampled) continue;
     const Bend bend = largest_bend(target, pair, options.at_rest);
     if (bend.difference > 0.0) {
-      notes.push_back(warning_of(target, pair, bend, files[bend.rollout], window));
+      found.push_back(warning_of(target, pair, bend, files[bend.rollout], window));
     }
   }
-  return notes;
+  return found;
 }
 
 }  // namespace npdr::pipeline

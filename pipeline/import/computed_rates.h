@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/finding.h"
 #include "core/target.h"
 #include "pipeline/import/rate_pairs.h"
 
@@ -16,7 +17,7 @@ struct RateOptions {
 };
 
 /// Sets the rates of `pairs` in every rollout to the slopes of their positions
-/// (sim/savitzky_golay.h). Returns a sentence for each pair, and a warning with file and line where
+/// (sim/savitzky_golay.h). Returns a note of each pair, and a warning with file and line where
 /// slopes over 5 samples differ from these by more than 5 % of the largest rate and by more than
 ///   7 sigma / dt:
 /// the motion bends too much for the window, or a sample near is wrong, missing or repeated. sigma
@@ -26,8 +27,7 @@ struct RateOptions {
 /// jumps time and again look like counts, and aren't told; positions that were resampled aren't
 /// looked at. `files`: a name for each rollout. Throws InputError for a window that is none, or
 /// longer than a rollout.
-std::vector<std::string> compute_rates(Target& target, const std::vector<RatePair>& pairs,
-                                       const std::vector<std::string>& files,
-                                       const RateOptions& options);
+Findings compute_rates(Target& target, const std::vector<RatePair>& pairs,
+                       const std::vector<std::string>& files, const RateOptions& options);
 
 }  // namespace npdr::pipeline

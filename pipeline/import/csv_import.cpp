@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -15,8 +16,8 @@
 #include "pipeline/import/csv_turns.h"
 #include "pipeline/import/glitch_report.h"
 #include "pipeline/import/rate_report.h"
+#include "pipeline/import/recording_warnings.h"
 #include "pipeline/import/resample.h"
-#include "pipeline/import/rollout_copies.h"
 #include "pipeline/import/rollout_length.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/number_table.h"
@@ -129,30 +130,30 @@ std::string note_of_resampling(const std::vector<CsvRows>& files, double dt) {
 
 // A grid that is much finer than the samples: lines between them count as measured, and rates are
 // taken over a part of one.
-std::vector<std::string> notes_of_grid(const std::vector<CsvRows>& files, double dt) {
+Findings find_fine_grid(const std::vector<CsvRows>& files, double dt) {
   constexpr double least = 0.5;
   double usual = 0.0;  // of the slowest file
   for (const CsvRows& rows : files) usual = std::max(usual, steps_of(rows.times).median);
   if (dt >= least * usual) return {};
   return {
-      fmt::format("warning: --resample {} is finer than the samples, {:.4g} s apart: straight "
-                  "lines between them count as measured; give {:.3g} or more",
-                  dt, usual, usual)};
+      warning(fmt::format("--resample {} is finer than the samples, {:.4g} s apart: straight "
+                          "lines between them count as measured; give {:.3g} or more",
+                          dt, usual, usual))};
 }
 
 // Lines over gaps count as measured.
-std::vector<std::string> notes_of_gaps(const std::vector<CsvRows>& files, double dt) {
+Findings find_gaps(const std::vector<CsvRows>& files, double dt) {
   constexpr double most = 0.05;
-  std::vector<std::string> notes;
+  Findings found;
   for (const CsvRows& rows : files) {
     const double share = share_of_gaps(rows.times, dt);
     if (share <= most) continue;
-    notes.push_back(
-        fmt::format("warning: {}: {:.0f} % of its time lies between samples that are further apart "
-                    "than twice the usual: straight lines there, which count as measured",
-                    rows.name, 100.0 * share));
+    found.push_back(warning(
+        fmt::format("{}: {:.0f} % of its time lies between samples that are further apart than "
+                    "twice the usual: straight lines there, which count as measured",
+                    rows.name, 100.0 * share)));
   }
-  return notes;
+  return found;
 }
 
 // A rollout that counts twice makes posteriors narrower than they are.
@@ -192,98 +193,81 @@ std::vector<std::string> bare_names(const std::vector<std::filesystem::path>& pa
   return names;
 }
 
-void append(const std::vector<std::string>& more, std::vector<std::string>& all) {
-  all.insert(all.end(), more.begin(), more.end());
-}
-
 // What nobody asked for may be what the simulator is given.
-std::vector<std::string> notes_of_ignored(const CsvRows& rows) {
+Findings find_ignored(const CsvRows& rows) {
   if (rows.ignored.empty()) return {};
-  return {fmt::format("not imported: {}; --states and --actions name what is",
-                      join(few_shortened(rows.ignored)))};
-}
-
-std::vector<std::string> notes_of_ends(const std::vector<CsvRows>& files) {
-  std::vector<std::string> notes;
-  for (const CsvRows& rows : files) {
-    if (rows.has_line_end) continue;
-    notes.push_back(warning_of_end(rows.name));
-  }
-  return notes;
+  return {note(fmt::format("not imported: {}; --states and --actions name what is",
+                           join(few_shortened(rows.ignored))))};
 }
 
 // Rates are the slopes of angles also where all of a motion is in degrees; few begin beyond a turn.
-void note_far_beginnings(const Target& target, const std::vector<std::string>& files,
-                         std::vector<std::string>& notes) {
+Findings find_far_beginning(const Target& target, const std::vector<std::string>& files) {
   for (std::size_t h = 0; h < target.rollouts.size(); ++h) {
     for (std::size_t c = 0; c < target.state_channels.size(); ++c) {
       const auto& [label, unit] = target.state_channels[c];
       const double first = target.rollouts[h].states(0, static_cast<Index>(c));
       if (unit != "rad" || std::abs(first) <= 2.0 * std::numbers::pi) continue;
-      notes.push_back(fmt::format(
-          "warning: {}: {} begins at {:.3g} rad, more than a turn from zero: if it is in degrees, "
-          "add --scale {}=0.0174533, and the same for its rate",
-          files[h], label, first, label));
-      return;
+      return {warning(fmt::format(
+          "{}: {} begins at {:.3g} rad, more than a turn from zero: if it is in degrees, add "
+          "--scale {}=0.0174533, and the same for its rate",
+          files[h], label, first, label))};
     }
   }
+  return {};
 }
 
 // Motions are recorded faster than that, though not so fast; measured rates would contradict
 // another clock.
-void note_strange_clock(const Target& target, const CsvRows& rows, bool is_resampled,
-                        std::vector<std::string>& notes) {
+Findings find_strange_clock(const Target& target, const CsvRows& rows, bool is_resampled) {
   constexpr double slow = 1.0, fast = 1e-6;  // [s]
-  if (target.dt < fast) {
-    notes.push_back(
-        fmt::format("warning: {}: steps of {:.6g} s, which no motion needs: in which "
-                    "unit are times?",
-                    rows.name, target.dt));
-  }
-  if (target.dt < slow || rate_pairs(target.state_channels).empty()) return;
-  notes.push_back(fmt::format(
-      "warning: {}: steps of {:.6g} s, which are long for a motion: if times are in ms, {}",
-      rows.name, target.dt,
-      rows.time.empty() ? fmt::format("give --dt {:.6g}", 1e-3 * target.dt)
-                        : fmt::format("add --scale {}=0.001{}", rows.time,
-                                      is_resampled ? ", and give --resample in s" : "")));
+  const std::string steps = fmt::format("{}: steps of {:.6g} s, which ", rows.name, target.dt);
+  if (target.dt < fast) return {warning(steps + "no motion needs: in which unit are times?")};
+  if (target.dt < slow || rate_pairs(target.state_channels).empty()) return {};
+  return {
+      warning(steps + "are long for a motion: if times are in ms, " +
+              (rows.time.empty() ? fmt::format("give --dt {:.6g}", 1e-3 * target.dt)
+                                 : fmt::format("add --scale {}=0.001{}", rows.time,
+                                               is_resampled ? ", and give --resample in s" : "")))};
 }
 
 // Throws what is wrong with angles and rates, all at once, after glitches, which may be the cause;
 // otherwise says what was checked, and what is probably wrong.
-std::vector<std::string> check_rates(const Target& target, const std::vector<CsvRows>& files,
-                                     const std::vector<std::string>& glitches, bool is_resampled) {
+Findings check_rates(const Target& target, const std::vector<CsvRows>& files,
+                     const Findings& glitches, bool is_resampled) {
   const CsvRows& first = files.front();
   const std::vector<std::string> names = names_of_files(files);
-  std::vector<std::string> problems = turn_problems(files);
+  const auto is_problem = [](const Finding& f) { return f.severity != Severity::note; };
   std::vector<RatePair> pairs = measured(rate_pairs(first.states), first);
-  const RateReport report = report_rates(target, pairs, names, first.time);
-  append(report.problems, problems);
-  if (!problems.empty()) {
-    problems.insert(problems.begin(), glitches.begin(), glitches.end());
-    problems.emplace_back(
+  Findings found = find_turns(files);
+  append(found, find_in_rates(target, pairs, names, first.time));
+  if (std::ranges::any_of(found, is_problem)) {
+    std::erase_if(found, std::not_fn(is_problem));
+    found.insert(found.begin(), glitches.begin(), glitches.end());
+    std::string problems;
+    for (const Finding& finding : found) problems += finding.what + "\n";
+    throw InputError(
+        problems +
         "--no-rate-check imports the files as they are; simulations then start from, and are "
         "compared with, angles and rates that contradict each other, of which every run warns");
-    throw InputError(join(problems, "\n"));
   }
-  std::vector<std::string> notes = report.notes;
   const std::vector<RatePair> likely = measured(likely_rate_pairs(first.states), first);
-  const RateReport of_likely = report_rates(target, likely, names, first.time);
-  for (const std::string& problem : of_likely.problems) {
-    notes.push_back("warning: " + problem +
-                    "; nothing is wrong where these aren't a position and its rate");
+  Findings of_likely = find_in_rates(target, likely, names, first.time);
+  if (std::ranges::any_of(of_likely, is_problem)) {
+    std::erase_if(of_likely, std::not_fn(is_problem));
+    for (Finding& problem : of_likely) {
+      problem.what += "; nothing is wrong where these aren't a position and its rate";
+    }
   }
-  if (of_likely.problems.empty()) append(of_likely.notes, notes);
-  pairs.insert(pairs.end(), likely.begin(), likely.end());
-  for (const std::string& leap : words_of_leaps(target, names)) notes.push_back("warning: " + leap);
-  note_strange_clock(target, first, is_resampled, notes);
-  note_far_beginnings(target, names, notes);
-  if (pairs.empty()) {
-    notes.emplace_back(
-        "not checked: units, signs and the order of columns, since none of them is the measured "
-        "rate of another");
+  append(found, of_likely);
+  append(found, find_leaps(target, names));
+  append(found, find_strange_clock(target, first, is_resampled));
+  append(found, find_far_beginning(target, names));
+  if (pairs.empty() && likely.empty()) {
+    found.push_back(
+        note("not checked: units, signs and the order of columns, since none of them is the "
+             "measured rate of another"));
   }
-  return notes;
+  return found;
 }
 
 }  // namespace
@@ -294,29 +278,32 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   check_options(options);
   require_distinct(paths);
   std::vector<CsvRows> files = read_files(paths, options);
-  ImportedRecording result;
-  result.notes = notes_of_ignored(files.front());
-  append(notes_of_ends(files), result.notes);
-  const std::vector<std::string> glitches = words_of_glitches(files, options);
-  for (const std::string& glitch : glitches) result.notes.push_back("warning: " + glitch);
-  append(unwrap_turns(files, options.unwrap), result.notes);
+  ImportedRecording result{{}, find_ignored(files.front())};
+  Findings& found = result.findings;
+  for (const CsvRows& rows : files) {
+    if (!rows.has_line_end) found.push_back(warning_of_end(rows.name));
+  }
+  const Findings glitches = find_glitches(files, options);
+  append(found, glitches);
+  append(found, unwrap_turns(files, options.unwrap));
   Target& target = result.target = even_target(files, options);
   name_rollouts(paths, target);
   require_no_copies(target, paths);
   if (options.resample) {
-    result.notes.push_back(note_of_resampling(files, *options.resample));
-    append(notes_of_grid(files, *options.resample), result.notes);
-    append(notes_of_gaps(files, *options.resample), result.notes);
+    found.push_back(note(note_of_resampling(files, *options.resample)));
+    append(found, find_fine_grid(files, *options.resample));
+    append(found, find_gaps(files, *options.resample));
   }
+  const std::vector<std::string> names = names_of_files(files);
   if (options.differentiate) {
-    append(compute_rates(target, files.front().lacking, names_of_files(files),
-                         {*options.differentiate, options.at_rest, options.resample.has_value()}),
-           result.notes);
+    append(found,
+           compute_rates(target, files.front().lacking, names,
+                         {*options.differentiate, options.at_rest, options.resample.has_value()}));
   }
   if (options.check_rates) {
-    append(check_rates(target, files, glitches, options.resample.has_value()), result.notes);
+    append(found, check_rates(target, files, glitches, options.resample.has_value()));
   }
-  append(cut_rollouts(target, options.length, names_of_files(files)), result.notes);
+  append(found, cut_rollouts(target, options.length, names));
   target.source = options.source.empty() ? join(bare_names(paths)) : options.source;
   target.check(paths.front().string());
   return result;

@@ -5,15 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "core/finding.h"
 #include "core/target.h"
 #include "pipeline/import/csv_options.h"
 
 namespace npdr::pipeline {
 
-/// A target, and what was done to make it, in sentences for people.
+/// A target, and notes of what was done to make it, with what is probably wrong.
 struct ImportedRecording {
   Target target;
-  std::vector<std::string> notes;
+  Findings findings;
 };
 
 /// Reads one rollout per file: a header line of `label [unit]` fields, then T + 1 rows, of which

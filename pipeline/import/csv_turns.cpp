@@ -66,28 +66,27 @@ std::string problem_of(const Jumps& jumps, const Channel& channel) {
 
 }  // namespace
 
-std::vector<std::string> unwrap_turns(std::vector<CsvRows>& files,
-                                      const std::vector<std::string>& labels) {
-  std::vector<std::string> notes;
+Findings unwrap_turns(std::vector<CsvRows>& files, const std::vector<std::string>& labels) {
+  Findings found;
   for (const std::string& label : labels) {
     const Index state = position_of(files.front().states, label);
     const double turn = turn_of(files.front().states[static_cast<std::size_t>(state)]);
     Index count = 0;
     for (CsvRows& rows : files) count += unwrap(rows.state_values.col(state), turn);
-    notes.push_back(
-        fmt::format("unwrapped {}: {} of a whole turn taken out", label, counted(count, "jump")));
+    found.push_back(note(
+        fmt::format("unwrapped {}: {} of a whole turn taken out", label, counted(count, "jump"))));
   }
-  return notes;
+  return found;
 }
 
-std::vector<std::string> turn_problems(const std::vector<CsvRows>& files) {
-  std::vector<std::string> problems;
+Findings find_turns(const std::vector<CsvRows>& files) {
+  Findings found;
   const std::vector<Channel>& states = files.front().states;
   for (std::size_t c = 0; c < states.size(); ++c) {
     const Jumps jumps = jumps_of(files, static_cast<Index>(c), states[c]);
-    if (jumps.count > 0) problems.push_back(problem_of(jumps, states[c]));
+    if (jumps.count > 0) found.push_back(warning(problem_of(jumps, states[c])));
   }
-  return problems;
+  return found;
 }
 
 }  // namespace npdr::pipeline

@@ -38,9 +38,8 @@ std::string words_of_leap(const Channel& channel, const Vector& position, double
 
 }  // namespace
 
-std::vector<std::string> words_of_glitches(const std::vector<CsvRows>& files,
-                                           const CsvOptions& options) {
-  std::vector<std::string> words;
+Findings find_glitches(const std::vector<CsvRows>& files, const CsvOptions& options) {
+  Findings found;
   for (const CsvRows& rows : files) {
     for (std::size_t c = 0; c < rows.states.size(); ++c) {
       const Vector values = rows.state_values.col(static_cast<Index>(c));
@@ -49,30 +48,29 @@ std::vector<std::string> words_of_glitches(const std::vector<CsvRows>& files,
       const Index t = glitches.front();
       const std::string others =
           glitches.size() > 1 ? fmt::format(", and {} more", glitches.size() - 1) : "";
-      words.push_back(fmt::format(
+      found.push_back(warning(fmt::format(
           "{}:{}: {} = {:.6g} alone, between {:.4g} and {:.4g}{}: a glitch of the sensor? Noise "
           "and errors count as shares of the channel's largest magnitude: {}",
           rows.name, t + 2, rows.states[c].label, values(t), values(t - 1), values(t + 1), others,
-          remedy_of_glitches(rows, options)));
+          remedy_of_glitches(rows, options))));
     }
   }
-  return words;
+  return found;
 }
 
-std::vector<std::string> words_of_leaps(const Target& recording,
-                                        const std::vector<std::string>& names) {
-  std::vector<std::string> words;
+Findings find_leaps(const Target& recording, const std::vector<std::string>& names) {
+  Findings found;
   for (const Index c : positions_of(recording.state_channels)) {
     for (std::size_t h = 0; h < names.size(); ++h) {
       const std::string of_rollout =
           words_of_leap(recording.state_channels[static_cast<std::size_t>(c)],
                         recording.rollouts[h].states.col(c), recording.dt);
       if (of_rollout.empty()) continue;
-      words.push_back(names[h] + ": " + of_rollout);
+      found.push_back(warning(names[h] + ": " + of_rollout));
       break;
     }
   }
-  return words;
+  return found;
 }
 
 }  // namespace npdr::pipeline

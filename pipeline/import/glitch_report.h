@@ -4,21 +4,20 @@
 #include <string>
 #include <vector>
 
+#include "core/finding.h"
 #include "core/target.h"
 #include "pipeline/import/csv_options.h"
 #include "pipeline/import/csv_rows.h"
 
 namespace npdr::pipeline {
 
-/// A sentence for each file and channel with glitches (glitches.h): file and line of the first one,
+/// A warning for each file and channel with glitches (glitches.h): file and line of the first one,
 /// how many there are, and what to do. A channel's noise and errors are shares of its largest
 /// magnitude, which a glitch sets.
-std::vector<std::string> words_of_glitches(const std::vector<CsvRows>& files,
-                                           const CsvOptions& options);
+Findings find_glitches(const std::vector<CsvRows>& files, const CsvOptions& options);
 
-/// A sentence for each position that leaps (find_lone_steps()), but by whole turns, of the first
+/// A warning of each position that leaps (find_lone_steps()), but by whole turns, of the first
 /// rollout where it does. `names`: of the rollouts.
-std::vector<std::string> words_of_leaps(const Target& recording,
-                                        const std::vector<std::string>& names);
+Findings find_leaps(const Target& recording, const std::vector<std::string>& names);
 
 }  // namespace npdr::pipeline

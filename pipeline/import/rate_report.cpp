@@ -253,44 +253,43 @@ std::string spikes_problem(const CheckedPair& pair) {
       pair.rate.label, counted(pair.num_spikes, "row"), pair.position.label, pair.position.label);
 }
 
-void add_problems(const CheckedPair& pair, const std::vector<std::string>& files,
-                  std::vector<std::string>& problems) {
-  if (pair.num_spikes > 0) problems.push_back(spikes_problem(pair));
+Findings problems_of(const CheckedPair& pair, const std::vector<std::string>& files) {
+  Findings found;
+  const auto tell = [&](std::string text) { found.push_back(warning(std::move(text))); };
+  if (pair.num_spikes > 0) tell(spikes_problem(pair));
   if (pair.is_swapped) {
-    problems.push_back(
-        fmt::format("{} is the slope of {}: the two columns are swapped; correct the header",
-                    pair.position.label, pair.rate.label));
-    return;
+    tell(fmt::format("{} is the slope of {}: the two columns are swapped; correct the header",
+                     pair.position.label, pair.rate.label));
+    return found;
   }
   if (!pair.slope.empty()) {
-    problems.push_back(
-        fmt::format("{} isn't the slope of {}, but {} is: are columns swapped? Correct the header",
-                    pair.rate.label, pair.position.label, pair.slope));
-    return;
+    tell(fmt::format("{} isn't the slope of {}, but {} is: are columns swapped? Correct the header",
+                     pair.rate.label, pair.position.label, pair.slope));
+    return found;
   }
   if (pair.ratio) {
-    problems.push_back(scale_problem(pair, *pair.ratio));
-    return;
+    tell(scale_problem(pair, *pair.ratio));
+    return found;
   }
   std::size_t count = 0;
   for (std::size_t h = 0; h < files.size(); ++h) {
     const bool is_slope = agrees(pair.fits[h]);
     if (is_slope && pair.leaps[h].empty()) continue;
     if (++count > kMostFiles) continue;
-    problems.push_back(files[h] + ": " +
-                       (is_slope ? pair.leaps[h] : problem_of_fit(pair, *pair.fits[h])));
+    tell(files[h] + ": " + (is_slope ? pair.leaps[h] : problem_of_fit(pair, *pair.fits[h])));
   }
-  if (count <= kMostFiles) return;
-  problems.back() += fmt::format(" ({} more files are like it)", count - kMostFiles);
+  if (count > kMostFiles) {
+    found.back().what += fmt::format(" ({} more files are like it)", count - kMostFiles);
+  }
+  return found;
 }
 
-void add_note(const CheckedPair& pair, std::vector<std::string>& notes) {
+std::string words_of_check(const CheckedPair& pair) {
   if (!is_known(pair)) {
-    notes.push_back(
-        fmt::format("not checked: whether {} is the slope of {}, which moves too little, or is "
-                    "shorter than {} rows",
-                    pair.rate.label, pair.position.label, kFewestSamples));
-    return;
+    return fmt::format(
+        "not checked: whether {} is the slope of {}, which moves too little, or is shorter than {} "
+        "rows",
+        pair.rate.label, pair.position.label, kFewestSamples);
   }
   double deviation = 0.0;
   Index num_unknown = 0;
@@ -298,20 +297,20 @@ void add_note(const CheckedPair& pair, std::vector<std::string>& notes) {
     num_unknown += !fit;
     if (fit) deviation = std::max(deviation, std::abs(fit->ratio - 1.0));
   }
-  std::string note = fmt::format("checked: {} is the slope of {}, to {:.2g} %", pair.rate.label,
-                                 pair.position.label, 100.0 * deviation);
+  std::string words = fmt::format("checked: {} is the slope of {}, to {:.2g} %", pair.rate.label,
+                                  pair.position.label, 100.0 * deviation);
   if (num_unknown > 0) {
-    note += fmt::format(
+    words += fmt::format(
         "; not in {} of {} rollouts, where it moves too little or that are shorter than {} rows",
         num_unknown, pair.fits.size(), kFewestSamples);
   }
-  notes.push_back(note);
+  return words;
 }
 
 }  // namespace
 
-RateReport report_rates(const Target& target, const std::vector<RatePair>& pairs,
-                        const std::vector<std::string>& files, const std::string& time) {
+Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
+                       const std::vector<std::string>& files, const std::string& time) {
   std::vector<CheckedPair> all;
   for (const RatePair& pair : pairs) {
     all.push_back(checked(target, pair));
@@ -319,16 +318,13 @@ RateReport report_rates(const Target& target, const std::vector<RatePair>& pairs
     all.back().is_swapped = !std::ranges::all_of(all.back().fits, agrees) &&
                             is_slope_everywhere(target, {pair.rate, pair.position});
   }
-  RateReport report;
   if (const std::optional<double> factor = factor_of_dt(all)) {
-    report.problems.push_back(dt_problem(all, target.dt, *factor, time));
-    return report;
+    return {warning(dt_problem(all, target.dt, *factor, time))};
   }
-  for (const CheckedPair& pair : all) {
-    add_problems(pair, files, report.problems);
-    add_note(pair, report.notes);
-  }
-  return report;
+  Findings found;
+  for (const CheckedPair& pair : all) append(found, problems_of(pair, files));
+  for (const CheckedPair& pair : all) found.push_back(note(words_of_check(pair)));
+  return found;
 }
 
 }  // namespace npdr::pipeline

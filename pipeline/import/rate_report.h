@@ -4,23 +4,21 @@
 #include <string>
 #include <vector>
 
+#include "core/finding.h"
 #include "core/target.h"
 #include "pipeline/import/rate_check.h"
 #include "pipeline/import/rate_pairs.h"
 
 namespace npdr::pipeline {
 
-/// The options that messages name are those of `npdr import`.
-struct RateReport {
-  std::vector<std::string> problems;  ///< empty: the rates may be what they say
-  std::vector<std::string> notes;     ///< what was checked, and what couldn't be
-};
-
+/// What speaks against rates, and notes of what was checked, and what couldn't be. The options that
+/// messages name are those of `npdr import`.
+///
 /// Compares the rates of all `pairs` with the slopes of their positions in every rollout; whole
 /// turns that an angle jumps by are left out first. `files`: a name for each rollout. `time`: the
 /// label of the column of times, empty where dt was given. A ratio that all pairs share says that
 /// dt is wrong, one near 57.3 that a column is in degrees.
-RateReport report_rates(const Target& target, const std::vector<RatePair>& pairs,
-                        const std::vector<std::string>& files, const std::string& time);
+Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
+                       const std::vector<std::string>& files, const std::string& time);
 
 }  // namespace npdr::pipeline

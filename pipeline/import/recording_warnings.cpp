@@ -8,7 +8,6 @@
 #include "pipeline/import/glitch_report.h"
 #include "pipeline/import/rate_pairs.h"
 #include "pipeline/import/rate_report.h"
-#include "pipeline/import/rollout_copies.h"
 #include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
@@ -59,28 +58,63 @@ std::vector<RatePair> measured_pairs(const Target& recording) {
   return pairs;
 }
 
+bool is_copy(const Rollout& one, const Rollout& other) {
+  return one.states.rows() == other.states.rows() && one.states == other.states &&
+         one.actions == other.actions;
+}
+
+Findings find_jumps_of_turns(const Target& recording) {
+  Findings found;
+  for (Index c = 0; c < recording.num_states(); ++c) {
+    if (std::string jumps = words_of_jumps(recording, c); !jumps.empty()) {
+      found.push_back(warning(std::move(jumps)));
+    }
+  }
+  return found;
+}
+
+Findings find_wrong_rates(const Target& recording) {
+  Findings found =
+      find_in_rates(recording, measured_pairs(recording), names_of_rollouts(recording), "");
+  std::erase_if(found, [](const Finding& f) { return f.severity == Severity::note; });
+  for (Finding& problem : found) {
+    const bool names_option = problem.what.find("--") != std::string::npos;
+    problem.what += names_option ? " (to npdr import; in an HDF5 file, correct the numbers)" : "";
+  }
+  return found;
+}
+
+Findings find_copies(const Target& recording) {
+  Findings found;
+  for (const auto& [one, other] : copies_of(recording)) {
+    found.push_back(warning(fmt::format(
+        "rollout {} holds the same numbers as {}, and counts twice; target.rollouts leaves it out",
+        recording.rollouts[other].name, recording.rollouts[one].name)));
+  }
+  return found;
+}
+
+constexpr std::array<Probe<Target>, 4> kProbes = {{
+    {"wrapped_angle", find_jumps_of_turns},
+    {"leap", [](const Target& target) { return find_leaps(target, names_of_rollouts(target)); }},
+    {"wrong_rate", find_wrong_rates},
+    {"rollout_twice", find_copies},
+}};
+
 }  // namespace
 
-std::vector<std::string> recording_warnings(const Target& recording) {
-  std::vector<std::string> warnings;
-  for (Index c = 0; c < recording.num_states(); ++c) {
-    std::string jumps = words_of_jumps(recording, c);
-    if (!jumps.empty()) warnings.push_back(std::move(jumps));
+std::vector<std::pair<std::size_t, std::size_t>> copies_of(const Target& recording) {
+  std::vector<std::pair<std::size_t, std::size_t>> copies;
+  for (std::size_t j = 1; j < recording.rollouts.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      if (!is_copy(recording.rollouts[i], recording.rollouts[j])) continue;
+      copies.emplace_back(i, j);
+      break;
+    }
   }
-  const std::vector<std::string> names = names_of_rollouts(recording);
-  std::ranges::move(words_of_leaps(recording, names), std::back_inserter(warnings));
-  const RateReport report = report_rates(recording, measured_pairs(recording), names, "");
-  for (const std::string& problem : report.problems) {
-    const bool names_option = problem.find("--") != std::string::npos;
-    warnings.push_back(
-        problem + (names_option ? " (to npdr import; in an HDF5 file, correct the numbers)" : ""));
-  }
-  for (const auto& [one, other] : copies_of(recording)) {
-    warnings.push_back(fmt::format(
-        "rollout {} holds the same numbers as {}, and counts twice; target.rollouts leaves it out",
-        recording.rollouts[other].name, recording.rollouts[one].name));
-  }
-  return warnings;
+  return copies;
 }
+
+Findings warnings_of(const Target& recording) { return find_by(kProbes, recording); }
 
 }  // namespace npdr::pipeline

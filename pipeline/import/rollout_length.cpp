@@ -38,8 +38,8 @@ Rollout piece(const Rollout& rollout, Index number, Index num_steps) {
 
 }  // namespace
 
-std::vector<std::string> cut_rollouts(Target& target, const std::optional<Index>& length,
-                                      const std::vector<std::string>& files) {
+Findings cut_rollouts(Target& target, const std::optional<Index>& length,
+                      const std::vector<std::string>& files) {
   if (!length) {
     require_equal_lengths(target, files);
     return {};
@@ -60,7 +60,8 @@ std::vector<std::string> cut_rollouts(Target& target, const std::optional<Index>
                                   counted(rollout.num_steps() - count * num_steps, "step")));
   }
   target.rollouts = std::move(pieces);
-  return {fmt::format("cut into rollouts of {}: {}", counted(num_steps, "step"), join(origins))};
+  return {
+      note(fmt::format("cut into rollouts of {}: {}", counted(num_steps, "step"), join(origins)))};
 }
 
 }  // namespace npdr::pipeline

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/finding.h"
 #include "core/target.h"
 
 namespace npdr::pipeline {
@@ -14,7 +15,7 @@ namespace npdr::pipeline {
 /// with the name "rollout.piece", where there are several. Returns what came of it, in a sentence.
 /// `files`: a name for each rollout, for errors. Throws InputError for a rollout with fewer steps,
 /// and for lengths that differ, with the option that helps.
-std::vector<std::string> cut_rollouts(Target& target, const std::optional<Index>& length,
-                                      const std::vector<std::string>& files);
+Findings cut_rollouts(Target& target, const std::optional<Index>& length,
+                      const std::vector<std::string>& files);
 
 }  // namespace npdr::pipeline

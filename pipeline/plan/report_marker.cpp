@@ -122,18 +122,17 @@ std::string words_of(const CheckSummary& summary) {
   return text;
 }
 
-std::string warning_of_replacement(const Plan& plan) {
+Findings find_replaced_report(const Plan& plan) {
   const Study& study = plan.study;
   const Node& report = plan.nodes.back();
   const auto json = marker_of(report);
-  if (!json.is_object() || !json.contains("study") || !json["study"].is_string()) return "";
+  if (!json.is_object() || !json.contains("study") || !json["study"].is_string()) return {};
   const std::string other = json["study"];
-  if (other == shown_name(study.places.origin()) || report_is_current(plan, report)) return "";
-  return fmt::format(
-      "{}: warning: study.name = '{}' is that of {}, too, whose report {} will be replaced: give "
-      "one of them another name",
-      study.places.of("study.name").str(), study.name, printable_line(other),
-      report_path(plan).string());
+  if (other == shown_name(study.places.origin()) || report_is_current(plan, report)) return {};
+  return {warning(fmt::format("study.name = '{}' is that of {}, too, whose report {} will be "
+                              "replaced: give one of them another name",
+                              study.name, printable_line(other), report_path(plan).string()),
+                  study.places.of("study.name").str())};
 }
 
 std::filesystem::path report_path(const Plan& plan) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "core/finding.h"
 #include "pipeline/plan/plan.h"
 
 namespace npdr::pipeline {
@@ -37,9 +38,9 @@ std::optional<CheckSummary> reported_checks(const Plan& plan, const std::string&
 void unmark_report(const Node& node);
 
 /// A warning where the report that is there is another one than the plan's and was made of a file
-/// with another name, whose study has the same name as the plan's; "" else. Files of the same name
+/// with another name, whose study has the same name as the plan's. Files of the same name
 /// in other folders pass for one.
-std::string warning_of_replacement(const Plan& plan);
+Findings find_replaced_report(const Plan& plan);
 
 /// <work>/<study>/report.html
 std::filesystem::path report_path(const Plan& plan);

@@ -64,10 +64,6 @@ analysis::MetricsConfig Predictor::metrics_config() const {
   return config;
 }
 
-Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x) {
-  return {x.values.data(), x.num_rows, x.row_size()};
-}
-
 analysis::TrajectoryView view_of(const sim::Trajectories& t) {
   return {t.values, t.num_rows, t.num_rollouts, t.num_steps, t.num_states};
 }

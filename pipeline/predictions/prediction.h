@@ -46,9 +46,6 @@ class Predictor {
   inference::FeatureTransform scale_;
 };
 
-/// Features of a simulator that gives these, as (n, F).
-Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x);
-
 analysis::TrajectoryView view_of(const sim::Trajectories& trajectories);
 
 }  // namespace npdr::pipeline

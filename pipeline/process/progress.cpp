@@ -61,6 +61,14 @@ void report_error(const std::string& program, const std::string& message) noexce
   }
 }
 
+void report_findings(const std::string& program, const Findings& findings) {
+  for (const Finding& finding : findings) report_error(program, text_of(finding));
+}
+
+void report_warning(const std::string& program, std::string what) {
+  report_findings(program, {warning(std::move(what))});
+}
+
 Progress::Progress(std::string label, Index total, Index begun)
     : label_(std::move(label)),
       total_(total),

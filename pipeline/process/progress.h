@@ -4,6 +4,7 @@
 #include <chrono>
 #include <string>
 
+#include "core/finding.h"
 #include "core/types.h"
 #include "pipeline/process/live_lines.h"
 
@@ -39,6 +40,10 @@ void report_note(const std::string& note) noexcept;
 /// "program: message" on stderr, and to a parent process that shows progress: where the disk is
 /// full, the log that stderr goes to stays empty. Never throws.
 void report_error(const std::string& program, const std::string& message) noexcept;
+
+/// The same of each finding, as text_of().
+void report_findings(const std::string& program, const Findings& findings);
+void report_warning(const std::string& program, std::string what);
 
 /// "400/1000 [00:03<00:05, 120/s]"; without a total "400 [00:03, 120/s]". `begun` of `done` weren't
 /// done in these seconds.

@@ -47,7 +47,7 @@ class DatasetRows final : public RowSimulator {
     const auto begin = static_cast<Index>(first.row);
     const RowMatrix theta = parameters_.pick(complete);
     const RowMatrix x = rows_from(begin, complete.rows());
-    warning_ = precision_problem(x, dataset_.features());
+    warnings_ = find_lost_precision(x, dataset_.features());
     sim::Trajectories result = as_simulated(prior_, theta, x);
     const auto last = std::find_if(result.status.rbegin(), result.status.rend(),
                                    [](auto status) { return status != sim::RolloutStatus::ok; });
@@ -64,7 +64,7 @@ class DatasetRows final : public RowSimulator {
   // They cost next to nothing.
   Index block_size(Index) const override { return 4096; }
 
-  std::string last_warning() const override { return warning_; }
+  Findings last_warnings() const override { return warnings_; }
   std::string last_failure() const override { return failure_; }
 
  private:
@@ -112,7 +112,8 @@ class DatasetRows final : public RowSimulator {
   std::vector<Index> rows_;
   RowMatrix read_;
   Index read_begin_ = 0;  // the first of them
-  std::string warning_, failure_;
+  Findings warnings_;
+  std::string failure_;
 };
 
 }  // namespace

@@ -196,7 +196,7 @@ bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& 
   if (!outcome.succeeded) {
     report_note(fmt::format("a call of {} rows failed: {}", count, shortened(outcome.problem)));
   }
-  if (!outcome.warning.empty()) last_warning_ = outcome.warning;
+  if (!outcome.warnings.empty()) last_warnings_ = outcome.warnings;
   if (!outcome.succeeded) return false;
   const Index num_named = std::ranges::count(result.status, RolloutStatus::crashed);
   if (num_named > 0) {

@@ -69,7 +69,7 @@ class ExternalSimulator {
   /// well when it was repeated; "": none did.
   const std::string& last_failure() const { return last_failure_; }
   /// Of the last call that had any; "": none had.
-  const std::string& last_warning() const { return last_warning_; }
+  const Findings& last_warnings() const { return last_warnings_; }
   Index num_calls() const { return num_calls_; }
 
  private:
@@ -111,7 +111,7 @@ class ExternalSimulator {
   std::string last_failure_;
   std::string loss_;
   std::string lost_number_;
-  std::string last_warning_;
+  Findings last_warnings_;
   Index num_calls_ = 0;
   Index hopeless_rows_;
   std::optional<Task> good_;  ///< the last row that has a result

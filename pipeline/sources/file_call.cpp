@@ -139,7 +139,7 @@ class FileCall final : public ProgramCall {
     outcome.lost = first_lost_number({x.data(), static_cast<std::size_t>(x.size())}, result,
                                      info_.state_channels, num_steps());
     // Of motion the recording says it (simulate.cpp).
-    if (!inputs_) outcome.warning = precision_problem(x, info_.state_channels);
+    if (!inputs_) outcome.warnings = find_lost_precision(x, info_.state_channels);
   }
 
   void take_states(const RowMatrix& x, sim::Trajectories& result) const {

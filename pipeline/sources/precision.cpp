@@ -24,9 +24,9 @@ std::vector<Index> finite_rows(const RowMatrix& x) {
 
 }  // namespace
 
-std::string precision_problem(const RowMatrix& x, const std::vector<Channel>& columns) {
+Findings find_lost_precision(const RowMatrix& x, const std::vector<Channel>& columns) {
   const std::vector<Index> rows = finite_rows(x);
-  if (std::ssize(rows) < kFewestFinite) return "";
+  if (std::ssize(rows) < kFewestFinite) return {};
   std::vector<std::string> lost;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const Eigen::ArrayXd values = x.col(static_cast<Index>(c))(rows);
@@ -40,12 +40,12 @@ std::string precision_problem(const RowMatrix& x, const std::vector<Channel>& co
     if (!is_lost) continue;
     lost.push_back(fmt::format("'{}' by {:.2g} about {:.6g}", columns[c].label, deviation, mean));
   }
-  if (lost.empty()) return "";
-  return fmt::format(
+  if (lost.empty()) return {};
+  return {warning(fmt::format(
       "single precision, in which rows are kept, can't tell apart what varies so little ({}): such "
       "columns are taken for constants, and say nothing of the parameters; subtract an offset from "
       "them or take another unit, in the simulator and in the observation",
-      join(few_shortened(lost)));
+      join(few_shortened(lost))))};
 }
 
 }  // namespace npdr::pipeline

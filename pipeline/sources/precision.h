@@ -1,18 +1,18 @@
 /// A check that rows survive single precision, in which they are kept.
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "core/finding.h"
 #include "core/target.h"
 #include "core/types.h"
 
 namespace npdr::pipeline {
 
-/// Says of the columns of x (n, F) which of them vary by less than 10^-6 of their mean, about ten
+/// The columns of x (n, F) that vary by less than 10^-6 of their mean, about ten
 /// steps of a float, and more than double precision rounds: what they say is lost to whoever reads
 /// them as floats, and feature transforms take them for constants (inference/feature_transform.h).
-/// "": none does. Rows with NaN and infinities don't count, and fewer than eight aren't judged.
-std::string precision_problem(const RowMatrix& x, const std::vector<Channel>& columns);
+/// Rows with NaN and infinities don't count, and fewer than eight aren't judged.
+Findings find_lost_precision(const RowMatrix& x, const std::vector<Channel>& columns);
 
 }  // namespace npdr::pipeline

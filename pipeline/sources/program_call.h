@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "core/finding.h"
 #include "core/types.h"
 #include "pipeline/config/external_config.h"
 #include "pipeline/sources/lost_numbers.h"
@@ -32,7 +33,7 @@ struct ProgramOutcome {
   std::string summary;             ///< "exit status 1 after 0.5 s"
   std::string problem;             ///< also where only rows failed; empty: none
   std::string output;              ///< that it printed
-  std::string warning;             ///< about rows, or the program; empty: none
+  Findings warnings;               ///< about rows, or the program
   std::optional<LostNumber> lost;  ///< of the first row that diverged by its numbers
 };
 

@@ -91,11 +91,11 @@ class ProgramRowSimulator final : public RowSimulator {
     return "";
   }
 
-  std::string last_warning() const override {
+  Findings last_warnings() const override {
     for (const auto& simulator : simulators_) {
-      if (!simulator->last_warning().empty()) return simulator->last_warning();
+      if (!simulator->last_warnings().empty()) return simulator->last_warnings();
     }
-    return "";
+    return {};
   }
 
  private:

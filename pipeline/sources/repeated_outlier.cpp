@@ -59,7 +59,7 @@ bool RepeatedOutliers::are_rows_same() const {
   });
 }
 
-std::string RepeatedOutliers::words(const std::vector<Channel>& columns) const {
+Findings RepeatedOutliers::find(const std::vector<Channel>& columns) const {
   if (columns.size() != columns_.size()) throw ShapeError("outliers: another number of names");
   std::vector<std::string> found;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -70,11 +70,11 @@ std::string RepeatedOutliers::words(const std::vector<Channel>& columns) const {
     found.push_back(fmt::format("'{}' is {:.6g} in {} of {} rows", columns[c].label, end.outermost,
                                 end.num_outermost, num_rows_));
   }
-  if (found.empty()) return "";
-  return fmt::format(
+  if (found.empty()) return {};
+  return {warning(fmt::format(
       "{}, further from all other values than these lie apart: if that stands for a failure, "
       "write NaN, or posteriors are those of a simulator that gives it",
-      join(few_shortened(found)));
+      join(few_shortened(found))))};
 }
 
 }  // namespace npdr::pipeline

@@ -1,9 +1,9 @@
 /// Numbers that stand for a failure, such as -999, where rows should hold NaN.
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "core/finding.h"
 #include "core/target.h"
 #include "core/types.h"
 
@@ -19,9 +19,8 @@ class RepeatedOutliers {
   /// More rows (n, F). Throws ShapeError for another number of columns.
   void observe(const Eigen::Ref<const RowMatrixF>& x);
 
-  /// Says which of the columns, whose names these are; "": none. Throws ShapeError for another
-  /// number of names.
-  std::string words(const std::vector<Channel>& columns) const;
+  /// Which of the columns, whose names these are. Throws ShapeError for another number of names.
+  Findings find(const std::vector<Channel>& columns) const;
 
   /// All of several rows are the same, but for what isn't finite; not of no columns.
   bool are_rows_same() const;

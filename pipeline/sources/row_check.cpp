@@ -156,35 +156,34 @@ Noise noise_of(RowSimulator& simulator, const GivenRows& rows, Index i,
 
 }  // namespace
 
-std::vector<std::string> check_rows(RowSimulator& simulator, const GivenRows& rows,
-                                    bool has_noise) {
+Findings check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noise) {
   const std::vector<Index> good = good_rows(rows.result);
   if (std::ssize(good) < kFewestRows) return {};
   const RowDistance distance(rows.result, good);
-  if (!distance.any_varies()) return {kSameRows};
-  std::vector<std::string> warnings;
+  if (!distance.any_varies()) return {warning(kSameRows)};
+  Findings found;
   const std::vector<Index> telling = telling_rows(rows.result, good);
   const Index middle = telling[telling.size() / 2];
   const bool is_repeatable = are_repeatable(simulator, rows, good, telling, distance);
   if (!is_repeatable) {
-    warnings.push_back(
+    found.push_back(warning(
         "a row that is simulated again on its own, with the same parameters and seed, is another: "
         "it depends on the other rows of its call, on calls before it, or on random numbers that "
         "aren't made from the row's seed alone; npdr verify and runs that are repeated get other "
-        "rows");
+        "rows"));
   }
   const Noise noise = noise_of(simulator, rows, middle, distance);
   if (noise == Noise::shared) {
-    warnings.push_back(
+    found.push_back(warning(
         "all rows of a call share their noise: with the same parameters and different seeds they "
-        "are the same; draw each row's from its own seed, or the posterior is too narrow");
+        "are the same; draw each row's from its own seed, or the posterior is too narrow"));
   } else if (noise == Noise::none && !has_noise) {
-    warnings.push_back(
+    found.push_back(warning(
         "rows of the same parameters are the same, whatever their seeds, and the study adds no "
         "observation noise: the posterior assumes that measurements are exact; set "
-        "observation_noise.scale, or draw noise from each row's seed");
+        "observation_noise.scale, or draw noise from each row's seed"));
   }
-  return warnings;
+  return found;
 }
 
 }  // namespace npdr::pipeline

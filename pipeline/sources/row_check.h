@@ -1,9 +1,7 @@
 /// A check of rows that somebody else's simulator gave: a few of them are asked for again.
 #pragma once
 
-#include <string>
-#include <vector>
-
+#include "core/finding.h"
 #include "pipeline/sources/row_simulator.h"
 
 namespace npdr::pipeline {
@@ -20,10 +18,10 @@ struct GivenRows {
 inline constexpr const char* kSameRows = "all rows are the same, whatever their parameters";
 
 /// Simulates two of the rows again, each alone (up to six where one is another), and one of them
-/// with other random numbers. Returns what is probably wrong, for people: rows that differ when
+/// with other random numbers. Finds rows that differ when
 /// they are repeated, noise that all rows of a call share, no noise at all unless `has_noise` says
 /// that the study adds some. Fewer than eight good rows aren't judged. Throws InputError where rows
 /// come in another order than theta's, and what RowSimulator::simulate() throws.
-std::vector<std::string> check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noise);
+Findings check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noise);
 
 }  // namespace npdr::pipeline

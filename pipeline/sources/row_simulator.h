@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "core/finding.h"
 #include "core/random.h"
 #include "sim/trajectories.h"
 
@@ -40,9 +41,14 @@ class RowSimulator {
   /// of a call which went well when it was repeated; "": there was none, or it can't say.
   virtual std::string last_failure() const { return ""; }
 
-  /// What is probably wrong with rows that it gave, for people; "": nothing, as far as it can say.
-  virtual std::string last_warning() const { return ""; }
+  /// What is probably wrong with rows that it gave last, as far as it can say.
+  virtual Findings last_warnings() const { return {}; }
 };
+
+/// Features of a simulator that gives these, as (n, F).
+inline Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x) {
+  return {x.values.data(), x.num_rows, x.row_size()};
+}
 
 /// The seed of row `i` after the row that `first` names: one that fits into a signed 32-bit
 /// integer, as many programs want it.

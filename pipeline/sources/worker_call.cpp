@@ -75,9 +75,8 @@ Json parse_header(const std::string& header) {
   return json;
 }
 
-// What the program has imported of its folder, by its own words, and the study doesn't name; "":
-// nothing.
-std::string unnamed_imports(const Json& hello, const ExternalConfig& external) {
+// What the program has imported of its folder, by its own words, and the study doesn't name.
+Findings unnamed_imports(const Json& hello, const ExternalConfig& external) {
   constexpr std::size_t most = 20;
   std::error_code error;
   const auto real = [&](const std::filesystem::path& path) {
@@ -96,15 +95,15 @@ std::string unnamed_imports(const Json& hello, const ExternalConfig& external) {
     if (named.contains(path) || !std::filesystem::is_regular_file(path, error)) continue;
     unnamed.push_back(quoted(path.lexically_proximate(folder).string()));
   }
-  if (unnamed.empty()) return "";
+  if (unnamed.empty()) return {};
   if (unnamed.size() > most) {
     unnamed.resize(most);
     unnamed.emplace_back("...");
   }
-  return fmt::format(
+  return {warning(fmt::format(
       "the worker imports {}, which the study doesn't name: when edited, nothing is simulated "
       "again; add simulator.files = [{}]",
-      join(unnamed), join(unnamed));
+      join(unnamed), join(unnamed)))};
 }
 
 class WorkerCall final : public ProgramCall {
@@ -130,7 +129,7 @@ class WorkerCall final : public ProgramCall {
         [&](const std::string& header) { return read_header(header, n, message); }, body_);
     ProgramOutcome outcome;
     outcome.output = worker_->take_output();
-    outcome.warning = warning_;
+    outcome.warnings = warnings_;
     outcome.problem = reply.problem.empty() ? message : reply.problem;
     if (!reply.problem.empty()) {
       outcome.succeeded = false;
@@ -168,7 +167,7 @@ class WorkerCall final : public ProgramCall {
         [&](const std::string& header) -> std::size_t {
           const Json hello = parse_header(header);
           if (hello.value("reply", Json()) != "hello") throw InputError("must be \"hello\"");
-          warning_ = unnamed_imports(hello, external_);
+          warnings_ = unnamed_imports(hello, external_);
           return 0;
         },
         body_);
@@ -274,8 +273,8 @@ class WorkerCall final : public ProgramCall {
 
   ExternalConfig external_;
   ShellCommand command_;
-  std::string warning_;  // about the program, since it has started
-  double start_limit_;   // [s]
+  Findings warnings_;   // about the program, since it has started
+  double start_limit_;  // [s]
   sim::SimulatorInfo info_;
   ProgramInputs inputs_;
   std::optional<WorkerProcess> worker_;

@@ -279,32 +279,31 @@ class Refinement {
 };
 
 void warn_of_failures(const Node& node, Index failed, Index num_draws, const std::string& why) {
-  report_error(node.label(),
-               fmt::format("warning: {} of {} simulations failed, and their parameters count as "
-                           "impossible, which cuts the posterior where they are possible{}",
-                           failed, num_draws, why));
+  report_warning(node.label(),
+                 fmt::format("{} of {} simulations failed, and their parameters count as "
+                             "impossible, which cuts the posterior where they are possible{}",
+                             failed, num_draws, why));
 }
 
 void warn(const Node& node, const inference::ImportanceCertificate& certificate,
           const Refinement& refinement) {
   if (refinement.is_coarse()) {
-    report_error(
-        node.label(),
-        fmt::format("warning: first states are inferred to first order, which is too coarse for "
-                    "this motion: {}cut shorter segments (simulator.segment_length)",
-                    refinement.may_move() ? "raise refine.max_simulations, or " : ""));
+    report_warning(node.label(),
+                   fmt::format("first states are inferred to first order, which is too coarse for "
+                               "this motion: {}cut shorter segments (simulator.segment_length)",
+                               refinement.may_move() ? "raise refine.max_simulations, or " : ""));
   }
   if (refinement.is_search_cut()) {
-    report_error(node.label(),
-                 "warning: the power of the likelihood that predicts best is the largest that was "
-                 "reached, and larger ones may be better; raise refine.max_simulations");
+    report_warning(node.label(),
+                   "the power of the likelihood that predicts best is the largest that was "
+                   "reached, and larger ones may be better; raise refine.max_simulations");
   }
   if (certificate.power < certificate.wanted_power) {
-    report_error(node.label(),
-                 fmt::format("warning: {} simulations reached the power {:.3g} of the likelihood, "
-                             "not {:.3g}; raise refine.max_simulations, or lower "
-                             "refine.likelihood_power",
-                             certificate.num_draws, certificate.power, certificate.wanted_power));
+    report_warning(node.label(),
+                   fmt::format("{} simulations reached the power {:.3g} of the likelihood, "
+                               "not {:.3g}; raise refine.max_simulations, or lower "
+                               "refine.likelihood_power",
+                               certificate.num_draws, certificate.power, certificate.wanted_power));
   }
 }
 

@@ -15,11 +15,8 @@
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/process/stop_request.h"
-#include "pipeline/sources/late_states.h"
-#include "pipeline/sources/precision.h"
+#include "pipeline/sources/first_rows.h"
 #include "pipeline/sources/repeated_outlier.h"
-#include "pipeline/sources/repeated_rows.h"
-#include "pipeline/sources/row_check.h"
 #include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/stages.h"
 
@@ -60,21 +57,6 @@ std::filesystem::path scratch_folder() {
   return folder == nullptr ? "" : folder;
 }
 
-void warn(const Node& node, const std::string& text) {
-  report_error(node.label(), "warning: " + text);
-}
-
-// What floats lose of the motion that is replayed, and so of its simulations.
-std::string lost_precision(const Simulation& simulation) {
-  const Target& target = simulation.target;
-  RowMatrix states(0, target.num_states());
-  for (const Rollout& rollout : target.rollouts) {
-    states.conservativeResize(states.rows() + rollout.states.rows(), Eigen::NoChange);
-    states.bottomRows(rollout.states.rows()) = rollout.states;
-  }
-  return precision_problem(states, target.state_channels);
-}
-
 // The rows of `values` in blocks.
 void observe(RepeatedOutliers& outliers, const h5::Dataset& values) {
   const Index most = std::max<Index>(1, kNumbersRead / std::max<Index>(1, values.row_size()));
@@ -86,8 +68,8 @@ void observe(RepeatedOutliers& outliers, const h5::Dataset& values) {
 }
 
 // What is wrong with others' rows of features, too seldom perhaps for the first ones to show it.
-std::string problem_of_all(const Simulation& simulation, const std::vector<Shard>& shards) {
-  if (simulation.plan.study.source().gives_motion) return "";
+Findings find_in_all(const Simulation& simulation, const std::vector<Shard>& shards) {
+  if (simulation.plan.study.source().gives_motion) return {};
   const std::vector<Channel> columns = simulation.plan.source->info().state_channels;
   RepeatedOutliers outliers(std::ssize(columns));
   for (const Shard& shard : shards) {
@@ -98,49 +80,24 @@ std::string problem_of_all(const Simulation& simulation, const std::vector<Shard
     observe(outliers, x);
   }
   // Of programs the first rows, asked for again, say so.
-  if (!simulation.plan.study.source().takes_seeds && outliers.are_rows_same()) return kSameRows;
-  return outliers.words(columns);
-}
-
-// Outliers of the first rows of a program, hours before all are there; the report has those of all.
-std::string outliers_of(const Simulation& simulation, const GivenRows& rows) {
-  const SourceTraits& traits = simulation.plan.study.source();
-  if (traits.gives_motion || !traits.calls_program) return "";
-  const Eigen::Map<const RowMatrixF> x = features_of(rows.result);
-  RepeatedOutliers outliers(x.cols());
-  outliers.observe(x);
-  return outliers.words(simulation.plan.source->info().state_channels);
-}
-
-std::string repeated_rows_of(const Simulation& simulation, const GivenRows& rows) {
-  if (simulation.plan.study.source().is_built_in) return "";
-  return repeated_rows(rows.complete, features_of(rows.result));
-}
-
-std::string late_states_of(const Simulation& simulation, const GivenRows& rows) {
-  const SourceTraits& traits = simulation.plan.study.source();
-  const bool is_asked = traits.gives_motion && !traits.is_built_in;
-  return is_asked ? late_states(rows.result, simulation.target) : "";
-}
-
-// Tells people at once, and the report for good, what is probably wrong with rows.
-void check_block(h5::File& file, const Simulation& simulation, const GivenRows& rows) {
-  const Study& study = simulation.plan.study;
-  std::vector<std::string> warnings;
-  if (study.source().takes_seeds) {  // they aren't ours
-    const bool has_noise = !study.observation_noise.is_silent();
-    warnings = check_rows(*simulation.simulator, rows, has_noise);
+  if (!simulation.plan.study.source().takes_seeds && outliers.are_rows_same()) {
+    return {warning(kSameRows)};
   }
-  const std::string outliers = outliers_of(simulation, rows);
-  const bool are_all = rows.complete.rows() == num_rows(simulation.plan, simulation.node);
-  if (!outliers.empty() && !are_all) warn(simulation.node, outliers);
-  for (const std::string& warning :
-       {lost_precision(simulation), outliers.empty() ? repeated_rows_of(simulation, rows) : "",
-        late_states_of(simulation, rows), simulation.simulator->last_warning()}) {
-    if (!warning.empty()) warnings.push_back(warning);
-  }
-  for (const std::string& warning : warnings) warn(simulation.node, warning);
-  write_warnings(file, warnings);
+  return outliers.find(columns);
+}
+
+// Tells people at once, and the report for good, what is probably wrong with rows. It has the
+// outliers of all.
+void check_block(h5::File& file, const Simulation& simulation, const GivenRows& given) {
+  const FirstRows rows{simulation.plan.study, simulation.target,
+                       simulation.plan.source->info().state_channels, *simulation.simulator, given};
+  const bool are_all = given.complete.rows() == num_rows(simulation.plan, simulation.node);
+  const Findings found = find_in_first_rows(rows);
+  if (!are_all) report_findings(simulation.node.label(), find_outliers(rows));
+  report_findings(simulation.node.label(), found);
+  std::vector<std::string> words;
+  for (const Finding& finding : found) words.push_back(finding.what);
+  write_warnings(file, words);
 }
 
 // The first rows of an experiment are a block of their own, so that what is found doesn't depend on
@@ -238,12 +195,13 @@ void warn_of_failures(const Simulation& simulation) {
   const std::string last = simulation.simulator->last_failure();
   if (num_failed > 0) {
     const std::string where = where_failures_lie(plan, node);
-    warn(node, fmt::format("{} of {} rows failed ({}){}{}", num_failed, num_rows(plan, node),
-                           failures(file), where.empty() ? "" : "; " + where,
-                           last.empty() ? "" : "; the last: " + last));
+    report_warning(node.label(),
+                   fmt::format("{} of {} rows failed ({}){}{}", num_failed, num_rows(plan, node),
+                               failures(file), where.empty() ? "" : "; " + where,
+                               last.empty() ? "" : "; the last: " + last));
   } else if (!last.empty()) {
-    warn(
-        simulation.node,
+    report_warning(
+        node.label(),
         "calls failed that went well when they were repeated, or with fewer rows, which takes much "
         "longer; a simulator of many rows at once must take any number of them; the last: " +
             last);
@@ -279,9 +237,10 @@ void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& 
     done += shard->rows.size();
   }
   if (missing_shards(plan, node).empty()) {
-    const std::string problem = problem_of_all(simulation, all);
-    if (!problem.empty()) warn(node, problem);
-    join_shards(node, node.identity, plan.study, simulation.target, all, problem);
+    const Findings found = find_in_all(simulation, all);
+    report_findings(node.label(), found);
+    join_shards(node, node.identity, plan.study, simulation.target, all,
+                found.empty() ? "" : found.front().what);
     link_uses(plan, node);  // one can look at it also where too many rows failed
     warn_of_failures(simulation);
     open_simulation(plan, node);

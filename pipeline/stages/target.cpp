@@ -55,7 +55,7 @@ Target collect(const Plan& plan, const Node& node) {
 void warn_of_rest(const Study& study, const Node& node, const Target& truth) {
   const std::string problem = motion_problem(study, truth);
   if (problem.empty() || study.evaluate.metrics.empty()) return;
-  report_error(node.label(), "warning: no evaluation can measure this: " + problem);
+  report_warning(node.label(), "no evaluation can measure this: " + problem);
 }
 
 // The rollouts that inference sees, or those that are held out, of a fold or of all; or x_o.

@@ -243,9 +243,10 @@ std::vector<Index> match_columns(const std::string& where, const std::vector<Cha
                                join(feature_names(expected))));
 }
 
-std::string warning_of_end(const std::string& file) {
-  return "warning: " + file +
-         ": its last line has no end: if the file was cut, maybe within a number, copy it again";
+Finding warning_of_end(const std::string& file) {
+  return warning(
+      file +
+      ": its last line has no end: if the file was cut, maybe within a number, copy it again");
 }
 
 }  // namespace npdr::pipeline

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/finding.h"
 #include "core/target.h"
 #include "core/types.h"
 #include "pipeline/store/csv_line.h"
@@ -97,7 +98,7 @@ std::vector<Index> find_columns(const std::string& where, const std::vector<Chan
 std::vector<Index> match_columns(const std::string& where, const std::vector<Channel>& found,
                                  const std::vector<Channel>& expected);
 
-/// The warning of a file without has_line_end().
-std::string warning_of_end(const std::string& file);
+/// Of a file without has_line_end().
+Finding warning_of_end(const std::string& file);
 
 }  // namespace npdr::pipeline

@@ -27,7 +27,7 @@ TEST(Golden, Config) {
     std::string said;
     const std::string problems = message_of<InputError>([&] {
       const Study study = parse_study(with_all(text, "{folder}", path), "s.toml", overrides);
-      said = join(warnings_of(study, simulator_info(study)), "\n");
+      said = join(texts_of(warnings_of(study, simulator_info(study))), "\n");
     });
     return with_all(with_all(problems + said, path, "{folder}"),
                     std::filesystem::current_path().string(), "{here}");

@@ -35,7 +35,8 @@ struct Computed {
 
 Computed computed(const Vector& position, Index window, bool at_rest = false) {
   Target target = recording_of(position);
-  std::vector<std::string> notes = compute_rates(target, {{0, 1}}, {"a.csv"}, {window, at_rest});
+  std::vector<std::string> notes =
+      texts_of(compute_rates(target, {{0, 1}}, {"a.csv"}, {window, at_rest}));
   return {target.rollouts[0].states.col(1), std::move(notes)};
 }
 
@@ -118,7 +119,7 @@ TEST(ComputedRates, NameTheFileThatBends) {
   Target target = recording_of(smooth_motion(250, kDt, 1).position);
   target.rollouts.push_back(recording_of(switched_on()).rollouts[0]);
   const std::vector<std::string> notes =
-      compute_rates(target, {{0, 1}}, {"a.csv", "b.csv"}, RateOptions{});
+      texts_of(compute_rates(target, {{0, 1}}, {"a.csv", "b.csv"}, RateOptions{}));
   ASSERT_EQ(notes.size(), 2u);
   EXPECT_TRUE(says(notes[1], {"warning: b.csv:2: angle_dot"}));
   EXPECT_EQ(compute_rates(target, {{0, 1}}, {"a.csv", "b.csv"}, {.at_rest = true}).size(), 2u)

@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "sim/savitzky_golay.h"
 #include "tests/message_of.h"
+#include "tests/words_of.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -27,13 +28,13 @@ Target turning() {
 
 // The only one.
 std::string warning(const Target& target) {
-  const std::vector<std::string> all = recording_warnings(target);
-  EXPECT_EQ(all.size(), 1u) << join(all, "\n");
-  return all.empty() ? "" : all.front();
+  const Findings all = warnings_of(target);
+  EXPECT_EQ(all.size(), 1u) << words_of(all);
+  return all.empty() ? "" : all.front().what;
 }
 
 TEST(RecordingWarnings, ThereAreNoneOfARightOne) {
-  EXPECT_EQ(recording_warnings(turning()), std::vector<std::string>{});
+  EXPECT_EQ(words_of(warnings_of(turning())), "");
 }
 
 TEST(RecordingWarnings, AnglesThatWrap) {
@@ -54,7 +55,7 @@ TEST(RecordingWarnings, RatesInDegrees) {
 TEST(RecordingWarnings, RatesInDegreesThatAreNamedOtherwise) {
   Target target = turning();
   target.state_channels[1].label = "alpha speed";
-  EXPECT_EQ(recording_warnings(target), std::vector<std::string>{});
+  EXPECT_EQ(words_of(warnings_of(target)), "");
   for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / std::numbers::pi;
   EXPECT_TRUE(has(warning(target), "degrees"));
 }
@@ -70,9 +71,9 @@ TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {
     rollout.states.col(1) = sim::slopes(rollout.states.col(0), 51, target.dt);
     rollout.states(0, 1) = 0.0;
   }
-  EXPECT_EQ(recording_warnings(target), std::vector<std::string>{});
+  EXPECT_EQ(words_of(warnings_of(target)), "");
   for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 1.001;  // measured, then
-  EXPECT_NE(recording_warnings(target), std::vector<std::string>{});
+  EXPECT_NE(words_of(warnings_of(target)), "");
 }
 
 TEST(RecordingWarnings, LeapsOfWhatHasNoMeasuredRate) {

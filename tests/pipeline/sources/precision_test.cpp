@@ -2,6 +2,7 @@
 
 #include "core/constants.h"
 #include "tests/message_of.h"
+#include "tests/words_of.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -17,22 +18,24 @@ RowMatrix varying(double mean, double deviation) {
 }
 
 TEST(Precision, SaysWhichColumnsFloatsCantTellApart) {
-  EXPECT_TRUE(says(precision_problem(varying(1e8, 1.5), kColumns),
+  EXPECT_TRUE(says(words_of(find_lost_precision(varying(1e8, 1.5), kColumns)),
                    {"single precision", "'far' by 1.5 about 1e+08", "subtract an offset"}));
-  EXPECT_EQ(precision_problem(varying(1e8, 1.5), kColumns).find("'near'"), std::string::npos);
-  EXPECT_NE(precision_problem(varying(0.0, 1e-37), kColumns), "");
-  EXPECT_NE(precision_problem(varying(0.0, 1e-300), kColumns), "") << "whose square is 0";
+  EXPECT_EQ(words_of(find_lost_precision(varying(1e8, 1.5), kColumns)).find("'near'"),
+            std::string::npos);
+  EXPECT_NE(words_of(find_lost_precision(varying(0.0, 1e-37), kColumns)), "");
+  EXPECT_NE(words_of(find_lost_precision(varying(0.0, 1e-300), kColumns)), "")
+      << "whose square is 0";
   RowMatrix partly_lost = varying(1e8, 1.5);
   partly_lost(3, 1) = kNaN;
-  EXPECT_NE(precision_problem(partly_lost, kColumns), "");
+  EXPECT_NE(words_of(find_lost_precision(partly_lost, kColumns)), "");
 }
 
 TEST(Precision, SaysNothingOfConstantsAndOfWhatFloatsHold) {
-  EXPECT_EQ(precision_problem(varying(1e8, 1000.0), kColumns), "");
-  EXPECT_EQ(precision_problem(varying(0.0, 1e-30), kColumns), "");
-  EXPECT_EQ(precision_problem(varying(0.1, 0.0), kColumns), "");
-  EXPECT_EQ(precision_problem(varying(0.1, 1e-16), kColumns), "");
-  EXPECT_EQ(precision_problem(varying(1e8, 1.5).topRows(7), kColumns), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(1e8, 1000.0), kColumns)), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(0.0, 1e-30), kColumns)), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(0.1, 0.0), kColumns)), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(0.1, 1e-16), kColumns)), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(1e8, 1.5).topRows(7), kColumns)), "");
 }
 
 }  // namespace

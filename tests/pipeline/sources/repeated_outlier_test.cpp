@@ -5,6 +5,7 @@
 #include "core/constants.h"
 #include "core/random.h"
 #include "tests/message_of.h"
+#include "tests/words_of.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -22,7 +23,7 @@ class RepeatedOutlier : public testing::Test {
     RepeatedOutliers outliers(2);
     outliers.observe(x_.topRows(40));
     outliers.observe(x_.bottomRows(24));
-    return outliers.words({{"total", "1"}, {"peak", "m"}});
+    return words_of(outliers.find({{"total", "1"}, {"peak", "m"}}));
   }
 
   RowMatrixF x_;

@@ -39,7 +39,7 @@ std::vector<std::string> check(Call call, bool has_noise = false, Index num_rows
   RowMatrix theta(num_rows, 1);
   for (Index i = 0; i < num_rows; ++i) theta(i, 0) = std::fmod(0.7 * static_cast<double>(i), 1.0);
   const sim::Trajectories rows = simulator.simulate(theta, kFirst);
-  return check_rows(simulator, {theta, rows, kFirst}, has_noise);
+  return texts_of(check_rows(simulator, {theta, rows, kFirst}, has_noise));
 }
 
 double noise(std::uint32_t seed) { return Stream({seed, "noise", 0, 0, 0}).normal(); }
