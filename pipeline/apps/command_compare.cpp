@@ -12,7 +12,6 @@
 #include "inference/diagnostics/c2st.h"
 #include "inference/diagnostics/mmd.h"
 #include "inference/diagnostics/two_samples.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/sample_set.h"
 
@@ -127,33 +126,29 @@ void print_text(const Comparison& c) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& app, int& result) {
-  auto* command =
-      app.add_subcommand("compare", "how far apart two sets of samples are: C2ST, MMD, moments");
+Action compare_command(CLI::App& command) {
   auto arguments = std::make_shared<CompareArguments>();
   command
-      ->add_option("FIRST", arguments->first,
-                   "HDF5 with a dataset (rows, parameters), such as evaluate.h5, or CSV")
+      .add_option("FIRST", arguments->first,
+                  "HDF5 with a dataset (rows, parameters), such as evaluate.h5, or CSV")
       ->required();
-  command->add_option("SECOND", arguments->second, "the same")->required();
+  command.add_option("SECOND", arguments->second, "the same")->required();
   command
-      ->add_option("--dataset", arguments->datasets,
-                   "of the HDF5 files: one name for both, or one for each")
+      .add_option("--dataset", arguments->datasets,
+                  "of the HDF5 files: one name for both, or one for each")
       ->expected(1, 2)
       ->capture_default_str();
-  command->add_option("-n,--num-samples", arguments->most_rows, "rows of each, at most")
+  command.add_option("-n,--num-samples", arguments->most_rows, "rows of each, at most")
       ->capture_default_str()
       ->check(CLI::Range(inference::kFewestRowsOfSample, Index{1'000'000}));
-  add_seed_option(*command, "--seed", arguments->seed);
-  command->add_flag("--json", arguments->json, "for programs");
-  command->footer("Example:\n  npdr compare mine.csv runs/study/npe/seed-1/round-1/evaluate.h5");
-  command->callback([&result, arguments] {
-    result = guarded_main("npdr compare", [&] {
-      const Comparison comparison = compare(*arguments);
-      arguments->json ? print_as_json(comparison) : print_text(comparison);
-      return ExitStatus::done;
-    });
-  });
+  add_seed_option(command, "--seed", arguments->seed);
+  command.add_flag("--json", arguments->json, "for programs");
+  command.footer("Example:\n  npdr compare mine.csv runs/study/npe/seed-1/round-1/evaluate.h5");
+  return [arguments] {
+    const Comparison comparison = compare(*arguments);
+    arguments->json ? print_as_json(comparison) : print_text(comparison);
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

@@ -8,7 +8,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/artefacts/refinement_file.h"
@@ -202,31 +201,25 @@ void print_as_json(const Evidence& evidence) {
 
 }  // namespace
 
-void add_evidence_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand(
-      "evidence", "which physics, prior and noise explains a recording best: log Z, Bayes factors");
+Action evidence_command(CLI::App& command) {
   auto arguments = std::make_shared<EvidenceArguments>();
   command
-      ->add_option("STUDY", arguments->studies,
-                   "files of studies that were run, with a method of algorithm = \"refine\"; all "
-                   "of the same recording")
+      .add_option("STUDY", arguments->studies,
+                  "files of studies that were run, with a method of algorithm = \"refine\"; all "
+                  "of the same recording")
       ->required();
   command
-      ->add_option(
-          "--set", arguments->overrides,
-          "key=value that replaces a key of every study, as in their runs; may be repeated")
+      .add_option("--set", arguments->overrides,
+                  "key=value that replaces a key of every study, as in their runs; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--work", arguments->work, "folder of their artefacts")
-      ->capture_default_str();
-  command->add_flag("--json", arguments->json, "for programs");
-  command->footer("Example:\n  npdr evidence white.toml correlated.toml with_cable.toml");
-  command->callback([&result, arguments] {
-    result = guarded_main("npdr evidence", [&] {
-      const Evidence evidence = collect(*arguments);
-      arguments->json ? print_as_json(evidence) : print_text(evidence);
-      return ExitStatus::done;
-    });
-  });
+  command.add_option("--work", arguments->work, "folder of their artefacts")->capture_default_str();
+  command.add_flag("--json", arguments->json, "for programs");
+  command.footer("Example:\n  npdr evidence white.toml correlated.toml with_cable.toml");
+  return [arguments] {
+    const Evidence evidence = collect(*arguments);
+    arguments->json ? print_as_json(evidence) : print_text(evidence);
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

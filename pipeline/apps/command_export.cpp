@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/report/chain_files.h"
@@ -50,40 +49,35 @@ void export_study(const ExportArguments& arguments, bool has_predictions) {
 
 }  // namespace
 
-void add_export_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand(
-      "export",
-      "a method's posteriors for ArviZ and xarray, GetDist, or readers of CmdStan's files");
+Action export_command(CLI::App& command) {
   auto arguments = std::make_shared<ExportArguments>();
-  arguments->study.add_to(*command);
+  arguments->study.add_to(command);
   command
-      ->add_option("-o,--output", arguments->output,
-                   "file to write, such as out.nc; of getdist and cmdstan, its beginning")
+      .add_option("-o,--output", arguments->output,
+                  "file to write, such as out.nc; of getdist and cmdstan, its beginning")
       ->required();
-  command->add_flag("--force", arguments->force, "replace an HDF5 file that is there already");
+  command.add_flag("--force", arguments->force, "replace an HDF5 file that is there already");
   set_choices(
       *command
-           ->add_option("--format", arguments->format,
-                        "NetCDF (InferenceData of ArviZ), chains of GetDist, CSV as of CmdStan")
+           .add_option("--format", arguments->format,
+                       "NetCDF (InferenceData of ArviZ), chains of GetDist, CSV as of CmdStan")
            ->capture_default_str(),
       names_of<ExportFormat>());
   CLI::Option* predictions =
       command
-          ->add_option("--predictions", arguments->num_predictions,
-                       "draws of each seed whose rollouts are simulated; 0: none")
+          .add_option("--predictions", arguments->num_predictions,
+                      "draws of each seed whose rollouts are simulated; 0: none")
           ->capture_default_str()
           ->check(CLI::Range(Index{0}, Index{1'000'000}));
-  command->footer(
+  command.footer(
       "Examples:\n"
       "  npdr export study.toml --only NPE -o out.nc   arviz.from_netcdf(\"out.nc\")\n"
       "  npdr export study.toml --only NPE --format getdist -o chains/npe\n"
       "Seeds are chains. What stands in the file: docs/python.md.");
-  command->callback([&result, arguments, predictions] {
-    result = guarded_main("npdr export", [&] {
-      export_study(*arguments, predictions->count() > 0);
-      return ExitStatus::done;
-    });
-  });
+  return [arguments, predictions] {
+    export_study(*arguments, predictions->count() > 0);
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

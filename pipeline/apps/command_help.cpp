@@ -5,63 +5,79 @@
 #include <memory>
 
 #include "core/text.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/completion.h"
-#include "pipeline/apps/man_page.h"
+#include "pipeline/process/build_info.h"
 
 namespace npdr::pipeline {
 namespace {
 
-std::vector<std::string> names_of_commands(CLI::App& app) {
+constexpr const char* kExitStatus = R"(.SH EXIT STATUS
+0 done; 1 failed; 2 invalid input; 3 too many failed rollouts; 4 a check failed (npdr run \-\-strict);
+75 stopped with everything saved, run it again.
+)";
+
+std::vector<std::string> names_of_commands() {
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  for (const Command& command : kCommands) names.emplace_back(command.name);
   return names;
 }
 
-std::string help_of(CLI::App& app, const std::string& name) {
+std::string help_of(const CLI::App& app, const std::string& name) {
   // app.help() would be that of the command that was called.
   if (name.empty()) {
     return app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal);
   }
-  const auto commands =
-      app.get_subcommands([&](const CLI::App* c) { return c->get_name() == name; });
-  if (commands.empty()) throw InputError(unknown_name("command", name, names_of_commands(app)));
+  const auto commands = app.get_subcommands([&](const auto* c) { return c->check_name(name); });
+  if (commands.empty()) throw InputError(unknown_name("command", name, names_of_commands()));
   return commands.front()->help(app.get_name());
 }
 
-// Adds a command of one word, whose text is printed. Returns the word's option.
-CLI::Option* add_text_command(CLI::App& app, CLI::App* command, const std::string& word,
-                              int& result,
-                              std::string (*text_of)(CLI::App& app, const std::string& word)) {
-  auto given = std::make_shared<std::string>();
-  CLI::Option* option = word.empty() ? nullptr : command->add_option(word, *given);
-  command->callback([&app, &result, given, text_of, name = command->get_name()] {
-    result = guarded_main("npdr " + name, [&] {
-      fmt::print("{}", text_of(app, *given));
-      return ExitStatus::done;
-    });
-  });
-  return option;
+// Help of all commands as it is, in the language of man(7).
+std::string man_page(const CLI::App& app) {
+  std::string text = fmt::format(
+      ".TH NPDR 1 \"\" \"npdr {}\"\n.SH NAME\nnpdr \\- physics parameters of recorded motion, as a "
+      "Bayesian posterior\n.SH COMMANDS\n",
+      creator_version());
+  for (const std::string& name : names_of_commands()) {
+    // Each line begins with something that is no request of man's, whatever comes then.
+    std::string help = "\\&" + replaced_all(help_of(app, name), "\\", "\\e");
+    help = replaced_all(replaced_all(help, "-", "\\-"), "\n", "\n\\&");
+    text += fmt::format(".SS npdr {}\n.nf\n{}\n.fi\n", replaced_all(name, "-", "\\-"), help);
+  }
+  return text + kExitStatus;
 }
 
 }  // namespace
 
-void add_help_commands(CLI::App& app, int& result) {
-  auto* help = app.add_subcommand("help", "what a command does, its options and examples");
-  auto* man = app.add_subcommand("man", "the page for 'man', of all commands");
-  auto* completion = app.add_subcommand(
-      "completion", "lines for a shell, which completes words of npdr with them");
-  set_choices(*add_text_command(app, help, "COMMAND", result, &help_of), names_of_commands(app));
-  add_text_command(app, man, "", result,
-                   [](CLI::App& all, const std::string&) { return man_page(all); });
-  CLI::Option* shell = add_text_command(app, completion, "SHELL", result, &completion_of);
-  set_choices(*shell->required(), completion_shells());
-  help->footer("Example:\n  npdr help run");
-  man->footer("Example:\n  npdr man > npdr.1 && man ./npdr.1");
-  completion->footer(
+Action help_command(CLI::App& command) {
+  auto name = std::make_shared<std::string>();
+  set_choices(*command.add_option("COMMAND", *name), names_of_commands());
+  command.footer("Example:\n  npdr help run");
+  return [app = command.get_parent(), name] {
+    fmt::print("{}", help_of(*app, *name));
+    return ExitStatus::done;
+  };
+}
+
+Action man_command(CLI::App& command) {
+  command.footer("Example:\n  npdr man > npdr.1 && man ./npdr.1");
+  return [app = command.get_parent()] {
+    fmt::print("{}", man_page(*app));
+    return ExitStatus::done;
+  };
+}
+
+Action completion_command(CLI::App& command) {
+  auto shell = std::make_shared<std::string>();
+  set_choices(*command.add_option("SHELL", *shell)->required(), completion_shells());
+  command.footer(
       "Examples:\n  eval \"$(npdr completion bash)\"\n"
       "  npdr completion fish > ~/.config/fish/completions/npdr.fish");
+  return [shell] {
+    fmt::print("{}", completion_script(*shell));
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

@@ -10,7 +10,6 @@
 
 #include "core/feature_names.h"
 #include "core/text.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
@@ -294,35 +293,31 @@ void add_correction_options(CLI::App& command, ImportArguments& arguments) {
 
 }  // namespace
 
-void add_import_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand(
-      "import", "CSV recordings to a recording file, or simulations to a dataset (HDF5)");
+Action import_command(CLI::App& command) {
   auto arguments = std::make_shared<ImportArguments>();
-  command->add_option("CSV", arguments->files, "one file per rollout, header 'label [unit],...'");
-  command->add_option("--theta", arguments->theta,
-                      "instead: parameters of finished simulations, a header with their names");
-  command->add_option("--x", arguments->x, "with --theta: features, as many rows");
-  command->add_option("-o,--output", arguments->output, "the HDF5 file to write")->required();
-  command->add_option("--simulator", arguments->simulator, "take this simulator's channels");
+  command.add_option("CSV", arguments->files, "one file per rollout, header 'label [unit],...'");
+  command.add_option("--theta", arguments->theta,
+                     "instead: parameters of finished simulations, a header with their names");
+  command.add_option("--x", arguments->x, "with --theta: features, as many rows");
+  command.add_option("-o,--output", arguments->output, "the HDF5 file to write")->required();
+  command.add_option("--simulator", arguments->simulator, "take this simulator's channels");
   command
-      ->add_option("--states", arguments->states,
-                   "columns, with commas between them, such as 'theta [rad],alpha [rad]'")
+      .add_option("--states", arguments->states,
+                  "columns, with commas between them, such as 'theta [rad],alpha [rad]'")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--actions", arguments->actions, "columns, such as 'voltage [V]'")
+  command.add_option("--actions", arguments->actions, "columns, such as 'voltage [V]'")
       ->delimiter(',')
       ->allow_extra_args(false);
-  add_format_options(*command, *arguments);
-  add_correction_options(*command, *arguments);
-  command->add_flag("--force", arguments->force, "replace an HDF5 file that is there already");
-  command->add_option("--source", arguments->source, "where the recordings come from, for people");
-  command->footer(kExample);
-  command->callback([&result, arguments] {
-    result = guarded_main("npdr import", [&] {
-      import(*arguments);
-      return ExitStatus::done;
-    });
-  });
+  add_format_options(command, *arguments);
+  add_correction_options(command, *arguments);
+  command.add_flag("--force", arguments->force, "replace an HDF5 file that is there already");
+  command.add_option("--source", arguments->source, "where the recordings come from, for people");
+  command.footer(kExample);
+  return [arguments] {
+    import(*arguments);
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

@@ -8,7 +8,6 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
@@ -171,22 +170,18 @@ void inspect(const std::string& path, bool study, bool digest) {
 
 }  // namespace
 
-void add_inspect_command(CLI::App& app, int& result) {
-  auto* command =
-      app.add_subcommand("inspect", "what a file of ours holds, who made it, and from what");
+Action inspect_command(CLI::App& command) {
   auto path = std::make_shared<std::string>();
   auto study = std::make_shared<bool>(false);
   auto digest = std::make_shared<bool>(false);
-  command->add_option("FILE", *path, "artefact, recording or dataset (HDF5)")->required();
-  command->add_flag("--study", *study, "print the resolved study that it belongs to");
-  command->add_flag("--digest", *digest, "hash of the content: equal digests, equal bits");
-  command->footer("Example:\n  npdr inspect runs/study/target.h5");
-  command->callback([&result, path, study, digest] {
-    result = guarded_main("npdr inspect", [&] {
-      inspect(*path, *study, *digest);
-      return ExitStatus::done;
-    });
-  });
+  command.add_option("FILE", *path, "artefact, recording or dataset (HDF5)")->required();
+  command.add_flag("--study", *study, "print the resolved study that it belongs to");
+  command.add_flag("--digest", *digest, "hash of the content: equal digests, equal bits");
+  command.footer("Example:\n  npdr inspect runs/study/target.h5");
+  return [path, study, digest] {
+    inspect(*path, *study, *digest);
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

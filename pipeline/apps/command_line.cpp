@@ -113,6 +113,14 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
   }
 }
 
+void add_command(CLI::App& app, const Command& command, int& result) {
+  CLI::App* added = app.add_subcommand(command.name, command.doc);
+  const std::string program = fmt::format("npdr {}", command.name);
+  added->callback([&result, program, action = command.add_to(*added)] {
+    result = guarded_main(program, action);
+  });
+}
+
 bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
   fill_standard_streams();
   choose_signals();

@@ -26,6 +26,19 @@ namespace npdr::pipeline {
 /// error, too. Returns the exit status.
 int guarded_main(const std::string& program, const std::function<ExitStatus()>& body);
 
+/// What a command does, after its words are read.
+using Action = std::function<ExitStatus()>;
+
+/// A command of `npdr`.
+struct Command {
+  const char* name;
+  const char* doc;
+  Action (*add_to)(CLI::App& command);  ///< adds its options
+};
+
+/// Adds `command` to `app`; when it is called, it stores its exit status in `result`.
+void add_command(CLI::App& app, const Command& command, int& result);
+
 /// Sets up `app` (version, one help for all), parses, and returns false when help was asked for or
 /// the words are wrong; `status` is then what to leave with.
 bool parse_command_line(CLI::App& app, int argc, char** argv, int& status);

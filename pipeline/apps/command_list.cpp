@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "core/text.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/name_words.h"
 #include "pipeline/artefacts/layout_tables.h"
@@ -156,22 +155,19 @@ void list(const ListArguments& arguments) {
 
 }  // namespace
 
-void add_list_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("list", "what a study can choose from");
+Action list_command(CLI::App& command) {
   auto arguments = std::make_shared<ListArguments>();
-  set_choices(*command->add_option("WHAT", arguments->what, "what to list; nothing: the lists"),
+  set_choices(*command.add_option("WHAT", arguments->what, "what to list; nothing: the lists"),
               list_names());
-  command->add_option("OF", arguments->of,
-                      "of simulators: a study file, whose is shown; of keys: their beginning");
-  command->add_option("--markdown", arguments->table,
-                      "of keys or layouts: one table, such as method.training, as Markdown");
-  command->footer("Examples:\n  npdr list methods\n  npdr list keys method.training");
-  command->callback([&result, arguments] {
-    result = guarded_main("npdr list", [&] {
-      list(*arguments);
-      return ExitStatus::done;
-    });
-  });
+  command.add_option("OF", arguments->of,
+                     "of simulators: a study file, whose is shown; of keys: their beginning");
+  command.add_option("--markdown", arguments->table,
+                     "of keys or layouts: one table, such as method.training, as Markdown");
+  command.footer("Examples:\n  npdr list methods\n  npdr list keys method.training");
+  return [arguments] {
+    list(*arguments);
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

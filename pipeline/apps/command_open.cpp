@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "core/printable.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/report_marker.h"
@@ -50,16 +49,13 @@ ExitStatus open_study(const StudyArguments& arguments, bool in_browser) {
 
 }  // namespace
 
-void add_open_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("open", "where a study's report, tables and posteriors are");
+Action open_command(CLI::App& command) {
   auto arguments = std::make_shared<StudyArguments>();
   auto in_browser = std::make_shared<bool>(false);
-  arguments->add_to(*command);
-  command->add_flag("--browser", *in_browser, "open the report with xdg-open instead");
-  command->footer("Example:\n  npdr open study.toml --browser");
-  command->callback([&result, arguments, in_browser] {
-    result = guarded_main("npdr open", [&] { return open_study(*arguments, *in_browser); });
-  });
+  arguments->add_to(command);
+  command.add_flag("--browser", *in_browser, "open the report with xdg-open instead");
+  command.footer("Example:\n  npdr open study.toml --browser");
+  return [arguments, in_browser] { return open_study(*arguments, *in_browser); };
 }
 
 }  // namespace npdr::pipeline

@@ -16,7 +16,6 @@
 #include "inference/diagnostics/two_samples.h"
 #include "inference/embeddings/embedding.h"
 #include "inference/samplers/chain_diagnostics.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/artefacts/feature_file.h"
@@ -379,42 +378,36 @@ void add_options(CLI::App& command, ChosenPosteriors& chosen) {
 
 }  // namespace
 
-void add_sample_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("sample", "samples of a trained posterior, as CSV");
+Action sample_command(CLI::App& command) {
   auto chosen = std::make_shared<ChosenPosteriors>();
-  add_options(*command, *chosen);
-  command->add_option("-n,--num-samples", chosen->posterior.count, "how many")
+  add_options(command, *chosen);
+  command.add_option("-n,--num-samples", chosen->posterior.count, "how many")
       ->capture_default_str()
       ->check(CLI::Range(Index{1}, Index{100'000'000}));
-  add_seed_option(*command, "--seed", chosen->posterior.seed,
+  add_seed_option(command, "--seed", chosen->posterior.seed,
                   "of the draws; see --seeds for a study's");
-  command->footer(
+  command.footer(
       "Examples:\n  npdr sample runs/study/npe/seed-1/round-1/infer.h5 -n 500\n"
       "  npdr sample study.toml --method NPE --seeds 1\n"
       "  npdr sample study.toml --method NPE        (all seeds pooled)");
-  command->callback([&result, chosen] {
-    result = guarded_main("npdr sample", [&] {
-      print_samples_of(*chosen);
-      return ExitStatus::done;
-    });
-  });
+  return [chosen] {
+    print_samples_of(*chosen);
+    return ExitStatus::done;
+  };
 }
 
-void add_log_prob_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("log-prob", "posterior densities of the parameters in a file");
+Action log_prob_command(CLI::App& command) {
   auto chosen = std::make_shared<ChosenPosteriors>();
-  add_options(*command, *chosen);
-  command->add_option("THETA", chosen->posterior.theta, "CSV or HDF5 with a column per parameter")
+  add_options(command, *chosen);
+  command.add_option("THETA", chosen->posterior.theta, "CSV or HDF5 with a column per parameter")
       ->required();
-  command->footer(
+  command.footer(
       "Examples:\n  npdr log-prob runs/study/npe/seed-1/round-1/infer.h5 theta.csv\n"
       "  npdr log-prob study.toml theta.csv --method NPE        (all seeds pooled)");
-  command->callback([&result, chosen] {
-    result = guarded_main("npdr log-prob", [&] {
-      print_log_prob(*chosen);
-      return ExitStatus::done;
-    });
-  });
+  return [chosen] {
+    print_log_prob(*chosen);
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

@@ -10,7 +10,6 @@
 
 #include "core/parallel.h"
 #include "core/text.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/fitted_table.h"
 #include "pipeline/apps/verdict_lines.h"
@@ -135,25 +134,23 @@ ExitStatus run(const RunArguments& arguments) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("run", "bring a study up to date; skip what is");
+Action run_command(CLI::App& command) {
   auto arguments = std::make_shared<RunArguments>();
-  arguments->study.add_to(*command);
-  arguments->until.add_to(*command, "the last stage to run");
-  command->add_option("-j,--jobs", arguments->num_jobs, "cores to use")
+  arguments->study.add_to(command);
+  arguments->until.add_to(command, "the last stage to run");
+  command.add_option("-j,--jobs", arguments->num_jobs, "cores to use")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));
   command
-      ->add_option("--artefact", arguments->artefacts,
-                   "only the artefact whose key begins like this; may be repeated")
+      .add_option("--artefact", arguments->artefacts,
+                  "only the artefact whose key begins like this; may be repeated")
       ->allow_extra_args(false);
-  command->add_flag("--dry-run", arguments->dry_run, "print the commands that are missing");
-  command->add_flag("--strict", arguments->strict, "exit status 4 when a check fails");
-  command->footer(
+  command.add_flag("--dry-run", arguments->dry_run, "print the commands that are missing");
+  command.add_flag("--strict", arguments->strict, "exit status 4 when a check fails");
+  command.footer(
       "Examples:\n  npdr run study.toml\n  npdr run study.toml --seeds 1 --set "
       "evaluate.num_samples=100");
-  command->callback(
-      [&result, arguments] { result = guarded_main("npdr run", [&] { return run(*arguments); }); });
+  return [arguments] { return run(*arguments); };
 }
 
 }  // namespace npdr::pipeline

@@ -6,7 +6,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/size_text.h"
 #include "pipeline/apps/verdict_lines.h"
@@ -230,59 +229,52 @@ std::vector<const Node*> named_nodes(const Plan& plan, const std::string& word) 
 
 }  // namespace
 
-void add_status_command(CLI::App& app, int& result) {
-  auto* command =
-      app.add_subcommand("status", "one row per artefact: where it stands; what the checks say");
+Action status_command(CLI::App& command) {
   auto study = std::make_shared<StudyArguments>();
   auto json = std::make_shared<bool>(false);
   auto cost = std::make_shared<bool>(false);
   auto check = std::make_shared<bool>(false);
-  study->add_to(*command);
-  auto* as_json = command->add_flag("--json", *json, "for programs");
-  auto* as_cost = command->add_flag("--cost", *cost, "what was spent, by stage and by method");
+  study->add_to(command);
+  auto* as_json = command.add_flag("--json", *json, "for programs");
+  auto* as_cost = command.add_flag("--cost", *cost, "what was spent, by stage and by method");
   as_cost->excludes(as_json);
   command
-      ->add_flag("--check", *check,
-                 "read every byte of every artefact and shard; status 1: some are damaged")
+      .add_flag("--check", *check,
+                "read every byte of every artefact and shard; status 1: some are damaged")
       ->excludes(as_cost);
-  command->footer("Examples:\n  npdr status study.toml\n  npdr status study.toml --cost");
-  command->callback([&result, study, json, cost, check] {
-    result = guarded_main("npdr status", [&] {
-      const Plan plan = study->plan_here("npdr status");
-      if (*cost) {
-        print_cost_tables(plan);
-        return ExitStatus::done;
-      }
-      const auto rows = standings(plan, *check ? Scrutiny::thorough : Scrutiny::quick);
-      *json ? print_as_json(rows) : print_table(rows);
-      if (!*json) print_verdicts_if_made(plan);
-      const bool is_sound =
-          std::ranges::all_of(rows, [](const Standing& row) { return row.status.is_sound; });
-      return is_sound || !*check ? ExitStatus::done : ExitStatus::failed;
-    });
-  });
+  command.footer("Examples:\n  npdr status study.toml\n  npdr status study.toml --cost");
+  return [study, json, cost, check] {
+    const Plan plan = study->plan_here("npdr status");
+    if (*cost) {
+      print_cost_tables(plan);
+      return ExitStatus::done;
+    }
+    const auto rows = standings(plan, *check ? Scrutiny::thorough : Scrutiny::quick);
+    *json ? print_as_json(rows) : print_table(rows);
+    if (!*json) print_verdicts_if_made(plan);
+    const bool is_sound =
+        std::ranges::all_of(rows, [](const Standing& row) { return row.status.is_sound; });
+    return is_sound || !*check ? ExitStatus::done : ExitStatus::failed;
+  };
 }
 
-void add_explain_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("explain", "why artefacts aren't up to date");
+Action explain_command(CLI::App& command) {
   auto study = std::make_shared<StudyArguments>();
   auto word = std::make_shared<std::string>();
-  study->add_to(*command);
-  command->add_option("ARTEFACT", *word, "a key, or part of a name that 'npdr status' shows");
-  command->footer("Example:\n  npdr explain study.toml evaluate");
-  command->callback([&result, study, word] {
-    result = guarded_main("npdr explain", [&] {
-      const Plan plan = study->plan_here("npdr explain");
-      const auto nodes = named_nodes(plan, *word);
-      if (nodes.empty()) fmt::print("all {} artefacts are up to date\n", plan.nodes.size());
-      for (const Node* node : nodes) {
-        print_line("{} ({}): {}", node->label(), node->key.substr(0, 8),
-                   to_string(status_of(plan, *node).state));
-        for (const std::string& line : reasons(plan, *node)) print_line("    {}", line);
-      }
-      return ExitStatus::done;
-    });
-  });
+  study->add_to(command);
+  command.add_option("ARTEFACT", *word, "a key, or part of a name that 'npdr status' shows");
+  command.footer("Example:\n  npdr explain study.toml evaluate");
+  return [study, word] {
+    const Plan plan = study->plan_here("npdr explain");
+    const auto nodes = named_nodes(plan, *word);
+    if (nodes.empty()) fmt::print("all {} artefacts are up to date\n", plan.nodes.size());
+    for (const Node* node : nodes) {
+      print_line("{} ({}): {}", node->label(), node->key.substr(0, 8),
+                 to_string(status_of(plan, *node).state));
+      for (const std::string& line : reasons(plan, *node)) print_line("    {}", line);
+    }
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

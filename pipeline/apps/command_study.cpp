@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "core/text.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/new_study.h"
 #include "pipeline/apps/size_text.h"
@@ -204,58 +203,50 @@ void write_new_study(NewStudy wanted) {
 
 }  // namespace
 
-void add_validate_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("validate", "check a study; print the work it implies");
+Action validate_command(CLI::App& command) {
   auto study = std::make_shared<StudyArguments>();
   auto resolved = std::make_shared<bool>(false);
-  study->add_to(*command);
-  command->add_flag("--resolved", *resolved, "print it with all defaults filled in, too (JSON)");
-  command->add_flag("--quiet")->group("");  // scripts may still say it
+  study->add_to(command);
+  command.add_flag("--resolved", *resolved, "print it with all defaults filled in, too (JSON)");
+  command.add_flag("--quiet")->group("");  // scripts may still say it
   auto num_tries = std::make_shared<Index>(0);
   command
-      ->add_option("--try", *num_tries,
-                   "simulate the first N rows, and print them: does the simulator work?")
+      .add_option("--try", *num_tries,
+                  "simulate the first N rows, and print them: does the simulator work?")
       ->type_name("N")
       ->check(CLI::Range(1, 1000));
-  command->footer("Examples:\n  npdr validate study.toml\n  npdr validate study.toml --try 3");
-  command->callback([&result, study, resolved, num_tries] {
-    result = guarded_main("npdr validate", [&] {
-      const Plan plan = study->plan();
-      const bool has_motion = plan.study.target.recording && plan.study.source().gives_motion;
-      if (has_motion) require_motion(plan.study, plan.target);
-      if (*resolved) print_json(to_json(plan.study));
-      print_work(plan);
-      print_warnings("npdr validate", plan);
-      print_edit_marks(study->file);
-      if (*num_tries > 0) try_rows(plan, *num_tries);
-      return ExitStatus::done;
-    });
-  });
+  command.footer("Examples:\n  npdr validate study.toml\n  npdr validate study.toml --try 3");
+  return [study, resolved, num_tries] {
+    const Plan plan = study->plan();
+    const bool has_motion = plan.study.target.recording && plan.study.source().gives_motion;
+    if (has_motion) require_motion(plan.study, plan.target);
+    if (*resolved) print_json(to_json(plan.study));
+    print_work(plan);
+    print_warnings("npdr validate", plan);
+    print_edit_marks(study->file);
+    if (*num_tries > 0) try_rows(plan, *num_tries);
+    return ExitStatus::done;
+  };
 }
 
-void add_new_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("new",
-                                     "start a study: from a commented template, or for a "
-                                     "simulator or recording of yours");
+Action new_command(CLI::App& command) {
   auto wanted = std::make_shared<NewStudy>();
-  command->add_option("NAME", wanted->name, "of the study; NAME.toml is written")->required();
-  command->add_option("--recording", wanted->recording, "recorded rollouts (npdr import)");
-  command->add_option("--observation", wanted->observation, "x_o: CSV with one row, or HDF5");
-  command->add_option("--simulator", wanted->simulator, "a built-in one (npdr list simulators)");
-  command->add_option("--worker", wanted->worker, "program that stays: 'python3 sim.py'");
-  command->add_option("--library", wanted->library, "shared library with npdr_simulator.h");
-  command->add_option("--mjcf", wanted->mjcf, "model of MuJoCo");
-  command->add_option("--dataset", wanted->dataset, "finished simulations (npdr import --theta)");
-  command->add_option("--command", wanted->command, "program that reads and writes files");
-  command->footer(
+  command.add_option("NAME", wanted->name, "of the study; NAME.toml is written")->required();
+  command.add_option("--recording", wanted->recording, "recorded rollouts (npdr import)");
+  command.add_option("--observation", wanted->observation, "x_o: CSV with one row, or HDF5");
+  command.add_option("--simulator", wanted->simulator, "a built-in one (npdr list simulators)");
+  command.add_option("--worker", wanted->worker, "program that stays: 'python3 sim.py'");
+  command.add_option("--library", wanted->library, "shared library with npdr_simulator.h");
+  command.add_option("--mjcf", wanted->mjcf, "model of MuJoCo");
+  command.add_option("--dataset", wanted->dataset, "finished simulations (npdr import --theta)");
+  command.add_option("--command", wanted->command, "program that reads and writes files");
+  command.footer(
       "Examples:\n  npdr new spring --recording spring.h5 --worker 'python3 spring.py'\n"
       "  npdr new counts --observation x_o.csv --command 'python3 counts.py {theta} {x}'");
-  command->callback([&result, wanted] {
-    result = guarded_main("npdr new", [&] {
-      write_new_study(*wanted);
-      return ExitStatus::done;
-    });
-  });
+  return [wanted] {
+    write_new_study(*wanted);
+    return ExitStatus::done;
+  };
 }
 
 }  // namespace npdr::pipeline

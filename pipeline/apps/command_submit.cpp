@@ -11,7 +11,6 @@
 #include <set>
 #include <thread>
 
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/batch_task.h"
@@ -218,52 +217,37 @@ ExitStatus cancel(const StudyArguments& arguments) {
 
 }  // namespace
 
-void add_submit_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("submit", "bring a study up to date by jobs of Slurm");
+Action submit_command(CLI::App& command) {
   auto arguments = std::make_shared<SubmitArguments>();
-  arguments->study.add_to(*command);
-  arguments->until.add_to(*command, "the last stage to run");
-  command->add_option("--site", arguments->site,
-                      "file with a table [cluster], for keys that the study leaves out; else that "
-                      "of the variable NPDR_SITE, else jobs/site.toml");
-  command->add_option("--mail", arguments->mail, "address for mail; replaces cluster.mail");
+  arguments->study.add_to(command);
+  arguments->until.add_to(command, "the last stage to run");
+  command.add_option("--site", arguments->site,
+                     "file with a table [cluster], for keys that the study leaves out; else that "
+                     "of the variable NPDR_SITE, else jobs/site.toml");
+  command.add_option("--mail", arguments->mail, "address for mail; replaces cluster.mail");
   command
-      ->add_option("--sbatch", arguments->options,
-                   "a further option for sbatch, such as --sbatch=--qos=long; may be repeated")
+      .add_option("--sbatch", arguments->options,
+                  "a further option for sbatch, such as --sbatch=--qos=long; may be repeated")
       ->allow_extra_args(false);
-  command->add_flag("--dry-run", arguments->dry_run, "print the scripts, submit nothing");
-  command->add_flag("--wait", arguments->wait, "return when the jobs have ended");
-  command->footer("Example:\n  npdr submit study.toml --dry-run");
-  command->callback([&result, arguments] {
-    result = guarded_main("npdr submit", [&] { return submit(*arguments); });
-  });
+  command.add_flag("--dry-run", arguments->dry_run, "print the scripts, submit nothing");
+  command.add_flag("--wait", arguments->wait, "return when the jobs have ended");
+  command.footer("Example:\n  npdr submit study.toml --dry-run");
+  return [arguments] { return submit(*arguments); };
 }
 
-void add_cancel_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand("cancel", "end a study's jobs that wait or run");
+Action cancel_command(CLI::App& command) {
   auto arguments = std::make_shared<StudyArguments>();
-  arguments->add_to(*command);
-  command->footer("Example:\n  npdr cancel study.toml");
-  command->callback([&result, arguments] {
-    result = guarded_main("npdr cancel", [&] { return cancel(*arguments); });
-  });
+  arguments->add_to(command);
+  command.footer("Example:\n  npdr cancel study.toml");
+  return [arguments] { return cancel(*arguments); };
 }
 
-void add_task_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand(
-      "task", "run a program as the task of a batch job: log, signals, queueing again");
+Action task_command(CLI::App& command) {
   auto words = std::make_shared<std::vector<std::string>>();
-  command->add_option("COMMAND", *words, "program and its arguments, after --")->required();
-  command->positionals_at_end();
-  command->footer("Example:\n  npdr task -- npdr-simulate study.toml --shard 0");
-  command->callback([&result, words] {
-    int status = 0;
-    result = guarded_main("npdr task", [&] {
-      status = run_batch_task(*words);
-      return ExitStatus::done;
-    });
-    if (result == 0) result = status;
-  });
+  command.add_option("COMMAND", *words, "program and its arguments, after --")->required();
+  command.positionals_at_end();
+  command.footer("Example:\n  npdr task -- npdr-simulate study.toml --shard 0");
+  return [words] { return static_cast<ExitStatus>(run_batch_task(*words)); };
 }
 
 }  // namespace npdr::pipeline

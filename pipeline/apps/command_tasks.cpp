@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
@@ -76,19 +75,15 @@ ExitStatus list_tasks(const TasksArguments& arguments) {
 
 }  // namespace
 
-void add_tasks_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand(
-      "tasks", "a command a line for all that can be made now, for batch systems of every kind");
+Action tasks_command(CLI::App& command) {
   auto arguments = std::make_shared<TasksArguments>();
-  arguments->study.add_to(*command);
-  arguments->until.add_to(*command, "the last stage to list");
-  command->add_option("--shards-per-task", arguments->shards_per_task, "shards of a command")
+  arguments->study.add_to(command);
+  arguments->until.add_to(command, "the last stage to list");
+  command.add_option("--shards-per-task", arguments->shards_per_task, "shards of a command")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
-  command->footer("Example:\n  npdr tasks study.toml --shards-per-task 10");
-  command->callback([&result, arguments] {
-    result = guarded_main("npdr tasks", [&] { return list_tasks(*arguments); });
-  });
+  command.footer("Example:\n  npdr tasks study.toml --shards-per-task 10");
+  return [arguments] { return list_tasks(*arguments); };
 }
 
 }  // namespace npdr::pipeline

@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "core/error.h"
-#include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/remake.h"
 #include "pipeline/apps/verify.h"
@@ -52,44 +51,37 @@ ExitStatus verify_by_remake(const std::string& path, const StudyArguments& study
 
 }  // namespace
 
-void add_verify_command(CLI::App& app, int& result) {
-  auto* command = app.add_subcommand(
-      "verify",
-      "recompute random rows of a simulation or proposal, or all of any artefact, and compare bit "
-      "for bit");
+Action verify_command(CLI::App& command) {
   auto arguments = std::make_shared<VerifyArguments>();
-  command->add_option("FILE", arguments->path, "artefact, such as simulate.h5")->required();
-  auto* rows = command->add_option("--rows", arguments->rows.count, "how many")
+  command.add_option("FILE", arguments->path, "artefact, such as simulate.h5")->required();
+  auto* rows = command.add_option("--rows", arguments->rows.count, "how many")
                    ->capture_default_str()
                    ->check(CLI::Range(Index{1}, kMostRows));
-  auto* all = command->add_flag("--all", arguments->all, "all rows");
-  add_seed_option(*command, "--pick", arguments->rows.pick, "picks the rows");
-  command->add_flag(
-      "--run-command", arguments->rows.runs_command,
-      "run the program or library that the file names, which can do all that you can");
+  auto* all = command.add_flag("--all", arguments->all, "all rows");
+  add_seed_option(command, "--pick", arguments->rows.pick, "picks the rows");
+  command.add_flag("--run-command", arguments->rows.runs_command,
+                   "run the program or library that the file names, which can do all that you can");
   auto* remake =
       command
-          ->add_option("--remake", arguments->remake.file,
-                       "the study that FILE was made from: make all of it again, such as by "
-                       "training, from the inputs in the folder of --work; FILE stays as it is")
+          .add_option("--remake", arguments->remake.file,
+                      "the study that FILE was made from: make all of it again, such as by "
+                      "training, from the inputs in the folder of --work; FILE stays as it is")
           ->type_name("STUDY")
           ->excludes(rows)
           ->excludes(all);
-  arguments->remake.add_settings_to(*command);
-  for (const char* setting : {"--set", "--work"}) command->get_option(setting)->needs(remake);
-  command->footer(
+  arguments->remake.add_settings_to(command);
+  for (const char* setting : {"--set", "--work"}) command.get_option(setting)->needs(remake);
+  command.footer(
       "Examples:\n"
       "  npdr verify runs/study/npe/seed-1/round-1/simulate.h5\n"
       "  npdr verify runs/study/npe/seed-1/round-1/infer.h5 --remake study.toml");
-  command->callback([&result, arguments] {
-    result = guarded_main(kProgram, [&] {
-      if (!arguments->remake.file.empty()) {
-        return verify_by_remake(arguments->path, arguments->remake);
-      }
-      if (arguments->all) arguments->rows.count = kMostRows;
-      return verify_rows(arguments->path, arguments->rows);
-    });
-  });
+  return [arguments] {
+    if (!arguments->remake.file.empty()) {
+      return verify_by_remake(arguments->path, arguments->remake);
+    }
+    if (arguments->all) arguments->rows.count = kMostRows;
+    return verify_rows(arguments->path, arguments->rows);
+  };
 }
 
 }  // namespace npdr::pipeline

@@ -1,34 +1,66 @@
-/// The commands of `npdr`. Each adds itself to the command line; when it is called, it stores the
-/// exit status in `result`.
+/// The commands of `npdr`. Each function adds its options and examples to a command, and returns
+/// what the command does once they are read.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "pipeline/apps/command_line.h"
 
 namespace npdr::pipeline {
 
-void add_run_command(CLI::App& app, int& result);
-void add_submit_command(CLI::App& app, int& result);
-void add_cancel_command(CLI::App& app, int& result);
-void add_tasks_command(CLI::App& app, int& result);
-void add_task_command(CLI::App& app, int& result);
-void add_status_command(CLI::App& app, int& result);
-void add_explain_command(CLI::App& app, int& result);
-void add_validate_command(CLI::App& app, int& result);
-void add_new_command(CLI::App& app, int& result);
-void add_list_command(CLI::App& app, int& result);
-void add_open_command(CLI::App& app, int& result);
-void add_import_command(CLI::App& app, int& result);
-void add_inspect_command(CLI::App& app, int& result);
-void add_verify_command(CLI::App& app, int& result);
-void add_sample_command(CLI::App& app, int& result);
-void add_log_prob_command(CLI::App& app, int& result);
-void add_compare_command(CLI::App& app, int& result);
-void add_evidence_command(CLI::App& app, int& result);
-void add_export_command(CLI::App& app, int& result);
+Action run_command(CLI::App& command);
+Action submit_command(CLI::App& command);
+Action cancel_command(CLI::App& command);
+Action tasks_command(CLI::App& command);
+Action task_command(CLI::App& command);
+Action status_command(CLI::App& command);
+Action explain_command(CLI::App& command);
+Action validate_command(CLI::App& command);
+Action new_command(CLI::App& command);
+Action list_command(CLI::App& command);
+Action open_command(CLI::App& command);
+Action import_command(CLI::App& command);
+Action inspect_command(CLI::App& command);
+Action verify_command(CLI::App& command);
+Action sample_command(CLI::App& command);
+Action log_prob_command(CLI::App& command);
+Action compare_command(CLI::App& command);
+Action evidence_command(CLI::App& command);
+Action export_command(CLI::App& command);
+Action help_command(CLI::App& command);
+Action man_command(CLI::App& command);
+Action completion_command(CLI::App& command);
 
-/// Those that tell of all others: help, man, completion. Come last.
-void add_help_commands(CLI::App& app, int& result);
+/// In the order of the help.
+constexpr Command kCommands[] = {
+    {"run", "bring a study up to date; skip what is", &run_command},
+    {"submit", "bring a study up to date by jobs of Slurm", &submit_command},
+    {"cancel", "end a study's jobs that wait or run", &cancel_command},
+    {"tasks", "a command a line for all that can be made now, for batch systems of every kind",
+     &tasks_command},
+    {"task", "run a program as the task of a batch job: log, signals, queueing again",
+     &task_command},
+    {"status", "one row per artefact: where it stands; what the checks say", &status_command},
+    {"explain", "why artefacts aren't up to date", &explain_command},
+    {"validate", "check a study; print the work it implies", &validate_command},
+    {"new", "start a study: from a commented template, or for a simulator or recording of yours",
+     &new_command},
+    {"list", "what a study can choose from", &list_command},
+    {"open", "where a study's report, tables and posteriors are", &open_command},
+    {"import", "CSV recordings to a recording file, or simulations to a dataset (HDF5)",
+     &import_command},
+    {"inspect", "what a file of ours holds, who made it, and from what", &inspect_command},
+    {"verify",
+     "recompute random rows of a simulation or proposal, or all of any artefact, and compare bit "
+     "for bit",
+     &verify_command},
+    {"sample", "samples of a trained posterior, as CSV", &sample_command},
+    {"log-prob", "posterior densities of the parameters in a file", &log_prob_command},
+    {"compare", "how far apart two sets of samples are: C2ST, MMD, moments", &compare_command},
+    {"evidence", "which physics, prior and noise explains a recording best: log Z, Bayes factors",
+     &evidence_command},
+    {"export", "a method's posteriors for ArviZ and xarray", &export_command},
+    {"help", "what a command does, its options and examples", &help_command},
+    {"man", "the page for 'man', of all commands", &man_command},
+    {"completion", "lines for a shell, which completes words of npdr with them",
+     &completion_command}};
 
 }  // namespace npdr::pipeline

@@ -3,165 +3,136 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
 
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/apps/command_line.h"
+#include "pipeline/config/study_reader.h"
 
 namespace npdr::pipeline {
 namespace {
 
-bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
-
-bool is_positional(const CLI::Option& option) { return option.get_positional(); }
-
-// "--jobs", "-j".
-std::vector<std::string> words_of(const CLI::Option& option) {
-  std::vector<std::string> words;
-  for (const std::string& name : option.get_lnames()) words.push_back("--" + name);
-  for (const std::string& name : option.get_snames()) words.push_back("-" + name);
-  return words;
-}
-
-// Between single quotes of any of the shells, on one line.
-std::string quoted_text(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '\'') {
-      result += "'\\''";
-    } else {
-      result += c == '\n' ? ' ' : c;
-    }
-  }
-  return "'" + result + "'";
-}
-
-std::string bash_of(CLI::App& app) {
-  std::vector<std::string> commands;
-  std::string words, values;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    commands.push_back(command->get_name());
-    std::vector<std::string> options, choices;
-    for (const CLI::Option* option : command->get_options()) {
-      const auto names = words_of(*option);
-      options.insert(options.end(), names.begin(), names.end());
-      const auto values_of_option = choices_of(*option);
-      if (is_positional(*option)) {
-        choices = values_of_option.empty() ? choices : values_of_option;
-      } else if (!values_of_option.empty()) {
-        for (const std::string& name : names) {
-          values += fmt::format("    '{} {}') words='{}' ;;\n", command->get_name(), name,
-                                join(values_of_option, " "));
-        }
-      } else if (takes_value(*option)) {
-        for (const std::string& name : names) {
-          values += fmt::format("    '{} {}') return ;;\n", command->get_name(), name);
-        }
-      }
-    }
-    words += fmt::format("    {}) words='{}'; [[ $word == -* ]] || words='{}' ;;\n",
-                         command->get_name(), join(options, " "), join(choices, " "));
-  }
-  return fmt::format(R"sh(# Completion of npdr for bash: eval "$(npdr completion bash)"
-_npdr() {{
-  local word=${{COMP_WORDS[COMP_CWORD]}} words=''
+// By shell.
+const std::map<std::string, std::string> kScripts = {
+    {"bash", R"sh(# Completion of npdr for bash: eval "$(npdr completion bash)"
+_npdr() {
+  local word
   COMPREPLY=()
-  case ${{COMP_WORDS[1]}} in
-{}    *) words='{}' ;;
-  esac
-  ((COMP_CWORD == 1)) && words='{}'
-  case "${{COMP_WORDS[1]}} ${{COMP_WORDS[COMP_CWORD - 1]}}" in
-{}  esac
-  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
-}}
+  while IFS=$'\t' read -r word _; do
+    COMPREPLY+=("$(printf %q "$word")")
+  done < <("${COMP_WORDS[0]}" __complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2> /dev/null)
+}
 complete -o default -F _npdr npdr
-)sh",
-                     words, join(commands, " "), join(commands, " "), values);
-}
-
-// One option of zsh's _arguments: '--until[doc]:value:(a b)'.
-std::string zsh_option(const CLI::Option& option, const std::string& name) {
-  std::string doc = option.get_description();
-  std::erase_if(doc, [](char c) { return c == '[' || c == ']' || c == ':'; });
-  std::string text = name + "[" + doc + "]";
-  const auto choices = choices_of(option);
-  if (!choices.empty()) {
-    text += ":value:(" + join(choices, " ") + ")";
-  } else if (takes_value(option)) {
-    text += ":value:_files";
-  }
-  return quoted_text(text);
-}
-
-std::string zsh_of(CLI::App& app) {
-  std::string commands, cases;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    commands += "    " + quoted_text(command->get_name() + ":" + command->get_description()) + "\n";
-    std::string options, rest = " '*:file:_files'";
-    for (const CLI::Option* option : command->get_options()) {
-      const auto choices = choices_of(*option);
-      if (is_positional(*option) && !choices.empty())
-        rest = " '*:word:(" + join(choices, " ") + ")'";
-      for (const std::string& name : words_of(*option)) options += " " + zsh_option(*option, name);
-    }
-    cases += fmt::format("    {}) _arguments{}{} ;;\n", command->get_name(), options, rest);
-  }
-  return fmt::format(R"sh(#compdef npdr
+)sh"},
+    {"fish",
+     R"sh(# Completion of npdr for fish: npdr completion fish > ~/.config/fish/completions/npdr.fish
+complete -c npdr -n __fish_use_subcommand -f
+complete -c npdr -a '(npdr __complete (commandline -opc)[2..-1] (commandline -ct) 2> /dev/null)'
+)sh"},
+    {"zsh", R"sh(#compdef npdr
 # Completion of npdr for zsh: npdr completion zsh > FOLDER/_npdr, in a folder of $fpath
-_npdr() {{
-  local -a commands=(
-{}  )
-  if ((CURRENT == 2)); then
-    _describe command commands
-    return
-  fi
-  local command=$words[2]
-  shift words
-  ((CURRENT--))
-  case $command in
-{}  esac
-}}
+_npdr() {
+  local -a found
+  local word
+  for word in ${(f)"$(npdr __complete "${(@Q)words[2,CURRENT]}" 2> /dev/null)"}; do
+    if [[ $word == *$'\t'* ]]; then found+=(${word/$'\t'/:}); else found+=(${word//:/\\:}); fi
+  done
+  if (($#found)); then _describe word found; else _files; fi
+}
 _npdr "$@"
-)sh",
-                     commands, cases);
+)sh"}};
+
+struct Offer {
+  std::string word;
+  std::string doc = {};
+};
+
+using Offers = std::vector<Offer>;
+
+Offers offered_words(const std::vector<std::string>& words) {
+  Offers offers;
+  for (const std::string& word : words) offers.push_back({word});
+  return offers;
 }
 
-std::string fish_of(CLI::App& app) {
-  std::string text =
-      "# Completion of npdr for fish: npdr completion fish > "
-      "~/.config/fish/completions/npdr.fish\n";
+Offers offered_commands(const CLI::App& app) {
+  Offers offers;
   for (const CLI::App* command : app.get_subcommands({})) {
-    text += fmt::format("complete -c npdr -n __fish_use_subcommand -f -a {} -d {}\n",
-                        command->get_name(), quoted_text(command->get_description()));
-    const std::string begin =
-        fmt::format("complete -c npdr -n '__fish_seen_subcommand_from {}'", command->get_name());
-    for (const CLI::Option* option : command->get_options()) {
-      const auto choices = choices_of(*option);
-      std::string line;
-      for (const std::string& name : option->get_lnames()) line += " -l " + name;
-      for (const std::string& name : option->get_snames()) line += " -s " + name;
-      if (!choices.empty()) {
-        line +=
-            std::string(line.empty() ? " -f" : " -x") + " -a " + quoted_text(join(choices, " "));
-      } else if (takes_value(*option)) {
-        line += line.empty() ? "" : " -r";
-      }
-      if (!line.empty())
-        text += begin + line + " -d " + quoted_text(option->get_description()) + "\n";
-    }
+    offers.push_back({command->get_name(), command->get_description()});
   }
-  return text;
+  return offers;
+}
+
+Offers offered_options(const CLI::App& command) {
+  Offers offers;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string doc = option->get_description();
+    for (const std::string& name : option->get_lnames()) offers.push_back({"--" + name, doc});
+    for (const std::string& name : option->get_snames()) offers.push_back({"-" + name, doc});
+  }
+  return offers;
+}
+
+// Of the study that the words name.
+Offers offered_methods(const std::vector<std::string>& words) {
+  const auto file =
+      std::ranges::find_if(words, [](const std::string& word) { return word.ends_with(".toml"); });
+  Offers offers;
+  if (file == words.end()) return offers;
+  for (const MethodConfig& method : read_study(*file, {}).methods) offers.push_back({method.name});
+  return offers;
+}
+
+Offers offered_values(const CLI::Option& option, const std::vector<std::string>& words) {
+  return option.check_name("--method") ? offered_methods(words) : offered_words(choices_of(option));
+}
+
+Offers offered_choices(const CLI::App& command) {
+  Offers offers;
+  for (const CLI::Option* option : command.get_options()) {
+    const Offers choices = offered_words(choices_of(*option));
+    if (option->get_positional() && !choices.empty()) offers = choices;
+  }
+  return offers;
+}
+
+Offers all_offers(const CLI::App& app, const std::vector<std::string>& words) {
+  if (words.size() < 2) return offered_commands(app);
+  const auto named = [&](const CLI::App* command) { return command->check_name(words.front()); };
+  const auto commands = app.get_subcommands(named);
+  if (commands.empty()) return {};
+  const CLI::App& command = *commands.front();
+  const std::string& before = words[words.size() - 2];
+  const CLI::Option* option =
+      before.starts_with('-') ? command.get_option_no_throw(before) : nullptr;
+  if (option != nullptr && option->get_items_expected_max() > 0)
+    return offered_values(*option, words);
+  return words.back().starts_with('-') ? offered_options(command) : offered_choices(command);
 }
 
 }  // namespace
 
 std::vector<std::string> completion_shells() { return {"bash", "zsh", "fish"}; }
 
-std::string completion_of(CLI::App& app, const std::string& shell) {
-  if (shell == "bash") return bash_of(app);
-  if (shell == "zsh") return zsh_of(app);
-  if (shell == "fish") return fish_of(app);
-  throw InputError(unknown_name("shell", shell, completion_shells()));
+std::string completion_script(const std::string& shell) {
+  const auto script = kScripts.find(shell);
+  if (script == kScripts.end()) {
+    throw InputError(unknown_name("shell", shell, completion_shells()));
+  }
+  return script->second;
+}
+
+std::string completions(CLI::App& app, const std::vector<std::string>& words) {
+  if (words.empty()) return "";
+  std::string text;
+  for (const Offer& offer : all_offers(app, words)) {
+    if (!offer.word.starts_with(words.back())) continue;
+    const std::string doc = offer.doc.substr(0, offer.doc.find('\n'));
+    text += offer.word + (doc.empty() ? "" : "\t" + doc) + "\n";
+  }
+  return text;
 }
 
 }  // namespace npdr::pipeline

@@ -10,6 +10,7 @@ class Help : public ::testing::Test {
     words.insert(words.begin(), "npdr");
     return run(folder_.path(), words);
   }
+  std::string folder() const { return folder_.path().string(); }
   std::filesystem::path file(const std::string& name) const { return folder_.path() / name; }
 
  private:
@@ -18,14 +19,14 @@ class Help : public ::testing::Test {
 
 TEST_F(Help, HelpListAndCompletionKnowAllCommands) {
   const std::string help = npdr({"help"}).out, man = npdr({"man"}).out;
-  const std::string bash = npdr({"completion", "bash"}).out;
+  const std::string offered = npdr({"__complete", ""}).out;
   for (const char* name : {"run", "sample", "list", "open", "completion", "log-prob"}) {
     const std::string own = npdr({"help", name}).out;
     EXPECT_EQ(own, npdr({name, "--help"}).out);
     EXPECT_NE(own.find("npdr " + std::string(name)), std::string::npos) << "an example\n" << own;
     EXPECT_NE(own.find("Example"), std::string::npos) << own;
     EXPECT_NE(help.find("  " + std::string(name) + " "), std::string::npos) << help;
-    EXPECT_NE(bash.find("    " + std::string(name) + ") words="), std::string::npos) << bash;
+    EXPECT_NE(offered.find(std::string(name) + "\t"), std::string::npos) << offered;
     std::string in_roff = name;
     if (in_roff == "log-prob") in_roff = "log\\-prob";
     EXPECT_NE(man.find(".SS npdr " + in_roff + "\n"), std::string::npos) << man;
@@ -63,6 +64,7 @@ TEST_F(Help, WhatCantBeReadIsNamedAndLeadsToHelp) {
 
 // What bash would offer for the words of a line.
 TEST_F(Help, BashCompletesCommandsOptionsAndValues) {
+  EXPECT_EQ(npdr({"new", "study"}).status, 0);
   std::ofstream(file("complete.sh")) << npdr({"completion", "bash"}).out << R"(
 offer() {
   COMP_WORDS=("$@") COMP_CWORD=$(($# - 1))
@@ -74,13 +76,16 @@ offer npdr run --unt
 offer npdr run --until pol
 offer npdr list me
 offer npdr run st
+offer npdr run study.toml --only N
+offer npdr run nothing.toml --only N
 )";
-  ASSERT_EQ(
-      std::system(
-          ("bash " + file("complete.sh").string() + " > " + file("offered.txt").string()).c_str()),
-      0);
+  const std::string command =
+      "cd " + folder() + " && PATH=" NPDR_BINARY_DIR "/bin:$PATH bash complete.sh > offered.txt";
+  ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_EQ(text_of(file("offered.txt")),
-            "status\n--until\npolicy policy_test\nmethods metrics\n\n");
+            "status\n--until\npolicy policy_test\nmethods metrics\n\n"
+            R"(NPDR\ \(MAF\) NPDR\ \(MoG\))"
+            "\n\n");
 }
 
 TEST_F(Help, ListSaysWhatThereIsToListAndALineAboutEach) {

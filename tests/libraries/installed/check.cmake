@@ -14,9 +14,9 @@ endforeach()
 # What the program prints, where man and shells look for it.
 foreach(file share/man/man1/npdr.1 share/bash-completion/completions/npdr share/zsh/site-functions/_npdr
              share/fish/vendor_completions.d/npdr.fish)
-  file(STRINGS ${FOLDER}/prefix/${file} lines REGEX evidence)
+  file(STRINGS ${FOLDER}/prefix/${file} lines REGEX "npdr evidence|__complete")
   if(lines STREQUAL "")
-    message(FATAL_ERROR "${file} knows nothing of 'npdr evidence'")
+    message(FATAL_ERROR "${file} neither knows 'npdr evidence' nor asks npdr")
   endif()
 endforeach()
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${FOLDER}/build -G Ninja -D CMAKE_BUILD_TYPE=Release

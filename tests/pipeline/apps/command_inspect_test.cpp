@@ -23,7 +23,7 @@ std::string inspected(const Change& change) {
 
   CLI::App app;
   int result = 0;
-  add_inspect_command(app, result);
+  add_command(app, {"inspect", "", &inspect_command}, result);
   testing::internal::CaptureStdout();
   app.parse("inspect " + path.string());
   const std::string output = testing::internal::GetCapturedStdout();
