@@ -136,6 +136,11 @@ std::string description_of(const std::string& program) {
 
 }  // namespace
 
+bool is_stage_program(const std::string& program) {
+  return std::ranges::any_of(enum_table(Stage{}),
+                             [&](const StageTraits& stage) { return stage.program == program; });
+}
+
 int stage_main(const std::string& program, int argc, char** argv) {
   CLI::App app(description_of(program), program);
   StageArguments arguments;

@@ -1,4 +1,5 @@
-// The front door: `npdr <command>`.
+// The front door: `npdr <command>`. Called by the name of a stage's executable, such as
+// `npdr-simulate`, which is a link to this program, it is that stage.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +10,7 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/completion.h"
+#include "pipeline/apps/stage_main.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -46,4 +48,8 @@ int npdr_main(int argc, char** argv) {
 }  // namespace
 }  // namespace npdr::pipeline
 
-int main(int argc, char** argv) { return npdr::pipeline::npdr_main(argc, argv); }
+int main(int argc, char** argv) {
+  const std::string name = std::filesystem::path(argc > 0 ? argv[0] : "").filename();
+  if (npdr::pipeline::is_stage_program(name)) return npdr::pipeline::stage_main(name, argc, argv);
+  return npdr::pipeline::npdr_main(argc, argv);
+}
