@@ -70,7 +70,7 @@ TEST_F(Export, SeedsAreChainsAndRolloutsArePredicted) {
   EXPECT_EQ(text_of(folder_ / "study.toml"), study) << "it would be lost";
   const Outcome table = npdr({"export", "study.toml", "--method", "NPDR (MAF)", "-o", "out.csv"});
   EXPECT_EQ(table.status, 2);
-  EXPECT_TRUE(says(table.err, {"npdr export: out.csv: would hold NetCDF", "--format cmdstan"}));
+  EXPECT_TRUE(says(table.err, {"npdr export: out.csv: would hold NetCDF", "call it .nc"}));
 }
 
 TEST_F(Export, ParticlesKeepTheirWeightsInAGroupOfTheirOwn) {
@@ -113,46 +113,6 @@ TEST_F(Export, FeaturesStandInPlaceOfRollouts) {
   EXPECT_EQ(file.group("observed_data").read_vector<double>("x").size(), 2);
 }
 
-TEST_F(Export, ChainsOfGetDistAndFilesAsOfCmdStan) {
-  run_study(small_study()
-                .with("study", {"seeds = [3, 5]"})
-                .with("report", {"symbols = { pole_mass = \"m_p\" }"}));
-  const auto chains = [&](const std::string& format, const std::string& root) {
-    return npdr({"export", "study.toml", "--only", "NPDR (MAF)", "--format", format, "-o", root});
-  };
-  EXPECT_EQ(chains("getdist", "out/npe").out,
-            "wrote out/npe_1.txt, out/npe_2.txt, out/npe.paramnames, out/npe.ranges\n");
-  EXPECT_EQ(text_of(folder_ / "out/npe.paramnames"),
-            "pole_mass m_p\npole_length \\mathrm{pole\\ length}\n");
-  EXPECT_EQ(text_of(folder_ / "out/npe.ranges"), "pole_mass 0.3 1.7\npole_length 0.3 1.7\n");
-  EXPECT_EQ(chains("cmdstan", "out/npe").out, "wrote out/npe_1.csv, out/npe_2.csv\n");
-
-  const h5::File run = h5::File::open(folder_ / "runs/small/npdr-maf/seed-5/round-2/evaluate.h5");
-  const RowMatrix theta = run.read_matrix<double>("theta");
-  const double log_prob = run.read_vector<double>("log_prob")(0);
-  EXPECT_TRUE(text_of(folder_ / "out/npe_2.txt")
-                  .starts_with(fmt::format("1 {} {} {}\n", -log_prob, theta(0, 0), theta(0, 1))));
-  const std::string csv = text_of(folder_ / "out/npe_2.csv");
-  EXPECT_NE(csv.find(fmt::format("\nlp__,pole_mass,pole_length\n{},{},{}\n", log_prob, theta(0, 0),
-                                 theta(0, 1))),
-            std::string::npos)
-      << csv.substr(0, 300);
-
-  // What somebody has of that name, a recording perhaps, stays.
-  for (const std::string there : {"lab_1.csv", "lab_2.csv", "lab_3.csv", "lab.csv"}) {
-    std::ofstream(folder_ / there) << "t,theta\n";
-    const Outcome refused = chains("cmdstan", "lab");
-    EXPECT_EQ(refused.status, 2);
-    EXPECT_TRUE(says(refused.err, {"npdr export: " + there + " is there already",
-                                   "remove it or choose another name"}));
-    EXPECT_EQ(text_of(folder_ / there), "t,theta\n");
-    std::filesystem::remove(folder_ / there);
-  }
-  EXPECT_EQ(chains("getdist", "out/npe").status, 2) << "nor is an earlier export overwritten";
-  EXPECT_TRUE(says(chains("getdits", "npe").err,
-                   {"npdr export: unknown format 'getdits'", "did you mean 'getdist'?"}));
-}
-
 TEST_F(Export, SaysWhatIsMissing) {
   std::ofstream(folder_.path() / "study.toml") << small_study();
   const Outcome several = npdr({"export", "study.toml", "-o", "out.nc"});
@@ -171,9 +131,6 @@ TEST_F(Export, SaysWhatIsMissing) {
 TEST_F(Export, OpensInArvizAndXarray) {
   run_study(small_study().with("study", {"seeds = [3, 5]"}));
   exported({"--only", "NPDR (MAF)", "--predictions", "4"});
-  for (const char* format : {"getdist", "cmdstan"}) {
-    npdr({"export", "study.toml", "--only", "NPDR (MAF)", "--format", format, "-o", "chains"});
-  }
   const Outcome outcome =
       run(folder_.path(), {NPDR_SOURCE_DIR "/tests/cli/open_export", "venv", "out.nc"});
   if (outcome.status == 77) GTEST_SKIP() << outcome.err;

@@ -23,9 +23,7 @@ summary = arviz.summary(data)
 assert set(summary.index) == {"pole_mass", "pole_length"}, summary
 print(summary)
 
-stan = arviz.summary(arviz.from_cmdstan(["chains_1.csv", "chains_2.csv"]))
-assert stan.loc["pole_mass", "mean"] == summary.loc["pole_mass", "mean"], stan
-chains = getdist.loadMCSamples("./chains", settings={"ignore_rows": 0})
-assert chains.getParamNames().list() == ["pole_mass", "pole_length"], chains.getParamNames()
-assert abs(chains.mean("pole_mass") - float(data.posterior["pole_mass"].mean())) < 1e-12
-assert chains.ranges.getLower("pole_mass") == 0.3, chains.ranges
+draws = data.posterior.to_dataframe()
+samples = getdist.MCSamples(samples=[chain.to_numpy() for _, chain in draws.groupby("chain")], names=list(draws))
+assert samples.getParamNames().list() == ["pole_length", "pole_mass"], samples.getParamNames()
+assert abs(samples.mean("pole_mass") - float(data.posterior["pole_mass"].mean())) < 1e-12
