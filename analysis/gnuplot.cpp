@@ -6,11 +6,12 @@
 #include <iterator>
 
 #include "analysis/file_stem.h"
-#include "analysis/process.h"
 #include "analysis/svg.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/printable.h"
+#include "core/shell_call.h"
+#include "core/shell_text.h"
 
 namespace npdr::analysis {
 namespace {
@@ -18,6 +19,8 @@ namespace {
 constexpr const char* kFont = "sans-serif,11";
 
 constexpr double kPixelsPerInch = 96.0;
+constexpr double kTimeLimit = 300.0;  // [s] of a picture
+constexpr int kNotFound = 127;        // status of a shell that doesn't find a program
 
 // A PNG has twice the pixels of the SVG. Font sizes are pixels in SVG and points (4/3 pixels) in
 // PNG and PDF, hence fontscales of 1.5 and 0.75; widths of lines and sizes of points are half as
@@ -68,27 +71,29 @@ std::filesystem::path run(const std::string& program, const GnuplotScript& scrip
   AtomicFile file(path);  // another report may be drawing the same figure
   // -d, and no GNUTERM: without the user's settings, so that a figure looks the same for everybody.
   // In UTC: how far another zone is from it stands in a PDF.
-  const ProcessResult result = run_process(
-      program, {"-d", "-c", script.name + ".gp", format_name, file.temporary().filename().string()},
-      directory, {.unset = {"GNUTERM"}, .set = {"TZ=UTC0"}});
-  if (!result.found) {
+  const std::string command = shell_text(
+      {program, "-d", "-c", script.name + ".gp", format_name, file.temporary().filename()});
+  const CallResult result =
+      run_shell({{"unset GNUTERM; exec " + command + " > /dev/null", directory, {{"TZ", "UTC0"}}},
+                 kTimeLimit});
+  if (result.exit_status == kNotFound) {
     throw Error(program +
                 ": not found; install gnuplot (Debian package gnuplot-nox), which draws "
                 "the figures");
   }
   if (result.timed_out) {
     throw Error(fmt::format("{}: {} didn't come to its end on {}.gp in {:.0f} s, and was ended",
-                            path.string(), program, script.name, ProcessOptions().time_limit));
+                            path.string(), program, script.name, kTimeLimit));
   }
   if (result.exit_status != 0) {
     throw Error(fmt::format("{}: {} failed with status {} on {}.gp:\n{}", path.string(), program,
-                            result.exit_status, script.name, result.errors));
+                            result.exit_status, script.name, result.output));
   }
   std::error_code missing;
   if (std::filesystem::file_size(file.temporary(), missing) == 0 || missing) {
     throw Error(fmt::format("{}: {} has drawn nothing from {}.gp; is there space left (df)?{}{}",
-                            path.string(), program, script.name, result.errors.empty() ? "" : "\n",
-                            result.errors));
+                            path.string(), program, script.name, result.output.empty() ? "" : "\n",
+                            result.output));
   }
   const std::string drawn = read_text_file(file.temporary());
   if (format == ImageFormat::svg) {

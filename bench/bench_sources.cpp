@@ -18,7 +18,7 @@
 #include <numeric>
 
 #include "core/atomic_file.h"
-#include "pipeline/process/shell_call.h"
+#include "core/shell_call.h"
 #include "pipeline/sources/program_call.h"
 #include "sim/library/library_simulator.h"
 #include "sim/library/npdr_simulator.h"
@@ -99,7 +99,7 @@ else:
 
 // Seconds that a program prints as its last line.
 double printed_seconds(const std::string& command, const std::filesystem::path& folder) {
-  const pipeline::CallResult result = pipeline::run_shell({{command, folder, {}}, 600.0});
+  const npdr::CallResult result = npdr::run_shell({{command, folder, {}}, 600.0});
   if (!result.succeeded()) {
     fmt::print(stderr, "{}: {}\n{}", command, result.words(600.0), result.output);
     return 0.0;

@@ -9,13 +9,13 @@
 #include <optional>
 
 #include "core/feature_names.h"
+#include "core/shell_text.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study.h"
 #include "pipeline/import/csv_import.h"
-#include "pipeline/process/shell_text.h"
 #include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {

@@ -18,6 +18,7 @@
 #include "core/error.h"
 #include "core/file_error.h"
 #include "core/printable.h"
+#include "core/shell_text.h"
 #include "core/text.h"
 #include "pipeline/apps/help_format.h"
 #include "pipeline/artefacts/feature_file.h"
@@ -28,7 +29,6 @@
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "core/parallel.h"
+#include "core/shell_text.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/fitted_table.h"
@@ -16,7 +17,6 @@
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/shell_text.h"
 #include "pipeline/process/terminal_columns.h"
 #include "pipeline/run/artefact_status.h"
 #include "pipeline/run/scheduler.h"

@@ -11,6 +11,7 @@
 #include <set>
 #include <thread>
 
+#include "core/stop_request.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/batch_task.h"
@@ -23,7 +24,6 @@
 #include "pipeline/config/study_reader.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/run/artefact_status.h"
 #include "pipeline/run/scheduler.h"
 

@@ -6,11 +6,11 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "core/shell_text.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
-#include "pipeline/process/shell_text.h"
 #include "pipeline/run/scheduler.h"
 
 namespace npdr::pipeline {

@@ -7,12 +7,12 @@
 #include <map>
 #include <optional>
 
+#include "core/stop_request.h"
 #include "core/text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/child_process.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/run/run_stage.h"
 
 namespace npdr::pipeline {

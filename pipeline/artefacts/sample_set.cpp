@@ -7,9 +7,9 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "core/shell_text.h"
 #include "pipeline/artefacts/outside_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/process/shell_text.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/h5.h"
 #include "pipeline/store/number_table.h"

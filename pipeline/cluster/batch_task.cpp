@@ -14,10 +14,10 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/stop_request.h"
 #include "pipeline/cluster/slurm.h"
 #include "pipeline/cluster/task_log.h"
 #include "pipeline/process/batch_job.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/process/task_mark.h"
 
 namespace npdr::pipeline {

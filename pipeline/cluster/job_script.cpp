@@ -5,10 +5,10 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/shell_text.h"
 #include "core/text.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/plan/shards.h"
-#include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
 namespace {

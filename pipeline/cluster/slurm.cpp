@@ -8,9 +8,9 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/shell_call.h"
+#include "core/shell_text.h"
 #include "core/text.h"
-#include "pipeline/process/shell_call.h"
-#include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/shell_text.h"
 #include "core/text.h"
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
@@ -15,7 +16,6 @@
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/child_process.h"
-#include "pipeline/process/shell_text.h"
 #include "pipeline/process/utc_time.h"
 
 namespace npdr::pipeline {

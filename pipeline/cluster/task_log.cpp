@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "core/atomic_file.h"
-#include "pipeline/process/shell_text.h"
+#include "core/shell_text.h"
 #include "pipeline/process/utc_time.h"
 
 namespace npdr::pipeline {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "core/shell_call.h"
 #include "core/text.h"
-#include "pipeline/process/shell_call.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -4,9 +4,9 @@
 
 #include "analysis/metrics.h"
 #include "core/constants.h"
+#include "core/stop_request.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 
 namespace npdr::pipeline {
 namespace {

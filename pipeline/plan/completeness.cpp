@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/stop_request.h"
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/process/batch_job.h"
-#include "pipeline/process/stop_request.h"
 
 namespace npdr::pipeline {
 

@@ -12,9 +12,9 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/shell_call.h"
+#include "core/stop_request.h"
 #include "core/text.h"
-#include "pipeline/process/shell_call.h"
-#include "pipeline/process/stop_request.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/process/shell_process.h"
+#include "core/shell_process.h"
 
 namespace npdr::pipeline {
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <tuple>
 
+#include "core/shell_text.h"
 #include "pipeline/findings/findings.h"
-#include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,8 +1,8 @@
 #include "pipeline/run/run_stage.h"
 
 #include "core/error.h"
+#include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/report/report.h"
 #include "pipeline/stages/stages.h"
 

@@ -9,10 +9,10 @@
 #include <set>
 
 #include "core/atomic_file.h"
+#include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/run/run_display.h"
 
 namespace npdr::pipeline {

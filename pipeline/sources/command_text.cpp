@@ -5,8 +5,8 @@
 #include <system_error>
 #include <vector>
 
+#include "core/shell_text.h"
 #include "core/text.h"
-#include "pipeline/process/shell_text.h"
 
 namespace npdr::pipeline {
 namespace {

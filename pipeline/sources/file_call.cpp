@@ -7,9 +7,9 @@
 
 #include "core/error.h"
 #include "core/feature_names.h"
+#include "core/shell_call.h"
 #include "core/text.h"
 #include "pipeline/artefacts/feature_file.h"
-#include "pipeline/process/shell_call.h"
 #include "pipeline/sources/call_files.h"
 #include "pipeline/sources/command_text.h"
 #include "pipeline/sources/failed_rows.h"

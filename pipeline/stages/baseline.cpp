@@ -1,13 +1,13 @@
 #include <algorithm>
 
 #include "analysis/floor.h"
+#include "core/stop_request.h"
 #include "pipeline/artefacts/baseline_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/judge.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/predictions/search_box.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {

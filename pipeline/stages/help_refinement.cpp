@@ -5,9 +5,9 @@
 #include <thread>
 
 #include "core/atomic_file.h"
+#include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/refined_rows.h"
 #include "pipeline/stages/stages.h"

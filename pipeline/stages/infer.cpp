@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/stop_request.h"
 #include "pipeline/artefacts/checkpoint_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -13,7 +14,6 @@
 #include "pipeline/features/targets.h"
 #include "pipeline/features/usual_features.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/infer_methods.h"
 #include "pipeline/stages/stages.h"

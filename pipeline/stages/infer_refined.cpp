@@ -5,12 +5,12 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/stop_request.h"
 #include "inference/samplers/importance_sampler.h"
 #include "inference/weighted_population.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/infer_methods.h"
 #include "pipeline/stages/power_search.h"

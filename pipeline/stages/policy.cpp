@@ -3,13 +3,13 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/stop_request.h"
 #include "inference/policy_search/policy_optimizer.h"
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/checkpoint_times.h"
 #include "pipeline/stages/stages.h"
 

@@ -1,7 +1,7 @@
 #include "pipeline/stages/rank_report.h"
 
 #include "core/error.h"
-#include "pipeline/process/stop_request.h"
+#include "core/stop_request.h"
 
 namespace npdr::pipeline {
 

@@ -8,9 +8,9 @@
 
 #include "core/error.h"
 #include "core/file_error.h"
+#include "core/stop_request.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/process/stop_request.h"
 
 namespace npdr::pipeline {
 namespace {

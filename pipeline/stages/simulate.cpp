@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "core/stop_request.h"
 #include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
@@ -14,7 +15,6 @@
 #include "pipeline/plan/shards.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/sources/first_rows.h"
 #include "pipeline/sources/repeated_outlier.h"
 #include "pipeline/stages/checkpoint_times.h"

@@ -2,12 +2,12 @@
 
 #include "core/constants.h"
 #include "core/random.h"
+#include "core/stop_request.h"
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/stop_request.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {

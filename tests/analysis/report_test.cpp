@@ -3,10 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "analysis/gnuplot.h"
-#include "analysis/process.h"
 #include "analysis/report_script.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/shell_call.h"
+#include "core/shell_text.h"
 #include "tests/analysis/markup_check.h"
 #include "tests/temp_folder.h"
 
@@ -64,12 +65,10 @@ TEST(Report, RemarksStandBelowTheTables) {
 TEST(Report, AllowsItsOwnScriptAlone) {
   const TempFolder folder;
   write_text_file(folder.path() / "script.js", kReportScript);
-  const ProcessResult shell = run_process(
-      "bash",
-      {"-c",
-       "printf $(sha256sum script.js | cut -c1-64 | sed 's/../\\\\x&/g') | base64 -w0 > hash"},
-      folder.path());
-  ASSERT_EQ(shell.exit_status, 0) << shell.errors;
+  const std::string hash =
+      "printf $(sha256sum script.js | cut -c1-64 | sed 's/../\\\\x&/g') | base64 -w0 > hash";
+  const CallResult shell = run_shell({{"bash -c " + shell_word(hash), folder.path(), {}}, 60.0});
+  ASSERT_EQ(shell.exit_status, 0) << shell.output;
   EXPECT_EQ("sha256-" + read_text_file(folder.path() / "hash"), kReportScriptHash);
   const std::string html = to_html(small_report(folder.path()));
   EXPECT_NE(html.find(std::string("script-src '") + kReportScriptHash + "'"), std::string::npos);

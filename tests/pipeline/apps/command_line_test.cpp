@@ -1,5 +1,5 @@
 #include "pipeline/apps/command_line.h"
-#include "pipeline/process/shell_text.h"
+#include "core/shell_text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pipeline/process/shell_guard.h"
+#include "core/shell_guard.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -17,7 +17,7 @@
 #include "core/error.h"
 #include "core/pipe.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 namespace {
 
 // What the new process does, down to watch(). Nothing of it allocates: another thread may have held
@@ -159,4 +159,4 @@ std::optional<int> ShellGuard::heard() const {
   return count == sizeof(number) ? number : -EIO;
 }
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

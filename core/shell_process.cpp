@@ -1,4 +1,4 @@
-#include "pipeline/process/shell_process.h"
+#include "core/shell_process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "core/pipe.h"
-#include "pipeline/process/stop_request.h"
+#include "core/stop_request.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -183,4 +183,4 @@ void ShellProcess::read_output() {
   }
 }
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

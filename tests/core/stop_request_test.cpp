@@ -1,4 +1,4 @@
-#include "pipeline/process/stop_request.h"
+#include "core/stop_request.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -11,7 +11,7 @@
 #include "tests/temp_folder.h"
 #include "tests/wait_for.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 namespace {
 
 // A process that hears requests to stop, and never looks at them.
@@ -62,4 +62,4 @@ TEST(StopRequest, WarningsOfABatchSystemAreNoSecondRequest) {
 }
 
 }  // namespace
-}  // namespace npdr::pipeline
+}  // namespace npdr

@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-namespace npdr::pipeline {
+namespace npdr {
 
 /// The shell's parent, and that of all that it leaves behind in whatever session or group: a child
 /// process that ends them when this object goes, or this process, such as by kill -9. It learns
@@ -37,4 +37,4 @@ class ShellGuard {
   std::optional<int> exit_status_;
 };
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

@@ -1,4 +1,4 @@
-#include "pipeline/process/shell_call.h"
+#include "core/shell_call.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <csignal>
 #include <cstring>
 
-#include "pipeline/process/stop_request.h"
+#include "core/stop_request.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -41,4 +41,4 @@ CallResult run_shell(const ShellCall& call) {
   return result;
 }
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace npdr::pipeline {
+namespace npdr {
 
 /// `word` as a shell reads it back: quoted where it needs it.
 std::string shell_word(const std::string& word);
@@ -12,4 +12,4 @@ std::string shell_word(const std::string& word);
 /// "npdr run study.toml --set 'a=b c'": words quoted for a shell where they need it.
 std::string shell_text(const std::vector<std::string>& words);
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

@@ -1,6 +1,6 @@
-#include "pipeline/process/shell_text.h"
+#include "core/shell_text.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 
 std::string shell_word(const std::string& word) {
   const bool is_plain =
@@ -22,4 +22,4 @@ std::string shell_text(const std::vector<std::string>& words) {
   return text;
 }
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

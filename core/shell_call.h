@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "pipeline/process/shell_process.h"
+#include "core/shell_process.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 
 struct ShellCall {
   ShellCommand command;
@@ -30,4 +30,4 @@ struct CallResult {
 /// can be started. SIGTERM comes first, SIGKILL a second later.
 CallResult run_shell(const ShellCall& call);
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

@@ -13,9 +13,9 @@
 #include <string>
 #include <utility>
 
-#include "pipeline/process/shell_guard.h"
+#include "core/shell_guard.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 
 /// A command with its folder and environment.
 struct ShellCommand {
@@ -87,4 +87,4 @@ class ShellProcess {
   BoundedText text_;
 };
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

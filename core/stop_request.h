@@ -1,7 +1,7 @@
 /// Requests to stop (SIGINT, SIGTERM, SIGUSR1, SIGHUP): long work looks at them between batches.
 #pragma once
 
-namespace npdr::pipeline {
+namespace npdr {
 
 /// From now on the signals set a flag, in place of ending the process; SIGHUP doesn't where it is
 /// ignored (nohup). For work that looks at the flag: all else is best ended at once. A second
@@ -20,4 +20,4 @@ bool stop_signal_came(int signal);
 /// Throws Checkpointed when a stop was requested: the work so far is saved.
 void stop_here_if_requested();
 
-}  // namespace npdr::pipeline
+}  // namespace npdr

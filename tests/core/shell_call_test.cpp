@@ -1,4 +1,4 @@
-#include "pipeline/process/shell_call.h"
+#include "core/shell_call.h"
 
 #include <signal.h>
 #include <sys/wait.h>
@@ -8,7 +8,7 @@
 #include "tests/temp_folder.h"
 #include "tests/wait_for.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 namespace {
 
 class ShellCalls : public ::testing::Test {
@@ -138,4 +138,4 @@ TEST_F(ShellCalls, AFolderThatIsNotThereIsAFailure) {
 }
 
 }  // namespace
-}  // namespace npdr::pipeline
+}  // namespace npdr

@@ -1,4 +1,4 @@
-#include "pipeline/process/stop_request.h"
+#include "core/stop_request.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 
-namespace npdr::pipeline {
+namespace npdr {
 namespace {
 
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): all that a handler can reach
@@ -78,4 +78,4 @@ void stop_here_if_requested() {
   if (stop_requested()) throw Checkpointed("stopped on request; run it again to go on");
 }
 
-}  // namespace npdr::pipeline
+}  // namespace npdr
