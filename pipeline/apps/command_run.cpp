@@ -12,12 +12,11 @@
 #include "core/shell_text.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/fitted_table.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/child_process.h"
+#include "pipeline/process/fitted_text.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/terminal_columns.h"
 #include "pipeline/run/artefact_status.h"
 #include "pipeline/run/scheduler.h"
 

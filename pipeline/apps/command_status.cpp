@@ -10,8 +10,8 @@
 #include "pipeline/apps/size_text.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/cluster_status.h"
+#include "pipeline/process/fitted_text.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/process/terminal_columns.h"
 #include "pipeline/run/artefact_status.h"
 
 namespace npdr::pipeline {

@@ -3,7 +3,6 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/process/fitted_text.h"
-#include "pipeline/process/terminal_columns.h"
 
 namespace npdr::pipeline {
 namespace {

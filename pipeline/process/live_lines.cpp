@@ -1,13 +1,10 @@
 #include "pipeline/process/live_lines.h"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-
-#include "pipeline/process/fitted_text.h"
 
 namespace npdr::pipeline {
 
@@ -22,12 +19,6 @@ LiveLines::LiveLines() : is_terminal_(isatty(STDERR_FILENO) != 0) {}
 
 LiveLines::~LiveLines() {
   if (num_shown_ > 0) std::fputc('\n', stderr);
-}
-
-TerminalSize LiveLines::size() const {
-  winsize found = {};
-  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &found) != 0 || found.ws_col < 1) return {};
-  return {found.ws_col, found.ws_row};
 }
 
 std::string LiveLines::back_to_the_first() const {

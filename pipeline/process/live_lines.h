@@ -2,16 +2,14 @@
 /// terminal: one that wrapped couldn't be taken back.
 #pragma once
 
+#include <unistd.h>
+
 #include <string>
 #include <vector>
 
-namespace npdr::pipeline {
+#include "pipeline/process/fitted_text.h"
 
-/// Width and height of a terminal, in characters.
-struct TerminalSize {
-  int columns = 80;
-  int rows = 24;
-};
+namespace npdr::pipeline {
 
 /// "[#####.....]" of `width` characters; share in [0, 1].
 std::string bar(double share, int width);
@@ -29,7 +27,7 @@ class LiveLines {
   /// Whether stderr is a terminal; elsewhere nothing can be taken back, and show() does nothing.
   bool is_terminal() const { return is_terminal_; }
   /// As it is now: people change it.
-  TerminalSize size() const;
+  TerminalSize size() const { return terminal_size(STDERR_FILENO).value_or(TerminalSize{}); }
 
   /// Writes these in place of those that are shown.
   void show(const std::vector<std::string>& lines);
