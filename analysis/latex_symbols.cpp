@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
-#include <regex>
 
 namespace npdr::analysis {
 namespace {
@@ -66,6 +65,24 @@ bool is_latin_letter(std::uint32_t code) {
   return code >= 0xC0 && code <= 0xFF && code != 0xD7 && code != 0xF7 && !is_rune;
 }
 
+bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Of users' symbols.
+constexpr std::string_view kPlain = "{}(),.'+-*/ ";
+constexpr std::string_view kLetters =
+    " alpha beta gamma delta epsilon varepsilon zeta eta theta vartheta iota kappa lambda mu nu xi "
+    "pi rho sigma tau upsilon phi varphi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma "
+    "Upsilon Phi Psi Omega log ell ";
+constexpr std::string_view kAccents = " dot ddot bar hat tilde vec mathrm mathbf mathit ";
+
+// `is_applied`: a brace follows.
+bool is_command(std::string_view name, bool is_applied) {
+  const std::string word = fmt::format(" {} ", name);
+  return kLetters.find(word) != kLetters.npos ||
+         (is_applied && kAccents.find(word) != kAccents.npos);
+}
+
 }  // namespace
 
 std::string latex_symbols(std::string_view text) {
@@ -88,14 +105,20 @@ std::string latex_symbols(std::string_view text) {
 }
 
 bool is_latex_symbol(std::string_view text) {
-  static const std::regex formula(
-      R"(([A-Za-z0-9{}(),.'+\-*/ ]|[_^](?=[A-Za-z0-9{\\])|)"
-      R"(\\(alpha|beta|gamma|delta|epsilon|varepsilon|zeta|eta|theta|vartheta|iota|kappa|lambda|mu|)"
-      R"(nu|xi|pi|rho|sigma|tau|upsilon|phi|varphi|chi|psi|omega|Gamma|Delta|Theta|Lambda|Xi|Pi|)"
-      R"(Sigma|Upsilon|Phi|Psi|Omega|log|ell)(?![A-Za-z])|)"
-      R"(\\(dot|ddot|bar|hat|tilde|vec|mathrm|mathbf|mathit)(?=\{))+)");
-  if (text.size() > kLongestSymbol || !std::regex_match(text.begin(), text.end(), formula)) {
-    return false;
+  if (text.empty() || text.size() > kLongestSymbol) return false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::string_view rest = text.substr(i + 1);
+    if (text[i] == '\\') {
+      const auto end = std::ranges::find_if_not(rest, is_letter);
+      const std::string_view name = rest.substr(0, static_cast<std::size_t>(end - rest.begin()));
+      if (!is_command(name, end != rest.end() && *end == '{')) return false;
+      i += name.size();
+    } else if (text[i] == '_' || text[i] == '^') {
+      const char next = rest.empty() ? ' ' : rest.front();
+      if (!is_letter(next) && !is_digit(next) && next != '{' && next != '\\') return false;
+    } else if (!is_letter(text[i]) && !is_digit(text[i]) && kPlain.find(text[i]) == kPlain.npos) {
+      return false;
+    }
   }
   int depth = 0;
   for (const char c : text) {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <regex>
+#include <optional>
 
 #include "analysis/escape.h"
 #include "core/error.h"
@@ -30,35 +30,57 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
   }
 }
 
+// Takes `before` and what stands behind it up to `end`, both included, from the beginning of
+// `text`; what stands between them, empty: it isn't there.
+std::string_view take(std::string_view& text, std::string_view before, char end) {
+  if (!text.starts_with(before)) return {};
+  const std::size_t size = text.substr(before.size()).find(end);
+  if (size == std::string_view::npos) return {};
+  const std::string_view found = text.substr(before.size(), size);
+  text.remove_prefix(before.size() + size + 1);
+  return found;
+}
+
+struct Circle {
+  std::string_view x, y, radius, color, opacity = "1";
+};
+
+// A filled circle as gnuplot 5 writes it, on a line of its own. An opacity of 1 is left out.
+std::optional<Circle> circle_of(std::string_view line) {
+  Circle circle;
+  circle.x = take(line, "\t<use xlink:href='#gpPt6' transform='translate(", ',');
+  circle.y = take(line, "", ')');
+  circle.radius = take(line, " scale(", ')');
+  circle.color = take(line, "' color='", '\'');
+  const std::string_view opacity = take(line, " opacity='", '\'');
+  if (!opacity.empty()) circle.opacity = opacity;
+  const bool is_whole = !circle.x.empty() && !circle.y.empty() && !circle.radius.empty() &&
+                        !circle.color.empty() && line == "/>";
+  return is_whole ? std::optional(circle) : std::nullopt;
+}
+
 }  // namespace
 
 std::string tidy_svg(std::string_view svg) {
-  // A filled circle as gnuplot 5 writes it, on a line of its own. An opacity of 1 is left out.
-  constexpr std::string_view begin = "\t<use xlink:href='#gpPt6' ";
-  static const std::regex pattern(
-      "transform='translate\\(([^,]+),([^)]+)\\) scale\\(([^)]+)\\)' color='([^']+)'"
-      "( opacity='([^']+)')?/>");
   std::string result;
   result.reserve(svg.size());
   std::string group;  // how the circles of the open group are painted; empty: none is open
   while (!svg.empty()) {
     const std::string_view line = svg.substr(0, svg.find('\n'));
     svg.remove_prefix(std::min(svg.size(), line.size() + 1));
-    std::cmatch circle;
-    const bool is_circle = line.starts_with(begin) && std::regex_match(line.begin() + begin.size(),
-                                                                       line.end(), circle, pattern);
-    const std::string wanted =
-        is_circle ? fmt::format("<g fill='{}' fill-opacity='{}' stroke='none'>\n", circle.str(4),
-                                circle[6].matched ? circle.str(6) : "1")
-                  : "";
+    const std::optional<Circle> circle = circle_of(line);
+    const std::string wanted = circle
+                                   ? fmt::format("<g fill='{}' fill-opacity='{}' stroke='none'>\n",
+                                                 circle->color, circle->opacity)
+                                   : "";
     if (wanted != group) {
       if (!group.empty()) result += "</g>\n";
       result += wanted;
       group = wanted;
     }
-    if (is_circle) {
-      result += fmt::format("<circle cx='{}' cy='{}' r='{}'/>\n", circle.str(1), circle.str(2),
-                            circle.str(3));
+    if (circle) {
+      result +=
+          fmt::format("<circle cx='{}' cy='{}' r='{}'/>\n", circle->x, circle->y, circle->radius);
     } else {
       result.append(line) += '\n';
     }
