@@ -4,20 +4,18 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "core/error.h"
 #include "core/random.h"
 #include "inference/prior.h"
 #include "pipeline/apps/verified_rows.h"
-#include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/predictions/policy_rollouts.h"
+#include "pipeline/plan/plan.h"
 #include "pipeline/process/forked_trial.h"
 #include "pipeline/sources/source.h"
 #include "sim/simulator.h"
@@ -193,70 +191,6 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
   return result;
 }
 
-// The study as far as the test's document tells it.
-Study tested_study(const std::filesystem::path& path, const ArtefactInfo& info,
-                   const VerifyOptions& options) {
-  const auto& document = info.identity.key_document;
-  Study study = study_of(path, info, options);
-  if (document.contains("truth")) {
-    study.target.truth = document.at("truth").get<std::map<std::string, double>>();
-  }
-  study.policy.num_steps = count_of(path, document.at("task"), "num_steps");
-  study.policy.model = document.at("task").at("model").get<std::map<std::string, double>>();
-  if (!document.contains("grid")) return study;
-  PolicyGrid& grid = study.policy.grid;
-  for (std::size_t i = 0; i < 2; ++i) {
-    PolicyGridAxis& axis = i == 0 ? grid.x : grid.y;
-    axis.parameter = document.at("grid").at(i).at("parameter").get<std::string>();
-    axis.values = document.at("grid").at(i).at("values").get<std::vector<double>>();
-    if (axis.values.empty()) {
-      throw InputError(path.string() + ": its grid has no values of '" + axis.parameter + "'");
-    }
-  }
-  return study;
-}
-
-// The returns as they are stored: of the target domain, then of the grid.
-Vector stored_returns(const PolicyTest& test) {
-  Vector all;
-  for (const auto& part : {test.target, test.grid}) {
-    if (!part) continue;
-    const Index before = all.size();
-    all.conservativeResize(before + part->returns.size());
-    all.tail(part->returns.size()) = part->returns.reshaped<Eigen::RowMajor>();
-  }
-  return all;
-}
-
-// Rollouts, each on its own.
-Verification verify_policy_test(const std::filesystem::path& path, const ArtefactInfo& info,
-                                const VerifyOptions& options) {
-  const Study study = tested_study(path, info, options);
-  const PolicyTest test = read_policy_test(path);
-  const auto task = followed(path, [&] { return make_task(study); });
-  const RowMatrix theta =
-      followed(path, [&] { return tested_parameters(study, *make_source(study)); });
-  const Vector stored = stored_returns(test);
-  const Index num_states = test.initial_states.rows();
-  if (stored.size() != theta.rows() * num_states) {
-    throw InputError(path.string() +
-                     ": its returns aren't those of its grid; rerun stage "
-                     "'policy_test'");
-  }
-  const PickedRows picked(stored.size(), options);
-  Verification result{stored.size(), picked.size(), {}};
-  for (Index i = 0; i < picked.size(); ++i) {
-    const Index row = picked[i];
-    const sim::PolicyRollouts again =
-        task->run(theta.row(row / num_states), test.initial_states.row(row % num_states),
-                  test.policy.transpose());
-    const double value = again.returns(0);
-    const bool are_nan = std::isnan(value) && std::isnan(stored(row));
-    if (value != stored(row) && !are_nan) result.different.push_back(row);
-  }
-  return result;
-}
-
 bool is_simulation(const ArtefactInfo& info) {
   return info.schema.name == kSimulationSchema.name ||
          info.schema.name == kSimulationShardSchema.name;
@@ -280,7 +214,6 @@ void read_all(const std::filesystem::path& path, const VerifyOptions& options) {
     const PickedRows picked(theta.num_rows(), options);
     for (Index i = 0; i < picked.size(); ++i) row_of<double>(theta, picked[i]);
   }
-  if (info.schema.name == kPolicyTestSchema.name) read_policy_test(path);
 }
 
 // Looks at rows of what has any that can be made one by one.
@@ -289,10 +222,9 @@ Verification verify_rows(const std::filesystem::path& path, const ArtefactInfo& 
   if (is_simulation(info)) return verify_simulation(path, info, options);
   const std::string& schema = info.schema.name;
   if (schema == kProposalSchema.name) return verify_proposal(path, info, options);
-  if (schema == kPolicyTestSchema.name) return verify_policy_test(path, info, options);
   throw InputError(fmt::format(
-      "{}: a {}, which has no rows that can be made one by one, as simulations, first proposals "
-      "and tests of policies have; add --remake STUDY to make all of it again, which took {:.1f} s "
+      "{}: a {}, which has no rows that can be made one by one, as simulations and first proposals "
+      "have; add --remake STUDY to make all of it again, which took {:.1f} s "
       "({:.1f} core-seconds), and compare",
       path.string(), schema, info.provenance.cost.wall_seconds, info.provenance.cost.core_seconds));
 }

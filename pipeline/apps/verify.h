@@ -21,11 +21,10 @@ struct VerifyOptions {
 };
 
 /// Recomputes random rows of a simulation (or one of its shards), with their status, and compares
-/// their theta with the proposal's; or rows of a first round's proposal, or rollouts of a policy's
-/// test. The target that a simulation was replayed against is found in the cache beside it, as the
-/// proposal is. Throws InputError for another kind of file, one whose key isn't that of its key
-/// document, and one whose rows come from a program or library that it names itself, unless that
-/// may be run.
+/// their theta with the proposal's; or rows of a first round's proposal. The target that a
+/// simulation was replayed against is found in the cache beside it, as the proposal is. Throws
+/// InputError for another kind of file, one whose key isn't that of its key document, and one whose
+/// rows come from a program or library that it names itself, unless that may be run.
 Verification verify(const std::filesystem::path& given, const VerifyOptions& options);
 
 }  // namespace npdr::pipeline

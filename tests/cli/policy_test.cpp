@@ -166,15 +166,6 @@ TEST_F(Policies, AnEarlyStartSaysWhatIsMissing) {
       << again.err;
 }
 
-TEST_F(Policies, TestsCanBeVerified) {
-  const Outcome outcome =
-      npdr({"verify", "runs/searched/online/seed-1/iteration-2/policy_test.h5"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  // 20 initial states in the target domain and at 3 x 2 points of the grid.
-  EXPECT_NE(outcome.out.find("10 of 140 rows recomputed, 0 differ"), std::string::npos)
-      << outcome.out;
-}
-
 TEST_F(Policies, ValidateSaysHowMuchWorkASearchIs) {
   const Outcome outcome = npdr({"validate", "searched.toml"});
   EXPECT_NE(outcome.out.find("policy searches: 8 of 1408 rollouts together, and 8 tests"),

@@ -3,10 +3,8 @@
 
 #include "core/error.h"
 #include "pipeline/apps/verify.h"
-#include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/run/run_stage.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
@@ -143,23 +141,6 @@ TEST_F(VerifyDocuments, AreNotToBlameForALibraryThatIsGone) {
   EXPECT_NE(message.find(".h5: what its key document and study say can't be done: gone.so: "),
             std::string::npos)
       << message;
-}
-
-TEST_F(VerifyDocuments, OfPolicyTestsAreCheckedAsTheyAreUsed) {
-  const Plan plan =
-      plan_of(furuta_study("s")
-                  .method("P", {"algorithm = \"nominal\""})
-                  .with("policy", few_trials())
-                  .with("policy", {"num_steps = 60"})
-                  .with("policy.grid", {"x = { parameter = \"pole_mass\", values = [0.02, 0.03] }",
-                                        "y = { parameter = \"gravity\", values = [9.0, 9.8] }"}),
-              folder_);
-  const Node& node = plan.node(Stage::policy_test, {"P", 1, 0, 0});
-  make(plan, node);
-  const PolicyTest test = read_policy_test(node);
-  change_each(node, [&](h5::File& file) {
-    write_policy_test(file, plan.study, make_task(plan.study)->info(), test);
-  });
 }
 
 }  // namespace
