@@ -17,6 +17,7 @@
 #include "pipeline/cluster/batch_task.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/cluster/doomed_jobs.h"
+#include "pipeline/cluster/job_tag.h"
 #include "pipeline/cluster/ledger.h"
 #include "pipeline/cluster/submission_lock.h"
 #include "pipeline/cluster/submit.h"
@@ -86,8 +87,7 @@ void print_job(const Plan& plan, const Job& job, const std::string& id) {
 // for a while: its controller restarts.
 bool is_busy(const Plan& plan) {
   try {
-    const auto flights = in_flight(plan, queued_tasks());
-    return std::ranges::any_of(flights, [](const auto& jobs) { return jobs.has_value(); });
+    return std::ranges::any_of(in_flight(plan, queued_tasks()), &InFlight::is_made);
   } catch (const Error& error) {
     report_error("npdr submit", fmt::format("going on to wait: {}", error.what()));
     return true;

@@ -138,20 +138,17 @@ std::vector<std::optional<NodeJobs>> jobs_of_nodes(
   if (!tasks) return found;
   const Ledger ledger(plan);
   const std::vector<QueuedTask> ours = tasks_of(plan, *tasks);
-  const std::vector<std::optional<InFlight>> flying = in_flight(plan, ours);
-  auto helpers = helpers_in_flight(plan, ours);
+  const std::vector<InFlight> flying = in_flight(plan, ours);
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
     const Node& node = plan.nodes[i];
     if (is_complete(plan, node)) continue;
     NodeJobs jobs;
     for (const QueuedTask& task : ours) {
-      if (task.is_running() && helpers[i].contains(task.job)) ++jobs.num_helpers;
-      if (!flying[i] || std::ranges::find(flying[i]->jobs, task.job) == flying[i]->jobs.end()) {
-        continue;
-      }
+      if (task.is_running() && flying[i].helpers.contains(task.job)) ++jobs.num_helpers;
+      if (std::ranges::find(flying[i].jobs, task.job) == flying[i].jobs.end()) continue;
       (task.is_running() ? jobs.running : jobs.waiting).push_back(task);
     }
-    add_failures(plan, node, ledger, flying[i] ? flying[i]->shards : std::set<Index>{}, jobs);
+    add_failures(plan, node, ledger, flying[i].shards, jobs);
     add_failed_helpers(ledger, node, ours, jobs);
     if (!jobs.running.empty() || !jobs.waiting.empty() || !jobs.failed.empty() ||
         !jobs.failed_helpers.empty()) {

@@ -10,15 +10,14 @@
 namespace npdr::pipeline {
 namespace {
 
-using Flights = std::vector<std::optional<InFlight>>;
+using Flights = std::vector<InFlight>;
 
 bool will_come(const Plan& plan, std::size_t i, const Flights& flights) {
   const Node& node = plan.nodes[i];
   if (is_complete(plan, node)) return true;
-  if (node.stage != Stage::simulate) return flights[i].has_value();
-  return std::ranges::all_of(missing_shards(plan, node), [&](Index shard) {
-    return flights[i] && flights[i]->shards.contains(shard);
-  });
+  if (node.stage != Stage::simulate) return flights[i].is_made();
+  return std::ranges::all_of(missing_shards(plan, node),
+                             [&](Index shard) { return flights[i].shards.contains(shard); });
 }
 
 // Those whose own needs don't come; what waits for them is found when they are left out.
@@ -28,11 +27,10 @@ std::set<std::string> doomed_now(const Plan& plan, const std::vector<QueuedTask>
     if (task.is_running()) begun.insert(task.job);
   }
   const Flights flights = in_flight(plan, tasks);
-  auto helpers = helpers_in_flight(plan, tasks);
   std::set<std::string> doomed;
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
-    std::set<std::string> jobs = helpers[i];
-    if (flights[i]) jobs.insert(flights[i]->jobs.begin(), flights[i]->jobs.end());
+    std::set<std::string> jobs = flights[i].helpers;
+    jobs.insert(flights[i].jobs.begin(), flights[i].jobs.end());
     if (jobs.empty() || is_complete(plan, plan.nodes[i])) continue;
     const auto& needs = plan.nodes[i].needs;
     if (std::ranges::all_of(needs, [&](std::size_t n) { return will_come(plan, n, flights); })) {

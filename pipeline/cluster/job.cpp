@@ -45,7 +45,7 @@ class JobMaker {
   void add(std::size_t i) {
     if (node(i).stage == Stage::simulate) {
       add_simulation(i);
-    } else if (input_.in_flight[i]) {
+    } else if (input_.in_flight[i].is_made()) {
       add_helpers(i);  // others wait for it
     } else if (is_preparation(node(i))) {
       add_preparation(i);
@@ -62,9 +62,8 @@ class JobMaker {
     for (const std::size_t need : node(i).needs) {
       if (!is_missing_[need]) continue;
       for (const std::size_t other : jobs_of_[need]) add_once(job.needs, other);
-      if (!input_.in_flight[need]) continue;
       auto& waits = node(need).stage == Stage::simulate ? job.after_any : job.after_ok;
-      for (const std::string& id : input_.in_flight[need]->jobs) {
+      for (const std::string& id : input_.in_flight[need].jobs) {
         if (std::ranges::find(waits, id) == waits.end()) waits.push_back(id);
       }
     }
@@ -109,16 +108,16 @@ class JobMaker {
   void add_simulation(std::size_t i) {
     const auto& in_flight = input_.in_flight[i];
     // As those that run: other packs would overlap with theirs.
-    const bool is_packed = in_flight && in_flight->shards_per_task > 0;
-    const Index pack = is_packed ? in_flight->shards_per_task : input_.shards_per_task[i];
+    const bool is_packed = in_flight.shards_per_task > 0;
+    const Index pack = is_packed ? in_flight.shards_per_task : input_.shards_per_task[i];
     std::set<Index> tasks;
     for (const Index shard : missing_shards(input_.plan, node(i))) {
-      if (!in_flight || !in_flight->shards.contains(shard)) tasks.insert(shard / pack);
+      if (!in_flight.shards.contains(shard)) tasks.insert(shard / pack);
     }
     Job array;
     array.nodes = {i};
     wait_for_needs(i, array);
-    if (tasks.empty() && !in_flight) jobs_of_[i] = {append(array)};  // only to be joined
+    if (tasks.empty() && !in_flight.is_made()) jobs_of_[i] = {append(array)};  // only to be joined
     array.shards_per_task = pack;
     Index first = 0;
     for (auto task = tasks.begin(); task != tasks.end();) {
@@ -159,12 +158,13 @@ class JobMaker {
   // has failed, helpers have to go, too.
   void add_helpers(std::size_t i) {
     const Index wanted = std::min(input_.plan.study.cluster.refine_tasks, input_.max_array_size);
-    if (wanted == 0 || !is_refinement(input_.plan, node(i)) || input_.helped.contains(i)) return;
+    if (wanted == 0 || !is_refinement(input_.plan, node(i)) || !input_.in_flight[i].helpers.empty())
+      return;
     Job helpers;
     helpers.nodes = {i};
     wait_for_needs(i, helpers);
     helpers.helps = jobs_of_[i];
-    if (input_.in_flight[i]) helpers.helps_queued = input_.in_flight[i]->jobs;
+    helpers.helps_queued = input_.in_flight[i].jobs;
     for (Index task = 0; task < wanted; ++task) helpers.tasks.push_back(task);
     append(std::move(helpers));
   }

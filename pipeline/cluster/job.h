@@ -32,19 +32,21 @@ struct Job {
 
 /// Jobs that a batch system has for a node already: waiting or running.
 struct InFlight {
-  std::vector<std::string> jobs;  ///< ids
-  Index shards_per_task = 0;      ///< of an array
-  std::set<Index> shards;         ///< of a simulation; empty for other nodes
+  std::vector<std::string> jobs = {};  ///< ids of those that make it
+  Index shards_per_task = 0;           ///< of an array
+  std::set<Index> shards = {};         ///< of a simulation; empty for other nodes
+  std::set<std::string> helpers = {};  ///< ids of those that help to make it
+
+  bool is_made() const { return !jobs.empty(); }
 };
 
 /// The state of a study that jobs are made from.
 struct JobsInput {
   const Plan& plan;
-  std::optional<Stage> until;                      ///< the last stage; empty: all
-  std::vector<std::optional<InFlight>> in_flight;  ///< for each node of the plan
-  std::vector<Index> shards_per_task;              ///< for each node; of simulations >= 1
-  Index max_array_size = 1001;                     ///< one more than the largest index of an array
-  std::set<std::size_t> helped = {};               ///< nodes whose helpers wait or run already
+  std::optional<Stage> until;          ///< the last stage; empty: all
+  std::vector<InFlight> in_flight;     ///< for each node of the plan
+  std::vector<Index> shards_per_task;  ///< for each node; of simulations >= 1
+  Index max_array_size = 1001;         ///< one more than the largest index of an array
 };
 
 /// The jobs for what is missing and not in flight, in an order in which they can be submitted:

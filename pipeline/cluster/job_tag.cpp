@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "core/text.h"
 #include "pipeline/plan/shards.h"
@@ -87,38 +88,26 @@ std::string work_digits(const WorkFolder& work) {
   return hasher.hex().substr(0, kWorkDigits);
 }
 
-std::vector<std::optional<InFlight>> in_flight(const Plan& plan,
-                                               const std::vector<QueuedTask>& tasks) {
-  std::vector<std::optional<InFlight>> found(plan.nodes.size());
+std::vector<InFlight> in_flight(const Plan& plan, const std::vector<QueuedTask>& tasks) {
+  std::vector<InFlight> found(plan.nodes.size());
   for_each_node(plan, tasks, [&](const QueuedTask& task, const JobTag& tag, std::size_t node) {
-    if (tag.is_helper) return;
-    auto& its = found[node];
-    if (!its) its.emplace();
-    if (std::ranges::find(its->jobs, task.job) == its->jobs.end()) its->jobs.push_back(task.job);
+    InFlight& its = found[node];
+    if (tag.is_helper) {
+      its.helpers.insert(task.job);
+      return;
+    }
+    if (std::ranges::find(its.jobs, task.job) == its.jobs.end()) its.jobs.push_back(task.job);
     const Node& made = plan.nodes[node];
-    if (made.stage == Stage::simulate) add_shards(tag, task, num_shards(plan, made), *its);
-  });
-  return found;
-}
-
-std::map<std::size_t, std::set<std::string>> helpers_in_flight(
-    const Plan& plan, const std::vector<QueuedTask>& tasks) {
-  std::map<std::size_t, std::set<std::string>> found;
-  for_each_node(plan, tasks, [&](const QueuedTask& task, const JobTag& tag, std::size_t node) {
-    if (tag.is_helper) found[node].insert(task.job);
+    if (made.stage == Stage::simulate) add_shards(tag, task, num_shards(plan, made), its);
   });
   return found;
 }
 
 std::vector<QueuedTask> tasks_of(const Plan& plan, const std::vector<QueuedTask>& tasks) {
-  const std::map<std::string, std::size_t> nodes = nodes_by_key(plan);
-  const std::string work = work_digits(plan.work);
   std::vector<QueuedTask> ours;
-  std::ranges::copy_if(tasks, std::back_inserter(ours), [&](const QueuedTask& task) {
-    const std::optional<JobTag> tag = parse_tag(task.comment);
-    return tag && tag->work == work && std::ranges::any_of(tag->keys, [&](const std::string& key) {
-             return nodes.contains(key);
-           });
+  const QueuedTask* last = nullptr;
+  for_each_node(plan, tasks, [&](const QueuedTask& task, const JobTag&, std::size_t) {
+    if (std::exchange(last, &task) != &task) ours.push_back(task);
   });
   return ours;
 }

@@ -1,9 +1,7 @@
 /// Tag of a job: its comment, by which Slurm's queue tells what is being made.
 #pragma once
 
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -33,13 +31,8 @@ std::optional<JobTag> parse_tag(const std::string& comment);
 /// same.
 std::string work_digits(const WorkFolder& work);
 
-/// For each node of the plan, what of `tasks` makes it.
-std::vector<std::optional<InFlight>> in_flight(const Plan& plan,
-                                               const std::vector<QueuedTask>& tasks);
-
-/// The helpers among `tasks`: for each node of the plan that has any, the ids of their jobs.
-std::map<std::size_t, std::set<std::string>> helpers_in_flight(
-    const Plan& plan, const std::vector<QueuedTask>& tasks);
+/// For each node of the plan, what of `tasks` makes it, or helps to.
+std::vector<InFlight> in_flight(const Plan& plan, const std::vector<QueuedTask>& tasks);
 
 /// The tasks among `tasks` that make anything of this plan, or help to.
 std::vector<QueuedTask> tasks_of(const Plan& plan, const std::vector<QueuedTask>& tasks);

@@ -88,9 +88,7 @@ fs::path new_folder(const Plan& plan) {
 
 std::vector<Job> missing_jobs(const Plan& plan, const SubmitConfig& config,
                               const std::vector<QueuedTask>& queued, Index max_array_size) {
-  JobsInput input{plan, config.until, in_flight(plan, queued), packing(plan), max_array_size};
-  for (const auto& [node, jobs] : helpers_in_flight(plan, queued)) input.helped.insert(node);
-  return make_jobs(input);
+  return make_jobs({plan, config.until, in_flight(plan, queued), packing(plan), max_array_size});
 }
 
 std::string dry_run_text(const Plan& plan, const SubmitConfig& config,

@@ -30,7 +30,7 @@ class Jobs : public testing::Test {
   Jobs() : plan_(make_plan(parse_study(two_seeds(), "s.toml"), WorkFolder(folder_ / "runs"))) {}
 
   JobsInput input() const {
-    return {plan_, std::nullopt, std::vector<std::optional<InFlight>>(plan_.nodes.size()),
+    return {plan_, std::nullopt, std::vector<InFlight>(plan_.nodes.size()),
             std::vector<Index>(plan_.nodes.size(), 2), 1001};
   }
 
@@ -111,8 +111,8 @@ TEST_F(Jobs, ShardsThatAreAllThereAreJoined) {
 TEST_F(Jobs, WhatIsInFlightIsntSubmittedAgainButWaitedFor) {
   const std::size_t posterior = index_of(Stage::infer, {"NPE", 2, 1});
   JobsInput in = input();
-  in.in_flight[posterior] = InFlight{{"23"}, 0, {}};
-  in.in_flight[index_of(Stage::propose, {"NPE", 2, 2})] = InFlight{{"23"}, 0, {}};
+  in.in_flight[posterior] = InFlight{{"23"}};
+  in.in_flight[index_of(Stage::propose, {"NPE", 2, 2})] = InFlight{{"23"}};
   const auto jobs = make_jobs(in);
   for (const Job& job : jobs) {
     EXPECT_EQ(std::ranges::count(job.nodes, posterior), 0);
@@ -147,9 +147,8 @@ TEST_F(Jobs, CommentsOfTheQueueTellWhatIsInFlight) {
       parse_queued_tasks("40|1|RUNNING|None|n2|" + comment).front(),
       parse_queued_tasks("41|N/A|PENDING|Priority||somebody's own | job").front()};
   const auto flying = in_flight(plan_, tasks);
-  ASSERT_TRUE(flying[simulation].has_value());
-  EXPECT_EQ(flying[simulation]->jobs, std::vector<std::string>{"40"});
-  EXPECT_EQ(flying[simulation]->shards, (std::set<Index>{2, 3}));
+  EXPECT_EQ(flying[simulation].jobs, std::vector<std::string>{"40"});
+  EXPECT_EQ(flying[simulation].shards, (std::set<Index>{2, 3}));
   EXPECT_EQ(tasks_of(plan_, tasks).size(), 1u);
   EXPECT_EQ(tasks.front().id(), "40_1");
 }
@@ -159,9 +158,8 @@ TEST_F(Jobs, CommentsOfManySeedsAreShortEnoughForSlurm) {
   study.seeds.clear();
   for (std::uint64_t seed = 1; seed <= 100; ++seed) study.seeds.push_back(seed);
   const Plan plan = make_plan(study, plan_.work);
-  const auto jobs =
-      make_jobs({plan, std::nullopt, std::vector<std::optional<InFlight>>(plan.nodes.size()),
-                 std::vector<Index>(plan.nodes.size(), 2), 1001});
+  const auto jobs = make_jobs({plan, std::nullopt, std::vector<InFlight>(plan.nodes.size()),
+                               std::vector<Index>(plan.nodes.size(), 2), 1001});
   std::size_t longest = 0;
   for (const Job& job : jobs) longest = std::max(longest, tag_of(plan, job).text().size());
   EXPECT_GT(longest, 512u);
@@ -214,7 +212,7 @@ TEST(PolicyJobs, TheNextIterationWaitsForTheRolloutsThatAPolicyCollects) {
                                 .with("cluster.policy", {"cpus = 7"});
   const Plan plan = make_plan(parse_study(study, "s.toml"), WorkFolder(folder / "runs"));
   const std::vector<Job> jobs =
-      make_jobs({plan, std::nullopt, std::vector<std::optional<InFlight>>(plan.nodes.size()),
+      make_jobs({plan, std::nullopt, std::vector<InFlight>(plan.nodes.size()),
                  std::vector<Index>(plan.nodes.size(), 1), 1001});
   const auto maker = [&](Stage stage, const Use& use) {
     const auto node = static_cast<std::size_t>(&plan.node(stage, use) - plan.nodes.data());
@@ -258,7 +256,7 @@ class HelperJobs : public testing::Test {
     return static_cast<std::size_t>(&node - plan.nodes.data());
   }
   static JobsInput input(const Plan& plan) {
-    return {plan, std::nullopt, std::vector<std::optional<InFlight>>(plan.nodes.size()),
+    return {plan, std::nullopt, std::vector<InFlight>(plan.nodes.size()),
             std::vector<Index>(plan.nodes.size(), 2), 1001};
   }
   static std::vector<Job> helpers_of(const std::vector<Job>& jobs) {
@@ -320,20 +318,18 @@ TEST_F(HelperJobs, MakeNothingThatIsInFlight) {
   const auto jobs = make_jobs(input(plan_));
   const QueuedTask helper = task_of(helpers_of(jobs).front(), "40|1|RUNNING|None|n2|");
   EXPECT_EQ(tasks_of(plan_, {helper}).size(), 1u) << "npdr cancel ends it";
-  for (const auto& flight : in_flight(plan_, {helper})) EXPECT_FALSE(flight);
-  const auto helped = helpers_in_flight(plan_, {helper});
-  ASSERT_EQ(helped.size(), 1u);
-  EXPECT_EQ(helped.at(refinement_), std::set<std::string>{"40"});
+  const auto flying = in_flight(plan_, {helper});
+  EXPECT_TRUE(std::ranges::none_of(flying, &InFlight::is_made));
+  EXPECT_EQ(flying[refinement_].helpers, std::set<std::string>{"40"});
   EXPECT_TRUE(parse_tag(helper.comment)->is_helper);
 }
 
 TEST_F(HelperJobs, ThatAreQueuedArentSubmittedAgain) {
   JobsInput in = input(plan_);
-  in.helped = {refinement_};
+  in.in_flight[refinement_].helpers = {"40"};
   EXPECT_TRUE(helpers_of(make_jobs(in)).empty());
   // Helpers have gone, the refinement hasn't.
-  in.helped = {};
-  in.in_flight[refinement_] = InFlight{{"23"}, 0, {}};
+  in.in_flight[refinement_] = InFlight{{"23"}};
   const auto helpers = helpers_of(make_jobs(in));
   ASSERT_EQ(helpers.size(), 1u);
   EXPECT_EQ(helpers.front().helps_queued, std::vector<std::string>{"23"});
