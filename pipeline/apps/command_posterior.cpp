@@ -9,6 +9,7 @@
 
 #include "analysis/escape.h"
 #include "core/error.h"
+#include "core/log_sum_exp.h"
 #include "core/printable.h"
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
