@@ -73,7 +73,8 @@ void add_models(const Plan& plan, const std::string& file, std::optional<Data>& 
   for (const Node& node : plan.nodes) {
     if (node.stage != Stage::infer || node.uses.front().fold > 0) continue;
     if (!std::filesystem::exists(node.path)) continue;
-    const auto certificate = read_certificate(open_artefact(node, kPosteriorSchema));
+    const auto certificate =
+        read_part<inference::ImportanceCertificate>(open_artefact(node, kPosteriorSchema));
     if (!certificate) continue;
     Data own = data_of(plan, node);
     if (data && !(*data == own)) {

@@ -7,8 +7,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/described_artefact.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/store/content_key.h"
@@ -20,40 +19,6 @@ namespace {
 constexpr std::size_t kKeyDigits = 16;
 constexpr Index kMostRows = 1'000'000'000'000;
 constexpr std::string_view kAsked = "asked-", kRows = "rows-", kExtension = ".h5";
-
-void describe(Layout f, AskedRows& asked) {
-  f.attribute("first", asked.first, "number of the first row, counted over the refinement");
-  f.attribute("shard_size", asked.shard_size, "rows that are simulated together");
-  f.attribute("rollouts", asked.rollouts, "1: wanted as well; 0: likelihoods alone");
-  f("theta", asked.theta, {{"n"}, {"D"}}, "rows that are wanted", kFinite);
-  f("first_errors", asked.first_errors, {{"S"}, {"C"}},
-    "of the noise, over its unit, that simulations of segments begin without; missing where first "
-    "states aren't inferred",
-    {.allowed = h5::Values::finite, .unless_empty = true});
-}
-
-void describe(Layout f, SimulatedRows& rows) {
-  f.attribute("num_failed", rows.num_failed, "of these rows couldn't be simulated");
-  f("log_likelihood", rows.log_likelihood, {{"m"}}, "of each row [nats]");
-  sim::Trajectories& t = rows.rollouts;
-  f.attribute("num_rollouts", t.num_rollouts, "H of each row; 0: they weren't asked for");
-  f.attribute("num_steps", t.num_steps, "K, stored states of a rollout");
-  f.attribute("num_states", t.num_states, "C, state channels");
-  if (f.reads()) {
-    f.bind("H", t.num_rollouts);
-    f.bind("K", t.num_steps);
-    f.bind("C", t.num_states);
-  }
-  f("rollouts", t.values, {{"m"}, {"H"}, {"K"}, {"C"}}, "NaN where a row failed",
-    {.unless_empty = true,
-     .storage = kFastest,
-     .shape = {t.num_rows, t.num_rollouts, t.num_steps, t.num_states}});
-  std::vector<std::uint8_t> status = as_bytes(t.status);
-  f("status", status, {{"m"}}, "0: ok, else how the row failed", {.unless_empty = true});
-  if (!f.reads()) return;
-  t.num_rows = std::ssize(status);
-  for (const std::uint8_t s : status) t.status.push_back(static_cast<sim::RolloutStatus>(s));
-}
 
 // The numbers of "PREFIX1-2-...EXTENSION"; none: it isn't such a name.
 std::vector<std::string> parts_of(const std::string& name, std::string_view prefix) {
@@ -89,6 +54,49 @@ nlohmann::ordered_json document_of(const AskedRows& asked, RowRange rows,
 
 }  // namespace
 
+void describe(Layout f, AskedRows& asked) {
+  f.attribute("first", asked.first, "number of the first row, counted over the refinement");
+  f.attribute("shard_size", asked.shard_size, "rows that are simulated together");
+  f.attribute("rollouts", asked.rollouts, "1: wanted as well; 0: likelihoods alone");
+  f("theta", asked.theta, {{"n"}, {"D"}}, "rows that are wanted", kFinite);
+  f("first_errors", asked.first_errors, {{"S"}, {"C"}},
+    "of the noise, over its unit, that simulations of segments begin without; missing where first "
+    "states aren't inferred",
+    {.allowed = h5::Values::finite, .unless_empty = true});
+  if (!f.reads()) return;
+  if (asked.first < 0 || asked.first > kMostRows || asked.shard_size < 1) {
+    throw InputError(
+        fmt::format("{}: asks for rows from {} on in shards of {}, must be from 0 to {} "
+                    "and >= 1; remove this file",
+                    f.where(), asked.first, asked.shard_size, kMostRows));
+  }
+}
+template struct Artefact<AskedRows>;
+
+void describe(Layout f, SimulatedRows& rows) {
+  f.attribute("num_failed", rows.num_failed, "of these rows couldn't be simulated");
+  f("log_likelihood", rows.log_likelihood, {{"m"}}, "of each row [nats]");
+  sim::Trajectories& t = rows.rollouts;
+  f.attribute("num_rollouts", t.num_rollouts, "H of each row; 0: they weren't asked for");
+  f.attribute("num_steps", t.num_steps, "K, stored states of a rollout");
+  f.attribute("num_states", t.num_states, "C, state channels");
+  if (f.reads()) {
+    f.bind("H", t.num_rollouts);
+    f.bind("K", t.num_steps);
+    f.bind("C", t.num_states);
+  }
+  f("rollouts", t.values, {{"m"}, {"H"}, {"K"}, {"C"}}, "NaN where a row failed",
+    {.unless_empty = true,
+     .storage = kFastest,
+     .shape = {t.num_rows, t.num_rollouts, t.num_steps, t.num_states}});
+  std::vector<std::uint8_t> status = as_bytes(t.status);
+  f("status", status, {{"m"}}, "0: ok, else how the row failed", {.unless_empty = true});
+  if (!f.reads()) return;
+  t.num_rows = std::ssize(status);
+  for (const std::uint8_t s : status) t.status.push_back(static_cast<sim::RolloutStatus>(s));
+}
+template struct Artefact<SimulatedRows>;
+
 std::string AskedRows::file_name() const {
   Hasher what;
   add(theta, what);
@@ -100,27 +108,8 @@ std::string AskedRows::file_name() const {
 }
 
 void write_asked_rows(const std::filesystem::path& folder, const Identity& posterior,
-                      AskedRows asked) {
-  ArtefactWriter writer(folder / asked.file_name(), kAskedRowsSchema, posterior);
-  describe(Layout::writer(writer.file()), asked);
-  writer.finish();
-}
-
-std::optional<AskedRows> read_asked_rows(const ArtefactFile& artefact) try {
-  const std::optional<h5::File> file = open_artefact_if_there(artefact, kAskedRowsSchema);
-  if (!file) return std::nullopt;
-  AskedRows asked;
-  describe(Layout::reader(*file), asked);
-  if (asked.first < 0 || asked.first > kMostRows || asked.shard_size < 1) {
-    throw InputError(
-        fmt::format("{}: asks for rows from {} on in shards of {}, must be from 0 to {} "
-                    "and >= 1; remove this file",
-                    artefact.path.string(), asked.first, asked.shard_size, kMostRows));
-  }
-  return asked;
-} catch (const Error&) {
-  if (std::filesystem::exists(artefact.path)) throw;
-  return std::nullopt;  // removed while it was read
+                      const AskedRows& asked) {
+  kAskedRowsSchema.write(folder / asked.file_name(), posterior, asked);
 }
 
 std::vector<std::string> names_of_asked_rows(const std::set<std::string>& names) {
@@ -150,44 +139,27 @@ Identity identity_of(const AskedRows& asked, const AskedShard& shard, const Iden
   return identity;
 }
 
-void write_simulated_rows(h5::File& file, SimulatedRows rows) {
-  describe(Layout::writer(file), rows);
-}
-
 std::optional<SimulatedRows> read_simulated_rows(const std::filesystem::path& folder,
                                                  const AskedShard& shard) {
   const ArtefactFile artefact(folder / shard.file_name, shard.key);
-  const std::optional<h5::File> file = open_artefact_if_there(artefact, kSimulatedRowsSchema);
-  if (!file) return std::nullopt;
-  SimulatedRows rows;
-  describe(Layout::reader(*file), rows);
+  std::optional<SimulatedRows> rows = kSimulatedRowsSchema.read_if_there(artefact);
+  if (!rows) return std::nullopt;
   const Index count = shard.rows.size();
-  const sim::Trajectories& t = rows.rollouts;
+  const sim::Trajectories& t = rows->rollouts;
   const bool has_rollouts = t.num_rollouts > 0 && !t.values.empty();
-  if (rows.log_likelihood.size() != count || rows.num_failed < 0 || rows.num_failed > count ||
+  if (rows->log_likelihood.size() != count || rows->num_failed < 0 || rows->num_failed > count ||
       t.num_rows != (has_rollouts ? count : 0)) {
     throw InputError(fmt::format(
         "{}: {} likelihoods, {} failed rows and rollouts of {}, must be of "
         "{} rows; remove this file",
-        artefact.path.string(), rows.log_likelihood.size(), rows.num_failed, t.num_rows, count));
+        artefact.path.string(), rows->log_likelihood.size(), rows->num_failed, t.num_rows, count));
   }
-  rows.cost = provenance_of(*file).cost;
   return rows;
 }
 
 std::optional<Index> end_of_rows(const std::string& file_name) {
   const std::vector<std::string> parts = parts_of(file_name, kRows);
   return parts.size() == 3 ? parse_count(parts[1]) : std::nullopt;
-}
-
-void list_asked_rows(Layout f) {
-  AskedRows asked;
-  describe(std::move(f), asked);
-}
-
-void list_simulated_rows(Layout f) {
-  SimulatedRows rows;
-  describe(std::move(f), rows);
 }
 
 }  // namespace npdr::pipeline

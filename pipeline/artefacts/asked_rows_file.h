@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/work_folder.h"
-#include "pipeline/store/artefact.h"
 #include "sim/trajectories.h"
 
 namespace npdr::pipeline {
@@ -30,12 +30,11 @@ struct AskedRows {
   std::string file_name() const;
 };
 
+void describe(Layout f, AskedRows& asked);
+
 /// Writes what the refinement `posterior` asks for. Throws Error.
 void write_asked_rows(const std::filesystem::path& folder, const Identity& posterior,
-                      AskedRows asked);
-/// None: it isn't there any more. Throws InputError for a damaged file, or one of another
-/// refinement.
-std::optional<AskedRows> read_asked_rows(const ArtefactFile& artefact);
+                      const AskedRows& asked);
 
 /// The asked-for rows among the names of a folder, those that begin first come first.
 std::vector<std::string> names_of_asked_rows(const std::set<std::string>& names);
@@ -45,8 +44,9 @@ struct SimulatedRows {
   Vector log_likelihood;            ///< (m) [nats]; -infinity or NaN where it is 0
   Index num_failed = 0;             ///< of these rows
   sim::Trajectories rollouts = {};  ///< empty unless they were asked for
-  Cost cost = {};                   ///< of whoever simulated them; set by reading
+  Cost cost = {};                   ///< of whoever simulated them
 };
+void describe(Layout f, SimulatedRows& rows);
 
 /// A shard of rows that are asked for, and the file of what becomes of it.
 struct AskedShard {
@@ -60,8 +60,6 @@ std::vector<AskedShard> shards_of(const AskedRows& asked, const std::string& pos
 /// What that is made from.
 Identity identity_of(const AskedRows& asked, const AskedShard& shard, const Identity& posterior);
 
-/// Fills a file whose identity is that of the shard. Throws Error.
-void write_simulated_rows(h5::File& file, SimulatedRows rows);
 /// None: it isn't there any more. Throws InputError for a damaged file, or one of another shard.
 std::optional<SimulatedRows> read_simulated_rows(const std::filesystem::path& folder,
                                                  const AskedShard& shard);

@@ -4,8 +4,7 @@
 
 #include <algorithm>
 
-#include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/described_artefact.h"
 #include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
@@ -44,10 +43,9 @@ void describe(Layout f, Columns& c, const std::vector<inference::Marginal>& prio
 
 }  // namespace
 
-void write_baseline(h5::File& file, const std::vector<inference::Marginal>& prior,
-                    Baseline baseline) {
+void describe(Layout f, Baseline& baseline) {
   const auto n = static_cast<Index>(baseline.points.size());
-  Columns columns{{}, RowMatrix(n, static_cast<Index>(prior.size())), {}, {}};
+  Columns columns{{}, RowMatrix(n, std::ssize(baseline.parameters)), {}, {}};
   for (Index i = 0; i < n; ++i) {
     const BaselinePoint& point = baseline.points[static_cast<std::size_t>(i)];
     columns.names.push_back(point.name);
@@ -57,14 +55,8 @@ void write_baseline(h5::File& file, const std::vector<inference::Marginal>& prio
     }
     columns.scores.push_back(point.scores);
   }
-  describe(Layout::writer(file), columns, prior, baseline.prior);
-}
-
-Baseline read_baseline(const ArtefactFile& artefact) {
-  const h5::File file = open_artefact(artefact, kBaselineSchema);
-  Columns columns;
-  Baseline baseline;
-  describe(Layout::reader(file), columns, {}, baseline.prior);
+  describe(f, columns, baseline.parameters, baseline.prior);
+  if (!f.reads()) return;
   for (Index i = 0; i < columns.theta.rows(); ++i) {
     const auto at = static_cast<std::size_t>(i);
     baseline.points.push_back(
@@ -73,13 +65,7 @@ Baseline read_baseline(const ArtefactFile& artefact) {
       baseline.points.back().metrics[metric] = values(i);
     }
   }
-  return baseline;
 }
-
-void list_baseline(Layout f) {
-  Columns columns;
-  std::optional<PriorPredictions> prior;
-  describe(f, columns, {}, prior);
-}
+template struct Artefact<Baseline>;
 
 }  // namespace npdr::pipeline

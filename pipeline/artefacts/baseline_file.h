@@ -9,7 +9,7 @@
 
 #include "inference/prior.h"
 #include "pipeline/artefacts/prediction_scores.h"
-#include "pipeline/store/artefact.h"
+#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 
@@ -28,13 +28,9 @@ struct PriorPredictions {
 
 struct Baseline {
   std::vector<BaselinePoint> points;
-  std::optional<PriorPredictions> prior;  ///< none of a dataset
+  std::optional<PriorPredictions> prior;             ///< none of a dataset
+  std::vector<inference::Marginal> parameters = {};  ///< of theta's columns; not read
 };
-
-/// Throws Error.
-void write_baseline(h5::File& file, const std::vector<inference::Marginal>& prior,
-                    Baseline baseline);
-/// Throws InputError.
-Baseline read_baseline(const ArtefactFile& baseline);
+void describe(Layout f, Baseline& baseline);
 
 }  // namespace npdr::pipeline

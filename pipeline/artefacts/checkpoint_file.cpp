@@ -1,9 +1,8 @@
 #include "pipeline/artefacts/checkpoint_file.h"
 
 #include "core/error.h"
-#include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/described_artefact.h"
 #include "pipeline/artefacts/network_file.h"
-#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -32,49 +31,24 @@ void describe(Layout f, inference::TrainingState& state) {
   f("validation_loss", state.validation_loss, epochs, "as in the posterior");
 }
 
-void describe_epochs(Layout f, Index epochs) {
-  f.attribute("epochs", epochs, "that the networks have done, in all");
-}
-
-void write_states(Layout f, std::vector<inference::TrainingState>& states) {
-  Index epochs = 0;
-  for (const inference::TrainingState& state : states) epochs += state.epoch;
-  describe_epochs(f, epochs);
-  for (Index m = 0; m < std::ssize(states); ++m) {
-    inference::TrainingState& state = states[static_cast<std::size_t>(m)];
-    if (state.epoch > 0) describe(f.group(group_of_network(m)), state);
-  }
-}
-
-std::vector<inference::TrainingState> read_states(Layout f) {
-  std::vector<inference::TrainingState> states;
-  for (const Index m : networks_there(f)) {
-    states.resize(static_cast<std::size_t>(m + 1));
-    describe(f.group(group_of_network(m)), states.back());
-  }
-  return states;
-}
-
 }  // namespace
 
-void write_checkpoint(const std::filesystem::path& path, const Identity& identity,
-                      Checkpoint checkpoint) {
-  ArtefactWriter writer(path, kCheckpointSchema, identity);
-  writer.add_cost(checkpoint.cost);
-  write_states(Layout::writer(writer.file()), checkpoint.trainings);
-  writer.finish();
+void describe(Layout f, TrainingCheckpoint& checkpoint) {
+  std::vector<inference::TrainingState>& states = checkpoint.trainings;
+  Index epochs = 0;
+  for (const inference::TrainingState& state : states) epochs += state.epoch;
+  f.attribute("epochs", epochs, "that the networks have done, in all");
+  if (f.lists()) states.resize(1);
+  if (f.reads()) {
+    for (const Index m : networks_there(f)) states.resize(static_cast<std::size_t>(m + 1));
+  }
+  for (Index m = 0; m < std::ssize(states); ++m) {
+    inference::TrainingState& state = states[static_cast<std::size_t>(m)];
+    const std::string group = group_of_network(m);
+    const bool is_there = f.writes() ? state.epoch > 0 : !f.those_there({group}).empty();
+    if (is_there) describe(f.group(group), state);
+  }
 }
-
-Checkpoint read_checkpoint(const ArtefactFile& artefact) {
-  const std::optional<h5::File> file = open_artefact_if_there(artefact, kCheckpointSchema);
-  if (!file) return {};
-  return {.trainings = read_states(Layout::reader(*file)), .cost = provenance_of(*file).cost};
-}
-
-void list_training_checkpoint(Layout f) {
-  describe_epochs(f, 0);
-  inference::TrainingState state;
-  describe(f.group(group_of_network(0)), state);
-}
+template struct Artefact<TrainingCheckpoint>;
 
 }  // namespace npdr::pipeline

@@ -4,19 +4,15 @@
 #include <vector>
 
 #include "inference/training/trainer.h"
-#include "pipeline/store/artefact.h"
+#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 
 /// States that interrupted trainings go on from.
-struct Checkpoint {
+struct TrainingCheckpoint {
   std::vector<inference::TrainingState> trainings;  ///< one a network; empty: not begun
   Cost cost;                                        ///< of the work that led here
 };
-/// Writes the checkpoint of the posterior `identity`. Throws Error.
-void write_checkpoint(const std::filesystem::path& path, const Identity& identity,
-                      Checkpoint checkpoint);
-/// No states when there is no checkpoint. Throws InputError for a damaged one.
-Checkpoint read_checkpoint(const ArtefactFile& artefact);
+void describe(Layout f, TrainingCheckpoint& checkpoint);
 
 }  // namespace npdr::pipeline

@@ -3,24 +3,12 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/described_artefact.h"
 
 namespace npdr::pipeline {
 namespace {
 
 using inference::CalibrationRanks;
-
-void describe(Layout f, CalibrationRanks& ranks) {
-  f.attribute("num_samples", ranks.num_samples, "of each posterior");
-  f.attribute("num_done", ranks.num_done, "simulations whose truths are ranked");
-  const Dims dims = {kRow, kParameter};
-  f("parameter", ranks.parameter, dims, "how many samples are smaller than the truth");
-  f("density", ranks.density, {kRow}, "how many are more likely");
-  f("distance", ranks.distance, {kRow}, "how many are nearer to a random draw of the prior");
-  f("theta", ranks.theta, dims, "one sample of each posterior", kFinite);
-  f("log_prob", ranks.log_prob, {kRow}, "density of the truths [nats]; may be NaN");
-}
 
 bool are_within(const CalibrationRanks& ranks) {
   const auto counts = [&](const auto& of_all) {
@@ -31,35 +19,31 @@ bool are_within(const CalibrationRanks& ranks) {
 
 }  // namespace
 
-void write_diagnosis_checkpoint(const std::filesystem::path& path, const Identity& identity,
-                                DiagnosisCheckpoint checkpoint) {
-  ArtefactWriter writer(path, kDiagnosisCheckpointSchema, identity);
-  writer.add_cost(checkpoint.cost);
+void describe(Layout f, DiagnosisCheckpoint& checkpoint) {
   CalibrationRanks& ranks = checkpoint.ranks;
-  ranks.resize(ranks.num_done, ranks.theta.cols());
-  describe(Layout::writer(writer.file()), ranks);
-  writer.finish();
+  if (f.writes()) ranks.resize(ranks.num_done, ranks.theta.cols());
+  f.attribute("num_samples", ranks.num_samples, "of each posterior");
+  f.attribute("num_done", ranks.num_done, "simulations whose truths are ranked");
+  const Dims dims = {kRow, kParameter};
+  f("parameter", ranks.parameter, dims, "how many samples are smaller than the truth");
+  f("density", ranks.density, {kRow}, "how many are more likely");
+  f("distance", ranks.distance, {kRow}, "how many are nearer to a random draw of the prior");
+  f("theta", ranks.theta, dims, "one sample of each posterior", kFinite);
+  f("log_prob", ranks.log_prob, {kRow}, "density of the truths [nats]; may be NaN");
 }
+template struct Artefact<DiagnosisCheckpoint>;
 
 DiagnosisCheckpoint read_diagnosis_checkpoint(const ArtefactFile& artefact, const RowMatrix& theta,
                                               Index num_samples) {
-  DiagnosisCheckpoint found{{.num_samples = num_samples}, {}};
-  const auto file = open_artefact_if_there(artefact, kDiagnosisCheckpointSchema);
-  if (!file) return found;
-  CalibrationRanks& ranks = found.ranks;
-  describe(Layout::reader(*file), ranks);
-  if (ranks.num_samples != num_samples || ranks.theta.cols() != theta.cols() ||
-      ranks.num_done != ranks.theta.rows() || ranks.num_done > theta.rows() || !are_within(ranks)) {
-    throw InputError(
-        fmt::format("{}: not of this diagnosis, or damaged; remove this file", file->where()));
+  const auto found = kDiagnosisCheckpointSchema.read_if_there(artefact);
+  if (!found) return {{.num_samples = num_samples}, {}};
+  const CalibrationRanks& ranks = found->ranks;
+  if (ranks.num_samples == num_samples && ranks.theta.cols() == theta.cols() &&
+      ranks.num_done == ranks.theta.rows() && ranks.num_done <= theta.rows() && are_within(ranks)) {
+    return *found;
   }
-  found.cost = provenance_of(*file).cost;
-  return found;
-}
-
-void list_diagnosis_checkpoint(Layout f) {
-  CalibrationRanks ranks;
-  describe(f, ranks);
+  throw InputError(fmt::format("{}: not of this diagnosis, or damaged; remove this file",
+                               artefact.path.string()));
 }
 
 }  // namespace npdr::pipeline

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "inference/diagnostics/calibration.h"
-#include "pipeline/store/artefact.h"
+#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 
@@ -10,10 +10,8 @@ struct DiagnosisCheckpoint {
   inference::CalibrationRanks ranks;
   Cost cost;  ///< of the work that led here
 };
+void describe(Layout f, DiagnosisCheckpoint& checkpoint);
 
-/// Writes the checkpoint of the diagnosis `identity`. Throws Error.
-void write_diagnosis_checkpoint(const std::filesystem::path& path, const Identity& identity,
-                                DiagnosisCheckpoint checkpoint);
 /// Without any rank where there is no checkpoint. Throws InputError for one that is damaged, or not
 /// of simulations with these parameters (n, D), of whose posteriors `num_samples` are drawn.
 DiagnosisCheckpoint read_diagnosis_checkpoint(const ArtefactFile& artefact, const RowMatrix& theta,

@@ -1,7 +1,6 @@
 #include "pipeline/artefacts/diagnosis_file.h"
 
-#include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/described_artefact.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -105,23 +104,6 @@ void describe(Layout f, inference::TrainingCheck& check, Index& max_epochs) {
               "of the validation loss in the last tenth of the epochs [nats]");
 }
 
-void describe(Layout f, Diagnosis& d, const std::vector<inference::Marginal>& prior) {
-  f.attribute("num_samples", d.num_samples, "posterior samples per observation");
-  f.attribute("num_simulations", d.num_simulations, "n of calibration, without the failed ones");
-  f.attribute("num_failed", d.num_failed, "those");
-  f("truth_log_prob", d.truth_log_prob, {kRow},
-    "posterior density of their parameters [nats]; NaN where a normaliser would cost more",
-    {.unless_empty = true});
-  if (auto group = f.group("sbc", d.sbc)) describe(*group, *d.sbc, prior);
-  if (auto group = f.group("coverage", d.coverage)) describe(*group, *d.coverage);
-  if (auto group = f.group("tarp", d.tarp)) describe(*group, *d.tarp);
-  if (auto group = f.group("local_c2st", d.local_c2st)) describe(*group, *d.local_c2st);
-  if (auto group = f.group("predictive", d.predictive)) describe(*group, *d.predictive);
-  if (auto group = f.group("ood", d.ood)) describe(*group, *d.ood, "p_value");
-  if (auto group = f.group("failures", d.failures)) describe(*group, *d.failures);
-  if (auto group = f.group("training", d.training)) describe(*group, *d.training, d.max_epochs);
-}
-
 }  // namespace
 
 std::map<std::string, double> Diagnosis::p_values() const {
@@ -136,21 +118,22 @@ std::map<std::string, double> Diagnosis::p_values() const {
   return values;
 }
 
-void write_diagnosis(h5::File& file, const std::vector<inference::Marginal>& prior,
-                     Diagnosis diagnosis) {
-  describe(Layout::writer(file), diagnosis, prior);
+void describe(Layout f, Diagnosis& d) {
+  f.attribute("num_samples", d.num_samples, "posterior samples per observation");
+  f.attribute("num_simulations", d.num_simulations, "n of calibration, without the failed ones");
+  f.attribute("num_failed", d.num_failed, "those");
+  f("truth_log_prob", d.truth_log_prob, {kRow},
+    "posterior density of their parameters [nats]; NaN where a normaliser would cost more",
+    {.unless_empty = true});
+  if (auto group = f.group("sbc", d.sbc)) describe(*group, *d.sbc, d.parameters);
+  if (auto group = f.group("coverage", d.coverage)) describe(*group, *d.coverage);
+  if (auto group = f.group("tarp", d.tarp)) describe(*group, *d.tarp);
+  if (auto group = f.group("local_c2st", d.local_c2st)) describe(*group, *d.local_c2st);
+  if (auto group = f.group("predictive", d.predictive)) describe(*group, *d.predictive);
+  if (auto group = f.group("ood", d.ood)) describe(*group, *d.ood, "p_value");
+  if (auto group = f.group("failures", d.failures)) describe(*group, *d.failures);
+  if (auto group = f.group("training", d.training)) describe(*group, *d.training, d.max_epochs);
 }
-
-Diagnosis read_diagnosis(const ArtefactFile& artefact) {
-  const h5::File file = open_artefact(artefact, kDiagnosisSchema);
-  Diagnosis diagnosis;
-  describe(Layout::reader(file), diagnosis, {});
-  return diagnosis;
-}
-
-void list_diagnosis(Layout f) {
-  Diagnosis diagnosis;
-  describe(f, diagnosis, {});
-}
+template struct Artefact<Diagnosis>;
 
 }  // namespace npdr::pipeline

@@ -13,7 +13,7 @@
 #include "inference/diagnostics/sbc.h"
 #include "inference/diagnostics/training_check.h"
 #include "inference/prior.h"
-#include "pipeline/store/artefact.h"
+#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 
@@ -59,16 +59,12 @@ struct Diagnosis {
   std::optional<inference::OutOfDistribution> ood;
   std::optional<FailureResult> failures;
   std::optional<inference::TrainingCheck> training;
-  Index max_epochs = 0;  ///< that training may have had
+  Index max_epochs = 0;                              ///< that training may have had
+  std::vector<inference::Marginal> parameters = {};  ///< of the ranks' columns; not read
 
   /// By the names of checks; "training" has none.
   std::map<std::string, double> p_values() const;
 };
-
-/// Throws Error.
-void write_diagnosis(h5::File& file, const std::vector<inference::Marginal>& prior,
-                     Diagnosis diagnosis);
-/// Throws InputError.
-Diagnosis read_diagnosis(const ArtefactFile& artefact);
+void describe(Layout f, Diagnosis& diagnosis);
 
 }  // namespace npdr::pipeline

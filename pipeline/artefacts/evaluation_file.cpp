@@ -1,8 +1,7 @@
 #include "pipeline/artefacts/evaluation_file.h"
 
-#include "core/feature_names.h"
-#include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/described_artefact.h"
+#include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -57,10 +56,11 @@ void describe(Layout f, InferredNoise& noise) {
     {.unless_empty = true});
 }
 
-void describe(Layout f, Evaluation& e, const std::vector<inference::Marginal>& prior,
-              const std::vector<Channel>& features) {
+}  // namespace
+
+void describe(Layout f, Evaluation& e) {
   const std::vector<std::string> metrics = f.those_there(all_measured_names());
-  f("theta", e.theta, {kRow, kParameter}, "posterior samples").columns(prior);
+  f("theta", e.theta, {kRow, kParameter}, "posterior samples").columns(e.parameters);
   f("log_prob", e.log_prob, {kRow}, "their posterior density [nats]");
   f.each(e.metrics, metrics, {kRow},
          "the [metrics](methods.md#evaluation) of `evaluate.metrics`; those of held-out rollouts "
@@ -82,25 +82,8 @@ void describe(Layout f, Evaluation& e, const std::vector<inference::Marginal>& p
   describe(f, e.scores);
   if (auto noise = f.group("noise", e.noise)) describe(*noise, *e.noise);
   f("x", e.x, {kRow, kFeature}, "what a command gave at the samples, in place of the bands")
-      .columns(features);
+      .columns(e.features);
 }
-
-}  // namespace
-
-void write_evaluation(h5::File& file, const Study& study, Evaluation evaluation) {
-  describe(Layout::writer(file), evaluation, study.prior, parse_features(study.external.features));
-}
-
-Evaluation read_evaluation(const ArtefactFile& artefact) {
-  const h5::File file = open_artefact(artefact, kEvaluationSchema);
-  Evaluation evaluation;
-  describe(Layout::reader(file), evaluation, {}, {});
-  return evaluation;
-}
-
-void list_evaluation(Layout f) {
-  Evaluation evaluation;
-  describe(f, evaluation, {}, {});
-}
+template struct Artefact<Evaluation>;
 
 }  // namespace npdr::pipeline

@@ -7,9 +7,9 @@
 
 #include "analysis/quantiles.h"
 #include "inference/posterior.h"
+#include "inference/prior.h"
 #include "pipeline/artefacts/prediction_scores.h"
-#include "pipeline/config/study.h"
-#include "pipeline/store/artefact.h"
+#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 
@@ -36,12 +36,10 @@ struct Evaluation {
   std::optional<analysis::Bands> bands;           ///< of one that gives rollouts
   std::optional<analysis::Bands> held_out_bands;  ///< of those that were held out
   RolloutScores scores;
-  std::optional<InferredNoise> noise;  ///< where any of its parameters is inferred
+  std::optional<InferredNoise> noise;                ///< where any of its parameters is inferred
+  std::vector<inference::Marginal> parameters = {};  ///< of theta's columns; not read
+  std::vector<Channel> features = {};                ///< of x's columns; not read
 };
-
-/// Throws Error.
-void write_evaluation(h5::File& file, const Study& study, Evaluation evaluation);
-/// Throws InputError.
-Evaluation read_evaluation(const ArtefactFile& artefact);
+void describe(Layout f, Evaluation& evaluation);
 
 }  // namespace npdr::pipeline

@@ -54,6 +54,8 @@ class Layout {
   static Layout lister() { return {nullptr, nullptr}; }
 
   bool reads() const { return in_ != nullptr; }
+  bool writes() const { return out_ != nullptr; }
+  bool lists() const { return !reads() && !writes(); }
   /// How messages call a group that is read.
   const std::string& where() const { return in_->where(); }
   const std::vector<LayoutRow>& rows() const { return state_->rows; }
@@ -170,5 +172,22 @@ class Layout {
   std::shared_ptr<h5::Group> group_;      // of out_ or in_, but for the outermost
   std::shared_ptr<h5::Dataset> dataset_;  // none: this is a group
 };
+
+/// A part of a file that may be missing, by describe(Layout, std::optional<T>&). Throws Error.
+template <class T>
+void write_part(h5::Group& file, std::optional<T> part) {
+  describe(Layout::writer(file), part);
+}
+template <class T>
+void write_part(h5::Group& file, const T& part) {
+  write_part(file, std::optional<T>(part));
+}
+/// Throws InputError.
+template <class T>
+std::optional<T> read_part(const h5::Group& file) {
+  std::optional<T> part;
+  describe(Layout::reader(file), part);
+  return part;
+}
 
 }  // namespace npdr::pipeline

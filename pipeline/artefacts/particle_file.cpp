@@ -49,22 +49,6 @@ void describe(Layout f, inference::AbcPopulation& population) {
         {.allowed = h5::Values::finite, .unless_empty = true});
 }
 
-void describe(Layout f, std::optional<RegressionCounts>& counts,
-              inference::WeightPosterior weights) {
-  auto group = f.group("regression", counts);
-  if (!group) return;
-  group->attribute("num_samples", counts->samples, "samples of the weights");
-  group->attribute("num_non_physical", counts->non_physical, "that give impossible parameters");
-  group->attribute("num_outside_prior", counts->outside_prior,
-                   "that give some outside of the prior");
-  if (f.reads()) return;
-  group->attribute("noise_deviation", 1.0 / std::sqrt(weights.precisions.noise),
-                   "of the residuals [N m]");
-  (*group)("mean", weights.mean, {{"W", "weight"}},
-           "of the Gaussian posterior of the regression's weights, SI");
-  (*group)("covariance", weights.covariance, {{"W", "weight"}, {"W", "weight"}}, "of the same");
-}
-
 inference::ParticleParts particle_parts(const std::vector<inference::Marginal>& prior) {
   return {.prior = inference::Prior(prior), .theta = {}, .weights = {}};
 }
@@ -123,16 +107,20 @@ inference::AbcPopulation read_population(const h5::File& file) {
   return population;
 }
 
-void write_regression(h5::File& file, const inference::WeightPosterior& weights,
-                      RegressionCounts counts) {
-  std::optional<RegressionCounts> regression = counts;
-  describe(Layout::writer(file), regression, weights);
-}
-
-std::optional<RegressionCounts> read_regression_counts(const h5::File& file) {
-  std::optional<RegressionCounts> counts;
-  describe(Layout::reader(file), counts, {});
-  return counts;
+void describe(Layout f, std::optional<RegressionCounts>& counts) {
+  auto group = f.group("regression", counts);
+  if (!group) return;
+  group->attribute("num_samples", counts->samples, "samples of the weights");
+  group->attribute("num_non_physical", counts->non_physical, "that give impossible parameters");
+  group->attribute("num_outside_prior", counts->outside_prior,
+                   "that give some outside of the prior");
+  if (f.reads()) return;
+  inference::WeightPosterior& weights = counts->weights;
+  group->attribute("noise_deviation", 1.0 / std::sqrt(weights.precisions.noise),
+                   "of the residuals [N m]");
+  (*group)("mean", weights.mean, {{"W", "weight"}},
+           "of the Gaussian posterior of the regression's weights, SI");
+  (*group)("covariance", weights.covariance, {{"W", "weight"}, {"W", "weight"}}, "of the same");
 }
 
 void list_particles(Layout f) {
@@ -143,7 +131,7 @@ void list_particles(Layout f) {
   describe_algorithm(f, "");
   describe(f, parts);
   describe(f, population);
-  describe(f, counts, {});
+  describe(f, counts);
 }
 
 }  // namespace npdr::pipeline

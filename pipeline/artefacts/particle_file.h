@@ -2,7 +2,6 @@
 #pragma once
 
 #include "inference/abc/population.h"
-#include "inference/linear_regression/bayesian_linear_regression.h"
 #include "inference/particle_posterior.h"
 #include "pipeline/artefacts/posterior_file.h"
 
@@ -22,10 +21,7 @@ void write_population(h5::File& file, inference::AbcPopulation population);
 /// The population of a round of ABC. Throws InputError.
 inference::AbcPopulation read_population(const h5::File& file);
 
-/// Throws Error.
-void write_regression(h5::File& file, const inference::WeightPosterior& weights,
-                      RegressionCounts counts);
-/// None: the posterior isn't a regression's. Throws InputError.
-std::optional<RegressionCounts> read_regression_counts(const h5::File& file);
+/// The part of a regression's posterior.
+void describe(Layout f, std::optional<RegressionCounts>& counts);
 
 }  // namespace npdr::pipeline

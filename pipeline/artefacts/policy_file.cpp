@@ -1,7 +1,6 @@
 #include "pipeline/artefacts/policy_file.h"
 
-#include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/described_artefact.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -42,19 +41,6 @@ void describe(Layout f, inference::PolicySearchState& state) {
   group("best_returns", state.best_returns, {{"B"}}, "theirs");
 }
 
-void describe(Layout f, Vector& policy, const sim::PolicyTaskInfo& info) {
-  f("policy", policy, {kPolicyParameter}, "the policy after the last iteration", kFinite)
-      .columns(policy_columns(info));
-}
-
-void describe_optimizer(Layout f, std::string name) {
-  f.attribute("optimizer", name, "`policy.optimizer`");
-}
-
-void describe_iteration(Layout f, Index iteration) {
-  f.attribute("iteration", iteration, "t: that are done");
-}
-
 }  // namespace
 
 void PolicyHistory::add(const Vector& policy, const sim::PopulationValues& values, Index i) {
@@ -74,61 +60,21 @@ std::vector<Channel> policy_columns(const sim::PolicyTaskInfo& info) {
   return columns;
 }
 
-void write_policy(h5::File& file, inference::PolicyOptimizerKind optimizer,
-                  const sim::PolicyTaskInfo& info, PolicyHistory history) {
-  const Layout f = Layout::writer(file);
-  Vector policy = history.policies.bottomRows(1).transpose();
-  describe_optimizer(f, name_of(optimizer));
-  describe(f, policy, info);
-  describe(f, history);
+void describe(Layout f, FoundPolicy& found) {
+  if (f.writes()) found.policy = found.history.policies.bottomRows(1).transpose();
+  f.attribute("optimizer", found.optimizer, "`policy.optimizer`");
+  f("policy", found.policy, {kPolicyParameter}, "the policy after the last iteration", kFinite)
+      .columns(found.parameters);
+  describe(f, found.history);
 }
+template struct Artefact<FoundPolicy>;
 
-Vector read_policy(const ArtefactFile& policy) {
-  const h5::File file = open_artefact(policy, kPolicySchema);
-  Vector parameters;
-  describe(Layout::reader(file), parameters, {});
-  return parameters;
-}
-
-PolicyHistory read_policy_history(const ArtefactFile& policy) {
-  const h5::File file = open_artefact(policy, kPolicySchema);
-  PolicyHistory history;
-  describe(Layout::reader(file), history);
-  return history;
-}
-
-void write_policy_checkpoint(const std::filesystem::path& path, const Identity& identity,
-                             PolicyCheckpoint checkpoint) {
-  ArtefactWriter writer(path, kPolicyCheckpointSchema, identity);
-  writer.add_cost(checkpoint.cost);
-  const Layout f = Layout::writer(writer.file());
-  describe_iteration(f, checkpoint.history.num_rows());
-  describe(f, checkpoint.history);
+void describe(Layout f, PolicyCheckpoint& checkpoint) {
+  Index iteration = checkpoint.history.num_rows();
+  f.attribute("iteration", iteration, "t: that are done");
+  if (!f.lists()) describe(f, checkpoint.history);  // as in the policy
   describe(f, checkpoint.optimizer);
-  writer.finish();
 }
-
-std::optional<PolicyCheckpoint> read_policy_checkpoint(const ArtefactFile& checkpoint) {
-  const auto file = open_artefact_if_there(checkpoint, kPolicyCheckpointSchema);
-  if (!file) return std::nullopt;
-  PolicyCheckpoint found{.history = {}, .optimizer = {}, .cost = provenance_of(*file).cost};
-  describe(Layout::reader(*file), found.history);
-  describe(Layout::reader(*file), found.optimizer);
-  return found;
-}
-
-void list_policy(Layout f) {
-  Vector policy;
-  PolicyHistory history;
-  describe_optimizer(f, "");
-  describe(f, policy, {});
-  describe(f, history);
-}
-
-void list_policy_checkpoint(Layout f) {
-  inference::PolicySearchState state;
-  describe_iteration(f, 0);
-  describe(f, state);
-}
+template struct Artefact<PolicyCheckpoint>;
 
 }  // namespace npdr::pipeline

@@ -6,7 +6,7 @@
 
 #include "inference/policy_search/policy_optimizer.h"
 #include "pipeline/artefacts/layout.h"
-#include "pipeline/store/artefact.h"
+#include "pipeline/artefacts/schemas.h"
 #include "sim/policy_evaluation.h"
 #include "sim/policy_task.h"
 
@@ -32,14 +32,14 @@ inline constexpr Dim kPolicyParameter{"Q", "parameter"};
 /// Names and units of a policy's parameters.
 std::vector<Channel> policy_columns(const sim::PolicyTaskInfo& info);
 
-/// Writes the artefact of a search whose last policy is the history's. Throws Error.
-void write_policy(h5::File& file, inference::PolicyOptimizerKind optimizer,
-                  const sim::PolicyTaskInfo& info, PolicyHistory history);
-
-/// The policy (Q) that a search has found. Throws InputError.
-Vector read_policy(const ArtefactFile& policy);
-/// How a search went. Throws InputError.
-PolicyHistory read_policy_history(const ArtefactFile& policy);
+/// What a search has found.
+struct FoundPolicy {
+  std::string optimizer;                 ///< its name
+  PolicyHistory history;                 ///< ends with `policy`
+  Vector policy = {};                    ///< (Q); follows from the history when it is written
+  std::vector<Channel> parameters = {};  ///< of the policy; not read
+};
+void describe(Layout f, FoundPolicy& found);
 
 /// State that an interrupted search goes on from.
 struct PolicyCheckpoint {
@@ -47,10 +47,6 @@ struct PolicyCheckpoint {
   inference::PolicySearchState optimizer;
   Cost cost;
 };
-/// Writes the checkpoint of the search `identity`. Throws Error.
-void write_policy_checkpoint(const std::filesystem::path& path, const Identity& identity,
-                             PolicyCheckpoint checkpoint);
-/// None: there is none. Throws InputError for a damaged one.
-std::optional<PolicyCheckpoint> read_policy_checkpoint(const ArtefactFile& checkpoint);
+void describe(Layout f, PolicyCheckpoint& checkpoint);
 
 }  // namespace npdr::pipeline

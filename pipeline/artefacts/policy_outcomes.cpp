@@ -1,8 +1,7 @@
 #include "pipeline/artefacts/policy_outcomes.h"
 
-#include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/described_artefact.h"
 #include "pipeline/artefacts/policy_file.h"
-#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -27,37 +26,19 @@ void describe(Layout f, PolicyOutcomes& outcomes, const PolicyGrid& grid) {
   f.attribute("y_values", std::vector(y), "its values (Y)");
 }
 
-void describe(Layout f, PolicyTest& test, sim::PolicyTaskInfo info,
-              const std::vector<Channel>& states, const PolicyGrid& grid) {
-  f.attribute("success_means", info.success, "when a rollout is one, in words");
-  f("policy", test.policy, {kPolicyParameter}, "the policy").columns(policy_columns(info));
+}  // namespace
+
+void describe(Layout f, PolicyTest& test) {
+  f.attribute("success_means", test.info.success, "when a rollout is one, in words");
+  f("policy", test.policy, {kPolicyParameter}, "the policy").columns(policy_columns(test.info));
   f("initial_states", test.initial_states, {kRow, {"C", "channel"}},
     "that rollouts begin from, the same for all methods of a seed")
-      .columns(states);
+      .columns(test.states);
   if (auto group = f.group("target", test.target)) {
     describe(*group, *test.target, {test.target->returns.cols()}, {kRow});
   }
-  if (auto group = f.group("grid", test.grid)) describe(*group, *test.grid, grid);
+  if (auto group = f.group("grid", test.grid)) describe(*group, *test.grid, test.axes);
 }
-
-}  // namespace
-
-void write_policy_test(h5::File& file, const Study& study, const sim::PolicyTaskInfo& info,
-                       PolicyTest test) {
-  describe(Layout::writer(file), test, info,
-           sim::make_simulator(study.simulator)->info().state_channels, study.policy.grid);
-}
-
-PolicyTest read_policy_test(const ArtefactFile& artefact) {
-  const h5::File file = open_artefact(artefact, kPolicyTestSchema);
-  PolicyTest test;
-  describe(Layout::reader(file), test, {}, {}, {});
-  return test;
-}
-
-void list_policy_test(Layout f) {
-  PolicyTest test;
-  describe(f, test, {}, {}, {});
-}
+template struct Artefact<PolicyTest>;
 
 }  // namespace npdr::pipeline

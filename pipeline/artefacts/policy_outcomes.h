@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study.h"
-#include "pipeline/store/artefact.h"
 #include "sim/policy_task.h"
 
 namespace npdr::pipeline {
@@ -20,12 +20,11 @@ struct PolicyTest {
   RowMatrix initial_states;              ///< (n, C)
   std::optional<PolicyOutcomes> target;  ///< one row
   std::optional<PolicyOutcomes> grid;    ///< X Y rows: row (x Y + y) is point (x, y)
+  // Words and columns of the file; of these only what a success means is read.
+  sim::PolicyTaskInfo info = {};
+  std::vector<Channel> states = {};
+  PolicyGrid axes = {};
 };
-
-/// Throws Error.
-void write_policy_test(h5::File& file, const Study& study, const sim::PolicyTaskInfo& info,
-                       PolicyTest test);
-/// Throws InputError.
-PolicyTest read_policy_test(const ArtefactFile& artefact);
+void describe(Layout f, PolicyTest& test);
 
 }  // namespace npdr::pipeline

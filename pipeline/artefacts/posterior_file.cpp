@@ -356,13 +356,13 @@ void require_like_observation(const std::string& where, const Target& found,
 PosteriorNotes read_posterior_notes(const ArtefactFile& artefact) {
   const h5::File file = open_artefact(artefact, kPosteriorSchema);
   PosteriorNotes notes{.rows = {},
-                       .regression = read_regression_counts(file),
-                       .certificate = read_certificate(file),
+                       .regression = read_part<RegressionCounts>(file),
+                       .certificate = read_part<inference::ImportanceCertificate>(file),
                        .losses = {},
                        .likelihood_losses = {},
                        .pool = {},
-                       .powers = read_power_scores(file),
-                       .residuals = read_residuals(file)};
+                       .powers = read_part<PowerScores>(file).value_or(PowerScores{}),
+                       .residuals = read_part<sim::ErrorMemory>(file)};
   Layout f = Layout::reader(file);
   describe(f, notes.rows);
   if (auto group = f.group("likelihood", notes.pool)) {

@@ -3,6 +3,7 @@
 
 #include "inference/algorithms/posterior_estimation.h"
 #include "inference/diagnostics/out_of_distribution.h"
+#include "inference/linear_regression/bayesian_linear_regression.h"
 #include "inference/samplers/importance_sampler.h"
 #include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/power_scores.h"
@@ -58,6 +59,7 @@ struct RegressionCounts {
   Index samples = 0;
   Index non_physical = 0;
   Index outside_prior = 0;
+  inference::WeightPosterior weights = {};  ///< that they are drawn from; not read
 };
 
 /// Losses of a network's training, (epochs).

@@ -4,18 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/error.h"
 
 namespace npdr::pipeline {
-namespace {
 
 void describe(Layout f, std::optional<PowerScores>& scores) {
   if (auto group = f.group("power_scores", scores)) describe(*group, *scores);
 }
-
-}  // namespace
 
 void describe(Layout group, PowerScores& scores) {
   group("power", scores.power, {{"k"}}, "powers of the likelihood, where they were tried",
@@ -64,22 +60,6 @@ double PowerScores::standard_error(Index power_number) const {
 double PowerScores::noise_factor_at(double wanted) const {
   const Index below = std::ranges::upper_bound(power, wanted) - power.begin();
   return below == 0 ? 1.0 : noise_factor(below - 1);
-}
-
-void write_power_scores(h5::File& file, PowerScores scores) {
-  std::optional<PowerScores> some = std::move(scores);
-  describe(Layout::writer(file), some);
-}
-
-PowerScores read_power_scores(const h5::File& file) {
-  std::optional<PowerScores> scores;
-  describe(Layout::reader(file), scores);
-  return scores.value_or(PowerScores{});
-}
-
-void list_power_scores(Layout f) {
-  std::optional<PowerScores> scores;
-  describe(f, scores);
 }
 
 }  // namespace npdr::pipeline

@@ -30,12 +30,7 @@ struct PowerScores {
 /// Members of the group `power_scores`. Throws InputError for sizes that differ.
 void describe(Layout group, PowerScores& scores);
 
-/// Throws Error.
-void write_power_scores(h5::File& file, PowerScores scores);
-/// Empty where the power wasn't chosen. Throws InputError.
-PowerScores read_power_scores(const h5::File& file);
-
-/// For the list of an artefact's members.
-void list_power_scores(Layout f);
+/// That group, where powers were tried.
+void describe(Layout f, std::optional<PowerScores>& scores);
 
 }  // namespace npdr::pipeline

@@ -2,24 +2,16 @@
 
 #include <span>
 
-#include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/described_artefact.h"
 
 namespace npdr::pipeline {
-namespace {
 
-void describe(Layout f, RowMatrix theta, const std::vector<inference::Marginal>& prior) {
-  f("theta", theta, {{"N", "row"}, kParameter},
+void describe(Layout f, Proposal& proposal) {
+  f("theta", proposal.theta, {{"N", "row"}, kParameter},
     "parameters; bounds of the prior's support are infinite where it has none")
-      .columns(prior);
+      .columns(proposal.parameters);
 }
-
-}  // namespace
-
-void write_proposal(h5::File& file, const std::vector<inference::Marginal>& prior,
-                    const RowMatrix& theta) {
-  describe(Layout::writer(file), theta, prior);
-}
+template struct Artefact<Proposal>;
 
 h5::Dataset open_proposal(const ArtefactFile& proposal) {
   h5::Dataset theta = open_artefact(proposal, kProposalSchema).dataset("theta");
@@ -34,7 +26,5 @@ RowMatrix read_proposal(const h5::Dataset& theta, RowRange rows) {
   theta.require_finite<double>(all);
   return values;
 }
-
-void list_proposal(Layout f) { describe(f, {}, {}); }
 
 }  // namespace npdr::pipeline

@@ -2,14 +2,16 @@
 #pragma once
 
 #include "inference/prior.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/work_folder.h"
-#include "pipeline/store/artefact.h"
 
 namespace npdr::pipeline {
 
-/// Writes theta (N, D). Throws Error.
-void write_proposal(h5::File& file, const std::vector<inference::Marginal>& prior,
-                    const RowMatrix& theta);
+struct Proposal {
+  RowMatrix theta;                              ///< (N, D)
+  std::vector<inference::Marginal> parameters;  ///< of theta's columns; not read
+};
+void describe(Layout f, Proposal& proposal);
 
 /// The dataset theta (N, D), in the order of the prior. Throws InputError.
 h5::Dataset open_proposal(const ArtefactFile& proposal);

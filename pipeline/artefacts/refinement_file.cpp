@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "pipeline/artefacts/described_artefact.h"
 #include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
-namespace {
-
 void describe(Layout f, std::optional<inference::ImportanceCertificate>& certificate) {
   auto group = f.group("certificate", certificate);
   if (!group) return;
@@ -50,6 +48,8 @@ void describe(Layout f, std::optional<FirstStateMoves>& moves) {
            "of the noise, over its unit, that simulations of segments begin without", kFinite);
 }
 
+namespace {
+
 void describe(Layout f, inference::FlowProposal& flow) {
   f("mean", flow.mean, {{"D"}}, "m", kFinite);
   f("factor", flow.factor, {{"D"}, {"D"}}, "L", kFinite);
@@ -69,6 +69,7 @@ void describe_members(Layout f, const std::string& name, std::vector<T>& members
     }
     members.resize(static_cast<std::size_t>(count));
   }
+  if (f.lists()) members.resize(1);
   for (std::size_t i = 0; i < members.size(); ++i) {
     describe(f.group(fmt::format("{}_{}", name, i)), members[i]);
   }
@@ -118,8 +119,11 @@ void describe(Layout f, std::optional<inference::TemperedWalkers>& walkers) {
   (*group)("neighbors", w.neighbors, {{"W"}, {"J"}}, "of each walker, which walkers they are");
 }
 
-void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {
-  f.attribute("num_failed", num_failed, "simulations that failed so far");
+}  // namespace
+
+void describe(Layout f, RefinementCheckpoint& checkpoint) {
+  inference::ImportanceState& state = checkpoint.state;
+  f.attribute("num_failed", checkpoint.num_failed, "simulations that failed so far");
   f.attribute("num_levels_so_far", state.num_levels, "those that were dropped included");
   f.attribute("num_draws", state.num_draws, "simulated so far");
   f.attribute("wanted_power", state.wanted_power, "of the likelihood");
@@ -130,61 +134,10 @@ void describe(Layout f, inference::ImportanceState& state, Index& num_failed) {
   f.attribute("heavy_share", state.heavy_share, "of the posterior, at weights above that");
   describe(f, state.walkers);
   describe_members(f, "level", state.levels);
+  describe(f, checkpoint.moves);
+  if (!f.lists()) describe(f.group("power_scores"), checkpoint.powers);  // as in the posterior
 }
-
-}  // namespace
-
-void write_certificate(h5::File& file, const inference::ImportanceCertificate& certificate) {
-  std::optional<inference::ImportanceCertificate> copy = certificate;
-  describe(Layout::writer(file), copy);
-}
-
-std::optional<inference::ImportanceCertificate> read_certificate(const h5::File& file) {
-  std::optional<inference::ImportanceCertificate> certificate;
-  describe(Layout::reader(file), certificate);
-  return certificate;
-}
-
-void write_residuals(h5::File& file, std::optional<sim::ErrorMemory> residuals) {
-  describe(Layout::writer(file), residuals);
-}
-
-std::optional<sim::ErrorMemory> read_residuals(const h5::File& file) {
-  std::optional<sim::ErrorMemory> residuals;
-  describe(Layout::reader(file), residuals);
-  return residuals;
-}
-
-void write_first_states(h5::File& file, std::optional<FirstStateMoves> moves) {
-  describe(Layout::writer(file), moves);
-}
-
-std::optional<FirstStateMoves> read_first_states(const h5::File& file) {
-  std::optional<FirstStateMoves> moves;
-  describe(Layout::reader(file), moves);
-  return moves;
-}
-
-void write_refinement(const std::filesystem::path& path, const Identity& identity,
-                      RefinementCheckpoint checkpoint) {
-  ArtefactWriter writer(path, kRefinementCheckpointSchema, identity);
-  writer.add_cost(checkpoint.cost);
-  describe(Layout::writer(writer.file()), checkpoint.state, checkpoint.num_failed);
-  describe(Layout::writer(writer.file()), checkpoint.moves);
-  describe(Layout::writer(writer.file()).group("power_scores"), checkpoint.powers);
-  writer.finish();
-}
-
-RefinementCheckpoint read_refinement(const ArtefactFile& artefact) {
-  const std::optional<h5::File> file =
-      open_artefact_if_there(artefact, kRefinementCheckpointSchema);
-  if (!file) return {};
-  RefinementCheckpoint checkpoint{.state = {}, .powers = {}, .cost = provenance_of(*file).cost};
-  describe(Layout::reader(*file), checkpoint.state, checkpoint.num_failed);
-  describe(Layout::reader(*file), checkpoint.moves);
-  describe(Layout::reader(*file).group("power_scores"), checkpoint.powers);
-  return checkpoint;
-}
+template struct Artefact<RefinementCheckpoint>;
 
 void list_certificate(Layout f) {
   std::optional<inference::ImportanceCertificate> certificate;
@@ -193,17 +146,8 @@ void list_certificate(Layout f) {
   describe(f, residuals);
   std::optional<FirstStateMoves> moves;
   describe(f, moves);
-  list_power_scores(f);
-}
-
-void list_refinement_checkpoint(Layout f) {
-  inference::ImportanceState state;
-  state.walkers.emplace();
-  state.levels.emplace_back().proposal.flows.emplace_back();
-  Index num_failed = 0;
-  describe(f, state, num_failed);
-  std::optional<FirstStateMoves> moves;
-  describe(f, moves);
+  std::optional<PowerScores> powers;
+  describe(f, powers);
 }
 
 }  // namespace npdr::pipeline

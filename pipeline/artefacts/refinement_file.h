@@ -3,18 +3,9 @@
 
 #include "inference/samplers/importance_sampler.h"
 #include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
-
-/// Throws Error.
-void write_certificate(h5::File& file, const inference::ImportanceCertificate& certificate);
-/// None: the posterior wasn't refined. Throws InputError.
-std::optional<inference::ImportanceCertificate> read_certificate(const h5::File& file);
-
-/// What a refinement leaves of its recording, where that is known. Throws Error.
-void write_residuals(h5::File& file, std::optional<sim::ErrorMemory> residuals);
-/// None: it isn't, or the posterior wasn't refined. Throws InputError.
-std::optional<sim::ErrorMemory> read_residuals(const h5::File& file);
 
 /// First states that a refinement's simulations begin in, where it infers them.
 struct FirstStateMoves {
@@ -22,10 +13,12 @@ struct FirstStateMoves {
   Index count = 0;         ///< how often they have been moved
   Index num_draws = 0;     ///< simulated until they were, the last time
 };
-/// Throws Error.
-void write_first_states(h5::File& file, std::optional<FirstStateMoves> moves);
-/// None: the posterior wasn't refined, or its first states are exact. Throws InputError.
-std::optional<FirstStateMoves> read_first_states(const h5::File& file);
+
+/// Parts of the artefact of a refined posterior: its certificate, what it leaves of its recording
+/// where that is known, and its first states unless they are exact.
+void describe(Layout f, std::optional<inference::ImportanceCertificate>& certificate);
+void describe(Layout f, std::optional<sim::ErrorMemory>& residuals);
+void describe(Layout f, std::optional<FirstStateMoves>& moves);
 
 /// State that an interrupted refinement goes on from.
 struct RefinementCheckpoint {
@@ -35,10 +28,6 @@ struct RefinementCheckpoint {
   PowerScores powers;
   Cost cost;  ///< of the work that led here
 };
-/// Writes the checkpoint of the posterior `identity`. Throws Error.
-void write_refinement(const std::filesystem::path& path, const Identity& identity,
-                      RefinementCheckpoint checkpoint);
-/// An empty state when there is no checkpoint. Throws InputError for a damaged one.
-RefinementCheckpoint read_refinement(const ArtefactFile& artefact);
+void describe(Layout f, RefinementCheckpoint& checkpoint);
 
 }  // namespace npdr::pipeline

@@ -98,8 +98,8 @@ bool has_policies(const ReportData& data) { return !data.policies.empty(); }
 
 namespace {
 
-template <class Result>
-void collect(const std::vector<const Node*>& nodes, Result (*read)(const ArtefactFile&),
+template <class Read, class Result>
+void collect(const std::vector<const Node*>& nodes, const Read& read,
              std::vector<ResultOf<Result>>& results) {
   for (const Node* node : nodes) {
     for (const Use& use : node->uses) results.push_back({use, read(*node)});
@@ -112,12 +112,19 @@ void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
     for (const Use& use : evaluation->uses) {
       const bool is_last = use.round == plan.study.method(use.method).algorithm.num_rounds;
       (use.fold > 0 ? data.folds : data.runs)
-          .push_back({use, is_last, read_evaluation(*evaluation), read_posterior_notes(posterior)});
+          .push_back(
+              {use, is_last, kEvaluationSchema.read(*evaluation), read_posterior_notes(posterior)});
     }
   }
-  collect(plan.inputs(node, Stage::diagnose), &read_diagnosis, data.diagnoses);
-  collect(plan.inputs(node, Stage::policy), &read_policy_history, data.policies);
-  collect(plan.inputs(node, Stage::policy_test), &read_policy_test, data.policy_tests);
+  collect(
+      plan.inputs(node, Stage::diagnose),
+      [](const Node& diagnosis) { return kDiagnosisSchema.read(diagnosis); }, data.diagnoses);
+  collect(
+      plan.inputs(node, Stage::policy),
+      [](const Node& policy) { return kPolicySchema.read(policy).history; }, data.policies);
+  collect(
+      plan.inputs(node, Stage::policy_test),
+      [](const Node& test) { return kPolicyTestSchema.read(test); }, data.policy_tests);
   data.target = read_target_artefact(plan.node(Stage::target, {}));
   if (plan.study.target.held_out > 0) {
     data.held_out = read_recording(plan.node(Stage::held_out, {}).path);
@@ -143,7 +150,7 @@ void list_methods_and_seeds(const Study& study, ReportData& data) {
 ReportData read_report_data(const Plan& plan, const Node& node) {
   ReportData data{plan, plan.source->info(),
                   {},   {},
-                  {},   read_baseline(*plan.inputs(node, Stage::baseline).front())};
+                  {},   kBaselineSchema.read(*plan.inputs(node, Stage::baseline).front())};
   read_artefacts(plan, node, data);
   list_methods_and_seeds(plan.study, data);
   if (has_posteriors(data)) {

@@ -131,9 +131,10 @@ PredictionScores score_part(const Plan& plan, const Target& target,
 
 NoiseSource noise_source(const Plan& plan, const Node& posterior) {
   const h5::File file = open_artefact(posterior, kPosteriorSchema);
-  const auto certificate = read_certificate(file);
+  const auto certificate = read_part<inference::ImportanceCertificate>(file);
   if (!certificate) return {};
-  return {certificate->power, read_power_scores(file).noise_factor_at(certificate->power),
+  return {certificate->power,
+          read_part<PowerScores>(file).value_or(PowerScores()).noise_factor_at(certificate->power),
           plan.study.method(posterior.uses.front().method).refine.infer_first_states};
 }
 

@@ -45,7 +45,7 @@ Chains find_chains(const Plan& plan) {
     if (!std::filesystem::exists(node->path)) {
       throw InputError(node->label() + ": isn't made yet; first: " + plan.command);
     }
-    chains.evaluations.push_back(read_evaluation(*node));
+    chains.evaluations.push_back(kEvaluationSchema.read(*node));
   }
   return chains;
 }

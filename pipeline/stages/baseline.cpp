@@ -109,7 +109,7 @@ BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge)
 void run_baseline(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
   const Judge judge(plan, node);
-  Baseline baseline;
+  Baseline baseline{.points = {}, .prior = {}, .parameters = plan.study.prior};
   std::vector<BaselinePoint>& points = baseline.points;
   const auto add = [&](const std::string& name, const std::map<std::string, double>& values) {
     const Vector complete = plan.source->parameters().nominal(values);
@@ -125,7 +125,7 @@ void run_baseline(const Plan& plan, const Node& node) {
     points.push_back(find_floor(plan, node, judge));
   }
   if (plan.study.source().simulates) baseline.prior = predict_by_prior(plan, judge);
-  write_baseline(writer.file(), plan.study.prior, baseline);
+  kBaselineSchema.write(writer.file(), std::move(baseline));
   writer.finish();
 }
 

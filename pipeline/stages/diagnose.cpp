@@ -303,7 +303,8 @@ void run_diagnose(const Plan& plan, const Node& node) {
   for (const auto& [check, run] : kCheckRuns) {
     if (c.config.has(check)) run(c, diagnosis);
   }
-  write_diagnosis(writer.file(), plan.study.prior, diagnosis);
+  diagnosis.parameters = plan.study.prior;
+  kDiagnosisSchema.write(writer.file(), std::move(diagnosis));
   writer.finish();
 }
 

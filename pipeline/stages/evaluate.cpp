@@ -1,3 +1,4 @@
+#include "core/feature_names.h"
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -69,7 +70,9 @@ void run_evaluate(const Plan& plan, const Node& node) {
   for (const ReferenceConfig& reference : plan.study.references) {
     evaluation.reference_log_prob[reference.name] = log_prob_at(reference.parameters);
   }
-  write_evaluation(writer.file(), plan.study, evaluation);
+  evaluation.parameters = plan.study.prior;
+  evaluation.features = parse_features(plan.study.external.features);
+  kEvaluationSchema.write(writer.file(), std::move(evaluation));
   writer.finish();
 }
 

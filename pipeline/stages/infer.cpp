@@ -40,7 +40,7 @@ class EpochReport {
  public:
   // `start`: of the stage; `earlier`: what the runs that this one goes on from left.
   EpochReport(const Plan& plan, const Node& node, Clock::time_point start,
-              const Checkpoint& earlier)
+              const TrainingCheckpoint& earlier)
       : plan_(plan),
         node_(node),
         progress_(node.label() + ", epoch", 0),
@@ -58,10 +58,10 @@ class EpochReport {
     const bool is_stopping = stop_requested();
     if (is_due || is_stopping) {
       saved_ = now;
-      Checkpoint checkpoint{states_, earlier_};
+      TrainingCheckpoint checkpoint{states_, earlier_};
       checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
-      write_checkpoint(plan_.work.checkpoint("infer", node_.key), node_.identity,
-                       std::move(checkpoint));
+      kCheckpointSchema.write(plan_.work.checkpoint("infer", node_.key), node_.identity,
+                              std::move(checkpoint));
     }
     Index epochs = 0;
     for (const inference::TrainingState& each : states_) epochs += each.epoch;
@@ -106,7 +106,9 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
     data.posteriors.push_back(read_network_posterior(*posterior));
   }
 
-  Checkpoint checkpoint = read_checkpoint({plan.work.checkpoint("infer", node.key), node.key});
+  TrainingCheckpoint checkpoint =
+      kCheckpointSchema.read_if_there({plan.work.checkpoint("infer", node.key), node.key})
+          .value_or(TrainingCheckpoint());
   writer.add_cost(checkpoint.cost);
   EpochReport report(plan, node, start, checkpoint);
   const auto posterior = blaming_checkpoint(plan, node, [&] {

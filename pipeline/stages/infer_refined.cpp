@@ -54,7 +54,8 @@ class Refinement {
         prior_(plan.study.prior),
         config_(plan.study.method(node.uses.front().method).refine.sampling),
         checkpoint_(plan.work.checkpoint("infer", node.key)),
-        earlier_(read_refinement({checkpoint_, node.key})),
+        earlier_(kRefinementCheckpointSchema.read_if_there({checkpoint_, node.key})
+                     .value_or(RefinementCheckpoint())),
         moves_(earlier_.moves.value_or(FirstStateMoves())),
         search_(earlier_.powers),
         sampler_(make_sampler()),
@@ -255,7 +256,7 @@ class Refinement {
     checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
     checkpoint.cost += rows_.cost_of_others();
     checkpoint.cost.core_seconds -= rows_.unread_core_seconds();
-    write_refinement(checkpoint_, node_.identity, std::move(checkpoint));
+    kRefinementCheckpointSchema.write(checkpoint_, node_.identity, std::move(checkpoint));
     rows_.forget(num_draws());
     saved_ = now;
     if (is_stopping) throw Checkpointed(node_.label() + ": stopped on request, checkpoint written");
@@ -324,11 +325,11 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
                    .theta = refinement.prior().to_theta(sample.u),
                    .weights = sample.weights},
                   {.used = sample.certificate.num_draws - failed, .failed = failed});
-  write_certificate(writer.file(), sample.certificate);
-  write_residuals(writer.file(), refinement.residuals());
-  write_first_states(writer.file(), refinement.moves());
+  write_part(writer.file(), sample.certificate);
+  write_part(writer.file(), refinement.residuals());
+  write_part(writer.file(), refinement.moves());
   if (method.refine.sampling.cross_validate) {
-    write_power_scores(writer.file(), refinement.powers());
+    write_part(writer.file(), refinement.powers());
   }
 }
 

@@ -43,7 +43,9 @@ void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
                                  .weights = Vector::Constant(n, 1.0 / static_cast<double>(n)),
                                  .space = inference::ParticleSpace::theta};
   write_particles(file, name_of(method.algorithm.kind), parts, {});
-  write_regression(file, weights, count(prior, simulator->info(), complete, theta));
+  RegressionCounts counts = count(prior, simulator->info(), complete, theta);
+  counts.weights = weights;
+  write_part(file, counts);
 }
 
 }  // namespace npdr::pipeline

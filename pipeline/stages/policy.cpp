@@ -88,8 +88,7 @@ class Search {
 
   // Goes on from the checkpoint, where there is one. Returns the cost of the runs before.
   Cost resume() {
-    const std::optional<PolicyCheckpoint> checkpoint =
-        read_policy_checkpoint({checkpoint_path(), node_.key});
+    const auto checkpoint = kPolicyCheckpointSchema.read_if_there({checkpoint_path(), node_.key});
     if (!checkpoint) return {};
     if (!fits(*checkpoint)) {
       throw InputError(fmt::format("{}: not of this search; remove it and rerun stage 'policy'",
@@ -126,8 +125,8 @@ class Search {
 
   Vector start_point() const {
     const auto earlier = plan_.inputs(node_, Stage::policy);
-    const Vector policy =
-        earlier.empty() ? first_policy(plan_.study, task_->info()) : read_policy(*earlier.front());
+    const Vector policy = earlier.empty() ? first_policy(plan_.study, task_->info())
+                                          : kPolicySchema.read(*earlier.front()).policy;
     return sim::to_search_space(task_->info(), policy.transpose()).row(0).transpose();
   }
 
@@ -168,7 +167,7 @@ class Search {
   void save() {
     PolicyCheckpoint checkpoint{history_, optimizer_->state(), earlier_};
     checkpoint.cost += cost_of_seconds(seconds_between(start_, Clock::now()));
-    write_policy_checkpoint(checkpoint_path(), node_.identity, checkpoint);
+    kPolicyCheckpointSchema.write(checkpoint_path(), node_.identity, std::move(checkpoint));
   }
 
   const Plan& plan_;
@@ -188,8 +187,9 @@ void run_policy(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kPolicySchema, node.identity);
   Search search(plan, node);
   writer.add_cost(search.resume());
-  const PolicyHistory& history = search.run();
-  write_policy(writer.file(), plan.study.policy.search.kind, search.info(), history);
+  kPolicySchema.write(writer.file(), {.optimizer = name_of(plan.study.policy.search.kind),
+                                      .history = search.run(),
+                                      .parameters = policy_columns(search.info())});
   writer.finish();
 }
 

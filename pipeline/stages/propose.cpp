@@ -40,7 +40,7 @@ void run_propose(const Plan& plan, const Node& node) {
         propose_from(plan, *posteriors.front(), n, {use.seed, "proposal", use.stream_round(), 0, 0},
                      plan.study.method(use.method));
   }
-  write_proposal(writer.file(), plan.study.prior, theta);
+  kProposalSchema.write(writer.file(), {std::move(theta), plan.study.prior});
   writer.finish();
 }
 

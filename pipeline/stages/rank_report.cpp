@@ -19,7 +19,8 @@ void RankReport::operator()(const inference::CalibrationRanks& ranks) {
     saved_ = now;
     DiagnosisCheckpoint written{ranks, earlier_};
     written.cost += cost_of_seconds(seconds_between(start_, now));
-    write_diagnosis_checkpoint(checkpoint(plan_, node_).path, node_.identity, std::move(written));
+    kDiagnosisCheckpointSchema.write(checkpoint(plan_, node_).path, node_.identity,
+                                     std::move(written));
   }
   // Saved before it is shown: who looks at the progress may be gone.
   progress_.update(ranks.num_done);

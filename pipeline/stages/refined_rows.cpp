@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "core/file_error.h"
 #include "core/stop_request.h"
-#include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/completeness.h"
 
 namespace npdr::pipeline {
@@ -132,7 +131,8 @@ Index RefinedRows::help(const OnRows& on_rows) {
   const std::vector<std::string> names = names_of_asked_rows(names_in(folder_));
   if (names.empty()) failed_.clear();
   for (const std::string& name : names) {
-    const std::optional<AskedRows> asked = read_asked_rows({folder_ / name, node_.key});
+    const std::optional<AskedRows> asked =
+        kAskedRowsSchema.read_if_there({folder_ / name, node_.key});
     if (!asked) continue;
     const RowMatrix own = likelihood_.first_errors();
     if (asked->theta.cols() != dimension_ || asked->file_name() != name ||
@@ -193,12 +193,8 @@ Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
     }
     if (fs::exists(path)) return;  // which the refinement may be reading
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    const Cost cost = cost_of_seconds(elapsed.count());
-    // Not before: a writer that is given up leaves its file open.
-    ArtefactWriter writer(path, kSimulatedRowsSchema, identity_of(asked, shard, node_.identity));
-    writer.add_cost(cost);
-    write_simulated_rows(writer.file(), std::move(made));
-    writer.finish();
+    const Cost cost = made.cost = cost_of_seconds(elapsed.count());
+    kSimulatedRowsSchema.write(path, identity_of(asked, shard, node_.identity), std::move(made));
     if (!is_helper()) own_[shard.file_name] = cost.core_seconds;
   });
   return at;

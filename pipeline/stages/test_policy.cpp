@@ -45,7 +45,8 @@ void run_policy_test(const Plan& plan, const Node& node) {
   const auto task = make_task(study);
   const auto policies = plan.inputs(node, Stage::policy);
   PolicyTest test;
-  test.policy = policies.empty() ? first_policy(study, task->info()) : read_policy(*policies[0]);
+  test.policy = policies.empty() ? first_policy(study, task->info())
+                                 : kPolicySchema.read(*policies[0]).policy;
   // The same for all policies of a seed.
   test.initial_states = task->initial_states(study.policy.num_test_states,
                                              {node.uses.front().seed, "policy_test", 0, 0, 0});
@@ -55,7 +56,10 @@ void run_policy_test(const Plan& plan, const Node& node) {
   const Index num_targets = study.target.truth ? 1 : 0, num_points = theta.rows() - num_targets;
   if (num_targets > 0) test.target = part_of(all, 0, num_targets);
   if (num_points > 0) test.grid = part_of(all, num_targets, num_points);
-  write_policy_test(writer.file(), study, task->info(), test);
+  test.info = task->info();
+  test.states = sim::make_simulator(study.simulator)->info().state_channels;
+  test.axes = study.policy.grid;
+  kPolicyTestSchema.write(writer.file(), std::move(test));
   writer.finish();
 }
 

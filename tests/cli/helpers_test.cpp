@@ -210,7 +210,7 @@ class HelpersOfFirstStates : public Helpers {
 
 TEST_F(HelpersOfFirstStates, GiveTheSameBits) {
   const h5::File alone = h5::File::open((folder_ / "alone/.cache/infer" / (key_ + ".h5")).string());
-  EXPECT_GE(read_first_states(alone)->count, 1);
+  EXPECT_GE(read_part<FirstStateMoves>(alone)->count, 1);
   const Program helper = begin_helper("1/1", "one");
   EXPECT_EQ(run(folder_.path(), inference("one")).status, 0);
   expect_help(helper.wait());

@@ -1,11 +1,14 @@
 // Artefacts of the other stages, as the descriptions of their layouts say that they are.
 #include <charconv>
+#include <functional>
 
 #include "pipeline/artefacts/asked_rows_file.h"
 #include "pipeline/artefacts/baseline_file.h"
 #include "pipeline/artefacts/checkpoint_file.h"
+#include "pipeline/artefacts/diagnosis_checkpoint.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/evaluation_file.h"
+#include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/policy_outcomes.h"
@@ -22,24 +25,18 @@ namespace {
 
 using Path = std::filesystem::path;
 
-struct Artefact {
+// An artefact whose members are listed, and what is done with what is read.
+struct Kind {
   Schema schema;
   void (*list)(Layout);
-  void (*read)(const Path&);
+  std::function<void(const Path&)> read;
 };
 
-void read_search(const Path& path) {
-  const auto checkpoint = read_policy_checkpoint(path);
-  if (checkpoint) inference::make_policy_optimizer({}, checkpoint->optimizer)->state();
+void use(const PolicyCheckpoint& checkpoint) {
+  inference::make_policy_optimizer({}, checkpoint.optimizer)->state();
 }
-
-void list_refined(Layout f) {
-  list_refinement_checkpoint(f);
-  list_certificate(f);
-}
-
-void read_refined(const Path& path) {
-  const inference::ImportanceState state = read_refinement(path).state;
+void use(const RefinementCheckpoint& checkpoint) {
+  const inference::ImportanceState& state = checkpoint.state;
   if (state.levels.empty()) return;
   const RowMatrix& u = state.levels.front().u;
   try {
@@ -47,10 +44,22 @@ void read_refined(const Path& path) {
   } catch (const ShapeError&) {  // the state of no refinement
   }
 }
+void use(const Diagnosis& diagnosis) { diagnosis.p_values(); }
+void use(const AskedRows& asked) { shards_of(asked, "a posterior's"); }
+template <class T>
+void use(const T&) {}
 
-void list_search(Layout f) {
-  list_policy(f);
-  list_policy_checkpoint(f);
+// Groups that their tables leave to another's.
+template <class T>
+void list_all(Layout f) {
+  Artefact<T>::list(f);
+  if constexpr (std::is_same_v<T, PolicyCheckpoint>) Artefact<FoundPolicy>::list(f);
+  if constexpr (std::is_same_v<T, RefinementCheckpoint>) list_certificate(f);
+}
+
+template <class T>
+Kind kind_of(const Artefact<T>& artefact) {
+  return {artefact, list_all<T>, [&](const Path& path) { use(artefact.read(path)); }};
 }
 
 void read_theta(const Path& path) {
@@ -65,28 +74,22 @@ void read_simulation(const Path& path) {
   warnings_of(file);
 }
 
-void read_asked(const Path& path) {
-  if (const auto asked = read_asked_rows(path)) shards_of(*asked, "a posterior's");
-}
-
 void read_rows(const Path& path) {
   read_simulated_rows(path.parent_path(), {{0, 1}, "", path.filename()});
 }
 
-const std::vector<Artefact> kArtefacts = {
-    {kAskedRowsSchema, list_asked_rows, read_asked},
-    {kBaselineSchema, list_baseline, [](const Path& p) { read_baseline(p); }},
-    {kDiagnosisSchema, list_diagnosis, [](const Path& p) { read_diagnosis(p).p_values(); }},
-    {kEvaluationSchema, list_evaluation, [](const Path& p) { read_evaluation(p); }},
-    {kTargetSchema, list_observation, [](const Path& p) { read_target_artefact(p); }},
-    {kPolicySchema, list_policy, [](const Path& p) { read_policy(p), read_policy_history(p); }},
-    {kPolicyCheckpointSchema, list_search, read_search},
-    {kPolicyTestSchema, list_policy_test, [](const Path& p) { read_policy_test(p); }},
-    {kProposalSchema, list_proposal, read_theta},
-    {kSimulationSchema, list_simulation, read_simulation},
-    {kSimulatedRowsSchema, list_simulated_rows, read_rows},
-    {kCheckpointSchema, list_training_checkpoint, [](const Path& p) { read_checkpoint(p); }},
-    {kRefinementCheckpointSchema, list_refined, read_refined}};
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> all = [] {
+    std::vector<Kind> made = {
+        {kTargetSchema, list_observation, [](const Path& p) { read_target_artefact(p); }},
+        {kProposalSchema, kProposalSchema.list, read_theta},
+        {kSimulationSchema, list_simulation, read_simulation},
+        {kSimulatedRowsSchema, kSimulatedRowsSchema.list, read_rows}};
+    std::apply([&](const auto&... each) { (made.push_back(kind_of(each)), ...); }, kArtefacts);
+    return made;
+  }();
+  return all;
+}
 
 // "(n, 101)": a number is itself, a name 1.
 h5::Shape shape_of(const std::string& text) {
@@ -112,10 +115,10 @@ H5Value value_of(const LayoutRow& row) {
           {}};
 }
 
-H5Model model_of(const Artefact& artefact) {
-  H5Model model = model_of(artefact.schema, [](h5::File&) {});
+H5Model model_of(const Kind& kind) {
+  H5Model model = model_of(kind.schema, [](h5::File&) {});
   const Layout layout = Layout::lister();
-  artefact.list(layout);
+  kind.list(layout);
   for (const LayoutRow& row : layout.rows()) {
     const std::string path = row.path.substr(0, row.path.find(','));
     H5Value value = value_of(row);
@@ -133,7 +136,7 @@ H5Model model_of(const Artefact& artefact) {
 const std::vector<H5Model>& models() {
   static const std::vector<H5Model> all = [] {
     std::vector<H5Model> made;
-    for (const Artefact& artefact : kArtefacts) made.push_back(model_of(artefact));
+    for (const Kind& kind : kinds()) made.push_back(model_of(kind));
     return made;
   }();
   return all;
@@ -156,7 +159,7 @@ void fuzz_artefact(std::string_view input, const Path& folder) {
   write_sealed(model, path);
   read_artefact_info(path);
   content_digest(path);
-  kArtefacts[kind].read(path);
+  kinds()[kind].read(path);
 }
 
 }  // namespace npdr::pipeline

@@ -73,10 +73,10 @@ void write_abc(h5::File& file, bool is_smooth) {
                           .epsilon = 0.5,
                           .kernel = Eigen::MatrixXd::Identity(2, 2),
                           .num_chains = parts.num_chains});
-  write_certificate(file, {});
-  write_power_scores(file, {.power = Vector::LinSpaced(2, 0.1, 0.2),
-                            .noise_factor = Vector::Ones(2),
-                            .crps = RowMatrix::Ones(2, 3)});
+  write_part(file, inference::ImportanceCertificate{});
+  write_part(file, PowerScores{.power = Vector::LinSpaced(2, 0.1, 0.2),
+                               .noise_factor = Vector::Ones(2),
+                               .crps = RowMatrix::Ones(2, 3)});
 }
 
 const std::vector<H5Model>& models() {
@@ -133,7 +133,7 @@ void fuzz_posterior(std::string_view input, const std::filesystem::path& folder)
   const h5::File file = open_artefact(path, kPosteriorSchema);
   if (holds_particles(file)) {
     read_population(file);
-    read_power_scores(file).noise_factor_at(0.15);
+    read_part<PowerScores>(file).value_or(PowerScores()).noise_factor_at(0.15);
   } else {
     if (const auto usual = read_usual_features(path)) {
       inference::test_out_of_distribution(*usual, VectorF::Constant(usual->lowest.size(), 3.0F));

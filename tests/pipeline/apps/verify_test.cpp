@@ -9,7 +9,8 @@ namespace {
 
 TEST(Verify, RefusesOtherVersionsOfASchema) {
   const TempFolder folder;
-  for (const Schema& known : {kSimulationSchema, kSimulationShardSchema, kProposalSchema}) {
+  for (const Schema& known :
+       std::vector<Schema>{kSimulationSchema, kSimulationShardSchema, kProposalSchema}) {
     Schema newer = known;
     ++newer.version;
     const Identity identity{key_document(newer), {}, {{"name", "s"}}, 1};

@@ -26,10 +26,8 @@ class AskedRowsFile : public ::testing::Test {
   ArtefactFile file() const { return {folder_ / asked_.file_name(), posterior_.key()}; }
 
   void write(const AskedShard& shard, const SimulatedRows& rows) const {
-    ArtefactWriter writer(folder_ / shard.file_name, kSimulatedRowsSchema,
-                          identity_of(asked_, shard, posterior_));
-    write_simulated_rows(writer.file(), rows);
-    writer.finish();
+    kSimulatedRowsSchema.write(folder_ / shard.file_name, identity_of(asked_, shard, posterior_),
+                               rows);
   }
 
   TempFolder folder_;
@@ -38,19 +36,19 @@ class AskedRowsFile : public ::testing::Test {
 };
 
 TEST_F(AskedRowsFile, IsReadAsItIsWritten) {
-  const std::optional<AskedRows> read = read_asked_rows(file());
+  const std::optional<AskedRows> read = kAskedRowsSchema.read_if_there(file());
   ASSERT_TRUE(read);
   EXPECT_EQ(read->first, 40);
   EXPECT_EQ(read->shard_size, 4);
   EXPECT_EQ(read->theta, asked_.theta);
   EXPECT_EQ(read->file_name(), asked_.file_name());
   EXPECT_TRUE(read->file_name().starts_with("asked-40-50-")) << read->file_name();
-  EXPECT_FALSE(read_asked_rows({folder_ / "asked-0-1-2.h5", posterior_.key()}));
+  EXPECT_FALSE(kAskedRowsSchema.read_if_there({folder_ / "asked-0-1-2.h5", posterior_.key()}));
 }
 
 TEST_F(AskedRowsFile, OfAnotherRefinementOrDamagedIsAnError) {
   const auto message = [](const ArtefactFile& artefact) {
-    return message_of<InputError>([&] { read_asked_rows(artefact); });
+    return message_of<InputError>([&] { kAskedRowsSchema.read_if_there(artefact); });
   };
   EXPECT_NE(message({file().path, posterior_of("another").key()}).find("key"), std::string::npos);
   AskedRows odd = asked_;

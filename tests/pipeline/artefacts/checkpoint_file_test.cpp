@@ -24,8 +24,8 @@ TEST(CheckpointFile, NetworksNeedNotBeOfOneSize) {
   const TempFolder folder;
   const Identity identity{.key_document = {{"stage", "infer"}}, .inputs = {}, .study = {}};
   const std::filesystem::path path = folder.path() / "pool.checkpoint.h5";
-  write_checkpoint(path, identity, {{state_of(5, 3), {}, state_of(11, 2)}, {}});
-  const Checkpoint checkpoint = read_checkpoint({path, identity.key()});
+  kCheckpointSchema.write(path, identity, {{state_of(5, 3), {}, state_of(11, 2)}, {}});
+  const TrainingCheckpoint checkpoint = kCheckpointSchema.read({path, identity.key()});
   ASSERT_EQ(checkpoint.trainings.size(), 3u);
   for (const auto& [m, expected] : {std::pair{0u, state_of(5, 3)}, {2u, state_of(11, 2)}}) {
     const inference::TrainingState& state = checkpoint.trainings[m];

@@ -25,7 +25,7 @@ class DiagnosisCheckpoints : public ::testing::Test {
 
   CalibrationRanks written_and_read(const CalibrationRanks& ranks, Index num_simulations = 5,
                                     Index dimension = 2) {
-    write_diagnosis_checkpoint(path_, identity_, {ranks, {}});
+    kDiagnosisCheckpointSchema.write(path_, identity_, {ranks, {}});
     return read_diagnosis_checkpoint({path_, identity_.key()},
                                      RowMatrix::Zero(num_simulations, dimension), 50)
         .ranks;

@@ -86,12 +86,13 @@ TEST_F(ParticleFile, OfARegressionMayHoldWhatIsNotFinite) {
   parts.theta(1, 0) = kNaN;
   const auto path = written([&](h5::File& file) {
     write_particles(file, "linear_regression", parts, {});
-    write_regression(file, {Vector::Ones(2), Eigen::MatrixXd::Identity(2, 2), {}}, {4, 2, 1});
+    write_part(file,
+               RegressionCounts{4, 2, 1, {Vector::Ones(2), Eigen::MatrixXd::Identity(2, 2), {}}});
   });
   EXPECT_TRUE(std::isnan(dynamic_cast<const inference::ParticlePosterior&>(*read_posterior(path))
                              .parts()
                              .theta(1, 0)));
-  const auto counts = read_regression_counts(open_artefact(path, kPosteriorSchema));
+  const auto counts = read_part<RegressionCounts>(open_artefact(path, kPosteriorSchema));
   ASSERT_TRUE(counts);
   EXPECT_EQ(counts->samples, 4);
   EXPECT_EQ(counts->non_physical, 2);

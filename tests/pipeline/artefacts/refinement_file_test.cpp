@@ -44,8 +44,8 @@ TEST_F(RefinementFile, CheckpointsGoOnToTheSameBits) {
     advance(stopped, blocks);
     const std::filesystem::path path = folder_.path() / fmt::format("{}.h5", blocks);
     const FirstStateMoves moves{RowMatrix::Random(2, 3), 1, 4000};
-    write_refinement(path, identity, {stopped.state(), moves, 3, {}, {1.5, 2.5}});
-    const RefinementCheckpoint read = read_refinement({path, identity.key()});
+    kRefinementCheckpointSchema.write(path, identity, {stopped.state(), moves, 3, {}, {1.5, 2.5}});
+    const RefinementCheckpoint read = kRefinementCheckpointSchema.read({path, identity.key()});
     EXPECT_EQ(read.num_failed, 3);
     EXPECT_EQ(read.moves->first_errors, moves.first_errors);
     EXPECT_EQ(read.moves->count, 1);
@@ -82,8 +82,9 @@ TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
     const bool is_filling = before.kind == inference::LevelKind::walkers;
     if (is_filling ? before.u.rows() == 0 : state.walkers->num_sweeps < 3) continue;
     if (std::exchange(is_filling ? fills : climbs, true)) continue;
-    write_refinement(path, identity, {state, {}, 0, {}, {}});
-    resumed.emplace_back(config, 2, RowMatrix(), id, read_refinement({path, identity.key()}).state);
+    kRefinementCheckpointSchema.write(path, identity, {state, {}, 0, {}, {}});
+    resumed.emplace_back(config, 2, RowMatrix(), id,
+                         kRefinementCheckpointSchema.read({path, identity.key()}).state);
   }
   EXPECT_EQ(resumed.size(), 2u);
   for (ImportanceSampler& sampler : resumed) {
@@ -97,21 +98,22 @@ TEST_F(RefinementFile, CheckpointsOfAClimbGoOnToTheSameBits) {
 
 TEST_F(RefinementFile, CertificatesAreReadAsTheyAreWritten) {
   h5::File file = h5::File::create(folder_.path() / "certificate.h5");
-  EXPECT_FALSE(read_certificate(file).has_value());
-  write_certificate(file, {.ess = 12.0, .missed_share = 0.25, .ess_of_all = 34.0});
-  EXPECT_EQ(read_certificate(file)->ess, 12.0);
-  EXPECT_EQ(read_certificate(file)->missed_share, 0.25);
-  EXPECT_EQ(read_certificate(file)->ess_of_all, 34.0);
+  EXPECT_FALSE(read_part<inference::ImportanceCertificate>(file).has_value());
+  write_part(file, inference::ImportanceCertificate{
+                       .ess = 12.0, .missed_share = 0.25, .ess_of_all = 34.0});
+  EXPECT_EQ(read_part<inference::ImportanceCertificate>(file)->ess, 12.0);
+  EXPECT_EQ(read_part<inference::ImportanceCertificate>(file)->missed_share, 0.25);
+  EXPECT_EQ(read_part<inference::ImportanceCertificate>(file)->ess_of_all, 34.0);
 }
 
 TEST_F(RefinementFile, RefusesPowersWithoutTheirScores) {
   h5::File file = h5::File::create(folder_.path() / "scores.h5");
-  write_power_scores(file, {.power = Vector::Constant(1, 0.1), .noise_factor = {}, .crps = {}});
-  EXPECT_THROW(read_power_scores(file), InputError);
+  write_part(file, PowerScores{.power = Vector::Constant(1, 0.1), .noise_factor = {}, .crps = {}});
+  EXPECT_THROW(read_part<PowerScores>(file), InputError);
 }
 
 TEST_F(RefinementFile, NoCheckpointIsAnEmptyOne) {
-  EXPECT_TRUE(read_refinement({folder_.path() / "none.h5", "key"}).state.levels.empty());
+  EXPECT_FALSE(kRefinementCheckpointSchema.read_if_there({folder_.path() / "none.h5", "key"}));
 }
 
 }  // namespace

@@ -24,7 +24,8 @@ TEST(ArtefactStatus, SaysHowFarARefinementHasCome) {
   RefinementCheckpoint checkpoint;
   checkpoint.state.num_draws = 300;
   std::filesystem::create_directories(node.path.parent_path());
-  write_refinement(plan.work.checkpoint("infer", node.key), node.identity, checkpoint);
+  kRefinementCheckpointSchema.write(plan.work.checkpoint("infer", node.key), node.identity,
+                                    checkpoint);
   const ArtefactStatus status = status_of(plan, node, Scrutiny::thorough);
   EXPECT_EQ(status.state, ArtefactState::partial) << status.detail;
   EXPECT_EQ(status.detail, "checkpoint at simulation 300");

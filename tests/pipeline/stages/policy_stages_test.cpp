@@ -108,12 +108,13 @@ TEST_F(PolicyStages, ASearchTellsHowItWent) {
   const Plan p = plan();
   const Node& node = p.node(Stage::policy, {"Randomized", 1, 0, 1});
   run_stage(p, node);
-  const PolicyHistory history = read_policy_history(node);
+  const FoundPolicy found = kPolicySchema.read(node);
+  const PolicyHistory& history = found.history;
   ASSERT_EQ(history.num_rows(), 3) << "before each of two iterations, and after the last";
   EXPECT_EQ(history.candidate_return.rows(), 2);
   EXPECT_EQ(history.candidate_return.cols(), 3);
   EXPECT_EQ(history.num_rollouts, (2 * (3 + 1) + 1) * 2 * 2);
-  EXPECT_EQ(history.policies.row(2), read_policy(node).transpose());
+  EXPECT_EQ(history.policies.row(2), found.policy.transpose());
   const auto task = make_task(p.study);
   // By way of its logarithm and back.
   EXPECT_LT((history.policies.row(0).transpose() - first_policy(p.study, task->info())).norm(),
@@ -127,7 +128,7 @@ TEST_F(PolicyStages, ATestIsWhatThePolicyDoesFromItsStates) {
   const Plan p = plan();
   const Node& node = p.node(Stage::policy_test, {"Point", 1, 0, 0});
   run_stage(p, node);
-  const PolicyTest test = read_policy_test(node);
+  const PolicyTest test = kPolicyTestSchema.read(node);
   ASSERT_TRUE(test.target && test.grid);
   EXPECT_EQ(test.initial_states.rows(), 20);
   EXPECT_EQ(test.grid->returns.rows(), 6);
@@ -150,7 +151,7 @@ TEST_F(PolicyStages, WithARecordingThereIsTheGridAlone) {
   const Plan p = plan(recorded);
   const Node& node = p.node(Stage::policy_test, {"Point", 1, 0, 0});
   run_stage(p, node);
-  const PolicyTest test = read_policy_test(node);
+  const PolicyTest test = kPolicyTestSchema.read(node);
   EXPECT_FALSE(test.target);
   ASSERT_TRUE(test.grid);
   const Plan without = plan({recorded.front(), "policy.grid={}"});
@@ -167,7 +168,7 @@ TEST_F(PolicyStages, ACheckpointOfSomethingElseIsNamed) {
   checkpoint.history.candidate_return = RowMatrix::Zero(1, 3);
   checkpoint.optimizer = {1, Vector::Zero(2), RowMatrix::Identity(2, 2), RowMatrix::Zero(1, 2),
                           Vector::Zero(1)};
-  write_policy_checkpoint(p.work.checkpoint("policy", node.key), node.identity, checkpoint);
+  kPolicyCheckpointSchema.write(p.work.checkpoint("policy", node.key), node.identity, checkpoint);
   const std::string message = message_of<InputError>([&] { run_stage(p, node); });
   EXPECT_NE(message.find(p.work.checkpoint("policy", node.key).string()), std::string::npos)
       << message;

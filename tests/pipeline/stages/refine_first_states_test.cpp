@@ -85,7 +85,7 @@ class FirstStates : public ::testing::Test {
       if (each.stage <= Stage::infer) run_stage(plan, each);
     }
     const h5::File file = open_artefact(node, kPosteriorSchema);
-    EXPECT_EQ(inference::verdict(*read_certificate(file)), "holds");
+    EXPECT_EQ(inference::verdict(*read_part<inference::ImportanceCertificate>(file)), "holds");
     const auto posterior = read_particles(file);
     const RowMatrix theta = posterior->sample(2000, {1, "test", 0, 0, 0});
     const Vector mean = theta.colwise().mean();
@@ -93,7 +93,8 @@ class FirstStates : public ::testing::Test {
         ((theta.rowwise() - mean.transpose()).array().square().colwise().sum() /
          static_cast<double>(theta.rows()))
             .sqrt();
-    return {(mean - truth).array() / deviation.array(), read_residuals(file)->excess()};
+    return {(mean - truth).array() / deviation.array(),
+            read_part<sim::ErrorMemory>(file)->excess()};
   }
 
   TempFolder folder_;
@@ -170,8 +171,8 @@ TEST_F(AtRest, SimulationsBeginInTheLikeliestFirstStates) {
   EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << found.off.transpose();
   EXPECT_LT(found.excess, 1.6);
   const h5::File file = open_artefact(plan.node(Stage::infer, {"Refined", 1, 1}), kPosteriorSchema);
-  EXPECT_GE(read_first_states(file)->count, 1);
-  EXPECT_LE(read_certificate(file)->num_draws, 15'000);
+  EXPECT_GE(read_part<FirstStateMoves>(file)->count, 1);
+  EXPECT_LE(read_part<inference::ImportanceCertificate>(file)->num_draws, 15'000);
 }
 
 TEST_F(AtRest, FirstStatesThatMayNotMoveAreToldWhereFirstOrderIsTooCoarse) {
@@ -181,7 +182,7 @@ TEST_F(AtRest, FirstStatesThatMayNotMoveAreToldWhereFirstOrderIsTooCoarse) {
   EXPECT_NE(testing::internal::GetCapturedStderr().find("to first order, which is too coarse"),
             std::string::npos);
   const h5::File file = open_artefact(plan.node(Stage::infer, {"Refined", 1, 1}), kPosteriorSchema);
-  EXPECT_EQ(read_first_states(file)->count, 0);
+  EXPECT_EQ(read_part<FirstStateMoves>(file)->count, 0);
 }
 
 TEST_F(FirstStates, NeedGaussianNoiseStatesBesideThemAndARecording) {

@@ -153,7 +153,7 @@ TEST_F(RefineStage, AgreesWithAGridFromAnyStart) {
     for (const char* method : {"Refined", "Prior"}) {
       const Node& node = plan.node(Stage::infer, {method, 1, 1});
       const h5::File file = open_artefact(node, kPosteriorSchema);
-      const auto certificate = read_certificate(file);
+      const auto certificate = read_part<inference::ImportanceCertificate>(file);
       ASSERT_TRUE(certificate.has_value());
       // Four standard errors, and what the grid leaves.
       EXPECT_NEAR(certificate->log_evidence, expected.log_evidence,
@@ -188,7 +188,8 @@ TEST_F(RefineStage, IsShownWithItsCertificate) {
   const char* methods[] = {"Refined", "Prior"};
   for (std::size_t i = 0; i < 2; ++i) {
     const Node& node = plan.node(Stage::infer, {methods[i], 1, 1});
-    const auto certificate = read_certificate(open_artefact(node, kPosteriorSchema));
+    const auto certificate =
+        read_part<inference::ImportanceCertificate>(open_artefact(node, kPosteriorSchema));
     ASSERT_TRUE(certificate.has_value());
     const std::vector<analysis::Cell>& cells = table.rows[i].cells;
     EXPECT_EQ(std::get<analysis::MeanStd>(cells[0].value).mean, certificate->log_evidence);
@@ -206,7 +207,7 @@ TEST_F(RefineStage, PredictionsAreScoredWithNoise) {
   const Plan plan = plan_of(study_with("scale = 0.2"));
   run_until(plan, Stage::evaluate);
   const Node& node = plan.node(Stage::evaluate, {"Prior", 1, 1});
-  const Evaluation evaluation = read_evaluation({node.path, node.key});
+  const Evaluation evaluation = kEvaluationSchema.read({node.path, node.key});
   ASSERT_TRUE(evaluation.scores.seen.has_value());
   EXPECT_NEAR(evaluation.scores.seen->noisy_crps.mean(), 0.113, 0.04);
   EXPECT_NEAR(evaluation.scores.seen->log_score.mean(), 0.190, 0.45);
@@ -311,7 +312,9 @@ TEST_F(RefineStage, TakesThePowerThatPredictsLeftOutRolloutsBest) {
   const RowMatrix crps = file.read_matrix<double>("power_scores/crps");
   ASSERT_GE(power.size(), 2u);
   EXPECT_TRUE(std::ranges::is_sorted(power));
-  const auto chosen = std::ranges::find(power, read_certificate(file)->power) - power.begin();
+  const auto chosen =
+      std::ranges::find(power, read_part<inference::ImportanceCertificate>(file)->power) -
+      power.begin();
   ASSERT_LT(chosen, std::ssize(power));
   // Noise of 0.2 that nothing predicts has the CRPS 0.2 / sqrt(pi) = 0.113; 3 x 2 x 10 errors leave
   // it to 9 % (standard error), and parameters that are unsure add some.

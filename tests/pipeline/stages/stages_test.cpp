@@ -169,7 +169,7 @@ TEST_F(SmallStages, ADiagnosisHoldsWhatItWasAskedFor) {
   const Plan plan = plan_of({"diagnose={ num_simulations = 40, num_samples = 50 }",
                              "method.num_simulations=60", "study.seeds=[1]"});
   run_all(plan, Stage::diagnose);
-  const Diagnosis all = read_diagnosis(plan.node(Stage::diagnose, {"A", 1, 0}));
+  const Diagnosis all = kDiagnosisSchema.read(plan.node(Stage::diagnose, {"A", 1, 0}));
   EXPECT_EQ(all.num_simulations + all.num_failed, 40);
   EXPECT_EQ(all.sbc->ranks.rows(), all.num_simulations);
   EXPECT_EQ(all.sbc->ranks.cols(), 1);
@@ -184,7 +184,7 @@ TEST_F(SmallStages, ADiagnosisHoldsWhatItWasAskedFor) {
   const Plan some = plan_of({"diagnose={ checks = ['training', 'coverage'], num_simulations = 40 }",
                              "method.num_simulations=60", "study.seeds=[1]"});
   run_all(some, Stage::diagnose);
-  const Diagnosis two = read_diagnosis(some.node(Stage::diagnose, {"A", 1, 0}));
+  const Diagnosis two = kDiagnosisSchema.read(some.node(Stage::diagnose, {"A", 1, 0}));
   EXPECT_TRUE(two.coverage && two.training);
   EXPECT_FALSE(two.sbc || two.tarp || two.local_c2st || two.predictive || two.ood);
 }
@@ -221,8 +221,8 @@ TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
   std::filesystem::remove(infer.path);
 
   const std::filesystem::path checkpoint = plan.work.checkpoint("infer", infer.key);
-  write_checkpoint(checkpoint, infer.identity,
-                   {{state_of(VectorF::Zero(weights.size() + 16))}, {}});
+  kCheckpointSchema.write(checkpoint, infer.identity,
+                          {{state_of(VectorF::Zero(weights.size() + 16))}, {}});
   const std::string message = message_of<InputError>([&] { run_stage(plan, infer); }, &folder_);
   EXPECT_NE(message.find(".checkpoint.h5: training state: " + std::to_string(weights.size() + 16) +
                          " parameters, must be " + std::to_string(weights.size()) +
@@ -230,9 +230,9 @@ TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
             std::string::npos)
       << message;
 
-  write_checkpoint(checkpoint, infer.identity, {{state_of(weights)}, {}});
+  kCheckpointSchema.write(checkpoint, infer.identity, {{state_of(weights)}, {}});
   const std::string digest = content_digest(checkpoint);
-  write_checkpoint(checkpoint, infer.identity, {{state_of(weights)}, {1000.0, 3000.0}});
+  kCheckpointSchema.write(checkpoint, infer.identity, {{state_of(weights)}, {1000.0, 3000.0}});
   EXPECT_EQ(content_digest(checkpoint), digest) << "time is no content";
   run_stage(plan, infer);
   EXPECT_GE(provenance_of(h5::File::open(infer.path)).cost.wall_seconds, 1000.0);
