@@ -73,9 +73,8 @@ void warn_of_other_inputs(const std::string& recording, const Target& target,
                           Index segment_length) {
   const auto key = info.identity.inputs.find("target");
   if (key == info.identity.inputs.end()) return;
-  const std::filesystem::path cache =
-      std::filesystem::canonical(posterior).parent_path().parent_path();
-  const std::filesystem::path own = cache / name_of(Stage::target) / (key->second + ".h5");
+  const std::filesystem::path own = WorkFolder::beside(std::filesystem::canonical(posterior),
+                                                       name_of(Stage::target), key->second);
   std::error_code unreadable;
   if (!std::filesystem::exists(own, unreadable)) return;
   const Target replayed = read_recording(own);

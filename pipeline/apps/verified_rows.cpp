@@ -14,9 +14,8 @@ namespace npdr::pipeline {
 namespace {
 
 ArtefactFile proposal_of(const std::filesystem::path& path, const ArtefactInfo& info) {
-  const std::filesystem::path cache = simulation_of(path, info).parent_path().parent_path();
   const std::string key = input_key(path, info, "proposal");
-  return {cache / "propose" / (key + ".h5"), key};
+  return {WorkFolder::beside(simulation_of(path, info), "propose", key), key};
 }
 
 }  // namespace

@@ -31,15 +31,14 @@ bool same(std::span<const float> a, const RowMatrixF& b) {
 }
 
 Target target_of(const std::filesystem::path& simulation, const ArtefactInfo& info) {
-  const std::string key = input_key(simulation, info, "target");
-  const auto path = simulation.parent_path().parent_path() / "target" / (key + ".h5");
-  return read_recording(path);
+  return read_recording(
+      WorkFolder::beside(simulation, "target", input_key(simulation, info, "target")));
 }
 
 // The round of a simulation's proposal, in the cache beside it.
 Index round_of(const std::filesystem::path& simulation, const ArtefactInfo& info) {
-  const std::string key = input_key(simulation, info, "proposal");
-  const auto path = simulation.parent_path().parent_path() / "propose" / (key + ".h5");
+  const auto path =
+      WorkFolder::beside(simulation, "propose", input_key(simulation, info, "proposal"));
   return count_of(path, read_artefact_info(path).identity.key_document, "round");
 }
 

@@ -13,6 +13,11 @@ fs::path WorkFolder::artefact(const std::string& stage, const std::string& key) 
   return root_ / ".cache" / stage / (key + ".h5");
 }
 
+fs::path WorkFolder::beside(const fs::path& other, const std::string& stage,
+                            const std::string& key) {
+  return other.parent_path().parent_path() / stage / (key + ".h5");
+}
+
 fs::path WorkFolder::checkpoint(const std::string& stage, const std::string& key) const {
   return root_ / ".cache" / stage / (key + ".checkpoint.h5");
 }

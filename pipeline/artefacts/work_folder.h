@@ -30,6 +30,9 @@ class WorkFolder {
 
   const std::filesystem::path& root() const { return root_; }
   std::filesystem::path artefact(const std::string& stage, const std::string& key) const;
+  /// The artefact in the cache that `other`, another artefact, lies in.
+  static std::filesystem::path beside(const std::filesystem::path& other, const std::string& stage,
+                                      const std::string& key);
   /// File that an interrupted stage goes on from.
   std::filesystem::path checkpoint(const std::string& stage, const std::string& key) const;
   /// Folder of the rows that a refinement asks its helpers for (asked_rows_file.h).

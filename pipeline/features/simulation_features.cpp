@@ -23,7 +23,7 @@ std::uint32_t round_of(const Node& simulation) {
 
 SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
                                        const inference::Embedding& embedding)
-    : SimulationFeatures(plan, plan.inputs(infer, Stage::simulate), target, embedding) {}
+    : SimulationFeatures(plan, plan.inputs(infer, "simulation"), target, embedding) {}
 
 SimulationFeatures::SimulationFeatures(const Plan& plan,
                                        const std::vector<const Node*>& simulations,

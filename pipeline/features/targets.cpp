@@ -5,7 +5,7 @@
 namespace npdr::pipeline {
 
 Target read_target(const Plan& plan, const Node& node, Index num_rollouts) {
-  Target target = read_target_artefact(*plan.inputs(node, Stage::target).front());
+  Target target = read_target_artefact(plan.input(node, "target"));
   return num_rollouts > 0 ? target.first(num_rollouts) : target;
 }
 
@@ -20,9 +20,9 @@ Target make_seen_target(const Plan& plan) {
 }
 
 std::optional<Target> read_held_out(const Plan& plan, const Node& node) {
-  const auto sources = plan.inputs(node, Stage::held_out);
-  if (sources.empty()) return std::nullopt;
-  return read_target_artefact(*sources.front());
+  const Node* held_out = plan.find_input(node, "held_out");
+  if (held_out == nullptr) return std::nullopt;
+  return read_target_artefact(*held_out);
 }
 
 }  // namespace npdr::pipeline

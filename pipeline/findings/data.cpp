@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/target_file.h"
 #include "pipeline/findings/dataset_probes.h"
 
@@ -107,8 +106,8 @@ void collect(const std::vector<const Node*>& nodes, const Read& read,
 }
 
 void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
-  for (const Node* evaluation : plan.inputs(node, Stage::evaluate)) {
-    const Node& posterior = *plan.inputs(*evaluation, Stage::infer).front();
+  for (const Node* evaluation : plan.inputs(node, "evaluation")) {
+    const Node& posterior = plan.input(*evaluation, "posterior");
     for (const Use& use : evaluation->uses) {
       const bool is_last = use.round == plan.study.method(use.method).algorithm.num_rounds;
       (use.fold > 0 ? data.folds : data.runs)
@@ -117,17 +116,17 @@ void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
     }
   }
   collect(
-      plan.inputs(node, Stage::diagnose),
+      plan.inputs(node, "diagnosis"),
       [](const Node& diagnosis) { return kDiagnosisSchema.read(diagnosis); }, data.diagnoses);
   collect(
-      plan.inputs(node, Stage::policy),
+      plan.inputs(node, "policy"),
       [](const Node& policy) { return kPolicySchema.read(policy).history; }, data.policies);
   collect(
-      plan.inputs(node, Stage::policy_test),
+      plan.inputs(node, "policy_test"),
       [](const Node& test) { return kPolicyTestSchema.read(test); }, data.policy_tests);
   data.target = read_target_artefact(plan.node(Stage::target, {}));
   if (plan.study.target.held_out > 0) {
-    data.held_out = read_recording(plan.node(Stage::held_out, {}).path);
+    data.held_out = read_target_artefact(plan.node(Stage::held_out, {}));
   }
 }
 
@@ -148,9 +147,8 @@ void list_methods_and_seeds(const Study& study, ReportData& data) {
 }  // namespace
 
 ReportData read_report_data(const Plan& plan, const Node& node) {
-  ReportData data{plan, plan.source->info(),
-                  {},   {},
-                  {},   kBaselineSchema.read(*plan.inputs(node, Stage::baseline).front())};
+  ReportData data{
+      plan, plan.source->info(), {}, {}, {}, kBaselineSchema.read(plan.input(node, "baseline"))};
   read_artefacts(plan, node, data);
   list_methods_and_seeds(plan.study, data);
   if (has_posteriors(data)) {

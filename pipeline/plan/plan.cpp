@@ -51,10 +51,27 @@ const Node& Plan::node_by_key(const std::string& key) const {
   return *found;
 }
 
-std::vector<const Node*> Plan::inputs(const Node& node, Stage stage) const {
+std::string numbered(std::string_view name, Index number) {
+  return std::string(name) + "_" + std::to_string(number);
+}
+
+const Node* Plan::find_input(const Node& node, std::string_view name) const {
+  const auto found = std::ranges::find(node.inputs, name, &Input::name);
+  return found == node.inputs.end() ? nullptr : &nodes[found->position];
+}
+
+const Node& Plan::input(const Node& node, std::string_view name) const {
+  if (const Node* found = find_input(node, name)) return *found;
+  throw Error(node.label() + ": has no input '" + std::string(name) + "'");
+}
+
+std::vector<const Node*> Plan::inputs(const Node& node, std::string_view name) const {
   std::vector<const Node*> found;
-  for (const std::size_t i : node.needs) {
-    if (nodes[i].stage == stage) found.push_back(&nodes[i]);
+  for (const Input& input : node.inputs) {
+    const std::size_t end = input.name.rfind('_');
+    if (end != std::string::npos && input.name.substr(0, end) == name) {
+      found.push_back(&nodes[input.position]);
+    }
   }
   return found;
 }

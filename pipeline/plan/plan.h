@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/target.h"
@@ -35,12 +36,22 @@ struct Use {
   std::uint64_t stream_round() const;
 };
 
+/// An input of an artefact.
+struct Input {
+  std::string name;      ///< such as "posterior", or "simulation_2": that of round 2
+  std::size_t position;  ///< in the plan
+};
+
+/// Name of the input that is one of several: "posterior_2".
+std::string numbered(std::string_view name, Index number);
+
 /// One artefact of the plan.
 struct Node : ArtefactFile {
   Stage stage = Stage::target;
   Identity identity;
   std::vector<Use> uses;           ///< at least one; the first made it part of the plan
-  std::vector<std::size_t> needs;  ///< positions in the plan, all before this one
+  std::vector<Input> inputs;       ///< those that its key depends on
+  std::vector<std::size_t> needs;  ///< positions in the plan of all, which are before this one
 
   /// Name for people: "simulate NPDR (MAF), seed 1, iteration 3, round 2"; "infer NPE, seed 1,
   /// round 1, without fold 2".
@@ -66,8 +77,12 @@ struct Plan {
   const Node& node(Stage stage, const Use& use) const;
   /// The node whose key begins with `key`. Throws InputError when there is none or more than one.
   const Node& node_by_key(const std::string& key) const;
-  /// Inputs of `node` that `stage` makes, in the order of rounds.
-  std::vector<const Node*> inputs(const Node& node, Stage stage) const;
+  /// The input of `node` with that name; nullptr: it has none.
+  const Node* find_input(const Node& node, std::string_view name) const;
+  /// The same of one that it has. Throws Error.
+  const Node& input(const Node& node, std::string_view name) const;
+  /// Its inputs "name_1", "name_2", ..., in their order.
+  std::vector<const Node*> inputs(const Node& node, std::string_view name) const;
   /// Simulations that the search for the floor may make; 0: as many as it needs. Simulators of the
   /// user's may be slow: for them it costs what the simulations of one experiment do.
   Index num_floor_evaluations() const;

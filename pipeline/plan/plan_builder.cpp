@@ -125,8 +125,8 @@ PlanBuilder::Inputs PlanBuilder::add_judgment(std::size_t target,
     json["references"][reference.name] = reference.parameters;
   }
   Inputs inputs = {{"target", target}};
-  if (held_out) inputs.emplace_back("held_out", *held_out);
-  if (scale_) inputs.emplace_back("prior_predictive", *scale_);
+  if (held_out) inputs.push_back({"held_out", *held_out});
+  if (scale_) inputs.push_back({"prior_predictive", *scale_});
   return inputs;
 }
 
@@ -273,11 +273,11 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   Inputs inputs = {{"target", target}};
   // A population has all that matters of the rounds before it.
   for (std::size_t r = is_abc ? simulations.size() - 1 : 0; r < simulations.size(); ++r) {
-    inputs.emplace_back("simulation_" + std::to_string(r + 1), simulations[r]);
+    inputs.push_back({numbered("simulation", static_cast<Index>(r) + 1), simulations[r]});
   }
   const std::size_t first = is_abc && !posteriors.empty() ? posteriors.size() - 1 : 0;
   for (std::size_t r = first; r < posteriors.size(); ++r) {
-    inputs.emplace_back("posterior_" + std::to_string(r + 1), posteriors[r]);
+    inputs.push_back({numbered("posterior", static_cast<Index>(r) + 1), posteriors[r]});
   }
   return add(Stage::infer, json, use, inputs);
 }
@@ -297,7 +297,7 @@ std::size_t PlanBuilder::add_refinement(const MethodConfig& method, const Use& u
     const MethodConfig& start = plan_.study.method(method.refine.start);
     const Use first{start.name, use.seed, 0, use.iteration, use.fold};
     const Rounds rounds = add_rounds(start, first, target);
-    inputs.emplace_back("posterior_1", rounds.posteriors.back());
+    inputs.push_back({numbered("posterior", 1), rounds.posteriors.back()});
   }
   return add(Stage::infer, json, use, inputs);
 }
@@ -307,7 +307,7 @@ std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target,
                                         std::size_t posterior) {
   Json json = key_document(kEvaluationSchema);
   Inputs inputs = add_judgment(target, held_out, json);
-  inputs.emplace_back("posterior", posterior);
+  inputs.push_back({"posterior", posterior});
   json["num_samples"] = plan_.study.evaluate.num_samples;
   add_scoring(json);
   if (plan_.study.target.truth) json["truth"] = *plan_.study.target.truth;
@@ -333,13 +333,14 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& us
   json["seed"] = use.seed;
   Inputs inputs = {{"target", target}, {"posterior", rounds.posteriors.back()}};
   if (diagnose.calibrates()) {
-    if (rounds.posteriors.size() > 1) inputs.emplace_back("posterior_1", rounds.posteriors.front());
+    if (rounds.posteriors.size() > 1)
+      inputs.push_back({numbered("posterior", 1), rounds.posteriors.front()});
     const std::size_t proposal = add_proposal(method, use, {});
-    inputs.emplace_back("calibration", add_simulation(method, use, target, proposal));
+    inputs.push_back({"calibration", add_simulation(method, use, target, proposal)});
   }
   if (diagnose.has(Check::ood) || diagnose.has(Check::failures)) {
     for (std::size_t r = 0; r < rounds.simulations.size(); ++r) {
-      inputs.emplace_back("simulation_" + std::to_string(r + 1), rounds.simulations[r]);
+      inputs.push_back({numbered("simulation", static_cast<Index>(r) + 1), rounds.simulations[r]});
     }
   }
   return add(Stage::diagnose, json, use, inputs);
@@ -351,7 +352,7 @@ void PlanBuilder::add_report(std::size_t target, std::size_t baseline, const Res
   Inputs inputs = {{"baseline", baseline}};
   const auto add_numbered = [&](const char* name, const std::vector<std::size_t>& nodes) {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      inputs.emplace_back(std::string(name) + "_" + std::to_string(i + 1), nodes[i]);
+      inputs.push_back({numbered(name, static_cast<Index>(i) + 1), nodes[i]});
     }
   };
   add_numbered("evaluation", results.evaluations);
@@ -375,10 +376,11 @@ void PlanBuilder::add_report(std::size_t target, std::size_t baseline, const Res
 std::size_t PlanBuilder::add(Stage stage, Json document, const Use& use, const Inputs& inputs) {
   Node node;
   node.stage = stage;
-  for (const auto& [name, index] : inputs) {
-    node.identity.inputs[name] = plan_.nodes[index].key;
-    node.needs.push_back(index);
+  for (const auto& [name, position] : inputs) {
+    node.identity.inputs[name] = plan_.nodes[position].key;
+    node.needs.push_back(position);
   }
+  node.inputs = inputs;
   document["inputs"] = node.identity.inputs;
   node.identity.key_document = std::move(document);
   node.identity.study = study_json_;

@@ -13,7 +13,7 @@ class PlanBuilder {
   Plan build();
 
  private:
-  using Inputs = std::vector<std::pair<std::string, std::size_t>>;  // by name, positions
+  using Inputs = std::vector<Input>;
 
   void check_selection(const Selection& selection) const;
   void check_size() const;

@@ -46,12 +46,12 @@ std::size_t PlanBuilder::add_policy(const MethodConfig& method, const Use& use,
   json["iteration"] = use.iteration;
   Inputs inputs;
   if (posterior) {
-    inputs.emplace_back("posterior", *posterior);
+    inputs.push_back({"posterior", *posterior});
   } else {
     json["domain_parameters"] = name_of(method.algorithm.kind);
     if (method.algorithm.kind == inference::Algorithm::prior) json["prior"] = to_json(study.prior);
   }
-  if (start) inputs.emplace_back("policy", *start);
+  if (start) inputs.push_back({"policy", *start});
   return add(Stage::policy, json, use, inputs);
 }
 
@@ -68,7 +68,7 @@ std::optional<std::size_t> PlanBuilder::add_policy_test(const Use& use,
   json["num_test_states"] = study.policy.num_test_states;
   json["seed"] = use.seed;
   Inputs inputs;
-  if (policy) inputs.emplace_back("policy", *policy);
+  if (policy) inputs.push_back({"policy", *policy});
   return add(Stage::policy_test, json, use, inputs);
 }
 

@@ -8,7 +8,7 @@ namespace npdr::pipeline {
 Judge::Judge(const Plan& plan, const Node& node)
     : plan_(plan), seen_(plan, read_target(plan, node), log_of(node.path)) {
   if (plan.study.source().predicts_features()) {
-    const Node& of_prior = *plan.inputs(node, Stage::simulate).front();
+    const Node& of_prior = plan.input(node, "prior_predictive");
     seen_.set_scale_of_features(scale_of_features(of_prior, plan.study.tails()));
   }
   if (std::optional<Target> held_out = read_held_out(plan, node)) {

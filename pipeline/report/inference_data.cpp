@@ -45,7 +45,7 @@ void write_weighted(const Plan& plan, const Chains& chains, h5::File& file) {
   std::vector<inference::ParticleParts> parts;
   Index most = 0;
   for (const Node* node : chains.nodes) {
-    const auto posterior = read_posterior(*plan.inputs(*node, Stage::infer).front());
+    const auto posterior = read_posterior(plan.input(*node, "posterior"));
     const auto* particles = dynamic_cast<const inference::ParticlePosterior*>(posterior.get());
     if (particles == nullptr) return;
     parts.push_back(particles->parts());

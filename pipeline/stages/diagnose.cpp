@@ -51,7 +51,12 @@ struct Case {
   VectorF x_o;
   Calibration calibration;  // where any check calibrates
 
-  const Node& last_posterior() const { return *plan.inputs(node, Stage::infer).front(); }
+  const Node& last_posterior() const { return plan.input(node, "posterior"); }
+  // Of round 1, which has learned from the whole prior.
+  const Node& first_posterior() const {
+    const Node* first = plan.find_input(node, numbered("posterior", 1));
+    return first != nullptr ? *first : last_posterior();
+  }
   StreamId stream(std::string_view name) const { return {node.uses.front().seed, name, 0, 0, 0}; }
 };
 
@@ -71,15 +76,6 @@ Case make_case(const Plan& plan, const Node& node) {
   return c;
 }
 
-// The simulations that `node` needs: those of calibration, or those of the rounds.
-std::vector<const Node*> simulations_of(const Case& c, bool of_calibration) {
-  std::vector<const Node*> found;
-  for (const Node* simulation : c.plan.inputs(c.node, Stage::simulate)) {
-    if (is_calibration(*simulation) == of_calibration) found.push_back(simulation);
-  }
-  return found;
-}
-
 void require_rows(const Case& c, Index found, Index failed) {
   if (found >= inference::kFewestSimulations) return;
   throw InputError(
@@ -97,10 +93,10 @@ RowMatrixF all_features(const SimulationFeatures& source) {
 }
 
 Calibration calibrate(const Case& c, ArtefactWriter& writer) {
-  const auto simulations = simulations_of(c, true);
-  const SimulationFeatures features(c.plan, simulations, c.target, *c.embedding);
+  const SimulationFeatures features(c.plan, std::vector{&c.plan.input(c.node, "calibration")},
+                                    c.target, *c.embedding);
   require_rows(c, features.num_rows(), features.num_failed());
-  Calibration made{read_network_posterior(*c.plan.inputs(c.node, Stage::infer).back()),
+  Calibration made{read_network_posterior(c.first_posterior()),
                    features.num_failed(),
                    features.theta(),
                    all_features(features),
@@ -244,7 +240,8 @@ PredictiveResult check_predictions(const Case& c) {
 // Among what the network of the last round was trained on; none where that is too little to tell.
 std::optional<inference::OutOfDistribution> check_observation(const Case& c) {
   constexpr Index most_rows = 4000;
-  const SimulationFeatures features(c.plan, simulations_of(c, false), c.target, *c.embedding);
+  const SimulationFeatures features(c.plan, c.plan.inputs(c.node, "simulation"), c.target,
+                                    *c.embedding);
   const auto usual =
       usual_features_of(features, c.plan.study.tails(), most_rows, c.stream("usual_features"));
   if (!usual) return std::nullopt;
@@ -272,7 +269,7 @@ constexpr CheckRun kCheckRuns[] = {
     {Check::ood, [](const Case& c, Diagnosis& d) { d.ood = check_observation(c); }},
     {Check::failures,
      [](const Case& c, Diagnosis& d) {
-       d.failures = test_failures(c.plan, simulations_of(c, false));
+       d.failures = test_failures(c.plan, c.plan.inputs(c.node, "simulation"));
      }},
     {Check::training,
      [](const Case& c, Diagnosis& d) {

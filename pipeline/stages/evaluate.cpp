@@ -32,7 +32,7 @@ void predict(const Plan& plan, const Node& node, const Judge& judge, const Strea
   // Not what the posterior has seen in all iterations: evaluations are by the first target.
   const std::string& method = node.uses.front().method;
   const Target target = read_target(plan, node, plan.study.method(method).num_rollouts);
-  const NoiseSource source = noise_source(plan, *plan.inputs(node, Stage::infer).front());
+  const NoiseSource source = noise_source(plan, plan.input(node, "posterior"));
   const NoiseOfSamples noise = draw_noise(plan, target, seen, source, first);
   evaluation.noise = inferred_noise(noise_model(plan.study, target), noise, seen);
   evaluation.scores = score(plan, judge, seen, held_out, noise, first);
@@ -44,7 +44,7 @@ void run_evaluate(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kEvaluationSchema, node.identity);
   const Use& use = node.uses.front();
   const std::uint64_t round = use.stream_round();
-  const auto posterior = read_posterior(*plan.inputs(node, Stage::infer).front());
+  const auto posterior = read_posterior(plan.input(node, "posterior"));
   const Judge judge(plan, node);
   const ParameterMap& parameters = plan.source->parameters();
   const auto log_prob_at = [&](const std::map<std::string, double>& values) {

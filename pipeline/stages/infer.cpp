@@ -102,7 +102,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   data.round = features.rounds();
   data.num_simulated = features.num_simulated();
   data.x_o = observation(plan, target, *embedding);
-  for (const Node* posterior : plan.inputs(node, Stage::infer)) {
+  for (const Node* posterior : plan.inputs(node, "posterior")) {
     data.posteriors.push_back(read_network_posterior(*posterior));
   }
 

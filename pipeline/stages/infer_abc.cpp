@@ -22,9 +22,9 @@ struct Previous {
 };
 
 std::optional<Previous> read_previous(const Plan& plan, const Node& node) {
-  const auto posteriors = plan.inputs(node, Stage::infer);
-  if (posteriors.empty()) return std::nullopt;
-  const Node& posterior = *posteriors.front();
+  const Index round = node.uses.front().round;
+  if (round == 1) return std::nullopt;
+  const Node& posterior = plan.input(node, numbered("posterior", round - 1));
   const h5::File file = open_artefact(posterior, kPosteriorSchema);
   Previous previous{read_population(file), read_posterior_notes(posterior).rows, {}};
   if (file.has("transform")) describe(Layout::reader(file), previous.transform.emplace());
@@ -55,7 +55,7 @@ Index count_infinite(const Vector& distances) { return (distances.array() == kIn
 void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
   const Use& use = node.uses.front();
   const MethodConfig& method = plan.study.method(use.method);
-  const Node& simulation = *plan.inputs(node, Stage::simulate).front();
+  const Node& simulation = plan.input(node, numbered("simulation", use.round));
   const Target target = read_seen_target(plan, node);
   std::optional<Previous> previous = read_previous(plan, node);
 

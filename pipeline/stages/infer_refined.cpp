@@ -39,10 +39,10 @@ Helper none_of_helpers(const Plan& plan) {
 // Draws of the posterior that is refined, over u; none: the prior's.
 RowMatrix start_of(const Plan& plan, const Node& node, const inference::Prior& prior,
                    const StreamId& id) {
-  const auto posteriors = plan.inputs(node, Stage::infer);
-  if (posteriors.empty()) return {};
+  const Node* posterior = plan.find_input(node, numbered("posterior", 1));
+  if (posterior == nullptr) return {};
   return prior.to_normal(
-      read_posterior(*posteriors.front())->sample(kStartDraws, within(id, "refine_start")));
+      read_posterior(*posterior)->sample(kStartDraws, within(id, "refine_start")));
 }
 
 // Runs the sampler, with a checkpoint now and then, and one more when asked to stop.

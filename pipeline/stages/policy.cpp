@@ -26,9 +26,8 @@ StreamId stream_of(const Node& node, std::string_view name, Index iteration) {
 RowMatrix draw_domain_parameters(const Plan& plan, const Node& node, Index n) {
   const StreamId id = stream_of(node, "policy_domain_parameters", 0);
   const ParameterMap& parameters = plan.source->parameters();
-  const auto posteriors = plan.inputs(node, Stage::infer);
-  if (!posteriors.empty()) {
-    return parameters.complete(read_posterior(*posteriors.front())->sample(n, id));
+  if (const Node* posterior = plan.find_input(node, "posterior")) {
+    return parameters.complete(read_posterior(*posterior)->sample(n, id));
   }
   return parameters.complete(inference::sample_prior(inference::Prior(plan.study.prior), n, id));
 }
@@ -124,9 +123,9 @@ class Search {
   }
 
   Vector start_point() const {
-    const auto earlier = plan_.inputs(node_, Stage::policy);
-    const Vector policy = earlier.empty() ? first_policy(plan_.study, task_->info())
-                                          : kPolicySchema.read(*earlier.front()).policy;
+    const Node* earlier = plan_.find_input(node_, "policy");
+    const Vector policy = earlier == nullptr ? first_policy(plan_.study, task_->info())
+                                             : kPolicySchema.read(*earlier).policy;
     return sim::to_search_space(task_->info(), policy.transpose()).row(0).transpose();
   }
 

@@ -27,18 +27,17 @@ void run_propose(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kProposalSchema, node.identity);
   const Use& use = node.uses.front();
   const Index n = num_rows(plan, node);
-  const auto posteriors = plan.inputs(node, Stage::infer);
+  const Node* posterior = plan.find_input(node, "posterior");
   RowMatrix theta;
   if (auto given = plan.source->theta(use.seed, n)) {
     theta = std::move(*given);
-  } else if (posteriors.empty()) {
+  } else if (posterior == nullptr) {
     // Calibration, round 0, has draws of its own.
     theta = inference::sample_prior(inference::Prior(plan.study.prior), n, use.seed,
                                     use.stream_round());
   } else {
-    theta =
-        propose_from(plan, *posteriors.front(), n, {use.seed, "proposal", use.stream_round(), 0, 0},
-                     plan.study.method(use.method));
+    theta = propose_from(plan, *posterior, n, {use.seed, "proposal", use.stream_round(), 0, 0},
+                         plan.study.method(use.method));
   }
   kProposalSchema.write(writer.file(), {std::move(theta), plan.study.prior});
   writer.finish();

@@ -42,7 +42,7 @@ Simulation make_simulation(const Plan& plan, const Node& node) {
   return {.plan = plan,
           .node = node,
           .target = target,
-          .proposal = open_proposal(*plan.inputs(node, Stage::propose).front()),
+          .proposal = open_proposal(plan.input(node, "proposal")),
           .simulator = plan.source->open({.simulator = plan.study.simulator,
                                           .target = target,
                                           .seed = use.seed,

@@ -41,7 +41,7 @@ Target collect(const Plan& plan, const Node& node) {
   Target target = num_seen > 0 ? earlier.first(num_seen) : earlier;
   const Index count = target.num_rollouts() / std::max<Index>(1, last.iteration);
   Target more = collect_rollouts(
-      plan, target, kPolicySchema.read(*plan.inputs(node, Stage::policy).front()).policy, count,
+      plan, target, kPolicySchema.read(plan.input(node, "policy")).policy, count,
       {use.seed, "policy_rollouts", static_cast<std::uint64_t>(use.iteration), 0, 0});
   // Those that are held out come after the first ones.
   Index number = earlier.rollouts.back().number;
@@ -79,7 +79,7 @@ void write_part(const Plan& plan, const Node& node, const Target& all, h5::File&
 
 void run_target(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kTargetSchema, node.identity);
-  if (!plan.inputs(node, Stage::policy).empty()) {
+  if (plan.find_input(node, "policy") != nullptr) {
     write_rollouts(writer.file(), collect(plan, node));
   } else {
     const Target all =

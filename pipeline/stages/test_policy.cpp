@@ -43,10 +43,10 @@ void run_policy_test(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kPolicyTestSchema, node.identity);
   const Study& study = plan.study;
   const auto task = make_task(study);
-  const auto policies = plan.inputs(node, Stage::policy);
+  const Node* policy = plan.find_input(node, "policy");
   PolicyTest test;
-  test.policy = policies.empty() ? first_policy(study, task->info())
-                                 : kPolicySchema.read(*policies[0]).policy;
+  test.policy =
+      policy == nullptr ? first_policy(study, task->info()) : kPolicySchema.read(*policy).policy;
   // The same for all policies of a seed.
   test.initial_states = task->initial_states(study.policy.num_test_states,
                                              {node.uses.front().seed, "policy_test", 0, 0, 0});

@@ -63,7 +63,7 @@ TEST(Plan, WhatMethodsShareIsListedOnceInTheReportsNeeds) {
                              "method.A.density_estimator={kind='mdn'}"});
   EXPECT_EQ(&plan.node(Stage::evaluate, {"A", 1, 1}), &plan.node(Stage::evaluate, {"B", 1, 1}));
   const Node& report = plan.node(Stage::report, {});
-  EXPECT_EQ(plan.inputs(report, Stage::evaluate).size(), 2u);  // one per seed
+  EXPECT_EQ(plan.inputs(report, "evaluation").size(), 2u);  // one per seed
   EXPECT_EQ(report.identity.inputs.size(), 3u);
 }
 
@@ -148,9 +148,8 @@ TEST(Plan, EveryMethodIsRepeatedWithoutEachFold) {
   const Use use{.method = "A", .seed = 2, .round = 2, .fold = 1};
   const Node& evaluation = folded.node(Stage::evaluate, use);
   const Use fold{.fold = 1};
-  EXPECT_EQ(folded.inputs(evaluation, Stage::target).front(), &folded.node(Stage::target, fold));
-  EXPECT_EQ(folded.inputs(evaluation, Stage::held_out).front(),
-            &folded.node(Stage::held_out, fold));
+  EXPECT_EQ(folded.find_input(evaluation, "target"), &folded.node(Stage::target, fold));
+  EXPECT_EQ(folded.find_input(evaluation, "held_out"), &folded.node(Stage::held_out, fold));
   EXPECT_EQ(evaluation.label(), "evaluate A, seed 2, round 2, without fold 1");
   EXPECT_EQ(link_of(folded, evaluation, use),
             "runs/two/a/seed-2/without-fold-1/round-2/evaluate.h5");
@@ -293,8 +292,8 @@ TEST(Plan, APopulationNeedsTheLastRoundAlone) {
   const Node& third = plan.node(Stage::infer, {"A", 1, 3});
   EXPECT_EQ(inputs_of(plan, third),
             (std::vector<Stage>{Stage::target, Stage::simulate, Stage::infer}));
-  EXPECT_EQ(plan.inputs(third, Stage::infer).front(), &plan.node(Stage::infer, {"A", 1, 2}));
-  EXPECT_EQ(plan.inputs(third, Stage::simulate).front(), &plan.node(Stage::simulate, {"A", 1, 3}));
+  EXPECT_EQ(plan.find_input(third, "posterior_2"), &plan.node(Stage::infer, {"A", 1, 2}));
+  EXPECT_EQ(plan.find_input(third, "simulation_3"), &plan.node(Stage::simulate, {"A", 1, 3}));
 }
 
 TEST(Plan, PosteriorsDependOnTheSettingsOfTheirOwnFamily) {

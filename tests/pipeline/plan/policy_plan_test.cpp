@@ -51,12 +51,12 @@ TEST(PolicyPlan, LaterIterationsInferFromWhatThePolicyCollects) {
   const Plan plan = loop_of();
   const Node& collection = plan.node(Stage::target, {"online", 1, 0, 2});
   EXPECT_EQ(inputs_of(plan, collection), (std::vector<Stage>{Stage::target, Stage::policy}));
-  EXPECT_EQ(plan.inputs(collection, Stage::target).front(), &plan.node(Stage::target, {}));
+  EXPECT_EQ(plan.find_input(collection, "target"), &plan.node(Stage::target, {}));
   EXPECT_EQ(collection.label(), "target online, seed 1, iteration 2");
   EXPECT_EQ(link_of(plan, collection, collection.uses.front()),
             "runs/loop/online/seed-1/iteration-2/target.h5");
   const Node& infer = plan.node(Stage::infer, {"online", 1, 1, 2});
-  EXPECT_EQ(plan.inputs(infer, Stage::target).front(), &collection);
+  EXPECT_EQ(plan.find_input(infer, "target"), &collection);
   const Node& search = plan.node(Stage::policy, {"online", 1, 0, 2});
   EXPECT_EQ(inputs_of(plan, search), (std::vector<Stage>{Stage::infer, Stage::policy}));
   EXPECT_NE(plan.node(Stage::propose, {"online", 1, 1, 2}).key,
@@ -64,8 +64,8 @@ TEST(PolicyPlan, LaterIterationsInferFromWhatThePolicyCollects) {
       << "fresh draws of the prior";
   // The last posterior is measured by what all methods have seen.
   const Node& evaluation = plan.node(Stage::evaluate, {"online", 1, 1, 3});
-  EXPECT_EQ(plan.inputs(evaluation, Stage::target).front(), &plan.node(Stage::target, {}));
-  EXPECT_EQ(plan.inputs(evaluation, Stage::infer).front(),
+  EXPECT_EQ(plan.find_input(evaluation, "target"), &plan.node(Stage::target, {}));
+  EXPECT_EQ(plan.find_input(evaluation, "posterior"),
             &plan.node(Stage::infer, {"online", 1, 1, 3}));
 }
 

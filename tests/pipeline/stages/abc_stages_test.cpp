@@ -103,7 +103,7 @@ TEST_F(AbcStages, MetricsAreOfAllStatesThatAreStored) {
   const Vector found = metric_distances(plan, node, target, inference::AbcDistance::rmse);
   const auto simulator =
       sim::make_simulator({.name = "pendulum", .segment_length = 100, .store_every = 1});
-  const Node& proposal = *plan.inputs(node, Stage::propose).front();
+  const Node& proposal = plan.input(node, "proposal");
   const RowMatrix theta = read_proposal(open_proposal(proposal), {0, 5});
   const sim::Trajectories all =
       simulator->replay(target, plan.source->parameters().complete(theta));
