@@ -12,7 +12,7 @@
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/features/targets.h"
 
 namespace npdr::pipeline {
@@ -51,7 +51,7 @@ Data data_of(const Plan& plan, const Node& node) {
   const Target target = read_seen_target(plan, node);
   const sim::SimulatorConfig& simulator = plan.study.simulator;
   const bool is_cut = simulator.segment_length < target.num_steps();
-  return {stored_observation(plan, target), simulator.store_every,
+  return {Observation(plan.study, target).states(), simulator.store_every,
           is_cut ? simulator.segment_length : 0};
 }
 

@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "pipeline/artefacts/simulation_file.h"
-#include "pipeline/features/noise.h"
 #include "pipeline/plan/shards.h"
 
 namespace npdr::pipeline {
@@ -21,15 +20,17 @@ std::uint32_t round_of(const Node& simulation) {
 
 }  // namespace
 
-SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
+SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer,
+                                       const Observation& observation,
                                        const inference::Embedding& embedding)
-    : SimulationFeatures(plan, plan.inputs(infer, "simulation"), target, embedding) {}
+    : SimulationFeatures(plan, plan.inputs(infer, "simulation"), observation, embedding) {}
 
 SimulationFeatures::SimulationFeatures(const Plan& plan,
                                        const std::vector<const Node*>& simulations,
-                                       const Target& target, const inference::Embedding& embedding)
+                                       const Observation& observation,
+                                       const inference::Embedding& embedding)
     : embedding_(embedding),
-      noise_(noise_model(plan.study, target, embedding.selection())),
+      noise_(observation.noise_of(embedding.selection())),
       redraws_(plan.study.observation_noise.redraw && !noise_.is_silent()),
       seed_(simulations.front()->uses.front().seed) {
   std::vector<h5::File> files;
@@ -128,58 +129,6 @@ std::vector<Index> SimulationFeatures::rows() const {
   std::vector<Index> rows;
   for (const Origin& origin : origin_) rows.push_back(origin.row);
   return rows;
-}
-
-namespace {
-
-// A behavior of which `part` is: its rollouts by their numbers, any in place of the others.
-Target whole_behavior(const Target& part) {
-  Target whole = part;
-  Index count = 0;
-  for (const Rollout& rollout : part.rollouts) count = std::max(count, rollout.number + 1);
-  whole.rollouts.assign(static_cast<std::size_t>(count), part.rollouts.front());
-  for (const Rollout& rollout : part.rollouts) {
-    whole.rollouts[static_cast<std::size_t>(rollout.number)] = rollout;
-  }
-  return whole;
-}
-
-}  // namespace
-
-// A simulated truth is observed once, with all that it does: a rollout has the same noise wherever
-// it is looked at.
-std::vector<float> stored_observation(const Plan& plan, const Target& target) {
-  const Study& study = plan.study;
-  const Index store_every = study.simulator.store_every;
-  if (!study.target.truth || study.observation_noise.is_silent()) {
-    return inference::observed_series(target, store_every);
-  }
-  const Target whole = whole_behavior(target);
-  std::vector<float> all = inference::observed_series(whole, store_every);
-  Stream stream({study.target.seed, "target_observation_noise", 0, 0, 0});
-  noise_model(study, whole).add(all, 1, stream);
-  const std::ptrdiff_t size = std::ssize(all) / whole.num_rollouts();
-  std::vector<float> stored;
-  for (const Rollout& rollout : target.rollouts) {
-    const auto begin = all.begin() + rollout.number * size;
-    stored.insert(stored.end(), begin, begin + size);
-  }
-  return stored;
-}
-
-std::vector<float> picked_observation(const Plan& plan, const Target& target,
-                                      const inference::Embedding& embedding) {
-  const inference::SeriesSelection& selection = embedding.selection();
-  std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
-  selection.pick(stored_observation(plan, target), picked);
-  return picked;
-}
-
-VectorF observation(const Plan& plan, const Target& target, const inference::Embedding& embedding) {
-  VectorF x(embedding.num_features());
-  embedding.embed(picked_observation(plan, target, embedding),
-                  {x.data(), static_cast<std::size_t>(x.size())});
-  return x;
 }
 
 }  // namespace npdr::pipeline

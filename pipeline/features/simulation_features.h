@@ -10,21 +10,21 @@
 
 #include "inference/embeddings/embedding.h"
 #include "inference/feature_source.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/features/row_store.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/store/h5.h"
-#include "sim/noise_model.h"
 
 namespace npdr::pipeline {
 
 class SimulationFeatures : public inference::FeatureSource {
  public:
   /// Reads the simulations among `infer`'s inputs.
-  SimulationFeatures(const Plan& plan, const Node& infer, const Target& target,
+  SimulationFeatures(const Plan& plan, const Node& infer, const Observation& observation,
                      const inference::Embedding& embedding);
   /// Reads `simulations`, in blocks. Throws InputError where all of their rows failed.
   SimulationFeatures(const Plan& plan, const std::vector<const Node*>& simulations,
-                     const Target& target, const inference::Embedding& embedding);
+                     const Observation& observation, const inference::Embedding& embedding);
 
   Index num_rows() const override { return static_cast<Index>(origin_.size()); }
   Index num_features() const override { return embedding_.num_features(); }
@@ -58,16 +58,5 @@ class SimulationFeatures : public inference::FeatureSource {
   std::vector<Index> num_simulated_;
   std::unique_ptr<RowStore> rows_;
 };
-
-/// The stored states of the target, (H, K, C) as they are observed.
-std::vector<float> stored_observation(const Plan& plan, const Target& target);
-
-/// The states of the target that the embedding picks, (H, K, C') as they are observed.
-std::vector<float> picked_observation(const Plan& plan, const Target& target,
-                                      const inference::Embedding& embedding);
-
-/// x_o: the target's own features. A simulated target domain is observed with the same noise as the
-/// simulations (its own random stream), a recording, or an x_o that was measured, as it is.
-VectorF observation(const Plan& plan, const Target& target, const inference::Embedding& embedding);
 
 }  // namespace npdr::pipeline

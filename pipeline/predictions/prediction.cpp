@@ -13,9 +13,9 @@ sim::SimulatorConfig keeping_every_state(sim::SimulatorConfig config) {
 }  // namespace
 
 Predictor::Predictor(const Plan& plan, Target target, const std::filesystem::path& log)
-    : plan_(plan), target_(std::move(target)) {
+    : plan_(plan), observation_(plan.study, std::move(target)) {
   if (!plan.study.source().simulates) return;
-  simulator_ = plan.source->open({keeping_every_state(plan.study.simulator), target_, log});
+  simulator_ = plan.source->open({keeping_every_state(plan.study.simulator), this->target(), log});
 }
 
 sim::Trajectories Predictor::simulate(const RowMatrix& complete, const StreamId& first) const {
@@ -25,12 +25,12 @@ sim::Trajectories Predictor::simulate(const RowMatrix& complete, const StreamId&
 std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajectories) const {
   std::map<std::string, Vector> values;
   if (!plan_.study.source().gives_motion) {
-    const VectorF x_o = target_.rollouts.front().states.row(1).transpose().cast<float>();
+    const VectorF x_o = target().rollouts.front().states.row(1).transpose().cast<float>();
     values[name_of(Metric::distance)] =
         inference::mean_feature_distances(features_of(trajectories), scale_, x_o);
     return values;
   }
-  const analysis::Metrics metrics(target_, metrics_config());
+  const analysis::Metrics metrics(target(), metrics_config());
   const analysis::TrajectoryView view = view_of(trajectories);
   const auto measured = [&](Metric metric) -> Vector {
     switch (metric) {
@@ -55,7 +55,7 @@ std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajec
 
 Vector Predictor::rmse(const RowMatrix& theta) const {
   const sim::Trajectories trajectories = simulate(plan_.source->parameters().complete(theta));
-  return analysis::Metrics(target_, metrics_config()).rmse(view_of(trajectories));
+  return analysis::Metrics(target(), metrics_config()).rmse(view_of(trajectories));
 }
 
 analysis::MetricsConfig Predictor::metrics_config() const {

@@ -9,6 +9,7 @@
 #include "analysis/quantiles.h"
 #include "analysis/trajectory_view.h"
 #include "inference/feature_transform.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/sources/row_simulator.h"
 #include "sim/simulator.h"
@@ -21,7 +22,8 @@ class Predictor {
   /// `log`: where a command's output goes.
   Predictor(const Plan& plan, Target target, const std::filesystem::path& log);
 
-  const Target& target() const { return target_; }
+  const Target& target() const { return observation_.target(); }
+  const Observation& observation() const { return observation_; }
 
   /// Sets the coordinates, one for each feature, that distances of features are measured in; not
   /// needed for rollouts.
@@ -41,7 +43,7 @@ class Predictor {
   analysis::MetricsConfig metrics_config() const;
 
   const Plan& plan_;
-  Target target_;
+  Observation observation_;
   std::unique_ptr<RowSimulator> simulator_;  // none: nothing can be simulated
   inference::FeatureTransform scale_;
 };

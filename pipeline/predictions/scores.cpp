@@ -9,8 +9,6 @@
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/features/noise.h"
-#include "pipeline/features/simulation_features.h"
 #include "pipeline/predictions/power_weights.h"
 #include "pipeline/predictions/prediction.h"
 #include "sim/noise_likelihood.h"
@@ -92,12 +90,12 @@ void compare(const sim::Trajectories& rows, const std::vector<RowMatrix>& observ
       static_cast<double>(seldom) / static_cast<double>(found.num_samples);
 }
 
-// As predictions of `target`.
-PredictionScores score_part(const Plan& plan, const Target& target,
-                            const sim::Trajectories& all_states, const NoiseOfSamples& noise,
-                            const StreamId& id) {
-  const Index store_every = plan.study.simulator.store_every;
-  const sim::NoiseModel model = noise_model(plan.study, target);
+// As predictions of what is observed.
+PredictionScores score_part(const Observation& observation, const sim::Trajectories& all_states,
+                            const NoiseOfSamples& noise, const StreamId& id) {
+  const Target& target = observation.target();
+  const Index store_every = observation.study().simulator.store_every;
+  const sim::NoiseModel& model = observation.noise();
   sim::Trajectories rows = stored(all_states, target.num_rollouts(), store_every);
   const auto scores_of = [&](const std::vector<RowMatrix>& observed) {
     return analysis::predictive_scores(view_of(rows), observed, model.measure(), kBandLevels);
@@ -113,7 +111,7 @@ PredictionScores score_part(const Plan& plan, const Target& target,
     return scores;
   }
   const auto recorded =
-      by_rollout(stored_observation(plan, target), target.num_rollouts(), target.num_states());
+      by_rollout(observation.states(), target.num_rollouts(), target.num_states());
   scores.log_score = log_score(model, rows, recorded, noise);
   parallel_for(rows.num_rows, [&](Index i) {
     if (!is_ok(rows, i)) return;
@@ -138,20 +136,20 @@ NoiseSource noise_source(const Plan& plan, const Node& posterior) {
           plan.study.method(posterior.uses.front().method).refine.infer_first_states};
 }
 
-NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
-                          const sim::Trajectories& all_states, const NoiseSource& source,
-                          const StreamId& id) {
-  if (plan.study.observation_noise.is_silent()) return {};
+NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& all_states,
+                          const NoiseSource& source, const StreamId& id) {
+  const Study& study = observation.study();
+  if (study.observation_noise.is_silent()) return {};
   return draw_noise_of_stored(
-      plan, target, stored(all_states, target.num_rollouts(), plan.study.simulator.store_every),
-      source, id);
+      observation,
+      stored(all_states, observation.target().num_rollouts(), study.simulator.store_every), source,
+      id);
 }
 
-NoiseOfSamples draw_noise_of_stored(const Plan& plan, const Target& target,
-                                    const sim::Trajectories& rows, const NoiseSource& source,
-                                    const StreamId& id) {
-  if (plan.study.observation_noise.is_silent()) return {};
-  const sim::NoiseModel given = noise_model(plan.study, target);
+NoiseOfSamples draw_noise_of_stored(const Observation& observation, const sim::Trajectories& rows,
+                                    const NoiseSource& source, const StreamId& id) {
+  if (observation.study().observation_noise.is_silent()) return {};
+  const sim::NoiseModel& given = observation.noise();
   const sim::NoiseModel model = source.infers_first_states ? given.with_unknown_scales() : given;
   NoiseOfSamples noise(static_cast<std::size_t>(rows.num_rows));
   if (!model.has_unknown()) {
@@ -159,7 +157,7 @@ NoiseOfSamples draw_noise_of_stored(const Plan& plan, const Target& target,
     std::ranges::fill(noise, model.draw_values(unused));
     return noise;
   }
-  const sim::NoiseLikelihood likelihood(model, stored_observation(plan, target));
+  const sim::NoiseLikelihood likelihood(model, observation.states());
   const std::optional<inference::Resampler> others = other_samples(likelihood, rows, source.power);
   parallel_for(rows.num_rows, [&](Index i) {
     Stream stream(row_of(within(id, "noise_values"), i));
@@ -172,10 +170,10 @@ NoiseOfSamples draw_noise_of_stored(const Plan& plan, const Target& target,
   return noise;
 }
 
-NoiseOfSamples draw_prior_noise(const Plan& plan, const Target& target, Index num_samples,
+NoiseOfSamples draw_prior_noise(const Observation& observation, Index num_samples,
                                 const StreamId& id) {
-  if (plan.study.observation_noise.is_silent()) return {};
-  const sim::NoiseModel model = noise_model(plan.study, target);
+  if (observation.study().observation_noise.is_silent()) return {};
+  const sim::NoiseModel& model = observation.noise();
   NoiseOfSamples noise;
   for (Index i = 0; i < num_samples; ++i) {
     Stream stream(row_of(within(id, "noise_values"), i));
@@ -184,12 +182,12 @@ NoiseOfSamples draw_prior_noise(const Plan& plan, const Target& target, Index nu
   return noise;
 }
 
-RolloutScores score(const Plan& plan, const Judge& judge, const sim::Trajectories& seen,
+RolloutScores score(const Judge& judge, const sim::Trajectories& seen,
                     const sim::Trajectories& held_out, const NoiseOfSamples& noise,
                     const StreamId& id) {
-  RolloutScores scores{score_part(plan, judge.seen().target(), seen, noise, id), {}};
+  RolloutScores scores{score_part(judge.seen().observation(), seen, noise, id), {}};
   if (judge.held_out() == nullptr) return scores;
-  scores.held_out = score_part(plan, judge.held_out()->target(), held_out, noise,
+  scores.held_out = score_part(judge.held_out()->observation(), held_out, noise,
                                within(id, "held_out_simulation"));
   return scores;
 }

@@ -27,26 +27,24 @@ struct NoiseSource {
 /// Of the posterior of a node. Throws InputError.
 NoiseSource noise_source(const Plan& plan, const Node& posterior);
 
-/// `target`: the rollouts that the posterior has seen; `all_states`: the samples' rollouts, every
-/// state, which begin with those. At a power below 1 a value is drawn given the rollouts of another
-/// sample, in proportion to the rest of the likelihood: how far off samples are because they are
-/// many isn't noise. Empty without noise.
-NoiseOfSamples draw_noise(const Plan& plan, const Target& target,
-                          const sim::Trajectories& all_states, const NoiseSource& source,
-                          const StreamId& id);
+/// `observation`: the rollouts that the posterior has seen; `all_states`: the samples' rollouts,
+/// every state, which begin with those. At a power below 1 a value is drawn given the rollouts of
+/// another sample, in proportion to the rest of the likelihood: how far off samples are because
+/// they are many isn't noise. Empty without noise.
+NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& all_states,
+                          const NoiseSource& source, const StreamId& id);
 
 /// The same of `rows`: the stored states of those rollouts.
-NoiseOfSamples draw_noise_of_stored(const Plan& plan, const Target& target,
-                                    const sim::Trajectories& rows, const NoiseSource& source,
-                                    const StreamId& id);
+NoiseOfSamples draw_noise_of_stored(const Observation& observation, const sim::Trajectories& rows,
+                                    const NoiseSource& source, const StreamId& id);
 
 /// The same of `num_samples` draws of the noise's own prior, which no recording informs.
-NoiseOfSamples draw_prior_noise(const Plan& plan, const Target& target, Index num_samples,
+NoiseOfSamples draw_prior_noise(const Observation& observation, Index num_samples,
                                 const StreamId& id);
 
 /// Scores of the samples' rollouts, every state, as predictions of those that `judge` knows: with
 /// noise, of which there may be none, and without. Not for features.
-RolloutScores score(const Plan& plan, const Judge& judge, const sim::Trajectories& seen,
+RolloutScores score(const Judge& judge, const sim::Trajectories& seen,
                     const sim::Trajectories& held_out, const NoiseOfSamples& noise,
                     const StreamId& id);
 

@@ -29,8 +29,8 @@ RolloutScores score_point(const Plan& plan, const Judge& judge, const sim::Traje
   const sim::Trajectories many = repeat(seen, count);
   const sim::Trajectories many_held_out =
       judge.held_out() == nullptr ? held_out : repeat(held_out, count);
-  const NoiseOfSamples noise = draw_noise(plan, judge.seen().target(), many, {}, id);
-  return score(plan, judge, many, many_held_out, noise, id);
+  const NoiseOfSamples noise = draw_noise(judge.seen().observation(), many, {}, id);
+  return score(judge, many, many_held_out, noise, id);
 }
 
 // `number`: that of the point, which names the random numbers of a simulator that draws some.
@@ -61,8 +61,8 @@ PriorPredictions predict_by_prior(const Plan& plan, const Judge& judge) {
   const sim::Trajectories held_out = judge.simulate_held_out(complete, id);
   PriorPredictions predictions{judge.measure(seen, held_out)};
   if (!plan.study.source().gives_motion) return predictions;
-  const NoiseOfSamples noise = draw_prior_noise(plan, judge.seen().target(), count, id);
-  predictions.scores = score(plan, judge, seen, held_out, noise, id);
+  const NoiseOfSamples noise = draw_prior_noise(judge.seen().observation(), count, id);
+  predictions.scores = score(judge, seen, held_out, noise, id);
   return predictions;
 }
 

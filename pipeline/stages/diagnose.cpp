@@ -14,7 +14,6 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/check.h"
 #include "pipeline/features/failures.h"
-#include "pipeline/features/noise.h"
 #include "pipeline/features/series_summary.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
@@ -45,7 +44,7 @@ struct Case {
   const Plan& plan;
   const Node& node;
   const MethodConfig& method;
-  Target target;
+  Observation observation;
   DiagnoseConfig config;
   std::unique_ptr<inference::Embedding> embedding;
   VectorF x_o;
@@ -65,14 +64,14 @@ Case make_case(const Plan& plan, const Node& node) {
   Case c{.plan = plan,
          .node = node,
          .method = method,
-         .target = read_seen_target(plan, node),
+         .observation = {plan.study, read_seen_target(plan, node)},
          .config = plan.study.diagnose_of(method).of_diagnosis(),
          .embedding = nullptr,
          .x_o = {},
          .calibration = {}};
-  c.embedding =
-      inference::make_embedding(method.embedding, c.target, plan.study.simulator.store_every);
-  c.x_o = observation(plan, c.target, *c.embedding);
+  c.embedding = inference::make_embedding(method.embedding, c.observation.target(),
+                                          plan.study.simulator.store_every);
+  c.x_o = c.observation.x_o(*c.embedding);
   return c;
 }
 
@@ -94,7 +93,7 @@ RowMatrixF all_features(const SimulationFeatures& source) {
 
 Calibration calibrate(const Case& c, ArtefactWriter& writer) {
   const SimulationFeatures features(c.plan, std::vector{&c.plan.input(c.node, "calibration")},
-                                    c.target, *c.embedding);
+                                    c.observation, *c.embedding);
   require_rows(c, features.num_rows(), features.num_failed());
   Calibration made{read_network_posterior(c.first_posterior()),
                    features.num_failed(),
@@ -155,7 +154,7 @@ struct Predictions {
 sim::Trajectories simulate(const Case& c, const RowMatrix& theta) {
   constexpr Index block = 256;
   const auto simulator =
-      c.plan.source->open({c.plan.study.simulator, c.target, log_of(c.node.path)});
+      c.plan.source->open({c.plan.study.simulator, c.observation.target(), log_of(c.node.path)});
   sim::Trajectories rows;
   for (Index begin = 0; begin < theta.rows(); begin += block) {
     stop_here_if_requested();
@@ -171,12 +170,12 @@ sim::Trajectories simulate(const Case& c, const RowMatrix& theta) {
 Predictions predict(const Case& c, const RowMatrix& theta) {
   const sim::Trajectories rows = simulate(c, theta);
   const inference::SeriesSelection& selection = c.embedding->selection();
-  const sim::NoiseModel noise = noise_model(c.plan.study, c.target),
-                        picked_noise = noise_model(c.plan.study, c.target, selection);
+  const sim::NoiseModel& noise = c.observation.noise();
+  const sim::NoiseModel picked_noise = c.observation.noise_of(selection);
   // Its prior would let anything pass.
   NoiseOfSamples unknown;
   if (noise.has_unknown()) {
-    unknown = draw_noise_of_stored(c.plan, c.target, rows, noise_source(c.plan, c.last_posterior()),
+    unknown = draw_noise_of_stored(c.observation, rows, noise_source(c.plan, c.last_posterior()),
                                    c.stream("diagnose_predictive_noise"));
   }
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
@@ -222,8 +221,8 @@ PredictiveResult check_predictions(const Case& c) {
   const Predictions predictions = predict(c, theta);
   const inference::SeriesSelection& selection = c.embedding->selection();
   PredictiveResult result;
-  result.names = summary_names(selection, c.target.state_channels);
-  result.observed = summarize(picked_observation(c.plan, c.target, *c.embedding), selection);
+  result.names = summary_names(selection, c.observation.target().state_channels);
+  result.observed = summarize(c.observation.picked(selection), selection);
   result.num_failed = predictions.num_failed;
   if (predictions.features.rows() < inference::kFewestSimulations) {
     return without_predictions(std::move(result));
@@ -240,7 +239,7 @@ PredictiveResult check_predictions(const Case& c) {
 // Among what the network of the last round was trained on; none where that is too little to tell.
 std::optional<inference::OutOfDistribution> check_observation(const Case& c) {
   constexpr Index most_rows = 4000;
-  const SimulationFeatures features(c.plan, c.plan.inputs(c.node, "simulation"), c.target,
+  const SimulationFeatures features(c.plan, c.plan.inputs(c.node, "simulation"), c.observation,
                                     *c.embedding);
   const auto usual =
       usual_features_of(features, c.plan.study.tails(), most_rows, c.stream("usual_features"));

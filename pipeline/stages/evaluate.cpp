@@ -2,7 +2,6 @@
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/features/noise.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/inferred_noise.h"
 #include "pipeline/predictions/judge.h"
@@ -31,11 +30,12 @@ void predict(const Plan& plan, const Node& node, const Judge& judge, const Strea
   }
   // Not what the posterior has seen in all iterations: evaluations are by the first target.
   const std::string& method = node.uses.front().method;
-  const Target target = read_target(plan, node, plan.study.method(method).num_rollouts);
+  const Observation observation(plan.study,
+                                read_target(plan, node, plan.study.method(method).num_rollouts));
   const NoiseSource source = noise_source(plan, plan.input(node, "posterior"));
-  const NoiseOfSamples noise = draw_noise(plan, target, seen, source, first);
-  evaluation.noise = inferred_noise(noise_model(plan.study, target), noise, seen);
-  evaluation.scores = score(plan, judge, seen, held_out, noise, first);
+  const NoiseOfSamples noise = draw_noise(observation, seen, source, first);
+  evaluation.noise = inferred_noise(observation.noise(), noise, seen);
+  evaluation.scores = score(judge, seen, held_out, noise, first);
 }
 
 }  // namespace

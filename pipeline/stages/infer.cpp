@@ -85,10 +85,10 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const auto start = Clock::now();
   const Use& use = node.uses.front();
   const MethodConfig& method = plan.study.method(use.method);
-  const Target target = read_seen_target(plan, node);
-  const auto embedding =
-      inference::make_embedding(method.embedding, target, plan.study.simulator.store_every);
-  const SimulationFeatures features(plan, node, target, *embedding);
+  const Observation observation(plan.study, read_seen_target(plan, node));
+  const auto embedding = inference::make_embedding(method.embedding, observation.target(),
+                                                   plan.study.simulator.store_every);
+  const SimulationFeatures features(plan, node, observation, *embedding);
   const inference::Prior prior(plan.study.prior);
   const inference::SeriesSelection& series = embedding->selection();
   auto config =
@@ -101,7 +101,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   data.theta = features.theta();
   data.round = features.rounds();
   data.num_simulated = features.num_simulated();
-  data.x_o = observation(plan, target, *embedding);
+  data.x_o = observation.x_o(*embedding);
   for (const Node* posterior : plan.inputs(node, "posterior")) {
     data.posteriors.push_back(read_network_posterior(*posterior));
   }
@@ -121,7 +121,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   // Fewer than a diagnosis compares with, as each posterior holds them.
   constexpr Index most_usual = 1000;
   const StreamId picks{use.seed, "usual_features", use.stream_round(), 0, 0};
-  write_posterior(writer.file(), method, *posterior, target, checkpoint.trainings,
+  write_posterior(writer.file(), method, *posterior, observation.target(), checkpoint.trainings,
                   {features.num_rows(), features.num_failed()},
                   usual_features_of(features, config.tails, most_usual, picks));
 }

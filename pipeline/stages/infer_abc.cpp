@@ -32,19 +32,20 @@ std::optional<Previous> read_previous(const Plan& plan, const Node& node) {
 }
 
 // Distances of features. `transform`: that of round 1, fitted here when it is empty.
-Vector euclidean_distances(const Plan& plan, const Node& node, const Target& target, Index num_rows,
+Vector euclidean_distances(const Plan& plan, const Node& node, Target target, Index num_rows,
                            std::optional<inference::FeatureTransform>& transform) {
   const MethodConfig& method = plan.study.method(node.uses.front().method);
-  const auto embedding =
-      inference::make_embedding(method.embedding, target, plan.study.simulator.store_every);
-  const SimulationFeatures features(plan, node, target, *embedding);
+  const Observation observation(plan.study, std::move(target));
+  const auto embedding = inference::make_embedding(method.embedding, observation.target(),
+                                                   plan.study.simulator.store_every);
+  const SimulationFeatures features(plan, node, observation, *embedding);
   Vector distances = Vector::Constant(num_rows, kInfinity);
   if (features.num_rows() == 0) return distances;
   if (!transform) {
     transform = inference::fit_feature_transform(features, method.embedding.principal_components);
   }
   distances(features.rows()) =
-      inference::feature_distances(features, *transform, observation(plan, target, *embedding));
+      inference::feature_distances(features, *transform, observation.x_o(*embedding));
   return distances;
 }
 

@@ -10,8 +10,6 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "inference/prior.h"
-#include "pipeline/features/noise.h"
-#include "pipeline/features/simulation_features.h"
 #include "sim/first_states.h"
 
 namespace npdr::pipeline {
@@ -43,12 +41,12 @@ const RefineConfig& config_of(const Plan& plan, const Node& node) {
   return plan.study.method(node.uses.front().method).refine;
 }
 
-sim::NoiseLikelihood likelihood_of(const Plan& plan, const Node& node, const Target& target,
-                                   const std::vector<float>& recorded) {
-  sim::NoiseModel model = noise_model(plan.study, target);
+sim::NoiseLikelihood likelihood_of(const Plan& plan, const Node& node,
+                                   const Observation& observation) {
+  const sim::NoiseModel& model = observation.noise();
   std::optional<sim::FirstStates> first_states;
   if (config_of(plan, node).infer_first_states) first_states = sim::recorded_first_states(model);
-  return {std::move(model), recorded, std::move(first_states)};
+  return {model, observation.states(), std::move(first_states)};
 }
 
 }  // namespace
@@ -58,9 +56,8 @@ SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
     : plan_(plan),
       log_(log),
       most_rows_(config_of(plan, node).sampling.level_size),
-      target_(read_seen_target(plan, node)),
-      recorded_(stored_observation(plan, target_)),
-      noise_(likelihood_of(plan, node, target_, recorded_)),
+      observation_(plan.study, read_seen_target(plan, node)),
+      noise_(likelihood_of(plan, node, observation_)),
       id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {
   noise_.require_density();
   simulator_ = open(noise_, most_rows_, log_);
@@ -69,9 +66,9 @@ SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
 std::unique_ptr<RowSimulator> SimulatedLikelihood::open(const sim::NoiseLikelihood& noise,
                                                         Index num_rows,
                                                         const std::filesystem::path& log) const {
-  Target simulated = target_;
+  Target simulated = observation_.target();
   if (noise.infers_first_states()) {
-    simulated = sim::begun_at(noise.first_states(), noise.model(), target_,
+    simulated = sim::begun_at(noise.first_states(), noise.model(), observation_.target(),
                               plan_.study.simulator.segment_length);
   }
   return plan_.source->open(
@@ -124,7 +121,8 @@ LikeliestFirstStates SimulatedLikelihood::likeliest_first_states(const Vector& t
 }
 
 Index SimulatedLikelihood::num_values() const {
-  return (infers_first_states() ? 1 + target_.num_states() : 1) * std::ssize(recorded_);
+  return (infers_first_states() ? 1 + observation_.target().num_states() : 1) *
+         std::ssize(observation_.states());
 }
 
 std::optional<sim::Trajectories> SimulatedLikelihood::simulate_one(RowSimulator& simulator,
@@ -185,14 +183,15 @@ Index SimulatedLikelihood::num_equal_pairs(const sim::Trajectories& twice) const
         "draws random numbers or keeps something from one row to the next; a refinement needs "
         "motion that follows from theta alone: say noise of sensors in [observation_noise], not in "
         "the simulator, or choose another algorithm, such as 'npe_nle'",
-        target_.state_channels[static_cast<std::size_t>(channel)].label));
+        observation_.target().state_channels[static_cast<std::size_t>(channel)].label));
   }
   return count;
 }
 
 LeftOutScore SimulatedLikelihood::left_out(const sim::Trajectories& rows, const Vector& weights,
                                            double power) const {
-  return left_out_score(noise_, recorded_, rows, weights, power, within(id_, "left_out"));
+  return left_out_score(noise_, observation_.states(), rows, weights, power,
+                        within(id_, "left_out"));
 }
 
 sim::Trajectories SimulatedLikelihood::simulate(const RowMatrix& theta, Index first) const {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "pipeline/features/observation.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/left_out.h"
 #include "sim/noise_likelihood.h"
@@ -28,7 +29,7 @@ class SimulatedLikelihood {
   /// density, and what opening the study's source throws.
   SimulatedLikelihood(const Plan& plan, const Node& node, const std::filesystem::path& log);
 
-  Index num_rollouts() const { return target_.num_rollouts(); }
+  Index num_rollouts() const { return observation_.target().num_rollouts(); }
   /// Numbers of a row's rollouts, H K C, or H (1 + C) K C where first states are inferred.
   Index num_values() const;
   /// Rows that are worth simulating at once, of `num_rows`.
@@ -77,8 +78,7 @@ class SimulatedLikelihood {
   const Plan& plan_;
   std::filesystem::path log_;
   Index most_rows_;  // at once
-  Target target_;
-  std::vector<float> recorded_;
+  Observation observation_;
   sim::NoiseLikelihood noise_;
   std::unique_ptr<RowSimulator> simulator_;
   StreamId id_;

@@ -1,6 +1,6 @@
 /// Studies with a command or a dataset in place of a built-in simulator: problems and keys.
 #include "pipeline/artefacts/dataset_file.h"
-#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/plan/plan.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
@@ -166,7 +166,7 @@ TEST_F(ExternalStudies, TakeTheObservationAsItIs) {
   const Plan plan = plan_of({"observation_noise.scale=0.5"});
   const auto embedding =
       inference::make_embedding(plan.study.methods.front().embedding, plan.target, 1);
-  EXPECT_EQ(observation(plan, plan.target, *embedding), (VectorF(2) << 1, 2).finished());
+  EXPECT_EQ(Observation(plan.study, plan.target).x_o(*embedding), (VectorF(2) << 1, 2).finished());
 }
 
 TEST_F(ExternalStudies, KnowTheFeaturesThatAnEmbeddingMayPick) {

@@ -10,8 +10,7 @@
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/features/noise.h"
-#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/findings/data.h"
 #include "pipeline/predictions/power_weights.h"
@@ -89,9 +88,10 @@ class GridLikelihood {
  public:
   GridLikelihood(const Plan& plan, const Node& node)
       : plan_(plan),
-        target_(read_target(plan, node)),
-        likelihood_(noise_model(plan.study, target_), stored_observation(plan, target_)),
-        simulator_(plan.source->open({.simulator = plan.study.simulator, .target = target_})) {}
+        observation_(plan.study, read_target(plan, node)),
+        likelihood_(observation_.noise(), observation_.states()),
+        simulator_(plan.source->open(
+            {.simulator = plan.study.simulator, .target = observation_.target()})) {}
 
   Grid on(const Box& box) const {
     constexpr Index side = 150;
@@ -113,7 +113,7 @@ class GridLikelihood {
 
  private:
   const Plan& plan_;
-  Target target_;
+  Observation observation_;
   sim::NoiseLikelihood likelihood_;
   std::unique_ptr<RowSimulator> simulator_;
 };
@@ -223,7 +223,7 @@ double error_at_truth(const Plan& plan, Index channel) {
   const Target& target = judge.seen().target();
   const Vector truth = plan.source->parameters().nominal(*plan.study.target.truth);
   const sim::Trajectories exact = judge.seen().simulate(truth.transpose(), {});
-  const std::vector<float> recorded = stored_observation(plan, target);
+  const std::vector<float> recorded = judge.seen().observation().states();
   const RowMatrix amplitude = sim::reference_amplitude(target);
   const Index every = plan.study.simulator.store_every, steps = target.num_steps() / every;
   double sum = 0.0;
@@ -277,13 +277,13 @@ TEST_F(RefineStage, WhatSamplesOfALowPowerAreOffByIsntNoise) {
   const auto scale_of = [&](const RowMatrix& complete, double power) {
     const sim::Trajectories seen = judge.seen().simulate(complete, {});
     return mean_scale(
-        draw_noise(plan, judge.seen().target(), seen, {.power = power}, {1, "test", 0, 0, 0}));
+        draw_noise(judge.seen().observation(), seen, {.power = power}, {1, "test", 0, 0, 0}));
   };
   const ParameterMap& parameters = plan.source->parameters();
   sim::Trajectories failed = judge.seen().simulate(parameters.complete(RowMatrix::Ones(2, 2)), {});
   failed.status[1] = sim::RolloutStatus::diverged;
   for (const auto& channels :
-       draw_noise(plan, judge.seen().target(), failed, {}, {1, "test", 0, 0, 0})) {
+       draw_noise(judge.seen().observation(), failed, {}, {1, "test", 0, 0, 0})) {
     EXPECT_EQ(channels.size(), 2u) << "also of a sample that failed: other rollouts may not have";
   }
   const Vector truth = parameters.nominal(*plan.study.target.truth);

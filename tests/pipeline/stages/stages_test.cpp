@@ -1,7 +1,7 @@
 #include "pipeline/stages/stages.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/proposal_file.h"
-#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/run/run_stage.h"
@@ -112,7 +112,7 @@ TEST_F(SmallStages, PredictionsOfFoldsAndBaselinesAreScored) {
 RowMatrix noise_of(const Plan& plan, const Target& target) {
   const Index store_every = plan.study.simulator.store_every;
   const std::vector<float> exact = inference::observed_series(target, store_every),
-                           observed = stored_observation(plan, target);
+                           observed = Observation(plan.study, target).states();
   const Index size = std::ssize(exact) / target.num_rollouts();
   const RowMatrixF noise = RowMatrixF::Map(observed.data(), target.num_rollouts(), size) -
                            RowMatrixF::Map(exact.data(), target.num_rollouts(), size);
