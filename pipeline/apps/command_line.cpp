@@ -22,7 +22,6 @@
 #include "core/text.h"
 #include "pipeline/apps/help_format.h"
 #include "pipeline/artefacts/feature_file.h"
-#include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_warnings.h"
 #include "pipeline/import/recording_warnings.h"
@@ -68,9 +67,10 @@ void require_folder(const std::string& work) {
 }
 
 // A device that was driven is simulated without.
-Findings find_unused_actions(const Study& study, const sim::SimulatorInfo& info) {
+Findings find_unused_actions(const Plan& plan) {
+  const sim::SimulatorInfo& info = plan.source->info();
   std::vector<std::string> unused;
-  for (const Channel& action : read_recording(*study.target.recording).action_channels) {
+  for (const Channel& action : plan.recorded_actions) {
     const auto is_it = [&](const Channel& known) { return known.label == action.label; };
     if (std::ranges::any_of(info.action_channels, is_it)) continue;
     if (!std::ranges::any_of(info.state_channels, is_it)) unused.push_back(action.label);
@@ -238,7 +238,7 @@ void print_warnings(const std::string& program, const Plan& plan) {
         study.places.of("target.observation").str());
   }
   append(found, warnings_of(study, info));
-  if (replays) add(found, find_unused_actions(study, info), recording);
+  add(found, find_unused_actions(plan), recording);
   append(found, find_replaced_report(plan));
   report_findings(program, found);
 }

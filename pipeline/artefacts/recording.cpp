@@ -134,7 +134,7 @@ void add_matrix(Hasher& hasher, const RowMatrix& values) {
 
 }  // namespace
 
-Target read_rollouts(const h5::File& file, const std::optional<Channels>& expected) {
+Recording read_rollouts(const h5::File& file, const std::optional<Channels>& expected) {
   const h5::Dataset states = own_dataset(file, "states");
   const h5::Dataset actions = own_dataset(file, "actions");
   states.require_shape({-1, -1, -1});
@@ -169,10 +169,15 @@ Target read_rollouts(const h5::File& file, const std::optional<Channels>& expect
   }
   require_short_texts(file.where(), target);
   target.check(file.where());
-  return target;
+  return {std::move(target), {found_states, found_actions}};
 }
 
 Target read_recording(const std::filesystem::path& path, const std::optional<Channels>& expected) {
+  return read_whole_recording(path, expected).target;
+}
+
+Recording read_whole_recording(const std::filesystem::path& path,
+                               const std::optional<Channels>& expected) {
   return read_from_outside(path,
                            [&](const h5::File& file) { return read_rollouts(file, expected); });
 }

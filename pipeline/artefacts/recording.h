@@ -26,8 +26,17 @@ namespace npdr::pipeline {
 Target read_recording(const std::filesystem::path& path,
                       const std::optional<Channels>& expected = std::nullopt);
 
+/// Rollouts, and all channels that their file has.
+struct Recording {
+  Target target;
+  Channels channels;
+};
+/// The same with these channels.
+Recording read_whole_recording(const std::filesystem::path& path,
+                               const std::optional<Channels>& expected);
+
 /// The same of an open file that is known to be intact, such as an artefact of ours.
-Target read_rollouts(const h5::File& file, const std::optional<Channels>& expected = std::nullopt);
+Recording read_rollouts(const h5::File& file, const std::optional<Channels>& expected = {});
 
 /// Writes `target` as a recording, as a whole or not at all. Throws InputError when the target
 /// can't be valid, Error when writing fails.

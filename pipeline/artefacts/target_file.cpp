@@ -66,7 +66,7 @@ void list_observation(Layout f) { describe(f, RowMatrix(), Target()); }
 Target read_target_artefact(const ArtefactFile& target) {
   const h5::File file = open_artefact(target, kTargetSchema);
   if (!file.has("x")) {
-    Target rollouts = read_rollouts(file);
+    Target rollouts = read_rollouts(file).target;
     read_numbers(file, rollouts);
     return rollouts;
   }

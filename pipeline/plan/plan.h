@@ -70,6 +70,8 @@ struct Plan {
   WorkFolder work;
   /// The recording, held-out rollouts last, or x_o; empty for a simulated truth.
   Target target;
+  /// Those of the recording, whether or not the simulator is given them.
+  std::vector<Channel> recorded_actions;
   std::string command;  ///< that makes all of it, for people
   std::vector<Node> nodes;
 

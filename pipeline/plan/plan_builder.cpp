@@ -43,7 +43,7 @@ bool is_among(const std::vector<T>& selected, const T& value) {
 }  // namespace
 
 PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& selection)
-    : plan_{std::move(study), nullptr, work, {}, {}, {}}, selection_(selection) {
+    : plan_{std::move(study), nullptr, work, {}, {}, {}, {}}, selection_(selection) {
   check_selection(selection);
   check_size();
   if (auto x_o = resolve_source(plan_.study)) plan_.target = std::move(*x_o);

@@ -30,7 +30,10 @@ std::size_t PlanBuilder::add_target() {
   const Study& study = plan_.study;
   Json json = key_document(kTargetSchema);
   if (study.target.recording) {
-    plan_.target = read_recording(*study.target.recording, channels_of(plan_.source->info()));
+    Recording recording =
+        read_whole_recording(*study.target.recording, channels_of(plan_.source->info()));
+    plan_.target = std::move(recording.target);
+    plan_.recorded_actions = std::move(recording.channels.actions);
     check_recording(study, plan_.target);
     if (!study.target.rollouts.empty()) plan_.target = plan_.target.pick(positions(study.target));
     if (study.target.num_rollouts > 0) {
