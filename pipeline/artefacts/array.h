@@ -50,15 +50,6 @@ template <class V>
 using ElementOf = typename decltype(pack(std::declval<V>()))::Element;
 
 template <class T>
-constexpr h5::ElementType element_type() {
-  if constexpr (std::is_same_v<T, std::string>) {
-    return h5::ElementType::text;
-  } else {
-    return h5::element_type<T>();
-  }
-}
-
-template <class T>
 void write(h5::Dataset& dataset, const Array<T>& array) {
   if constexpr (std::is_same_v<T, std::string>) {
     dataset.write_texts(array.values);

@@ -70,8 +70,8 @@ class Layout {
     if (out_ != nullptr) {
       const Array<T> array = pack(value);
       if (options.unless_empty && array.values.empty()) return missing();
-      dataset.create(name, element_type<T>(), options.shape.empty() ? array.shape : options.shape,
-                     dims, options.storage);
+      dataset.create(name, h5::element_type<T>(),
+                     options.shape.empty() ? array.shape : options.shape, dims, options.storage);
       write(*dataset.dataset_, array);
     } else if (in_ != nullptr) {
       if (options.unless_empty && !in_->has(name)) return missing();
@@ -105,7 +105,7 @@ class Layout {
                     const std::vector<h5::VirtualSource>& sources = {}) {
     Layout dataset = member(name);
     dataset.list(element_name<T>(), dims, meaning);
-    if (out_ != nullptr) dataset.create(name, element_type<T>(), shape, dims, storage, sources);
+    if (out_ != nullptr) dataset.create(name, h5::element_type<T>(), shape, dims, storage, sources);
     return dataset;
   }
 

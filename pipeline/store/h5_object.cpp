@@ -26,34 +26,22 @@ struct Attribute {
     shape = shape_of(space.id(), where);
   }
 
-  void require(ElementType wanted) const {
-    if (can_be_read_as(type.id(), wanted)) return;
-    throw InputError(fmt::format("{} holds {}, must hold {}", where, h5::describe(type.id()),
-                                 h5::describe(wanted)));
-  }
-
   template <class T>
-  std::vector<T> numbers() const {
-    require(element_type<T>());
-    std::vector<T> values(static_cast<std::size_t>(size_of(shape)));
-    const Handle memory = memory_type(element_type<T>());
-    if (!values.empty() && H5Aread(handle.id(), memory.id(), values.data()) < 0) {
-      fail_reading(where, "be read");
+  std::vector<T> values() const {
+    constexpr ElementType wanted = element_type<T>();
+    if (!can_be_read_as(type.id(), wanted)) {
+      throw InputError(fmt::format("{} holds {}, must hold {}", where, h5::describe(type.id()),
+                                   h5::describe(wanted)));
     }
-    return values;
-  }
-
-  std::vector<std::string> texts() const {
-    require(ElementType::text);
     if (size_of(shape) == 0) return {};
-    return read_texts(type.id(), space.id(), size_of(shape), where,
-                      [&](hid_t memory, void* data) { return H5Aread(handle.id(), memory, data); });
-  }
-
-  template <class T>
-  T only(const std::vector<T>& values) const {
-    if (values.size() == 1) return values.front();
-    throw InputError(fmt::format("{} holds {} values, must hold one", where, values.size()));
+    const auto read = [&](hid_t memory, void* data) { return H5Aread(handle.id(), memory, data); };
+    if constexpr (wanted == ElementType::text) {
+      return read_texts(type.id(), space.id(), size_of(shape), where, read);
+    } else {
+      std::vector<T> numbers(static_cast<std::size_t>(size_of(shape)));
+      if (read(memory_type(wanted).id(), numbers.data()) < 0) fail_reading(where, "be read");
+      return numbers;
+    }
   }
 };
 
@@ -148,37 +136,44 @@ ElementType Object::attribute_type(const std::string& name) const {
   return our_type(stored.type.id(), stored.where);
 }
 
-template <>
-std::vector<double> Object::attribute(const std::string& name) const {
-  return Attribute(*this, name).numbers<double>();
+namespace {
+
+template <class T>
+void take(std::vector<T> values, const std::string& where, T& value) {
+  if (values.size() != 1) {
+    throw InputError(fmt::format("{} holds {} values, must hold one", where, values.size()));
+  }
+  value = std::move(values.front());
+}
+template <class T>
+void take(std::vector<T> found, const std::string&, std::vector<T>& values) {
+  values = std::move(found);
 }
 
-template <>
-std::vector<Index> Object::attribute(const std::string& name) const {
-  return Attribute(*this, name).numbers<Index>();
-}
+template <class T>
+struct ElementOf {
+  using Type = T;
+};
+template <class T>
+struct ElementOf<std::vector<T>> {
+  using Type = T;
+};
 
-template <>
-std::vector<std::string> Object::attribute(const std::string& name) const {
-  return Attribute(*this, name).texts();
-}
+}  // namespace
 
-template <>
-double Object::attribute(const std::string& name) const {
+template <class T>
+T Object::attribute(const std::string& name) const {
   const Attribute stored(*this, name);
-  return stored.only(stored.numbers<double>());
+  T value;
+  take(stored.values<typename ElementOf<T>::Type>(), stored.where, value);
+  return value;
 }
 
-template <>
-Index Object::attribute(const std::string& name) const {
-  const Attribute stored(*this, name);
-  return stored.only(stored.numbers<Index>());
-}
-
-template <>
-std::string Object::attribute(const std::string& name) const {
-  const Attribute stored(*this, name);
-  return stored.only(stored.texts());
-}
+template double Object::attribute(const std::string&) const;
+template Index Object::attribute(const std::string&) const;
+template std::string Object::attribute(const std::string&) const;
+template std::vector<double> Object::attribute(const std::string&) const;
+template std::vector<Index> Object::attribute(const std::string&) const;
+template std::vector<std::string> Object::attribute(const std::string&) const;
 
 }  // namespace npdr::pipeline::h5

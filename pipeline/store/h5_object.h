@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -20,22 +21,12 @@ std::string to_string(const Shape& shape);
 enum class ElementType { f32, f64, u8, i64, text };
 
 template <class T>
-constexpr ElementType element_type();
-template <>
-constexpr ElementType element_type<float>() {
-  return ElementType::f32;
-}
-template <>
-constexpr ElementType element_type<double>() {
-  return ElementType::f64;
-}
-template <>
-constexpr ElementType element_type<std::uint8_t>() {
-  return ElementType::u8;
-}
-template <>
-constexpr ElementType element_type<std::int64_t>() {
-  return ElementType::i64;
+constexpr ElementType element_type() {
+  if constexpr (std::is_same_v<T, float>) return ElementType::f32;
+  if constexpr (std::is_same_v<T, double>) return ElementType::f64;
+  if constexpr (std::is_same_v<T, std::uint8_t>) return ElementType::u8;
+  if constexpr (std::is_same_v<T, std::int64_t>) return ElementType::i64;
+  if constexpr (std::is_same_v<T, std::string>) return ElementType::text;
 }
 
 /// Owns an identifier of the HDF5 library.
@@ -99,18 +90,5 @@ class Object {
   Handle handle_;
   std::string where_;
 };
-
-template <>
-double Object::attribute(const std::string& name) const;
-template <>
-Index Object::attribute(const std::string& name) const;
-template <>
-std::string Object::attribute(const std::string& name) const;
-template <>
-std::vector<double> Object::attribute(const std::string& name) const;
-template <>
-std::vector<Index> Object::attribute(const std::string& name) const;
-template <>
-std::vector<std::string> Object::attribute(const std::string& name) const;
 
 }  // namespace npdr::pipeline::h5

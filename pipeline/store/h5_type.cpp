@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cstring>
 
 #include "pipeline/store/h5_detail.h"
@@ -44,38 +45,21 @@ std::vector<std::string> read_fixed_texts(hid_t stored, Index count, const std::
   return texts;
 }
 
+// A copy of that of f32, f64, u8 or i64, in this order, or the type of texts.
+Handle type_among(const std::array<hid_t, 4>& numbers, ElementType type) {
+  if (type == ElementType::text) return text_type(H5T_VARIABLE, H5T_CSET_UTF8);
+  return Handle(H5Tcopy(numbers.at(static_cast<std::size_t>(type))));
+}
+
 }  // namespace
 
 Handle memory_type(ElementType type) {
-  switch (type) {
-    case ElementType::f32:
-      return Handle(H5Tcopy(H5T_NATIVE_FLOAT));
-    case ElementType::f64:
-      return Handle(H5Tcopy(H5T_NATIVE_DOUBLE));
-    case ElementType::u8:
-      return Handle(H5Tcopy(H5T_NATIVE_UINT8));
-    case ElementType::i64:
-      return Handle(H5Tcopy(H5T_NATIVE_INT64));
-    case ElementType::text:
-      return text_type(H5T_VARIABLE, H5T_CSET_UTF8);
-  }
-  return {};
+  return type_among({H5T_NATIVE_FLOAT, H5T_NATIVE_DOUBLE, H5T_NATIVE_UINT8, H5T_NATIVE_INT64},
+                    type);
 }
 
 Handle file_type(ElementType type) {
-  switch (type) {
-    case ElementType::f32:
-      return Handle(H5Tcopy(H5T_IEEE_F32LE));
-    case ElementType::f64:
-      return Handle(H5Tcopy(H5T_IEEE_F64LE));
-    case ElementType::u8:
-      return Handle(H5Tcopy(H5T_STD_U8LE));
-    case ElementType::i64:
-      return Handle(H5Tcopy(H5T_STD_I64LE));
-    case ElementType::text:
-      return text_type(H5T_VARIABLE, H5T_CSET_UTF8);
-  }
-  return {};
+  return type_among({H5T_IEEE_F32LE, H5T_IEEE_F64LE, H5T_STD_U8LE, H5T_STD_I64LE}, type);
 }
 
 std::string describe(hid_t stored) {
